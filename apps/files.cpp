@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/files.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "core/error.hpp"
+
+namespace emberfold::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+[[noreturn]] void fail(const char* action, const fs::path& path, const std::string& reason) {
+  throw core::IoError(std::string("cannot ") + action + " " + path.string() + ": " + reason);
+}
+}  // namespace
+
+AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), part_(path_.string() + ".part") {
+  errno = 0;
+  stream_.open(part_, std::ios::binary | std::ios::trunc);
+  if (!stream_) fail("write", path_, std::strerror(errno));
+}
+
+AtomicFile::~AtomicFile() {
+  if (committed_) return;
+  stream_.close();
+  std::error_code ignored;
+  fs::remove(part_, ignored);
+}
+
+void AtomicFile::commit() {
+  errno = 0;
+  stream_.close();
+  if (!stream_) fail("write", path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
+  std::error_code error;
+  fs::rename(part_, path_, error);
+  if (error) fail("write", path_, error.message());
+  committed_ = true;
+}
+
+void make_folder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) fail("make the folder", path, error.message());
+  if (!fs::is_directory(path)) fail("make the folder", path, "a file has this name");
+}
+
+std::ifstream open_file(const fs::path& path) {
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in || fs::is_directory(path))
+    fail("read", path, fs::is_directory(path) ? "it is a folder" : std::strerror(errno));
+  return in;
+}
+
+}  // namespace emberfold::apps

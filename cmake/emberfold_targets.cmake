@@ -1,0 +1,23 @@
+# How every library of the project is made: emberfold_library(NAME SOURCES … HEADERS … LINKS …).
+
+set(EMBERFOLD_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wold-style-cast -Wnon-virtual-dtor
+  -Woverloaded-virtual -Wdouble-promotion -Wformat=2 -Wnull-dereference)
+
+function(emberfold_compile_options target)
+  target_compile_options(${target} PRIVATE ${EMBERFOLD_WARNINGS} -ffp-contract=off
+    $<$<BOOL:${EMBERFOLD_WERROR}>:-Werror> $<$<BOOL:${EMBERFOLD_NATIVE}>:-march=native>)
+endfunction()
+
+function(emberfold_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  add_library(emberfold_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
+  add_library(emberfold::${name} ALIAS emberfold_${name})
+  set_target_properties(emberfold_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  emberfold_compile_options(emberfold_${name})
+  target_compile_features(emberfold_${name} PUBLIC cxx_std_20)
+  target_include_directories(emberfold_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/emberfold>)
+  target_link_libraries(emberfold_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+  install(TARGETS emberfold_${name} EXPORT emberfold-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(FILES ${ARG_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/emberfold/${name})
+endfunction()

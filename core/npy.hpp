@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <iosfwd>
+#include <variant>
+#include <vector>
+
+namespace emberfold::core {
+
+/// An n-dimensional array as NumPy's .npy files hold it. `data` lies in the order that `fortran_order` tells:
+/// last index fastest (false, C) or first index fastest (true, Fortran; a column-major matrix).
+struct NpyArray {
+  using Data = std::variant<std::vector<float>, std::vector<double>, std::vector<std::uint8_t>,
+                            std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::int64_t>>;
+  std::vector<std::size_t> shape;  ///< may be empty: one number
+  bool fortran_order = false;
+  Data data;
+
+  bool operator==(const NpyArray&) const = default;
+};
+
+/// Reads one array: format versions 1 to 3, little- or big-endian f4, f8, u1, u2, i4, i8. The length promised
+/// by the header is held against `size_limit` bytes and against what the stream holds before memory is taken;
+/// a stream that ends early or holds anything else is an IoError. Leaves the stream behind the array.
+NpyArray read_npy(std::istream& in, std::size_t size_limit = std::size_t{1} << 36);
+
+/// Writes version 1.0, little-endian, the data beginning at a multiple of 64 bytes, as NumPy does. Throws
+/// InputError where shape and data disagree, IoError where the stream fails.
+void write_npy(std::ostream& out, const NpyArray& array);
+
+}  // namespace emberfold::core

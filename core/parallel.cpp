@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/parallel.hpp"
+
+#include <algorithm>
+#include <atomic>
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+namespace emberfold::core {
+
+Status parallel_for(std::size_t count, const Context& context, const std::function<void(std::size_t)>& body) {
+  std::atomic<bool> cancelled{false};
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          if (context.cancelled()) {
+            cancelled = true;
+            return;
+          }
+          body(i);
+        }
+      },
+      tbb::simple_partitioner());
+  return cancelled ? Status::cancelled : Status::done;
+}
+
+double deterministic_sum(std::size_t count, std::size_t grain,
+                         const std::function<double(std::size_t)>& term) {
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, count, std::max<std::size_t>(grain, 1)), 0.0,
+      [&](const tbb::blocked_range<std::size_t>& range, double sum) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) sum += term(i);
+        return sum;
+      },
+      [](double a, double b) { return a + b; }, tbb::simple_partitioner());
+}
+
+struct ThreadLimit::Control {
+  explicit Control(std::size_t threads) : control(tbb::global_control::max_allowed_parallelism, threads) {}
+  tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(std::size_t threads) {
+  if (threads > 0) control_ = std::make_unique<Control>(threads);
+}
+
+ThreadLimit::~ThreadLimit() = default;
+
+}  // namespace emberfold::core

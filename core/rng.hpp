@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace emberfold::core {
+
+/// One block of Philox4x32-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
+std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
+                                        std::array<std::uint32_t, 2> key);
+
+/// Names one of the 2^96 independent streams of a seed, by what is computed with it: (sweep, frame, purpose),
+/// say.
+struct Stream {
+  std::uint32_t a = 0, b = 0, c = 0;
+};
+
+/// Random numbers as a value: the numbers depend on (seed, stream) and how many were drawn, on nothing else.
+/// A copy goes on from the same place. A stream holds 2^34 draws of 32 bits.
+class Rng {
+ public:
+  explicit Rng(std::uint64_t seed, Stream stream = {});
+
+  std::uint32_t bits();
+  /// Uniform on [0, 1), a multiple of 2^-53.
+  double uniform();
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  /// Uniform on {0, …, count − 1}, without bias. count ≥ 1.
+  std::uint32_t below(std::uint32_t count);
+  /// Standard normal (Box–Muller).
+  double normal();
+  /// i with probability weights[i] / Σ weights. Weights are ≥ 0 with a positive finite sum, else InputError.
+  std::size_t categorical(std::span<const double> weights);
+
+ private:
+  std::array<std::uint32_t, 2> key_;
+  std::array<std::uint32_t, 4> counter_;
+  std::array<std::uint32_t, 4> block_{};
+  int used_ = 4;
+  double spare_normal_ = 0;
+  bool has_spare_ = false;
+};
+
+}  // namespace emberfold::core

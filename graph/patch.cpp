@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/patch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace emberfold::graph {
+
+namespace {
+constexpr std::array<std::string_view, 12> kNames = {"ridge",        "valley",     "bar",        "step",
+                                                     "double_ridge", "corner",     "terminator", "l_junction",
+                                                     "t_junction",   "y_junction", "crossing",   "blob"};
+}
+
+double dot(Point a, Point b) {
+  return a.x * b.x + a.y * b.y;
+}
+double norm(Point a) {
+  return std::hypot(a.x, a.y);
+}
+double distance(Point a, Point b) {
+  return norm(a - b);
+}
+
+std::string_view name(PatchType type) {
+  return kNames[static_cast<std::size_t>(type)];
+}
+
+std::optional<PatchType> patch_type(std::string_view name) {
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<PatchType>(found - kNames.begin());
+}
+
+bool same_kind(const Patch& a, const Patch& b) {
+  const bool step_a = a.type == PatchType::step, step_b = b.type == PatchType::step;
+  return step_a == step_b && (step_a || (a.contrast > 0) == (b.contrast > 0));
+}
+
+double orientation_difference(double theta_a, double theta_b) {
+  const double d = std::fmod(std::abs(theta_a - theta_b), std::numbers::pi);
+  return std::min(d, std::numbers::pi - d);
+}
+
+}  // namespace emberfold::graph

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "graph/attribute_graph.hpp"
+
+namespace emberfold::sketch {
+
+struct ExtractOptions {
+  double finest_scale = 1.2;  ///< px, ≥ 0.7: SD of the finest Gaussian
+  int scales = 5;             ///< ≥ 1, each √2 above the one before
+  double significance = 5;    ///< > 0: a curve begins where the response is so many SD of the noise
+  double hysteresis = 0.4;    ///< 0…1: and goes on down to this share of it
+  double min_contrast = 4;    ///< grey levels, ≥ 0: fainter strokes are left out
+  double min_length = 8;      ///< px, ≥ 0: shorter curves that end freely are left out
+  double spacing = 5;         ///< px, ≥ 2: from patch to patch along a curve
+  bool edges = true;          ///< step edges too, not only ridges and valleys
+
+  void validate() const;
+};
+
+/// SD of the pixel noise in grey levels, from the finest diagonal wavelet (median absolute deviation); at
+/// least the quantisation's 0.29.
+double estimate_noise(const cv::Mat& luma);
+
+/// The primal sketch of one frame. `levels`: CV_32F, 1 or 3 channels, white = 255; structure is found in its
+/// luma. Vertex ids count from 0. Steger 1998 (subpixel lines), Lindeberg 1998 (scale); docs/method.md has
+/// the rest. A frame without structure gives an empty graph.
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options);
+
+}  // namespace emberfold::sketch
