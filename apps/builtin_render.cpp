@@ -52,15 +52,15 @@ void draw_line(cv::Mat& field, const std::vector<Dab>& dabs) {
     if (dabs[i - 1].contrast > 0 || dabs[i].contrast > 0) draw_segment(field, dabs[i - 1], dabs[i]);
 }
 
-/// Contrast along a line of length 1, as a share.
+/// Contrast along a line of length 1, as a share. A flame is brightest just above its foot.
 double taper(BuiltinScene scene, double s) {
-  return scene == BuiltinScene::fire ? 1 - 0.4 * s
-                                     : 0.6 + 0.4 * std::sqrt(std::sin(pi * std::clamp(s, 0.0, 1.0)));
+  if (scene == BuiltinScene::fire) return std::min(0.62 + 2.4 * s, 1.06 - 0.46 * s);
+  return 0.6 + 0.4 * std::sqrt(std::sin(pi * std::clamp(s, 0.0, 1.0)));
 }
 
 /// Width along it, as a share.
 double slimness(BuiltinScene scene, double s) {
-  return scene == BuiltinScene::fire ? 1.3 - 0.6 * s : 0.75 + 0.25 * std::sin(pi * s);
+  return scene == BuiltinScene::fire ? std::min(0.95 + 2 * s, 1.4 - 0.7 * s) : 0.75 + 0.25 * std::sin(pi * s);
 }
 
 std::vector<Dab> dabs_of(const Scene& scene, const Body& body, std::size_t curve, int frame) {
