@@ -1,2 +1,192 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/attribute_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <boost/pending/disjoint_sets.hpp>
+
+#include "core/error.hpp"
+
+namespace emberfold::graph {
+
+namespace {
+
+std::string text(VertexId id) {
+  return std::to_string(id.value);
+}
+
+bool finite(const Level& level) {
+  return std::all_of(level.begin(), level.end(), [](float value) { return std::isfinite(value); });
+}
+
+bool finite(const Patch& p) {
+  return std::isfinite(p.position.x) && std::isfinite(p.position.y) && std::isfinite(p.theta) &&
+         std::isfinite(p.width) && std::isfinite(p.blur) && std::isfinite(p.contrast) && finite(p.left) &&
+         finite(p.middle) && finite(p.right);
+}
+
+/// Sorts the vertices, unless they come sorted.
+void order(std::vector<Vertex>& vertices) {
+  const auto by_id = [](const Vertex& a, const Vertex& b) { return a.id < b.id; };
+  if (!std::is_sorted(vertices.begin(), vertices.end(), by_id)) {
+    std::sort(vertices.begin(), vertices.end(), by_id);
+  }
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (i > 0 && vertices[i - 1].id == vertices[i].id) {
+      throw core::InputError("attribute graph: vertex " + text(vertices[i].id) + " is there twice");
+    }
+    if (!finite(vertices[i].patch)) {
+      throw core::InputError("attribute graph: the patch of vertex " + text(vertices[i].id) +
+                             " holds a number that is not finite");
+    }
+  }
+}
+
+/// Sorts the edges and refuses loops and repeats.
+void order(std::vector<Edge>& edges) {
+  for (Edge& edge : edges) {
+    if (edge.a == edge.b) {
+      throw core::InputError("attribute graph: vertex " + text(edge.a) + " has an edge to itself");
+    }
+    if (edge.b < edge.a) std::swap(edge.a, edge.b);
+  }
+  if (!std::is_sorted(edges.begin(), edges.end())) std::sort(edges.begin(), edges.end());
+  const auto twice = std::adjacent_find(edges.begin(), edges.end());
+  if (twice != edges.end()) {
+    throw core::InputError("attribute graph: the edge from vertex " + text(twice->a) + " to vertex " +
+                           text(twice->b) + " is there twice");
+  }
+}
+
+}  // namespace
+
+AttributeGraph::AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> edges)
+    : vertices_(std::move(vertices)), edges_(std::move(edges)) {
+  order(vertices_);
+  order(edges_);
+
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends(edges_.size());
+  first_neighbour_.assign(vertices_.size() + 1, 0);
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const auto [a, b] = edges_[e];
+    const std::size_t i = index_of(a), j = index_of(b);
+    if (i == size() || j == size()) {
+      throw core::InputError("attribute graph: the edge from vertex " + text(a) + " to vertex " + text(b) +
+                             " ends at vertex " + text(i == size() ? a : b) + ", which is not there");
+    }
+    ends[e] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)};
+    ++first_neighbour_[i + 1];
+    ++first_neighbour_[j + 1];
+  }
+  for (std::size_t i = 0; i < size(); ++i) first_neighbour_[i + 1] += first_neighbour_[i];
+
+  // Edges are sorted by (a, b), so the lower neighbours of a vertex, filled first, and the higher ones come
+  // out ascending.
+  neighbours_.resize(2 * edges_.size());
+  std::vector<std::uint32_t> next(first_neighbour_.begin(), first_neighbour_.end() - 1);
+  for (const auto& [i, j] : ends) neighbours_[next[j]++] = i;
+  for (const auto& [i, j] : ends) neighbours_[next[i]++] = j;
+}
+
+std::span<const std::uint32_t> AttributeGraph::neighbours(std::size_t index) const {
+  const std::size_t first = first_neighbour_[index];
+  return std::span(neighbours_).subspan(first, first_neighbour_[index + 1] - first);
+}
+
+std::size_t AttributeGraph::index_of(VertexId id) const {
+  // Ids mostly count up without gaps.
+  if (!vertices_.empty() && id >= vertices_.front().id) {
+    const std::size_t guess = id.value - vertices_.front().id.value;
+    if (guess < size() && vertices_[guess].id == id) return guess;
+  }
+  const auto found =
+      std::lower_bound(vertices_.begin(), vertices_.end(), id,
+                       [](const Vertex& vertex, VertexId wanted) { return vertex.id < wanted; });
+  if (found == vertices_.end() || found->id != id) return size();
+  return static_cast<std::size_t>(found - vertices_.begin());
+}
+
+AttributeGraph AttributeGraph::with_subgraphs(std::span<const SubgraphId> subgraphs) const {
+  if (subgraphs.size() != size()) {
+    throw core::InputError("attribute graph: " + std::to_string(subgraphs.size()) +
+                           " stroke identities for " + std::to_string(size()) + " vertices");
+  }
+  AttributeGraph result = *this;
+  for (std::size_t i = 0; i < size(); ++i) result.vertices_[i].subgraph = subgraphs[i];
+  return result;
+}
+
+Components components(const AttributeGraph& graph) {
+  const std::size_t n = graph.size();
+  std::vector<std::size_t> rank(n), parent(n);
+  boost::disjoint_sets sets(rank.data(), parent.data());
+  for (std::size_t i = 0; i < n; ++i) sets.make_set(i);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (const std::size_t j : graph.neighbours(i)) {
+      if (i < j) sets.union_set(i, j);
+    }
+  }
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  Components result;
+  result.of_vertex.resize(n);
+  std::vector<std::uint32_t> number(n, kNone);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::uint32_t& of_set = number[sets.find_set(i)];
+    if (of_set == kNone) of_set = static_cast<std::uint32_t>(result.count++);
+    result.of_vertex[i] = of_set;
+  }
+  return result;
+}
+
+namespace {
+
+/// Walks from `start` over its neighbour `next` to the next vertex that ends a curve, or back to `start`.
+Curve walk(const AttributeGraph& graph, std::uint32_t start, std::uint32_t next) {
+  Curve curve{start, next};
+  while (curve.back() != start && graph.degree(curve.back()) == 2) {
+    const auto sides = graph.neighbours(curve.back());
+    curve.push_back(sides[0] == curve[curve.size() - 2] ? sides[1] : sides[0]);
+  }
+  return curve;
+}
+
+/// Whether this is the way round in which a curve is listed: lower end first; a ring by its lower neighbour.
+bool listed_way(const Curve& curve) {
+  if (curve.front() != curve.back()) return curve.front() < curve.back();
+  return curve.size() < 2 || curve[1] < curve[curve.size() - 2];
+}
+
+}  // namespace
+
+std::vector<Curve> curves(const AttributeGraph& graph) {
+  std::vector<Curve> result;
+  std::vector<bool> seen(graph.size(), false);
+  const auto take = [&](Curve curve) {
+    for (const std::uint32_t v : curve) seen[v] = true;
+    if (listed_way(curve)) result.push_back(std::move(curve));
+  };
+  for (std::uint32_t v = 0; v < graph.size(); ++v) {
+    if (graph.degree(v) == 0) take({v});
+    if (graph.degree(v) == 2) continue;
+    for (const std::uint32_t next : graph.neighbours(v)) take(walk(graph, v, next));
+  }
+  for (std::uint32_t v = 0; v < graph.size(); ++v) {
+    if (!seen[v]) take(walk(graph, v, graph.neighbours(v)[0]));
+  }
+  std::vector<std::pair<std::uint32_t, std::size_t>> order_of(result.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    order_of[i] = {*std::min_element(result[i].begin(), result[i].end()), i};
+  }
+  std::sort(order_of.begin(), order_of.end(), [&](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : result[a.second] < result[b.second];
+  });
+  std::vector<Curve> sorted;
+  sorted.reserve(result.size());
+  for (const auto& [lowest, i] : order_of) sorted.push_back(std::move(result[i]));
+  return sorted;
+}
+
+}  // namespace emberfold::graph

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "graph/attribute_graph.hpp"
@@ -13,7 +14,8 @@ struct SketchSequence {
   double fps = 25;
   std::vector<AttributeGraph> frames;
 
-  /// Appends a frame, its vertices renumbered in their order to follow on those of the frame before.
+  /// Appends a frame, its vertices renumbered in their order to follow on those of the frame before (from 0
+  /// in a first frame). InputError where the numbers would end.
   void append(const AttributeGraph& graph);
   bool operator==(const SketchSequence&) const = default;
 };
@@ -34,8 +36,11 @@ struct MotionGraph {
   bool operator==(const MotionGraph&) const = default;
 };
 
-/// Throws InputError, naming frame and ids, where links are missing an end, repeat, are unsorted or form no
-/// star forest.
+/// Throws InputError, naming the ids, where links miss an end, repeat, are unsorted or form no star forest.
+void validate_links(const AttributeGraph& before, const AttributeGraph& after, std::span<const Link> links);
+
+/// The same for all frames, naming the frame too; and that there is a list of links for every frame, the
+/// first of them empty, and that ids ascend from frame to frame. O(n log n).
 void validate(const MotionGraph& motion);
 
 /// Gives every vertex its stroke's identity: a component keeps the identity of the one component it is linked

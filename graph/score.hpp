@@ -22,8 +22,8 @@ struct ClassScore {
   [[nodiscard]] double f1() const;
 };
 
-/// Classes in alphabetical order, then "all". Four classes count split and disconnect as `separate`, merge
-/// and connect as `unite`.
+/// The classes that are in the truth or were found, in alphabetical order, then "all". Four classes count
+/// split and disconnect as `separate`, merge and connect as `unite`.
 struct Score {
   std::vector<ClassScore> four, six;
 };
