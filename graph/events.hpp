@@ -26,14 +26,17 @@ struct Event {
   bool operator==(const Event&) const = default;
 };
 
+/// Orders events by frame, then type, then place.
+void sort_events(std::vector<Event>& events);
+
 /// The events of strokes (connected subgraphs), read off links and edges: see docs/architecture.md, "What
 /// counts as an event". Ordered by frame, then type, then place. The motion graph has its strokes identified.
-/// O(vertices + links).
+/// O(n log n) in vertices and links.
 std::vector<Event> stroke_events(const MotionGraph& motion);
 
 /// The events of single patches: births and deaths of vertices without links, splits and merges of vertices
-/// with several; connect and disconnect where an edge between two vertices that both go on 1–1 appears or
-/// goes. `before` and `after` name the strokes.
+/// with several (one event for each such vertex); connect and disconnect where an edge between two vertices
+/// that both go on 1–1 appears or goes. `before` and `after` name the strokes.
 std::vector<Event> patch_events(const MotionGraph& motion);
 
 }  // namespace emberfold::graph

@@ -6,22 +6,23 @@
 namespace emberfold::sketch {
 
 struct FillOptions {
-  double tolerance = 0.02;   ///< grey levels, > 0: RMS of the residual at which the solver stops
+  double tolerance = 0.03;   ///< grey levels, > 0: the solver stops when it thinks no pixel further off
   int max_iterations = 100;  ///< ≥ 1
   void validate() const;
 };
 
 struct FillResult {
-  cv::Mat levels;       ///< the filled frame, CV_32F, channels as given
-  int iterations = 0;   ///< of the slowest channel
-  double residual = 0;  ///< RMS over the filled pixels, grey levels
+  cv::Mat levels;      ///< the filled frame, CV_32F, channels as given
+  int iterations = 0;  ///< of the slowest channel
+  double error = 0;    ///< estimate of the largest error, grey levels; the true one is of that size
   bool converged = true;
 };
 
 /// Heat diffusion to equilibrium: the pixels where `mask` is 0 get the solution of Laplace's equation
-/// (5-point stencil, insulated border) with the others held fixed. `levels`: CV_32F, 1 or 3 channels; `mask`:
-/// CV_8U of the same size. With nothing held fixed the frame becomes 0. Conjugate gradients, preconditioned
-/// by a multigrid cycle over 2×2 aggregates. O(pixels).
+/// (5-point stencil, insulated border) with the others held fixed; those come back untouched. `levels`:
+/// CV_32F, 1 or 3 channels, finite where held, anything elsewhere; `mask`: CV_8U, 1 channel, of the same
+/// size; InputError otherwise. With nothing held fixed the frame becomes 0. Conjugate gradients,
+/// preconditioned by a multigrid cycle over 2×2 aggregates. O(pixels); one thread.
 FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options = {});
 
 }  // namespace emberfold::sketch

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <tuple>
+
+#include <boost/pending/disjoint_sets.hpp>
+
+#include "graph/events.hpp"
+#include "graph/gap.hpp"
+#include "graph/joints.hpp"
+
+namespace emberfold::graph {
+
+namespace {
+
+/// A frame, its components, and what names them.
+struct Side {
+  const AttributeGraph* graph = nullptr;
+  Components parts;
+  std::vector<std::uint32_t> first;  ///< of each component its lowest vertex
+
+  explicit Side(const AttributeGraph& g) : graph(&g), parts(components(g)), first(parts.count) {
+    for (auto v = static_cast<std::uint32_t>(g.size()); v-- > 0;) first[parts.of_vertex[v]] = v;
+  }
+  [[nodiscard]] SubgraphId stroke(std::uint32_t part) const {
+    return graph->vertices()[first[part]].subgraph;
+  }
+};
+
+/// The pairs of components that hold the clusters together, p + q − 1 for a cluster of p before and q after:
+/// those with the most links first. Ordered alike in both senses of time.
+std::vector<detail::ComponentPair> spanning_pairs(std::vector<detail::ComponentPair> pairs,
+                                                  std::size_t before, std::size_t after) {
+  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
+    return std::tie(b.links, a.first.x, a.first.y, a.before, a.after) <
+           std::tie(a.links, b.first.x, b.first.y, b.before, b.after);
+  });
+  std::vector<std::size_t> rank(before + after), parent(before + after);
+  boost::disjoint_sets clusters(rank.data(), parent.data());
+  for (std::size_t k = 0; k < before + after; ++k) clusters.make_set(k);
+  std::vector<detail::ComponentPair> kept;
+  for (const auto& pair : pairs) {
+    const auto a = clusters.find_set(std::size_t{pair.before}), b = clusters.find_set(before + pair.after);
+    if (a == b) continue;
+    clusters.link(a, b);
+    kept.push_back(pair);
+  }
+  return kept;
+}
+
+/// What of one frame's graph is labelled with components of the other frame, by components of its own.
+struct Ties {
+  std::vector<detail::Labelled> of_part;
+
+  explicit Ties(const Side& side) : of_part(side.parts.count) {}
+};
+
+enum class Sense { forward, backward };
+
+/// Unions (forward: `whole` is the frame after) or separations (backward: the frame before).
+void join(const Side& whole, const Side& pieces, const Ties& ties, Sense sense, int frame,
+          std::vector<Event>& events) {
+  detail::Paths paths(*whole.graph);
+  for (std::uint32_t part = 0; part < whole.parts.count; ++part) {
+    const auto& labelled = ties.of_part[part];
+    const bool one = std::all_of(labelled.begin(), labelled.end(),
+                                 [&](const auto& l) { return l.second == labelled.front().second; });
+    if (one) continue;
+    for (const detail::Joint& joint : detail::joints(*whole.graph, paths, labelled)) {
+      Event event;
+      event.frame = frame;
+      event.position = joint.place;
+      std::vector<SubgraphId> two{pieces.stroke(joint.label_a), pieces.stroke(joint.label_b)};
+      std::sort(two.begin(), two.end());
+      if (sense == Sense::forward) {
+        event.type = joint.continues ? EventType::merge : EventType::connect;
+        event.before = std::move(two);
+        event.after = {whole.stroke(part)};
+      } else {
+        event.type = joint.continues ? EventType::split : EventType::disconnect;
+        event.before = {whole.stroke(part)};
+        event.after = std::move(two);
+      }
+      events.push_back(std::move(event));
+    }
+  }
+}
+
+/// Births (forward, `side` the frame after) or deaths (backward, the frame before).
+void lone(const Side& side, const std::vector<bool>& tied, Sense sense, int frame,
+          std::vector<Event>& events) {
+  detail::Paths paths(*side.graph);
+  for (std::uint32_t part = 0; part < side.parts.count; ++part) {
+    if (tied[part]) continue;
+    Event event;
+    event.frame = frame;
+    event.position = detail::component_middle(*side.graph, paths, side.first[part]);
+    event.type = sense == Sense::forward ? EventType::birth : EventType::death;
+    (sense == Sense::forward ? event.after : event.before) = {side.stroke(part)};
+    events.push_back(std::move(event));
+  }
+}
+
+void gap_events(const Side& before, const Side& after, std::span<const Link> links, int frame,
+                std::vector<Event>& events) {
+  const detail::Gap gap = detail::gap(*before.graph, *after.graph, links);
+  const auto pairs = detail::component_pairs(*before.graph, *after.graph, before.parts, after.parts, gap);
+  std::vector<bool> goes_on(before.parts.count, false), was_there(after.parts.count, false);
+  for (const auto& pair : pairs) goes_on[pair.before] = was_there[pair.after] = true;
+  lone(before, goes_on, Sense::backward, frame, events);
+  lone(after, was_there, Sense::forward, frame, events);
+
+  auto kept = spanning_pairs(pairs, before.parts.count, after.parts.count);
+  std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.before, a.after) < std::tie(b.before, b.after);
+  });
+  Ties of_before(before), of_after(after);
+  for (const auto& [i, j] : gap.links) {
+    const std::uint32_t a = before.parts.of_vertex[i], b = after.parts.of_vertex[j];
+    const auto at = std::lower_bound(
+        kept.begin(), kept.end(), std::tie(a, b),
+        [](const auto& pair, const auto& key) { return std::tie(pair.before, pair.after) < key; });
+    if (at == kept.end() || at->before != a || at->after != b) continue;
+    of_before.of_part[a].emplace_back(i, b);
+    of_after.of_part[b].emplace_back(j, a);
+  }
+  join(before, after, of_before, Sense::backward, frame, events);
+  join(after, before, of_after, Sense::forward, frame, events);
+}
+
+}  // namespace
+
+std::vector<Event> stroke_events(const MotionGraph& motion) {
+  validate(motion);
+  const auto& frames = motion.sketch.frames;
+  std::vector<Event> events;
+  if (frames.empty()) return events;
+  Side before(frames[0]);
+  for (std::size_t t = 1; t < frames.size(); ++t) {
+    Side after(frames[t]);
+    gap_events(before, after, motion.links[t], static_cast<int>(t), events);
+    before = std::move(after);
+  }
+  sort_events(events);
+  return events;
+}
+
+}  // namespace emberfold::graph
