@@ -162,8 +162,8 @@ void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, doub
   if (box.empty()) return;
   cv::Mat under = picture(box), drawn = under.clone();
   const cv::Point2d at(centre.x - box.x, centre.y - box.y);
-  mark_outline(drawn, at, type, radius, {255, 255, 255}, 6);
-  mark_outline(drawn, at, type, radius, bgr(event_colour(type)), 3);
+  mark_outline(drawn, at, type, radius, {255, 255, 255}, 5);
+  mark_outline(drawn, at, type, radius, bgr(event_colour(type)), 2);
   cv::addWeighted(drawn, opacity, under, 1 - opacity, 0, under);
 }
 

@@ -82,7 +82,8 @@ window.addEventListener("resize", () => {
 window.addEventListener("beforeprint", () => drawings.forEach((again) => again()));
 
 /** Round steps that divide a range in about `count` parts. */
-function ticks(low, high, count, whole = false) {
+function ticks(from, to, count, whole = false) {
+  const low = Math.min(from, to), high = Math.max(from, to);
   const span = Math.max(high - low, 1e-9), raw = span / Math.max(count, 1), power = 10 ** Math.floor(Math.log10(raw));
   let step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw * 0.999);
   if (whole) step = Math.max(1, Math.round(step));
@@ -95,8 +96,8 @@ const font = "12px system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', 
 /** The axes of a plot: returns where things lie. `x`, `y`: [low, high]. */
 function axes(context, width, height, x, y, options = {}) {
   const left = options.left ?? 40, right = width - (options.right ?? 12), top = 8, bottom = height - 34;
-  const px = (v) => left + (v - x[0]) / Math.max(x[1] - x[0], 1e-9) * (right - left);
-  const py = (v) => bottom - (v - y[0]) / Math.max(y[1] - y[0], 1e-9) * (bottom - top);
+  const share = (v, [from, to]) => (v - from) / (to - from || 1);
+  const px = (v) => left + share(v, x) * (right - left), py = (v) => bottom - share(v, y) * (bottom - top);
   context.font = font;
   context.fillStyle = "#5b6270";
   context.strokeStyle = "#e4e8ed";

@@ -53,7 +53,6 @@ function buildStills() {
     slide();
   };
   choice($("still-frames"), data.stills.map((still) => String(still.frame)), (i) => { current = i; show(); }, 0);
-  $("still-frames").prepend();
   choice($("still-modes"), ["Side by side", "Input | sketch", "Input | reconstruction"], (i) => { mode = i; show(); });
   $("wipe-slider").addEventListener("input", slide);
   const middle = Math.floor(data.stills.length / 2);
