@@ -32,8 +32,8 @@ graph::SketchSequence sketch_frames(core::FrameSource& source, const sketch::Ext
   return sketch;
 }
 
-void write_data(OutputFolder& output, const graph::MotionGraph& motion, const std::vector<graph::Event>& events,
-                const std::vector<graph::Event>& all_events) {
+void write_data(OutputFolder& output, const graph::MotionGraph& motion,
+                const std::vector<graph::Event>& events, const std::vector<graph::Event>& all_events) {
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
   output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
   output.write("events.json", [&](std::ostream& out) { graph::write_events(out, events); });
@@ -75,7 +75,8 @@ Json motion_json(const graph::MotionGraph& motion) {
   for (const auto& graph : motion.sketch.frames)
     for (const auto& vertex : graph.vertices()) strokes.insert(vertex.subgraph.value);
   for (const auto& gap : motion.links) links += gap.size();
-  return {{"strokes", strokes.size()}, {"links", links}, {"trajectories", graph::trajectories(motion).size()}};
+  return {
+      {"strokes", strokes.size()}, {"links", links}, {"trajectories", graph::trajectories(motion).size()}};
 }
 
 Json events_json(const std::vector<graph::Event>& events, std::size_t frames) {
@@ -108,8 +109,9 @@ void need_two_frames(const std::string& clip, std::int64_t frames) {
 
 }  // namespace
 
-Json analyze_clip(const std::string& name, const AnalyzeOptions& options, OutputFolder& output, Session& session,
-                  const std::optional<std::vector<graph::Event>>& truth, const std::string& shown_name) {
+Json analyze_clip(const std::string& name, const AnalyzeOptions& options, OutputFolder& output,
+                  Session& session, const std::optional<std::vector<graph::Event>>& truth,
+                  const std::string& shown_name) {
   const std::string& clip = shown_name.empty() ? name : shown_name;
   Stages stages;
   stages.begin("sketch");
@@ -124,7 +126,8 @@ Json analyze_clip(const std::string& name, const AnalyzeOptions& options, Output
   const graph::MotionGraph motion = std::move(matched.motion);
   const auto all_events = graph::stroke_events(motion);
   std::vector<graph::Event> events;
-  std::ranges::copy_if(all_events, std::back_inserter(events), [](const auto& e) { return e.probability >= 0.5; });
+  std::ranges::copy_if(all_events, std::back_inserter(events),
+                       [](const auto& e) { return e.probability >= 0.5; });
   stages.begin("write");
   write_data(output, motion, events, all_events);
 
@@ -132,7 +135,8 @@ Json analyze_clip(const std::string& name, const AnalyzeOptions& options, Output
   const PictureOptions picture_options{options.fill, options.reconstruction};
   Pictures pictures = draw_pictures(*source, motion, events, picture_options, output, session);
   if (pictures.not_converged > 0)
-    session.warn("the fill stopped before its tolerance in " + std::to_string(pictures.not_converged) + " frames");
+    session.warn("the fill stopped before its tolerance in " + std::to_string(pictures.not_converged) +
+                 " frames");
   stages.end();
 
   Json summary = begin_summary("analyze", session);

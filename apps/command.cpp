@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/command.hpp"
 
-#include <sys/resource.h>
-
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 
 #include "apps/interrupt.hpp"
 

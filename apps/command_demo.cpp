@@ -45,12 +45,13 @@ BuiltinClip make_clip(const Demo& asked, OutputFolder& output, const Session& se
 
 std::string findings(const nlohmann::ordered_json& summary, const std::filesystem::path& folder) {
   std::ostringstream out;
-  out << summary["clip"]["frames"] << " frames, " << summary["sketch"]["strokes_per_frame"] << " strokes a frame, "
-      << summary["events"]["total"] << " events:";
+  out << summary["clip"]["frames"] << " frames, " << summary["sketch"]["strokes_per_frame"]
+      << " strokes a frame, " << summary["events"]["total"] << " events:";
   for (const auto& [name, count] : summary["events"]["classes"].items()) out << ' ' << name << ' ' << count;
   const auto& all = summary["score"]["four"]["all"];
-  out << "\nagainst the truth: precision " << number_text(std::round(all["precision"].get<double>() * 1000) / 1000)
-      << ", recall " << number_text(std::round(all["recall"].get<double>() * 1000) / 1000) << ", F1 "
+  out << "\nagainst the truth: precision "
+      << number_text(std::round(all["precision"].get<double>() * 1000) / 1000) << ", recall "
+      << number_text(std::round(all["recall"].get<double>() * 1000) / 1000) << ", F1 "
       << number_text(std::round(all["f1"].get<double>() * 1000) / 1000)
       << "\nthe report: " << (folder / "report.html").string();
   return out.str();
@@ -75,7 +76,8 @@ void run_demo(const Demo& asked, Session& session) {
 }  // namespace
 
 void add_demo(CLI::App& app, Chosen& chosen) {
-  auto* command = app.add_subcommand("demo", "Make a built-in clip, analyse it, hold the events against the truth");
+  auto* command =
+      app.add_subcommand("demo", "Make a built-in clip, analyse it, hold the events against the truth");
   command->footer(
       "  emberfold demo\n"
       "  emberfold demo --clip cloth -o out/cloth --seed 7");
@@ -86,7 +88,8 @@ void add_demo(CLI::App& app, Chosen& chosen) {
       ->check(CLI::IsMember({"fire", "cloth", "river"}).description(""))
       ->default_str(asked->clip);
   add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback([asked, &chosen] { chosen.run = [asked](Session& session) { run_demo(*asked, session); }; });
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_demo(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -47,7 +47,8 @@ std::string number_text(double value) {
 void add_common(CLI::App& command, CommonOptions& common, const std::string& json_about) {
   const char* group = "Everywhere";
   add_number(command, "--seed", common.seed, "N", "Seed of all that is random")->group(group);
-  add_number(command, "--threads", common.threads, "N", "Most threads; 0: as many as the machine has")->group(group);
+  add_number(command, "--threads", common.threads, "N", "Most threads; 0: as many as the machine has")
+      ->group(group);
   command.add_flag("--json", common.json, json_about)->group(group);
   command.add_flag("-q,--quiet", common.quiet, "Say nothing but warnings and errors")->group(group);
 }

@@ -9,7 +9,8 @@
 #include "apps/command.hpp"
 #include "apps/option_fields.hpp"
 
-// What the commands share in describing themselves to the parser. Only the commands' own sources include this.
+// What the commands share in describing themselves to the parser. Only the commands' own sources include
+// this.
 namespace emberfold::apps {
 
 /// "--min-contrast" of "min_contrast"
@@ -35,12 +36,16 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Number& valu
 /// One option for each field of an options struct; a switch that turns it off for a bool that is true.
 template <class Options>
 void add_fields(CLI::App& command, Options& options, const std::string& group) {
-  visit_fields(options, [&](const std::string& field, auto& value, const std::string& unit, const std::string& about) {
-    if constexpr (std::is_same_v<std::remove_reference_t<decltype(value)>, bool>)
-      command.add_flag_callback("--no-" + option_name(field).substr(2), [&value] { value = false; }, about)->group(group);
-    else
-      add_number(command, option_name(field), value, unit, about)->group(group);
-  });
+  visit_fields(options,
+               [&](const std::string& field, auto& value, const std::string& unit, const std::string& about) {
+                 if constexpr (std::is_same_v<std::remove_reference_t<decltype(value)>, bool>)
+                   command
+                       .add_flag_callback(
+                           "--no-" + option_name(field).substr(2), [&value] { value = false; }, about)
+                       ->group(group);
+                 else
+                   add_number(command, option_name(field), value, unit, about)->group(group);
+               });
 }
 
 /// --seed, --threads, --json, --quiet.
@@ -65,7 +70,8 @@ void check_options(Options& options) {
     if constexpr (requires { visit_fields(options, [](auto&&...) {}); })
       visit_fields(options, [&](const std::string& field, auto&, auto&&...) {
         const std::regex word("(^|[^-\\w])" + field + "(?![\\w-])");
-        message = std::regex_replace(message, word, "$1" + option_name(field), std::regex_constants::format_first_only);
+        message = std::regex_replace(message, word, "$1" + option_name(field),
+                                     std::regex_constants::format_first_only);
       });
     throw Misuse(message);
   }

@@ -39,7 +39,8 @@ void add_score(CLI::App& app, Chosen& chosen) {
   command->add_option("EVENTS", asked->events, "The events.json to score")->required()->type_name("");
   add_fields(*command, asked->options, "Tolerance");
   add_common(*command, chosen.common, "Print JSON instead of a table");
-  command->callback([asked, &chosen] { chosen.run = [asked](Session& session) { run_score(*asked, session); }; });
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_score(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -5,8 +5,9 @@
 
 #include "apps/clip_writer.hpp"
 #include "apps/command_line.hpp"
-#include "apps/overlay.hpp"
+#include "apps/draw.hpp"
 #include "apps/output_folder.hpp"
+#include "apps/overlay.hpp"
 #include "apps/reconstruct.hpp"
 #include "apps/stream_frames.hpp"
 #include "apps/summary.hpp"
@@ -38,14 +39,15 @@ struct SketchRun {
   int not_converged = 0;
 };
 
-SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, OutputFolder& output, const Session& session) {
+SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, OutputFolder& output,
+                      const Session& session) {
   const auto& info = source.info();
   const auto drawing = asked.patches == "pixels" ? PatchDrawing::pixels : PatchDrawing::fitted;
   SketchRun run;
   run.sketch.width = info.width, run.sketch.height = info.height, run.sketch.fps = info.fps;
   std::unique_ptr<ClipWriter> overlay;
-  const auto reconstruction =
-      create_clip(output.staged("reconstruction.avi"), {info.width, info.height}, info.fps, info.channels == 3);
+  const auto reconstruction = create_clip(output.staged("reconstruction.avi"), {info.width, info.height},
+                                          info.fps, info.channels == 3);
   stream_frames(
       source, "sketching the frames", info.frames, session.context,
       [&](int t, const cv::Mat& frame) {
@@ -56,7 +58,8 @@ SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, OutputFold
         return made;
       },
       [&](int, Sketched made) {
-        if (!overlay) overlay = create_clip(output.staged("overlay.mp4"), made.overlay.size(), info.fps, true);
+        if (!overlay)
+          overlay = create_clip(output.staged("overlay.mp4"), made.overlay.size(), info.fps, true);
         overlay->write(made.overlay);
         reconstruction->write(made.reconstruction.bytes);
         run.sketch.append(made.graph);
@@ -94,7 +97,8 @@ void run_sketch(const Sketch& asked, Session& session) {
   OutputFolder output(asked.output);
   Stages stages;
   stages.begin("sketch");
-  const auto source = open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  const auto source =
+      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
   SketchRun run;
   try {
     run = sketch_clip(asked, *source, output, session);
@@ -112,14 +116,16 @@ void run_sketch(const Sketch& asked, Session& session) {
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
   session.check_stop();
   output.commit();
-  session.console.say(std::to_string(run.sketch.frames.size()) + " frames sketched into " + output.path().string());
+  session.console.say(std::to_string(run.sketch.frames.size()) + " frames sketched into " +
+                      output.path().string());
   if (session.common.json) session.print(json_text(summary));
 }
 
 }  // namespace
 
 void add_sketch(CLI::App& app, Chosen& chosen) {
-  auto* command = app.add_subcommand("sketch", "Draw the primal sketch of every frame, and the frame from its sketch");
+  auto* command =
+      app.add_subcommand("sketch", "Draw the primal sketch of every frame, and the frame from its sketch");
   command->footer(
       "  emberfold sketch fire.mp4 -o out/sketch\n"
       "  emberfold sketch photo.png -o out/photo --patches pixels");
@@ -135,7 +141,8 @@ void add_sketch(CLI::App& app, Chosen& chosen) {
   add_fields(*command, asked->extract, "Sketching");
   add_fields(*command, asked->fill, "Filling");
   add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback([asked, &chosen] { chosen.run = [asked](Session& session) { run_sketch(*asked, session); }; });
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_sketch(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

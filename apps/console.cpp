@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/console.hpp"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+
+#include <unistd.h>
 
 namespace emberfold::apps {
 
@@ -37,7 +37,9 @@ Console::Console() {
   terminal_ = isatty(STDERR_FILENO) == 1 && (kind == nullptr || std::strcmp(kind, "dumb") != 0);
 }
 
-Console::~Console() { clear_line(); }
+Console::~Console() {
+  clear_line();
+}
 
 void Console::clear_line() {
   if (line_is_open_) put("\r\033[K");

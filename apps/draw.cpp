@@ -14,10 +14,13 @@ namespace emberfold::apps {
 namespace {
 
 constexpr int kShift = 4;  // OpenCV's fixed-point fraction bits: 1/16 px
-constexpr std::array kTypes = {graph::EventType::birth, graph::EventType::death,   graph::EventType::split,
-                               graph::EventType::merge, graph::EventType::connect, graph::EventType::disconnect};
+constexpr std::array kTypes = {graph::EventType::birth,   graph::EventType::death,
+                               graph::EventType::split,   graph::EventType::merge,
+                               graph::EventType::connect, graph::EventType::disconnect};
 
-cv::Scalar bgr(Colour c) { return {double(c.blue), double(c.green), double(c.red)}; }
+cv::Scalar bgr(Colour c) {
+  return {double(c.blue), double(c.green), double(c.red)};
+}
 
 cv::Point fixed(cv::Point2d p) {
   const double unit = 1 << kShift;
@@ -43,12 +46,16 @@ void mark_outline(cv::Mat& picture, cv::Point2d c, graph::EventType type, double
   using enum graph::EventType;
   switch (type) {
     case birth:
-      strip(picture, {{c.x, c.y - r}, {c.x + h, c.y + r / 2}, {c.x - h, c.y + r / 2}}, colour, thickness, true);
+      strip(picture, {{c.x, c.y - r}, {c.x + h, c.y + r / 2}, {c.x - h, c.y + r / 2}}, colour, thickness,
+            true);
       break;
     case death:
-      strip(picture, {{c.x, c.y + r}, {c.x + h, c.y - r / 2}, {c.x - h, c.y - r / 2}}, colour, thickness, true);
+      strip(picture, {{c.x, c.y + r}, {c.x + h, c.y - r / 2}, {c.x - h, c.y - r / 2}}, colour, thickness,
+            true);
       break;
-    case split: disc(picture, c, r * 0.9, colour, thickness); break;
+    case split:
+      disc(picture, c, r * 0.9, colour, thickness);
+      break;
     case merge:
       strip(picture, {{c.x - d, c.y - d}, {c.x + d, c.y - d}, {c.x + d, c.y + d}, {c.x - d, c.y + d}}, colour,
             thickness, true);
@@ -72,17 +79,25 @@ std::string hex(Colour colour) {
   return text.data();
 }
 
-std::span<const graph::EventType> all_event_types() { return kTypes; }
+std::span<const graph::EventType> all_event_types() {
+  return kTypes;
+}
 
 Colour event_colour(graph::EventType type) {
   using enum graph::EventType;
   switch (type) {  // told apart by the colour-blind too
-    case birth: return {0, 146, 104};
-    case death: return {96, 96, 110};
-    case split: return {0, 104, 190};
-    case merge: return {214, 129, 0};
-    case connect: return {150, 70, 170};
-    case disconnect: return {200, 50, 50};
+    case birth:
+      return {0, 146, 104};
+    case death:
+      return {96, 96, 110};
+    case split:
+      return {0, 104, 190};
+    case merge:
+      return {214, 129, 0};
+    case connect:
+      return {150, 70, 170};
+    case disconnect:
+      return {200, 50, 50};
   }
   return {};
 }
@@ -112,11 +127,14 @@ double enlargement(cv::Size frame, int shorter_side) {
 }
 
 cv::Mat enlarge(const cv::Mat& frame, double scale) {
-  const auto even = [&](int side) { return std::max(2, 2 * static_cast<int>(std::ceil(side * scale / 2 - 1e-9))); };
+  const auto even = [&](int side) {
+    return std::max(2, 2 * static_cast<int>(std::ceil(side * scale / 2 - 1e-9)));
+  };
   const cv::Size size(even(frame.cols), even(frame.rows));
   cv::Mat large;
   if (scale == 1)  // an odd side gets its last line twice instead of being resampled
-    cv::copyMakeBorder(frame, large, 0, size.height - frame.rows, 0, size.width - frame.cols, cv::BORDER_REPLICATE);
+    cv::copyMakeBorder(frame, large, 0, size.height - frame.rows, 0, size.width - frame.cols,
+                       cv::BORDER_REPLICATE);
   else
     cv::resize(frame, large, size, 0, 0, cv::INTER_CUBIC);
   return large;
@@ -157,8 +175,10 @@ void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Plac
 
 void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, double radius, double opacity) {
   const int reach = static_cast<int>(std::ceil(radius)) + 6;
-  const cv::Point corner(static_cast<int>(std::floor(centre.x)) - reach, static_cast<int>(std::floor(centre.y)) - reach);
-  const cv::Rect box = cv::Rect(corner, cv::Size(2 * reach + 1, 2 * reach + 1)) & cv::Rect({}, picture.size());
+  const cv::Point corner(static_cast<int>(std::floor(centre.x)) - reach,
+                         static_cast<int>(std::floor(centre.y)) - reach);
+  const cv::Rect box =
+      cv::Rect(corner, cv::Size(2 * reach + 1, 2 * reach + 1)) & cv::Rect({}, picture.size());
   if (box.empty()) return;
   cv::Mat under = picture(box), drawn = under.clone();
   const cv::Point2d at(centre.x - box.x, centre.y - box.y);
@@ -167,38 +187,50 @@ void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, doub
   cv::addWeighted(drawn, opacity, under, 1 - opacity, 0, under);
 }
 
-cv::Mat draw_legend(int width, const std::string& text) {
-  constexpr int kLine = 26, kMargin = 10;
+std::vector<LegendItem> event_legend() {
+  std::vector<LegendItem> items;
+  for (const auto type : kTypes) items.push_back({std::string(graph::name(type)), event_colour(type), type});
+  return items;
+}
+
+std::string frame_label(int frame) {
+  const std::string digits = std::to_string(frame);
+  return "frame " + std::string(digits.size() < 5 ? 5 - digits.size() : 0, '0') + digits;
+}
+
+cv::Mat draw_legend(int width, const std::string& text, const std::vector<LegendItem>& items) {
+  constexpr int kLine = 26, kMargin = 10, kSample = 22, kGap = 14;
   constexpr double kSize = 0.42;
   const cv::Scalar ink(60, 52, 48);
-  struct Item {
-    std::string label;
-    const graph::EventType* type;
-    int line, x;
-  };
-  std::vector<Item> items{{text, nullptr, 0, 0}};
-  for (const auto& type : kTypes) items.push_back({std::string(graph::name(type)), &type, 0, 0});
-  int line = 0, x = kMargin;
-  for (auto& item : items) {
+  std::vector<cv::Point> places;  // x, line; of the text, then of each item
+  cv::Point next(kMargin, 0);
+  for (std::size_t i = 0; i <= items.size(); ++i) {
     int baseline = 0;
-    const int needed = cv::getTextSize(item.label, cv::FONT_HERSHEY_SIMPLEX, kSize, 1, &baseline).width +
-                       (item.type != nullptr ? 22 : 0);
-    if (x + needed > width - kMargin && x > kMargin) ++line, x = kMargin;
-    item.line = line, item.x = x;
-    x += needed + 14;
+    const std::string& label = i == 0 ? text : items[i - 1].label;
+    const int needed =
+        cv::getTextSize(label, cv::FONT_HERSHEY_SIMPLEX, kSize, 1, &baseline).width + (i == 0 ? 0 : kSample);
+    if (next.x + needed > width - kMargin && next.x > kMargin) next = {kMargin, next.y + 1};
+    places.push_back(next);
+    next.x += needed + kGap;
   }
-  const int height = (line + 1) * kLine + 4;
-  cv::Mat strip_picture(height + height % 2, width, CV_8UC3, cv::Scalar(246, 248, 250));
-  for (const auto& item : items) {
-    const int middle = item.line * kLine + kLine / 2 + 2;
-    int left = item.x;
-    if (item.type != nullptr) {
-      mark_outline(strip_picture, {left + 7.0, double(middle)}, *item.type, 6, bgr(event_colour(*item.type)), 2);
-      left += 20;
+  const int height = (next.y + 1) * kLine + 4;
+  cv::Mat picture(height + height % 2, width, CV_8UC3, cv::Scalar(246, 248, 250));
+  for (std::size_t i = 0; i <= items.size(); ++i) {
+    const int middle = places[i].y * kLine + kLine / 2 + 2;
+    int left = places[i].x;
+    if (i > 0) {
+      const auto& item = items[i - 1];
+      const cv::Point2d at(left + 7.0, middle);
+      if (item.mark)
+        mark_outline(picture, at, *item.mark, 6, bgr(item.colour), 2);
+      else
+        strip(picture, {{at.x - 7, at.y}, {at.x + 7, at.y}}, bgr(item.colour), 3);
+      left += kSample - 2;
     }
-    cv::putText(strip_picture, item.label, {left, middle + 4}, cv::FONT_HERSHEY_SIMPLEX, kSize, ink, 1, cv::LINE_AA);
+    cv::putText(picture, i == 0 ? text : items[i - 1].label, {left, middle + 4}, cv::FONT_HERSHEY_SIMPLEX,
+                kSize, ink, 1, cv::LINE_AA);
   }
-  return strip_picture;
+  return picture;
 }
 
 }  // namespace emberfold::apps

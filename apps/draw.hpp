@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -59,7 +60,18 @@ void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Plac
 void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, double radius,
                double opacity = 1);
 
-/// A light strip of the given width that explains the marks, as many lines as it needs, `text` first.
-cv::Mat draw_legend(int width, const std::string& text);
+/// One entry of a legend: an event's mark, or a stroke of its colour.
+struct LegendItem {
+  std::string label;
+  Colour colour;
+  std::optional<graph::EventType> mark = {};
+};
+/// The six marks.
+std::vector<LegendItem> event_legend();
+/// A light strip of the given width, as many lines as it needs, `text` first. An even number of lines high.
+cv::Mat draw_legend(int width, const std::string& text, const std::vector<LegendItem>& items);
+
+/// "frame 00031": the same width for every frame, so that a legend breaks its lines at the same places.
+std::string frame_label(int frame);
 
 }  // namespace emberfold::apps

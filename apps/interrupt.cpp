@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/interrupt.hpp"
 
-#include <pthread.h>
-#include <unistd.h>
-
 #include <csignal>
 #include <ctime>
+
+#include <pthread.h>
+#include <unistd.h>
 
 namespace emberfold::apps {
 

@@ -9,8 +9,8 @@ namespace emberfold::apps {
 /// Thrown where a command notices that it was asked to stop.
 struct Interrupted {};
 
-/// Turns Ctrl-C and SIGTERM into a stop request while it lives; the second one ends the process at once. Made before
-/// any other thread, so that all of them leave these signals to it.
+/// Turns Ctrl-C and SIGTERM into a stop request while it lives; the second one ends the process at once. Made
+/// before any other thread, so that all of them leave these signals to it.
 class InterruptWatch {
  public:
   InterruptWatch();

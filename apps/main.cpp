@@ -49,8 +49,7 @@ class HelpFormatter : public CLI::Formatter {
 };
 
 std::string quoted(const std::string& word) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+@%";
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+@%";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
   std::string out = "'";
   for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -79,7 +78,9 @@ std::string misuse_message(const CLI::App& app, const CLI::ParseError& error) {
     for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
       known.push_back(command->get_name());
   }
-  const std::string what = is_option ? "unknown option " : chosen.empty() ? "unknown command " : "one argument too many: ";
+  const std::string what = is_option        ? "unknown option "
+                           : chosen.empty() ? "unknown command "
+                                            : "one argument too many: ";
   const std::string nearest = apps::nearest_word(word.substr(0, word.find('=')), known);
   return what + word + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
 }
@@ -101,9 +102,10 @@ int run(apps::Console& console, const apps::Chosen& chosen, const std::string& l
 }
 
 int parse_and_run(int count, char** words, apps::Console& console) {
-  CLI::App app("emberfold follows moving textures (fire, cloth, water, smoke) as graphs of strokes,\n"
-               "and finds where strokes are born, die, split, merge, connect and come apart.",
-               "emberfold");
+  CLI::App app(
+      "emberfold follows moving textures (fire, cloth, water, smoke) as graphs of strokes,\n"
+      "and finds where strokes are born, die, split, merge, connect and come apart.",
+      "emberfold");
   app.footer(
       "  emberfold demo\n"
       "  emberfold analyze fire.mp4 -o out/fire\n"

@@ -22,8 +22,9 @@ std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   return i;
 }
 
-cv::Mat half(const cv::Mat& frame, const graph::AttributeGraph& graph, const std::vector<std::uint32_t>& cluster,
-             std::span<const graph::Event> events, const std::string& title, bool is_before) {
+cv::Mat half(const cv::Mat& frame, const graph::AttributeGraph& graph,
+             const std::vector<std::uint32_t>& cluster, std::span<const graph::Event> events,
+             const std::string& title, bool is_before) {
   const Placement place{enlargement(frame.size(), kSide), {}};
   cv::Mat picture = enlarge(frame, place.scale);
   picture.convertTo(picture, -1, 0.72);
@@ -102,7 +103,7 @@ cv::Mat draw_match(const cv::Mat& before, const cv::Mat& after, const graph::Mot
   const std::vector<cv::Mat> row{left, gutter, right};
   cv::Mat pair, whole;
   cv::hconcat(row, pair);
-  cv::vconcat(pair, draw_legend(pair.cols, "one colour: matched   white: unmatched"), whole);
+  cv::vconcat(pair, draw_legend(pair.cols, "one colour: matched   white: unmatched", event_legend()), whole);
   return whole;
 }
 

@@ -15,7 +15,7 @@
 namespace emberfold::apps {
 
 template <class Options, class Visit>
-  requires std::same_as<std::remove_const_t<Options>, sketch::ExtractOptions>
+requires std::same_as<std::remove_const_t<Options>, sketch::ExtractOptions>
 void visit_fields(Options& o, Visit&& visit) {
   visit("finest_scale", o.finest_scale, "PX", "SD of the finest Gaussian that creases are sought with");
   visit("scales", o.scales, "N", "How many scales, each sqrt(2) above the one before");
@@ -28,7 +28,7 @@ void visit_fields(Options& o, Visit&& visit) {
 }
 
 template <class Options, class Visit>
-  requires std::same_as<std::remove_const_t<Options>, graph::MatchOptions>
+requires std::same_as<std::remove_const_t<Options>, graph::MatchOptions>
 void visit_fields(Options& o, Visit&& visit) {
   visit("max_motion", o.max_motion, "PX", "Nothing is linked farther than this from where it is expected");
   visit("sigma_across", o.sigma_across, "PX", "Spread of a patch across its curve, from frame to frame");
@@ -41,20 +41,20 @@ void visit_fields(Options& o, Visit&& visit) {
 }
 
 template <class Options, class Visit>
-  requires std::same_as<std::remove_const_t<Options>, sketch::FillOptions>
+requires std::same_as<std::remove_const_t<Options>, sketch::FillOptions>
 void visit_fields(Options& o, Visit&& visit) {
   visit("tolerance", o.tolerance, "LEVELS", "The fill's solver stops at this RMS residual (grey levels)");
   visit("max_iterations", o.max_iterations, "N", "... or after so many rounds");
 }
 
 template <class Options, class Visit>
-  requires std::same_as<std::remove_const_t<Options>, ReadOptions>
+requires std::same_as<std::remove_const_t<Options>, ReadOptions>
 void visit_fields(Options& o, Visit&& visit) {
   visit("scale", o.scale, "FACTOR", "Enlarge or reduce the frames first");
 }
 
 template <class Options, class Visit>
-  requires std::same_as<std::remove_const_t<Options>, graph::ScoreOptions>
+requires std::same_as<std::remove_const_t<Options>, graph::ScoreOptions>
 void visit_fields(Options& o, Visit&& visit) {
   visit("frames", o.frames, "N", "A true event at most so many frames away is a hit");
   visit("radius", o.radius, "PX", "... and at most so far");

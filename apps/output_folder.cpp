@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/output_folder.hpp"
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <utility>
+
+#include <unistd.h>
 
 #include "apps/files.hpp"
 #include "core/error.hpp"
@@ -61,7 +61,8 @@ void OutputFolder::make_subfolder(const std::string& name) {
 
 std::string OutputFolder::of_final(std::string message) const {
   const std::string staged_prefix = stage_.string(), final_prefix = folder_.string();
-  for (auto at = message.find(staged_prefix); at != std::string::npos; at = message.find(staged_prefix, at + 1))
+  for (auto at = message.find(staged_prefix); at != std::string::npos;
+       at = message.find(staged_prefix, at + 1))
     message.replace(at, staged_prefix.size(), final_prefix);
   return message;
 }

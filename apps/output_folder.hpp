@@ -9,9 +9,10 @@
 
 namespace emberfold::apps {
 
-/// A folder whose files appear all together or not at all: they are written into a hidden folder inside it and take
-/// their places by commit(). Without commit() everything begun is removed, and the folder too if it was made here.
-/// core::IoError, with the final path and the system's reason, where something cannot be written.
+/// A folder whose files appear all together or not at all: they are written into a hidden folder inside it
+/// and take their places by commit(). Without commit() everything begun is removed, and the folder too if it
+/// was made here. core::IoError, with the final path and the system's reason, where something cannot be
+/// written.
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path folder);

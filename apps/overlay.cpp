@@ -2,13 +2,28 @@
 #include "apps/overlay.hpp"
 
 #include <algorithm>
-#include <string>
 
 #include <opencv2/core.hpp>
 
 #include "apps/draw.hpp"
 
 namespace emberfold::apps {
+
+namespace {
+
+enum class Look { bright_line, dark_line, step };
+
+Look look(const graph::Patch& patch) {
+  if (patch.type == graph::PatchType::step) return Look::step;
+  return patch.contrast < 0 ? Look::dark_line : Look::bright_line;
+}
+
+Colour look_colour(Look look) {
+  if (look == Look::step) return {110, 225, 130};
+  return look == Look::dark_line ? Colour{95, 175, 255} : Colour{255, 165, 60};
+}
+
+}  // namespace
 
 cv::Mat draw_sketch(const cv::Mat& frame, const graph::AttributeGraph& graph, const OverlayOptions& options) {
   const Placement place{enlargement(frame.size(), options.shorter_side), {}};
@@ -17,6 +32,20 @@ cv::Mat draw_sketch(const cv::Mat& frame, const graph::AttributeGraph& graph, co
   draw_graph(picture, graph, place,
              [&](std::size_t index) { return stroke_colour(graph.vertices()[index].subgraph.value); });
   return picture;
+}
+
+cv::Mat draw_types(const cv::Mat& frame, const graph::AttributeGraph& graph, int frame_number,
+                   const OverlayOptions& options) {
+  const Placement place{enlargement(frame.size(), options.shorter_side), {}};
+  cv::Mat picture = enlarge(frame, place.scale), whole;
+  picture.convertTo(picture, -1, options.brightness);
+  draw_graph(picture, graph, place, [&](std::size_t index) { return look_colour(look(graph.patch(index))); });
+  const cv::Mat legend = draw_legend(picture.cols, frame_label(frame_number),
+                                     {{"bright line", look_colour(Look::bright_line)},
+                                      {"dark line", look_colour(Look::dark_line)},
+                                      {"step", look_colour(Look::step)}});
+  cv::vconcat(picture, legend, whole);
+  return whole;
 }
 
 std::span<const graph::Event> events_between(std::span<const graph::Event> events, int first, int last) {
@@ -33,10 +62,7 @@ cv::Mat draw_overlay(const cv::Mat& frame, const graph::AttributeGraph& graph, i
     const double age = double(frame_number - event.frame) / options.flash_frames;
     draw_mark(picture, place(event.position), event.type, 13 - 3 * age, 1 - 0.75 * age);
   }
-  // the number is padded so that the legend breaks its lines at the same places in every frame
-  const std::string digits = std::to_string(frame_number);
-  const cv::Mat legend =
-      draw_legend(picture.cols, "frame " + std::string(digits.size() < 5 ? 5 - digits.size() : 0, '0') + digits);
+  const cv::Mat legend = draw_legend(picture.cols, frame_label(frame_number), event_legend());
   cv::Mat whole;
   cv::vconcat(picture, legend, whole);
   return whole;

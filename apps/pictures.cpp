@@ -43,7 +43,9 @@ Plan make_plan(int frames, std::span<const graph::Event> events, bool all) {
     if (eventful.empty() || eventful.back() != event.frame) eventful.push_back(event.frame);
   for (const int t : spread(eventful, kEventFrames)) plan.event_frames.insert(t);
   for (const int t : eventful_gaps(events, kMatches)) plan.gaps.insert(t);
-  const auto each = [](std::size_t bytes, std::size_t count) { return bytes / std::max<std::size_t>(1, count); };
+  const auto each = [](std::size_t bytes, std::size_t count) {
+    return bytes / std::max<std::size_t>(1, count);
+  };
   plan.still_bytes = each(kStillBytes, 3 * plan.stills.size());
   plan.event_bytes = std::min<std::size_t>(60'000, each(kEventFrameBytes, plan.event_frames.size()));
   plan.match_bytes = each(kMatchBytes, plan.gaps.size());
@@ -64,7 +66,8 @@ Drawn draw_frame(const cv::Mat& frame, int t, const core::ClipInfo& info, const 
   Drawn drawn;
   drawn.bytes = to_colour_bytes(frame, info);
   drawn.overlay = draw_overlay(drawn.bytes, graph, t, events);
-  if (plan.event_frames.contains(t)) drawn.event_frame = make_still(drawn.bytes, kEventSide, plan.event_bytes);
+  if (plan.event_frames.contains(t))
+    drawn.event_frame = make_still(drawn.bytes, kEventSide, plan.event_bytes);
   if (!plan.measured.contains(t) && !plan.stills.contains(t)) return drawn;
   drawn.reconstruction = reconstruct(core::to_levels(frame, info), graph, PatchDrawing::fitted, options.fill);
   if (plan.stills.contains(t)) {
@@ -104,7 +107,8 @@ class Collector {
   }
 
   void take(int t, Drawn drawn) {
-    if (!overlay_) overlay_ = create_clip(output_.staged("overlay.mp4"), drawn.overlay.size(), info_.fps, true);
+    if (!overlay_)
+      overlay_ = create_clip(output_.staged("overlay.mp4"), drawn.overlay.size(), info_.fps, true);
     overlay_->write(drawn.overlay);
     if (drawn.reconstruction) take_reconstruction(*drawn.reconstruction);
     if (drawn.still) pictures_.report.stills.push_back(std::move(*drawn.still));
@@ -149,8 +153,8 @@ class Collector {
 }  // namespace
 
 Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
-                       std::span<const graph::Event> events, const PictureOptions& options, OutputFolder& output,
-                       const Session& session) {
+                       std::span<const graph::Event> events, const PictureOptions& options,
+                       OutputFolder& output, const Session& session) {
   const auto& info = source.info();
   const auto& graphs = motion.sketch.frames;
   const Plan plan = make_plan(static_cast<int>(graphs.size()), events, options.reconstruction);

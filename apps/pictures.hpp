@@ -22,15 +22,15 @@ struct PictureOptions {
 
 /// What the second run through a clip finds and draws.
 struct Pictures {
-  ReportInput report;                ///< its pictures alone are set
-  std::vector<double> share, psnr;   ///< of the frames that were reconstructed
+  ReportInput report;               ///< its pictures alone are set
+  std::vector<double> share, psnr;  ///< of the frames that were reconstructed
   int not_converged = 0;
 };
 
 /// Writes overlay.mp4, matches/ and, where asked for, reconstruction.avi, and makes the report's pictures.
 /// `events` are ordered by frame.
 Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
-                       std::span<const graph::Event> events, const PictureOptions& options, OutputFolder& output,
-                       const Session& session);
+                       std::span<const graph::Event> events, const PictureOptions& options,
+                       OutputFolder& output, const Session& session);
 
 }  // namespace emberfold::apps

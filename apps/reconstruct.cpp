@@ -37,7 +37,8 @@ Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& g
 
 double psnr(const cv::Mat& a, const cv::Mat& b) {
   const double distance = cv::norm(a, b, cv::NORM_L2);
-  const double mse = distance * distance / static_cast<double>(a.total() * static_cast<std::size_t>(a.channels()));
+  const double mse =
+      distance * distance / static_cast<double>(a.total() * static_cast<std::size_t>(a.channels()));
   if (mse <= 0) return kMostPsnr;
   return std::min(kMostPsnr, 10 * std::log10(255.0 * 255.0 / mse));
 }

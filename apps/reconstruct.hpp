@@ -15,9 +15,9 @@ enum class PatchDrawing { fitted, pixels };
 
 /// A frame drawn again from its sketch.
 struct Reconstruction {
-  cv::Mat bytes;      ///< CV_8U, channels of the frame
-  double share = 0;   ///< sketchable, 0…1
-  double psnr = 0;    ///< dB against the frame, at most kMostPsnr
+  cv::Mat bytes;     ///< CV_8U, channels of the frame
+  double share = 0;  ///< sketchable, 0…1
+  double psnr = 0;   ///< dB against the frame, at most kMostPsnr
   bool converged = true;
 };
 constexpr double kMostPsnr = 100;
@@ -27,7 +27,8 @@ constexpr double kMostPsnr = 100;
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options);
 
-/// 10 log₁₀(255² / MSE) over all pixels and channels of two CV_32F frames; kMostPsnr where they hardly differ.
+/// 10 log₁₀(255² / MSE) over all pixels and channels of two CV_32F frames; kMostPsnr where they hardly
+/// differ.
 double psnr(const cv::Mat& a, const cv::Mat& b);
 
 /// {"mean", "min", "max", "frames"}, null where there is none.

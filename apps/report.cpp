@@ -17,7 +17,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Replaces each {{name}} of the page once, in one pass, so that what is put in is never read as a template.
-std::string fill_in(std::string_view page, const std::vector<std::pair<std::string_view, std::string_view>>& values) {
+std::string fill_in(std::string_view page,
+                    const std::vector<std::pair<std::string_view, std::string_view>>& values) {
   std::string out;
   while (true) {
     const auto open = page.find("{{");
@@ -48,12 +49,23 @@ std::string escape_html(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;

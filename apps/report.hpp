@@ -15,10 +15,10 @@
 
 namespace emberfold::apps {
 
-/// How many bytes of JPEG each kind of picture may take in a report, and how many pictures there may be: together
-/// with the data the page stays below kReportBytes for any clip.
+/// How many bytes of JPEG each kind of picture may take in a report, and how many pictures there may be:
+/// together with the data the page stays below kReportBytes for any clip.
 constexpr std::size_t kReportBytes = 8'000'000;
-constexpr std::size_t kStillBytes = 1'750'000, kStills = 6;            ///< three layers each
+constexpr std::size_t kStillBytes = 1'750'000, kStills = 6;  ///< three layers each
 constexpr std::size_t kEventFrameBytes = 1'450'000, kEventFrames = 90;
 constexpr std::size_t kMatchBytes = 850'000, kMatches = 6;
 
@@ -40,10 +40,10 @@ struct ReportInput {
   std::string command_line;  ///< what was typed
   std::string version;
   const graph::MotionGraph* motion = nullptr;
-  std::span<const graph::Event> events;      ///< ordered by frame
-  std::vector<ReportStill> stills;           ///< at most kStills
-  std::vector<ReportPicture> event_frames;   ///< at most kEventFrames
-  std::vector<ReportPicture> matches;        ///< at most kMatches
+  std::span<const graph::Event> events;     ///< ordered by frame
+  std::vector<ReportStill> stills;          ///< at most kStills
+  std::vector<ReportPicture> event_frames;  ///< at most kEventFrames
+  std::vector<ReportPicture> matches;       ///< at most kMatches
 };
 
 /// The report as one HTML page that needs nothing else. `summary` as in summary.json.

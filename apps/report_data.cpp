@@ -37,7 +37,8 @@ struct Path {
 };
 
 Json longest_paths(std::vector<Path> paths, int width, std::size_t least) {
-  std::ranges::stable_sort(paths, [](const Path& a, const Path& b) { return a.points.size() > b.points.size(); });
+  std::ranges::stable_sort(paths,
+                           [](const Path& a, const Path& b) { return a.points.size() > b.points.size(); });
   Json out = Json::array();
   std::size_t points = 0;
   for (const auto& path : paths) {
@@ -56,7 +57,8 @@ Json longest_paths(std::vector<Path> paths, int width, std::size_t least) {
   return out;
 }
 
-std::vector<cv::Point2f> simplified(const graph::AttributeGraph& graph, const graph::Curve& curve, double tolerance) {
+std::vector<cv::Point2f> simplified(const graph::AttributeGraph& graph, const graph::Curve& curve,
+                                    double tolerance) {
   std::vector<cv::Point2f> line, simple;
   for (const auto index : curve) {
     const auto at = graph.patch(index).position;
@@ -110,8 +112,15 @@ Json report_events(std::span<const graph::Event> events) {
       before.push_back(ids(e.before));
       after.push_back(ids(e.after));
     }
-    Json columns = {{"total", events.size()}, {"every", every}, {"frame", frame},   {"type", type},  {"x", x},
-                    {"y", y},                 {"p", p},         {"before", before}, {"after", after}};
+    Json columns = {{"total", events.size()},
+                    {"every", every},
+                    {"frame", frame},
+                    {"type", type},
+                    {"x", x},
+                    {"y", y},
+                    {"p", p},
+                    {"before", before},
+                    {"after", after}};
     const std::size_t size = columns.dump().size();
     if (size <= kEventBytes) return columns;
     every += size / kEventBytes - 1;
@@ -133,7 +142,10 @@ Json report_series(const graph::MotionGraph& motion, std::span<const graph::Even
         ++count[static_cast<std::size_t>(e.frame)];
     rates.push_back(binned(count, step));
   }
-  return {{"step", step}, {"strokes", binned(strokes, step)}, {"patches", binned(patches, step)}, {"events", rates}};
+  return {{"step", step},
+          {"strokes", binned(strokes, step)},
+          {"patches", binned(patches, step)},
+          {"events", rates}};
 }
 
 Json report_stroke_paths(const graph::MotionGraph& motion) {

@@ -14,12 +14,14 @@ Still make_still(const cv::Mat& picture, int longest_side, std::size_t most_byte
   while (true) {
     cv::Mat small = picture;
     if (scale < 1) {
-      const cv::Size size(std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale)));
+      const cv::Size size(std::max(1, cvRound(picture.cols * scale)),
+                          std::max(1, cvRound(picture.rows * scale)));
       cv::resize(picture, small, size, 0, 0, cv::INTER_AREA);
     }
     still.width = small.cols, still.height = small.rows;
     for (const int quality : {84, 74, 62, 50}) {
-      cv::imencode(".jpg", small, still.jpeg, {cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_JPEG_OPTIMIZE, 1});
+      cv::imencode(".jpg", small, still.jpeg,
+                   {cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_JPEG_OPTIMIZE, 1});
       if (still.jpeg.size() <= most_bytes) return still;
     }
     if (std::max(small.cols, small.rows) <= 16) return still;
@@ -40,7 +42,9 @@ std::string base64(std::span<const unsigned char> bytes) {
   return text;
 }
 
-std::string data_uri(const Still& still) { return "data:image/jpeg;base64," + base64(still.jpeg); }
+std::string data_uri(const Still& still) {
+  return "data:image/jpeg;base64," + base64(still.jpeg);
+}
 
 std::vector<int> spread(std::span<const int> numbers, std::size_t count) {
   if (numbers.size() <= count) return {numbers.begin(), numbers.end()};

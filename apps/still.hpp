@@ -16,8 +16,8 @@ struct Still {
   int width = 0, height = 0;  ///< px, as encoded
 };
 
-/// Encodes a picture (CV_8UC1 or CV_8UC3) in at most `most_bytes` (≥ 4096): first reduced to `longest_side` px,
-/// then coarser, then smaller until it fits.
+/// Encodes a picture (CV_8UC1 or CV_8UC3) in at most `most_bytes` (≥ 4096): first reduced to `longest_side`
+/// px, then coarser, then smaller until it fits.
 Still make_still(const cv::Mat& picture, int longest_side, std::size_t most_bytes);
 
 /// RFC 4648, padded.

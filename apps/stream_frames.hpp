@@ -13,9 +13,9 @@
 
 namespace emberfold::apps {
 
-/// Runs through a clip from its first frame: work(t, frame) on several frames at once, then take(t, result) in
-/// order. Holds a batch of frames and their results, some 16 frames or 192 MB, whichever is less. `expected`: for
-/// the progress alone. Returns how many frames there were; throws Interrupted.
+/// Runs through a clip from its first frame: work(t, frame) on several frames at once, then take(t, result)
+/// in order. Holds a batch of frames and their results, some 16 frames or 192 MB, whichever is less.
+/// `expected`: for the progress alone. Returns how many frames there were; throws Interrupted.
 template <class Work, class Take>
 int stream_frames(core::FrameSource& source, std::string_view stage, std::optional<std::int64_t> expected,
                   const core::Context& context, const Work& work, const Take& take) {

@@ -12,8 +12,8 @@
 
 namespace emberfold::tests {
 
-/// A clip of wavy upright strokes that drift, each with its own first and last frame; every third one comes apart
-/// in its middle half way through its life.
+/// A clip of wavy upright strokes that drift, each with its own first and last frame; every third one comes
+/// apart in its middle half way through its life.
 struct MadeMotion {
   graph::MotionGraph motion;
   std::vector<cv::Mat> frames;  ///< CV_8UC3, what it might look like
@@ -25,7 +25,8 @@ struct MadeStroke {
   int patches = 0;
 };
 
-inline std::vector<MadeStroke> made_strokes(int count, int width, int height, int frames, std::uint64_t seed) {
+inline std::vector<MadeStroke> made_strokes(int count, int width, int height, int frames,
+                                            std::uint64_t seed) {
   core::Rng rng(seed);
   std::vector<MadeStroke> strokes;
   for (int i = 0; i < count; ++i) {
@@ -74,7 +75,8 @@ inline MadeMotion made_motion(int width, int height, int frames, int count = 14,
         const cv::Point at(cvRound(patch.position.x), cvRound(patch.position.y));
         cv::circle(picture, at, 3, {60, 150, 240}, cv::FILLED, cv::LINE_AA);
       }
-      for (std::size_t k = 0; k < own.size() && k < last[i].size(); ++k) links.push_back({last[i][k], own[k]});
+      for (std::size_t k = 0; k < own.size() && k < last[i].size(); ++k)
+        links.push_back({last[i][k], own[k]});
       last[i] = own;
     }
     cv::GaussianBlur(picture, picture, {}, 1.2);
