@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 
+#include <opencv2/core/utility.hpp>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -40,8 +42,17 @@ double deterministic_sum(std::size_t count, std::size_t grain,
 }
 
 struct ThreadLimit::Control {
-  explicit Control(std::size_t threads) : control(tbb::global_control::max_allowed_parallelism, threads) {}
+  explicit Control(std::size_t threads)
+      : control(tbb::global_control::max_allowed_parallelism, threads), opencv_before(cv::getNumThreads()) {
+    constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<int>::max());
+    cv::setNumThreads(static_cast<int>(std::min(threads, kMost)));
+  }
+  ~Control() { cv::setNumThreads(opencv_before); }
+  Control(const Control&) = delete;
+  Control& operator=(const Control&) = delete;
+
   tbb::global_control control;
+  int opencv_before;
 };
 
 ThreadLimit::ThreadLimit(std::size_t threads) {

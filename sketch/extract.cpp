@@ -1,2 +1,100 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sketch/extract.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <opencv2/imgproc.hpp>
+
+#include "core/error.hpp"
+#include "sketch/creases.hpp"
+#include "sketch/cut.hpp"
+#include "sketch/join.hpp"
+#include "sketch/link.hpp"
+#include "sketch/lobes.hpp"
+#include "sketch/scale_space.hpp"
+
+namespace emberfold::sketch {
+
+namespace {
+
+void require(bool holds, const char* field, double value, const char* allowed) {
+  if (!holds)
+    throw core::InputError(std::string("ExtractOptions::") + field + " is " + std::to_string(value) +
+                           ", must be " + allowed);
+}
+
+cv::Mat1f luma_of(const cv::Mat& levels) {
+  if (levels.channels() == 1) return levels;
+  cv::Mat1f grey;
+  cv::cvtColor(levels, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+}  // namespace
+
+void ExtractOptions::validate() const {
+  require(finest_scale >= 0.7 && finest_scale <= 20, "finest_scale", finest_scale, "in [0.7, 20] px");
+  require(scales >= 1 && scales <= 12, "scales", scales, "in 1…12");
+  require(significance > 0 && std::isfinite(significance), "significance", significance, "positive");
+  require(hysteresis > 0 && hysteresis <= 1, "hysteresis", hysteresis, "in (0, 1]");
+  require(min_contrast >= 0 && std::isfinite(min_contrast), "min_contrast", min_contrast, "at least 0");
+  require(min_length >= 0 && std::isfinite(min_length), "min_length", min_length, "at least 0");
+  require(spacing >= 2 && spacing <= 100, "spacing", spacing, "in [2, 100] px");
+}
+
+double estimate_noise(const cv::Mat& luma) {
+  constexpr double kQuantisation = 0.29, kMedianToSd = 1.4826;
+  if (luma.cols < 2 || luma.rows < 2) return kQuantisation;
+  std::vector<float> detail;
+  detail.reserve(static_cast<std::size_t>(luma.total() / 4));
+  for (int y = 0; y + 1 < luma.rows; y += 2) {
+    const float* upper = luma.ptr<float>(y);
+    const float* lower = luma.ptr<float>(y + 1);
+    for (int x = 0; x + 1 < luma.cols; x += 2)
+      detail.push_back(std::abs(0.5F * (upper[x] - upper[x + 1] - lower[x] + lower[x + 1])));
+  }
+  const auto middle = detail.begin() + static_cast<std::ptrdiff_t>(detail.size() / 2);
+  std::nth_element(detail.begin(), middle, detail.end());
+  return std::max(kQuantisation, kMedianToSd * double{*middle});
+}
+
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
+  options.validate();
+  if (levels.empty() || levels.depth() != CV_32F || (levels.channels() != 1 && levels.channels() != 3))
+    throw core::InputError("extract: the frame must be CV_32F with 1 or 3 channels and not empty");
+  if (!cv::checkRange(levels, true))
+    throw core::InputError("extract: the frame holds a value that is not finite");
+  const cv::Mat1f luma = luma_of(levels);
+  const ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
+  const Ground ground = measure_ground(space, estimate_noise(luma));
+
+  const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};
+  CreaseMap ridges = find_lines(space, ground, CreaseKind::ridge, low);
+  CreaseMap valleys = find_lines(space, ground, CreaseKind::valley, low);
+  thin(ridges, space);
+  thin(valleys, space);
+  const CreaseMap all_ridges = ridges;
+  remove_lobes(ridges, valleys, space);
+  remove_lobes(valleys, all_ridges, space);
+  const LinkLimits limits{options.significance};
+  std::vector<Chain> chains = link(ridges, space, limits);
+  const auto add = [&](const std::vector<Chain>& more) {
+    chains.insert(chains.end(), more.begin(), more.end());
+  };
+  add(link(valleys, space, limits));
+  if (options.edges) {
+    CreaseMap steps = find_steps(space, ground, low);
+    remove_flanks(steps, ridges, space);
+    remove_flanks(steps, valleys, space);
+    thin(steps, space);
+    add(link(steps, space, limits));
+  }
+  chains = without_lobes(without_hooks(std::move(chains)), space, luma.size());
+  constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
+  const Network network = prune(join(cut_at_fades(chains, space, kHalf), space), options.min_length);
+  return cut_into_patches(network, space, levels, options.spacing);
+}
+
+}  // namespace emberfold::sketch

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "graph/attribute_graph.hpp"
+#include "sketch/join.hpp"
+
+namespace emberfold::sketch {
+
+/// Cuts curves into patches about every `spacing` px, evenly between meetings and ends, fits each one's
+/// attributes to the image, and joins neighbours along a curve by edges. A meeting becomes one patch that its
+/// curves share. Ids count from 0.
+graph::AttributeGraph cut_into_patches(const Network& network, const ScaleSpace& space, const cv::Mat& levels,
+                                       double spacing);
+
+}  // namespace emberfold::sketch

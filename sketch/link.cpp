@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/link.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+namespace emberfold::sketch {
+
+using graph::Point;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr std::array<std::array<int, 2>, 8> kOctants = {
+    {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+
+double turn(double from, double to) {
+  return std::remainder(to - from, 2 * kPi);
+}
+
+// The undirected theta of a point, as the one of its two directions nearer to `along`.
+double directed(double theta, double along) {
+  return std::abs(turn(along, theta)) > kPi / 2 ? theta + kPi : theta;
+}
+
+class Linker {
+ public:
+  Linker(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits)
+      : map_(map), space_(space), limits_(limits), spent_(map.points.size(), false) {}
+
+  std::vector<Chain> run() {
+    std::vector<std::size_t> seeds(map_.points.size());
+    std::iota(seeds.begin(), seeds.end(), std::size_t{0});
+    std::stable_sort(seeds.begin(), seeds.end(), [&](std::size_t a, std::size_t b) {
+      return map_.points[a].significance > map_.points[b].significance;
+    });
+    std::vector<Chain> chains;
+    for (const std::size_t seed : seeds) {
+      if (map_.points[seed].significance < limits_.seed) break;
+      if (!spent_[seed]) chains.push_back(grow(seed));
+    }
+    return chains;
+  }
+
+ private:
+  Chain grow(std::size_t seed) {
+    spent_[seed] = true;
+    const CreasePoint& start = map_.points[seed];
+    spend_beside(start);
+    Chain chain{map_.kind, {}, false};
+    std::vector<CreasePoint> ahead = follow(seed, start.theta), behind = follow(seed, start.theta + kPi);
+    for (auto p = behind.rbegin(); p != behind.rend(); ++p) {
+      p->theta -= kPi;
+      chain.points.push_back(*p);
+    }
+    chain.points.push_back(start);
+    chain.points.insert(chain.points.end(), ahead.begin(), ahead.end());
+    for (CreasePoint& p : chain.points) p.theta = std::remainder(p.theta, 2 * kPi);
+    const std::size_t n = chain.points.size();
+    chain.closed = n >= 8 &&
+                   graph::distance(chain.points.front().position, chain.points.back().position) < 2.5 &&
+                   std::abs(turn(chain.points.back().theta, chain.points.front().theta)) < kPi / 3;
+    return chain;
+  }
+
+  std::vector<CreasePoint> follow(std::size_t from, double theta) {
+    std::vector<CreasePoint> found;
+    double heading = theta;  // smoothed over some points: a curve may bend, but not break off sideways
+    for (std::optional<std::size_t> next; (next = step(map_.points[from].position, theta, heading));
+         from = *next) {
+      CreasePoint point = map_.points[*next];
+      theta = point.theta = directed(point.theta, theta);
+      heading += 0.3 * turn(heading, theta);
+      spent_[*next] = true;
+      spend_beside(point);
+      found.push_back(point);
+    }
+    return found;
+  }
+
+  // The best of the three neighbours ahead, or of the pixels one further where those are empty.
+  std::optional<std::size_t> step(Point position, double theta, double heading) const {
+    const int octant = static_cast<int>(std::lround(theta / (kPi / 4)));
+    const int x = static_cast<int>(std::lround(position.x)), y = static_cast<int>(std::lround(position.y));
+    std::optional<std::size_t> best;
+    for (int reach = 1; reach <= 2 && !best; ++reach) {
+      double least = 1e9;
+      for (int side = -1; side <= 1; ++side) {
+        const auto& d = kOctants[static_cast<std::size_t>(((octant + side) % 8 + 8) % 8)];
+        const auto candidate = at(x + reach * d[0], y + reach * d[1]);
+        if (!candidate) continue;
+        const CreasePoint& p = map_.points[*candidate];
+        const double bend = std::abs(turn(theta, directed(p.theta, theta)));
+        const double way = graph::distance(p.position, position);
+        const Point v = p.position - position;
+        const double sideways = std::abs(turn(heading, std::atan2(v.y, v.x)));
+        if (bend > kPi / 4 || way < 0.2 || (way > 0.7 && sideways > kPi / 3.5)) continue;
+        if (way + bend < least) {
+          least = way + bend;
+          best = candidate;
+        }
+      }
+    }
+    return best;
+  }
+
+  std::optional<std::size_t> at(int x, int y) const {
+    if (x < 0 || y < 0 || x >= map_.index.cols || y >= map_.index.rows) return std::nullopt;
+    const int i = map_.index(y, x);
+    if (i < 0 || spent_[static_cast<std::size_t>(i)]) return std::nullopt;
+    return static_cast<std::size_t>(i);
+  }
+
+  // Double responses: points to the sides that run in parallel, nearer than two lines of this size could be
+  // told apart.
+  void spend_beside(const CreasePoint& p) {
+    const int x = static_cast<int>(std::lround(p.position.x)),
+              y = static_cast<int>(std::lround(p.position.y));
+    const Point normal{-std::sin(p.theta), std::cos(p.theta)};
+    const double reach = std::max(1.5, space_[static_cast<std::size_t>(p.level)].sigma);
+    const int box = static_cast<int>(std::ceil(reach));
+    for (int dy = -box; dy <= box; ++dy)
+      for (int dx = -box; dx <= box; ++dx) {
+        const auto beside = at(x + dx, y + dy);
+        if (!beside) continue;
+        const CreasePoint& q = map_.points[*beside];
+        const Point v = q.position - p.position;
+        const double across = std::abs(graph::dot(v, normal)),
+                     along = std::abs(graph::dot(v, {normal.y, -normal.x}));
+        if (across <= reach && along < 0.8 && graph::orientation_difference(p.theta, q.theta) < kPi / 5)
+          spent_[*beside] = true;
+      }
+  }
+
+  const CreaseMap& map_;
+  const ScaleSpace& space_;
+  LinkLimits limits_;
+  std::vector<bool> spent_;
+};
+
+}  // namespace
+
+std::size_t own_level(const Chain& chain) {
+  std::vector<int> levels;
+  for (const CreasePoint& p : chain.points) levels.push_back(p.level);
+  std::nth_element(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2),
+                   levels.end());
+  return static_cast<std::size_t>(levels[levels.size() / 2]);
+}
+
+namespace {
+
+// A dip of less than 3 px inside a curve is noise, not a gap: blur alone would fill it.
+void bridge_short_dips(std::vector<bool>& keep, const std::vector<double>& s) {
+  const std::size_t n = keep.size();
+  for (std::size_t i = 1; i < n; ++i) {
+    if (keep[i] || !keep[i - 1]) continue;
+    std::size_t end = i;
+    while (end < n && !keep[end]) ++end;
+    if (end < n && s[end] - s[i - 1] < 3)
+      for (std::size_t j = i; j < end; ++j) keep[j] = true;
+    i = end;
+  }
+}
+
+}  // namespace
+
+std::vector<Chain> link(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits) {
+  return Linker(map, space, limits).run();
+}
+
+std::vector<double> arc_lengths(const Chain& chain) {
+  std::vector<double> s(chain.points.size(), 0.0);
+  for (std::size_t i = 1; i < s.size(); ++i)
+    s[i] = s[i - 1] + graph::distance(chain.points[i - 1].position, chain.points[i].position);
+  return s;
+}
+
+Point direction(const Chain& chain, std::size_t at, std::size_t reach) {
+  const std::size_t first = at > reach ? at - reach : 0, last = std::min(at + reach, chain.points.size() - 1);
+  const Point v = chain.points[last].position - chain.points[first].position;
+  const double length = graph::norm(v);
+  if (length < 1e-9) return {std::cos(chain.points[at].theta), std::sin(chain.points[at].theta)};
+  return v * (1 / length);
+}
+
+std::vector<Chain> without_hooks(std::vector<Chain> chains) {
+  constexpr std::size_t kTail = 6, kBody = 14;  // points
+  constexpr double kAside = kPi / 5;
+  for (Chain& chain : chains) {
+    if (chain.closed || chain.points.size() < kBody) continue;
+    const auto hooked = [&](std::size_t end, std::size_t from, std::size_t to) {
+      const Point body = chain.points[to].position - chain.points[from].position;
+      return graph::orientation_difference(chain.points[end].theta, std::atan2(body.y, body.x)) > kAside;
+    };
+    std::size_t first = 0, last = chain.points.size() - 1;
+    while (first < kTail && hooked(first, kTail, kBody - 1)) ++first;
+    const std::size_t n = chain.points.size();
+    while (last > n - 1 - kTail && hooked(last, n - kBody, n - 1 - kTail)) --last;
+    chain.points = {chain.points.begin() + static_cast<std::ptrdiff_t>(first),
+                    chain.points.begin() + static_cast<std::ptrdiff_t>(last) + 1};
+  }
+  return chains;
+}
+
+std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpace& space, double share) {
+  constexpr double kAround = 20;  // px
+  std::vector<Chain> pieces;
+  for (const Chain& chain : chains) {
+    const ScaleLevel& level = space[own_level(chain)];
+    const std::size_t n = chain.points.size();
+    const std::vector<double> s = arc_lengths(chain);
+    std::vector<double> response(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Point u = direction(chain, i);
+      if (chain.kind == CreaseKind::step) {
+        const Point p = chain.points[i].position, across = Point{-u.y, u.x} * level.sigma;
+        response[i] = std::abs(level.value_at(p + across) - level.value_at(p - across));
+      } else {
+        const double second = level.hessian_at(chain.points[i].position).along({-u.y, u.x});
+        response[i] = chain.kind == CreaseKind::ridge ? -second : second;
+      }
+    }
+    std::vector<bool> keep(n);
+    std::vector<double> around;
+    for (std::size_t i = 0; i < n; ++i) {
+      around.clear();
+      for (std::size_t j = i; j-- > 0 && s[i] - s[j] <= kAround;) around.push_back(response[j]);
+      for (std::size_t j = i; j < n && s[j] - s[i] <= kAround; ++j) around.push_back(response[j]);
+      const auto usual =
+          around.begin() + static_cast<std::ptrdiff_t>(0.6 * static_cast<double>(around.size()));
+      std::nth_element(around.begin(), usual, around.end());
+      keep[i] = response[i] >= share * *usual;
+    }
+    bridge_short_dips(keep, s);
+    if (std::all_of(keep.begin(), keep.end(), [](bool k) { return k; })) {
+      pieces.push_back(chain);
+      continue;
+    }
+    for (std::size_t i = 0; i < n;) {
+      if (!keep[i]) {
+        ++i;
+        continue;
+      }
+      std::size_t end = i;
+      while (end < n && keep[end]) ++end;
+      if (end - i >= 2)
+        pieces.push_back({chain.kind,
+                          {chain.points.begin() + static_cast<std::ptrdiff_t>(i),
+                           chain.points.begin() + static_cast<std::ptrdiff_t>(end)},
+                          false});
+      i = end;
+    }
+  }
+  return pieces;
+}
+
+}  // namespace emberfold::sketch

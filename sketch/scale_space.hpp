@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "graph/patch.hpp"
+
+namespace emberfold::sketch {
+
+/// Symmetric 2×2 matrix of second derivatives.
+struct Hessian {
+  float xx = 0, xy = 0, yy = 0;
+  /// Second derivative along the unit vector u.
+  [[nodiscard]] double along(graph::Point u) const {
+    return double{xx} * u.x * u.x + 2 * double{xy} * u.x * u.y + double{yy} * u.y * u.y;
+  }
+};
+
+/// The image smoothed by a Gaussian; derivatives are central differences of it.
+struct ScaleLevel {
+  double sigma = 1;  ///< px, of the smoothing
+  cv::Mat1f smooth;  ///< with a border of one pixel, so that every pixel of the frame has eight neighbours
+  double gradient_sd = 0;  ///< SD of a first derivative under white noise of SD 1
+  double hessian_sd = 0;   ///< SD of a second derivative (xx or yy) under white noise of SD 1
+
+  [[nodiscard]] Hessian hessian(int x, int y) const;
+  [[nodiscard]] graph::Point gradient(int x, int y) const;
+  /// Bilinear between pixels, clamped to the frame.
+  [[nodiscard]] Hessian hessian_at(graph::Point p) const;
+  [[nodiscard]] double value_at(graph::Point p) const;
+};
+
+using ScaleSpace = std::vector<ScaleLevel>;
+
+/// Levels at finest, finest·√2, finest·2, … px. O(pixels · levels).
+ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels);
+
+}  // namespace emberfold::sketch
