@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
+
+#include <boost/pending/disjoint_sets.hpp>
 
 #include "core/error.hpp"
 
@@ -91,6 +94,65 @@ std::vector<std::size_t> assign(std::size_t rows, std::size_t columns, std::span
   ShortestPaths paths(columns, rows, transposed);
   for (std::size_t j = 0; j < columns; ++j) paths.add(j);
   for (std::size_t i = 0; i < rows; ++i) result[i] = paths.row_of()[i];
+  return result;
+}
+
+namespace {
+
+/// Sorted, each once.
+std::vector<std::uint32_t> distinct(std::vector<std::uint32_t> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+std::size_t place(const std::vector<std::uint32_t>& sorted, std::uint32_t value) {
+  return static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
+}
+
+/// The rows and the columns of the candidates.
+struct Sides {
+  std::vector<std::uint32_t> rows, columns;
+
+  explicit Sides(std::span<const Candidate> candidates) {
+    for (const Candidate& c : candidates) rows.push_back(c.row), columns.push_back(c.column);
+    rows = distinct(std::move(rows));
+    columns = distinct(std::move(columns));
+  }
+};
+
+}  // namespace
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> assign(std::span<const Candidate> candidates) {
+  const Sides all(candidates);
+  const std::size_t nodes = all.rows.size() + all.columns.size();
+  std::vector<std::size_t> rank(nodes), parent(nodes);
+  boost::disjoint_sets sets(rank.data(), parent.data());
+  for (std::size_t k = 0; k < nodes; ++k) sets.make_set(k);
+  for (const Candidate& c : candidates) {
+    if (!(c.gain > 0) || !std::isfinite(c.gain)) {
+      throw core::InputError("assignment: a gain is " + std::to_string(c.gain) + ", allowed is above 0");
+    }
+    sets.union_set(place(all.rows, c.row), all.rows.size() + place(all.columns, c.column));
+  }
+  std::map<std::size_t, std::vector<Candidate>> groups;
+  for (const Candidate& c : candidates) groups[sets.find_set(place(all.rows, c.row))].push_back(c);
+
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
+  std::vector<double> cost;
+  for (const auto& [root, group] : groups) {
+    const Sides sides(group);
+    const std::size_t columns = sides.columns.size();
+    cost.assign(sides.rows.size() * columns, 0);
+    for (const Candidate& c : group)
+      cost[place(sides.rows, c.row) * columns + place(sides.columns, c.column)] = -c.gain;
+    const auto column_of = assign(sides.rows.size(), columns, cost);
+    for (std::size_t i = 0; i < sides.rows.size(); ++i) {
+      if (column_of[i] == kUnassigned || cost[i * columns + column_of[i]] == 0) continue;
+      result.emplace_back(sides.rows[i], sides.columns[column_of[i]]);
+    }
+  }
+  std::sort(result.begin(), result.end());
   return result;
 }
 

@@ -1,2 +1,315 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/match.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/error.hpp"
+#include "graph/align.hpp"
+#include "graph/assignment.hpp"
+#include "graph/features.hpp"
+#include "graph/gap.hpp"
+#include "graph/near.hpp"
+
+namespace emberfold::graph {
+
+void MatchOptions::validate() const {
+  const std::array<std::pair<const char*, double>, 8> fields = {{{"max_motion", max_motion},
+                                                                 {"sigma_across", sigma_across},
+                                                                 {"sigma_along", sigma_along},
+                                                                 {"sigma_angle", sigma_angle},
+                                                                 {"sigma_contrast", sigma_contrast},
+                                                                 {"sigma_count", sigma_count},
+                                                                 {"sigma_shape", sigma_shape},
+                                                                 {"sigma_degree", sigma_degree}}};
+  for (const auto& [name, value] : fields) {
+    if (!(value > 0) || !std::isfinite(value)) {
+      throw core::InputError("match: " + std::string(name) + " is " + std::to_string(value) +
+                             ", allowed is a finite number above 0");
+    }
+  }
+}
+
+namespace {
+
+using detail::IndexLinks;
+
+constexpr double kGate = 4.5;  // a link may cost as much as three SD of one attribute
+constexpr double kReach = 12;  // px along a curve over which patches move alike
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+Point direction(double theta) {
+  return {std::cos(theta), std::sin(theta)};
+}
+
+/// The mean of two undirected orientations, as a direction.
+Point mean_direction(double theta_a, double theta_b) {
+  const Point a = direction(theta_a), b = direction(theta_b);
+  const Point sum = dot(a, b) < 0 ? a - b : a + b;
+  return norm(sum) > 0 ? sum * (1 / norm(sum)) : a;
+}
+
+/// How far the motion of each patch is known: `wide` times sigma_across.
+struct Pass {
+  double wide = 1;
+};
+
+/// What a link from `a`, expected at `at`, to `b` costs: half the squared distances in SDs.
+double cost(const Patch& a, Point at, const Patch& b, const MatchOptions& options, Pass pass) {
+  const auto square = [](double x) { return x * x; };
+  const Point along = mean_direction(a.theta, b.theta), apart = b.position - at;
+  const double across = apart.y * along.x - apart.x * along.y;
+  const double contrast = std::log((1 + std::abs(b.contrast)) / (1 + std::abs(a.contrast)));
+  return 0.5 * (square(across / (options.sigma_across * pass.wide)) +
+                square(dot(apart, along) / options.sigma_along) +
+                square(orientation_difference(a.theta, b.theta) / options.sigma_angle) +
+                square(contrast / options.sigma_contrast));
+}
+
+/// Both frames, and where the patches of the first are expected in the second.
+struct Frames {
+  const AttributeGraph &before, &after;
+  std::vector<Curve> curves_before, curves_after;
+  std::vector<Point> motion;  ///< px, of each vertex before
+
+  [[nodiscard]] std::vector<Point> expected() const {
+    std::vector<Point> at(before.size());
+    for (std::size_t i = 0; i < at.size(); ++i) at[i] = before.patch(i).position + motion[i];
+    return at;
+  }
+};
+
+std::vector<Candidate> candidates(const Frames& frames, const detail::Near& near, const MatchOptions& options,
+                                  Pass pass) {
+  const auto at = frames.expected();
+  std::vector<Candidate> result;
+  for (std::uint32_t i = 0; i < frames.before.size(); ++i) {
+    const Patch& a = frames.before.patch(i);
+    const std::size_t start = result.size();
+    for (const std::uint32_t j : near.around(at[i])) {
+      const Patch& b = frames.after.patch(j);
+      if (!same_kind(a, b)) continue;
+      const double gain = kGate - cost(a, at[i], b, options, pass);
+      if (gain > 0) result.push_back({i, j, gain});
+    }
+    // Where patches lie on top of each other there is no telling them apart, nor need to try.
+    constexpr std::ptrdiff_t kMost = 32;
+    const auto first = result.begin() + static_cast<std::ptrdiff_t>(start);
+    if (result.end() - first > kMost) {
+      std::partial_sort(first, first + kMost, result.end(), [](const Candidate& p, const Candidate& q) {
+        return p.gain != q.gain ? p.gain > q.gain : p.column < q.column;
+      });
+      result.erase(first + kMost, result.end());
+    }
+  }
+  return result;
+}
+
+IndexLinks align(const Frames& frames, detail::Aligner& aligner, const std::vector<Candidate>& candidates,
+                 const MatchOptions& options) {
+  std::vector<Point> places(frames.after.size());
+  for (std::size_t j = 0; j < places.size(); ++j) places[j] = frames.after.patch(j).position;
+  const auto at = frames.expected();
+  std::vector<detail::CurveFeatures> of_before, of_after;
+  for (const Curve& curve : frames.curves_before)
+    of_before.push_back(detail::features(frames.before, at, curve));
+  for (const Curve& curve : frames.curves_after)
+    of_after.push_back(detail::features(frames.after, places, curve));
+  return aligner.align(candidates, [&](std::uint32_t a, std::uint32_t b) {
+    return detail::likeness(of_before[a], of_after[b], options);
+  });
+}
+
+/// The motion that the links show, smoothed along the curves: around each vertex the one shift that explains
+/// best how far its neighbours moved across their curve. What moves along a curve hardly shows: there the
+/// motion stays near what was expected.
+std::vector<Point> fitted_motion(const Frames& frames, const IndexLinks& links) {
+  constexpr double kAlong = 0.05, kPrior = 0.3;
+  const auto at = frames.expected();
+  std::vector<std::uint32_t> partner(frames.before.size(), kNone);
+  for (const auto& [i, j] : links) partner[i] = j;
+  std::vector<Point> sum(frames.before.size());
+  std::vector<double> times(frames.before.size(), 0);
+  for (const Curve& curve : frames.curves_before) {
+    std::vector<double> arc(curve.size(), 0);
+    for (std::size_t k = 1; k < curve.size(); ++k)
+      arc[k] = arc[k - 1] + distance(at[curve[k - 1]], at[curve[k]]);
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < curve.size(); ++k) {
+      while (arc[k] - arc[first] > 3 * kReach) ++first;
+      double xx = kPrior, xy = 0, yy = kPrior, bx = 0, by = 0;
+      for (std::size_t m = first; m < curve.size() && arc[m] - arc[k] <= 3 * kReach; ++m) {
+        const std::uint32_t i = curve[m], j = partner[i];
+        if (j == kNone) continue;
+        const double steps = (arc[m] - arc[k]) / kReach, weight = std::exp(-0.5 * steps * steps);
+        const Patch& b = frames.after.patch(j);
+        const Point along = mean_direction(frames.before.patch(i).theta, b.theta), normal{-along.y, along.x};
+        const Point apart = b.position - at[i];
+        const double across = weight * dot(apart, normal), rest = weight * kAlong * dot(apart, along);
+        xx += weight * (normal.x * normal.x + kAlong * along.x * along.x);
+        xy += weight * (normal.x * normal.y + kAlong * along.x * along.y);
+        yy += weight * (normal.y * normal.y + kAlong * along.y * along.y);
+        bx += across * normal.x + rest * along.x;
+        by += across * normal.y + rest * along.y;
+      }
+      const double determinant = xx * yy - xy * xy;
+      const std::uint32_t i = curve[k];
+      sum[i] = sum[i] + Point{(yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant};
+      times[i] += 1;
+    }
+  }
+  std::vector<Point> motion = frames.motion;
+  for (std::size_t i = 0; i < motion.size(); ++i) motion[i] = motion[i] + sum[i] * (1 / times[i]);
+  return motion;
+}
+
+/// Links what the aligned curves left over, at the most gain in all.
+IndexLinks with_rest(const Frames& frames, IndexLinks links, const std::vector<Candidate>& candidates) {
+  std::vector<bool> used_before(frames.before.size(), false), used_after(frames.after.size(), false);
+  for (const auto& [i, j] : links) used_before[i] = used_after[j] = true;
+  std::vector<Candidate> rest;
+  for (const Candidate& c : candidates) {
+    if (!used_before[c.row] && !used_after[c.column]) rest.push_back(c);
+  }
+  const IndexLinks more = assign(rest);
+  links.insert(links.end(), more.begin(), more.end());
+  std::sort(links.begin(), links.end());
+  return links;
+}
+
+/// Drops the links between components that too few of them hold together: a stroke that dies beside one that
+/// grows is not the same.
+std::vector<Link> supported(const Frames& frames, const IndexLinks& links) {
+  std::vector<Link> all;
+  for (const auto& [i, j] : links)
+    all.push_back({frames.before.vertices()[i].id, frames.after.vertices()[j].id});
+  const Components parts_before = components(frames.before), parts_after = components(frames.after);
+  std::vector<std::uint32_t> size_before(parts_before.count, 0), size_after(parts_after.count, 0);
+  for (const std::uint32_t part : parts_before.of_vertex) ++size_before[part];
+  for (const std::uint32_t part : parts_after.of_vertex) ++size_after[part];
+  const detail::Gap gap = detail::gap(frames.before, frames.after, all);
+  const auto pairs = detail::component_pairs(frames.before, frames.after, parts_before, parts_after, gap);
+  const auto holds = [&](std::uint32_t a, std::uint32_t b) {
+    const auto pair =
+        std::lower_bound(pairs.begin(), pairs.end(), std::pair(a, b),
+                         [](const auto& p, const auto& key) { return std::pair(p.before, p.after) < key; });
+    const std::uint32_t smaller = std::min(size_before[a], size_after[b]);
+    if (smaller <= 3) return 2 * pair->links >= smaller;
+    return pair->links >= 6 || (pair->links >= 2 && 3 * pair->links >= smaller);
+  };
+  std::vector<Link> result;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto& [i, j] = gap.links[k];
+    if (holds(parts_before.of_vertex[i], parts_after.of_vertex[j])) result.push_back(all[k]);
+  }
+  return result;
+}
+
+/// The links and the motion of the patches before that they show.
+struct Linked {
+  std::vector<Link> links;
+  std::vector<Point> motion;
+};
+
+Linked link_frames(const AttributeGraph& before, const AttributeGraph& after, std::span<const Point> velocity,
+                   const MatchOptions& options) {
+  Frames frames{before, after, curves(before), curves(after), {velocity.begin(), velocity.end()}};
+  frames.motion.resize(before.size());
+  std::vector<Point> places(after.size());
+  for (std::size_t j = 0; j < places.size(); ++j) places[j] = after.patch(j).position;
+  const detail::Near near(std::move(places), options.max_motion);
+  detail::Aligner aligner(frames.curves_before, frames.curves_after, before.size(), after.size());
+  // The first pass only finds how everything moves.
+  for (const Pass pass : {Pass{2.5}, Pass{1.5}}) {
+    frames.motion =
+        fitted_motion(frames, align(frames, aligner, candidates(frames, near, options, pass), options));
+  }
+  const auto found = candidates(frames, near, options, Pass{1});
+  const IndexLinks links = with_rest(frames, align(frames, aligner, found, options), found);
+  Linked result;
+  result.links = supported(frames, links);
+  result.motion = fitted_motion(frames, links);
+  return result;
+}
+
+/// The motion of each patch after: that of its predecessor, or of the nearest ones along the graph that have
+/// one.
+std::vector<Point> carried_motion(const AttributeGraph& before, const AttributeGraph& after,
+                                  const Linked& linked) {
+  std::vector<Point> motion(after.size());
+  std::vector<std::uint32_t> ring;
+  std::vector<bool> known(after.size(), false);
+  for (const Link& link : linked.links) {
+    const auto j = static_cast<std::uint32_t>(after.index_of(link.after));
+    motion[j] = linked.motion[before.index_of(link.before)];
+    known[j] = true;
+    ring.push_back(j);
+  }
+  while (!ring.empty()) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t j : ring) {
+      for (const std::uint32_t w : after.neighbours(j)) {
+        if (!known[w]) next.push_back(w);
+      }
+    }
+    std::sort(next.begin(), next.end());
+    next.erase(std::unique(next.begin(), next.end()), next.end());
+    for (const std::uint32_t w : next) {
+      Point sum;
+      double count = 0;
+      for (const std::uint32_t j : after.neighbours(w)) {
+        if (known[j]) sum = sum + motion[j], count += 1;
+      }
+      motion[w] = sum * (1 / count);
+    }
+    for (const std::uint32_t w : next) known[w] = true;
+    ring = std::move(next);
+  }
+  return motion;
+}
+
+}  // namespace
+
+std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGraph& after,
+                               std::span<const Point> velocity, const MatchOptions& options) {
+  options.validate();
+  if (!velocity.empty() && velocity.size() != before.size()) {
+    throw core::InputError("match: " + std::to_string(velocity.size()) + " velocities for " +
+                           std::to_string(before.size()) + " vertices");
+  }
+  const auto finite = [](Point v) { return std::isfinite(v.x) && std::isfinite(v.y); };
+  if (!std::all_of(velocity.begin(), velocity.end(), finite)) {
+    throw core::InputError("match: a velocity is not finite");
+  }
+  return link_frames(before, after, velocity, options).links;
+}
+
+MatchResult match(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
+  options.validate();
+  MatchResult result;
+  auto& frames = sketch.frames;
+  std::vector<Point> velocity;
+  std::size_t done = 0;
+  for (; done < frames.size() && !context.cancelled(); ++done) {
+    context.report("match", static_cast<double>(done) / static_cast<double>(frames.size()));
+    result.motion.links.emplace_back();
+    if (done == 0) continue;
+    Linked linked = link_frames(frames[done - 1], frames[done], velocity, options);
+    velocity = carried_motion(frames[done - 1], frames[done], linked);
+    result.motion.links.back() = std::move(linked.links);
+  }
+  if (done < frames.size()) {
+    result.status = core::Status::cancelled;
+    frames.resize(done);
+  } else {
+    context.report("match", 1);
+  }
+  result.motion.sketch = std::move(sketch);
+  result.motion = identify(std::move(result.motion));
+  return result;
+}
+
+}  // namespace emberfold::graph

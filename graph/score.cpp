@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
-
-#include <boost/pending/disjoint_sets.hpp>
 
 #include "core/error.hpp"
 #include "graph/assignment.hpp"
@@ -18,51 +17,21 @@ namespace {
 
 using Events = std::vector<const Event*>;
 
-struct Apart {
-  double frames = 0, pixels = 0;
-};
-
-Apart apart(const Event& a, const Event& b) {
-  return {std::abs(static_cast<double>(a.frame) - b.frame), distance(a.position, b.position)};
-}
-
 /// Of the events of one class: how many pair up.
 std::size_t hits(const Events& truth, const Events& found, const ScoreOptions& options) {
-  const auto near = [&](Apart d) { return d.frames <= options.frames && d.pixels <= options.radius; };
-  // What lies out of reach of each other is assigned apart: the sum is the same and the problems are small.
-  const std::size_t n = truth.size(), m = found.size();
-  std::vector<std::size_t> rank(n + m), parent(n + m);
-  boost::disjoint_sets groups(rank.data(), parent.data());
-  for (std::size_t k = 0; k < n + m; ++k) groups.make_set(k);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < m; ++j) {
-      if (near(apart(*truth[i], *found[j]))) groups.union_set(i, n + j);
+  // Above any sum of distances, each below 1: one hit more is worth any distance.
+  const double hit = 1 + static_cast<double>(std::min(truth.size(), found.size()));
+  std::vector<Candidate> candidates;
+  for (std::uint32_t i = 0; i < truth.size(); ++i) {
+    for (std::uint32_t j = 0; j < found.size(); ++j) {
+      const double frames = std::abs(static_cast<double>(truth[i]->frame) - found[j]->frame);
+      const double pixels = distance(truth[i]->position, found[j]->position);
+      if (!(frames <= options.frames && pixels <= options.radius)) continue;
+      candidates.push_back(
+          {i, j, hit - 0.5 * frames / (options.frames + 1) - 0.5 * pixels / (options.radius + 1)});
     }
   }
-  std::map<std::size_t, std::pair<Events, Events>> by_group;
-  for (std::size_t i = 0; i < n; ++i) by_group[groups.find_set(i)].first.push_back(truth[i]);
-  for (std::size_t j = 0; j < m; ++j) by_group[groups.find_set(n + j)].second.push_back(found[j]);
-
-  std::size_t count = 0;
-  std::vector<double> cost;
-  for (const auto& [root, group] : by_group) {
-    const auto& [rows, columns] = group;
-    // Above any sum of the other costs, each below 1: one hit more is worth any distance.
-    const double miss = 1 + static_cast<double>(std::min(rows.size(), columns.size()));
-    cost.clear();
-    for (const Event* t : rows) {
-      for (const Event* f : columns) {
-        const Apart d = apart(*t, *f);
-        cost.push_back(near(d) ? 0.5 * d.frames / (options.frames + 1) + 0.5 * d.pixels / (options.radius + 1)
-                               : miss);
-      }
-    }
-    const auto column_of = assign(rows.size(), columns.size(), cost);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (column_of[i] != kUnassigned && near(apart(*rows[i], *columns[column_of[i]]))) ++count;
-    }
-  }
-  return count;
+  return assign(candidates).size();
 }
 
 std::string_view four_class(EventType type) {

@@ -93,6 +93,48 @@ TEST_CASE("An assignment refuses sizes and costs that are none", "[graph][assign
   CHECK(graph::assign(2, 0, {}) == std::vector<std::size_t>(2, graph::kUnassigned));
 }
 
+TEST_CASE("Sparse pairs gain the most that any choice of pairs can", "[graph][assignment]") {
+  core::Rng rng(8);
+  for (int k = 0; k < 100; ++k) {
+    std::vector<graph::Candidate> candidates;
+    for (std::uint32_t i = 0; i < 6; ++i) {
+      for (std::uint32_t j = 0; j < 6; ++j) {
+        if (rng.uniform() < 0.3) candidates.push_back({10 * i, 7 * j, rng.uniform(0.1, 5)});
+      }
+    }
+    const auto total = [&](auto take) {
+      double sum = 0;
+      for (std::size_t c = 0; c < candidates.size(); ++c) sum += take(c) ? candidates[c].gain : 0;
+      return sum;
+    };
+    double best = 0;
+    const auto search = [&](auto&& self, std::size_t c, std::uint64_t rows, std::uint64_t columns,
+                            double sum) -> void {
+      best = std::max(best, sum);
+      for (; c < candidates.size(); ++c) {
+        const auto row = std::uint64_t{1} << candidates[c].row,
+                   column = std::uint64_t{1} << candidates[c].column;
+        if ((rows & row) || (columns & column)) continue;
+        self(self, c + 1, rows | row, columns | column, sum + candidates[c].gain);
+      }
+    };
+    search(search, 0, 0, 0, 0);
+    const auto pairs = graph::assign(candidates);
+    std::vector<std::uint32_t> rows, columns;
+    for (const auto& [row, column] : pairs) rows.push_back(row), columns.push_back(column);
+    std::sort(columns.begin(), columns.end());
+    CHECK(std::adjacent_find(rows.begin(), rows.end()) == rows.end());
+    CHECK(std::adjacent_find(columns.begin(), columns.end()) == columns.end());
+    CHECK_THAT(total([&](std::size_t c) {
+                 return std::count(pairs.begin(), pairs.end(),
+                                   std::pair(candidates[c].row, candidates[c].column)) > 0;
+               }),
+               WithinAbs(best, 1e-9));
+  }
+  const std::vector<graph::Candidate> bad{{0, 0, -1}};
+  CHECK_THROWS_AS(graph::assign(bad), core::InputError);
+}
+
 TEST_CASE("Hits are the most one-to-one pairs within reach", "[graph][score]") {
   core::Rng rng(6);
   const graph::ScoreOptions options{1, 20};
