@@ -24,7 +24,7 @@ cv::Mat to_levels(const cv::Mat& frame, const ClipInfo& info) {
 }
 
 cv::Mat luma(const cv::Mat& frame, const ClipInfo& info) {
-  const cv::Mat levels = to_levels(frame, info);
+  cv::Mat levels = to_levels(frame, info);
   if (levels.channels() == 1) return levels;
   cv::Mat grey;
   cv::cvtColor(levels, grey, cv::COLOR_BGR2GRAY);

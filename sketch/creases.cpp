@@ -17,6 +17,8 @@ namespace {
 // A line of Gaussian profile with SD s and height h responds with h·s / (s² + σ²)^{3/2}; the normalised
 // response σ^{3/2}·λ is greatest at σ = s, where h = 2^{3/2} σ² λ.
 constexpr double kLineContrast = 2.8284271247461903;
+// A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
+constexpr double kStepContrast = 3.5449077018110318;
 // How far from the pixel's centre the subpixel place may lie (Steger: 0.5; a margin keeps lines connected).
 constexpr double kPixelReach = 0.6;
 
@@ -72,17 +74,6 @@ void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
     kept.push_back(map.points[old]);
   }
   map.points = std::move(kept);
-}
-
-// Drops the points whose contrast is below the shadow that others cast on their pixel.
-void remove_below(CreaseMap& map, const cv::Mat1f& shadow) {
-  std::vector<bool> marked(map.points.size(), false);
-  for (int y = 0; y < map.index.rows; ++y)
-    for (int x = 0; x < map.index.cols; ++x)
-      if (const int i = map.index(y, x); i >= 0)
-        marked[static_cast<std::size_t>(i)] =
-            map.points[static_cast<std::size_t>(i)].contrast < double{shadow(y, x)};
-  keep_unmarked(map, marked);
 }
 
 double median_magnitude(std::vector<float>& values) {
@@ -160,8 +151,7 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
     const int width = map.index.cols, height = map.index.rows;
-    // A step seen through the same blur as its own: the total SD is √2 σ.
-    const double to_contrast = std::sqrt(2 * std::numbers::pi) * std::numbers::sqrt2 * level.sigma;
+    const double to_contrast = kStepContrast * level.sigma;
     const double least = std::max(limits.significance * ground.first[k], limits.contrast / to_contrast);
     cv::Mat1f magnitude(height, width);
     for (int y = 0; y < height; ++y)
@@ -191,7 +181,7 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
         if (bend <= 0) continue;
         // A slope that goes on to both sides is shading, not a step: only what rises above it counts.
         const double far = 2.5 * level.sigma;
-        const double slope = std::max(at(x + far * nx, y + far * ny), at(x - far * nx, y - far * ny));
+        const double slope = 0.5 * (at(x + far * nx, y + far * ny) + at(x - far * nx, y - far * ny));
         const double rise = here - slope;
         if (rise < least) continue;
         const double t = 0.5 * (ahead - behind) / bend;
@@ -226,27 +216,45 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
         row[x] = std::max(row[x], cast);
     }
   }
-  remove_below(lines, shadow);
+  std::vector<bool> marked(lines.points.size(), false);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (const int i = lines.index(y, x); i >= 0)
+        marked[static_cast<std::size_t>(i)] =
+            lines.points[static_cast<std::size_t>(i)].contrast < double{shadow(y, x)};
+  keep_unmarked(lines, marked);
 }
 
 void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space) {
   constexpr double kMargin = 1.6;  // a line whose sides differ by half has one flank that is a third higher
   const int width = steps.index.cols, height = steps.index.rows;
-  // For each pixel the greatest contrast that a step there may have and still be a line's flank.
-  cv::Mat1f shadow(height, width, 0.0F);
-  for (const CreasePoint& p : lines.points) {
-    const double s = space[static_cast<std::size_t>(p.level)].sigma;
+  cv::Mat1i owner(height, width, -1);  // of each pixel beside a line: the strongest such line's point
+  const auto point = [&](int i) -> const CreasePoint& { return lines.points[static_cast<std::size_t>(i)]; };
+  for (std::size_t i = 0; i < lines.points.size(); ++i) {
+    const CreasePoint& p = lines.points[i];
+    const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
     const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
-    const auto cast = static_cast<float>(kMargin * 1.53 * p.contrast);  // e^{−1/2} √(2π) = 1.52
-    for (double d = -(2.5 * s + 1.5); d <= 2.5 * s + 1.5; d += 0.5) {
+    for (double d = -reach; d <= reach; d += 0.5) {
       const int x = static_cast<int>(std::lround(p.position.x + d * nx)),
                 y = static_cast<int>(std::lround(p.position.y + d * ny));
       if (x < 0 || y < 0 || x >= width || y >= height) continue;
-      float& pixel = shadow(y, x);
-      pixel = std::max(pixel, cast);
+      int& pixel = owner(y, x);
+      if (pixel < 0 || point(pixel).contrast < p.contrast) pixel = static_cast<int>(i);
     }
   }
-  remove_below(steps, shadow);
+  std::vector<bool> marked(steps.points.size(), false);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (steps.index(y, x) < 0 || owner(y, x) < 0) continue;
+      const auto at = static_cast<std::size_t>(steps.index(y, x));
+      const CreasePoint& line = point(owner(y, x));
+      // The steepest slope of a Gaussian line, h s / S² · e^{−1/2}, read as a step at the step's own scale.
+      const double s = space[static_cast<std::size_t>(line.level)].sigma,
+                   sigma = space[static_cast<std::size_t>(steps.points[at].level)].sigma;
+      const double slope = 0.607 * line.contrast * s / (s * s + sigma * sigma);
+      marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma;
+    }
+  keep_unmarked(steps, marked);
 }
 
 void thin(CreaseMap& map, const ScaleSpace& space) {

@@ -85,7 +85,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   };
   add(link(valleys, space, limits));
   if (options.edges) {
-    CreaseMap steps = find_steps(space, ground, low);
+    CreaseMap steps = find_steps(space, ground, {low.significance, 2 * low.contrast});
     remove_flanks(steps, ridges, space);
     remove_flanks(steps, valleys, space);
     thin(steps, space);

@@ -93,7 +93,7 @@ TEST_CASE("Neighbouring streams are independent", "[core][rng]") {
   CHECK(pairs_p([](std::uint32_t i) { return Rng(1, {0, 0, i}); }) > kRare);
 }
 
-TEST_CASE("uniform is uniform on [0, 1), also from draw to draw", "[core][rng]") {
+TEST_CASE("uniform is uniform below 1, also from draw to draw", "[core][rng]") {
   Rng rng(2);
   std::vector<std::size_t> counted(100), low_bits(64), pairs(400), triples(512);
   double before = rng.uniform(), before_that = rng.uniform();

@@ -272,7 +272,7 @@ TEST_CASE("Channels do not touch each other", "[sketch][fill]") {
     CHECK(largest_difference(filled[c], sketch::fill(channels[c], mask).levels) == 0);
 }
 
-TEST_CASE("All held: untouched; nothing held: zero", "[sketch][fill]") {
+TEST_CASE("All held: untouched. Nothing held: zero", "[sketch][fill]") {
   core::Rng rng(11);
   for (const cv::Size size : {cv::Size(1, 1), {1, 9}, {31, 20}}) {
     const cv::Mat levels = random_levels(size, rng);
