@@ -43,6 +43,13 @@ Json classes() {
   return list;
 }
 
+// The last part of a path; the whole of a name that is none.
+std::string title_of(std::string clip) {
+  while (clip.size() > 1 && clip.back() == '/') clip.pop_back();
+  const auto slash = clip.find_last_of('/');
+  return slash == std::string::npos || slash + 1 == clip.size() ? clip : clip.substr(slash + 1);
+}
+
 }  // namespace
 
 std::string escape_html(const std::string& text) {
@@ -127,7 +134,8 @@ std::string make_report(const ReportInput& input, const Json& summary) {
   data["matches"] = Json::array();
   for (const auto& match : input.matches) data["matches"].push_back(picture(match.frame, match.still));
   // the name may hold bytes that are no UTF-8: once through JSON they are replaced
-  const auto title = Json::parse(Json(input.clip).dump(-1, ' ', false, Json::error_handler_t::replace));
+  const auto title =
+      Json::parse(Json(title_of(input.clip)).dump(-1, ' ', false, Json::error_handler_t::replace));
   return fill_in(kReportTemplate, {{"title", escape_html(title.get<std::string>())},
                                    {"style", kReportStyle},
                                    {"data", embed_json(data)},

@@ -104,7 +104,7 @@ function axes(context, width, height, x, y, options = {}) {
   context.lineWidth = 1;
   context.textAlign = "center";
   context.textBaseline = "top";
-  for (const v of ticks(x[0], x[1], (right - left) / 80, true)) {
+  for (const v of ticks(x[0], x[1], (right - left) / 64, true)) {
     context.beginPath();
     context.moveTo(px(v), top);
     context.lineTo(px(v), bottom);

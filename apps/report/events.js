@@ -173,7 +173,7 @@ function pickLane(pointer) {
 function buildRates() {
   const {step: bin, events: counts} = data.series;
   // a running mean, wide enough to be a rate rather than a row of spikes
-  const half = Math.max(1, Math.round(counts[0].length / 60));
+  const half = Math.max(1, Math.round(counts[0].length / 32));
   const smooth = (list) => list.map((_, i) => {
     const part = list.slice(Math.max(0, i - half), i + half + 1);
     return sum(part) / part.length;

@@ -14,7 +14,7 @@ function buildHead() {
   tile("Events", number(count), "", `${number(count / Math.max(1, clip.frames - 1), 2)} a frame`);
   tile("Strokes", number(figures.strokes_per_frame, 1), "a frame", `${number(summary.motion?.strokes)} in all`);
   tile("Patches", number(figures.patches_per_frame, 0), "a frame", `${number(figures.patches)} in all`);
-  tile("Sketchable", number((figures.sketchable_share ?? 0) * 100, 1), "% of the frame");
+  tile("Sketchable", number((figures.sketchable_share ?? 0) * 100, 1), "%", "of the frame, under patches");
   tile("Reconstruction", number(figures.psnr?.mean, 1), "dB", figures.psnr ? `PSNR, ${number(figures.psnr.min, 1)} to ${number(figures.psnr.max, 1)}` : "");
   if (summary.score) tile("F1, four classes", number(summary.score.four.all.f1, 3), "", "against the truth");
   if (summary.seconds) tile("Time", number(summary.seconds.total, summary.seconds.total < 10 ? 1 : 0), "s", `${number(summary.peak_memory_mb)} MB at most`);
