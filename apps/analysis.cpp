@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/analysis.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/pictures.hpp"
+#include "apps/report.hpp"
+#include "apps/stream_frames.hpp"
+#include "apps/summary.hpp"
+#include "core/error.hpp"
+#include "graph/motion_io.hpp"
+#include "graph/score.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+graph::SketchSequence sketch_frames(core::FrameSource& source, const sketch::ExtractOptions& options,
+                                    const Session& session) {
+  const auto& info = source.info();
+  graph::SketchSequence sketch;
+  sketch.width = info.width, sketch.height = info.height, sketch.fps = info.fps;
+  stream_frames(
+      source, "sketching the frames", info.frames, session.context,
+      [&](int, const cv::Mat& frame) { return sketch::extract(core::to_levels(frame, info), options); },
+      [&](int, graph::AttributeGraph graph) { sketch.append(graph); });
+  return sketch;
+}
+
+void write_data(OutputFolder& output, const graph::MotionGraph& motion,
+                const std::vector<graph::Event>& events, const std::vector<graph::Event>& all_events) {
+  output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
+  output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
+  output.write("events.json", [&](std::ostream& out) { graph::write_events(out, events); });
+  output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, all_events); });
+  output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, events); });
+  output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
+}
+
+Json per_frame_json(const graph::MotionGraph& motion, const std::vector<graph::Event>& events) {
+  Json patches = Json::array(), strokes = Json::array();
+  std::vector<std::size_t> count(motion.sketch.frames.size());
+  for (const auto& graph : motion.sketch.frames) {
+    patches.push_back(graph.size());
+    strokes.push_back(graph::components(graph).count);
+  }
+  for (const auto& event : events) ++count.at(static_cast<std::size_t>(event.frame));
+  return {{"patches", patches}, {"strokes", strokes}, {"events", count}};
+}
+
+Json sketch_json(const Json& per_frame, const Pictures& pictures) {
+  const auto mean = [](const Json& list) {
+    double total = 0;
+    for (const auto& value : list) total += value.get<double>();
+    return std::round(total / std::max<double>(1, double(list.size())) * 100) / 100;
+  };
+  std::size_t patches = 0;
+  for (const auto& value : per_frame["patches"]) patches += value.get<std::size_t>();
+  const Json share = spread_json(pictures.share);
+  return {{"patches", patches},
+          {"patches_per_frame", mean(per_frame["patches"])},
+          {"strokes_per_frame", mean(per_frame["strokes"])},
+          {"sketchable_share", share.is_null() ? Json(0) : share["mean"]},
+          {"psnr", spread_json(pictures.psnr)}};
+}
+
+Json motion_json(const graph::MotionGraph& motion) {
+  std::set<std::uint32_t> strokes;
+  std::size_t links = 0;
+  for (const auto& graph : motion.sketch.frames)
+    for (const auto& vertex : graph.vertices()) strokes.insert(vertex.subgraph.value);
+  for (const auto& gap : motion.links) links += gap.size();
+  return {
+      {"strokes", strokes.size()}, {"links", links}, {"trajectories", graph::trajectories(motion).size()}};
+}
+
+Json events_json(const std::vector<graph::Event>& events, std::size_t frames) {
+  Json classes = Json::object();
+  for (const auto type : all_event_types())
+    classes[std::string(graph::name(type))] = std::ranges::count(events, type, &graph::Event::type);
+  const double per_frame = double(events.size()) / double(std::max<std::size_t>(1, frames - 1));
+  return {{"total", events.size()}, {"per_frame", std::round(per_frame * 1000) / 1000}, {"classes", classes}};
+}
+
+Json files_json(bool reconstruction) {
+  Json files = {{"events.json", "the events of strokes"},
+                {"events.csv", "the same as a table"},
+                {"events_all.json", "those less probable too"},
+                {"motion.jsonl", "graphs and their links, a line a frame"},
+                {"sketch.jsonl", "the graphs alone"},
+                {"trajectories.csv", "every patch through time"},
+                {"overlay.mp4", "the clip with its graph and events"},
+                {"matches/", "neighbouring frames, matched"},
+                {"summary.json", "all figures"}};
+  if (reconstruction) files["reconstruction.avi"] = "the clip drawn from its sketch";
+  return files;
+}
+
+void need_two_frames(const std::string& clip, std::int64_t frames) {
+  if (frames >= 2) return;
+  if (frames <= 0) throw core::IoError(clip + " holds no frame");
+  throw core::IoError(clip + " holds one frame; motion needs at least two ('emberfold sketch' takes one)");
+}
+
+}  // namespace
+
+Json analyze_clip(const std::string& name, const AnalyzeOptions& options, OutputFolder& output,
+                  Session& session, const std::optional<std::vector<graph::Event>>& truth,
+                  const std::string& shown_name) {
+  const std::string& clip = shown_name.empty() ? name : shown_name;
+  Stages stages;
+  stages.begin("sketch");
+  const auto source = open_clip(name, options.read, [&](const std::string& text) { session.warn(text); });
+  if (source->info().frames) need_two_frames(clip, *source->info().frames);
+  auto sketch = sketch_frames(*source, options.sketch, session);
+  need_two_frames(clip, static_cast<std::int64_t>(sketch.frames.size()));
+
+  stages.begin("match");
+  auto matched = graph::match(std::move(sketch), options.match, session.context);
+  if (matched.status == core::Status::cancelled) throw Interrupted{};
+  const graph::MotionGraph motion = std::move(matched.motion);
+  const auto all_events = graph::stroke_events(motion);
+  std::vector<graph::Event> events;
+  std::ranges::copy_if(all_events, std::back_inserter(events),
+                       [](const auto& e) { return e.probability >= 0.5; });
+  stages.begin("write");
+  write_data(output, motion, events, all_events);
+
+  stages.begin("pictures");
+  const PictureOptions picture_options{options.fill, options.reconstruction};
+  Pictures pictures = draw_pictures(*source, motion, events, picture_options, output, session);
+  if (pictures.not_converged > 0)
+    session.warn("the fill stopped before its tolerance in " + std::to_string(pictures.not_converged) +
+                 " frames");
+  stages.end();
+
+  Json summary = begin_summary("analyze", session);
+  summary["clip"] = clip_json(clip, source->info(), static_cast<int>(motion.sketch.frames.size()));
+  summary["options"] = {{"reading", reading_json(options.read)},
+                        {"sketch", options_json(options.sketch)},
+                        {"match", options_json(options.match)},
+                        {"fill", options_json(options.fill)}};
+  Json per_frame = per_frame_json(motion, events);
+  summary["sketch"] = sketch_json(per_frame, pictures);
+  summary["motion"] = motion_json(motion);
+  summary["events"] = events_json(events, motion.sketch.frames.size());
+  if (truth) {
+    const graph::ScoreOptions tolerance;
+    summary["score"] = score_json(graph::score_events(*truth, events, tolerance));
+    summary["score"]["tolerance"] = options_json(tolerance);
+  }
+  summary["files"] = files_json(options.reconstruction);
+  summary["per_frame"] = std::move(per_frame);
+  summary["warnings"] = session.warnings;
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+
+  pictures.report.clip = clip;
+  pictures.report.command_line = session.command_line;
+  pictures.report.version = kVersion;
+  pictures.report.motion = &motion;
+  pictures.report.events = events;
+  output.write("report.html", [&](std::ostream& out) { out << make_report(pictures.report, summary); });
+  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  session.check_stop();
+  return summary;
+}
+
+}  // namespace emberfold::apps

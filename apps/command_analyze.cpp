@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/analysis.hpp"
+#include "apps/command_line.hpp"
+#include "apps/summary.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+struct Analyze {
+  Reading reading;
+  std::string output;
+  AnalyzeOptions options;
+};
+
+void run_analyze(const Analyze& asked, Session& session) {
+  AnalyzeOptions options = asked.options;
+  options.read = check_reading(asked.reading, session);
+  check_options(options.sketch);
+  check_options(options.match);
+  check_options(options.fill);
+  OutputFolder output(asked.output);
+  const auto summary = analyze_clip(asked.reading.clip, options, output, session);
+  output.commit();
+  const auto report = (output.path() / "report.html").string();
+  session.console.say(summary["events"]["total"].dump() + " events in " + summary["clip"]["frames"].dump() +
+                      " frames; the report is " + report);
+  if (session.common.json) session.print(json_text(summary));
+}
+
+}  // namespace
+
+void add_analyze(CLI::App& app, Chosen& chosen) {
+  auto* command = app.add_subcommand("analyze", "Follow the strokes of a clip and find their events");
+  command->footer(
+      "  emberfold analyze fire.mp4 -o out/fire\n"
+      "  emberfold analyze frames/ -o out/sea --range 0:100 --scale 0.5\n"
+      "  emberfold analyze builtin:cloth -o out/cloth --json | jq .events");
+  const auto asked = std::make_shared<Analyze>();
+  add_reading(*command, asked->reading);
+  add_output(*command, asked->output);
+  command->add_flag("--reconstruction", asked->options.reconstruction,
+                    "Write reconstruction.avi too, and measure every frame's PSNR");
+  add_fields(*command, asked->options.sketch, "Sketching");
+  add_fields(*command, asked->options.match, "Matching");
+  add_fields(*command, asked->options.fill, "Filling");
+  add_common(*command, chosen.common, "Print the content of summary.json");
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_analyze(*asked, session); }; });
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+
+#include "apps/clip_reader.hpp"
+#include "graph/match.hpp"
+#include "graph/score.hpp"
+#include "sketch/extract.hpp"
+#include "sketch/fill.hpp"
+
+// The fields of the options structs that the command line offers: visit(name, value, unit, what it does). The
+// command line and summary.json are both made from here; defaults and ranges stay in the structs.
+namespace emberfold::apps {
+
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, sketch::ExtractOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("finest_scale", o.finest_scale, "PX", "SD of the finest Gaussian that creases are sought with");
+  visit("scales", o.scales, "N", "How many scales, each sqrt(2) above the one before");
+  visit("significance", o.significance, "SD", "A curve begins where the response is so many SD of the noise");
+  visit("hysteresis", o.hysteresis, "SHARE", "... and goes on down to this share of that");
+  visit("min_contrast", o.min_contrast, "LEVELS", "Fainter strokes are left out (grey levels of 255)");
+  visit("min_length", o.min_length, "PX", "Shorter curves that end freely are left out");
+  visit("spacing", o.spacing, "PX", "From patch to patch along a curve");
+  visit("edges", o.edges, "", "Leave step edges out, follow ridges and valleys alone");
+}
+
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, graph::MatchOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("max_motion", o.max_motion, "PX", "Nothing is linked farther than this from where it is expected");
+  visit("sigma_across", o.sigma_across, "PX", "Spread of a patch across its curve, from frame to frame");
+  visit("sigma_along", o.sigma_along, "PX", "The same along the curve");
+  visit("sigma_angle", o.sigma_angle, "RAD", "Spread of its orientation");
+  visit("sigma_contrast", o.sigma_contrast, "LOG", "Spread of the logarithm of its contrast");
+  visit("sigma_count", o.sigma_count, "LOG", "Spread of the logarithm of a stroke's patch count");
+  visit("sigma_shape", o.sigma_shape, "PX", "Spread of a stroke's shape");
+  visit("sigma_degree", o.sigma_degree, "N", "Spread of a stroke's degrees");
+}
+
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, sketch::FillOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("tolerance", o.tolerance, "LEVELS", "The fill's solver stops at this RMS residual (grey levels)");
+  visit("max_iterations", o.max_iterations, "N", "... or after so many rounds");
+}
+
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, ReadOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("scale", o.scale, "FACTOR", "Enlarge or reduce the frames first");
+}
+
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, graph::ScoreOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("frames", o.frames, "N", "A true event at most so many frames away is a hit");
+  visit("radius", o.radius, "PX", "... and at most so far");
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "apps/command.hpp"
+#include "apps/draw.hpp"
+#include "apps/output_folder.hpp"
+#include "apps/reconstruct.hpp"
+#include "apps/report.hpp"
+#include "core/clip.hpp"
+#include "graph/events.hpp"
+#include "graph/motion_graph.hpp"
+
+namespace emberfold::apps {
+
+struct PictureOptions {
+  sketch::FillOptions fill;
+  bool reconstruction = false;  ///< reconstruct every frame and write reconstruction.avi
+};
+
+/// What the second run through a clip finds and draws.
+struct Pictures {
+  ReportInput report;               ///< its pictures alone are set
+  std::vector<double> share, psnr;  ///< of the frames that were reconstructed
+  int not_converged = 0;
+};
+
+/// Writes overlay.mp4, matches/ and, where asked for, reconstruction.avi, and makes the report's pictures.
+/// `events` are ordered by frame.
+Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
+                       std::span<const graph::Event> events, const PictureOptions& options,
+                       OutputFolder& output, const Session& session);
+
+}  // namespace emberfold::apps

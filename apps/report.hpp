@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "apps/still.hpp"
+#include "graph/events.hpp"
+#include "graph/motion_graph.hpp"
+#include "graph/score.hpp"
+
+namespace emberfold::apps {
+
+/// How many bytes of JPEG each kind of picture may take in a report, and how many pictures there may be:
+/// together with the data the page stays below kReportBytes for any clip.
+constexpr std::size_t kReportBytes = 8'000'000;
+constexpr std::size_t kStillBytes = 1'750'000, kStills = 6;  ///< three layers each
+constexpr std::size_t kEventFrameBytes = 1'450'000, kEventFrames = 90;
+constexpr std::size_t kMatchBytes = 850'000, kMatches = 6;
+
+/// One frame as it is, with its sketch, and as it was drawn again from the sketch.
+struct ReportStill {
+  int frame = 0;
+  Still input, sketch, reconstruction;
+  double psnr = 0;   ///< dB
+  double share = 0;  ///< sketchable, 0…1
+};
+/// A frame in which events happen, or a pair of matched frames.
+struct ReportPicture {
+  int frame = 0;
+  Still still;
+};
+
+struct ReportInput {
+  std::string clip;          ///< its name, as the user gave it
+  std::string command_line;  ///< what was typed
+  std::string version;
+  const graph::MotionGraph* motion = nullptr;
+  std::span<const graph::Event> events;     ///< ordered by frame
+  std::vector<ReportStill> stills;          ///< at most kStills
+  std::vector<ReportPicture> event_frames;  ///< at most kEventFrames
+  std::vector<ReportPicture> matches;       ///< at most kMatches
+};
+
+/// The report as one HTML page that needs nothing else. `summary` as in summary.json.
+std::string make_report(const ReportInput& input, const nlohmann::ordered_json& summary);
+
+/// The text with what HTML gives a meaning to (& < > " ') spelled out.
+std::string escape_html(const std::string& text);
+
+/// Compact JSON that may stand inside a script element; bytes that are no UTF-8 are replaced.
+std::string embed_json(const nlohmann::ordered_json& value);
+
+}  // namespace emberfold::apps

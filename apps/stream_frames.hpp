@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "apps/interrupt.hpp"
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "core/parallel.hpp"
+
+namespace emberfold::apps {
+
+/// Runs through a clip from its first frame: work(t, frame) on several frames at once, then take(t, result)
+/// in order. Holds a batch of frames and their results, some 16 frames or 192 MB, whichever is less.
+/// `expected`: for the progress alone. Returns how many frames there were; throws Interrupted.
+template <class Work, class Take>
+int stream_frames(core::FrameSource& source, std::string_view stage, std::optional<std::int64_t> expected,
+                  const core::Context& context, const Work& work, const Take& take) {
+  using Result = decltype(work(0, cv::Mat{}));
+  const auto& info = source.info();
+  const double frame_bytes = 4.0 * info.width * info.height * info.channels;
+  const auto batch_size = static_cast<std::size_t>(std::clamp(192e6 / frame_bytes, 1.0, 16.0));
+  source.rewind();
+  int done = 0;
+  context.report(stage, 0);
+  while (true) {
+    std::vector<cv::Mat> frames;
+    while (frames.size() < batch_size) {
+      cv::Mat frame = source.next();
+      if (frame.empty()) break;
+      frames.push_back(std::move(frame));
+      if (context.cancelled()) throw Interrupted{};
+    }
+    if (frames.empty()) break;
+    std::vector<std::optional<Result>> results(frames.size());
+    const auto status = core::parallel_for(frames.size(), context, [&](std::size_t i) {
+      results[i].emplace(work(done + static_cast<int>(i), frames[i]));
+    });
+    if (status == core::Status::cancelled) throw Interrupted{};
+    for (auto& result : results) {
+      take(done++, std::move(*result));
+      if (context.cancelled()) throw Interrupted{};
+    }
+    context.report(stage, expected && *expected > 0 ? double(done) / double(*expected) : 0);
+  }
+  return done;
+}
+
+}  // namespace emberfold::apps
