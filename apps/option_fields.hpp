@@ -38,6 +38,7 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("sigma_count", o.sigma_count, "LOG", "Spread of the logarithm of a stroke's patch count");
   visit("sigma_shape", o.sigma_shape, "PX", "Spread of a stroke's shape");
   visit("sigma_degree", o.sigma_degree, "N", "Spread of a stroke's degrees");
+  visit("flicker", o.flicker, "FRAMES", "What comes and goes within so many frames is noise; 0 keeps all");
 }
 
 template <class Options, class Visit>

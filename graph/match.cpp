@@ -13,6 +13,7 @@
 #include "graph/features.hpp"
 #include "graph/gap.hpp"
 #include "graph/near.hpp"
+#include "graph/steady.hpp"
 
 namespace emberfold::graph {
 
@@ -30,6 +31,9 @@ void MatchOptions::validate() const {
       throw core::InputError("match: " + std::string(name) + " is " + std::to_string(value) +
                              ", allowed is a finite number above 0");
     }
+  }
+  if (flicker < 0 || flicker > 100) {
+    throw core::InputError("match: flicker is " + std::to_string(flicker) + ", allowed is 0…100 frames");
   }
 }
 
@@ -304,14 +308,17 @@ std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGrap
   return link_frames(before, after, velocity, options).links;
 }
 
-MatchResult match(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
-  options.validate();
+namespace {
+
+MatchResult match_once(SketchSequence sketch, const MatchOptions& options, const core::Context& context,
+                       double share_before, double share_after) {
   MatchResult result;
   auto& frames = sketch.frames;
   std::vector<Point> velocity;
   std::size_t done = 0;
   for (; done < frames.size() && !context.cancelled(); ++done) {
-    context.report("match", static_cast<double>(done) / static_cast<double>(frames.size()));
+    context.report("match", std::lerp(share_before, share_after,
+                                      static_cast<double>(done) / static_cast<double>(frames.size())));
     result.motion.links.emplace_back();
     if (done == 0) continue;
     Linked linked = link_frames(frames[done - 1], frames[done], velocity, options);
@@ -321,11 +328,26 @@ MatchResult match(SketchSequence sketch, const MatchOptions& options, const core
   if (done < frames.size()) {
     result.status = core::Status::cancelled;
     frames.resize(done);
-  } else {
-    context.report("match", 1);
   }
   result.motion.sketch = std::move(sketch);
   result.motion = identify(std::move(result.motion));
+  return result;
+}
+
+}  // namespace
+
+MatchResult match(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
+  options.validate();
+  constexpr int kRounds = 2;  // mending one flicker shows the next
+  const int rounds = options.flicker > 0 ? kRounds : 0;
+  MatchResult result;
+  for (int round = 0; round <= rounds; ++round) {
+    if (round > 0) sketch = steady(result.motion, options.flicker);
+    result = match_once(std::move(sketch), options, context, static_cast<double>(round) / (rounds + 1),
+                        (round + 1.0) / (rounds + 1));
+    if (result.status == core::Status::cancelled) return result;
+  }
+  context.report("match", 1);
   return result;
 }
 

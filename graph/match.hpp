@@ -18,6 +18,8 @@ struct MatchOptions {
   double sigma_contrast = 0.5;  ///< of the logarithm of the contrast, > 0
   double sigma_count = 0.5, sigma_shape = 3,
          sigma_degree = 1;  ///< c (log), s (px) and d of the coarse match, > 0
+  int flicker =
+      3;  ///< frames, ≥ 0: states that last no longer are taken for noise (graph/steady.hpp); 0: none
 
   void validate() const;
 };
@@ -33,8 +35,8 @@ struct MatchResult {
 };
 
 /// Links every frame to the next, bottom up (Wang & Zhu 2004, §3.2): subgraphs by count, shape, appearance
-/// and degree, then control points in order along matched curves, then what is left by assignment. The start
-/// of the sampler. Cancelled: the frames matched so far.
+/// and degree, then control points in order along matched curves, then what is left by assignment. What then
+/// flickers is steadied and matched anew. The start of the sampler. Cancelled: the frames matched so far.
 MatchResult match(SketchSequence sketch, const MatchOptions& options, const core::Context& context = {});
 
 }  // namespace emberfold::graph

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/steady.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+
+#include <boost/pending/disjoint_sets.hpp>
+
+#include "graph/events.hpp"
+
+namespace emberfold::graph {
+
+namespace {
+
+constexpr double kSamePlace =
+    15;  // px: a joint that opens again this near to where it closed is the same joint
+constexpr double kSameStroke =
+    4;  // px, mean: a stroke that comes back this near to where it was is the same stroke
+constexpr double kWidestTear = 25;  // px: pieces farther apart are not joined
+
+/// A frame while it is being changed.
+struct Draft {
+  std::vector<Vertex> vertices;
+  std::set<Edge> edges;
+
+  [[nodiscard]] AttributeGraph graph() const { return {vertices, {edges.begin(), edges.end()}}; }
+};
+
+std::vector<Draft> drafts(const SketchSequence& sketch) {
+  std::vector<Draft> result;
+  for (const AttributeGraph& g : sketch.frames) {
+    result.push_back({{g.vertices().begin(), g.vertices().end()}, {g.edges().begin(), g.edges().end()}});
+  }
+  return result;
+}
+
+// ---- what is there for a moment ----
+
+/// Vertices that edges and links hold together, over all frames: for each vertex, in order of ids, whether
+/// that whole lasts.
+std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames) {
+  std::map<VertexId, std::size_t> index;
+  std::vector<std::size_t> frame_of;
+  for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t) {
+    for (const Vertex& v : motion.sketch.frames[t].vertices()) {
+      index.emplace(v.id, index.size());
+      frame_of.push_back(t);
+    }
+  }
+  const std::size_t n = index.size();
+  std::vector<std::size_t> rank(n), parent(n);
+  boost::disjoint_sets wholes(rank.data(), parent.data());
+  for (std::size_t i = 0; i < n; ++i) wholes.make_set(i);
+  for (const AttributeGraph& g : motion.sketch.frames) {
+    for (const Edge& e : g.edges()) wholes.union_set(index.at(e.a), index.at(e.b));
+  }
+  for (const auto& gap : motion.links) {
+    for (const Link& l : gap) wholes.union_set(index.at(l.before), index.at(l.after));
+  }
+  std::vector<std::size_t> first(n, std::numeric_limits<std::size_t>::max()), last(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t root = wholes.find_set(i);
+    first[root] = std::min(first[root], frame_of[i]);
+    last[root] = std::max(last[root], frame_of[i]);
+  }
+  const std::size_t end = motion.sketch.frames.size() - 1;
+  std::map<VertexId, bool> result;
+  for (const auto& [id, i] : index) {
+    const std::size_t root = wholes.find_set(i);
+    // At the clip's ends nobody knows how long it was there.
+    const std::size_t least = first[root] == 0 || last[root] == end ? 1 : static_cast<std::size_t>(frames);
+    result.emplace(id, last[root] - first[root] + 1 > least);
+  }
+  return result;
+}
+
+/// Vertices that were put in are not in `lasts`: they stay.
+void leave_out(std::vector<Draft>& drafts, const std::map<VertexId, bool>& lasts) {
+  const auto goes = [&](VertexId id) {
+    const auto known = lasts.find(id);
+    return known != lasts.end() && !known->second;
+  };
+  for (Draft& draft : drafts) {
+    std::erase_if(draft.edges, [&](const Edge& e) { return goes(e.a) || goes(e.b); });
+    std::erase_if(draft.vertices, [&](const Vertex& v) { return goes(v.id); });
+  }
+}
+
+// ---- what is missing, cut or torn for a moment ----
+
+std::vector<std::uint32_t> members(const AttributeGraph& graph, SubgraphId stroke) {
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t i = 0; i < graph.size(); ++i) {
+    if (graph.vertices()[i].subgraph == stroke) result.push_back(i);
+  }
+  return result;
+}
+
+/// Mean distance from the patches of one stroke to the nearest one of the other, of their kind.
+double apart(const AttributeGraph& a, std::span<const std::uint32_t> of_a, const AttributeGraph& b,
+             std::span<const std::uint32_t> of_b) {
+  double sum = 0;
+  for (const std::uint32_t i : of_a) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t j : of_b) {
+      if (same_kind(a.patch(i), b.patch(j)))
+        least = std::min(least, distance(a.patch(i).position, b.patch(j).position));
+    }
+    sum += least;
+  }
+  return sum / static_cast<double>(of_a.size());
+}
+
+/// Puts a stroke of frame `from` into the frames [first, last) too. Its vertices there get ids above all
+/// others.
+void put_in(std::vector<Draft>& drafts, const AttributeGraph& from, std::span<const std::uint32_t> stroke,
+            int first, int last, std::uint32_t& next_id) {
+  for (int t = first; t < last; ++t) {
+    Draft& draft = drafts[static_cast<std::size_t>(t)];
+    std::map<VertexId, VertexId> copies;
+    for (const std::uint32_t i : stroke) {
+      Vertex copy = from.vertices()[i];
+      copies.emplace(copy.id, VertexId{next_id});
+      copy.id = {next_id++};
+      draft.vertices.push_back(copy);
+    }
+    for (const Edge& e : from.edges()) {
+      const auto a = copies.find(e.a), b = copies.find(e.b);
+      if (a != copies.end() && b != copies.end()) draft.edges.insert({a->second, b->second});
+    }
+  }
+}
+
+std::size_t parts_of(const AttributeGraph& graph, SubgraphId stroke) {
+  const Components parts = components(graph);
+  std::set<std::uint32_t> seen;
+  for (const std::uint32_t i : members(graph, stroke)) seen.insert(parts.of_vertex[i]);
+  return seen.size();
+}
+
+/// Takes out the edge nearest to the place whose loss divides the stroke.
+void cut(Draft& draft, SubgraphId stroke, Point place) {
+  const AttributeGraph graph = draft.graph();
+  std::vector<std::pair<double, Edge>> near;
+  for (const Edge& e : graph.edges()) {
+    const Vertex &a = graph.vertices()[graph.index_of(e.a)], &b = graph.vertices()[graph.index_of(e.b)];
+    if (a.subgraph != stroke) continue;
+    const double way = distance((a.patch.position + b.patch.position) * 0.5, place);
+    if (way < kSamePlace) near.emplace_back(way, e);
+  }
+  std::sort(near.begin(), near.end());
+  const std::size_t parts = parts_of(graph, stroke);
+  for (const auto& [way, edge] : near) {
+    draft.edges.erase(edge);
+    if (parts_of(draft.graph(), stroke) > parts) return;
+    draft.edges.insert(edge);
+  }
+}
+
+/// Joins the nearest patches of two strokes.
+void mend(Draft& draft, SubgraphId one, SubgraphId other) {
+  double least = kWidestTear;
+  std::optional<Edge> nearest;
+  for (const Vertex& a : draft.vertices) {
+    if (a.subgraph != one) continue;
+    for (const Vertex& b : draft.vertices) {
+      const double way = distance(a.patch.position, b.patch.position);
+      if (b.subgraph == other && way < least) {
+        least = way;
+        nearest = Edge{std::min(a.id, b.id), std::max(a.id, b.id)};
+      }
+    }
+  }
+  if (nearest) draft.edges.insert(*nearest);
+}
+
+bool unites(const Event& e) {
+  return e.type == EventType::merge || e.type == EventType::connect;
+}
+bool separates(const Event& e) {
+  return e.type == EventType::split || e.type == EventType::disconnect;
+}
+
+/// Each event and the one that undoes it at most `frames` frames later. Every event undoes or is undone once.
+class Undoing {
+ public:
+  Undoing(const MotionGraph& motion, const std::map<VertexId, bool>& lasts, int frames)
+      : motion_(motion), lasts_(lasts), events_(stroke_events(motion)), frames_(frames) {}
+
+  void mend_all(std::vector<Draft>& drafts) {
+    std::uint32_t next_id = 0;
+    for (const Draft& d : drafts) {
+      for (const Vertex& v : d.vertices) next_id = std::max(next_id, v.id.value + 1);
+    }
+    std::vector<bool> undone(events_.size(), false);
+    for (std::size_t i = 0; i < events_.size(); ++i) {
+      for (std::size_t j = i + 1; j < events_.size() && events_[j].frame <= events_[i].frame + frames_; ++j) {
+        if (undone[i] || undone[j] || events_[j].frame == events_[i].frame ||
+            !undo(drafts, events_[i], events_[j], next_id))
+          continue;
+        undone[i] = undone[j] = true;
+      }
+    }
+  }
+
+ private:
+  bool undo(std::vector<Draft>& drafts, const Event& first, const Event& second,
+            std::uint32_t& next_id) const {
+    const auto each = [&](auto change) {
+      for (int t = first.frame; t < second.frame; ++t) change(drafts[static_cast<std::size_t>(t)]);
+    };
+    if (separates(first) && unites(second) && first.after == second.before && first.after.size() == 2) {
+      each([&](Draft& draft) { mend(draft, first.after[0], first.after[1]); });
+      return true;
+    }
+    if (unites(first) && separates(second) && first.after == second.before &&
+        distance(first.position, second.position) < kSamePlace) {
+      each([&](Draft& draft) { cut(draft, first.after[0], first.position); });
+      return true;
+    }
+    if (first.type == EventType::death && second.type == EventType::birth) {
+      const AttributeGraph& before = motion_.sketch.frames[static_cast<std::size_t>(first.frame - 1)];
+      const AttributeGraph& after = motion_.sketch.frames[static_cast<std::size_t>(second.frame)];
+      const auto gone = members(before, first.before[0]), back = members(after, second.after[0]);
+      if (!lasts_.at(before.vertices()[gone.front()].id) || !lasts_.at(after.vertices()[back.front()].id))
+        return false;
+      if (apart(before, gone, after, back) > kSameStroke || apart(after, back, before, gone) > kSameStroke)
+        return false;
+      put_in(drafts, before, gone, first.frame, second.frame, next_id);
+      return true;
+    }
+    return false;
+  }
+
+  const MotionGraph& motion_;
+  const std::map<VertexId, bool>& lasts_;
+  std::vector<Event> events_;
+  int frames_;
+};
+
+}  // namespace
+
+SketchSequence steady(const MotionGraph& motion, int frames) {
+  if (motion.sketch.frames.empty() || frames <= 0) return motion.sketch;
+  const std::map<VertexId, bool> lasts = lasting(motion, frames);
+  std::vector<Draft> changed = drafts(motion.sketch);
+  Undoing(motion, lasts, frames).mend_all(changed);
+  leave_out(changed, lasts);
+  SketchSequence result{motion.sketch.width, motion.sketch.height, motion.sketch.fps, {}};
+  for (const Draft& draft : changed) result.append(draft.graph());
+  return result;
+}
+
+}  // namespace emberfold::graph
