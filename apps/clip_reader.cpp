@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/builtin_clip.hpp"
 #include "apps/image_files.hpp"
 #include "apps/raw_clip.hpp"
 #include "core/error.hpp"
@@ -123,6 +124,13 @@ class ShapedClip final : public core::FrameSource {
 };
 
 std::unique_ptr<RawClip> open_raw(const std::string& name, const ReadOptions& options, const Warn& warn) {
+  constexpr std::string_view builtin = "builtin:";
+  if (name.starts_with(builtin)) {
+    BuiltinOptions scene;
+    scene.scene = builtin_scene(name.substr(builtin.size()));
+    scene.seed = options.seed;
+    return hold_clip(make_builtin(scene).clip);
+  }
   const fs::path path(name);
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

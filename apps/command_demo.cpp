@@ -19,14 +19,9 @@ struct Demo {
   std::string output = "out/demo", clip = "fire";
 };
 
-BuiltinScene scene(const std::string& name) {
-  if (name == "cloth") return BuiltinScene::cloth;
-  return name == "river" ? BuiltinScene::river : BuiltinScene::fire;
-}
-
 BuiltinClip make_clip(const Demo& asked, OutputFolder& output, const Session& session) {
   BuiltinOptions options;
-  options.scene = scene(asked.clip);
+  options.scene = builtin_scene(asked.clip);
   options.seed = session.common.seed;
   auto made = make_builtin(options, session.context);
   session.check_stop();

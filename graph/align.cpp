@@ -101,94 +101,109 @@ namespace {
 
 enum class Step : unsigned char { stop, match, skip_before, skip_after, start };
 
-/// The rows of a table of which only the columns [low, high] of each row are there.
-struct Band {
-  std::uint32_t first = 0;  ///< row
-  std::vector<std::uint32_t> low, high;
-  std::vector<std::size_t> offset;
-  std::vector<double> gain;
-  std::vector<Step> step;
+/// A table of which only the columns [low, high] of each row are there; outside of them all is 0.
+class Band {
+ public:
+  struct Place {
+    std::int64_t i = 0, j = 0;
+  };
 
-  [[nodiscard]] std::ptrdiff_t find(std::int64_t i, std::int64_t j) const {
-    const std::int64_t row = i - first;
-    if (row < 0 || row >= static_cast<std::int64_t>(low.size())) return -1;
-    const auto r = static_cast<std::size_t>(row);
-    if (j < low[r] || j > high[r]) return -1;
-    return static_cast<std::ptrdiff_t>(offset[r]) + (j - low[r]);
+  /// Rows and columns that the places take, sorted by row.
+  explicit Band(const std::vector<Place>& places) : first_(places.front().i) {
+    const auto rows = static_cast<std::size_t>(places.back().i - first_ + 1);
+    low_.assign(rows, 1);  // an empty row
+    high_.assign(rows, 0);
+    for (const Place& place : places) {
+      const auto r = static_cast<std::size_t>(place.i - first_);
+      const bool empty = low_[r] > high_[r];
+      low_[r] = empty ? place.j : std::min(low_[r], place.j);
+      high_[r] = empty ? place.j : std::max(high_[r], place.j);
+    }
+    offset_.push_back(0);
+    for (std::size_t r = 0; r < rows; ++r) {
+      offset_.push_back(offset_.back() + static_cast<std::size_t>(high_[r] - low_[r] + 1));
+    }
+    own_.assign(offset_.back(), 0);
+    gain_.assign(offset_.back(), 0);
+    step_.assign(offset_.back(), Step::stop);
   }
+
+  void set_candidate(Place place, double gain) { own_[static_cast<std::size_t>(find(place))] = gain; }
+
+  /// The best gain of an alignment that ends at each place; returns the place where the best of all ends.
+  Place fill() {
+    Place top{first_, low_[0]};
+    for (std::size_t r = 0; r < low_.size(); ++r) {
+      for (std::int64_t j = low_[r]; j <= high_[r]; ++j) {
+        const Place here{first_ + static_cast<std::int64_t>(r), j};
+        fill(here);
+        if (gain(here) > gain(top)) top = here;
+      }
+    }
+    return top;
+  }
+
+  [[nodiscard]] double gain(Place place) const {
+    const std::ptrdiff_t k = find(place);
+    return k < 0 ? 0 : gain_[static_cast<std::size_t>(k)];
+  }
+  [[nodiscard]] Step step(Place place) const {
+    const std::ptrdiff_t k = find(place);
+    return k < 0 ? Step::stop : step_[static_cast<std::size_t>(k)];
+  }
+
+ private:
+  [[nodiscard]] std::ptrdiff_t find(Place place) const {
+    const std::int64_t row = place.i - first_;
+    if (row < 0 || row >= static_cast<std::int64_t>(low_.size())) return -1;
+    const auto r = static_cast<std::size_t>(row);
+    if (place.j < low_[r] || place.j > high_[r]) return -1;
+    return static_cast<std::ptrdiff_t>(offset_[r]) + (place.j - low_[r]);
+  }
+
+  void fill(Place here) {
+    const auto k = static_cast<std::size_t>(find(here));
+    if (own_[k] > 0) {
+      const double so_far = gain({here.i - 1, here.j - 1});
+      gain_[k] = so_far + own_[k];
+      step_[k] = so_far > 0 ? Step::match : Step::start;
+    }
+    const double up = gain({here.i - 1, here.j}) - kSkip, left = gain({here.i, here.j - 1}) - kSkip;
+    if (up > gain_[k]) gain_[k] = up, step_[k] = Step::skip_before;
+    if (left > gain_[k]) gain_[k] = left, step_[k] = Step::skip_after;
+  }
+
+  std::int64_t first_;
+  std::vector<std::int64_t> low_, high_;
+  std::vector<std::size_t> offset_;
+  std::vector<double> own_, gain_;  // own_: what the place itself gains, 0 where it is no candidate
+  std::vector<Step> step_;
 };
 
 }  // namespace
 
 Aligner::Alignment Aligner::best(const Pair& pair, bool backwards) const {
   const Curve &a = before_[pair.curve_before], &b = after_[pair.curve_after];
-  const auto last = static_cast<std::uint32_t>(b.size() - 1);
-  const auto column = [&](const Cell& cell) { return backwards ? last - cell.j : cell.j; };
-  Band band;
-  band.first = pair.cells.front().i;
-  const std::size_t rows = pair.cells.back().i - band.first + 1;
-  band.low.assign(rows, 1);  // an empty row
-  band.high.assign(rows, 0);
-  for (const Cell& cell : pair.cells) {
-    const std::size_t r = cell.i - band.first;
-    const std::uint32_t j = column(cell);
-    const bool empty = band.low[r] > band.high[r];
-    band.low[r] = empty ? j : std::min(band.low[r], j);
-    band.high[r] = empty ? j : std::max(band.high[r], j);
+  const auto last = static_cast<std::int64_t>(b.size()) - 1;
+  std::vector<Band::Place> places;
+  for (const Cell& cell : pair.cells)
+    places.push_back({cell.i, backwards ? last - cell.j : std::int64_t{cell.j}});
+  Band band(places);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const Cell& cell = pair.cells[k];
+    if (!used_before_[a[cell.i]] && !used_after_[b[cell.j]]) band.set_candidate(places[k], cell.gain);
   }
-  std::size_t size = 0;
-  for (std::size_t r = 0; r < rows; ++r) {
-    band.offset.push_back(size);
-    size += band.high[r] + 1 - band.low[r];
-  }
-  std::vector<double> cell_gain(size, 0);  // 0: no candidate
-  for (const Cell& cell : pair.cells) {
-    if (used_before_[a[cell.i]] || used_after_[b[cell.j]]) continue;
-    cell_gain[static_cast<std::size_t>(band.find(cell.i, column(cell)))] = cell.gain;
-  }
-
-  band.gain.assign(size, 0);
-  band.step.assign(size, Step::stop);
-  std::size_t top = 0, at = 0;
-  for (std::size_t r = 0; r < rows; ++r) {
-    for (std::uint32_t j = band.low[r]; j <= band.high[r] && band.low[r] <= band.high[r]; ++j, ++at) {
-      const std::int64_t i = static_cast<std::int64_t>(band.first + r);
-      const auto value = [&](std::ptrdiff_t k) {
-        return k < 0 ? 0.0 : band.gain[static_cast<std::size_t>(k)];
-      };
-      if (cell_gain[at] > 0) {
-        const double before = value(band.find(i - 1, std::int64_t{j} - 1));
-        band.gain[at] = before + cell_gain[at];
-        band.step[at] = before > 0 ? Step::match : Step::start;
-      }
-      const double up = value(band.find(i - 1, j)) - kSkip,
-                   left = value(band.find(i, std::int64_t{j} - 1)) - kSkip;
-      if (up > band.gain[at]) band.gain[at] = up, band.step[at] = Step::skip_before;
-      if (left > band.gain[at]) band.gain[at] = left, band.step[at] = Step::skip_after;
-      if (band.gain[at] > band.gain[top]) top = at;
-    }
-  }
+  Band::Place at = band.fill();
   Alignment result;
-  if (size == 0 || band.gain[top] <= 0) return result;
-  result.gain = band.gain[top];
-  const auto row = std::upper_bound(band.offset.begin(), band.offset.end(), top) - band.offset.begin() - 1;
-  auto r = static_cast<std::size_t>(row);
-  while (band.low[r] > band.high[r]) --r;
-  std::int64_t i = static_cast<std::int64_t>(band.first + r);
-  std::int64_t j = band.low[r] + static_cast<std::int64_t>(top - band.offset[r]);
-  for (std::ptrdiff_t k = band.find(i, j); k >= 0; k = band.find(i, j)) {
-    const Step step = band.step[static_cast<std::size_t>(k)];
-    if (step == Step::stop) break;
+  result.gain = band.gain(at);
+  for (Step step = band.step(at); step != Step::stop; step = band.step(at)) {
     if (step == Step::match || step == Step::start) {
-      const auto on_b = static_cast<std::size_t>(backwards ? std::int64_t{last} - j : j);
-      result.links.emplace_back(a[static_cast<std::size_t>(i)], b[on_b]);
-      --i, --j;
-      if (step == Step::start) break;
-    } else if (step == Step::skip_before) {
-      --i;
-    } else {
-      --j;
+      const auto on_b = static_cast<std::size_t>(backwards ? last - at.j : at.j);
+      result.links.emplace_back(a[static_cast<std::size_t>(at.i)], b[on_b]);
     }
+    if (step == Step::start) break;
+    if (step != Step::skip_after) --at.i;
+    if (step != Step::skip_before) --at.j;
   }
   return result;
 }

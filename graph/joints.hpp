@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "graph/attribute_graph.hpp"
@@ -40,6 +39,9 @@ Point middle(const AttributeGraph& graph, std::span<const std::uint32_t> path);
 /// `member`: any of its vertices, the same one each time for the same place.
 Point component_middle(const AttributeGraph& graph, Paths& paths, std::uint32_t member);
 
+/// Of each vertex whether it lies within 10 px, along the graph, of an end of a curve.
+std::vector<bool> near_ends(const AttributeGraph& graph, Paths& paths);
+
 /// Where two parts of a component meet.
 struct Joint {
   std::uint32_t label_a = 0, label_b = 0;  ///< a < b
@@ -47,11 +49,14 @@ struct Joint {
   bool continues = false;  ///< the parts are one line with a gap in it, turning below 30° at both ends
 };
 
-/// Vertices that belong to a part: (vertex, label), a vertex perhaps to several parts.
-using Labelled = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+/// A vertex that belongs to a part; perhaps to several parts.
+struct Tie {
+  std::uint32_t vertex = 0, label = 0;
+  bool at_end = false;  ///< in the frame where the part stands alone, this is at one of its ends
+};
 
-/// For the parts of one component that hold labelled vertices, the shortest joints that hold them all
-/// together, one fewer than there are labels. The vertices without a label are what lies between.
-std::vector<Joint> joints(const AttributeGraph& graph, Paths& paths, const Labelled& labelled);
+/// For the parts of one component, given by the vertices that belong to them, the shortest joints that hold
+/// them all together, one fewer than there are labels. The other vertices are what lies between.
+std::vector<Joint> joints(const AttributeGraph& graph, Paths& paths, std::vector<Tie> ties);
 
 }  // namespace emberfold::graph::detail

@@ -41,59 +41,82 @@ constexpr double kGate = 4.5;  // a link may cost as much as three SD of one att
 constexpr double kReach = 12;  // px along a curve over which patches move alike
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-Point direction(double theta) {
-  return {std::cos(theta), std::sin(theta)};
-}
+/// What of a graph's patches is looked at again and again.
+struct Looks {
+  std::vector<Point> place, direction;
+  std::vector<double> log_contrast;
 
-/// The mean of two undirected orientations, as a direction.
-Point mean_direction(double theta_a, double theta_b) {
-  const Point a = direction(theta_a), b = direction(theta_b);
-  const Point sum = dot(a, b) < 0 ? a - b : a + b;
-  return norm(sum) > 0 ? sum * (1 / norm(sum)) : a;
-}
-
-/// How far the motion of each patch is known: `wide` times sigma_across.
-struct Pass {
-  double wide = 1;
+  explicit Looks(const AttributeGraph& graph) {
+    for (const Vertex& vertex : graph.vertices()) {
+      const Patch& patch = vertex.patch;
+      place.push_back(patch.position);
+      direction.push_back({std::cos(patch.theta), std::sin(patch.theta)});
+      log_contrast.push_back(std::log(1 + std::abs(patch.contrast)));
+    }
+  }
 };
-
-/// What a link from `a`, expected at `at`, to `b` costs: half the squared distances in SDs.
-double cost(const Patch& a, Point at, const Patch& b, const MatchOptions& options, Pass pass) {
-  const auto square = [](double x) { return x * x; };
-  const Point along = mean_direction(a.theta, b.theta), apart = b.position - at;
-  const double across = apart.y * along.x - apart.x * along.y;
-  const double contrast = std::log((1 + std::abs(b.contrast)) / (1 + std::abs(a.contrast)));
-  return 0.5 * (square(across / (options.sigma_across * pass.wide)) +
-                square(dot(apart, along) / options.sigma_along) +
-                square(orientation_difference(a.theta, b.theta) / options.sigma_angle) +
-                square(contrast / options.sigma_contrast));
-}
 
 /// Both frames, and where the patches of the first are expected in the second.
 struct Frames {
   const AttributeGraph &before, &after;
   std::vector<Curve> curves_before, curves_after;
-  std::vector<Point> motion;  ///< px, of each vertex before
+  Looks looks_before, looks_after;
+  std::vector<detail::CurveFeatures> features_after;
+  std::vector<Point> first_expected, expected;  ///< from the past alone, and by what was seen since
 
-  [[nodiscard]] std::vector<Point> expected() const {
-    std::vector<Point> at(before.size());
-    for (std::size_t i = 0; i < at.size(); ++i) at[i] = before.patch(i).position + motion[i];
-    return at;
+  Frames(const AttributeGraph& a, const AttributeGraph& b, std::span<const Point> velocity)
+      : before(a),
+        after(b),
+        curves_before(curves(a)),
+        curves_after(curves(b)),
+        looks_before(a),
+        looks_after(b),
+        first_expected(looks_before.place) {
+    for (const Curve& curve : curves_after) {
+      features_after.push_back(detail::features(after, looks_after.place, curve));
+    }
+    for (std::size_t i = 0; i < velocity.size(); ++i) first_expected[i] = first_expected[i] + velocity[i];
+    expected = first_expected;
+  }
+
+  /// The mean of the undirected orientations of a vertex before and one after.
+  [[nodiscard]] Point along(std::uint32_t i, std::uint32_t j) const {
+    const Point a = looks_before.direction[i], b = looks_after.direction[j];
+    const double cosine = dot(a, b);
+    return (cosine < 0 ? a - b : a + b) * (1 / std::sqrt(2 + 2 * std::abs(cosine)));
   }
 };
 
+double square(double x) {
+  return x * x;
+}
+
+/// What a link gains: kGate less half the squared distances in SDs. `wide`: how many times sigma_across the
+/// motion is known to.
+double gain(const Frames& frames, std::uint32_t i, std::uint32_t j, const MatchOptions& options,
+            double wide) {
+  const Point along = frames.along(i, j), apart = frames.looks_after.place[j] - frames.expected[i];
+  const double across = apart.y * along.x - apart.x * along.y;
+  const double place =
+      square(across / (options.sigma_across * wide)) + square(dot(apart, along) / options.sigma_along);
+  const double contrast = frames.looks_after.log_contrast[j] - frames.looks_before.log_contrast[i];
+  const double left = kGate - 0.5 * (place + square(contrast / options.sigma_contrast));
+  if (left <= 0) return left;
+  const double cosine = std::abs(dot(frames.looks_before.direction[i], frames.looks_after.direction[j]));
+  return left - 0.5 * square(std::acos(std::min(1.0, cosine)) / options.sigma_angle);
+}
+
 std::vector<Candidate> candidates(const Frames& frames, const detail::Near& near, const MatchOptions& options,
-                                  Pass pass) {
-  const auto at = frames.expected();
+                                  double wide) {
   std::vector<Candidate> result;
   for (std::uint32_t i = 0; i < frames.before.size(); ++i) {
-    const Patch& a = frames.before.patch(i);
     const std::size_t start = result.size();
-    for (const std::uint32_t j : near.around(at[i])) {
-      const Patch& b = frames.after.patch(j);
-      if (!same_kind(a, b)) continue;
-      const double gain = kGate - cost(a, at[i], b, options, pass);
-      if (gain > 0) result.push_back({i, j, gain});
+    for (const std::uint32_t j : near.around(frames.expected[i])) {
+      const Point apart = frames.looks_after.place[j] - frames.first_expected[i];
+      if (dot(apart, apart) > square(options.max_motion)) continue;
+      if (!same_kind(frames.before.patch(i), frames.after.patch(j))) continue;
+      const double gains = gain(frames, i, j, options, wide);
+      if (gains > 0) result.push_back({i, j, gains});
     }
     // Where patches lie on top of each other there is no telling them apart, nor need to try.
     constexpr std::ptrdiff_t kMost = 32;
@@ -110,25 +133,21 @@ std::vector<Candidate> candidates(const Frames& frames, const detail::Near& near
 
 IndexLinks align(const Frames& frames, detail::Aligner& aligner, const std::vector<Candidate>& candidates,
                  const MatchOptions& options) {
-  std::vector<Point> places(frames.after.size());
-  for (std::size_t j = 0; j < places.size(); ++j) places[j] = frames.after.patch(j).position;
-  const auto at = frames.expected();
-  std::vector<detail::CurveFeatures> of_before, of_after;
-  for (const Curve& curve : frames.curves_before)
-    of_before.push_back(detail::features(frames.before, at, curve));
-  for (const Curve& curve : frames.curves_after)
-    of_after.push_back(detail::features(frames.after, places, curve));
+  std::vector<detail::CurveFeatures> features_before;
+  for (const Curve& curve : frames.curves_before) {
+    features_before.push_back(detail::features(frames.before, frames.expected, curve));
+  }
   return aligner.align(candidates, [&](std::uint32_t a, std::uint32_t b) {
-    return detail::likeness(of_before[a], of_after[b], options);
+    return detail::likeness(features_before[a], frames.features_after[b], options);
   });
 }
 
-/// The motion that the links show, smoothed along the curves: around each vertex the one shift that explains
-/// best how far its neighbours moved across their curve. What moves along a curve hardly shows: there the
-/// motion stays near what was expected.
-std::vector<Point> fitted_motion(const Frames& frames, const IndexLinks& links) {
+/// Where the links show the patches to be, their motion smoothed along the curves: around each vertex the one
+/// shift that explains best how far its neighbours moved across their curve. What moves along a curve hardly
+/// shows: there the motion stays near what was expected.
+std::vector<Point> fitted(const Frames& frames, const IndexLinks& links) {
   constexpr double kAlong = 0.05, kPrior = 0.3;
-  const auto at = frames.expected();
+  const auto& at = frames.expected;
   std::vector<std::uint32_t> partner(frames.before.size(), kNone);
   for (const auto& [i, j] : links) partner[i] = j;
   std::vector<Point> sum(frames.before.size());
@@ -145,9 +164,8 @@ std::vector<Point> fitted_motion(const Frames& frames, const IndexLinks& links) 
         const std::uint32_t i = curve[m], j = partner[i];
         if (j == kNone) continue;
         const double steps = (arc[m] - arc[k]) / kReach, weight = std::exp(-0.5 * steps * steps);
-        const Patch& b = frames.after.patch(j);
-        const Point along = mean_direction(frames.before.patch(i).theta, b.theta), normal{-along.y, along.x};
-        const Point apart = b.position - at[i];
+        const Point along = frames.along(i, j), normal{-along.y, along.x};
+        const Point apart = frames.looks_after.place[j] - at[i];
         const double across = weight * dot(apart, normal), rest = weight * kAlong * dot(apart, along);
         xx += weight * (normal.x * normal.x + kAlong * along.x * along.x);
         xy += weight * (normal.x * normal.y + kAlong * along.x * along.y);
@@ -161,9 +179,9 @@ std::vector<Point> fitted_motion(const Frames& frames, const IndexLinks& links) 
       times[i] += 1;
     }
   }
-  std::vector<Point> motion = frames.motion;
-  for (std::size_t i = 0; i < motion.size(); ++i) motion[i] = motion[i] + sum[i] * (1 / times[i]);
-  return motion;
+  std::vector<Point> result = at;
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = result[i] + sum[i] * (1 / times[i]);
+  return result;
 }
 
 /// Links what the aligned curves left over, at the most gain in all.
@@ -216,22 +234,21 @@ struct Linked {
 
 Linked link_frames(const AttributeGraph& before, const AttributeGraph& after, std::span<const Point> velocity,
                    const MatchOptions& options) {
-  Frames frames{before, after, curves(before), curves(after), {velocity.begin(), velocity.end()}};
-  frames.motion.resize(before.size());
-  std::vector<Point> places(after.size());
-  for (std::size_t j = 0; j < places.size(); ++j) places[j] = after.patch(j).position;
-  const detail::Near near(std::move(places), options.max_motion);
+  Frames frames(before, after, velocity);
+  const detail::Near near(frames.looks_after.place, options.max_motion);
   detail::Aligner aligner(frames.curves_before, frames.curves_after, before.size(), after.size());
-  // The first pass only finds how everything moves.
-  for (const Pass pass : {Pass{2.5}, Pass{1.5}}) {
-    frames.motion =
-        fitted_motion(frames, align(frames, aligner, candidates(frames, near, options, pass), options));
+  // The first passes only find how everything moves.
+  for (const double wide : {2.5, 1.5}) {
+    frames.expected =
+        fitted(frames, align(frames, aligner, candidates(frames, near, options, wide), options));
   }
-  const auto found = candidates(frames, near, options, Pass{1});
+  const auto found = candidates(frames, near, options, 1);
   const IndexLinks links = with_rest(frames, align(frames, aligner, found, options), found);
   Linked result;
   result.links = supported(frames, links);
-  result.motion = fitted_motion(frames, links);
+  result.motion = fitted(frames, links);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    result.motion[i] = result.motion[i] - before.patch(i).position;
   return result;
 }
 

@@ -33,7 +33,8 @@ std::vector<std::uint32_t> Near::around(Point centre) const {
       return std::pair(cell.column, cell.row) < wanted;
     });
     for (; at != cells_.end() && at->column == c && at->row <= row + 1; ++at) {
-      if (distance(points_[at->index], centre) <= radius_) result.push_back(at->index);
+      const Point apart = points_[at->index] - centre;
+      if (dot(apart, apart) <= radius_ * radius_) result.push_back(at->index);
     }
   }
   std::sort(result.begin(), result.end());

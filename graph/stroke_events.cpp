@@ -17,9 +17,12 @@ struct Side {
   const AttributeGraph* graph = nullptr;
   Components parts;
   std::vector<std::uint32_t> first;  ///< of each component its lowest vertex
+  std::vector<bool> near_end;
 
   explicit Side(const AttributeGraph& g) : graph(&g), parts(components(g)), first(parts.count) {
     for (auto v = static_cast<std::uint32_t>(g.size()); v-- > 0;) first[parts.of_vertex[v]] = v;
+    detail::Paths paths(g);
+    near_end = detail::near_ends(g, paths);
   }
   [[nodiscard]] SubgraphId stroke(std::uint32_t part) const {
     return graph->vertices()[first[part]].subgraph;
@@ -47,12 +50,8 @@ std::vector<detail::ComponentPair> spanning_pairs(std::vector<detail::ComponentP
   return kept;
 }
 
-/// What of one frame's graph is labelled with components of the other frame, by components of its own.
-struct Ties {
-  std::vector<detail::Labelled> of_part;
-
-  explicit Ties(const Side& side) : of_part(side.parts.count) {}
-};
+/// Of each component of one frame the vertices that are linked with components of the other frame.
+using Ties = std::vector<std::vector<detail::Tie>>;
 
 enum class Sense { forward, backward };
 
@@ -61,11 +60,10 @@ void join(const Side& whole, const Side& pieces, const Ties& ties, Sense sense, 
           std::vector<Event>& events) {
   detail::Paths paths(*whole.graph);
   for (std::uint32_t part = 0; part < whole.parts.count; ++part) {
-    const auto& labelled = ties.of_part[part];
-    const bool one = std::all_of(labelled.begin(), labelled.end(),
-                                 [&](const auto& l) { return l.second == labelled.front().second; });
-    if (one) continue;
-    for (const detail::Joint& joint : detail::joints(*whole.graph, paths, labelled)) {
+    const auto& of_part = ties[part];
+    const auto as_first = [&](const detail::Tie& tie) { return tie.label == of_part.front().label; };
+    if (std::all_of(of_part.begin(), of_part.end(), as_first)) continue;
+    for (const detail::Joint& joint : detail::joints(*whole.graph, paths, of_part)) {
       Event event;
       event.frame = frame;
       event.position = joint.place;
@@ -113,15 +111,15 @@ void gap_events(const Side& before, const Side& after, std::span<const Link> lin
   std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) {
     return std::tie(a.before, a.after) < std::tie(b.before, b.after);
   });
-  Ties of_before(before), of_after(after);
+  Ties of_before(before.parts.count), of_after(after.parts.count);
   for (const auto& [i, j] : gap.links) {
     const std::uint32_t a = before.parts.of_vertex[i], b = after.parts.of_vertex[j];
     const auto at = std::lower_bound(
         kept.begin(), kept.end(), std::tie(a, b),
         [](const auto& pair, const auto& key) { return std::tie(pair.before, pair.after) < key; });
     if (at == kept.end() || at->before != a || at->after != b) continue;
-    of_before.of_part[a].emplace_back(i, b);
-    of_after.of_part[b].emplace_back(j, a);
+    of_before[a].push_back({i, b, after.near_end[j]});
+    of_after[b].push_back({j, a, before.near_end[i]});
   }
   join(before, after, of_before, Sense::backward, frame, events);
   join(after, before, of_after, Sense::forward, frame, events);

@@ -101,8 +101,8 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
         first.push_back(static_cast<float>(std::abs(g.x)));
         first.push_back(static_cast<float>(std::abs(g.y)));
       }
-    ground.second.push_back(std::max(noise * level.hessian_sd, 0.6 * kMedianToSd * median_magnitude(second)));
-    ground.first.push_back(std::max(noise * level.gradient_sd, 0.6 * kMedianToSd * median_magnitude(first)));
+    ground.second.push_back(std::max(noise * level.hessian_sd, kMedianToSd * median_magnitude(second)));
+    ground.first.push_back(std::max(noise * level.gradient_sd, kMedianToSd * median_magnitude(first)));
   }
   return ground;
 }

@@ -75,7 +75,13 @@ class Cutter {
     for (std::size_t c = 0; c < rulers_.size(); ++c) cut(c);
     name_by_degree();
     std::vector<Edge> edges;
-    for (const auto& [a, b] : edges_) edges.push_back({VertexId{a}, VertexId{b}});
+    std::vector<bool> joined(vertices_.size(), false);
+    for (const auto& [a, b] : edges_) {
+      edges.push_back({VertexId{a}, VertexId{b}});
+      joined[a] = joined[b] = true;
+    }
+    // What shrank to one patch when its ends met nearly the same place shows nothing of its own.
+    std::erase_if(vertices_, [&](const Vertex& v) { return !joined[v.id.value]; });
     return {std::move(vertices_), std::move(edges)};
   }
 

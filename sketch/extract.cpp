@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -93,7 +94,10 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   }
   chains = without_lobes(without_hooks(std::move(chains)), space, luma.size());
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
-  const Network network = prune(join(cut_at_fades(chains, space, kHalf), space), options.min_length);
+  chains = cut_at_fades(chains, space, kHalf);
+  // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
+  std::erase_if(chains, [&](const Chain& c) { return arc_lengths(c).back() < 0.5 * options.min_length; });
+  const Network network = prune(join(std::move(chains), space), options.min_length);
   return cut_into_patches(network, space, levels, options.spacing);
 }
 

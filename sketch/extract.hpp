@@ -12,10 +12,10 @@ namespace emberfold::sketch {
 struct ExtractOptions {
   double finest_scale = 1.2;  ///< px, ≥ 0.7: SD of the finest Gaussian
   int scales = 5;             ///< ≥ 1, each √2 above the one before
-  double significance = 5;    ///< > 0: a curve begins where the response is so many SD of the noise
+  double significance = 6;    ///< > 0: a curve begins where the response is so many SD of the ground
   double hysteresis = 0.4;    ///< 0…1: and goes on down to this share of it
   double min_contrast = 4;    ///< grey levels, ≥ 0: fainter strokes are left out
-  double min_length = 8;      ///< px, ≥ 0: shorter curves that end freely are left out
+  double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
   double spacing = 5;         ///< px, ≥ 2: from patch to patch along a curve
   bool edges = true;          ///< step edges too, not only ridges and valleys
 

@@ -75,6 +75,12 @@ class Grid {
   std::vector<std::vector<Contact>> cells_;
 };
 
+// How far an end may be from what it meets: a line is lost within about 3σ of a stronger one, and its last
+// points may have been a hook.
+double reach_of(double sigma) {
+  return 3 * sigma + 8;
+}
+
 // How much of the crease shows at a place, more being more of it: a ridge's level, a valley's negated, a
 // step's right side above its left.
 double showing(const ScaleLevel& level, CreaseKind kind, Point p, Point across, double reach) {
@@ -134,7 +140,7 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
   // a step's sides.
   const double side = own.kind == CreaseKind::step && !end.back ? -1 : 1;
   const double needed = half_showing(own, end.back, fine, level.sigma);
-  const double farthest = 3 * space.back().sigma + 3;
+  const double farthest = reach_of(space.back().sigma);
   std::vector<Meeting> found;
   grid.near(end.position, farthest, [&](const Contact& c) {
     const Chain& other = chains[c.chain];
@@ -142,7 +148,7 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
     const CreasePoint& q = other.points[c.point];
     const Point way = q.position - end.position;
     const double length = graph::norm(way);
-    const double reach = 3 * std::max(level.sigma, space[static_cast<std::size_t>(q.level)].sigma) + 3;
+    const double reach = reach_of(std::max(level.sigma, space[static_cast<std::size_t>(q.level)].sigma));
     if (length > reach) return;
     // On the curve itself only what lies a real detour away: the other end of a ring, not the next point.
     if (c.chain == end.chain) {
@@ -151,7 +157,7 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
     }
     const double turn =
         length > 0.5 ? std::acos(std::clamp(graph::dot(way, end.outward) / length, -1.0, 1.0)) : 0.0;
-    if (turn > (length > 2.5 ? std::numbers::pi / 4 : std::numbers::pi / 2)) return;
+    if (turn > (length > 5 ? std::numbers::pi / 4 : std::numbers::pi / 2)) return;
     found.push_back({length * (1 + turn * turn), e, c});
   });
   std::stable_sort(found.begin(), found.end(), [](const Meeting& a, const Meeting& b) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 
 #include <fcntl.h>
 #include <opencv2/imgcodecs.hpp>

@@ -190,6 +190,21 @@ TEST_CASE("A bridge between two strokes connects them at its middle and is not b
   check_both(side, sided, straight(0, 14), EventType::connect, EventType::disconnect, {5, 20});
 }
 
+TEST_CASE("A bridge that leaves a stub at its foot is a bridge all the same", "[graph][events]") {
+  // The stub looks like an end that the other stroke continues, but the stroke it stands on goes on to both
+  // sides.
+  make::Frame apart = lines({make::segment({0, 0}, {0, 60}, 13), make::segment({35, 30}, {75, 30}, 9)});
+  const auto stub = apart.line({{5, 30}});
+  apart.edge(6, stub);
+  make::Frame joined = apart;
+  const auto bridge = joined.line(make::segment({10, 30}, {30, 30}, 5));
+  joined.edge(stub, bridge);
+  joined.edge(bridge + 4, 13);
+  make::Frame bare = lines({make::segment({0, 0}, {0, 60}, 13), make::segment({35, 30}, {75, 30}, 9)});
+  check_both(bare, joined, straight(0, 6) + straight(7, 15) + Pairs{{6, stub}}, EventType::connect,
+             EventType::disconnect, {20, 30});
+}
+
 TEST_CASE("Growing, branching, and closing a loop are no events", "[graph][events]") {
   const make::Frame line = lines({make::segment({0, 0}, {40, 0}, 9)});
   const make::Frame longer = lines({make::segment({0, 0}, {60, 0}, 13)});

@@ -271,18 +271,10 @@ TEST_CASE("A stroke that dies beside one that grows is not the same", "[graph][m
   before.line(make::segment({0, 0}, {0, 40}, 9));
   before.line(make::segment({1, 46}, {1, 91}, 10));
   after.line(make::segment({0, 0}, {0, 52}, 12));  // grown over the first patches of the one below
-  const auto events = graph::stroke_events(graph::match({320,
-                                                         240,
-                                                         25,
-                                                         {before.graph(),
-                                                          [&] {
-                                                            graph::SketchSequence s;
-                                                            s.append(before.graph());
-                                                            s.append(after.graph());
-                                                            return s.frames[1];
-                                                          }()}},
-                                                        {})
-                                               .motion);
+  graph::SketchSequence sketch;
+  sketch.append(before.graph());
+  sketch.append(after.graph());
+  const auto events = graph::stroke_events(graph::match(sketch, {}).motion);
   REQUIRE(events.size() == 1);
   CHECK(events[0].type == EventType::death);
   CHECK(graph::distance(events[0].position, {1, 68.5}) < 1e-9);
