@@ -9,18 +9,16 @@
 
 #include "apps/builtin_scene.hpp"
 #include "apps/builtin_style.hpp"
+#include "apps/builtin_wind.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
-constexpr double margin = 7;         // px to the edge of the picture
-constexpr double apart = 10;         // px between what does not touch
-constexpr int pause = 6;             // frames between one body's end and another's beginning in its place
-constexpr int events_apart = 5;      // frames between the events of one body
-constexpr int settle = 150;          // frames of sway before the first that is used
-constexpr double bump_spacing = 70;  // px between the centres of the gusts that neighbours share
-constexpr double shared = 0.96;      // share of the sway's variance that comes from them
+constexpr double margin = 7;     // px to the edge of the picture
+constexpr double apart = 10;     // px between what does not touch
+constexpr int pause = 6;         // frames between one body's end and another's beginning in its place
+constexpr int events_apart = 5;  // frames between the events of one body
 
 /// Frames [first, last].
 struct Window {
@@ -35,56 +33,6 @@ Window window_of(const Presence& presence, int frames) {
 bool overlap(const Window& a, const Window& b, int pad) {
   return a.first - pad <= b.last && b.first - pad <= a.last;
 }
-
-/// White noise in time, smooth in space: what the sway of neighbours has in common.
-class Wind {
- public:
-  explicit Wind(const BuiltinOptions& o)
-      : columns_(static_cast<int>(o.width / bump_spacing) + 2),
-        rows_(static_cast<int>(o.height / bump_spacing) + 2) {
-    const auto bumps = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-    for (int t = 0; t < o.frames + settle; ++t) {
-      core::Rng rng(o.seed, {static_cast<std::uint32_t>(Purpose::wind), static_cast<std::uint32_t>(t), 0});
-      for (std::size_t i = 0; i < bumps; ++i) gusts_.push_back({rng.normal(), rng.normal(), rng.normal()});
-    }
-  }
-
-  /// Modes of a body for the frames of its window.
-  std::vector<std::array<double, 3>> sway(const Body& body, const Window& window,
-                                          const std::array<double, 3>& sd, core::Rng rng) const {
-    const cv::Point2d at = body.curves[0].points[body.curves[0].points.size() / 2];
-    std::vector<double> weights;
-    for (int r = 0; r < rows_; ++r)
-      for (int c = 0; c < columns_; ++c) {
-        const double dx = at.x / bump_spacing - c, dy = at.y / bump_spacing - r;
-        weights.push_back(std::exp(-(dx * dx + dy * dy)));
-      }
-    const double norm = std::sqrt(std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0));
-    // Stationary variance of an AR(2) with unit noise.
-    const double a = body.ar[0], b = body.ar[1];
-    const double variance = (1 - b) / ((1 + b) * ((1 - b) * (1 - b) - a * a));
-    std::array<double, 3> now{}, before{};
-    std::vector<std::array<double, 3>> modes;
-    for (int t = window.first - settle; t <= window.last; ++t) {
-      std::array<double, 3> push{};
-      const auto* const gust = &gusts_[static_cast<std::size_t>(t + settle) * weights.size()];
-      for (std::size_t i = 0; i < weights.size(); ++i)
-        for (std::size_t m = 0; m < 3 && weights[i] > 1e-6; ++m) push[m] += weights[i] / norm * gust[i][m];
-      for (std::size_t m = 0; m < 3; ++m) {
-        const double noise = std::sqrt(shared) * push[m] + std::sqrt(1 - shared) * rng.normal();
-        const double next = a * now[m] + b * before[m] + sd[m] / std::sqrt(variance) * noise;
-        before[m] = now[m];
-        now[m] = next;
-      }
-      if (t >= window.first) modes.push_back(now);
-    }
-    return modes;
-  }
-
- private:
-  int columns_, rows_;
-  std::vector<std::array<double, 3>> gusts_;  ///< by frame, from `settle` before the first, and by bump
-};
 
 bool too_near(const Line& a, const Line& b, double least) {
   for (const auto& p : a)
@@ -175,7 +123,7 @@ class Planner {
     body.first = info.window.first;
     body.modes.assign(1, {});
     if (!has_room(body, {body.first, body.first}, info)) return false;
-    body.modes = wind_.sway(body, info.window, style_.sway, rng);
+    body.modes = wind_.sway(body, info.window.first, info.window.last, style_.sway, rng);
     if (!has_room(body, info.window, info)) return false;
     if (life.begin) info.events.push_back(life.begin->frame);
     if (life.end) info.events.push_back(life.end->frame);

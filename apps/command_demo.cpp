@@ -61,7 +61,7 @@ void run_demo(const Demo& asked, Session& session) {
   options.reconstruction = true;
   // The file is read rather than the clip in memory, as whoever tries the printed command will do.
   const auto summary = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
-                                    (output.path() / "clip.avi").string());
+                                    "builtin:" + asked.clip);
   output.write("score.json", [&](std::ostream& out) { out << json_text(summary["score"]); });
   output.commit();
   session.console.say(findings(summary, output.path()));

@@ -251,7 +251,9 @@ function buildEvents() {
   $("viewer").addEventListener("keydown", walk);
   $("table").addEventListener("keydown", walk);
   refilter();
-  const start = rows.find((i) => data.frames.some((shown) => shown.frame === events.frame[i] && events.frame[i] > clip.frames / 4));
-  select(start ?? rows[0]);
+  // begin with one that shows much: a change of topology whose own frame the page carries
+  const carried = new Set(data.frames.map((shown) => shown.frame));
+  const late = rows.filter((i) => carried.has(events.frame[i]) && events.frame[i] > clip.frames / 4);
+  select(late.find((i) => !["birth", "death"].includes(classes[events.type[i]].name)) ?? late[0] ?? rows[0]);
   drawings.push(drawViewer);
 }

@@ -345,6 +345,22 @@ TEST_CASE("a video that is cut off is read as far as it goes, with one warning a
                  std::to_string(clip.frames.size()) + " frames"));
 }
 
+TEST_CASE("a frame rate that cannot be is taken as 25, with a warning") {
+  const TempFolder folder;
+  write_video(folder / "clip.avi", {32, 32}, 5);
+  std::string bytes = bytes_of(folder / "clip.avi");
+  const auto header = bytes.find("strh");
+  REQUIRE(header != std::string::npos);
+  bytes.replace(header + 8 + 20, 8, std::string("\1\0\0\0\xD0\7\0\0", 8));  // scale 1, rate 2000
+  std::ofstream(folder / "fast.avi", std::ios::binary) << bytes;
+  core::Clip clip;
+  const auto lines = warnings_of([&](const Warn& warn) { clip = read(folder / "fast.avi", {}, warn); });
+  CHECK(clip.info.fps == 25);
+  CHECK(clip.frames.size() == 5);
+  REQUIRE(lines.size() == 1);
+  CHECK(contains(lines[0], "25 a second"));
+}
+
 TEST_CASE("videos decode to the same bytes at any thread count") {
   const TempFolder folder;
   {
