@@ -26,7 +26,7 @@ graph::SketchSequence sketch_frames(core::FrameSource& source, const sketch::Ext
   graph::SketchSequence sketch;
   sketch.width = info.width, sketch.height = info.height, sketch.fps = info.fps;
   stream_frames(
-      source, "sketching the frames", info.frames, session.context,
+      source, "sketch", info.frames, session.context,
       [&](int, const cv::Mat& frame) { return sketch::extract(core::to_levels(frame, info), options); },
       [&](int, graph::AttributeGraph graph) { sketch.append(graph); });
   return sketch;

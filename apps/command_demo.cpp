@@ -19,14 +19,9 @@ struct Demo {
   std::string output = "out/demo", clip = "fire";
 };
 
-BuiltinScene scene(const std::string& name) {
-  if (name == "cloth") return BuiltinScene::cloth;
-  return name == "river" ? BuiltinScene::river : BuiltinScene::fire;
-}
-
 BuiltinClip make_clip(const Demo& asked, OutputFolder& output, const Session& session) {
   BuiltinOptions options;
-  options.scene = scene(asked.clip);
+  options.scene = builtin_scene(asked.clip);
   options.seed = session.common.seed;
   auto made = make_builtin(options, session.context);
   session.check_stop();
@@ -66,7 +61,7 @@ void run_demo(const Demo& asked, Session& session) {
   options.reconstruction = true;
   // The file is read rather than the clip in memory, as whoever tries the printed command will do.
   const auto summary = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
-                                    (output.path() / "clip.avi").string());
+                                    "builtin:" + asked.clip);
   output.write("score.json", [&](std::ostream& out) { out << json_text(summary["score"]); });
   output.commit();
   session.console.say(findings(summary, output.path()));

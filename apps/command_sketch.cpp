@@ -49,7 +49,7 @@ SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, OutputFold
   const auto reconstruction = create_clip(output.staged("reconstruction.avi"), {info.width, info.height},
                                           info.fps, info.channels == 3);
   stream_frames(
-      source, "sketching the frames", info.frames, session.context,
+      source, "sketch", info.frames, session.context,
       [&](int t, const cv::Mat& frame) {
         const cv::Mat levels = core::to_levels(frame, info);
         Sketched made{sketch::extract(levels, asked.extract), {}, {}};

@@ -182,9 +182,14 @@ void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, doub
   if (box.empty()) return;
   cv::Mat under = picture(box), drawn = under.clone();
   const cv::Point2d at(centre.x - box.x, centre.y - box.y);
-  mark_outline(drawn, at, type, radius, {255, 255, 255}, 5);
+  mark_outline(drawn, at, type, radius, {255, 255, 255}, radius < 9 ? 4 : 5);
   mark_outline(drawn, at, type, radius, bgr(event_colour(type)), 2);
   cv::addWeighted(drawn, opacity, under, 1 - opacity, 0, under);
+}
+
+double mark_radius(std::size_t shown) {
+  constexpr double kMost = 13, kLeast = 6, kRoom = 25;  // so many marks of full size a picture holds
+  return std::clamp(kMost * std::sqrt(kRoom / std::max(1.0, double(shown))), kLeast, kMost);
 }
 
 std::vector<LegendItem> event_legend() {

@@ -60,6 +60,9 @@ void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Plac
 void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, double radius,
                double opacity = 1);
 
+/// The radius of marks, px, where so many of them are shown at once: the more, the smaller.
+double mark_radius(std::size_t shown);
+
 /// One entry of a legend: an event's mark, or a stroke of its colour.
 struct LegendItem {
   std::string label;

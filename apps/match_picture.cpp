@@ -31,10 +31,11 @@ cv::Mat half(const cv::Mat& frame, const graph::AttributeGraph& graph,
   draw_graph(picture, graph, place, [&](std::size_t i) {
     return cluster[i] == 0 ? Colour{255, 255, 255} : stroke_colour(cluster[i]);
   });
+  const double radius = mark_radius(events.size());
   for (const auto& event : events) {
     using enum graph::EventType;
     if (event.type == (is_before ? birth : death)) continue;  // there is nothing of it in this frame
-    draw_mark(picture, place(event.position), event.type, 13);
+    draw_mark(picture, place(event.position), event.type, radius);
   }
   cv::Mat head(kTitle, picture.cols, CV_8UC3, cv::Scalar(246, 248, 250)), whole;
   cv::putText(head, title, {2, 20}, cv::FONT_HERSHEY_SIMPLEX, 0.5, {60, 52, 48}, 1, cv::LINE_AA);

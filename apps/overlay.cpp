@@ -58,9 +58,12 @@ cv::Mat draw_overlay(const cv::Mat& frame, const graph::AttributeGraph& graph, i
                      std::span<const graph::Event> events, const OverlayOptions& options) {
   const Placement place{enlargement(frame.size(), options.shorter_side), {}};
   cv::Mat picture = draw_sketch(frame, graph, options);
-  for (const auto& event : events_between(events, frame_number - options.flash_frames + 1, frame_number)) {
+  const auto shown = events_between(events, frame_number - options.flash_frames + 1, frame_number);
+  const double radius = mark_radius(shown.size());
+  for (const auto& event : shown) {
     const double age = double(frame_number - event.frame) / options.flash_frames;
-    draw_mark(picture, place(event.position), event.type, 13 - 3 * age, 1 - 0.75 * age);
+    draw_mark(picture, place(event.position), event.type, radius * (1 - 0.2 * age),
+              (1 - age) * (1 - age * 0.5));
   }
   const cv::Mat legend = draw_legend(picture.cols, frame_label(frame_number), event_legend());
   cv::Mat whole;

@@ -161,7 +161,7 @@ Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& moti
   Collector collector(motion, events, plan, options, info, output);
   try {
     const int frames = stream_frames(
-        source, "drawing the pictures", static_cast<std::int64_t>(graphs.size()), session.context,
+        source, "pictures", static_cast<std::int64_t>(graphs.size()), session.context,
         [&](int t, const cv::Mat& frame) {
           if (static_cast<std::size_t>(t) >= graphs.size())
             throw core::IoError("the clip has more frames now than when it was sketched");

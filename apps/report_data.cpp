@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
-#include <set>
+#include <numeric>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
@@ -16,7 +17,7 @@ namespace emberfold::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr std::size_t kEventBytes = 800'000, kCurveBytes = 550'000, kPathPoints = 11'000, kSeries = 1500;
+constexpr std::size_t kEventBytes = 800'000, kCurveBytes = 550'000, kPathPoints = 20'000, kSeries = 1500;
 
 // A tenth of a pixel is finer than any screen shows a small clip, a whole one than it shows a large one.
 Json rounded(double value, int width) {
@@ -36,15 +37,42 @@ struct Path {
   std::vector<graph::Point> points;
 };
 
-Json longest_paths(std::vector<Path> paths, int width, std::size_t least) {
-  std::ranges::stable_sort(paths,
-                           [](const Path& a, const Path& b) { return a.points.size() > b.points.size(); });
+// The diagonal of the box that the path stays in.
+double extent(const Path& path) {
+  graph::Point low = path.points.front(), high = low;
+  for (const auto& p : path.points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  }
+  return graph::distance(low, high);
+}
+
+// Those that live longest and those that go farthest, in turn: the first alone may all stand still.
+std::vector<std::size_t> ranked(const std::vector<Path>& paths) {
+  std::vector<std::size_t> by_life(paths.size());
+  std::iota(by_life.begin(), by_life.end(), std::size_t{0});
+  auto by_extent = by_life;
+  std::vector<double> extents;
+  for (const auto& path : paths) extents.push_back(extent(path));
+  std::ranges::stable_sort(by_life, std::greater{}, [&](std::size_t i) { return paths[i].points.size(); });
+  std::ranges::stable_sort(by_extent, std::greater{}, [&](std::size_t i) { return extents[i]; });
+  std::vector<std::size_t> order;
+  std::vector<bool> taken(paths.size());
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    for (const std::size_t index : {by_extent[i], by_life[i]})
+      if (!taken[index]) taken[index] = true, order.push_back(index);
+  return order;
+}
+
+Json choose_paths(const std::vector<Path>& paths, int width, std::size_t least) {
   Json out = Json::array();
   std::size_t points = 0;
-  for (const auto& path : paths) {
-    if (path.points.size() < least) break;
+  for (const std::size_t index : ranked(paths)) {
+    const auto& path = paths[index];
+    if (path.points.size() < least) continue;
     // a path that alone exceeds what is left is shown by its beginning
     const std::size_t count = std::min(path.points.size(), kPathPoints - points);
+    if (count < least) break;
     Json line = Json::array({path.first});
     for (std::size_t i = 0; i < count; ++i) {
       line.push_back(rounded(path.points[i].x, width));
@@ -52,7 +80,6 @@ Json longest_paths(std::vector<Path> paths, int width, std::size_t least) {
     }
     out.push_back(std::move(line));
     points += count;
-    if (points + least > kPathPoints) break;
   }
   return out;
 }
@@ -169,7 +196,7 @@ Json report_stroke_paths(const graph::MotionGraph& motion) {
   }
   std::vector<Path> list;
   for (auto& [id, path] : paths) list.push_back(std::move(path));
-  return longest_paths(std::move(list), motion.sketch.width, 3);
+  return choose_paths(list, motion.sketch.width, 3);
 }
 
 Json report_patch_paths(const graph::MotionGraph& motion) {
@@ -183,7 +210,7 @@ Json report_patch_paths(const graph::MotionGraph& motion) {
     }
     list.push_back(std::move(path));
   }
-  return longest_paths(std::move(list), motion.sketch.width, 4);
+  return choose_paths(list, motion.sketch.width, 4);
 }
 
 Json report_curves(const graph::MotionGraph& motion, std::span<const int> frames) {

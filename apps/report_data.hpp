@@ -18,8 +18,8 @@ nlohmann::ordered_json report_events(std::span<const graph::Event> events);
 /// Strokes and patches of each frame and events of each class; means over `step` frames where there are many.
 nlohmann::ordered_json report_series(const graph::MotionGraph& motion, std::span<const graph::Event> events);
 
-/// Paths through time [first frame, x, y, x, y, …], the longest-lived first: the middle of each stroke, and
-/// single patches.
+/// Paths through time [first frame, x, y, x, y, …], those that go farthest and those that live longest in
+/// turn: the middle of each stroke, and single patches.
 nlohmann::ordered_json report_stroke_paths(const graph::MotionGraph& motion);
 nlohmann::ordered_json report_patch_paths(const graph::MotionGraph& motion);
 

@@ -139,12 +139,23 @@ function buildLanes() {
       context.stroke();
     });
     const thick = Math.max(1.5, Math.min(4, (frame.right - frame.left) / clip.frames * .6));
+    // one bar for each frame and class: the more events, the higher; pale where the filter holds them back
+    const bars = new Map();
+    let most = 1;
     for (let i = 0; i < eventCount; ++i) {
       if (!filter.shown[events.type[i]]) continue;
-      const y = frame.top + lane * (events.type[i] + .5);
-      context.globalAlpha = passes(i) ? .35 + .5 * events.p[i] : .12;
-      context.fillStyle = classes[events.type[i]].colour;
-      context.fillRect(frame.px(events.frame[i]) - thick / 2, y - lane * .34, thick, lane * .68);
+      const key = events.frame[i] * classes.length + events.type[i];
+      const bar = bars.get(key) ?? bars.set(key, {all: 0, passing: 0}).get(key);
+      bar.all += 1;
+      bar.passing += passes(i) ? 1 : 0;
+      most = Math.max(most, bar.all);
+    }
+    for (const [key, {all, passing}] of bars) {
+      const type = key % classes.length, y = frame.top + lane * (type + .5);
+      const part = most === 1 ? 1 : .3 + .7 * (passing || all) / most;
+      context.globalAlpha = passing ? .85 : .12;
+      context.fillStyle = classes[type].colour;
+      context.fillRect(frame.px((key - type) / classes.length) - thick / 2, y - lane * .4 * part, thick, lane * .8 * part);
     }
     context.globalAlpha = 1;
     if (selected < 0) return;
@@ -156,7 +167,7 @@ function buildLanes() {
     context.lineTo(x, frame.bottom);
     context.stroke();
     const y = frame.top + lane * (events.type[selected] + .5);
-    context.strokeRect(x - thick / 2 - 2, y - lane * .34 - 2, thick + 4, lane * .68 + 4);
+    context.strokeRect(x - thick / 2 - 2, y - lane * .4 - 1, thick + 4, lane * .8 + 2);
   });
 }
 function pickLane(pointer) {
@@ -240,7 +251,9 @@ function buildEvents() {
   $("viewer").addEventListener("keydown", walk);
   $("table").addEventListener("keydown", walk);
   refilter();
-  const start = rows.find((i) => data.frames.some((shown) => shown.frame === events.frame[i] && events.frame[i] > clip.frames / 4));
-  select(start ?? rows[0]);
+  // begin with one that shows much: a change of topology whose own frame the page carries
+  const carried = new Set(data.frames.map((shown) => shown.frame));
+  const late = rows.filter((i) => carried.has(events.frame[i]) && events.frame[i] > clip.frames / 4);
+  select(late.find((i) => !["birth", "death"].includes(classes[events.type[i]].name)) ?? late[0] ?? rows[0]);
   drawings.push(drawViewer);
 }

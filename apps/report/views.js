@@ -61,10 +61,19 @@ function buildStills() {
 
 function buildPlaces() {
   if (data.events.total === 0) { $("places").hidden = true; return; }
-  let density = false;
+  let density = rows.length > 1500;
   const shape = clip.height / clip.width;
   const shown = () => rows;
   const dots = (context, list, x, y, r) => {
+    if (list.length > 2500) {  // marks would hide one another
+      context.globalAlpha = Math.max(.12, Math.min(.7, 2500 / list.length));
+      for (const i of list) {
+        context.fillStyle = classes[events.type[i]].colour;
+        context.fillRect(x(i) - 1.2, y(i) - 1.2, 2.4, 2.4);
+      }
+      context.globalAlpha = 1;
+      return;
+    }
     for (const i of list) {
       context.globalAlpha = i === selected ? 1 : .75;
       const path = new Path2D(markPath(events.type[i], x(i), y(i), r));
@@ -109,7 +118,7 @@ function buildPlaces() {
     const list = shown();
     dots(context, list, (i) => frame.px(events.frame[i]), (i) => frame.py(place[i]), list.length > 600 ? 3 : 4.5);
   }, Math.min(1, Math.max(.6, shape)));
-  choice($("map-modes"), ["Marks", "Density"], (i) => { density = i === 1; map(); });
+  choice($("map-modes"), ["Marks", "Density"], (i) => { density = i === 1; map(); }, density ? 1 : 0);
   filterWatchers.push(map, course);
   if (backdrop) backdrop.decode().then(map, () => {});
 }
@@ -125,7 +134,7 @@ function buildPaths() {
   const sets = [data.patches, data.strokes], names = ["patch", "stroke"];
   let which = data.patches.length ? 0 : 1;
   const least = $("path-least"), lengthOf = (path) => (path.length - 1) / 2, shape = clip.height / clip.width;
-  $("paths-lead").textContent = "The longest-lived ones, coloured by time. A patch is followed as long as it goes on one to one; of a stroke the middle is drawn.";
+  $("paths-lead").textContent = "Those that go farthest and those that live longest, coloured by time. A patch is followed as long as it goes on one to one; of a stroke the middle is drawn.";
   const draw = drawing($("paths"), (context, width, height) => {
     const base = height - 34, scale = Math.min(width / clip.width, base / clip.height), left = (width - clip.width * scale) / 2;
     context.save();
@@ -163,7 +172,7 @@ function buildPaths() {
     context.fillText(String(clip.frames - 1), x0 + bar + 8, height - 15);
   }, Math.min(shape, .75) + .03);
   const refresh = () => {
-    const list = sets[which], longest = list.length ? lengthOf(list[0]) : 3;
+    const list = sets[which], longest = list.reduce((most, path) => Math.max(most, lengthOf(path)), 3);
     least.max = longest;
     $("path-least-value").textContent = least.value;
     $("path-count").textContent = plural(list.filter((path) => lengthOf(path) >= +least.value).length, names[which] + " path");

@@ -357,3 +357,23 @@ TEST_CASE("score: the table, the JSON and what a reader refuses") {
       {"score", truth, write("odd.json", R"({"events": [{"frame": 1, "type": "bang", "x": 1, "y": 1}]})")}, 1,
       {"odd.json", "bang"});
 }
+
+TEST_CASE("demo makes its clip, and what it scores is what the score command says of its files") {
+  const TempFolder temp;
+  const auto out = temp / "demo";
+  const auto result = run_command({"demo", "-o", out.string(), "--clip", "cloth", "--seed", "3"});
+  INFO(result.err);
+  REQUIRE(result.exit == 0);
+  CHECK(contains(result.err, (out / "report.html").string()));
+  const auto score =
+      run_command({"score", (out / "truth.json").string(), (out / "events.json").string(), "--json"});
+  REQUIRE(score.exit == 0);
+  const Json again = Json::parse(score.out), told = Json::parse(bytes_of(out / "score.json"));
+  CHECK(told["four"] == again["four"]);
+  CHECK(told["six"] == again["six"]);
+  CHECK(told["four"]["all"]["true"] > 0);
+  const auto clip = core::read_all(*open_clip((out / "clip.avi").string(), {}, {}));
+  CHECK(clip.frames.size() == Json::parse(bytes_of(out / "summary.json"))["clip"]["frames"]);
+  check_refused({"demo", "-o", (temp / "other").string(), "--clip", "water"}, 2, {"--clip", "water", "cloth"},
+                temp / "other");
+}
