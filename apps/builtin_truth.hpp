@@ -8,7 +8,7 @@
 namespace emberfold::apps {
 
 /// What truly happens in a scene, as JSON: kind, width, height, frames, fps, noise, ramp (frames that a
-/// change takes at most), flicker and texture (of contrast and ground), seed; `events` [{frame, type, x, y}],
+/// change takes at most), flicker (of contrast), seed; `events` [{frame, type, x, y}],
 /// by frame; and for each frame `strokes` [{id, polarity, sigma, ar, points}], every centre line (or piece of
 /// one) that shows at half contrast or more, and `junctions` [[x, y]]: the ends of bridges and where strokes
 /// cross.

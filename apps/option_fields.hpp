@@ -19,7 +19,8 @@ requires std::same_as<std::remove_const_t<Options>, sketch::ExtractOptions>
 void visit_fields(Options& o, Visit&& visit) {
   visit("finest_scale", o.finest_scale, "PX", "SD of the finest Gaussian that creases are sought with");
   visit("scales", o.scales, "N", "How many scales, each sqrt(2) above the one before");
-  visit("significance", o.significance, "SD", "A curve begins where the response is so many SD of the noise");
+  visit("significance", o.significance, "SD",
+        "A curve begins where the response is so many SD of the measured ground");
   visit("hysteresis", o.hysteresis, "SHARE", "... and goes on down to this share of that");
   visit("min_contrast", o.min_contrast, "LEVELS", "Fainter strokes are left out (grey levels of 255)");
   visit("min_length", o.min_length, "PX", "Shorter curves that end freely are left out");
@@ -44,7 +45,8 @@ void visit_fields(Options& o, Visit&& visit) {
 template <class Options, class Visit>
 requires std::same_as<std::remove_const_t<Options>, sketch::FillOptions>
 void visit_fields(Options& o, Visit&& visit) {
-  visit("tolerance", o.tolerance, "LEVELS", "The fill's solver stops at this RMS residual (grey levels)");
+  visit("tolerance", o.tolerance, "LEVELS",
+        "The fill's solver stops at this estimated largest error (grey levels)");
   visit("max_iterations", o.max_iterations, "N", "... or after so many rounds");
 }
 

@@ -14,7 +14,7 @@ namespace {
 enum class Look { bright_line, dark_line, step };
 
 Look look(const graph::Patch& patch) {
-  if (patch.type == graph::PatchType::step) return Look::step;
+  if (graph::on_step(patch)) return Look::step;
   return patch.contrast < 0 ? Look::dark_line : Look::bright_line;
 }
 

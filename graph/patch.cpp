@@ -34,7 +34,7 @@ std::optional<PatchType> patch_type(std::string_view name) {
 }
 
 bool same_kind(const Patch& a, const Patch& b) {
-  const bool step_a = a.type == PatchType::step, step_b = b.type == PatchType::step;
+  const bool step_a = on_step(a), step_b = on_step(b);
   return step_a == step_b && (step_a || (a.contrast > 0) == (b.contrast > 0));
 }
 

@@ -62,8 +62,12 @@ struct Patch {
   bool operator==(const Patch&) const = default;
 };
 
-/// Whether two patches may be the same thing at different times, by type and sign: lines of one sign, or
-/// steps.
+/// Whether the patch lies on a step edge, whatever its place in the graph makes its type: a step has no core.
+inline bool on_step(const Patch& patch) {
+  return patch.width <= 0;
+}
+
+/// Whether two patches may be the same thing at different times: lines of one sign, or steps.
 bool same_kind(const Patch& a, const Patch& b);
 
 /// The angle between two undirected orientations, 0…π/2.

@@ -20,7 +20,7 @@ struct Network {
   std::vector<std::vector<Contact>> meetings;
 };
 
-/// Lets free ends meet what they point at: another curve of the same kind, or its end, no farther than 3σ + 3
+/// Lets free ends meet what they point at: another curve of the same kind, or its end, no farther than 3σ + 8
 /// px, when the way there shows at half of the end's contrast or more throughout: a line's brightness, a
 /// step's difference between its sides. Nearest first.
 Network join(std::vector<Chain> chains, const ScaleSpace& space);
