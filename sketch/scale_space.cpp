@@ -90,8 +90,9 @@ ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels) {
     const cv::Mat1d step =
         gaussian_kernel(std::sqrt(level.sigma * level.sigma - previous_sigma * previous_sigma));
     cv::Mat1f smooth;
-    cv::sepFilter2D(previous, smooth, CV_32F, step, step, {-1, -1}, 0, cv::BORDER_REFLECT);
-    cv::copyMakeBorder(smooth, level.smooth, 1, 1, 1, 1, cv::BORDER_REFLECT);
+    cv::sepFilter2D(previous, smooth, CV_32F, step, step, {-1, -1}, 0,
+                    cv::BORDER_REFLECT | cv::BORDER_ISOLATED);
+    cv::copyMakeBorder(smooth, level.smooth, 1, 1, 1, 1, cv::BORDER_REFLECT | cv::BORDER_ISOLATED);
     const cv::Mat1d whole = gaussian_kernel(level.sigma);
     const double plain = noise_gain(whole, {1});
     level.gradient_sd = std::sqrt(plain * noise_gain(whole, {0.5, 0, -0.5}));

@@ -1,4 +1,309 @@
 // SPDX-License-Identifier: Apache-2.0
+// Where the sketch says a structure is and what it says of it, held against frames drawn by formula.
 #include "sketch/extract.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
 #include "tests/catch.hpp"
+#include "tests/sketch/scene.hpp"
+
+using namespace emberfold;
+using namespace emberfold::test;
+using Catch::Matchers::WithinAbs;
+using graph::AttributeGraph;
+using graph::Patch;
+using graph::PatchType;
+
+namespace {
+
+const cv::Size kSize{140, 140};
+constexpr int kAngles = 12;
+
+/// Mean and root mean square of what is put in.
+struct Spread {
+  double sum = 0, squares = 0, count = 0;
+  void add(double v) {
+    sum += v;
+    squares += v * v;
+    count += 1;
+  }
+  [[nodiscard]] double mean() const { return sum / count; }
+  [[nodiscard]] double rms() const { return std::sqrt(squares / count); }
+};
+
+/// A straight structure through the frame's middle, never twice the same to the pixel grid.
+struct Straight {
+  Point origin;
+  double theta;
+  [[nodiscard]] Point along() const { return unit(theta); }
+  [[nodiscard]] double across(Point p) const { return graph::dot(p - origin, unit(theta + kPi / 2)); }
+};
+
+Straight at_angle(int k, double whole_turn) {
+  return {{69.5 + 0.37 * std::cos(k * 1.7), 69.5 + 0.41 * std::sin(k * 2.3)},
+          0.013 + whole_turn * k / kAngles};
+}
+
+/// What was measured of the inner patches of bars.
+struct BarErrors {
+  Spread position, theta, width, blur, contrast, side;
+  double patches = 0, strays = 0;
+};
+
+void add_bar(BarErrors& errors, const AttributeGraph& found, const Straight& bar, double width, double blur,
+             double sign) {
+  const float ground = sign > 0 ? 60 : 180;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Patch& p = found.patch(i);
+    errors.patches += 1;
+    const double d = bar.across(p.position);
+    if (p.width == 0 || p.contrast * sign < 0 || std::abs(d) > 3) {
+      errors.strays += 1;
+      continue;
+    }
+    if (found.degree(i) != 2) continue;
+    errors.position.add(d);
+    errors.theta.add(graph::orientation_difference(p.theta, bar.theta));
+    errors.width.add(p.width - width);
+    errors.blur.add(p.blur - blur);
+    errors.contrast.add(std::abs(p.contrast) - 80 * seen(0, width, blur));
+    errors.side.add(static_cast<double>(p.left[0] - ground));
+    errors.side.add(static_cast<double>(p.right[0] - ground));
+  }
+}
+
+BarErrors measure_bars(double width, double blur, double sign, double noise) {
+  BarErrors errors;
+  for (int k = 0; k < kAngles; ++k) {
+    const Straight bar = at_angle(k, kPi);
+    auto frame =
+        draw(kSize, {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, width, blur)},
+             sign > 0 ? 60 : 180, 80 * sign);
+    if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
+    add_bar(errors, sketch::extract(frame, {}), bar, width, blur, sign);
+  }
+  return errors;
+}
+
+}  // namespace
+
+TEST_CASE("Straight bars lie within 0.1 px of their middle, and their profiles are told") {
+  for (const double width : {3.0, 5.0, 8.0})
+    for (const double sign : {1.0, -1.0}) {
+      const BarErrors e = measure_bars(width, 1.2, sign, 0);
+      INFO("width " << width << ", sign " << sign << ", " << e.patches << " patches, " << e.strays
+                    << " strays, position " << e.position.rms() << ", theta " << e.theta.rms() << ", width "
+                    << e.width.mean() << " ± " << e.width.rms() << ", blur " << e.blur.rms() << ", contrast "
+                    << e.contrast.rms() << ", side " << e.side.rms());
+      CHECK(e.patches >= kAngles * 18);
+      CHECK(e.strays == 0);
+      CHECK(e.position.rms() <= 0.1);
+      CHECK(e.theta.rms() <= 0.03);
+      CHECK(e.width.rms() <= 1.0);
+      CHECK(e.blur.rms() <= 0.45);
+      CHECK(e.contrast.rms() <= 5);
+      CHECK(e.side.rms() <= 2);
+    }
+}
+
+TEST_CASE("In noise of SD 15 straight bars lie within 0.2 px of their middle") {
+  for (const double width : {3.0, 5.0, 8.0})
+    for (const double sign : {1.0, -1.0}) {
+      const BarErrors e = measure_bars(width, 1.2, sign, 15);
+      INFO("width " << width << ", sign " << sign << ", " << e.patches << " patches, " << e.strays
+                    << " strays, position " << e.position.rms() << ", theta " << e.theta.rms() << ", width "
+                    << e.width.mean() << " ± " << e.width.rms() << ", blur " << e.blur.rms() << ", contrast "
+                    << e.contrast.mean() << " ± " << e.contrast.rms() << ", side " << e.side.rms());
+      CHECK(e.patches >= kAngles * 18);
+      CHECK(e.strays <= 0.02 * e.patches);
+      CHECK(e.position.rms() <= 0.2);
+      CHECK(e.theta.rms() <= 0.06);
+      CHECK(e.width.rms() <= 1.5);
+      CHECK(e.blur.rms() <= 0.6);
+      CHECK(e.contrast.rms() <= 10);
+      CHECK(e.side.rms() <= 5);
+    }
+}
+
+TEST_CASE("A fitted profile shows what the image shows") {
+  // Width and middle of a bar that blur has rounded off stand in for one another; the profile they make
+  // together does not: it is the image's.
+  for (const double width : {3.0, 5.0, 8.0})
+    for (const double blur : {0.8, 1.5, 2.0}) {
+      Spread error;
+      for (int k = 0; k < kAngles; ++k) {
+        const Straight bar = at_angle(k, kPi);
+        const auto frame = draw(kSize, [&](Point p) { return 60 + 80 * seen(bar.across(p), width, blur); });
+        const AttributeGraph found = sketch::extract(frame, {});
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          const Patch& p = found.patch(i);
+          if (p.width == 0 || !well_inside(p.position, kSize, 12) || found.degree(i) != 2) continue;
+          for (double d = -6; d <= 6; d += 0.5) {
+            const double enter = reached(d + p.width / 2, p.blur), leave = reached(d - p.width / 2, p.blur);
+            const auto left = static_cast<double>(p.left[0]), middle = static_cast<double>(p.middle[0]),
+                       right = static_cast<double>(p.right[0]);
+            const double fitted = left + (middle - left) * enter + (right - middle) * leave;
+            error.add(fitted - (60 + 80 * seen(d, width, blur)));
+          }
+        }
+      }
+      INFO("width " << width << ", blur " << blur << ": " << error.mean() << " ± " << error.rms());
+      REQUIRE(error.count > 1000);
+      CHECK(error.rms() <= 4.5);
+    }
+}
+
+TEST_CASE("Arcs lie near their middle, a little towards the centre") {
+  // Smoothing by σ moves a ridge of radius R inwards by about σ²/(2R).
+  for (const double noise : {0.0, 15.0})
+    for (const double width : {3.0, 5.0})
+      for (const double radius : {25.0, 40.0, 55.0}) {
+        Spread error;
+        for (int k = 0; k < 3; ++k) {
+          const double sign = k == 1 ? -1 : 1;
+          const Point centre{69.5 + 0.3 * k, 69.3 - 0.2 * k};
+          auto frame = draw(kSize, {ring(centre, radius, width, 1)}, sign > 0 ? 60 : 180, sign * 80);
+          if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
+          const AttributeGraph found = sketch::extract(frame, {});
+          for (std::size_t i = 0; i < found.size(); ++i) {
+            const double d = graph::distance(found.patch(i).position, centre) - radius;
+            if (found.patch(i).width > 0 && std::abs(d) < 3) error.add(d);
+          }
+        }
+        INFO("noise " << noise << ", width " << width << ", radius " << radius << ": " << error.mean()
+                      << " ± " << error.rms() << " of " << error.count);
+        const double inwards = 0.5 * std::pow(1.1 * width / 2 + 0.6, 2) / radius;
+        CHECK(error.count >= 0.9 * 3 * 2 * kPi * radius / 5);
+        CHECK(error.mean() <= 0.05);
+        CHECK(error.mean() >= -inwards - 0.05);
+        CHECK(error.rms() <= inwards + (noise > 0 ? 0.2 : 0.1));
+      }
+}
+
+TEST_CASE("A line whose sides differ is drawn towards its brighter side") {
+  // Stated, as it is: some 0.025 px for each grey level between the sides of a ridge of contrast 80.
+  for (const double width : {3.0, 5.0})
+    for (const double more : {10.0, 20.0, 40.0}) {
+      Spread position, left, right;
+      for (int k = 0; k < kAngles; ++k) {
+        const Straight bar = at_angle(k, kPi);
+        const auto frame = draw(kSize, [&](Point p) {
+          const double d = bar.across(p);
+          return 60 + 80 * reached(d + width / 2, 1) + (more - 80) * reached(d - width / 2, 1);
+        });
+        const AttributeGraph found = sketch::extract(frame, {});
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          const Patch& p = found.patch(i);
+          if (p.width == 0 || p.contrast < 0 || !well_inside(p.position, kSize, 10)) continue;
+          const bool same_way = graph::dot(unit(p.theta), bar.along()) > 0;
+          position.add(bar.across(p.position));
+          left.add(static_cast<double>(same_way ? p.left[0] : p.right[0]) - 60);
+          right.add(static_cast<double>(same_way ? p.right[0] : p.left[0]) - 60 - more);
+        }
+      }
+      INFO("width " << width << ", sides differ by " << more << ": position " << position.mean() << " ± "
+                    << position.rms() << ", left " << left.rms() << ", right " << right.rms() << " of "
+                    << position.count);
+      CHECK(position.count >= kAngles * 10);
+      CHECK(std::abs(position.mean()) <= 0.026 * more + 0.05);
+      CHECK(position.rms() <= 0.026 * more + 0.1);
+      CHECK(left.rms() <= 5);
+      CHECK(right.rms() <= 5);
+    }
+}
+
+TEST_CASE("Step edges: place, blur, both levels, and the sign that the side convention asks for") {
+  for (const double noise : {0.0, 15.0})
+    for (const double blur : {0.8, 1.5, 3.0}) {
+      Spread position, theta, width, left, right, contrast;
+      std::size_t wrong_sign = 0;
+      for (int k = 0; k < kAngles; ++k) {
+        const Straight edge = at_angle(k, 2 * kPi);
+        auto frame = draw(kSize, [&](Point p) { return 60 + 80 * reached(edge.across(p), blur); });
+        if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
+        const AttributeGraph found = sketch::extract(frame, {});
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          const Patch& p = found.patch(i);
+          if (p.width > 0 || !well_inside(p.position, kSize, 8)) continue;
+          const bool same_way = graph::dot(unit(p.theta), edge.along()) > 0;
+          position.add(edge.across(p.position));
+          theta.add(graph::orientation_difference(p.theta, edge.theta));
+          width.add(p.blur - blur);
+          left.add(static_cast<double>(p.left[0]) - (same_way ? 60 : 140));
+          right.add(static_cast<double>(p.right[0]) - (same_way ? 140 : 60));
+          contrast.add(p.contrast - (same_way ? 80 : -80));
+          wrong_sign += (p.contrast > 0) != same_way ? 1U : 0U;
+          REQUIRE_THAT(static_cast<double>(p.middle[0]),
+                       WithinAbs(static_cast<double>(p.left[0] + p.right[0]) / 2, 1e-3));
+        }
+      }
+      INFO("noise " << noise << ", blur " << blur << ": position " << position.rms() << ", theta "
+                    << theta.rms() << ", blur " << width.mean() << " ± " << width.rms() << ", levels "
+                    << left.rms() << " " << right.rms() << ", contrast " << contrast.rms() << " of "
+                    << position.count);
+      CHECK(position.count >= kAngles * 22);
+      CHECK(position.rms() <= (noise > 0 ? 0.3 : 0.1));
+      CHECK(std::abs(position.mean()) <= (noise > 0 ? 0.05 : 0.02));
+      CHECK(theta.rms() <= (noise > 0 ? 0.06 : 0.02));
+      CHECK(width.rms() <= (noise > 0 ? 0.7 : 0.25));
+      CHECK(left.rms() <= (noise > 0 ? 4 : 0.6));
+      CHECK(right.rms() <= (noise > 0 ? 4 : 0.6));
+      CHECK(contrast.rms() <= (noise > 0 ? 6 : 1));
+      CHECK(wrong_sign == 0);
+    }
+}
+
+TEST_CASE("A colour frame's patches have its colours, and luma decides what is found") {
+  const Straight bar = at_angle(2, kPi);
+  const auto cover = draw(kSize, [&](Point p) { return seen(bar.across(p), 6, 1); });
+  std::vector<cv::Mat> channels;
+  for (const auto& [ground, core] : {std::pair{10.0, 61.0}, {20.0, 224.0}, {30.0, 132.0}})
+    channels.emplace_back(cover * (core - ground) + ground);
+  cv::Mat frame;
+  cv::merge(channels, frame);
+  const AttributeGraph found = sketch::extract(frame, {});
+  REQUIRE(found.size() >= 20);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Patch& p = found.patch(i);
+    if (!well_inside(p.position, kSize, 12)) continue;
+    for (const graph::Level& side : {p.left, p.right}) {
+      REQUIRE_THAT(static_cast<double>(side[0]), WithinAbs(10, 3));
+      REQUIRE_THAT(static_cast<double>(side[1]), WithinAbs(20, 6));
+      REQUIRE_THAT(static_cast<double>(side[2]), WithinAbs(30, 4));
+    }
+    REQUIRE_THAT(static_cast<double>(p.middle[0]), WithinAbs(61, 4));
+    REQUIRE_THAT(static_cast<double>(p.middle[1]), WithinAbs(224, 18));
+    REQUIRE_THAT(static_cast<double>(p.middle[2]), WithinAbs(132, 9));
+    const double luma = 0.114 * (61 - 10) + 0.587 * (224 - 20) + 0.299 * (132 - 30);
+    REQUIRE_THAT(p.contrast, WithinAbs(luma * seen(0, 6, 1), 8));
+  }
+  // Grey in three channels is grey.
+  const auto grey = draw(kSize, {segment({20, 30}, {120, 100}, 4, 1)}, 60, 80);
+  cv::merge(std::vector<cv::Mat>{grey, grey, grey}, frame);
+  const AttributeGraph three = sketch::extract(frame, {}), one = sketch::extract(grey, {});
+  REQUIRE(three.size() == one.size());
+  for (std::size_t i = 0; i < one.size(); ++i)
+    REQUIRE_THAT(graph::distance(three.patch(i).position, one.patch(i).position), WithinAbs(0, 0.01));
+}
+
+TEST_CASE("What is clipped at white keeps its place and its levels") {
+  const Straight bar = at_angle(5, kPi);
+  auto frame =
+      draw(kSize, {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, 6, 1)}, 0, 400);
+  cv::min(frame, 255.0F, frame);
+  const AttributeGraph found = sketch::extract(frame, {});
+  REQUIRE(components(found).count == 1);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found.degree(i) != 2) continue;
+    const Patch& p = found.patch(i);
+    REQUIRE_THAT(bar.across(p.position), WithinAbs(0, 0.25));
+    REQUIRE_THAT(static_cast<double>(p.middle[0]), WithinAbs(255, 15));
+    REQUIRE_THAT(static_cast<double>(p.left[0]), WithinAbs(0, 10));
+    REQUIRE_THAT(static_cast<double>(p.right[0]), WithinAbs(0, 10));
+  }
+}

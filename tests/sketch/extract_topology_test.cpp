@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many strokes there are, how they hang together, and that nothing is found where nothing is.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "sketch/extract.hpp"
+#include "tests/catch.hpp"
+#include "tests/sketch/scene.hpp"
+
+using namespace emberfold;
+using namespace emberfold::test;
+using graph::AttributeGraph;
+
+namespace {
+
+const cv::Size kSize{130, 130};
+constexpr Point kMiddle{64.7, 65.2};
+
+/// A drawing of bars, by its segments about the origin.
+struct Drawing {
+  std::vector<std::pair<Point, Point>> bars;
+  double width = 4;
+};
+
+Point turned(Point p, double angle) {
+  return {std::cos(angle) * p.x - std::sin(angle) * p.y, std::sin(angle) * p.x + std::cos(angle) * p.y};
+}
+
+/// Turned, put into the middle of a frame, brighter than the ground (sign 1) or darker (−1).
+AttributeGraph found_in(const Drawing& drawing, double angle, double sign, double noise) {
+  std::vector<Cover> shapes;
+  for (const auto& [a, b] : drawing.bars)
+    shapes.push_back(segment(kMiddle + turned(a, angle), kMiddle + turned(b, angle), drawing.width, 1.2));
+  auto frame = draw(kSize, shapes, sign > 0 ? 60 : 180, sign * 80);
+  if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(1 + 100 * angle));
+  return sketch::extract(frame, {});
+}
+
+/// Vertices of degree 3 and more; neighbouring ones, 8 px or less apart, are one junction.
+std::size_t junctions(const AttributeGraph& graph) {
+  std::vector<Point> places;
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    if (graph.degree(i) < 3) continue;
+    const Point p = graph.patch(i).position;
+    if (std::none_of(places.begin(), places.end(), [&](Point q) { return graph::distance(p, q) <= 8; }))
+      places.push_back(p);
+  }
+  return places.size();
+}
+
+struct Expected {
+  std::size_t components, ends, junctions;
+};
+
+/// The share of drawings (angles, bright and dark, clean and in noise of SD 5) that come out as expected.
+double share_right(const Drawing& drawing, Expected expected) {
+  std::size_t right = 0, all = 0;
+  for (const double angle : {0.0, 0.35, 0.8, 2.0})
+    for (const double sign : {1.0, -1.0})
+      for (const double noise : {0.0, 5.0}) {
+        const AttributeGraph found = found_in(drawing, angle, sign, noise);
+        const std::size_t parts = components(found).count, ends = count_degree(found, 1),
+                          meetings = junctions(found);
+        const bool fits =
+            parts == expected.components && ends == expected.ends && meetings == expected.junctions;
+        if (!fits)
+          UNSCOPED_INFO("angle " << angle << ", sign " << sign << ", noise " << noise << ": " << parts
+                                 << " components, " << ends << " ends, " << meetings << " junctions");
+        right += fits ? 1U : 0U;
+        ++all;
+      }
+  return static_cast<double>(right) / static_cast<double>(all);
+}
+
+Point polar(double radius, double angle) {
+  return unit(angle) * radius;
+}
+
+}  // namespace
+
+TEST_CASE("A plain stroke is one curve of patches 5 px apart, its flanks and lobes are none") {
+  for (const double width : {3.0, 4.0, 6.0}) {
+    CHECK(share_right({{{{-45, 0}, {45, 0}}}, width}, {1, 2, 0}) == 1);
+    for (const double angle : {0.1, 1.0}) {
+      const AttributeGraph found = found_in({{{{-45, 0}, {45, 0}}}, width}, angle, 1, 0);
+      for (const graph::Edge& e : found.edges()) {
+        const double step = graph::distance(found.patch(found.index_of(e.a)).position,
+                                            found.patch(found.index_of(e.b)).position);
+        INFO("width " << width << ", angle " << angle);
+        CHECK(std::abs(step - 5) < 1);
+      }
+      // From end to end; half a width is lost or won at each.
+      CHECK(std::abs(static_cast<double>(found.edges().size()) * 5 - 90) <= 10);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        const bool end = found.degree(i) == 1;
+        CHECK((found.patch(i).type == graph::PatchType::terminator) == end);
+      }
+    }
+  }
+}
+
+TEST_CASE("A T, a Y and an H have one, one and two junctions") {
+  CHECK(share_right({{{{-45, 0}, {45, 0}}, {{0, 0}, {0, 45}}}}, {1, 3, 1}) >= 0.95);
+  CHECK(share_right({{{{0, 0}, polar(45, 0.3)}, {{0, 0}, polar(45, 2.4)}, {{0, 0}, polar(45, 4.5)}}},
+                    {1, 3, 1}) >= 0.95);
+  CHECK(share_right({{{{-30, -45}, {-30, 45}}, {{30, -45}, {30, 45}}, {{-30, 0}, {30, 0}}}}, {1, 4, 2}) >=
+        0.95);
+}
+
+TEST_CASE("A gap of 8 px parts a stroke, one of 1 px does not") {
+  for (const double width : {3.0, 4.0, 6.0}) {
+    INFO("width " << width);
+    CHECK(share_right({{{{-45, 0}, {-4, 0}}, {{4, 0}, {45, 0}}}, width}, {2, 4, 0}) == 1);
+    CHECK(share_right({{{{-45, 0}, {-0.5, 0}}, {{0.5, 0}, {45, 0}}}, width}, {1, 2, 0}) == 1);
+  }
+}
+
+TEST_CASE("A ring is one closed curve") {
+  for (const double noise : {0.0, 5.0, 15.0})
+    for (const double sign : {1.0, -1.0})
+      for (const double radius : {18.0, 30.0, 45.0}) {
+        auto frame = draw(kSize, {ring(kMiddle, radius, 4, 1)}, sign > 0 ? 60 : 180, sign * 80);
+        if (noise > 0) frame = with_noise(frame, noise, 3);
+        const AttributeGraph found = sketch::extract(frame, {});
+        INFO("noise " << noise << ", sign " << sign << ", radius " << radius);
+        CHECK(components(found).count == 1);
+        CHECK(count_degree(found, 2) == found.size());
+        CHECK(std::abs(static_cast<double>(found.size()) * 5 / (2 * kPi * radius) - 1) < 0.1);
+      }
+}
+
+TEST_CASE("Strokes side by side are two, and what lies between them is none") {
+  for (const double width : {3.0, 4.0})
+    for (const double apart : {12.0, 16.0, 22.0}) {
+      INFO("width " << width << ", " << apart << " px apart");
+      const double y = apart / 2;
+      CHECK(share_right({{{{-45, -y}, {45, -y}}, {{-45, y}, {45, y}}}, width}, {2, 4, 0}) >= 0.95);
+    }
+}
+
+TEST_CASE("Even frames, ramps and slow waves have no strokes") {
+  for (const float level : {0.0F, 128.0F, 255.0F})
+    CHECK(sketch::extract(cv::Mat1f(200, 300, level), {}).empty());
+  for (const double slope : {0.1, 0.5, 1.0, 2.0})
+    for (const double angle : {0.0, 0.5, 2.2})
+      CHECK(sketch::extract(draw(kSize, [&](Point p) { return 20 + slope * graph::dot(p, unit(angle)); }), {})
+                .empty());
+  for (const double length : {40.0, 80.0, 160.0})
+    for (const double noise : {0.0, 3.0}) {
+      const auto waves = draw({256, 256}, [&](Point p) {
+        return 128 + 30 * std::sin(2 * kPi * p.x / length) * std::sin(1 + 1.6 * kPi * p.y / length);
+      });
+      INFO("wavelength " << length << ", noise " << noise);
+      CHECK(sketch::extract(noise > 0 ? with_noise(waves, noise, 1) : waves, {}).empty());
+    }
+}
+
+TEST_CASE("Pure noise has no strokes") {
+  for (const double sd : {2.0, 10.0, 25.0}) {
+    std::size_t strokes = 0;
+    for (std::uint64_t seed = 1; seed <= 2; ++seed)
+      strokes += components(sketch::extract(with_noise(cv::Mat1f(512, 512, 128.0F), sd, seed), {})).count;
+    INFO("SD " << sd);
+    CHECK(strokes == 0);
+  }
+}
