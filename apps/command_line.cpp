@@ -2,8 +2,12 @@
 #include "apps/command_line.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
+#include <string_view>
+#include <tuple>
 
 namespace emberfold::apps {
 
@@ -42,6 +46,31 @@ std::string number_text(double value) {
   std::array<char, 32> text{};
   const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
   return {text.data(), result.ptr};
+}
+
+namespace {
+bool is_word(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+}
+}  // namespace
+
+std::string without_struct_name(const std::string& message) {
+  const auto end = static_cast<std::size_t>(std::ranges::find_if_not(message, is_word) - message.begin());
+  for (const char* separator : {": ", "::", "."}) {
+    const std::string_view rest = std::string_view(message).substr(end);
+    if (end > 0 && rest.starts_with(separator))
+      return std::string(rest.substr(std::string_view(separator).size()));
+  }
+  return message;
+}
+
+std::string with_option_name(const std::string& message, const std::string& field) {
+  for (auto at = message.find(field); at != std::string::npos; at = message.find(field, at + 1)) {
+    const auto end = at + field.size();
+    if ((at > 0 && is_word(message[at - 1])) || (end < message.size() && is_word(message[end]))) continue;
+    return message.substr(0, at) + option_name(field) + message.substr(end);
+  }
+  return message;
 }
 
 void add_common(CLI::App& command, CommonOptions& common, const std::string& json_about) {

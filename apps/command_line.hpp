@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <regex>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -22,6 +21,11 @@ void parse_number(const std::string& option, const std::string& text, int& value
 void parse_number(const std::string& option, const std::string& text, std::uint64_t& value);
 
 std::string number_text(double value);
+
+/// The message without a leading "XxxOptions." or "xxx: ".
+std::string without_struct_name(const std::string& message);
+/// The message with the first mention of the field, as a whole word, replaced by its option's name.
+std::string with_option_name(const std::string& message, const std::string& field);
 
 template <class Number>
 CLI::Option* add_number(CLI::App& command, const std::string& name, Number& value, const std::string& unit,
@@ -66,12 +70,10 @@ void check_options(Options& options) {
   try {
     options.validate();
   } catch (const core::InputError& error) {
-    std::string message = std::regex_replace(error.what(), std::regex("^(\\w+(: |\\.|::))"), "");
+    std::string message = without_struct_name(error.what());
     if constexpr (requires { visit_fields(options, [](auto&&...) {}); })
       visit_fields(options, [&](const std::string& field, auto&, auto&&...) {
-        const std::regex word("(^|[^-\\w])" + field + "(?![\\w-])");
-        message = std::regex_replace(message, word, "$1" + option_name(field),
-                                     std::regex_constants::format_first_only);
+        message = with_option_name(message, field);
       });
     throw Misuse(message);
   }
