@@ -20,6 +20,7 @@ constexpr double kSamePlace =
     15;  // px: a joint that opens again this near to where it closed is the same joint
 constexpr double kSameStroke =
     4;  // px, mean: a stroke that comes back this near to where it was is the same stroke
+constexpr double kNearMiddle = 20;  // px: its middle may move more than its patches do, by what it grew
 constexpr double kWidestTear = 25;  // px: pieces farther apart are not joined
 
 /// A frame while it is being changed.
@@ -135,44 +136,60 @@ void put_in(std::vector<Draft>& drafts, const AttributeGraph& from, std::span<co
   }
 }
 
-std::size_t parts_of(const AttributeGraph& graph, SubgraphId stroke) {
-  const Components parts = components(graph);
-  std::set<std::uint32_t> seen;
-  for (const std::uint32_t i : members(graph, stroke)) seen.insert(parts.of_vertex[i]);
-  return seen.size();
+/// Whether the edge is all that holds its two ends together.
+bool divides(const std::multimap<VertexId, VertexId>& neighbours, Edge edge) {
+  std::set<VertexId> reached = {edge.a};
+  std::vector<VertexId> open = {edge.a};
+  while (!open.empty()) {
+    const VertexId at = open.back();
+    open.pop_back();
+    const auto [first, last] = neighbours.equal_range(at);
+    for (auto n = first; n != last; ++n) {
+      if ((at == edge.a && n->second == edge.b) || !reached.insert(n->second).second) continue;
+      open.push_back(n->second);
+    }
+    if (reached.contains(edge.b)) return false;
+  }
+  return true;
 }
 
 /// Takes out the edge nearest to the place whose loss divides the stroke.
 void cut(Draft& draft, SubgraphId stroke, Point place) {
-  const AttributeGraph graph = draft.graph();
+  std::map<VertexId, Point> positions;
+  for (const Vertex& v : draft.vertices) {
+    if (v.subgraph == stroke) positions.emplace(v.id, v.patch.position);
+  }
+  std::multimap<VertexId, VertexId> neighbours;
   std::vector<std::pair<double, Edge>> near;
-  for (const Edge& e : graph.edges()) {
-    const Vertex &a = graph.vertices()[graph.index_of(e.a)], &b = graph.vertices()[graph.index_of(e.b)];
-    if (a.subgraph != stroke) continue;
-    const double way = distance((a.patch.position + b.patch.position) * 0.5, place);
+  for (const Edge& e : draft.edges) {
+    const auto a = positions.find(e.a), b = positions.find(e.b);
+    if (a == positions.end() || b == positions.end()) continue;
+    neighbours.emplace(e.a, e.b);
+    neighbours.emplace(e.b, e.a);
+    const double way = distance((a->second + b->second) * 0.5, place);
     if (way < kSamePlace) near.emplace_back(way, e);
   }
   std::sort(near.begin(), near.end());
-  const std::size_t parts = parts_of(graph, stroke);
-  for (const auto& [way, edge] : near) {
-    draft.edges.erase(edge);
-    if (parts_of(draft.graph(), stroke) > parts) return;
-    draft.edges.insert(edge);
-  }
+  const auto first =
+      std::find_if(near.begin(), near.end(), [&](const auto& n) { return divides(neighbours, n.second); });
+  if (first != near.end()) draft.edges.erase(first->second);
 }
 
 /// Joins the nearest patches of two strokes.
 void mend(Draft& draft, SubgraphId one, SubgraphId other) {
+  std::vector<const Vertex*> ones, others;
+  for (const Vertex& v : draft.vertices) {
+    if (v.subgraph == one) ones.push_back(&v);
+    if (v.subgraph == other) others.push_back(&v);
+  }
   double least = kWidestTear;
   std::optional<Edge> nearest;
-  for (const Vertex& a : draft.vertices) {
-    if (a.subgraph != one) continue;
-    for (const Vertex& b : draft.vertices) {
-      const double way = distance(a.patch.position, b.patch.position);
-      if (b.subgraph == other && way < least) {
-        least = way;
-        nearest = Edge{std::min(a.id, b.id), std::max(a.id, b.id)};
-      }
+  for (const Vertex* a : ones) {
+    for (const Vertex* b : others) {
+      const double way = distance(a->patch.position, b->patch.position);
+      if (way >= least) continue;
+      least = way;
+      nearest = Edge{std::min(a->id, b->id), std::max(a->id, b->id)};
     }
   }
   if (nearest) draft.edges.insert(*nearest);
@@ -222,7 +239,8 @@ class Undoing {
       each([&](Draft& draft) { cut(draft, first.after[0], first.position); });
       return true;
     }
-    if (first.type == EventType::death && second.type == EventType::birth) {
+    if (first.type == EventType::death && second.type == EventType::birth &&
+        distance(first.position, second.position) < kNearMiddle) {
       const AttributeGraph& before = motion_.sketch.frames[static_cast<std::size_t>(first.frame - 1)];
       const AttributeGraph& after = motion_.sketch.frames[static_cast<std::size_t>(second.frame)];
       const auto gone = members(before, first.before[0]), back = members(after, second.after[0]);

@@ -140,7 +140,7 @@ TEST_CASE("a clip of 2 x 2 pixels goes through") {
   }
 }
 
-TEST_CASE("sketch takes a single picture; its reconstruction is what it says") {
+TEST_CASE("sketch takes a single picture and its reconstruction is what it says") {
   const TempFolder temp;
   const auto clip = write_clip(temp / "clip", 120, 90, 1);
   for (const std::string patches : {"fitted", "pixels"}) {
