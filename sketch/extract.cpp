@@ -10,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "sketch/creases.hpp"
+#include "sketch/crossings.hpp"
 #include "sketch/cut.hpp"
 #include "sketch/join.hpp"
 #include "sketch/link.hpp"
@@ -97,7 +98,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   chains = cut_at_fades(chains, space, kHalf);
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   std::erase_if(chains, [&](const Chain& c) { return arc_lengths(c).back() < 0.5 * options.min_length; });
-  const Network network = prune(join(std::move(chains), space), options.min_length);
+  const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
   return cut_into_patches(network, space, levels, options.spacing);
 }
 
