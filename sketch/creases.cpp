@@ -8,6 +8,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "sketch/median.hpp"
+
 namespace emberfold::sketch {
 
 using graph::Point;
@@ -65,21 +67,51 @@ CreaseMap empty_map(const ScaleSpace& space, CreaseKind kind) {
 // Drops the points that are marked and numbers the rest anew, in row order.
 void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
   std::vector<CreasePoint> kept;
-  for (int& slot : cv::Mat1i(map.index)) {
-    if (slot < 0) continue;
-    const auto old = static_cast<std::size_t>(slot);
-    slot = -1;
-    if (marked[old]) continue;
-    slot = static_cast<int>(kept.size());
-    kept.push_back(map.points[old]);
+  kept.reserve(map.points.size());
+  for (int y = 0; y < map.index.rows; ++y) {
+    int* row = map.index[y];
+    for (int x = 0; x < map.index.cols; ++x) {
+      if (row[x] < 0) continue;
+      const auto old = static_cast<std::size_t>(row[x]);
+      row[x] = marked[old] ? -1 : static_cast<int>(kept.size());
+      if (!marked[old]) kept.push_back(map.points[old]);
+    }
   }
   map.points = std::move(kept);
 }
 
-double median_magnitude(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return double{*middle};
+// The bound that find_lines asks of a response, for a whole row at once: not negative wherever half trace +
+// radius may reach `least`; the thousandth that it gives away is more than single precision loses.
+void may_respond(const ScaleLevel& level, int y, float sign, double least, std::vector<float>& margin) {
+  const float* up = level.smooth[y];
+  const float* mid = level.smooth[y + 1];
+  const float* down = level.smooth[y + 2];
+  float* __restrict out = margin.data();
+  const float lower = static_cast<float>(0.999 * least);
+  const int width = level.smooth.cols - 2;
+  for (int x = 0; x < width; ++x) {
+    const float xx = mid[x + 2] - 2 * mid[x + 1] + mid[x], yy = down[x + 1] - 2 * mid[x + 1] + up[x + 1];
+    const float xy = 0.25F * (down[x + 2] - down[x] - up[x + 2] + up[x]), half_difference = 0.5F * (xx - yy);
+    const float missing = std::max(lower - 0.5F * sign * (xx + yy), 0.0F);
+    out[x] = half_difference * half_difference + xy * xy - missing * missing;
+  }
+}
+
+cv::Mat1f gradient_magnitude(const ScaleLevel& level) {
+  const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
+  cv::Mat1f magnitude(height, width);
+  for (int y = 0; y < height; ++y) {
+    const float* up = level.smooth[y];
+    const float* mid = level.smooth[y + 1];
+    const float* down = level.smooth[y + 2];
+    float* __restrict row = magnitude[y];
+    for (int x = 0; x < width; ++x) {
+      const float gx = 0.5F * (mid[x + 2] - mid[x]), gy = 0.5F * (down[x + 1] - up[x + 1]);
+      row[x] = gx * gx + gy * gy;
+    }
+  }
+  cv::sqrt(magnitude, magnitude);
+  return magnitude;
 }
 
 }  // namespace
@@ -92,6 +124,10 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
     // A sample every 1.5 σ pixels is as good as all, for neighbours hardly differ.
     const int step = std::max(1, static_cast<int>(1.5 * level.sigma));
     std::vector<float> second, first;
+    const auto samples = 2 * static_cast<std::size_t>((width + step - 1) / step) *
+                         static_cast<std::size_t>((height + step - 1) / step);
+    second.reserve(samples);
+    first.reserve(samples);
     for (int y = 0; y < height; y += step)
       for (int x = 0; x < width; x += step) {
         const Hessian h = level.hessian(x, y);
@@ -101,8 +137,10 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
         first.push_back(static_cast<float>(std::abs(g.x)));
         first.push_back(static_cast<float>(std::abs(g.y)));
       }
-    ground.second.push_back(std::max(noise * level.hessian_sd, kMedianToSd * median_magnitude(second)));
-    ground.first.push_back(std::max(noise * level.gradient_sd, kMedianToSd * median_magnitude(first)));
+    ground.second.push_back(
+        std::max(noise * level.hessian_sd, kMedianToSd * double{median(std::move(second))}));
+    ground.first.push_back(
+        std::max(noise * level.gradient_sd, kMedianToSd * double{median(std::move(first))}));
   }
   return ground;
 }
@@ -110,13 +148,16 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
 CreaseMap find_lines(const ScaleSpace& space, const Ground& ground, CreaseKind kind, CreaseLimits limits) {
   CreaseMap map = empty_map(space, kind);
   const float sign = kind == CreaseKind::ridge ? -1.0F : 1.0F;
+  std::vector<float> margin(static_cast<std::size_t>(map.index.cols));
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
     const double to_contrast = kLineContrast * level.sigma * level.sigma;
     const double least = std::max(limits.significance * ground.second[k], limits.contrast / to_contrast);
     const double normalise = std::pow(level.sigma, 1.5);
-    for (int y = 0; y < map.index.rows; ++y)
+    for (int y = 0; y < map.index.rows; ++y) {
+      may_respond(level, y, sign, least, margin);
       for (int x = 0; x < map.index.cols; ++x) {
+        if (margin[static_cast<std::size_t>(x)] < 0) continue;
         const Hessian h = level.hessian(x, y);
         // Most pixels end here, before any root is taken: half trace + radius is the response.
         const double half_trace = 0.5 * double{sign * (h.xx + h.yy)}, missing = least - half_trace;
@@ -142,6 +183,7 @@ CreaseMap find_lines(const ScaleSpace& space, const Ground& ground, CreaseKind k
              response * to_contrast,
              static_cast<int>(k)});
       }
+    }
   }
   return map;
 }
@@ -153,15 +195,7 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
     const int width = map.index.cols, height = map.index.rows;
     const double to_contrast = kStepContrast * level.sigma;
     const double least = std::max(limits.significance * ground.first[k], limits.contrast / to_contrast);
-    cv::Mat1f magnitude(height, width);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const float* up = level.smooth[y];
-        const float* mid = level.smooth[y + 1];
-        const float* down = level.smooth[y + 2];
-        const float gx = 0.5F * (mid[x + 2] - mid[x]), gy = 0.5F * (down[x + 1] - up[x + 1]);
-        magnitude(y, x) = std::sqrt(gx * gx + gy * gy);
-      }
+    const cv::Mat1f magnitude = gradient_magnitude(level);
     const auto at = [&](double px, double py) {
       px = std::clamp(px, 0.0, width - 1.001);
       py = std::clamp(py, 0.0, height - 1.001);

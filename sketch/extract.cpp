@@ -15,6 +15,7 @@
 #include "sketch/join.hpp"
 #include "sketch/link.hpp"
 #include "sketch/lobes.hpp"
+#include "sketch/median.hpp"
 #include "sketch/scale_space.hpp"
 
 namespace emberfold::sketch {
@@ -57,9 +58,7 @@ double estimate_noise(const cv::Mat& luma) {
     for (int x = 0; x + 1 < luma.cols; x += 2)
       detail.push_back(std::abs(0.5F * (upper[x] - upper[x + 1] - lower[x] + lower[x + 1])));
   }
-  const auto middle = detail.begin() + static_cast<std::ptrdiff_t>(detail.size() / 2);
-  std::nth_element(detail.begin(), middle, detail.end());
-  return std::max(kQuantisation, kMedianToSd * double{*middle});
+  return std::max(kQuantisation, kMedianToSd * double{median(std::move(detail))});
 }
 
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
