@@ -29,9 +29,21 @@ struct Principal {
   float nx, ny;  // its direction
 };
 
+// The nearest whole number, as std::lround has it, without a call.
+int nearest(double v) {
+  const int whole = static_cast<int>(v);
+  const double rest = v - whole;
+  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
+// Squares of single precision neither overflow nor vanish in double precision.
+float length_of(float x, float y) {
+  return static_cast<float>(std::sqrt(double{x} * double{x} + double{y} * double{y}));
+}
+
 Principal principal(const Hessian& h) {
   const float half_trace = 0.5F * (h.xx + h.yy), half_difference = 0.5F * (h.xx - h.yy);
-  const float radius = std::hypot(half_difference, h.xy);
+  const float radius = length_of(half_difference, h.xy);
   const float value = half_trace >= 0 ? half_trace + radius : half_trace - radius;
   // Of the two rows of H − value·I, the one with the larger entries gives the direction without cancellation.
   float nx = h.xy, ny = value - h.xx;
@@ -39,7 +51,7 @@ Principal principal(const Hessian& h) {
     nx = value - h.yy;
     ny = h.xy;
   }
-  const float length = std::hypot(nx, ny);
+  const float length = length_of(nx, ny);
   return length > 0 ? Principal{value, nx / length, ny / length} : Principal{value, 1, 0};
 }
 
@@ -92,7 +104,8 @@ void may_respond(const ScaleLevel& level, int y, float sign, double least, std::
   for (int x = 0; x < width; ++x) {
     const float xx = mid[x + 2] - 2 * mid[x + 1] + mid[x], yy = down[x + 1] - 2 * mid[x + 1] + up[x + 1];
     const float xy = 0.25F * (down[x + 2] - down[x] - up[x + 2] + up[x]), half_difference = 0.5F * (xx - yy);
-    const float missing = std::max(lower - 0.5F * sign * (xx + yy), 0.0F);
+    const float short_of = lower - 0.5F * sign * (xx + yy);
+    const float missing = 0.5F * (short_of + std::abs(short_of));  // at least 0, without a branch
     out[x] = half_difference * half_difference + xy * xy - missing * missing;
   }
 }
@@ -213,13 +226,13 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
         const double ahead = at(x + nx, y + ny), behind = at(x - nx, y - ny);
         const double bend = 2 * here - ahead - behind;
         if (bend <= 0) continue;
+        const double t = 0.5 * (ahead - behind) / bend;
+        if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
         // A slope that goes on to both sides is shading, not a step: only what rises above it counts.
         const double far = 2.5 * level.sigma;
         const double slope = 0.5 * (at(x + far * nx, y + far * ny) + at(x - far * nx, y - far * ny));
         const double rise = here - slope;
         if (rise < least) continue;
-        const double t = 0.5 * (ahead - behind) / bend;
-        if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
         put(map, x, y,
             {{x + t * nx, y + t * ny},
              std::atan2(-nx, ny),
@@ -241,13 +254,12 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
   for (const CreasePoint& p : opposite.points) {
     const int reach = static_cast<int>(std::ceil(kReach * space[static_cast<std::size_t>(p.level)].sigma));
     const auto cast = static_cast<float>(kLobeShare * p.contrast);
-    const int cx = static_cast<int>(std::lround(p.position.x)),
-              cy = static_cast<int>(std::lround(p.position.y));
+    const int cx = nearest(p.position.x), cy = nearest(p.position.y);
     for (int y = std::max(0, cy - reach); y <= std::min(height - 1, cy + reach); ++y) {
       const int half = static_cast<int>(std::sqrt(double(reach) * reach - double(y - cy) * (y - cy)));
       float* row = shadow[y];
-      for (int x = std::max(0, cx - half); x <= std::min(width - 1, cx + half); ++x)
-        row[x] = std::max(row[x], cast);
+      const int last = std::min(width - 1, cx + half);
+      for (int x = std::max(0, cx - half); x <= last; ++x) row[x] = row[x] < cast ? cast : row[x];
     }
   }
   std::vector<bool> marked(lines.points.size(), false);
@@ -269,8 +281,7 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
     const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
     const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
     for (double d = -reach; d <= reach; d += 0.5) {
-      const int x = static_cast<int>(std::lround(p.position.x + d * nx)),
-                y = static_cast<int>(std::lround(p.position.y + d * ny));
+      const int x = nearest(p.position.x + d * nx), y = nearest(p.position.y + d * ny);
       if (x < 0 || y < 0 || x >= width || y >= height) continue;
       int& pixel = owner(y, x);
       if (pixel < 0 || point(pixel).contrast < p.contrast) pixel = static_cast<int>(i);
@@ -304,8 +315,7 @@ void thin(CreaseMap& map, const ScaleSpace& space) {
     const double reach = std::max(1.5, 1.25 * space[static_cast<std::size_t>(p.level)].sigma);
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
     for (double d = -reach; d <= reach; d += 0.5) {
-      const int x = static_cast<int>(std::lround(p.position.x + d * normal.x)),
-                y = static_cast<int>(std::lround(p.position.y + d * normal.y));
+      const int x = nearest(p.position.x + d * normal.x), y = nearest(p.position.y + d * normal.y);
       if (x < 0 || y < 0 || x >= map.index.cols || y >= map.index.rows || map.index(y, x) < 0) continue;
       const auto j = static_cast<std::size_t>(map.index(y, x));
       const CreasePoint& q = map.points[j];
