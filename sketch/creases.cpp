@@ -8,6 +8,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "sketch/median.hpp"
+
 namespace emberfold::sketch {
 
 using graph::Point;
@@ -27,9 +29,21 @@ struct Principal {
   float nx, ny;  // its direction
 };
 
+// The nearest whole number, as std::lround has it, without a call.
+int nearest(double v) {
+  const int whole = static_cast<int>(v);
+  const double rest = v - whole;
+  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
+// Squares of single precision neither overflow nor vanish in double precision.
+float length_of(float x, float y) {
+  return static_cast<float>(std::sqrt(double{x} * double{x} + double{y} * double{y}));
+}
+
 Principal principal(const Hessian& h) {
   const float half_trace = 0.5F * (h.xx + h.yy), half_difference = 0.5F * (h.xx - h.yy);
-  const float radius = std::hypot(half_difference, h.xy);
+  const float radius = length_of(half_difference, h.xy);
   const float value = half_trace >= 0 ? half_trace + radius : half_trace - radius;
   // Of the two rows of H − value·I, the one with the larger entries gives the direction without cancellation.
   float nx = h.xy, ny = value - h.xx;
@@ -37,7 +51,7 @@ Principal principal(const Hessian& h) {
     nx = value - h.yy;
     ny = h.xy;
   }
-  const float length = std::hypot(nx, ny);
+  const float length = length_of(nx, ny);
   return length > 0 ? Principal{value, nx / length, ny / length} : Principal{value, 1, 0};
 }
 
@@ -65,21 +79,52 @@ CreaseMap empty_map(const ScaleSpace& space, CreaseKind kind) {
 // Drops the points that are marked and numbers the rest anew, in row order.
 void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
   std::vector<CreasePoint> kept;
-  for (int& slot : cv::Mat1i(map.index)) {
-    if (slot < 0) continue;
-    const auto old = static_cast<std::size_t>(slot);
-    slot = -1;
-    if (marked[old]) continue;
-    slot = static_cast<int>(kept.size());
-    kept.push_back(map.points[old]);
+  kept.reserve(map.points.size());
+  for (int y = 0; y < map.index.rows; ++y) {
+    int* row = map.index[y];
+    for (int x = 0; x < map.index.cols; ++x) {
+      if (row[x] < 0) continue;
+      const auto old = static_cast<std::size_t>(row[x]);
+      row[x] = marked[old] ? -1 : static_cast<int>(kept.size());
+      if (!marked[old]) kept.push_back(map.points[old]);
+    }
   }
   map.points = std::move(kept);
 }
 
-double median_magnitude(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return double{*middle};
+// The bound that find_lines asks of a response, for a whole row at once: not negative wherever half trace +
+// radius may reach `least`; the thousandth that it gives away is more than single precision loses.
+void may_respond(const ScaleLevel& level, int y, float sign, double least, std::vector<float>& margin) {
+  const float* up = level.smooth[y];
+  const float* mid = level.smooth[y + 1];
+  const float* down = level.smooth[y + 2];
+  float* __restrict out = margin.data();
+  const float lower = static_cast<float>(0.999 * least);
+  const int width = level.smooth.cols - 2;
+  for (int x = 0; x < width; ++x) {
+    const float xx = mid[x + 2] - 2 * mid[x + 1] + mid[x], yy = down[x + 1] - 2 * mid[x + 1] + up[x + 1];
+    const float xy = 0.25F * (down[x + 2] - down[x] - up[x + 2] + up[x]), half_difference = 0.5F * (xx - yy);
+    const float short_of = lower - 0.5F * sign * (xx + yy);
+    const float missing = 0.5F * (short_of + std::abs(short_of));  // at least 0, without a branch
+    out[x] = half_difference * half_difference + xy * xy - missing * missing;
+  }
+}
+
+cv::Mat1f gradient_magnitude(const ScaleLevel& level) {
+  const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
+  cv::Mat1f magnitude(height, width);
+  for (int y = 0; y < height; ++y) {
+    const float* up = level.smooth[y];
+    const float* mid = level.smooth[y + 1];
+    const float* down = level.smooth[y + 2];
+    float* __restrict row = magnitude[y];
+    for (int x = 0; x < width; ++x) {
+      const float gx = 0.5F * (mid[x + 2] - mid[x]), gy = 0.5F * (down[x + 1] - up[x + 1]);
+      row[x] = gx * gx + gy * gy;
+    }
+  }
+  cv::sqrt(magnitude, magnitude);
+  return magnitude;
 }
 
 }  // namespace
@@ -92,6 +137,10 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
     // A sample every 1.5 σ pixels is as good as all, for neighbours hardly differ.
     const int step = std::max(1, static_cast<int>(1.5 * level.sigma));
     std::vector<float> second, first;
+    const auto samples = 2 * static_cast<std::size_t>((width + step - 1) / step) *
+                         static_cast<std::size_t>((height + step - 1) / step);
+    second.reserve(samples);
+    first.reserve(samples);
     for (int y = 0; y < height; y += step)
       for (int x = 0; x < width; x += step) {
         const Hessian h = level.hessian(x, y);
@@ -101,8 +150,10 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
         first.push_back(static_cast<float>(std::abs(g.x)));
         first.push_back(static_cast<float>(std::abs(g.y)));
       }
-    ground.second.push_back(std::max(noise * level.hessian_sd, kMedianToSd * median_magnitude(second)));
-    ground.first.push_back(std::max(noise * level.gradient_sd, kMedianToSd * median_magnitude(first)));
+    ground.second.push_back(
+        std::max(noise * level.hessian_sd, kMedianToSd * double{median(std::move(second))}));
+    ground.first.push_back(
+        std::max(noise * level.gradient_sd, kMedianToSd * double{median(std::move(first))}));
   }
   return ground;
 }
@@ -110,13 +161,16 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
 CreaseMap find_lines(const ScaleSpace& space, const Ground& ground, CreaseKind kind, CreaseLimits limits) {
   CreaseMap map = empty_map(space, kind);
   const float sign = kind == CreaseKind::ridge ? -1.0F : 1.0F;
+  std::vector<float> margin(static_cast<std::size_t>(map.index.cols));
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
     const double to_contrast = kLineContrast * level.sigma * level.sigma;
     const double least = std::max(limits.significance * ground.second[k], limits.contrast / to_contrast);
     const double normalise = std::pow(level.sigma, 1.5);
-    for (int y = 0; y < map.index.rows; ++y)
+    for (int y = 0; y < map.index.rows; ++y) {
+      may_respond(level, y, sign, least, margin);
       for (int x = 0; x < map.index.cols; ++x) {
+        if (margin[static_cast<std::size_t>(x)] < 0) continue;
         const Hessian h = level.hessian(x, y);
         // Most pixels end here, before any root is taken: half trace + radius is the response.
         const double half_trace = 0.5 * double{sign * (h.xx + h.yy)}, missing = least - half_trace;
@@ -142,6 +196,7 @@ CreaseMap find_lines(const ScaleSpace& space, const Ground& ground, CreaseKind k
              response * to_contrast,
              static_cast<int>(k)});
       }
+    }
   }
   return map;
 }
@@ -153,15 +208,7 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
     const int width = map.index.cols, height = map.index.rows;
     const double to_contrast = kStepContrast * level.sigma;
     const double least = std::max(limits.significance * ground.first[k], limits.contrast / to_contrast);
-    cv::Mat1f magnitude(height, width);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const float* up = level.smooth[y];
-        const float* mid = level.smooth[y + 1];
-        const float* down = level.smooth[y + 2];
-        const float gx = 0.5F * (mid[x + 2] - mid[x]), gy = 0.5F * (down[x + 1] - up[x + 1]);
-        magnitude(y, x) = std::sqrt(gx * gx + gy * gy);
-      }
+    const cv::Mat1f magnitude = gradient_magnitude(level);
     const auto at = [&](double px, double py) {
       px = std::clamp(px, 0.0, width - 1.001);
       py = std::clamp(py, 0.0, height - 1.001);
@@ -179,13 +226,13 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
         const double ahead = at(x + nx, y + ny), behind = at(x - nx, y - ny);
         const double bend = 2 * here - ahead - behind;
         if (bend <= 0) continue;
+        const double t = 0.5 * (ahead - behind) / bend;
+        if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
         // A slope that goes on to both sides is shading, not a step: only what rises above it counts.
         const double far = 2.5 * level.sigma;
         const double slope = 0.5 * (at(x + far * nx, y + far * ny) + at(x - far * nx, y - far * ny));
         const double rise = here - slope;
         if (rise < least) continue;
-        const double t = 0.5 * (ahead - behind) / bend;
-        if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
         put(map, x, y,
             {{x + t * nx, y + t * ny},
              std::atan2(-nx, ny),
@@ -207,13 +254,12 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
   for (const CreasePoint& p : opposite.points) {
     const int reach = static_cast<int>(std::ceil(kReach * space[static_cast<std::size_t>(p.level)].sigma));
     const auto cast = static_cast<float>(kLobeShare * p.contrast);
-    const int cx = static_cast<int>(std::lround(p.position.x)),
-              cy = static_cast<int>(std::lround(p.position.y));
+    const int cx = nearest(p.position.x), cy = nearest(p.position.y);
     for (int y = std::max(0, cy - reach); y <= std::min(height - 1, cy + reach); ++y) {
       const int half = static_cast<int>(std::sqrt(double(reach) * reach - double(y - cy) * (y - cy)));
       float* row = shadow[y];
-      for (int x = std::max(0, cx - half); x <= std::min(width - 1, cx + half); ++x)
-        row[x] = std::max(row[x], cast);
+      const int last = std::min(width - 1, cx + half);
+      for (int x = std::max(0, cx - half); x <= last; ++x) row[x] = row[x] < cast ? cast : row[x];
     }
   }
   std::vector<bool> marked(lines.points.size(), false);
@@ -235,8 +281,7 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
     const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
     const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
     for (double d = -reach; d <= reach; d += 0.5) {
-      const int x = static_cast<int>(std::lround(p.position.x + d * nx)),
-                y = static_cast<int>(std::lround(p.position.y + d * ny));
+      const int x = nearest(p.position.x + d * nx), y = nearest(p.position.y + d * ny);
       if (x < 0 || y < 0 || x >= width || y >= height) continue;
       int& pixel = owner(y, x);
       if (pixel < 0 || point(pixel).contrast < p.contrast) pixel = static_cast<int>(i);
@@ -270,8 +315,7 @@ void thin(CreaseMap& map, const ScaleSpace& space) {
     const double reach = std::max(1.5, 1.25 * space[static_cast<std::size_t>(p.level)].sigma);
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
     for (double d = -reach; d <= reach; d += 0.5) {
-      const int x = static_cast<int>(std::lround(p.position.x + d * normal.x)),
-                y = static_cast<int>(std::lround(p.position.y + d * normal.y));
+      const int x = nearest(p.position.x + d * normal.x), y = nearest(p.position.y + d * normal.y);
       if (x < 0 || y < 0 || x >= map.index.cols || y >= map.index.rows || map.index(y, x) < 0) continue;
       const auto j = static_cast<std::size_t>(map.index(y, x));
       const CreasePoint& q = map.points[j];

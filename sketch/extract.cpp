@@ -10,10 +10,12 @@
 
 #include "core/error.hpp"
 #include "sketch/creases.hpp"
+#include "sketch/crossings.hpp"
 #include "sketch/cut.hpp"
 #include "sketch/join.hpp"
 #include "sketch/link.hpp"
 #include "sketch/lobes.hpp"
+#include "sketch/median.hpp"
 #include "sketch/scale_space.hpp"
 
 namespace emberfold::sketch {
@@ -56,9 +58,7 @@ double estimate_noise(const cv::Mat& luma) {
     for (int x = 0; x + 1 < luma.cols; x += 2)
       detail.push_back(std::abs(0.5F * (upper[x] - upper[x + 1] - lower[x] + lower[x + 1])));
   }
-  const auto middle = detail.begin() + static_cast<std::ptrdiff_t>(detail.size() / 2);
-  std::nth_element(detail.begin(), middle, detail.end());
-  return std::max(kQuantisation, kMedianToSd * double{*middle});
+  return std::max(kQuantisation, kMedianToSd * double{median(std::move(detail))});
 }
 
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
@@ -97,7 +97,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   chains = cut_at_fades(chains, space, kHalf);
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   std::erase_if(chains, [&](const Chain& c) { return arc_lengths(c).back() < 0.5 * options.min_length; });
-  const Network network = prune(join(std::move(chains), space), options.min_length);
+  const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
   return cut_into_patches(network, space, levels, options.spacing);
 }
 

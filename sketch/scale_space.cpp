@@ -43,19 +43,6 @@ Bilinear locate(graph::Point p, int width, int height) {
 
 }  // namespace
 
-Hessian ScaleLevel::hessian(int x, int y) const {
-  const float* up = smooth[y];
-  const float* mid = smooth[y + 1];
-  const float* down = smooth[y + 2];
-  return {mid[x + 2] - 2 * mid[x + 1] + mid[x], 0.25F * (down[x + 2] - down[x] - up[x + 2] + up[x]),
-          down[x + 1] - 2 * mid[x + 1] + up[x + 1]};
-}
-
-graph::Point ScaleLevel::gradient(int x, int y) const {
-  return {0.5 * (double{smooth(y + 1, x + 2)} - double{smooth(y + 1, x)}),
-          0.5 * (double{smooth(y + 2, x + 1)} - double{smooth(y, x + 1)})};
-}
-
 Hessian ScaleLevel::hessian_at(graph::Point p) const {
   const int width = smooth.cols - 2, height = smooth.rows - 2;
   const Bilinear b = locate(p, width, height);

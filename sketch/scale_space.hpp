@@ -25,8 +25,18 @@ struct ScaleLevel {
   double gradient_sd = 0;  ///< SD of a first derivative under white noise of SD 1
   double hessian_sd = 0;   ///< SD of a second derivative (xx or yy) under white noise of SD 1
 
-  [[nodiscard]] Hessian hessian(int x, int y) const;
-  [[nodiscard]] graph::Point gradient(int x, int y) const;
+  [[nodiscard]] Hessian hessian(int x, int y) const {
+    const float* up = smooth[y];
+    const float* mid = smooth[y + 1];
+    const float* down = smooth[y + 2];
+    return {mid[x + 2] - 2 * mid[x + 1] + mid[x], 0.25F * (down[x + 2] - down[x] - up[x + 2] + up[x]),
+            down[x + 1] - 2 * mid[x + 1] + up[x + 1]};
+  }
+  [[nodiscard]] graph::Point gradient(int x, int y) const {
+    const float* mid = smooth[y + 1];
+    return {0.5 * (double{mid[x + 2]} - double{mid[x]}),
+            0.5 * (double{smooth[y + 2][x + 1]} - double{smooth[y][x + 1]})};
+  }
   /// Bilinear between pixels, clamped to the frame.
   [[nodiscard]] Hessian hessian_at(graph::Point p) const;
   [[nodiscard]] double value_at(graph::Point p) const;

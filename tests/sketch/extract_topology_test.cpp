@@ -111,6 +111,13 @@ TEST_CASE("A T, a Y and an H have one, one and two junctions") {
         0.95);
 }
 
+TEST_CASE("Lines that cross at a right angle are one component with one junction") {
+  for (const double width : {3.0, 4.0, 6.0}) {
+    INFO("width " << width);
+    CHECK(share_right({{{{-45, 0}, {45, 0}}, {{0, -45}, {0, 45}}}, width}, {1, 4, 1}) >= 0.85);
+  }
+}
+
 TEST_CASE("A gap of 8 px parts a stroke, one of 1 px does not") {
   for (const double width : {3.0, 4.0, 6.0}) {
     INFO("width " << width);
