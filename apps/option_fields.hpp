@@ -24,6 +24,7 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("hysteresis", o.hysteresis, "SHARE", "... and goes on down to this share of that");
   visit("min_contrast", o.min_contrast, "LEVELS", "Fainter strokes are left out (grey levels of 255)");
   visit("min_length", o.min_length, "PX", "Shorter curves that end freely are left out");
+  visit("min_evidence", o.min_evidence, "SD", "Curves that are less significant in all are left out");
   visit("spacing", o.spacing, "PX", "From patch to patch along a curve");
   visit("edges", o.edges, "", "Leave step edges out, follow ridges and valleys alone");
 }

@@ -35,6 +35,13 @@ cv::Mat1f luma_of(const cv::Mat& levels) {
   return grey;
 }
 
+// Many faint points say as much as few strong ones.
+double evidence(const Chain& chain) {
+  double squares = 0;
+  for (const CreasePoint& p : chain.points) squares += p.significance * p.significance;
+  return std::sqrt(squares);
+}
+
 }  // namespace
 
 void ExtractOptions::validate() const {
@@ -44,6 +51,7 @@ void ExtractOptions::validate() const {
   require(hysteresis > 0 && hysteresis <= 1, "hysteresis", hysteresis, "in (0, 1]");
   require(min_contrast >= 0 && std::isfinite(min_contrast), "min_contrast", min_contrast, "at least 0");
   require(min_length >= 0 && std::isfinite(min_length), "min_length", min_length, "at least 0");
+  require(min_evidence >= 0 && std::isfinite(min_evidence), "min_evidence", min_evidence, "at least 0");
   require(spacing >= 2 && spacing <= 100, "spacing", spacing, "in [2, 100] px");
 }
 
@@ -96,7 +104,9 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
   chains = cut_at_fades(chains, space, kHalf);
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
-  std::erase_if(chains, [&](const Chain& c) { return arc_lengths(c).back() < 0.5 * options.min_length; });
+  std::erase_if(chains, [&](const Chain& c) {
+    return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
+  });
   const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
   return cut_into_patches(network, space, levels, options.spacing);
 }

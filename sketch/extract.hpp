@@ -16,8 +16,10 @@ struct ExtractOptions {
   double hysteresis = 0.4;    ///< 0…1: and goes on down to this share of it
   double min_contrast = 4;    ///< grey levels, ≥ 0: fainter strokes are left out
   double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
-  double spacing = 5;         ///< px, ≥ 2: from patch to patch along a curve
-  bool edges = true;          ///< step edges too, not only ridges and valleys
+  double min_evidence =
+      28;  ///< SD, ≥ 0: curves whose points' significance (root of the sum of squares) is less are left out
+  double spacing = 5;  ///< px, ≥ 2: from patch to patch along a curve
+  bool edges = true;   ///< step edges too, not only ridges and valleys
 
   void validate() const;
 };
