@@ -3,7 +3,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
 #include "core/error.hpp"
 
@@ -16,29 +15,6 @@ namespace {
   throw core::IoError(std::string("cannot ") + action + " " + path.string() + ": " + reason);
 }
 }  // namespace
-
-AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), part_(path_.string() + ".part") {
-  errno = 0;
-  stream_.open(part_, std::ios::binary | std::ios::trunc);
-  if (!stream_) fail("write", path_, std::strerror(errno));
-}
-
-AtomicFile::~AtomicFile() {
-  if (committed_) return;
-  stream_.close();
-  std::error_code ignored;
-  fs::remove(part_, ignored);
-}
-
-void AtomicFile::commit() {
-  errno = 0;
-  stream_.close();
-  if (!stream_) fail("write", path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
-  std::error_code error;
-  fs::rename(part_, path_, error);
-  if (error) fail("write", path_, error.message());
-  committed_ = true;
-}
 
 void make_folder(const fs::path& path) {
   std::error_code error;

@@ -24,7 +24,10 @@ cv::Mat to_levels(const cv::Mat& frame, const ClipInfo& info) {
 }
 
 cv::Mat luma(const cv::Mat& frame, const ClipInfo& info) {
-  cv::Mat levels = to_levels(frame, info);
+  return luma(to_levels(frame, info));
+}
+
+cv::Mat luma(const cv::Mat& levels) {
   if (levels.channels() == 1) return levels;
   cv::Mat grey;
   cv::cvtColor(levels, grey, cv::COLOR_BGR2GRAY);

@@ -59,8 +59,10 @@ Clip read_all(FrameSource& source);
 /// The frame's values as CV_32F on the scale of 8-bit grey levels, white = 255; channels kept.
 cv::Mat to_levels(const cv::Mat& frame, const ClipInfo& info);
 
-/// Luma (Rec. 601) as CV_32F, one channel, white = 255.
+/// Luma (Rec. 601) as CV_32F, one channel, white = 255; of a frame, or of levels (CV_32F, 1 or 3 channels),
+/// whose own memory it is where they are grey.
 cv::Mat luma(const cv::Mat& frame, const ClipInfo& info);
+cv::Mat luma(const cv::Mat& levels);
 
 /// Levels (CV_32F, white = 255) rounded and saturated to CV_8U.
 cv::Mat to_bytes(const cv::Mat& levels);

@@ -6,8 +6,9 @@
 #include <string>
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
+#include "core/clip.hpp"
 #include "core/error.hpp"
 #include "sketch/creases.hpp"
 #include "sketch/crossings.hpp"
@@ -26,13 +27,6 @@ void require(bool holds, const char* field, double value, const char* allowed) {
   if (!holds)
     throw core::InputError(std::string("ExtractOptions::") + field + " is " + std::to_string(value) +
                            ", must be " + allowed);
-}
-
-cv::Mat1f luma_of(const cv::Mat& levels) {
-  if (levels.channels() == 1) return levels;
-  cv::Mat1f grey;
-  cv::cvtColor(levels, grey, cv::COLOR_BGR2GRAY);
-  return grey;
 }
 
 // Many faint points say as much as few strong ones.
@@ -75,7 +69,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     throw core::InputError("extract: the frame must be CV_32F with 1 or 3 channels and not empty");
   if (!cv::checkRange(levels, true))
     throw core::InputError("extract: the frame holds a value that is not finite");
-  const cv::Mat1f luma = luma_of(levels);
+  const cv::Mat1f luma = core::luma(levels);
   const ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
   const Ground ground = measure_ground(space, estimate_noise(luma));
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 
 namespace emberfold::sketch {
@@ -121,11 +122,9 @@ bool bridged(const ScaleLevel& level, CreaseKind kind, Point from, Point to, Poi
 }
 
 std::size_t level_near(const Chain& chain, bool back) {
-  const std::size_t n = chain.points.size(), reach = std::min<std::size_t>(n, 10);
-  std::vector<int> levels;
-  for (std::size_t i = 0; i < reach; ++i) levels.push_back(chain.points[back ? n - 1 - i : i].level);
-  std::nth_element(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(reach / 2), levels.end());
-  return static_cast<std::size_t>(levels[reach / 2]);
+  const std::span points(chain.points);
+  const std::size_t reach = std::min<std::size_t>(points.size(), 10);
+  return middle_level(back ? points.last(reach) : points.first(reach));
 }
 
 // What the end points at and reaches; the nearest such point of every curve within reach.

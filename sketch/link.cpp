@@ -144,12 +144,12 @@ class Linker {
 
 }  // namespace
 
-std::size_t own_level(const Chain& chain) {
+std::size_t middle_level(std::span<const CreasePoint> points) {
   std::vector<int> levels;
-  for (const CreasePoint& p : chain.points) levels.push_back(p.level);
-  std::nth_element(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2),
-                   levels.end());
-  return static_cast<std::size_t>(levels[levels.size() / 2]);
+  for (const CreasePoint& p : points) levels.push_back(p.level);
+  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
+  std::nth_element(levels.begin(), middle, levels.end());
+  return static_cast<std::size_t>(*middle);
 }
 
 namespace {
@@ -211,7 +211,7 @@ std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpa
   constexpr double kAround = 20;  // px
   std::vector<Chain> pieces;
   for (const Chain& chain : chains) {
-    const ScaleLevel& level = space[own_level(chain)];
+    const ScaleLevel& level = space[middle_level(chain.points)];
     const std::size_t n = chain.points.size();
     const std::vector<double> s = arc_lengths(chain);
     std::vector<double> response(n);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "sketch/creases.hpp"
@@ -29,8 +30,8 @@ std::vector<double> arc_lengths(const Chain& chain);
 /// Unit direction in which the chain runs at this point, from its neighbours `reach` points off.
 graph::Point direction(const Chain& chain, std::size_t at, std::size_t reach = 3);
 
-/// The scale in the middle of those that responded best along the curve.
-std::size_t own_level(const Chain& chain);
+/// The scale in the middle of those that responded best, along a curve or a part of it; at least one point.
+std::size_t middle_level(std::span<const CreasePoint> points);
 
 /// Takes off the hooks at free ends, where a line's round end makes the crease turn aside.
 std::vector<Chain> without_hooks(std::vector<Chain> chains);

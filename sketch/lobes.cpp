@@ -53,7 +53,7 @@ double lobe(const CreasePoint& q, Point p, double sigma, const ScaleSpace& space
 
 bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& space) {
   constexpr double kMargin = 1.4, kReach = 4;  // reach in S of a line as wide as this one
-  const std::size_t own = own_level(chain);
+  const std::size_t own = middle_level(chain.points);
   const double sigma = space[own].sigma, reach = kReach * 1.5 * sigma + 4;
   double seen = 0, predicted = 0;
   for (std::size_t i = 0; i < chain.points.size(); i += 2) {
@@ -70,7 +70,7 @@ bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& s
 // 0.84 times); blurred flanks with flat ground between them do not.
 bool blurred_ground(const Chain& chain, const ScaleSpace& space) {
   constexpr double kLeast = 0.65;
-  const std::size_t own = own_level(chain);
+  const std::size_t own = middle_level(chain.points);
   if (own < 2) return false;
   double at_own = 0, at_half = 0;
   for (std::size_t i = 0; i < chain.points.size(); ++i) {
