@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/model_archive.hpp"
+#include "graph/attribute_graph.hpp"
+
+namespace emberfold::mcmc {
+
+/// How one attribute d of a patch, its deviation from rest, goes on from frame to frame:
+///   d(t+1) = a1 d(t) + a2 d(t−1) + coupling (n̄(t) − d(t)) + e
+/// where n̄ is the mean over the patch's neighbours in the graph and e ~ N(0, noise²), correlated along the
+/// curve: from one patch to the next by `correlation` (Wang & Zhu 2004, eq. 9).
+struct Autoregression {
+  double a1 = 0, a2 = 0, coupling = 0;
+  double noise = 0;        ///< SD of e, ≥ 0
+  double correlation = 0;  ///< of neighbours' e, [0, 1)
+  double measurement = 0;  ///< SD of what the sketch adds to d in each frame alone, ≥ 0; not drawn
+
+  bool operator==(const Autoregression&) const = default;
+};
+/// The largest growth of a deviation in a frame, over all couplings that a graph can make; below 1: stable.
+double spectral_radius(const Autoregression& motion);
+/// SD of d in the stationary state of a patch without neighbours; InputError where it is not stable.
+double stationary_deviation(const Autoregression& motion);
+
+/// A number for each cell of a grid over the frame, row by row; between the cells' middles it is taken from
+/// the nearest one.
+struct CellMap {
+  double cell = 16;  ///< px, side of a cell
+  int columns = 0, rows = 0;
+  std::vector<double> values;
+
+  [[nodiscard]] double at(graph::Point p) const;  ///< outside the frame: of the nearest cell
+  bool operator==(const CellMap&) const = default;
+};
+
+/// Strokes of how many patches share a rate: up to 4, 8, 16, 32, and longer.
+constexpr std::size_t kSizes = 5;
+std::size_t size_class(std::size_t patches);
+
+/// θ_ext: how often strokes change. A rate is an expected number in a frame at one place where the change can
+/// happen (mcmc/sites.hpp).
+struct OperatorRates {
+  CellMap birth;                      ///< per px²
+  CellMap death;                      ///< relative to `death_by_size`, about 1
+  std::array<double, kSizes> death_by_size{};  ///< per stroke
+  double split = 0;                   ///< per inner patch of a curve
+  double merge = 0;                   ///< per pair of ends that continue each other
+  double connect = 0;                 ///< per end with another stroke near, not in line
+  double disconnect = 0;              ///< per arm of a junction, or corner
+  bool operator==(const OperatorRates&) const = default;
+};
+
+/// A stroke as it was seen, to be born again: its rest shape about (0, 0).
+struct Exemplar {
+  graph::AttributeGraph graph;
+  graph::Point place;  ///< where it was seen, px
+  bool operator==(const Exemplar&) const = default;
+};
+
+/// Θ of a clip: how its strokes move (θ_int), how often they change (θ_ext), and what they look like.
+struct MotionModel {
+  int width = 0, height = 0;  ///< px
+  double fps = 25;
+  int frames = 0;  ///< of the clip it was learned from
+
+  Autoregression sway;      ///< of the displacement from the rest shape, px, each coordinate alike
+  Autoregression contrast;  ///< of the logarithm of the contrast
+  CellMap drift_x, drift_y; ///< px a frame: how the rest shapes travel
+  OperatorRates rates;
+  std::array<double, 8> appearing{}, vanishing{};  ///< share of the contrast, so many frames after birth or before death
+  std::vector<Exemplar> exemplars;  ///< of born strokes
+  graph::AttributeGraph first;      ///< rest shapes of a frame's strokes, to begin with
+
+  bool operator==(const MotionModel&) const = default;
+};
+
+/// Throws InputError, naming the part, where a number is out of its range or maps and sizes disagree.
+void validate(const MotionModel& model);
+
+/// The format "emberfold.motion_model", version 1.
+core::ModelArchive to_archive(const MotionModel& model);
+/// core::IoError, naming the part, for another format, a newer version, or anything that validate() refuses.
+MotionModel motion_model(const core::ModelArchive& archive);
+
+}  // namespace emberfold::mcmc
