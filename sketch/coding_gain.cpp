@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/coding_gain.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "core/clip.hpp"
+#include "core/error.hpp"
+#include "sketch/median.hpp"
+
+namespace emberfold::sketch {
+
+namespace {
+
+constexpr int kHalf = 4, kSide = 2 * kHalf + 1, kStride = 7;  // px, of the windows that measure the noise
+constexpr int kBarLength = 5;                                 // px
+constexpr std::array<int, 2> kBars = {3, 6};                  // px
+constexpr double kQuantisation = 0.29;                        // grey levels
+constexpr double kAlong = 2.5;                                // px to each end
+constexpr double kLeastReach = 1.5, kMostReach = 12;          // px to each side, as draw_fitted has them
+constexpr double kBand = 2;  // px more than the footprint's half, of each band
+
+/// The mean square of a window about its plane.
+double variance(const cv::Mat1f& luma, int x0, int y0) {
+  constexpr double kCount = kSide * kSide, kMoment = kSide * 60;  // Σ x² over the window
+  const double origin = double{luma(y0 + kHalf, x0 + kHalf)};
+  double sum = 0, squares = 0, across = 0, down = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const double v = double{luma(y0 + y, x0 + x)} - origin;
+      sum += v;
+      squares += v * v;
+      across += v * (x - kHalf);
+      down += v * (y - kHalf);
+    }
+  return std::max(squares - sum * sum / kCount - (across * across + down * down) / kMoment, 0.0) /
+         (kCount - 3);
+}
+
+/// The mean of a bar, `width` px across and 5 along, above those of its two sides of the same size: no even
+/// slope shows in it.
+double bar_contrast(const cv::Mat1f& luma, cv::Point corner, cv::Point across, int width) {
+  double sum = 0;
+  for (int a = 0; a < kBarLength; ++a)
+    for (int d = 0; d < 3 * width; ++d) {
+      const double v =
+          double{luma(corner.y + a * across.x + d * across.y, corner.x + a * across.y + d * across.x)};
+      sum += d / width == 1 ? v : -0.5 * v;
+    }
+  return sum / (kBarLength * width);
+}
+
+/// How much more a bar's contrast varies, both ways, than on white noise of this SD: 3/2 of the variance of a
+/// bar's mean.
+double measure_clumping(const cv::Mat1f& luma, int width, double noise) {
+  std::vector<float> contrasts;
+  for (const cv::Point across : {cv::Point{1, 0}, cv::Point{0, 1}}) {
+    const int columns = across.x * 3 * width + across.y * kBarLength;
+    const int rows = across.y * 3 * width + across.x * kBarLength;
+    for (int y = 0; y + rows <= luma.rows; y += kStride)
+      for (int x = 0; x + columns <= luma.cols; x += kStride)
+        contrasts.push_back(static_cast<float>(std::abs(bar_contrast(luma, {x, y}, across, width))));
+  }
+  if (contrasts.empty()) return 1;
+  constexpr double kMedianToSd = 1.4826;
+  const double sd = kMedianToSd * double{median(std::move(contrasts))};
+  return std::max(1.0, sd * sd * kBarLength * width / (1.5 * noise * noise));
+}
+
+double luma_of(const graph::Level& level) {
+  return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+}
+
+/// Φ
+double blurred_step(double d) {
+  return 0.5 * std::erfc(-d / std::numbers::sqrt2);
+}
+
+/// A patch's profile in luma.
+struct Profile {
+  double left, middle, right, half_width, blur, reach;
+
+  explicit Profile(const graph::Patch& patch)
+      : left(luma_of(patch.left)),
+        middle(luma_of(patch.middle)),
+        right(luma_of(patch.right)),
+        half_width(std::max(patch.width, 0.0) / 2),
+        blur(std::max(patch.blur, 0.2)),
+        reach(std::clamp(half_width + 2 * blur, kLeastReach, kMostReach)) {}
+
+  [[nodiscard]] double at(double distance) const {
+    const double enter = blurred_step((distance + half_width) / blur);
+    const double leave = half_width > 0 ? blurred_step((distance - half_width) / blur) : enter;
+    return left + enter * (middle - left) + leave * (right - middle);
+  }
+};
+
+/// The share of a pixel that lies within `limit` of a line that is `distance` away from its middle.
+double share_within(double distance, double limit) {
+  return std::clamp(limit - std::abs(distance) + 0.5, 0.0, 1.0);
+}
+
+/// Weighted sums over the pixels of a footprint; v the distance across, i the level above the patch's middle.
+struct Sums {
+  double w = 0, v = 0, i = 0, vv = 0, vi = 0, ii = 0;
+  double profile = 0;  // of the squared difference between the level and the profile
+
+  void add(double weight, double across, double level, double difference) {
+    w += weight;
+    v += weight * across;
+    i += weight * level;
+    vv += weight * across * across;
+    vi += weight * across * level;
+    ii += weight * level * level;
+    profile += weight * difference * difference;
+  }
+  /// The same for the ramp of this slope at the level that leaves least.
+  [[nodiscard]] double ramp(double slope) const {
+    const double mean = (i - slope * v) / w;
+    const double squares = ii - 2 * slope * vi + slope * slope * vv;
+    return std::max(squares - w * mean * mean, 0.0);
+  }
+};
+
+struct Footprint {
+  Sums inside;
+  std::array<Sums, 2> bands;  // left, right of it
+
+  /// Levels per px from one band to the other; level where one of them is hardly there.
+  [[nodiscard]] double slope() const {
+    const Sums &a = bands[0], &b = bands[1];
+    if (a.w < 1 || b.w < 1) return 0;
+    return (b.i / b.w - a.i / a.w) / (b.v / b.w - a.v / a.w);
+  }
+};
+
+Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& profile) {
+  const double c = std::cos(patch.theta), s = std::sin(patch.theta);
+  const double outer = 2 * profile.reach + kBand;
+  const double wide = std::abs(c) * (kAlong + 0.5) + std::abs(s) * (outer + 0.5);
+  const double high = std::abs(s) * (kAlong + 0.5) + std::abs(c) * (outer + 0.5);
+  // Clamped while still a double: a position may lie anywhere.
+  const auto first = [](double at) { return static_cast<int>(std::ceil(std::max(at, 0.0))); };
+  const auto last = [](double at, int size) {
+    return static_cast<int>(std::floor(std::min(at, size - 1.0)));
+  };
+  Footprint seen;
+  const auto [px, py] = patch.position;
+  if (!(px - wide < luma.cols && px + wide > -1 && py - high < luma.rows && py + high > -1)) return seen;
+  for (int y = first(py - high); y <= last(py + high, luma.rows); ++y)
+    for (int x = first(px - wide); x <= last(px + wide, luma.cols); ++x) {
+      const double dx = x - px, dy = y - py;
+      const double along = share_within(dx * c + dy * s, kAlong);
+      if (along <= 0) continue;
+      const double across = dy * c - dx * s;
+      const double within = share_within(across, profile.reach);
+      const double level = double{luma(y, x)} - profile.middle;
+      if (within > 0)
+        seen.inside.add(along * within, across, level, level + profile.middle - profile.at(across));
+      const double beside = along * (share_within(across, outer) - within);
+      if (beside > 0) seen.bands[across > 0 ? 1 : 0].add(beside, across, level, 0);
+    }
+  return seen;
+}
+
+}  // namespace
+
+GainFrame prepare_gain(const cv::Mat& levels) {
+  if (levels.empty() || levels.depth() != CV_32F || (levels.channels() != 1 && levels.channels() != 3))
+    throw core::InputError("coding_gain: the frame must be CV_32F with 1 or 3 channels and not empty");
+  if (!cv::checkRange(levels, true))
+    throw core::InputError("coding_gain: the frame holds a value that is not finite");
+  GainFrame frame{core::luma(levels), kQuantisation, {1, 1}};
+  std::vector<float> variances;
+  for (int y = 0; y + kSide <= frame.luma.rows; y += kStride)
+    for (int x = 0; x + kSide <= frame.luma.cols; x += kStride)
+      variances.push_back(static_cast<float>(variance(frame.luma, x, y)));
+  if (variances.empty()) return frame;
+  constexpr double kMedian = 0.9915;  // of χ²/78 with 78 degrees of freedom
+  frame.noise = std::max(kQuantisation, std::sqrt(double{median(std::move(variances))} / kMedian));
+  for (std::size_t i = 0; i < kBars.size(); ++i)
+    frame.clumping[i] = measure_clumping(frame.luma, kBars[i], frame.noise);
+  return frame;
+}
+
+double coding_gain(const GainFrame& frame, const graph::Patch& patch) {
+  const Profile profile(patch);
+  const Footprint seen = look(frame.luma, patch, profile);
+  if (seen.inside.w <= 0) return 0;
+  // A bar with its sides lies within 1.5 widths of its middle, a step's two sides within one.
+  const bool step = graph::on_step(patch);
+  const double bar = profile.reach / (step ? 1.0 : 1.5);
+  const double wider = std::clamp((bar - kBars[0]) / (kBars[1] - kBars[0]), 0.0, 1.0);
+  const double clumping = frame.clumping[0] + wider * (frame.clumping[1] - frame.clumping[0]);
+  const double saved = seen.inside.ramp(seen.slope()) - seen.inside.profile;
+  return saved / (2 * frame.noise * frame.noise * clumping) -
+         0.5 * (step ? 5 : 7) * std::log1p(seen.inside.w / clumping);
+}
+
+}  // namespace emberfold::sketch
