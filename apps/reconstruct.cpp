@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "apps/draw_graph_frames.hpp"
 #include "core/clip.hpp"
 #include "sketch/render.hpp"
 
@@ -16,19 +17,13 @@ namespace emberfold::apps {
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options) {
   Reconstruction result;
-  cv::Mat drawn;
-  if (graph.empty()) {
-    drawn = cv::Mat(levels.size(), levels.type(), cv::mean(levels));
-  } else {
-    const auto part = drawing == PatchDrawing::fitted
-                          ? sketch::draw_fitted(graph, levels.size(), levels.channels())
-                          : sketch::draw_pixels(graph, levels);
-    auto filled = sketch::fill(part.levels, part.mask, options);
-    drawn = filled.levels;
-    result.share = part.share();
-    result.converged = filled.converged;
-  }
-  result.bytes = core::to_bytes(drawn);
+  const auto part = drawing == PatchDrawing::fitted
+                        ? sketch::draw_fitted(graph, levels.size(), levels.channels())
+                        : sketch::draw_pixels(graph, levels);
+  const auto drawn = draw_around(part, cv::mean(levels), options);
+  result.share = drawn.share;
+  result.converged = drawn.converged;
+  result.bytes = core::to_bytes(drawn.levels);
   cv::Mat shown;
   result.bytes.convertTo(shown, CV_32F);
   result.psnr = psnr(shown, levels);

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/draw_graph_frames.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "apps/interrupt.hpp"
+#include "core/clip.hpp"
+#include "core/parallel.hpp"
+
+namespace emberfold::apps {
+
+DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
+                       const sketch::FillOptions& options) {
+  if (cv::countNonZero(part.mask) == 0)
+    return {cv::Mat(part.levels.size(), part.levels.type(), empty), 0, true};
+  const auto filled = sketch::fill(part.levels, part.mask, options);
+  return {filled.levels, part.share(), filled.converged};
+}
+
+cv::Mat draw_frame(const graph::AttributeGraph& graph, cv::Size size, int channels, float empty_level,
+                   const sketch::FillOptions& options) {
+  const auto part = sketch::draw_fitted(graph, size, channels);
+  return core::to_bytes(draw_around(part, cv::Scalar::all(static_cast<double>(empty_level)), options).levels);
+}
+
+void draw_frames(int count, const FrameLook& look, std::string_view stage, const core::Context& context,
+                 const std::function<graph::AttributeGraph(int)>& graph,
+                 const std::function<void(int, const cv::Mat&)>& take) {
+  const double frame_bytes = 4.0 * look.size.area() * look.channels;
+  const int most = static_cast<int>(std::clamp(192e6 / std::max(1.0, frame_bytes), 1.0, 16.0));
+  context.report(stage, 0);
+  for (int first = 0; first < count; first += most) {
+    std::vector<graph::AttributeGraph> graphs;
+    for (int t = first; t < std::min(count, first + most); ++t) {
+      if (context.cancelled()) throw Interrupted{};
+      graphs.push_back(graph(t));
+    }
+    std::vector<cv::Mat> frames(graphs.size());
+    const auto status = core::parallel_for(graphs.size(), context, [&](std::size_t i) {
+      frames[i] = draw_frame(graphs[i], look.size, look.channels, look.empty_level, look.fill);
+    });
+    if (status == core::Status::cancelled) throw Interrupted{};
+    for (std::size_t i = 0; i < frames.size(); ++i) take(first + static_cast<int>(i), frames[i]);
+    context.report(stage, static_cast<double>(first + static_cast<int>(frames.size())) / count);
+  }
+}
+
+}  // namespace emberfold::apps

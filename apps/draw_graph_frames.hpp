@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/context.hpp"
+#include "graph/attribute_graph.hpp"
+#include "sketch/fill.hpp"
+#include "sketch/render.hpp"
+
+namespace emberfold::apps {
+
+/// A frame of which patches show a part and diffusion the rest.
+struct DrawnFrame {
+  cv::Mat levels;    ///< CV_32F, white = 255
+  double share = 0;  ///< that patches show, 0…1
+  bool converged = true;
+};
+
+/// Fills what `part` leaves open; with nothing in it the frame becomes `empty`, levels by channel.
+DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
+                       const sketch::FillOptions& options);
+
+/// The frame that a graph alone tells of: patches drawn from their attributes, the rest filled. CV_8U of
+/// `channels` (1 or 3); `empty_level` everywhere where no patch lies in the frame.
+cv::Mat draw_frame(const graph::AttributeGraph& graph, cv::Size size, int channels, float empty_level,
+                   const sketch::FillOptions& options = {});
+
+/// What the frames of a clip of graphs have in common.
+struct FrameLook {
+  cv::Size size;
+  int channels = 3;       ///< 1 or 3
+  float empty_level = 0;  ///< of a frame without patches, white = 255
+  sketch::FillOptions fill = {};
+};
+
+/// Draws `count` frames: graph(t) is asked for one after the other, the frames are drawn on several threads,
+/// take(t, frame) gets them in order (CV_8U). Holds a batch, some 16 frames or 192 MB, whichever is less.
+/// Throws Interrupted.
+void draw_frames(int count, const FrameLook& look, std::string_view stage, const core::Context& context,
+                 const std::function<graph::AttributeGraph(int)>& graph,
+                 const std::function<void(int, const cv::Mat&)>& take);
+
+}  // namespace emberfold::apps
