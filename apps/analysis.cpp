@@ -53,6 +53,15 @@ Json per_frame_json(const graph::MotionGraph& motion, const std::vector<graph::E
   return {{"patches", patches}, {"strokes", strokes}, {"events", count}};
 }
 
+/// How the patches of the frames that were drawn again pay, null where there are none.
+Json gain_json(const GainTotals& gains) {
+  if (gains.patches == 0) return nullptr;
+  const auto patches = static_cast<double>(gains.patches);
+  return {{"mean", std::round(gains.nats / patches * 100) / 100},
+          {"positive_share", std::round(static_cast<double>(gains.positive) / patches * 10000) / 10000},
+          {"patches", gains.patches}};
+}
+
 Json sketch_json(const Json& per_frame, const Pictures& pictures) {
   const auto mean = [](const Json& list) {
     double total = 0;
@@ -66,7 +75,8 @@ Json sketch_json(const Json& per_frame, const Pictures& pictures) {
           {"patches_per_frame", mean(per_frame["patches"])},
           {"strokes_per_frame", mean(per_frame["strokes"])},
           {"sketchable_share", share.is_null() ? Json(0) : share["mean"]},
-          {"psnr", spread_json(pictures.psnr)}};
+          {"psnr", spread_json(pictures.psnr)},
+          {"coding_gain", gain_json(pictures.gains)}};
 }
 
 Json motion_json(const graph::MotionGraph& motion) {

@@ -56,6 +56,7 @@ Plan make_plan(int frames, std::span<const graph::Event> events, bool all) {
 struct Drawn {
   cv::Mat bytes, overlay;
   std::optional<Reconstruction> reconstruction;
+  GainTotals gains;
   std::optional<ReportStill> still;
   std::optional<Still> event_frame;
 };
@@ -69,7 +70,9 @@ Drawn draw_frame(const cv::Mat& frame, int t, const core::ClipInfo& info, const 
   if (plan.event_frames.contains(t))
     drawn.event_frame = make_still(drawn.bytes, kEventSide, plan.event_bytes);
   if (!plan.measured.contains(t) && !plan.stills.contains(t)) return drawn;
-  drawn.reconstruction = reconstruct(core::to_levels(frame, info), graph, PatchDrawing::fitted, options.fill);
+  const cv::Mat levels = core::to_levels(frame, info);
+  drawn.reconstruction = reconstruct(levels, graph, PatchDrawing::fitted, options.fill);
+  drawn.gains = total_gain(levels, graph);
   if (plan.stills.contains(t)) {
     drawn.still = ReportStill{t,
                               make_still(drawn.bytes, kStillSide, plan.still_bytes),
@@ -110,6 +113,7 @@ class Collector {
     if (!overlay_)
       overlay_ = create_clip(output_.staged("overlay.mp4"), drawn.overlay.size(), info_.fps, true);
     overlay_->write(drawn.overlay);
+    pictures_.gains.add(drawn.gains);
     if (drawn.reconstruction) take_reconstruction(*drawn.reconstruction);
     if (drawn.still) pictures_.report.stills.push_back(std::move(*drawn.still));
     if (drawn.event_frame) pictures_.report.event_frames.push_back({t, std::move(*drawn.event_frame)});

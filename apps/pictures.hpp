@@ -6,6 +6,7 @@
 
 #include "apps/command.hpp"
 #include "apps/draw.hpp"
+#include "apps/image_evidence.hpp"
 #include "apps/output_folder.hpp"
 #include "apps/reconstruct.hpp"
 #include "apps/report.hpp"
@@ -24,6 +25,7 @@ struct PictureOptions {
 struct Pictures {
   ReportInput report;               ///< its pictures alone are set
   std::vector<double> share, psnr;  ///< of the frames that were reconstructed
+  GainTotals gains;                 ///< of these frames' patches
   int not_converged = 0;
 };
 
