@@ -23,17 +23,22 @@ struct Autoregression {
 };
 /// The largest growth of a deviation in a frame, over all couplings that a graph can make; below 1: stable.
 double spectral_radius(const Autoregression& motion);
-/// SD of d in the stationary state of a patch without neighbours; InputError where it is not stable.
-double stationary_deviation(const Autoregression& motion);
+/// The stationary state along a long curve. InputError where there is none.
+struct Stationary {
+  double deviation = 0;    ///< SD of d
+  double correlation = 0;  ///< of neighbours' d
+};
+Stationary stationary(const Autoregression& motion);
 
-/// A number for each cell of a grid over the frame, row by row; between the cells' middles it is taken from
-/// the nearest one.
+/// A number for each cell of a grid over the frame, row by row; it holds for all of the cell.
 struct CellMap {
   double cell = 16;  ///< px, side of a cell
   int columns = 0, rows = 0;
   std::vector<double> values;
 
-  [[nodiscard]] double at(graph::Point p) const;  ///< outside the frame: of the nearest cell
+  /// The cell of a place; outside the frame the nearest one.
+  [[nodiscard]] std::size_t index(graph::Point p) const;
+  [[nodiscard]] double at(graph::Point p) const { return values[index(p)]; }
   bool operator==(const CellMap&) const = default;
 };
 
