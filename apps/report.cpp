@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report.hpp"
 
+#include <algorithm>
 #include <array>
+#include <complex>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -133,6 +135,15 @@ std::string make_report(const ReportInput& input, const Json& summary) {
   }
   data["matches"] = Json::array();
   for (const auto& match : input.matches) data["matches"].push_back(picture(match.frame, match.still));
+  if (input.model != nullptr) data["learned"]["motion"] = report_motion_model(*input.model, input.events);
+  if (!input.eigenvalues.empty()) {
+    data["learned"]["eigenvalues"] = report_eigenvalues(input.eigenvalues);
+    double radius = 0;
+    for (const auto z : input.eigenvalues) radius = std::max(radius, std::abs(z));
+    data["learned"]["texture_radius"] = radius;
+  }
+  if (input.clips) data["clips"] = report_clips(*input.clips);
+  if (input.measures) data["measures"] = report_measures(*input.measures);
   // the name may hold bytes that are no UTF-8: once through JSON they are replaced
   const auto title =
       Json::parse(Json(title_of(input.clip)).dump(-1, ' ', false, Json::error_handler_t::replace));

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "apps/report_model.hpp"
 #include "apps/still.hpp"
 #include "graph/events.hpp"
 #include "graph/motion_graph.hpp"
@@ -21,6 +22,7 @@ constexpr std::size_t kReportBytes = 8'000'000;
 constexpr std::size_t kStillBytes = 1'750'000, kStills = 6;  ///< three layers each
 constexpr std::size_t kEventFrameBytes = 1'450'000, kEventFrames = 90;
 constexpr std::size_t kMatchBytes = 850'000, kMatches = 6;
+constexpr std::size_t kClipBytes = 1'000'000;  ///< of video
 
 /// One frame as it is, with its sketch, and as it was drawn again from the sketch.
 struct ReportStill {
@@ -40,10 +42,14 @@ struct ReportInput {
   std::string command_line;  ///< what was typed
   std::string version;
   const graph::MotionGraph* motion = nullptr;
-  std::span<const graph::Event> events;     ///< ordered by frame
-  std::vector<ReportStill> stills;          ///< at most kStills
-  std::vector<ReportPicture> event_frames;  ///< at most kEventFrames
-  std::vector<ReportPicture> matches;       ///< at most kMatches
+  std::span<const graph::Event> events;           ///< ordered by frame
+  std::vector<ReportStill> stills;                ///< at most kStills
+  std::vector<ReportPicture> event_frames;        ///< at most kEventFrames
+  std::vector<ReportPicture> matches;             ///< at most kMatches
+  const mcmc::MotionModel* model = nullptr;       ///< what was learned, where it was
+  std::vector<std::complex<double>> eigenvalues;  ///< of the linear dynamic texture, where there is one
+  std::optional<ReportClips> clips;               ///< drawn from the models, beside their source
+  std::optional<ReportMeasures> measures;         ///< how close these come
 };
 
 /// The report as one HTML page that needs nothing else. `summary` as in summary.json.

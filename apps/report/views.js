@@ -264,6 +264,8 @@ buildStills();
 buildEvents();
 buildPlaces();
 buildPaths();
+buildClips();
+buildLearned();
 buildSeries();
 buildMatches();
 buildScore();
