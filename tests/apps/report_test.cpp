@@ -8,6 +8,7 @@
 
 #include "apps/report_data.hpp"
 #include "tests/apps/clip_fixture.hpp"
+#include "tests/apps/made_model.hpp"
 #include "tests/apps/made_motion.hpp"
 #include "tests/catch.hpp"
 
@@ -144,6 +145,10 @@ TEST_CASE("the report stays below its limit for a long, large, crowded clip of p
   // the budget is meant to be used, or the test would show nothing
   CHECK(3 * kStills * layer.jpeg.size() + kEventFrames * small.jpeg.size() + kMatches * pair.jpeg.size() >
         2'500'000);
+  const auto model = made_model(kWidth, kHeight, 8);
+  input.model = &model;
+  input.eigenvalues.assign(700, {0.123456, 0.654321});
+  input.clips = ReportClips{{"a", "b", "c"}, std::vector<unsigned char>(kClipBytes, 77), 400, 226, 250, 25};
   Json summary = kSummary;
   summary["per_frame"] = {{"patches", std::vector<int>(200'000, 1234)}};
   const std::string page = make_report(input, summary);
