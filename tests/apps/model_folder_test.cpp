@@ -81,7 +81,7 @@ TEST_CASE("a model inside an output lies in its folder") {
   check_unreadable(temp / "out", {"no model", (temp / "out/model").string()});
 }
 
-TEST_CASE("a model replaces a model and what lay with it, and nothing else") {
+TEST_CASE("a model replaces a model and what lay with it and nothing else") {
   const TempFolder temp;
   auto old = made_archive();
   old.arrays["B"] = old.arrays["A"];
