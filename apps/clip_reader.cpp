@@ -12,6 +12,7 @@
 
 #include "apps/builtin_clip.hpp"
 #include "apps/image_files.hpp"
+#include "apps/model_folder.hpp"
 #include "apps/raw_clip.hpp"
 #include "core/error.hpp"
 
@@ -134,6 +135,9 @@ std::unique_ptr<RawClip> open_raw(const std::string& name, const ReadOptions& op
   const fs::path path(name);
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status))
+    if (const auto format = model_format(path))
+      throw core::IoError(name + " is no clip but " + about_model(*format));
   if (fs::is_directory(status)) return open_images(list_images(path), options.grey, warn);
   if (!fs::exists(status)) {
     if (is_pattern(path)) return open_images(match_images(path), options.grey, warn);
