@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/model_folder.hpp"
 #include "apps/pictures.hpp"
 #include "apps/report.hpp"
 #include "apps/stream_frames.hpp"
@@ -13,6 +14,7 @@
 #include "core/error.hpp"
 #include "graph/motion_io.hpp"
 #include "graph/score.hpp"
+#include "mcmc/fit.hpp"
 
 namespace emberfold::apps {
 
@@ -104,6 +106,7 @@ Json files_json(bool reconstruction) {
                 {"motion.jsonl", "graphs and their links, a line a frame"},
                 {"sketch.jsonl", "the graphs alone"},
                 {"trajectories.csv", "every patch through time"},
+                {"model/", "what was learned: 'emberfold synth' draws new clips from it"},
                 {"overlay.mp4", "the clip with its graph and events"},
                 {"matches/", "neighbouring frames, matched"},
                 {"summary.json", "all figures"}};
@@ -117,27 +120,41 @@ void need_two_frames(const std::string& clip, std::int64_t frames) {
   throw core::IoError(clip + " holds one frame; motion needs at least two ('emberfold sketch' takes one)");
 }
 
+/// Learns the motion model and writes it; what was not taken as measured becomes warnings.
+mcmc::MotionModel learn_model(const graph::MotionGraph& motion, OutputFolder& output, Session& session) {
+  auto fitted = mcmc::fit(motion, {session.common.seed}, session.context);
+  if (fitted.status == core::Status::cancelled) throw Interrupted{};
+  for (const auto& note : fitted.notes) session.warn("model: " + note);
+  write_model(output, "model", mcmc::to_archive(fitted.model));
+  return std::move(fitted.model);
+}
+
 }  // namespace
 
-Json analyze_clip(const std::string& name, const AnalyzeOptions& options, OutputFolder& output,
-                  Session& session, const std::optional<std::vector<graph::Event>>& truth,
-                  const std::string& shown_name) {
-  const std::string& clip = shown_name.empty() ? name : shown_name;
-  Stages stages;
+Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, OutputFolder& output,
+                      Session& session, const std::optional<std::vector<graph::Event>>& truth,
+                      const std::string& shown_name) {
+  Analysis made;
+  made.clip = shown_name.empty() ? name : shown_name;
+  Stages& stages = made.stages;
   stages.begin("sketch");
   const auto source = open_clip(name, options.read, [&](const std::string& text) { session.warn(text); });
-  if (source->info().frames) need_two_frames(clip, *source->info().frames);
+  if (source->info().frames) need_two_frames(made.clip, *source->info().frames);
   auto sketch = sketch_frames(*source, options.sketch, session);
-  need_two_frames(clip, static_cast<std::int64_t>(sketch.frames.size()));
+  need_two_frames(made.clip, static_cast<std::int64_t>(sketch.frames.size()));
 
+  if (options.keep_sketch) made.sketch = sketch;
   stages.begin("match");
   auto matched = graph::match(std::move(sketch), options.match, session.context);
   if (matched.status == core::Status::cancelled) throw Interrupted{};
-  const graph::MotionGraph motion = std::move(matched.motion);
+  made.motion = std::move(matched.motion);
+  const auto& motion = made.motion;
   const auto all_events = graph::stroke_events(motion);
-  std::vector<graph::Event> events;
-  std::ranges::copy_if(all_events, std::back_inserter(events),
+  std::ranges::copy_if(all_events, std::back_inserter(made.events),
                        [](const auto& e) { return e.probability >= 0.5; });
+  const auto& events = made.events;
+  stages.begin("learn");
+  made.model = learn_model(motion, output, session);
   stages.begin("write");
   write_data(output, motion, events, all_events);
 
@@ -149,8 +166,8 @@ Json analyze_clip(const std::string& name, const AnalyzeOptions& options, Output
                  " frames");
   stages.end();
 
-  Json summary = begin_summary("analyze", session);
-  summary["clip"] = clip_json(clip, source->info(), static_cast<int>(motion.sketch.frames.size()));
+  Json& summary = made.summary = begin_summary("analyze", session);
+  summary["clip"] = clip_json(made.clip, source->info(), static_cast<int>(motion.sketch.frames.size()));
   summary["options"] = {{"reading", reading_json(options.read)},
                         {"sketch", options_json(options.sketch)},
                         {"match", options_json(options.match)},
@@ -159,6 +176,7 @@ Json analyze_clip(const std::string& name, const AnalyzeOptions& options, Output
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(events, motion.sketch.frames.size());
+  summary["model"] = motion_model_figures(made.model);
   if (truth) {
     const graph::ScoreOptions tolerance;
     summary["score"] = score_json(graph::score_events(*truth, events, tolerance));
@@ -166,19 +184,24 @@ Json analyze_clip(const std::string& name, const AnalyzeOptions& options, Output
   }
   summary["files"] = files_json(options.reconstruction);
   summary["per_frame"] = std::move(per_frame);
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
+  made.report = std::move(pictures.report);
+  return made;
+}
 
-  pictures.report.clip = clip;
-  pictures.report.command_line = session.command_line;
-  pictures.report.version = kVersion;
-  pictures.report.motion = &motion;
-  pictures.report.events = events;
-  output.write("report.html", [&](std::ostream& out) { out << make_report(pictures.report, summary); });
+void finish_analysis(Analysis& made, OutputFolder& output, const Session& session) {
+  Json& summary = made.summary;
+  summary["warnings"] = session.warnings;
+  summary["seconds"] = made.stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  made.report.clip = made.clip;
+  made.report.command_line = session.command_line;
+  made.report.version = kVersion;
+  made.report.motion = &made.motion;
+  made.report.events = made.events;
+  made.report.model = &made.model;
+  output.write("report.html", [&](std::ostream& out) { out << make_report(made.report, summary); });
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
   session.check_stop();
-  return summary;
 }
 
 }  // namespace emberfold::apps

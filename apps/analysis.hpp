@@ -5,13 +5,15 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "apps/clip_reader.hpp"
 #include "apps/command.hpp"
 #include "apps/output_folder.hpp"
+#include "apps/report.hpp"
 #include "graph/events.hpp"
 #include "graph/match.hpp"
+#include "mcmc/motion_model.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/fill.hpp"
 
@@ -22,17 +24,32 @@ struct AnalyzeOptions {
   sketch::ExtractOptions sketch;
   graph::MatchOptions match;
   sketch::FillOptions fill;
+  bool keep_sketch = false;  ///< in the analysis, as extracted
   bool reconstruction =
       false;  ///< write reconstruction.avi too: every frame is drawn again, not a choice of them
 };
 
-/// From a clip to its report: sketches, motion, events, overlay video, pictures, summary, all written into
-/// `output`, which the caller commits. Reads the clip twice and keeps of it a batch of frames. Returns the
-/// summary. With `truth` the events are scored against it. `shown_name`: how the clip is called where that is
-/// not its name. core::IoError for a clip of fewer than two frames.
-nlohmann::ordered_json analyze_clip(const std::string& clip, const AnalyzeOptions& options,
-                                    OutputFolder& output, Session& session,
-                                    const std::optional<std::vector<graph::Event>>& truth = {},
-                                    const std::string& shown_name = {});
+/// A clip and all that was found in it.
+struct Analysis {
+  std::string clip;  ///< as it is called
+  graph::SketchSequence sketch;  ///< as extracted; empty unless asked for
+  graph::MotionGraph motion;
+  std::vector<graph::Event> events;
+  mcmc::MotionModel model;
+  ReportInput report;  ///< its pictures
+  nlohmann::ordered_json summary;
+  Stages stages;
+};
+
+/// From a clip to what the report tells: sketches, motion, events, motion model, overlay video, pictures, all
+/// but report and summary written into `output`, which the caller commits. Reads the clip twice and keeps of
+/// it a batch of frames. With `truth` the events are scored against it. `shown_name`: how the clip is called
+/// where that is not its name. core::IoError for a clip of fewer than two frames.
+Analysis analyze_clip(const std::string& clip, const AnalyzeOptions& options, OutputFolder& output,
+                      Session& session, const std::optional<std::vector<graph::Event>>& truth = {},
+                      const std::string& shown_name = {});
+
+/// Writes report.html and summary.json, with what the caller added to both.
+void finish_analysis(Analysis& analysis, OutputFolder& output, const Session& session);
 
 }  // namespace emberfold::apps

@@ -77,6 +77,7 @@ struct Chosen {
 void add_analyze(CLI::App& app, Chosen& chosen);
 void add_sketch(CLI::App& app, Chosen& chosen);
 void add_score(CLI::App& app, Chosen& chosen);
+void add_synth(CLI::App& app, Chosen& chosen);
 void add_demo(CLI::App& app, Chosen& chosen);
 
 /// Peak memory of the process, MB.

@@ -24,8 +24,10 @@ void run_analyze(const Analyze& asked, Session& session) {
   check_options(options.match);
   check_options(options.fill);
   OutputFolder output(asked.output);
-  const auto summary = analyze_clip(asked.reading.clip, options, output, session);
+  auto analysis = analyze_clip(asked.reading.clip, options, output, session);
+  finish_analysis(analysis, output, session);
   output.commit();
+  const auto& summary = analysis.summary;
   const auto report = (output.path() / "report.html").string();
   session.console.say(summary["events"]["total"].dump() + " events in " + summary["clip"]["frames"].dump() +
                       " frames; the report is " + report);

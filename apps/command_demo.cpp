@@ -60,8 +60,10 @@ void run_demo(const Demo& asked, Session& session) {
   AnalyzeOptions options;
   options.reconstruction = true;
   // The file is read rather than the clip in memory, as whoever tries the printed command will do.
-  const auto summary = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
-                                    "builtin:" + asked.clip);
+  auto analysis = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
+                               "builtin:" + asked.clip);
+  finish_analysis(analysis, output, session);
+  const auto& summary = analysis.summary;
   output.write("score.json", [&](std::ostream& out) { out << json_text(summary["score"]); });
   output.commit();
   session.console.say(findings(summary, output.path()));

@@ -115,6 +115,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   app.footer(
       "  emberfold demo\n"
       "  emberfold analyze fire.mp4 -o out/fire\n"
+      "  emberfold synth out/fire/model -o new_fire.mp4\n"
       "  emberfold sketch fire.mp4 -o out/sketch\n"
       "  emberfold score truth.json out/fire/events.json");
   app.formatter(std::make_shared<HelpFormatter>());
@@ -126,6 +127,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   apps::add_analyze(app, chosen);
   apps::add_sketch(app, chosen);
   apps::add_score(app, chosen);
+  apps::add_synth(app, chosen);
   apps::add_demo(app, chosen);
   for (auto* command : app.get_subcommands([](CLI::App*) { return true; })) command->group("Commands");
   try {

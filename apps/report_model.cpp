@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <numeric>
 
 #include <nlohmann/json.hpp>
@@ -20,9 +22,9 @@ constexpr std::size_t kCells = 4000, kExemplars = 24, kExemplarPoints = 3000, kE
 
 // Four digits are more than a page shows.
 double rounded(double value) {
-  if (value == 0 || !std::isfinite(value)) return value;
-  const double unit = std::pow(10, std::floor(std::log10(std::abs(value))) - 3);
-  return std::round(value / unit) * unit;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4g", value);
+  return std::strtod(text.data(), nullptr);
 }
 
 Json rounded(std::span<const double> values) {
@@ -102,6 +104,18 @@ double births_a_frame(const mcmc::MotionModel& model) {
   return sum;
 }
 
+// "a stroke of 5 to 8 patches"
+std::string stroke_sizes(std::size_t size) {
+  constexpr std::size_t kLongest = 100'000;
+  std::size_t least = 1;
+  while (least < kLongest && mcmc::size_class(least) < size) ++least;
+  std::size_t most = least;
+  while (most < kLongest && mcmc::size_class(most + 1) == size) ++most;
+  if (most == kLongest) return "a stroke of " + std::to_string(least) + " patches or more";
+  const std::string from = size == 0 ? "up to " : std::to_string(least) + " to ";
+  return "a stroke of " + from + std::to_string(most) + " patches";
+}
+
 Json rates_json(const mcmc::MotionModel& model, std::span<const graph::Event> events) {
   const auto seen = [&](graph::EventType type) {
     return static_cast<std::size_t>(std::ranges::count(events, type, &graph::Event::type));
@@ -114,10 +128,7 @@ Json rates_json(const mcmc::MotionModel& model, std::span<const graph::Event> ev
   const auto& rates = model.rates;
   row("birth", "in the frame", seen(birth), births_a_frame(model));
   row("death", "in the frame", seen(death), static_cast<double>(seen(death)) / std::max(1, model.frames - 1));
-  constexpr std::array<const char*, mcmc::kSizes> kNames = {"up to 4 patches", "5 to 8", "9 to 16",
-                                                            "17 to 32", "more"};
-  for (std::size_t i = 0; i < mcmc::kSizes; ++i)
-    row("", std::string("a stroke of ") + kNames[i], nullptr, rates.death_by_size[i]);
+  for (std::size_t i = 0; i < mcmc::kSizes; ++i) row("", stroke_sizes(i), nullptr, rates.death_by_size[i]);
   row("split", "a patch inside a curve", seen(split), rates.split);
   row("merge", "a pair of ends in line", seen(merge), rates.merge);
   row("connect", "an end beside another stroke", seen(connect), rates.connect);
@@ -206,7 +217,7 @@ Json motion_model_figures(const mcmc::MotionModel& model) {
             {"merge", rounded(rates.merge)},
             {"connect", rounded(rates.connect)},
             {"disconnect", rounded(rates.disconnect)}}},
-          {"drift", drift_json(model)["most"]},
+          {"largest_drift", drift_json(model)["most"]},
           {"exemplars", model.exemplars.size()},
           {"first_strokes", graph::components(model.first).count}};
 }
