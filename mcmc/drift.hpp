@@ -9,8 +9,9 @@
 namespace emberfold::mcmc {
 
 /// How the curves travel on average, by place, px a frame: the velocity whose parts along the lineages'
-/// normals fit their steps best (least squares, weighted by nearness; where little was seen drawn towards
-/// the frame's mean, and that towards rest).
+/// normals fit their mean speeds best (least squares, weighted by nearness and by how well a speed can be
+/// told from a sway over the lineage's length; where little is known drawn towards the frame's mean, and that
+/// towards rest).
 struct Drift {
   CellMap x, y;
   [[nodiscard]] graph::Point at(graph::Point p) const { return {x.at(p), y.at(p)}; }

@@ -155,10 +155,25 @@ void begin_new(const AttributeGraph& graph, int frame, std::vector<Lineage>& all
     });
     if (covered) continue;
     const auto index = static_cast<Index>(all.size());
-    all.push_back({frame,
-                   {{patch.position, normal_of(direction(patch.theta)), 0, log_contrast(patch), v}}});
+    all.push_back({frame, {{patch.position, normal_of(direction(patch.theta)), 0, log_contrast(patch), v}}});
     alive.push_back(index);
     at[v].push_back(index);
+  }
+}
+
+// Means over a vertex and its neighbours, some rounds; vertices without a value of their own take their
+// neighbours'.
+void smooth(const AttributeGraph& graph, std::vector<Point>& values, std::vector<bool> known) {
+  for (int round = 0; round < 3; ++round) {
+    const auto before = values;
+    const auto were = known;
+    for (Index v = 0; v < graph.size(); ++v) {
+      Point sum = were[v] ? before[v] * 2 : Point{};
+      double weight = were[v] ? 2 : 0;
+      for (const Index w : graph.neighbours(v))
+        if (were[w]) sum = sum + before[w], weight += 1;
+      if (weight > 0) values[v] = sum * (1 / weight), known[v] = true;
+    }
   }
 }
 
@@ -220,6 +235,19 @@ Neighbours neighbours(const graph::MotionGraph& motion, const std::vector<Lineag
         }
       }
   return result;
+}
+
+std::vector<Point> on_patches(const AttributeGraph& graph, const std::vector<Told>& told) {
+  std::vector<Point> values(graph.size());
+  std::vector<int> count(graph.size());
+  for (const auto& [vertex, value] : told) values[vertex] = values[vertex] + value, ++count[vertex];
+  std::vector<bool> known(graph.size());
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    known[v] = count[v] > 0;
+    if (known[v]) values[v] = values[v] * (1.0 / count[v]);
+  }
+  smooth(graph, values, std::move(known));
+  return values;
 }
 
 }  // namespace emberfold::mcmc::detail

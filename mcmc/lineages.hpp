@@ -40,4 +40,12 @@ struct Neighbours {
 };
 Neighbours neighbours(const graph::MotionGraph& motion, const std::vector<Lineage>& lineages);
 
+/// What lineages tell of patches: each patch gets the mean of what is told of it, smoothed along the curves;
+/// a patch of which nothing is told takes its neighbours'.
+struct Told {
+  std::uint32_t vertex = 0;
+  graph::Point value;
+};
+std::vector<graph::Point> on_patches(const graph::AttributeGraph& graph, const std::vector<Told>& told);
+
 }  // namespace emberfold::mcmc::detail

@@ -40,8 +40,7 @@ Deviations deviations(const std::vector<detail::Lineage>& all, const detail::Nei
     }
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t k = 0; k < count[i].size(); ++k)
-      if (count[i][k] > 0)
-        result.neighbours[i][k] = result.neighbours[i][k] / count[i][k] - result.own[i][k];
+      if (count[i][k] > 0) result.neighbours[i][k] = result.neighbours[i][k] / count[i][k] - result.own[i][k];
   return result;
 }
 

@@ -66,7 +66,8 @@ double spectral_radius(const Autoregression& m) {
 }
 
 Stationary stationary(const Autoregression& m) {
-  if (!(spectral_radius(m) < 1)) throw core::InputError("a motion that is not stable has no stationary state");
+  if (!(spectral_radius(m) < 1))
+    throw core::InputError("a motion that is not stable has no stationary state");
   // Along an endless curve every spatial frequency is an AR(2) of its own.
   constexpr int steps = 256;
   double variance = 0, beside = 0;
@@ -99,7 +100,8 @@ void validate(const MotionModel& model) {
   check(model.width >= 1 && model.width <= 65536 && model.height >= 1 && model.height <= 65536, "the frame",
         "is " + std::to_string(model.width) + " x " + std::to_string(model.height) +
             " px; allowed is 1…65536 each way");
-  check(model.fps > 0 && model.fps <= 1000, "fps", "is " + std::to_string(model.fps) + "; allowed is (0, 1000]");
+  check(model.fps > 0 && model.fps <= 1000, "fps",
+        "is " + std::to_string(model.fps) + "; allowed is (0, 1000]");
   check(model.frames >= 2, "frames", "is " + std::to_string(model.frames) + "; at least 2");
   check(model.sway, "sway");
   check(model.contrast, "contrast");
@@ -107,17 +109,22 @@ void validate(const MotionModel& model) {
   check(model.drift_y, model, "drift_y", -1e6);
   check(model.rates.birth, model, "the birth map", 0);
   check(model.rates.death, model, "the death map", 0);
+  check(model.density, model, "the density map", 0);
+  for (const double share : model.rates.birth_by_size) check_share(share, "a share of births");
   for (const double rate : model.rates.death_by_size) check_share(rate, "a death rate");
   check_share(model.rates.split, "the split rate");
   check_share(model.rates.merge, "the merge rate");
   check_share(model.rates.connect, "the connect rate");
   check_share(model.rates.disconnect, "the disconnect rate");
+  for (const double length : {model.rates.reach, model.rates.split_gap, model.rates.disconnect_gap})
+    check(length >= 0 && length <= 1000, "a gap", "is " + std::to_string(length) + " px; allowed is 0…1000");
   for (const double share : model.appearing) check_share(share, "appearing");
   for (const double share : model.vanishing) check_share(share, "vanishing");
   for (const auto& exemplar : model.exemplars) {
     check(!exemplar.graph.empty(), "an exemplar", "is empty");
-    check(std::isfinite(exemplar.place.x) && std::isfinite(exemplar.place.y), "an exemplar",
-          "has no finite place");
+    check(std::isfinite(exemplar.place.x) && std::isfinite(exemplar.place.y) &&
+              std::isfinite(exemplar.clearance) && exemplar.clearance >= 0,
+          "an exemplar", "has no finite place");
   }
 }
 

@@ -42,27 +42,31 @@ struct CellMap {
   bool operator==(const CellMap&) const = default;
 };
 
-/// Strokes of how many patches share a rate: up to 4, 8, 16, 32, and longer.
-constexpr std::size_t kSizes = 5;
+/// Strokes of how many patches share a rate: up to 4, 8, 16, 32, 64, 128, and longer.
+constexpr std::size_t kSizes = 7;
 std::size_t size_class(std::size_t patches);
 
 /// θ_ext: how often strokes change. A rate is an expected number in a frame at one place where the change can
 /// happen (mcmc/sites.hpp).
 struct OperatorRates {
-  CellMap birth;                      ///< per px²
-  CellMap death;                      ///< relative to `death_by_size`, about 1
+  CellMap birth;                               ///< per px²
+  std::array<double, kSizes> birth_by_size{};  ///< shares of births, sum 1
+  CellMap death;                               ///< relative to `death_by_size`, about 1
   std::array<double, kSizes> death_by_size{};  ///< per stroke
-  double split = 0;                   ///< per inner patch of a curve
-  double merge = 0;                   ///< per pair of ends that continue each other
-  double connect = 0;                 ///< per end with another stroke near, not in line
-  double disconnect = 0;              ///< per arm of a junction, or corner
+  double split = 0;                            ///< per inner patch of a curve
+  double merge = 0;                            ///< per pair of ends that continue each other
+  double connect = 0;                          ///< per pair of strokes near each other, in no line
+  double disconnect = 0;                       ///< per arm of a junction, or corner
+  double reach = 24;                           ///< px: strokes farther apart neither merge nor connect
+  double split_gap = 10, disconnect_gap = 10;  ///< px: from end to end where a stroke came apart
   bool operator==(const OperatorRates&) const = default;
 };
 
 /// A stroke as it was seen, to be born again: its rest shape about (0, 0).
 struct Exemplar {
   graph::AttributeGraph graph;
-  graph::Point place;  ///< where it was seen, px
+  graph::Point place;    ///< where it was seen, px
+  double clearance = 0;  ///< px: how far the nearest other stroke was
   bool operator==(const Exemplar&) const = default;
 };
 
@@ -72,13 +76,15 @@ struct MotionModel {
   double fps = 25;
   int frames = 0;  ///< of the clip it was learned from
 
-  Autoregression sway;      ///< of the displacement from the rest shape, px, each coordinate alike
-  Autoregression contrast;  ///< of the logarithm of the contrast
-  CellMap drift_x, drift_y; ///< px a frame: how the rest shapes travel
+  Autoregression sway;       ///< of the displacement from the rest shape, px, each coordinate alike
+  Autoregression contrast;   ///< of the logarithm of the contrast
+  CellMap drift_x, drift_y;  ///< px a frame: how the rest shapes travel
   OperatorRates rates;
-  std::array<double, 8> appearing{}, vanishing{};  ///< share of the contrast, so many frames after birth or before death
-  std::vector<Exemplar> exemplars;  ///< of born strokes
-  graph::AttributeGraph first;      ///< rest shapes of a frame's strokes, to begin with
+  CellMap density;  ///< patches usually around each cell; births keep to it
+  std::array<double, 8> appearing{},
+      vanishing{};                  ///< share of the contrast, so many frames after birth or before death
+  std::vector<Exemplar> exemplars;  ///< strokes to be born
+  graph::AttributeGraph first;      ///< rest shapes of one frame's strokes, to begin with
 
   bool operator==(const MotionModel&) const = default;
 };

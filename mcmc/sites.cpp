@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <set>
+#include <utility>
 
 #include "graph/near.hpp"
 
@@ -23,13 +23,6 @@ double turn(Point a, Point b) {
   return std::abs(std::atan2(a.x * b.y - a.y * b.x, graph::dot(a, b)));
 }
 
-// How far the curve turns at a vertex of degree 2.
-double turn_at(const AttributeGraph& graph, Index v) {
-  const auto sides = graph.neighbours(v);
-  const Point at = graph.patch(v).position;
-  return turn(at - graph.patch(sides[0]).position, graph.patch(sides[1]).position - at);
-}
-
 bool face_each_other(const AttributeGraph& graph, Index a, Index b) {
   const Point at_a = graph.patch(a).position, at_b = graph.patch(b).position, gap = at_b - at_a;
   const Point out_a = at_a - graph.patch(graph.neighbours(a)[0]).position,
@@ -38,46 +31,72 @@ bool face_each_other(const AttributeGraph& graph, Index a, Index b) {
 }
 
 void find_along(const AttributeGraph& graph, Sites& result) {
-  for (Index v = 0; v < graph.size(); ++v) {
-    const auto sides = graph.neighbours(v);
-    if (sides.size() >= 3 || (sides.size() == 2 && turn_at(graph, v) >= in_line)) {
-      for (const Index w : sides) result.arms.push_back({v, w});
-    } else if (sides.size() == 2 && graph.degree(sides[0]) == 2 && graph.degree(sides[1]) == 2) {
-      result.inner.push_back(v);
+  for (const auto& curve : graph::curves(graph)) {
+    const std::size_t n = curve.size();
+    const bool ring = n > 1 && curve.front() == curve.back();
+    const auto free = [&](Index end) { return !ring && graph.degree(end) == 1; };
+    // How many patches lie between the i-th and the free end before it, or behind it.
+    const std::size_t before = free(curve.front()) ? 0 : kPiece, behind = free(curve.back()) ? 0 : kPiece;
+    const auto whole = [&](std::size_t i) { return i + before >= kPiece && n - 1 - i + behind >= kPiece; };
+    if (n > 1 && graph.degree(curve.front()) >= 3 && whole(0)) result.arms.push_back({curve[0], curve[1]});
+    if (n > 1 && graph.degree(curve.back()) >= 3 && whole(n - 1))
+      result.arms.push_back({curve[n - 1], curve[n - 2]});
+    for (std::size_t i = 1; i + 1 < n; ++i) {
+      if (!whole(i)) continue;
+      const Point at = graph.patch(curve[i]).position;
+      if (turn(at - graph.patch(curve[i - 1]).position, graph.patch(curve[i + 1]).position - at) < in_line) {
+        result.inner.push_back(curve[i]);
+      } else {
+        result.arms.push_back({curve[i], curve[i - 1]});
+        result.arms.push_back({curve[i], curve[i + 1]});
+      }
     }
   }
+  std::ranges::sort(result.inner);
+  std::ranges::sort(result.arms);
 }
 
-void find_between(const AttributeGraph& graph, const graph::Components& parts, Sites& result) {
+// Where an end comes nearest to a patch of another stroke.
+struct Approach {
+  Sites::Pair pair;
+  double distance = 0;
+  bool facing = false;
+  // Ends in line go before others, then the nearest.
+  [[nodiscard]] bool before(const Approach& other) const {
+    return facing != other.facing ? facing : distance < other.distance;
+  }
+};
+
+void find_between(const AttributeGraph& graph, const graph::Components& parts, double reach, Sites& result) {
   std::vector<Point> points;
   for (const auto& vertex : graph.vertices()) points.push_back(vertex.patch.position);
-  const graph::detail::Near near(points, kReach);
+  const graph::detail::Near near(points, reach);
+  std::map<std::pair<Index, Index>, Approach> nearest;  // of two strokes
   for (Index v = 0; v < graph.size(); ++v) {
     if (graph.degree(v) != 1) continue;
-    std::map<Index, Index> nearest;  // of each other stroke
-    std::set<Index> faced;
+    const Index own = parts.of_vertex[v];
     for (const Index w : near.around(points[v])) {
-      const Index part = parts.of_vertex[w];
-      if (part == parts.of_vertex[v] || !graph::same_kind(graph.patch(v), graph.patch(w))) continue;
-      if (graph.degree(w) == 1 && face_each_other(graph, v, w)) {
-        faced.insert(part);
-        if (v < w) result.facing.push_back({v, w});
-      }
-      const auto [known, is_new] = nearest.try_emplace(part, w);
-      if (!is_new && graph::distance(points[v], points[w]) < graph::distance(points[v], points[known->second]))
-        known->second = w;
+      const Index other = parts.of_vertex[w];
+      if (other == own || !graph::same_kind(graph.patch(v), graph.patch(w))) continue;
+      const Approach found{{v, w},
+                           graph::distance(points[v], points[w]),
+                           graph.degree(w) == 1 && face_each_other(graph, v, w)};
+      const auto [known, is_new] = nearest.try_emplace(std::minmax(own, other), found);
+      if (!is_new && found.before(known->second)) known->second = found;
     }
-    for (const auto& [part, w] : nearest)
-      if (!faced.contains(part)) result.beside.push_back({v, w});
   }
+  for (const auto& [both, approach] : nearest)
+    (approach.facing ? result.facing : result.beside).push_back(approach.pair);
+  std::ranges::sort(result.facing);
+  std::ranges::sort(result.beside);
 }
 
 }  // namespace
 
-Sites sites(const AttributeGraph& graph, const graph::Components& parts) {
+Sites sites(const AttributeGraph& graph, const graph::Components& parts, double reach) {
   Sites result;
   find_along(graph, result);
-  find_between(graph, parts, result);
+  find_between(graph, parts, reach, result);
   return result;
 }
 

@@ -17,13 +17,15 @@ struct Sites {
   std::vector<std::uint32_t> inner;  ///< patches inside a straight run of a curve: it can split there
   std::vector<Pair> arms;    ///< (junction or corner, neighbour): the stroke can come apart between them
   std::vector<Pair> facing;  ///< ends of two strokes, near and in line (turns below 30°): they can merge
-  std::vector<Pair> beside;  ///< (end of a stroke, nearest patch of another), near, not facing: they can connect
+  std::vector<Pair>
+      beside;  ///< (end of a stroke, nearest patch of another), near, in no line: they can connect
 };
 
-/// Ends farther apart are no sites, px: three to four patches.
-constexpr double kReach = 24;
+/// Nothing comes apart nearer to a free end than this, patches: the piece would be no stroke.
+constexpr std::size_t kPiece = 4;
 
+/// Two strokes are at most one site, where they come nearest; farther than `reach` px apart they are none.
 /// Ordered by vertex. O(n log n).
-Sites sites(const graph::AttributeGraph& graph, const graph::Components& parts);
+Sites sites(const graph::AttributeGraph& graph, const graph::Components& parts, double reach);
 
 }  // namespace emberfold::mcmc
