@@ -23,41 +23,50 @@ struct Autoregression {
 };
 /// The largest growth of a deviation in a frame, over all couplings that a graph can make; below 1: stable.
 double spectral_radius(const Autoregression& motion);
-/// SD of d in the stationary state of a patch without neighbours; InputError where it is not stable.
-double stationary_deviation(const Autoregression& motion);
+/// The stationary state along a long curve. InputError where there is none.
+struct Stationary {
+  double deviation = 0;    ///< SD of d
+  double correlation = 0;  ///< of neighbours' d
+};
+Stationary stationary(const Autoregression& motion);
 
-/// A number for each cell of a grid over the frame, row by row; between the cells' middles it is taken from
-/// the nearest one.
+/// A number for each cell of a grid over the frame, row by row; it holds for all of the cell.
 struct CellMap {
   double cell = 16;  ///< px, side of a cell
   int columns = 0, rows = 0;
   std::vector<double> values;
 
-  [[nodiscard]] double at(graph::Point p) const;  ///< outside the frame: of the nearest cell
+  /// The cell of a place; outside the frame the nearest one.
+  [[nodiscard]] std::size_t index(graph::Point p) const;
+  [[nodiscard]] double at(graph::Point p) const { return values[index(p)]; }
   bool operator==(const CellMap&) const = default;
 };
 
-/// Strokes of how many patches share a rate: up to 4, 8, 16, 32, and longer.
-constexpr std::size_t kSizes = 5;
+/// Strokes of how many patches share a rate: up to 4, 8, 16, 32, 64, 128, and longer.
+constexpr std::size_t kSizes = 7;
 std::size_t size_class(std::size_t patches);
 
 /// θ_ext: how often strokes change. A rate is an expected number in a frame at one place where the change can
 /// happen (mcmc/sites.hpp).
 struct OperatorRates {
-  CellMap birth;                      ///< per px²
-  CellMap death;                      ///< relative to `death_by_size`, about 1
+  CellMap birth;                               ///< per px²
+  std::array<double, kSizes> birth_by_size{};  ///< shares of births, sum 1
+  CellMap death;                               ///< relative to `death_by_size`, about 1
   std::array<double, kSizes> death_by_size{};  ///< per stroke
-  double split = 0;                   ///< per inner patch of a curve
-  double merge = 0;                   ///< per pair of ends that continue each other
-  double connect = 0;                 ///< per end with another stroke near, not in line
-  double disconnect = 0;              ///< per arm of a junction, or corner
+  double split = 0;                            ///< per inner patch of a curve
+  double merge = 0;                            ///< per pair of ends that continue each other
+  double connect = 0;                          ///< per pair of strokes near each other, in no line
+  double disconnect = 0;                       ///< per arm of a junction, or corner
+  double reach = 24;                           ///< px: strokes farther apart neither merge nor connect
+  double split_gap = 10, disconnect_gap = 10;  ///< px: from end to end where a stroke came apart
   bool operator==(const OperatorRates&) const = default;
 };
 
 /// A stroke as it was seen, to be born again: its rest shape about (0, 0).
 struct Exemplar {
   graph::AttributeGraph graph;
-  graph::Point place;  ///< where it was seen, px
+  graph::Point place;    ///< where it was seen, px
+  double clearance = 0;  ///< px: how far the nearest other stroke was
   bool operator==(const Exemplar&) const = default;
 };
 
@@ -67,13 +76,15 @@ struct MotionModel {
   double fps = 25;
   int frames = 0;  ///< of the clip it was learned from
 
-  Autoregression sway;      ///< of the displacement from the rest shape, px, each coordinate alike
-  Autoregression contrast;  ///< of the logarithm of the contrast
-  CellMap drift_x, drift_y; ///< px a frame: how the rest shapes travel
+  Autoregression sway;       ///< of the displacement from the rest shape, px, each coordinate alike
+  Autoregression contrast;   ///< of the logarithm of the contrast
+  CellMap drift_x, drift_y;  ///< px a frame: how the rest shapes travel
   OperatorRates rates;
-  std::array<double, 8> appearing{}, vanishing{};  ///< share of the contrast, so many frames after birth or before death
-  std::vector<Exemplar> exemplars;  ///< of born strokes
-  graph::AttributeGraph first;      ///< rest shapes of a frame's strokes, to begin with
+  CellMap density;  ///< patches usually around each cell; births keep to it
+  std::array<double, 8> appearing{},
+      vanishing{};                  ///< share of the contrast, so many frames after birth or before death
+  std::vector<Exemplar> exemplars;  ///< strokes to be born
+  graph::AttributeGraph first;      ///< rest shapes of one frame's strokes, to begin with
 
   bool operator==(const MotionModel&) const = default;
 };

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
-#include <utility>
-#include <vector>
 
 #include "core/context.hpp"
 #include "graph/motion_graph.hpp"
@@ -12,7 +11,8 @@
 
 namespace emberfold::mcmc {
 
-/// An endless clip of graphs drawn from a model, frame by frame. The same model and seed give the same graphs.
+/// An endless clip of graphs drawn from a model, frame by frame. The same model and seed give the same
+/// graphs.
 class Synthesis {
  public:
   Synthesis(const MotionModel& model, std::uint64_t seed);
@@ -20,10 +20,11 @@ class Synthesis {
   Synthesis(Synthesis&&) noexcept;
   Synthesis& operator=(Synthesis&&) noexcept;
 
-  struct Frame {
-    graph::AttributeGraph graph;  ///< ids are the patches' own, kept as long as they live
-  };
-  Frame next();
+  /// Vertex ids are the patches' own: kept from frame to frame as long as they live, never used again.
+  graph::AttributeGraph next();
+  /// How many operators were carried out in the last frame: births, deaths, splits, merges, connects,
+  /// disconnects.
+  [[nodiscard]] const std::array<int, 6>& operators() const;
 
  private:
   struct State;
@@ -35,10 +36,7 @@ struct SynthesisResult {
   core::Status status = core::Status::done;
 };
 /// `frames` ≥ 1 frames.
-SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed, const core::Context& context = {});
-
-/// The graph expected one frame after `frame`, which is at least the second: every patch goes on by its AR
-/// from where it is in frames `frame` − 1 and `frame`, nothing is born or dies.
-graph::AttributeGraph predict(const MotionModel& model, const graph::MotionGraph& motion, int frame);
+SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed,
+                           const core::Context& context = {});
 
 }  // namespace emberfold::mcmc

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/exemplars.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "mcmc/rates.hpp"
+
+namespace emberfold::mcmc {
+
+namespace {
+
+using graph::AttributeGraph;
+using graph::Point;
+using Index = std::uint32_t;
+
+constexpr double far_away = 1000;   // px, from a stroke that is alone
+constexpr std::size_t enough = 12;  // exemplars of a size
+
+// A stroke of a frame, by the index of one of its vertices' component.
+struct Seen {
+  std::uint32_t frame = 0, part = 0;
+};
+
+Exemplar exemplar(const AttributeGraph& rest, const std::vector<Index>& indices) {
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  const Point place = middle(rest, indices);
+  const auto number = [&](Index v) {
+    return graph::VertexId{static_cast<Index>(std::ranges::lower_bound(indices, v) - indices.begin())};
+  };
+  for (const Index v : indices) {
+    graph::Patch patch = rest.patch(v);
+    patch.position = patch.position - place;
+    vertices.push_back({number(v), {}, patch});
+    for (const Index w : rest.neighbours(v))
+      if (v < w) edges.push_back({number(v), number(w)});
+  }
+  double clearance = far_away;
+  for (Index w = 0; w < rest.size(); ++w)
+    if (!std::ranges::binary_search(indices, w))
+      for (const Index v : indices)
+        clearance = std::min(clearance, graph::distance(rest.patch(w).position, rest.patch(v).position));
+  return {AttributeGraph(std::move(vertices), std::move(edges)), place, clearance};
+}
+
+}  // namespace
+
+std::vector<std::vector<Point>> displacements(const graph::MotionGraph& motion,
+                                              const std::vector<detail::Lineage>& all, const Series& travel) {
+  const auto& frames = motion.sketch.frames;
+  std::vector<std::vector<detail::Told>> told(frames.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / double(travel[i].size());
+    for (std::size_t k = 0; k < all[i].samples.size(); ++k) {
+      const auto& sample = all[i].samples[k];
+      told[static_cast<std::size_t>(all[i].first) + k].push_back(
+          {sample.vertex, sample.normal * (travel[i][k] - mean)});
+    }
+  }
+  std::vector<std::vector<Point>> result;
+  for (std::size_t t = 0; t < frames.size(); ++t) result.push_back(detail::on_patches(frames[t], told[t]));
+  return result;
+}
+
+AttributeGraph at_rest(const AttributeGraph& graph, std::span<const Point> displacement) {
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    vertices[v].patch.position = vertices[v].patch.position - displacement[v];
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+}
+
+std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
+                                       const std::vector<std::vector<Point>>& displacement,
+                                       std::size_t most) {
+  const auto& frames = motion.sketch.frames;
+  std::array<std::vector<Seen>, kSizes> seen;
+  std::size_t all = 0;
+  for (std::uint32_t t = 0; t < frames.size(); ++t) {
+    const auto found = strokes(graph::components(frames[t]));
+    all += found.size();
+    for (std::uint32_t part = 0; part < found.size(); ++part)
+      seen[size_class(found[part].size())].push_back({t, part});
+  }
+  std::vector<Exemplar> result;
+  for (const auto& of_size : seen) {
+    const std::size_t share = all > 0 ? most * of_size.size() / all : 0;
+    const std::size_t wanted = std::min(of_size.size(), std::max(share, enough));
+    for (std::size_t i = 0; i < wanted; ++i) {
+      const Seen one = of_size[i * of_size.size() / wanted];
+      const auto rest = at_rest(frames[one.frame], displacement[one.frame]);
+      result.push_back(exemplar(rest, strokes(graph::components(rest))[one.part]));
+    }
+  }
+  return result;
+}
+
+std::array<double, kSizes> born_sizes(const graph::MotionGraph& motion,
+                                      std::span<const graph::Event> events) {
+  // Of each stroke how large it is in its frames, in order.
+  std::map<graph::SubgraphId, std::vector<std::size_t>> sizes;
+  for (const auto& graph : motion.sketch.frames) {
+    std::map<graph::SubgraphId, std::size_t> now;
+    for (const auto& vertex : graph.vertices()) ++now[vertex.subgraph];
+    for (const auto& [stroke, size] : now) sizes[stroke].push_back(size);
+  }
+  std::array<double, kSizes> births{};
+  for (const auto& event : events) {
+    if (event.type != graph::EventType::birth) continue;
+    const auto& life = sizes.at(event.after.at(0));
+    ++births[size_class(life[life.size() / 2])];
+  }
+  return births;
+}
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "graph/events.hpp"
+#include "graph/motion_graph.hpp"
+#include "mcmc/lineages.hpp"
+#include "mcmc/moments.hpp"
+#include "mcmc/motion_model.hpp"
+
+namespace emberfold::mcmc {
+
+/// Of each patch of each frame the displacement from rest, px: that of the lineages at it, smoothed along the
+/// curves. `travel`: each lineage's travel, less what it drifts.
+std::vector<std::vector<graph::Point>> displacements(const graph::MotionGraph& motion,
+                                                     const std::vector<detail::Lineage>& lineages,
+                                                     const Series& travel);
+
+/// The frame's graph with every patch at rest.
+graph::AttributeGraph at_rest(const graph::AttributeGraph& graph, std::span<const graph::Point> displacement);
+
+/// Strokes to be born: of each size a sample, evenly spread over the clip, of all strokes of all frames, so
+/// that what is born is like what is there; about `most` in all, of each size as many as its share, and some
+/// at least. At rest.
+std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
+                                       const std::vector<std::vector<graph::Point>>& displacement,
+                                       std::size_t most);
+
+/// How many strokes of each size were born, as large as they were half way through their lives.
+std::array<double, kSizes> born_sizes(const graph::MotionGraph& motion, std::span<const graph::Event> events);
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/motion_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <string>
+
+#include "core/error.hpp"
+
+namespace emberfold::mcmc {
+
+namespace {
+
+// The larger root of z² = a1 z + a2.
+double radius(double a1, double a2) {
+  const std::complex<double> root = std::sqrt(std::complex<double>(a1 * a1 + 4 * a2, 0));
+  return std::max(std::abs(a1 + root), std::abs(a1 - root)) / 2;
+}
+
+[[noreturn]] void refuse(const std::string& part, const std::string& why) {
+  throw core::InputError("motion model: " + part + " " + why);
+}
+
+void check(bool holds, const std::string& part, const std::string& why) {
+  if (!holds) refuse(part, why);
+}
+
+void check(const Autoregression& m, const std::string& part) {
+  for (const double value : {m.a1, m.a2, m.coupling, m.noise, m.correlation, m.measurement})
+    check(std::isfinite(value), part, "holds a number that is not finite");
+  check(m.coupling >= 0 && m.coupling <= 1, part, "has a coupling outside 0…1");
+  check(m.noise >= 0 && m.measurement >= 0, part, "has a negative deviation");
+  check(m.correlation >= 0 && m.correlation < 1, part, "has a correlation outside [0, 1)");
+  const double r = spectral_radius(m);
+  check(r < 1, part, "is not stable: spectral radius " + std::to_string(r) + ", allowed is below 1");
+}
+
+void check(const CellMap& map, const MotionModel& model, const std::string& part, double least) {
+  check(map.cell >= 1 && map.cell <= 65536, part, "has cells outside 1…65536 px");
+  const auto cells = [&](int size) { return static_cast<int>(std::ceil(size / map.cell)); };
+  check(map.columns == cells(model.width) && map.rows == cells(model.height), part,
+        "does not cover the frame with its " + std::to_string(map.columns) + " x " +
+            std::to_string(map.rows) + " cells");
+  check(map.values.size() == static_cast<std::size_t>(map.columns) * static_cast<std::size_t>(map.rows), part,
+        "has " + std::to_string(map.values.size()) + " values for " + std::to_string(map.columns) + " x " +
+            std::to_string(map.rows) + " cells");
+  for (const double value : map.values)
+    check(std::isfinite(value) && value >= least && value <= 1e6, part,
+          "holds " + std::to_string(value) + ", which is out of range");
+}
+
+void check_share(double value, const std::string& part) {
+  check(value >= 0 && value <= 1, part, "is " + std::to_string(value) + "; allowed is 0…1");
+}
+
+}  // namespace
+
+double spectral_radius(const Autoregression& m) {
+  // n̄ − d multiplies a deviation by something between −2 and 0, whatever the graph.
+  double largest = 0;
+  for (int step = 0; step <= 8; ++step)
+    largest = std::max(largest, radius(m.a1 - m.coupling * step / 4.0, m.a2));
+  return largest;
+}
+
+Stationary stationary(const Autoregression& m) {
+  if (!(spectral_radius(m) < 1))
+    throw core::InputError("a motion that is not stable has no stationary state");
+  // Along an endless curve every spatial frequency is an AR(2) of its own.
+  constexpr int steps = 256;
+  double variance = 0, beside = 0;
+  for (int i = 0; i < steps; ++i) {
+    const double cosine = std::cos(std::numbers::pi * (i + 0.5) / steps);
+    const double a = m.a1 - m.coupling * (1 - cosine), b = m.a2;
+    const double force = (1 - m.correlation * m.correlation) /
+                         (1 + m.correlation * m.correlation - 2 * m.correlation * cosine);
+    const double power = force * (1 - b) / ((1 + b) * ((1 - b) * (1 - b) - a * a));
+    variance += power / steps;
+    beside += power * cosine / steps;
+  }
+  return {m.noise * std::sqrt(variance), variance > 0 ? beside / variance : 0};
+}
+
+std::size_t CellMap::index(graph::Point p) const {
+  const auto place = [&](double x, int count) {
+    return static_cast<std::size_t>(std::clamp(std::floor((x + 0.5) / cell), 0.0, count - 1.0));
+  };
+  return place(p.y, rows) * static_cast<std::size_t>(columns) + place(p.x, columns);
+}
+
+std::size_t size_class(std::size_t patches) {
+  std::size_t size = 0;
+  for (std::size_t limit = 4; size + 1 < kSizes && patches > limit; limit *= 2) ++size;
+  return size;
+}
+
+void validate(const MotionModel& model) {
+  check(model.width >= 1 && model.width <= 65536 && model.height >= 1 && model.height <= 65536, "the frame",
+        "is " + std::to_string(model.width) + " x " + std::to_string(model.height) +
+            " px; allowed is 1…65536 each way");
+  check(model.fps > 0 && model.fps <= 1000, "fps",
+        "is " + std::to_string(model.fps) + "; allowed is (0, 1000]");
+  check(model.frames >= 2, "frames", "is " + std::to_string(model.frames) + "; at least 2");
+  check(model.sway, "sway");
+  check(model.contrast, "contrast");
+  check(model.drift_x, model, "drift_x", -1e6);
+  check(model.drift_y, model, "drift_y", -1e6);
+  check(model.rates.birth, model, "the birth map", 0);
+  check(model.rates.death, model, "the death map", 0);
+  check(model.density, model, "the density map", 0);
+  for (const double share : model.rates.birth_by_size) check_share(share, "a share of births");
+  for (const double rate : model.rates.death_by_size) check_share(rate, "a death rate");
+  check_share(model.rates.split, "the split rate");
+  check_share(model.rates.merge, "the merge rate");
+  check_share(model.rates.connect, "the connect rate");
+  check_share(model.rates.disconnect, "the disconnect rate");
+  for (const double length : {model.rates.reach, model.rates.split_gap, model.rates.disconnect_gap})
+    check(length >= 0 && length <= 1000, "a gap", "is " + std::to_string(length) + " px; allowed is 0…1000");
+  for (const double share : model.appearing) check_share(share, "appearing");
+  for (const double share : model.vanishing) check_share(share, "vanishing");
+  for (const auto& exemplar : model.exemplars) {
+    check(!exemplar.graph.empty(), "an exemplar", "is empty");
+    check(std::isfinite(exemplar.place.x) && std::isfinite(exemplar.place.y) &&
+              std::isfinite(exemplar.clearance) && exemplar.clearance >= 0,
+          "an exemplar", "has no finite place");
+  }
+}
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/operators.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mcmc/drift.hpp"
+#include "mcmc/rates.hpp"
+#include "mcmc/sites.hpp"
+
+namespace emberfold::mcmc::detail {
+
+namespace {
+
+using graph::EventType;
+using graph::Point;
+using Index = std::uint32_t;
+
+constexpr double crowd_reach = 2;      // cells
+constexpr double spacing = 5;          // px between the patches of a bridge
+constexpr double margin = 8;           // px beyond the frame where nothing is seen any more
+constexpr double likeness = 40;        // px: exemplars seen as near as this are like what is born here
+constexpr double most_clearance = 40;  // px: strokes farther apart do not keep each other away
+
+// A frame's strokes while operators are drawn for them.
+struct Scene {
+  Particles& particles;
+  const MotionModel& model;
+  core::Rng rng;
+  graph::AttributeGraph graph;
+  graph::Components parts;
+  CellMap crowd;                 ///< patches around each cell, over what is usual there
+  std::vector<bool> busy;        ///< strokes that have changed, or of which something fades
+  std::array<int, 6> done = {};  ///< how many of each operator
+
+  // What takes patches away happens more often where it is crowded ...
+  bool strike(Index vertex, double rate) {
+    return rng.uniform() < rate * crowd.at(graph.patch(vertex).position) && !busy[parts.of_vertex[vertex]];
+  }
+  // ... and what brings some, more often where it is bare.
+  bool bring(Index vertex, double rate) {
+    return rng.uniform() * crowd.at(graph.patch(vertex).position) < rate && !busy[parts.of_vertex[vertex]];
+  }
+  void take(Index vertex) { busy[parts.of_vertex[vertex]] = true; }
+  void count(graph::EventType type) { ++done[static_cast<std::size_t>(type)]; }
+  void fade(Index vertex) { particles.list[vertex].leaving = fading(); }
+  [[nodiscard]] int fading() const {
+    int frames = 0;
+    while (frames < static_cast<int>(model.vanishing.size()) &&
+           model.vanishing[static_cast<std::size_t>(frames)] < 0.9)
+      ++frames;
+    return frames;
+  }
+};
+
+void die(Scene& scene) {
+  const auto all = strokes(scene.parts);
+  std::size_t least = scene.graph.size();
+  for (const auto& exemplar : scene.model.exemplars) least = std::min(least, exemplar.graph.size());
+  for (std::size_t s = 0; s < all.size(); ++s) {
+    const double rate = scene.model.rates.death_by_size[size_class(all[s].size())] *
+                        scene.model.rates.death.at(middle(scene.graph, all[s]));
+    // What is smaller than any stroke that was seen is none.
+    if (!scene.strike(all[s][0], all[s].size() < least ? 1 : rate)) continue;
+    scene.take(all[s][0]);
+    scene.count(EventType::death);
+    for (const Index v : all[s]) scene.fade(v);
+  }
+}
+
+// The patches of a curve from `from` on, away from `behind`, up to `most` and not its end; whether that was
+// reached, and is a free one.
+struct Run {
+  std::vector<Index> patches;
+  bool ended = false, free = false;
+};
+Run run(const graph::AttributeGraph& graph, Index behind, Index from, std::size_t most) {
+  Run result;
+  while (result.patches.size() < most && graph.degree(from) == 2) {
+    result.patches.push_back(from);
+    const auto sides = graph.neighbours(from);
+    const Index next = sides[0] == behind ? sides[1] : sides[0];
+    behind = from, from = next;
+  }
+  result.ended = graph.degree(from) != 2;
+  result.free = graph.degree(from) == 1;
+  return result;
+}
+
+// Lets up to `wide` patches of the run go, at least one, and leaves a piece to a free end.
+void open_gap(Scene& scene, const Run& arm, std::size_t wide) {
+  const std::size_t kept = arm.free ? kPiece - 1 : 0, there = arm.patches.size();
+  const std::size_t most = there > kept ? there - kept : 1;
+  for (std::size_t i = 0; i < std::min({wide, most, there}); ++i) scene.fade(arm.patches[i]);
+}
+
+std::size_t patches_of(double gap) {
+  return static_cast<std::size_t>(std::max(1.0, std::round(gap / spacing) - 1));
+}
+
+void split(Scene& scene, const Sites& found) {
+  const auto wide = patches_of(scene.model.rates.split_gap);
+  for (const Index v : found.inner) {
+    if (!scene.strike(v, scene.model.rates.split)) continue;
+    scene.take(v);
+    scene.count(EventType::split);
+    scene.fade(v);
+    const auto sides = scene.graph.neighbours(v);
+    if (wide > 1) open_gap(scene, run(scene.graph, v, sides[1], wide / 2 + kPiece), wide / 2);
+    if (wide > 2) open_gap(scene, run(scene.graph, v, sides[0], wide / 2 + kPiece), (wide - 1) / 2);
+  }
+}
+
+void come_apart(Scene& scene, const Sites& found) {
+  const auto wide = patches_of(scene.model.rates.disconnect_gap);
+  for (const auto& [hub, first] : found.arms) {
+    if (!scene.strike(hub, scene.model.rates.disconnect)) continue;
+    scene.take(hub);
+    scene.count(EventType::disconnect);
+    const Run arm = run(scene.graph, hub, first, 2 * wide + kPiece);
+    // A bridge goes as a whole where it is not much longer than usual; one without patches takes its far end.
+    if (arm.patches.empty())
+      scene.fade(first);
+    else
+      open_gap(scene, arm,
+               arm.ended && !arm.free && arm.patches.size() <= 2 * wide ? arm.patches.size() : wide);
+  }
+}
+
+Particle between(const Particle& a, const Particle& b, double u) {
+  const auto mix = [&](double p, double q) { return p + u * (q - p); };
+  const auto mix_points = [&](Point p, Point q) { return p + (q - p) * u; };
+  Particle result;
+  result.rest = a.rest;
+  result.rest.position = mix_points(a.rest.position, b.rest.position);
+  const Point chord = b.rest.position - a.rest.position;
+  const Point along{std::cos(a.rest.theta), std::sin(a.rest.theta)};
+  // Left and right are those of the end it sets out from.
+  const double sense = graph::dot(chord, along) < 0 ? -1 : 1;
+  result.rest.theta = std::atan2(sense * chord.y, sense * chord.x);
+  result.rest.width = mix(a.rest.width, b.rest.width);
+  result.rest.blur = mix(a.rest.blur, b.rest.blur);
+  result.rest.contrast = mix(a.rest.contrast, b.rest.contrast);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto levels = [&](float p, float q) { return static_cast<float>(mix(double(p), double(q))); };
+    result.rest.left[c] = levels(a.rest.left[c], b.rest.left[c]);
+    result.rest.middle[c] = levels(a.rest.middle[c], b.rest.middle[c]);
+    result.rest.right[c] = levels(a.rest.right[c], b.rest.right[c]);
+  }
+  result.offset = mix_points(a.offset, b.offset);
+  result.offset_before = mix_points(a.offset_before, b.offset_before);
+  result.gain = mix(a.gain, b.gain), result.gain_before = mix(a.gain_before, b.gain_before);
+  return result;
+}
+
+void bridge(Scene& scene, Index a, Index b) {
+  Particles& p = scene.particles;
+  const Particle from = p.list[a], to = p.list[b];
+  const int patches = std::max(
+      0, static_cast<int>(std::lround(graph::distance(from.position(), to.position()) / spacing)) - 1);
+  Index last = a;
+  for (int i = 1; i <= patches; ++i) {
+    const Index next = p.add(between(from, to, i / (patches + 1.0)));
+    p.edges.emplace_back(last, next);
+    last = next;
+  }
+  p.edges.emplace_back(last, b);
+}
+
+void unite(Scene& scene, const std::vector<Sites::Pair>& pairs, double rate, EventType type) {
+  for (const auto& [a, b] : pairs) {
+    if (!scene.bring(a, rate) || scene.busy[scene.parts.of_vertex[b]]) continue;
+    scene.take(a);
+    scene.take(b);
+    scene.count(type);
+    bridge(scene, a, b);
+  }
+}
+
+// How many patches lie around each cell, over the usual number; 1/2 to 2.
+CellMap crowding(const graph::AttributeGraph& graph, const CellMap& usual) {
+  CellMap now = usual;
+  std::ranges::fill(now.values, 0.0);
+  for (const auto& vertex : graph.vertices()) ++now.values[now.index(vertex.patch.position)];
+  now.values = spread(now, crowd_reach);
+  double mean = 0;
+  for (const double value : usual.values) mean += value / static_cast<double>(usual.values.size());
+  for (std::size_t c = 0; c < now.values.size(); ++c)
+    now.values[c] =
+        mean > 0 ? std::clamp((now.values[c] + 0.1 * mean) / (usual.values[c] + 0.1 * mean), 0.5, 2.0) : 1;
+  return now;
+}
+
+// A place by the birth map.
+Point draw_place(const CellMap& map, core::Rng& rng) {
+  const auto cell = rng.categorical(map.values);
+  const auto columns = static_cast<std::size_t>(map.columns);
+  return {(static_cast<double>(cell % columns) + rng.uniform()) * map.cell - 0.5,
+          (static_cast<double>(cell / columns) + rng.uniform()) * map.cell - 0.5};
+}
+
+// One of the exemplars of a size, rather one that was seen near the place.
+const Exemplar& draw_exemplar(Scene& scene, Point place) {
+  const auto& model = scene.model;
+  const auto size = scene.rng.categorical(model.rates.birth_by_size);
+  std::vector<double> weights;
+  for (const auto& exemplar : model.exemplars) {
+    const double away = graph::distance(exemplar.place, place) / likeness;
+    weights.push_back(size_class(exemplar.graph.size()) == size ? std::exp(-0.5 * away * away) + 1e-6 : 0);
+  }
+  return model.exemplars[scene.rng.categorical(weights)];
+}
+
+int poisson(double mean, core::Rng& rng) {
+  const double limit = std::exp(-mean);
+  int count = 0;
+  for (double product = rng.uniform(); product > limit && count < 1000; product *= rng.uniform()) ++count;
+  return count;
+}
+
+// px from where a stroke would lie to what is there; at most `enough`.
+double clearance(const Scene& scene, const graph::AttributeGraph& stroke, Point place, double enough) {
+  double nearest = enough * enough;
+  Point low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()},
+      high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const auto& vertex : stroke.vertices()) {
+    const Point p = vertex.patch.position + place;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  }
+  for (const auto& other : scene.graph.vertices()) {
+    const Point q = other.patch.position;
+    if (q.x < low.x - enough || q.y < low.y - enough || q.x > high.x + enough || q.y > high.y + enough)
+      continue;
+    for (const auto& vertex : stroke.vertices()) {
+      const Point apart = vertex.patch.position + place - q;
+      nearest = std::min(nearest, graph::dot(apart, apart));
+    }
+  }
+  return std::sqrt(nearest);
+}
+
+// A place for one of the exemplars: as much by itself as it was seen, or as nearly so as some tries allow.
+struct Cradle {
+  const Exemplar* exemplar = nullptr;
+  Point place;
+};
+Cradle find_cradle(Scene& scene) {
+  Cradle best;
+  double most_free = -1;
+  for (int tries = 0; tries < 20 && most_free < 1; ++tries) {
+    const Point place = draw_place(scene.model.rates.birth, scene.rng);
+    const double crowded = scene.crowd.at(place);
+    if (best.exemplar && scene.rng.uniform() * crowded * crowded > 1) continue;
+    const Exemplar& exemplar = draw_exemplar(scene, place);
+    const double asked = std::clamp(exemplar.clearance, 1.0, most_clearance);
+    const double free = clearance(scene, exemplar.graph, place, asked) / asked;
+    if (free > most_free) best = {&exemplar, place}, most_free = free;
+  }
+  return best;
+}
+
+void give_birth(Scene& scene, std::uint64_t seed) {
+  const auto& model = scene.model;
+  if (model.exemplars.empty()) return;
+  double births = 0, usual = 0, crowded = 0;
+  for (std::size_t c = 0; c < model.density.values.size(); ++c) {
+    births += model.rates.birth.values[c] * model.rates.birth.cell * model.rates.birth.cell;
+    usual += model.density.values[c];
+    crowded += model.density.values[c] * scene.crowd.values[c];
+  }
+  // Fewer than usual are there: more are born.
+  if (crowded > 0) births *= usual * usual / (crowded * crowded);
+  for (int left = births > 0 ? poisson(births, scene.rng) : 0; left > 0; --left) {
+    const Cradle cradle = find_cradle(scene);
+    scene.count(EventType::birth);
+    add_settled(scene.particles, cradle.exemplar->graph, cradle.place, 0, model, seed);
+  }
+}
+
+}  // namespace
+
+std::array<int, 6> operate(Particles& particles, const MotionModel& model, std::uint64_t seed,
+                           std::uint32_t frame) {
+  auto shown = shape(particles);
+  auto parts = graph::components(shown);
+  CellMap crowd = crowding(shown, model.density);
+  Scene scene{particles,
+              model,
+              core::Rng(seed, {frame, 0, static_cast<std::uint32_t>(Purpose::operators)}),
+              std::move(shown),
+              std::move(parts),
+              std::move(crowd),
+              {},
+              {}};
+  scene.busy.resize(scene.parts.count);
+  for (Index v = 0; v < scene.graph.size(); ++v)
+    if (particles.list[v].leaving >= 0) scene.take(v);
+  const Sites found = sites(scene.graph, scene.parts, model.rates.reach);
+  die(scene);
+  split(scene, found);
+  come_apart(scene, found);
+  unite(scene, found.facing, model.rates.merge, EventType::merge);
+  unite(scene, found.beside, model.rates.connect, EventType::connect);
+  give_birth(scene, seed);
+  return scene.done;
+}
+
+void age(Particles& particles, const MotionModel& model) {
+  std::vector<bool> gone(particles.list.size());
+  for (std::size_t i = 0; i < gone.size(); ++i) {
+    Particle& particle = particles.list[i];
+    ++particle.age;
+    gone[i] = particle.leaving == 0;
+    if (particle.leaving > 0) --particle.leaving;
+  }
+  // A stroke goes when all of it is out of sight.
+  const auto graph = shape(particles);
+  for (const auto& stroke : strokes(graph::components(graph))) {
+    const bool out = std::ranges::all_of(stroke, [&](Index v) {
+      const Point p = graph.patch(v).position;
+      return p.x < -margin || p.y < -margin || p.x > model.width - 1 + margin ||
+             p.y > model.height - 1 + margin;
+    });
+    for (const Index v : stroke) gone[v] = gone[v] || out;
+  }
+  remove(particles, gone);
+}
+
+}  // namespace emberfold::mcmc::detail

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/particles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace emberfold::mcmc::detail {
+
+namespace {
+
+using graph::Point;
+
+constexpr double forgotten = 0.02;  // share of its start that a settled motion still shows
+constexpr int longest_settling = 3000;
+
+// Neighbours by index.
+std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
+  std::vector<std::vector<std::uint32_t>> result(p.list.size());
+  for (const auto& [a, b] : p.edges) {
+    result[a].push_back(b);
+    result[b].push_back(a);
+  }
+  return result;
+}
+
+struct Push {
+  double x = 0, y = 0, gain = 0;
+};
+
+Push fresh(std::uint64_t seed, Purpose purpose, std::uint32_t id, std::uint32_t step) {
+  core::Rng rng(seed, {id, step, static_cast<std::uint32_t>(purpose)});
+  Push push;
+  push.x = rng.normal(), push.y = rng.normal(), push.gain = rng.normal();
+  return push;
+}
+
+Push blend(const Push& parent, const Push& own, const MotionModel& model) {
+  const auto mix = [](double a, double b, double alike) {
+    return alike * a + std::sqrt(1 - alike * alike) * b;
+  };
+  const double sway = model.sway.correlation, gain = model.contrast.correlation;
+  return {mix(parent.x, own.x, sway), mix(parent.y, own.y, sway), mix(parent.gain, own.gain, gain)};
+}
+
+// Standard normal, correlated between neighbours: handed on from particle to particle along a spanning
+// forest.
+std::vector<Push> pushes(const Particles& p, const std::vector<std::vector<std::uint32_t>>& sides,
+                         const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
+  std::vector<Push> result(p.list.size());
+  std::vector<bool> reached(p.list.size());
+  std::vector<std::size_t> queue;
+  for (std::size_t root = 0; root < p.list.size(); ++root) {
+    if (reached[root]) continue;
+    reached[root] = true;
+    result[root] = fresh(seed, purpose, p.ids[root], step);
+    queue.assign(1, root);
+    for (std::size_t head = 0; head < queue.size(); ++head)
+      for (const auto next : sides[queue[head]]) {
+        if (reached[next]) continue;
+        reached[next] = true;
+        result[next] = blend(result[queue[head]], fresh(seed, purpose, p.ids[next], step), model);
+        queue.push_back(next);
+      }
+  }
+  return result;
+}
+
+double next_value(const Autoregression& m, double now, double before, double around, double push) {
+  return m.a1 * now + m.a2 * before + m.coupling * (around - now) + m.noise * push;
+}
+
+graph::PatchType type_of(const graph::Patch& rest, std::size_t degree) {
+  using enum graph::PatchType;
+  if (degree == 1) return terminator;
+  if (degree == 3) return rest.type == t_junction ? t_junction : y_junction;
+  if (degree > 3) return crossing;
+  if (degree == 2 && rest.type == corner) return corner;
+  if (graph::on_step(rest)) return step;
+  return rest.contrast < 0 ? valley : ridge;
+}
+
+// How far the particle's surroundings have turned from rest.
+double turned(const Particles& p, const std::vector<std::uint32_t>& sides, std::size_t i) {
+  const Particle& me = p.list[i];
+  const Point along{std::cos(me.rest.theta), std::sin(me.rest.theta)};
+  Point at_rest, now;
+  for (const auto j : sides) {
+    const Point chord = p.list[j].rest.position - me.rest.position;
+    const double sense = graph::dot(chord, along) < 0 ? -1 : 1;
+    at_rest = at_rest + chord * sense;
+    now = now + (p.list[j].position() - me.position()) * sense;
+  }
+  return std::atan2(at_rest.x * now.y - at_rest.y * now.x, graph::dot(at_rest, now));
+}
+
+double share_shown(const Particle& particle, const MotionModel& model) {
+  const auto within = [](const auto& shares, int i) {
+    return i >= 0 && i < static_cast<int>(shares.size()) ? shares[static_cast<std::size_t>(i)] : 1.0;
+  };
+  return std::min(within(model.appearing, particle.age), within(model.vanishing, particle.leaving));
+}
+
+// The patch with `factor` times its contrast: a line's core comes nearer to its sides, a step's sides to each
+// other.
+void scale_contrast(graph::Patch& patch, double factor) {
+  patch.contrast *= factor;
+  const auto f = static_cast<float>(factor);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float mean = (patch.left[c] + patch.right[c]) / 2;
+    if (graph::on_step(patch)) {
+      patch.left[c] = mean + f * (patch.left[c] - mean);
+      patch.right[c] = mean + f * (patch.right[c] - mean);
+      patch.middle[c] = mean;
+    } else {
+      patch.middle[c] = mean + f * (patch.middle[c] - mean);
+    }
+  }
+}
+
+graph::AttributeGraph make_graph(const Particles& p, const MotionModel* model) {
+  const auto sides = neighbours(p);
+  std::vector<graph::Vertex> vertices(p.list.size());
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    const Particle& particle = p.list[i];
+    graph::Patch patch = particle.rest;
+    patch.position = particle.position();
+    patch.type = type_of(patch, sides[i].size());
+    patch.theta = std::remainder(patch.theta + turned(p, sides[i], i), 2 * std::numbers::pi);
+    if (model) scale_contrast(patch, std::exp(particle.gain) * share_shown(particle, *model));
+    vertices[i] = {{p.ids[i]}, {}, patch};
+  }
+  std::vector<graph::Edge> edges;
+  edges.reserve(p.edges.size());
+  for (const auto& [a, b] : p.edges) edges.push_back({{p.ids[a]}, {p.ids[b]}});
+  return {std::move(vertices), std::move(edges)};
+}
+
+}  // namespace
+
+std::uint32_t Particles::add(const Particle& particle) {
+  ids.push_back(next_id++);
+  list.push_back(particle);
+  return static_cast<std::uint32_t>(list.size() - 1);
+}
+
+void remove(Particles& p, const std::vector<bool>& marked) {
+  std::vector<std::uint32_t> place(p.list.size());
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    if (marked[i]) continue;
+    p.ids[kept] = p.ids[i];
+    p.list[kept] = p.list[i];
+    place[i] = kept++;
+  }
+  std::erase_if(p.edges, [&](const auto& edge) { return marked[edge.first] || marked[edge.second]; });
+  for (auto& [a, b] : p.edges) a = place[a], b = place[b];
+  p.ids.resize(kept);
+  p.list.resize(kept);
+}
+
+graph::AttributeGraph shape(const Particles& particles) {
+  return make_graph(particles, nullptr);
+}
+
+graph::AttributeGraph appearance(const Particles& particles, const MotionModel& model) {
+  return make_graph(particles, &model);
+}
+
+void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
+  const auto sides = neighbours(p);
+  const auto push = pushes(p, sides, model, seed, purpose, step);
+  const std::vector<Particle> now(p.list);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const Particle& me = now[i];
+    Point offset = me.offset;
+    double gain = me.gain;
+    if (!sides[i].empty()) {
+      offset = {}, gain = 0;
+      for (const auto j : sides[i]) offset = offset + now[j].offset, gain += now[j].gain;
+      const double share = 1 / static_cast<double>(sides[i].size());
+      offset = offset * share, gain *= share;
+    }
+    Particle& next = p.list[i];
+    next.offset = {next_value(model.sway, me.offset.x, me.offset_before.x, offset.x, push[i].x),
+                   next_value(model.sway, me.offset.y, me.offset_before.y, offset.y, push[i].y)};
+    next.gain = next_value(model.contrast, me.gain, me.gain_before, gain, push[i].gain);
+    next.offset_before = me.offset, next.gain_before = me.gain;
+  }
+}
+
+void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
+  const double radius = std::max(spectral_radius(model.sway), spectral_radius(model.contrast));
+  const int steps =
+      radius > 0 ? std::clamp(static_cast<int>(std::log(forgotten) / std::log(radius)), 1, longest_settling)
+                 : 1;
+  for (int step = 0; step < steps; ++step)
+    sway(p, model, seed, Purpose::start, static_cast<std::uint32_t>(step));
+}
+
+void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, int age,
+                 const MotionModel& model, std::uint64_t seed) {
+  Particles fresh;
+  fresh.next_id = p.next_id;
+  for (const auto& vertex : graph.vertices()) {
+    Particle particle;
+    particle.rest = vertex.patch;
+    particle.rest.position = particle.rest.position + place;
+    particle.age = age;
+    fresh.add(particle);
+  }
+  const auto number = [&](graph::VertexId id) { return static_cast<std::uint32_t>(graph.index_of(id)); };
+  for (const auto& edge : graph.edges()) fresh.edges.emplace_back(number(edge.a), number(edge.b));
+  settle(fresh, model, seed);
+  const auto before = static_cast<std::uint32_t>(p.list.size());
+  for (const auto& [a, b] : fresh.edges) p.edges.emplace_back(a + before, b + before);
+  p.ids.insert(p.ids.end(), fresh.ids.begin(), fresh.ids.end());
+  p.list.insert(p.list.end(), fresh.list.begin(), fresh.list.end());
+  p.next_id = fresh.next_id;
+}
+
+}  // namespace emberfold::mcmc::detail

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "graph/motion_graph.hpp"
+#include "mcmc/motion_model.hpp"
+
+namespace emberfold::mcmc {
+
+/// For every frame the graph expected from the frames before it: the patches of the frame before, each gone
+/// on by the model's auto-regression; nothing is born and nothing dies. Where a patch's rest is, is not known
+/// but estimated from its path so far (a Kalman filter over displacement and rest). Empty for frame 0. Only
+/// the model's drift and sway are used. O(vertices).
+std::vector<graph::AttributeGraph> predict(const MotionModel& model, const graph::MotionGraph& motion);
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/rates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include "mcmc/drift.hpp"
+#include "mcmc/sites.hpp"
+
+namespace emberfold::mcmc {
+
+namespace {
+
+using graph::EventType;
+using graph::Point;
+
+double total(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+constexpr double least_reach = 10, most_reach = 60;  // px
+constexpr double doubt = 0.2;                        // events that the prior is worth
+
+// Happened over could, as if `doubt` of an event more had been seen in the time that takes on average over
+// `all`.
+double rate(const OperatorCounts::Tally& tally, const OperatorCounts::Tally& all) {
+  if (all.could <= 0 || all.happened <= 0) return 0;
+  const double mean = all.happened / all.could;
+  return std::min(1.0, (tally.happened + doubt) / (tally.could + doubt / mean));
+}
+
+void count_strokes(const graph::AttributeGraph& graph, OperatorCounts& counts,
+                   std::array<CellMap, kSizes>& by_size) {
+  const auto parts = graph::components(graph);
+  for (const auto& stroke : strokes(parts)) {
+    const auto size = size_class(stroke.size());
+    ++counts.death[size].could;
+    ++by_size[size].values[by_size[size].index(middle(graph, stroke))];
+  }
+  const Sites found = sites(graph, parts, counts.reach);
+  counts.split.could += static_cast<double>(found.inner.size());
+  counts.disconnect.could += static_cast<double>(found.arms.size());
+  counts.merge.could += static_cast<double>(found.facing.size());
+  counts.connect.could += static_cast<double>(found.beside.size());
+}
+
+std::map<graph::SubgraphId, std::size_t> stroke_sizes(const graph::AttributeGraph& graph) {
+  std::map<graph::SubgraphId, std::size_t> sizes;
+  for (const auto& vertex : graph.vertices()) ++sizes[vertex.subgraph];
+  return sizes;
+}
+
+void count_events(const graph::MotionGraph& motion, std::span<const graph::Event> events,
+                  OperatorCounts& counts) {
+  const CellMap grid = grid_over(motion.sketch.width, motion.sketch.height);
+  counts.births.assign(motion.sketch.frames.size() - 1, grid);
+  counts.deaths = counts.births;
+  for (std::size_t i = 0; i < events.size();) {
+    const int frame = events[i].frame;
+    const auto sizes = stroke_sizes(motion.sketch.frames[static_cast<std::size_t>(frame) - 1]);
+    const auto gap = static_cast<std::size_t>(frame) - 1;
+    for (; i < events.size() && events[i].frame == frame; ++i) {
+      const auto& event = events[i];
+      ++counts.events[static_cast<std::size_t>(event.type)];
+      switch (event.type) {
+        case EventType::birth:
+          ++counts.births[gap].values[grid.index(event.position)];
+          break;
+        case EventType::death:
+          ++counts.deaths[gap].values[grid.index(event.position)];
+          if (const auto found = sizes.find(event.before.at(0)); found != sizes.end())
+            ++counts.death[size_class(found->second)].happened;
+          break;
+        case EventType::split:
+          ++counts.split.happened;
+          break;
+        case EventType::merge:
+          ++counts.merge.happened;
+          break;
+        case EventType::connect:
+          ++counts.connect.happened;
+          break;
+        case EventType::disconnect:
+          ++counts.disconnect.happened;
+          break;
+      }
+    }
+  }
+}
+
+// px between the nearest patches of two strokes of a frame.
+double gap_between(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b) {
+  std::vector<Point> one, other;
+  for (const auto& v : graph.vertices()) {
+    if (v.subgraph == a) one.push_back(v.patch.position);
+    if (v.subgraph == b) other.push_back(v.patch.position);
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Point p : one)
+    for (const Point q : other) nearest = std::min(nearest, graph::dot(p - q, p - q));
+  return std::sqrt(nearest);
+}
+
+double quantile(std::vector<double> values, double share, double otherwise) {
+  if (values.empty()) return otherwise;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, values.begin() + at);
+  return values[static_cast<std::size_t>(at)];
+}
+
+// How wide the gaps are that close and open.
+void measure_gaps(const graph::MotionGraph& motion, std::span<const graph::Event> events,
+                  OperatorCounts& counts) {
+  std::vector<double> unions, splits, disconnects;
+  for (const auto& event : events) {
+    const auto& frames = motion.sketch.frames;
+    const auto t = static_cast<std::size_t>(event.frame);
+    if (event.before.size() == 2)
+      unions.push_back(gap_between(frames[t - 1], event.before[0], event.before[1]));
+    if (event.after.size() == 2)
+      (event.type == EventType::split ? splits : disconnects)
+          .push_back(gap_between(frames[t], event.after[0], event.after[1]));
+  }
+  counts.reach = std::clamp(quantile(unions, 0.9, counts.reach), least_reach, most_reach);
+  counts.split_gap = std::min(quantile(splits, 0.5, counts.split_gap), most_reach);
+  counts.disconnect_gap = std::min(quantile(disconnects, 0.5, counts.disconnect_gap), most_reach);
+}
+
+CellMap sum(const std::vector<CellMap>& maps) {
+  CellMap result = maps.at(0);
+  for (std::size_t i = 1; i < maps.size(); ++i)
+    for (std::size_t c = 0; c < result.values.size(); ++c) result.values[c] += maps[i].values[c];
+  return result;
+}
+
+// Σ K n under a Gaussian K of peak 1: what happened around each cell.
+std::vector<double> around(const CellMap& map, double sigma) {
+  auto sums = spread(map, sigma);
+  const double cells = std::max(1.0, 2 * std::numbers::pi * sigma * sigma);
+  for (double& s : sums) s *= cells;
+  return sums;
+}
+
+// (1 + Σ K n) / (1 + Σ K e): events as a multiple of those expected, drawn towards 1 as if by one event.
+std::vector<double> relative(const CellMap& happened, const CellMap& expected, double sigma) {
+  auto n = around(happened, sigma);
+  const auto e = around(expected, sigma);
+  for (std::size_t c = 0; c < n.size(); ++c) n[c] = (1 + n[c]) / (1 + e[c]);
+  return n;
+}
+
+// Log-likelihood of each gap's events under the map made of the others'.
+double left_out(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected, double sigma) {
+  double sum = 0;
+  CellMap others = all, expected_others = expected;
+  const double share = 1 - 1 / static_cast<double>(gaps.size());
+  for (double& e : expected_others.values) e *= share;
+  const auto e = around(expected_others, sigma);
+  const auto n_all = around(all, sigma);
+  for (const auto& gap : gaps) {
+    if (total(gap.values) <= 0) continue;
+    const auto mine = around(gap, sigma);
+    for (std::size_t c = 0; c < gap.values.size(); ++c)
+      if (gap.values[c] > 0 && expected.values[c] > 0)
+        sum += gap.values[c] *
+               std::log((1 + std::max(0.0, n_all[c] - mine[c])) / (1 + e[c]) * expected.values[c]);
+  }
+  // The expected number in a gap: the same for all of them.
+  const auto map = relative(all, expected, sigma);
+  for (std::size_t c = 0; c < map.size(); ++c) sum -= map[c] * expected.values[c];
+  return sum;
+}
+
+CellMap relative_map(const std::vector<CellMap>& gaps, const CellMap& expected) {
+  const CellMap all = sum(gaps);
+  CellMap best = expected;
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const double sigma : {0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 16.0}) {
+    const double likely = left_out(gaps, all, expected, sigma);
+    if (!(likely > highest)) continue;
+    highest = likely;
+    best.values = relative(all, expected, sigma);
+  }
+  if (highest == -std::numeric_limits<double>::infinity()) std::ranges::fill(best.values, 1.0);
+  return best;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint32_t>> strokes(const graph::Components& parts) {
+  std::vector<std::vector<std::uint32_t>> result(parts.count);
+  for (std::uint32_t v = 0; v < parts.of_vertex.size(); ++v) result[parts.of_vertex[v]].push_back(v);
+  return result;
+}
+
+Point middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke) {
+  Point mean;
+  for (const auto v : stroke) mean = mean + graph.patch(v).position;
+  mean = mean * (1.0 / static_cast<double>(stroke.size()));
+  const auto nearest = std::ranges::min_element(
+      stroke, {}, [&](std::uint32_t v) { return graph::distance(graph.patch(v).position, mean); });
+  return graph.patch(*nearest).position;
+}
+
+OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const graph::Event> events) {
+  OperatorCounts counts;
+  const auto& frames = motion.sketch.frames;
+  counts.gaps = static_cast<double>(frames.size()) - 1;
+  measure_gaps(motion, events, counts);
+  std::array<CellMap, kSizes> by_size;
+  by_size.fill(grid_over(motion.sketch.width, motion.sketch.height));
+  for (std::size_t t = 0; t + 1 < frames.size(); ++t) count_strokes(frames[t], counts, by_size);
+  count_events(motion, events, counts);
+  OperatorCounts::Tally all;
+  for (const auto& tally : counts.death) all += tally;
+  counts.strokes = grid_over(motion.sketch.width, motion.sketch.height);
+  for (std::size_t s = 0; s < kSizes; ++s)
+    for (std::size_t c = 0; c < counts.strokes.values.size(); ++c)
+      counts.strokes.values[c] += by_size[s].values[c] * rate(counts.death[s], all);
+  return counts;
+}
+
+RateEstimate estimate_rates(const OperatorCounts& counts) {
+  RateEstimate result;
+  OperatorRates& rates = result.rates;
+  OperatorCounts::Tally deaths;
+  for (const auto& tally : counts.death) deaths += tally;
+  for (std::size_t s = 0; s < kSizes; ++s) rates.death_by_size[s] = rate(counts.death[s], deaths);
+  rates.death = relative_map(counts.deaths, counts.strokes);
+
+  const double births = total(sum(counts.births).values);
+  const CellMap& grid = counts.strokes;
+  CellMap expected = grid;
+  std::ranges::fill(expected.values, births / static_cast<double>(grid.values.size()));
+  rates.birth = relative_map(counts.births, expected);
+  const double mass = total(rates.birth.values) * grid.cell * grid.cell;
+  for (double& value : rates.birth.values) value *= births / counts.gaps / mass;
+
+  rates.split = rate(counts.split, counts.split);
+  rates.merge = rate(counts.merge, counts.merge);
+  rates.connect = rate(counts.connect, counts.connect);
+  rates.disconnect = rate(counts.disconnect, counts.disconnect);
+  rates.reach = counts.reach, rates.split_gap = counts.split_gap;
+  rates.disconnect_gap = counts.disconnect_gap;
+  if (births + deaths.happened < 10)
+    result.notes.push_back("only " + std::to_string(static_cast<int>(births)) + " births and " +
+                           std::to_string(static_cast<int>(deaths.happened)) +
+                           " deaths: their rates are hardly known");
+  return result;
+}
+
+}  // namespace emberfold::mcmc
