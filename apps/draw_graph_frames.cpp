@@ -26,6 +26,16 @@ cv::Mat draw_frame(const graph::AttributeGraph& graph, cv::Size size, int channe
   return core::to_bytes(draw_around(part, cv::Scalar::all(static_cast<double>(empty_level)), options).levels);
 }
 
+std::vector<cv::Mat> draw_batch(std::span<const graph::AttributeGraph> graphs, const FrameLook& look,
+                                const core::Context& context) {
+  std::vector<cv::Mat> frames(graphs.size());
+  const auto status = core::parallel_for(graphs.size(), context, [&](std::size_t i) {
+    frames[i] = draw_frame(graphs[i], look.size, look.channels, look.empty_level, look.fill);
+  });
+  if (status == core::Status::cancelled) throw Interrupted{};
+  return frames;
+}
+
 void draw_frames(int count, const FrameLook& look, std::string_view stage, const core::Context& context,
                  const std::function<graph::AttributeGraph(int)>& graph,
                  const std::function<void(int, const cv::Mat&)>& take) {
@@ -38,11 +48,7 @@ void draw_frames(int count, const FrameLook& look, std::string_view stage, const
       if (context.cancelled()) throw Interrupted{};
       graphs.push_back(graph(t));
     }
-    std::vector<cv::Mat> frames(graphs.size());
-    const auto status = core::parallel_for(graphs.size(), context, [&](std::size_t i) {
-      frames[i] = draw_frame(graphs[i], look.size, look.channels, look.empty_level, look.fill);
-    });
-    if (status == core::Status::cancelled) throw Interrupted{};
+    const auto frames = draw_batch(graphs, look, context);
     for (std::size_t i = 0; i < frames.size(); ++i) take(first + static_cast<int>(i), frames[i]);
     context.report(stage, static_cast<double>(first + static_cast<int>(frames.size())) / count);
   }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -36,6 +38,10 @@ struct FrameLook {
   float empty_level = 0;  ///< of a frame without patches, white = 255
   sketch::FillOptions fill = {};
 };
+
+/// Draws the frames of these graphs on several threads, CV_8U. Throws Interrupted.
+std::vector<cv::Mat> draw_batch(std::span<const graph::AttributeGraph> graphs, const FrameLook& look,
+                                const core::Context& context);
 
 /// Draws `count` frames: graph(t) is asked for one after the other, the frames are drawn on several threads,
 /// take(t, frame) gets them in order (CV_8U). Holds a batch, some 16 frames or 192 MB, whichever is less.

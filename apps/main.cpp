@@ -18,6 +18,18 @@ using namespace emberfold;
 
 enum Exit { kDone = 0, kFailed = 1, kMisuse = 2, kInterrupted = 130 };
 
+// "emberfold dytex learn"
+std::string full_name(const CLI::App* app) {
+  const auto* parent = app->get_parent();
+  return parent == nullptr ? app->get_name() : full_name(parent) + " " + app->get_name();
+}
+
+// The command that was named, down to the last subcommand.
+const CLI::App& named_command(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? app : named_command(*chosen.front());
+}
+
 // Help that opens with what a command is for and examples of it.
 class HelpFormatter : public CLI::Formatter {
  public:
@@ -33,7 +45,7 @@ class HelpFormatter : public CLI::Formatter {
     return app->get_description() + "\n" + (examples.empty() ? "" : "\nExamples:\n" + examples + "\n") + "\n";
   }
   std::string make_usage(const CLI::App* app, std::string name) const override {
-    if (app->get_parent() != nullptr) name = "emberfold " + app->get_name();
+    if (app->get_parent() != nullptr) name = full_name(app);
     return CLI::Formatter::make_usage(app, name);
   }
   std::string make_footer(const CLI::App*) const override { return {}; }
@@ -70,8 +82,8 @@ std::string command_line(int count, char** words) {
 
 // One line that says what is wrong with the command line, and what may have been meant.
 std::string misuse_message(const CLI::App& app, const CLI::ParseError& error) {
-  const auto chosen = app.get_subcommands();
-  const CLI::App& where = chosen.empty() ? app : *chosen.front();
+  const CLI::App& where = named_command(app);
+  const auto commands = where.get_subcommands([](const CLI::App*) { return true; });
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what();
   const auto extras = where.remaining(true);
   const std::string word = extras.empty() ? "" : extras.front();
@@ -80,13 +92,12 @@ std::string misuse_message(const CLI::App& app, const CLI::ParseError& error) {
   if (is_option) {
     for (const auto* option : where.get_options())
       for (const auto& name : option->get_lnames()) known.push_back("--" + name);
-  } else if (chosen.empty()) {
-    for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
-      known.push_back(command->get_name());
+  } else {
+    for (const auto* command : commands) known.push_back(command->get_name());
   }
-  const std::string what = is_option        ? "unknown option "
-                           : chosen.empty() ? "unknown command "
-                                            : "one argument too many: ";
+  const std::string what = is_option          ? "unknown option "
+                           : commands.empty() ? "one argument too many: "
+                                              : "unknown command ";
   const std::string nearest = apps::nearest_word(word.substr(0, word.find('=')), known);
   return what + word + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
 }
@@ -129,6 +140,8 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   apps::add_score(app, chosen);
   apps::add_synth(app, chosen);
   apps::add_demo(app, chosen);
+  apps::add_dytex(app, chosen);
+  apps::add_compare(app, chosen);
   for (auto* command : app.get_subcommands([](CLI::App*) { return true; })) command->group("Commands");
   try {
     app.parse(count, words);
@@ -138,7 +151,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
     throw apps::Misuse(misuse_message(app, error));
   }
   if (!chosen.run) {
-    std::cout << app.help() << std::flush;
+    std::cout << named_command(app).help() << std::flush;
     return kDone;
   }
   console.set_quiet(chosen.common.quiet);

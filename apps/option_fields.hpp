@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "apps/clip_reader.hpp"
+#include "dytex/learn.hpp"
 #include "graph/match.hpp"
 #include "graph/score.hpp"
 #include "sketch/extract.hpp"
@@ -49,6 +50,13 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("tolerance", o.tolerance, "LEVELS",
         "The fill's solver stops at this estimated largest error (grey levels)");
   visit("max_iterations", o.max_iterations, "N", "... or after so many rounds");
+}
+
+// Energy, which may be none, is described by the command itself.
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, dytex::LearnOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("components", o.components, "N", "Order: how many components");
 }
 
 template <class Options, class Visit>

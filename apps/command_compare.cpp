@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/command_line.hpp"
+#include "apps/comparison.hpp"
+#include "apps/summary.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Compare {
+  Reading reading;
+  std::string other, output;
+  CompareOptions options;
+};
+
+Json options_of(const Compare& asked, const ReadOptions& read) {
+  Json options = {{"reading", reading_json(read)}};
+  if (!asked.other.empty()) return options;
+  options["sketch"] = options_json(asked.options.sketch);
+  options["match"] = options_json(asked.options.match);
+  options["fill"] = options_json(asked.options.fill);
+  options["learn"] = options_json(asked.options.learn);
+  return options;
+}
+
+void run_compare(const Compare& asked, Session& session) {
+  const ReadOptions read = check_reading(asked.reading, session);
+  check_options(asked.options.sketch);
+  check_options(asked.options.match);
+  check_options(asked.options.fill);
+  check_options(asked.options.learn);
+  OutputFolder output(asked.output);
+  Stages stages;
+  stages.begin("compare");
+  const auto open = [&](const std::string& name) {
+    return open_clip(name, read, [&](const std::string& text) { session.warn(text); });
+  };
+  const auto source = open(asked.reading.clip);
+  Comparison comparison;
+  if (asked.other.empty()) {
+    comparison = compare_clip(*source, asked.reading.clip, asked.options, {}, output, session);
+  } else {
+    const auto other = open(asked.other);
+    comparison = compare_clips(*source, asked.reading.clip, *other, asked.other, output, session);
+  }
+  stages.end();
+  Json summary = begin_summary("compare", session);
+  summary["options"] = options_of(asked, read);
+  summary["measures"] = comparison.measures;
+  summary["files"] = comparison.files;
+  summary["warnings"] = session.warnings;
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  session.check_stop();
+  output.commit();
+  session.print(session.common.json ? json_text(summary) : comparison_table(comparison.measures));
+  session.console.say("the measures and clips are in " + output.path().string());
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "compare", "Hold a clip against what its models foretell and draw, or against another clip");
+  command->footer(
+      "  emberfold compare flag.avi -o out/compare\n"
+      "  emberfold compare flame.mp4 -o out/compare --range 0:60 --scale 0.5\n"
+      "  emberfold compare flag.avi flag_synthesized.avi -o out/compare --json");
+  const auto asked = std::make_shared<Compare>();
+  add_reading(*command, asked->reading);
+  command->add_option("OTHER", asked->other, "Another clip to hold the first one against")->type_name("");
+  add_output(*command, asked->output);
+  add_fields(*command, asked->options.sketch, "Sketching");
+  add_fields(*command, asked->options.match, "Matching");
+  add_fields(*command, asked->options.fill, "Filling");
+  add_fields(*command, asked->options.learn, "Linear dynamic texture");
+  add_common(*command, chosen.common, "Print the content of summary.json instead of a table");
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_compare(*asked, session); }; });
+}
+
+}  // namespace emberfold::apps

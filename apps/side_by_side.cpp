@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/side_by_side.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace emberfold::apps {
+
+namespace {
+
+constexpr int kLabel = 28, kGap = 6, kLeastHeight = 240, kMostWidth = 3840, kCodecWidth = 16384;
+
+int panel_height(std::span<const cv::Size> sizes) {
+  int tallest = 1;
+  double shape = 0;  // of all beside each other, width over height
+  for (const auto& size : sizes) {
+    tallest = std::max(tallest, size.height);
+    shape += static_cast<double>(size.width) / size.height;
+  }
+  const double room = kMostWidth / shape,
+               hard = (kCodecWidth - kGap * static_cast<double>(sizes.size())) / shape;
+  return static_cast<int>(
+      std::max(1.0, std::min(hard, std::max<double>(kLeastHeight, std::min<double>(tallest, room)))));
+}
+
+// The label, or as much of it as fits, with dots.
+std::string fitting(const std::string& label, int width) {
+  const auto fits = [&](const std::string& text) {
+    int baseline = 0;
+    return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, &baseline).width + 8 <= width;
+  };
+  if (fits(label)) return label;
+  for (std::size_t length = label.size(); length-- > 1;)
+    if (fits(label.substr(0, length) + "...")) return label.substr(0, length) + "...";
+  return {};
+}
+
+}  // namespace
+
+SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
+                       std::span<const cv::Size> sizes, double fps)
+    : labels_(std::move(labels)) {
+  const int height = panel_height(sizes);
+  int width = -kGap;
+  for (const auto& size : sizes) {
+    const double scaled = static_cast<double>(size.width) * height / size.height;
+    panels_.emplace_back(std::max(1, static_cast<int>(std::round(scaled))), height);
+    width += panels_.back().width + kGap;
+  }
+  empty_ = cv::Mat(height + kLabel, width, CV_8UC3, cv::Scalar(250, 248, 246));
+  for (std::size_t i = 0; i < labels_.size(); ++i)
+    cv::putText(empty_, fitting(labels_[i], panels_[i].width), {place(i).x + 4, kLabel - 9},
+                cv::FONT_HERSHEY_SIMPLEX, 0.5, {60, 52, 48}, 1, cv::LINE_AA);
+  writer_ = create_clip(path, empty_.size(), fps, true);
+}
+
+cv::Rect SideBySide::place(std::size_t index) const {
+  int left = 0;
+  for (std::size_t i = 0; i < index; ++i) left += panels_[i].width + kGap;
+  return {{left, kLabel}, panels_[index]};
+}
+
+void SideBySide::write(std::span<const cv::Mat> frames) {
+  cv::Mat whole = empty_.clone();
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    cv::Mat colour = frames[i], scaled;
+    if (colour.channels() == 1) cv::cvtColor(frames[i], colour, cv::COLOR_GRAY2BGR);
+    const bool shrinks = panels_[i].height < colour.rows;
+    cv::resize(colour, scaled, panels_[i], 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
+    scaled.copyTo(whole(place(i)));
+  }
+  writer_->write(whole);
+}
+
+}  // namespace emberfold::apps

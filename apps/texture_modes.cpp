@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/texture_modes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+
+namespace emberfold::apps {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json finite(double value, double step) {
+  return std::isfinite(value) ? Json(std::round(value / step) * step) : Json(nullptr);
+}
+
+template <class... Values>
+std::string line(const char* format, Values... values) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+std::string frames_text(double frames) {
+  return std::isfinite(frames) ? line("%9.1f", frames) : "        -";
+}
+
+double deviation(const dytex::LinearDynamicTexture& texture) {
+  return std::sqrt(texture.r);
+}
+
+}  // namespace
+
+double TextureMode::period() const {
+  return angle > 0 ? 2 * std::numbers::pi / angle : std::numeric_limits<double>::infinity();
+}
+
+double TextureMode::decay() const {
+  if (radius <= 0) return 0;
+  return radius < 1 ? -1 / std::log(radius) : std::numeric_limits<double>::infinity();
+}
+
+std::vector<std::complex<double>> texture_eigenvalues(const dytex::LinearDynamicTexture& texture) {
+  if (texture.order() == 0) return {};
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(texture.A, false);
+  if (solver.info() != Eigen::Success)
+    throw core::NumericalError("the eigenvalues of A could not be computed");
+  std::vector<std::complex<double>> values(solver.eigenvalues().begin(), solver.eigenvalues().end());
+  // A pair stays together: of equal radius and |angle|, the upper one first.
+  std::ranges::stable_sort(values, [](const auto& a, const auto& b) {
+    const auto key = [](const auto& z) { return std::pair{-std::norm(z), std::abs(z.imag())}; };
+    return key(a) != key(b) ? key(a) < key(b) : a.imag() > b.imag();
+  });
+  return values;
+}
+
+std::vector<TextureMode> texture_modes(const dytex::LinearDynamicTexture& texture) {
+  std::vector<TextureMode> modes;
+  for (const auto& value : texture_eigenvalues(texture))
+    if (value.imag() >= 0) modes.push_back({std::abs(value), std::arg(value), value.imag() > 0});
+  return modes;
+}
+
+double share_of_variance(const dytex::LinearDynamicTexture& texture, Eigen::Index count) {
+  const double all = texture.singular.squaredNorm();
+  return all > 0 ? texture.singular.head(std::min(count, texture.singular.size())).squaredNorm() / all : 1;
+}
+
+Json texture_json(const dytex::LinearDynamicTexture& texture) {
+  Json modes = Json::array();
+  for (const auto& mode : texture_modes(texture))
+    modes.push_back({{"radius", finite(mode.radius, 1e-6)},
+                     {"period", finite(mode.period(), 1e-3)},
+                     {"decay", finite(mode.decay(), 1e-3)},
+                     {"pair", mode.pair}});
+  return {{"width", texture.info.width},
+          {"height", texture.info.height},
+          {"channels", texture.info.channels},
+          {"fps", texture.info.fps},
+          {"frames", texture.states.cols()},
+          {"order", texture.order()},
+          {"noise_inputs", texture.B.cols()},
+          {"share_of_variance", finite(share_of_variance(texture, texture.order()), 1e-6)},
+          {"spectral_radius", finite(dytex::spectral_radius(texture.A), 1e-6)},
+          {"r", finite(texture.r, 1e-6)},
+          {"modes", std::move(modes)}};
+}
+
+std::string texture_table(const dytex::LinearDynamicTexture& texture, std::size_t slowest) {
+  const auto& info = texture.info;
+  std::string out = "linear dynamic texture\n";
+  out += line("  frames              %d x %d, %s, %g a second\n", info.width, info.height,
+              info.channels == 3 ? "colour" : "grey", info.fps);
+  out += line("  learned from        %lld frames\n", static_cast<long long>(texture.states.cols()));
+  out += line("  order               %lld components, driven by %lld noises\n",
+              static_cast<long long>(texture.order()), static_cast<long long>(texture.B.cols()));
+  out += line("  share of variance   %.2f %%\n", 100 * share_of_variance(texture, texture.order()));
+  out += line("  spectral radius     %.5f\n", dytex::spectral_radius(texture.A));
+  out += line("  left out            r = %.4g levels^2 (SD %.3g levels)\n", texture.r, deviation(texture));
+  const auto modes = texture_modes(texture);
+  if (modes.empty()) return out;
+  out += "\nslowest modes     radius    period     decay   (frames)\n";
+  for (std::size_t i = 0; i < std::min(slowest, modes.size()); ++i)
+    out += line("  %3zu %-8s   %9.5f %s %s\n", i + 1, modes[i].pair ? "pair" : "real", modes[i].radius,
+                frames_text(modes[i].period()).c_str(), frames_text(modes[i].decay()).c_str());
+  if (modes.size() > slowest) out += line("  and %zu more\n", modes.size() - slowest);
+  return out;
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/clip_reader.hpp"
+#include "apps/clip_writer.hpp"
+#include "apps/draw_model.hpp"
+#include "apps/model_folder.hpp"
+#include "graph/motion_io.hpp"
+#include "mcmc/motion_model.hpp"
+#include "mcmc/synthesize.hpp"
+#include "tests/apps/made_motion.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/catch.hpp"
+
+using namespace emberfold;
+using namespace emberfold::apps;
+using namespace emberfold::tests;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// A clip of strokes that move, and what analyze makes of it.
+struct Learned {
+  TempFolder temp;
+  std::string clip, model;
+
+  explicit Learned(int frames = 24, bool colour = true) {
+    const auto strokes = made_strokes(8, 160, 120, frames);
+    const auto writer = create_clip(temp / "clip", {160, 120}, 25, colour);
+    for (int t = 0; t < frames; ++t) {
+      cv::Mat picture = made_picture(strokes, 160, 120, t);
+      if (!colour) cv::extractChannel(picture, picture, 1);
+      writer->write(picture);
+    }
+    writer->finish();
+    clip = (temp / "clip").string();
+    model = (temp / "a/model").string();
+    const auto result = run_command({"analyze", clip, "-o", (temp / "a").string(), "-q"});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+  }
+};
+
+core::Clip read_clip(const fs::path& path) {
+  return core::read_all(*open_clip(path.string(), {}, {}));
+}
+
+void check_refused(const std::vector<std::string>& arguments, int exit, const std::vector<std::string>& what,
+                   const fs::path& output) {
+  const auto result = run_command(arguments);
+  INFO(result.err);
+  CHECK(result.exit == exit);
+  CHECK(result.err.starts_with("emberfold: "));
+  CHECK(std::ranges::count(result.err, '\n') == 1);
+  for (const auto& part : what) CHECK(contains(result.err, part));
+  CHECK(result.out.empty());
+  CHECK_FALSE(fs::exists(output));
+  CHECK_FALSE(fs::exists(output.string() + ".part"));
+}
+
+void replace_in(const fs::path& file, const std::string& from, const std::string& to) {
+  std::string text = bytes_of(file);
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  text.replace(at, from.size(), to);
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+}  // namespace
+
+TEST_CASE("analyze writes the model that its clip's motion gives, and tells its figures") {
+  const Learned made;
+  const auto model = mcmc::motion_model(read_model(made.model, kMotionFormat));
+  CHECK(model.width == 160);
+  CHECK(model.height == 120);
+  CHECK(model.frames == 24);
+  CHECK_FALSE(model.exemplars.empty());
+  const Json summary = Json::parse(bytes_of(made.temp / "a/summary.json"));
+  CHECK_THAT(summary["model"]["sway"]["a1"].get<double>(), Catch::Matchers::WithinRel(model.sway.a1, 1e-3));
+  CHECK(summary["model"]["sway"]["radius"] < 1);
+  CHECK(summary["model"]["exemplars"] == model.exemplars.size());
+  CHECK(summary["files"].contains("model/"));
+  CHECK(summary["sketch"]["coding_gain"]["positive_share"] > 0.5);
+  CHECK(summary["sketch"]["coding_gain"]["mean"] > 0);
+  CHECK(contains(bytes_of(made.temp / "a/report.html"), "\"learned\":{\"motion\":"));
+}
+
+TEST_CASE("synth draws the frames of the model's graphs, in every form") {
+  const Learned made;
+  const auto avi = made.temp / "new.avi", folder = made.temp / "new", mp4 = made.temp / "new.mp4",
+             motion_file = made.temp / "new.jsonl", overlay = made.temp / "over.mp4";
+  const auto result =
+      run_command({"synth", made.model, "-o", avi.string(), "--frames", "40", "--seed", "5", "--json",
+                   "--motion", motion_file.string(), "--overlay", overlay.string()});
+  INFO(result.err);
+  REQUIRE(result.exit == 0);
+  std::ifstream stream(motion_file);
+  const auto motion = graph::read_motion(stream, "new.jsonl");
+  const auto model = mcmc::motion_model(read_model(made.model, kMotionFormat));
+  CHECK(motion == mcmc::synthesize(model, 40, 5).motion);
+
+  const auto drawn = read_clip(avi);
+  REQUIRE(drawn.frames.size() == 40);
+  CHECK(drawn.info.fps == 25);
+  const auto look = model_look(model, {});
+  std::size_t patches = 0;
+  for (std::size_t t = 0; t < 40; ++t) {
+    patches += motion.sketch.frames[t].size();
+    CHECK(same_pixels(drawn.frames[t],
+                      draw_frame(motion.sketch.frames[t], look.size, look.channels, look.empty_level)));
+  }
+  CHECK(patches > 40 * 20);
+
+  const Json summary = Json::parse(result.out);
+  CHECK(summary["command"] == "synth");
+  CHECK(summary["clip"]["frames"] == 40);
+  CHECK_THAT(summary["synthesis"]["patches_per_frame"].get<double>(),
+             Catch::Matchers::WithinAbs(double(patches) / 40, 0.01));
+  CHECK(read_clip(overlay).frames.size() == 40);
+
+  for (const auto& path : {folder, mp4})
+    REQUIRE(
+        run_command({"synth", made.model, "-o", path.string(), "--frames", "40", "--seed", "5", "-q"}).exit ==
+        0);
+  const auto pictures = read_clip(folder), video = read_clip(mp4);
+  REQUIRE(pictures.frames.size() == 40);
+  CHECK(video.frames.size() == 40);
+  for (std::size_t t = 0; t < 40; ++t) CHECK(same_pixels(pictures.frames[t], drawn.frames[t]));
+}
+
+TEST_CASE("a grey clip's model draws grey frames") {
+  const Learned made(12, false);
+  const auto out = made.temp / "new.avi";
+  REQUIRE(run_command({"synth", made.model, "-o", out.string(), "--frames", "3", "-q"}).exit == 0);
+  CHECK(read_clip(out).info.channels == 1);
+}
+
+TEST_CASE("models and new clips are the same bytes at any number of threads, and others for another seed") {
+  const Learned made;
+  for (const char* threads : {"1", "2", "8"}) {
+    const std::string folder = (made.temp / threads).string();
+    REQUIRE(run_command({"analyze", made.clip, "-o", folder, "--threads", threads, "-q"}).exit == 0);
+    REQUIRE(run_command({"synth", folder + "/model", "-o", folder + "/new.avi", "--motion",
+                         folder + "/new.jsonl", "--frames", "50", "--threads", threads, "-q"})
+                .exit == 0);
+  }
+  std::vector<std::string> names{"new.avi", "new.jsonl"};
+  for (const auto& entry : fs::directory_iterator(made.temp / "1/model"))
+    names.push_back("model/" + entry.path().filename().string());
+  CHECK(names.size() > 5);
+  for (const auto& name : names) {
+    INFO(name);
+    const auto one = bytes_of(made.temp / "1" / name);
+    CHECK(one.size() > 60);
+    CHECK(one == bytes_of(made.temp / "2" / name));
+    CHECK(one == bytes_of(made.temp / "8" / name));
+  }
+  REQUIRE(run_command({"synth", made.model, "-o", (made.temp / "other.avi").string(), "--frames", "50",
+                       "--seed", "2", "-q"})
+              .exit == 0);
+  CHECK(bytes_of(made.temp / "other.avi") != bytes_of(made.temp / "1/new.avi"));
+}
+
+TEST_CASE("what is no motion model is refused by name, and nothing is written") {
+  const Learned made(12);
+  const auto out = made.temp / "out.avi";
+  const auto refused = [&](const std::string& model, const std::vector<std::string>& what) {
+    check_refused({"synth", model, "-o", out.string(), "-q", "--frames", "2"}, 1, what, out);
+  };
+  refused((made.temp / "nothing").string(), {"nothing"});
+  refused(made.clip, {"clip"});
+  std::ofstream(made.temp / "file.avi") << "not a model";
+  refused((made.temp / "file.avi").string(), {"file.avi"});
+
+  const auto copy = [&](const std::string& name) {
+    fs::copy(made.model, made.temp / name);
+    return (made.temp / name).string();
+  };
+  const auto texture = copy("texture");
+  replace_in(fs::path(texture) / "model.json", "emberfold.motion_model", "emberfold.linear_dynamic_texture");
+  refused(texture, {"linear dynamic texture", "emberfold dytex synth"});
+  const auto newer = copy("newer");
+  replace_in(fs::path(newer) / "model.json", "\"version\": 1", "\"version\": 99");
+  refused(newer, {"newer", "99"});
+  const auto cut = copy("cut");
+  fs::resize_file(fs::path(cut) / "first_patches.npy",
+                  fs::file_size(fs::path(cut) / "first_patches.npy") / 2);
+  refused(cut, {"first_patches"});
+  const auto missing = copy("missing");
+  fs::remove(fs::path(missing) / "birth.npy");
+  refused(missing, {"birth"});
+  const auto text = copy("text");
+  fs::resize_file(fs::path(text) / "model.json", 200);
+  refused(text, {"model.json"});
+  const auto unstable = copy("unstable");
+  replace_in(fs::path(unstable) / "model.json", "\"a1\": ", "\"a1\": 7");
+  refused(unstable, {"unstable", "sway"});
+  const auto nan = copy("nan");
+  {
+    std::fstream file(fs::path(nan) / "birth.npy", std::ios::in | std::ios::out | std::ios::binary);
+    const double value = std::numeric_limits<double>::quiet_NaN();
+    file.seekp(-8, std::ios::end);
+    file.write(reinterpret_cast<const char*>(&value), 8);
+  }
+  refused(nan, {"nan", "birth"});
+}
+
+TEST_CASE("synth tells misuse in the option's name and leaves nothing behind when it fails") {
+  const Learned made(12);
+  const auto out = made.temp / "out.avi";
+  const auto refused = [&](int exit, const std::vector<std::string>& more,
+                           const std::vector<std::string>& what) {
+    std::vector<std::string> arguments{"synth", made.model, "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_refused(arguments, exit, what, out);
+  };
+  refused(2, {}, {"--output"});
+  refused(2, {"-o", out.string(), "--frames", "0"}, {"--frames", "0"});
+  refused(2, {"-o", out.string(), "--frames", "-3"}, {"--frames", "-3"});
+  refused(2, {"-o", out.string(), "--frames", "many"}, {"--frames", "many"});
+  refused(2, {"-o", out.string(), "--fill", "paint"}, {"--fill", "paint", "diffusion"});
+  refused(2, {"-o", out.string(), "--tolerance", "0"}, {"--tolerance", "0"});
+  refused(2, {"-o", (made.temp / "new.gif").string()}, {".gif"});
+  refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
+  refused(1, {"-o", out.string(), "--motion", (made.temp / "no/where.jsonl").string()}, {"where.jsonl"});
+  refused(2, {"-o", out.string(), "--overlay", (made.temp / "over.gif").string(), "--frames", "2"}, {".gif"});
+  CommandOptions full;
+  full.most_file_bytes = 3000;
+  const auto result = run_command({"synth", made.model, "-o", out.string(), "-q", "--frames", "40"}, full);
+  CHECK(result.exit == 1);
+  CHECK_FALSE(fs::exists(out));
+  std::size_t left = 0;
+  for (const auto& entry : fs::directory_iterator(made.temp.path())) {
+    INFO(entry.path());
+    CHECK_FALSE(contains(entry.path().string(), ".part"));
+    ++left;
+  }
+  CHECK(left == 2);  // the clip and its analysis
+}
+
+TEST_CASE("an interrupted synth keeps nothing") {
+  const Learned made(12);
+  const auto out = made.temp / "out.avi", motion = made.temp / "m.jsonl";
+  CommandOptions options;
+  options.interrupt_if = [&] { return fs::exists(made.temp / "out.part.avi"); };
+  const auto result = run_command({"synth", made.model, "-o", out.string(), "--motion", motion.string(),
+                                   "--frames", "100000", "--threads", "1"},
+                                  options);
+  CHECK(result.exit == 130);
+  CHECK(std::distance(fs::directory_iterator(made.temp.path()), fs::directory_iterator()) == 2);
+}
