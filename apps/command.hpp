@@ -77,7 +77,7 @@ struct Chosen {
 void add_analyze(CLI::App& app, Chosen& chosen);
 void add_sketch(CLI::App& app, Chosen& chosen);
 void add_score(CLI::App& app, Chosen& chosen);
-void add_synth(CLI::App& app, Chosen& chosen);
+void add_synthesis(CLI::App& app, Chosen& chosen);
 void add_demo(CLI::App& app, Chosen& chosen);
 void add_dytex(CLI::App& app, Chosen& chosen);
 void add_compare(CLI::App& app, Chosen& chosen);

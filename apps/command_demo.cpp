@@ -8,6 +8,7 @@
 #include "apps/builtin_clip.hpp"
 #include "apps/clip_writer.hpp"
 #include "apps/command_line.hpp"
+#include "apps/story.hpp"
 #include "apps/summary.hpp"
 #include "graph/motion_io.hpp"
 
@@ -59,9 +60,12 @@ void run_demo(const Demo& asked, Session& session) {
   const auto truth = graph::read_events(truth_text, "truth.json");
   AnalyzeOptions options;
   options.reconstruction = true;
+  options.keep_sketch = true;
   // The file is read rather than the clip in memory, as whoever tries the printed command will do.
   auto analysis = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
                                "builtin:" + asked.clip);
+  const auto source = open_clip(output.staged("clip.avi").string(), {}, {});
+  tell_story(*source, options, analysis, output, session);
   finish_analysis(analysis, output, session);
   const auto& summary = analysis.summary;
   output.write("score.json", [&](std::ostream& out) { out << json_text(summary["score"]); });
@@ -73,8 +77,8 @@ void run_demo(const Demo& asked, Session& session) {
 }  // namespace
 
 void add_demo(CLI::App& app, Chosen& chosen) {
-  auto* command =
-      app.add_subcommand("demo", "Make a built-in clip, analyse it, hold the events against the truth");
+  auto* command = app.add_subcommand(
+      "demo", "Make a built-in clip, analyse it, hold the events against the truth, draw new clips from it");
   command->footer(
       "  emberfold demo\n"
       "  emberfold demo --clip cloth -o out/cloth --seed 7");

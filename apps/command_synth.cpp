@@ -163,7 +163,7 @@ void run_synth(Synth asked, Session& session) {
 
 }  // namespace
 
-void add_synth(CLI::App& app, Chosen& chosen) {
+void add_synthesis(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand("synth", "Draw a new clip from a motion model");
   command->footer(
       "  emberfold analyze fire.mp4 -o out/fire\n"

@@ -138,7 +138,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   apps::add_analyze(app, chosen);
   apps::add_sketch(app, chosen);
   apps::add_score(app, chosen);
-  apps::add_synth(app, chosen);
+  apps::add_synthesis(app, chosen);
   apps::add_demo(app, chosen);
   apps::add_dytex(app, chosen);
   apps::add_compare(app, chosen);

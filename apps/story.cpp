@@ -2,15 +2,16 @@
 #include "apps/story.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <map>
 #include <memory>
-
-#include <Eigen/Eigenvalues>
 
 #include "apps/comparison.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/report_strip.hpp"
+#include "apps/texture_modes.hpp"
 #include "dytex/archive.hpp"
 #include "dytex/learn.hpp"
 
@@ -33,12 +34,9 @@ dytex::LinearDynamicTexture learn_texture(core::FrameSource& source, const dytex
   auto learned = dytex::learn(source, options, session.context);
   if (learned.status == core::Status::cancelled) throw Interrupted{};
   write_model(output, "dytex", dytex::to_archive(learned.texture));
-  const auto& texture = learned.texture;
-  const Eigen::VectorXcd eigenvalues = texture.A.eigenvalues();
-  analysis.report.eigenvalues.assign(eigenvalues.begin(), eigenvalues.end());
-  analysis.summary["texture"] = {{"components", texture.order()},
-                                 {"spectral_radius", dytex::spectral_radius(texture.A)},
-                                 {"residual_variance", texture.r}};
+  analysis.report.eigenvalues = texture_eigenvalues(learned.texture);
+  analysis.summary["texture"] = texture_json(learned.texture);
+  analysis.summary["texture"].erase("modes");
   return std::move(learned.texture);
 }
 
@@ -80,23 +78,32 @@ std::optional<double> value_at(const Json& measures, std::initializer_list<const
 
 ReportMeasures measures_table(const Json& measures) {
   ReportMeasures table{{"Motion model", "Linear dynamic texture", "Held against"}, {}, {}};
-  const auto psnr = [&](const char* way) { return value_at(measures, {"prediction", "methods", way, "psnr"}); };
-  const auto apart = [&](const char* of, const char* key) { return value_at(measures, {"synthesis", of, key}); };
-  table.rows.push_back({"Prediction, dB PSNR",
-                        "Every frame of the second half, foretold from those before it by models of the first. "
-                        "More is closer. Held against: the frame before shown again.",
-                        {psnr("motion_model"), psnr("linear_dynamic_texture"), psnr("frame_before")}});
+  const auto psnr = [&](const char* way) {
+    return value_at(measures, {"prediction", "methods", way, "psnr"});
+  };
+  const auto apart = [&](const char* of, const char* key) {
+    return value_at(measures, {"synthesis", of, key});
+  };
+  table.rows.push_back(
+      {"Prediction, dB PSNR",
+       "Every frame of the second half, foretold from those before it by models of the first. "
+       "More is closer. Held against: the frame before shown again.",
+       {psnr("motion_model"), psnr("linear_dynamic_texture"), psnr("frame_before")}});
   for (const auto& [key, name, about] :
        {std::tuple{"temporal_db", "Spectrum in time, dB apart",
                    "How far the power at each frequency in time lies from the source's. Less is closer. Held "
                    "against: the source's own halves."},
         std::tuple{"radial_db", "Spectrum in space, dB apart", "The same of frequencies in space."}})
-    table.rows.push_back({name,
-                          about,
-                          {apart("motion_model", key), apart("linear_dynamic_texture", key),
-                           apart("noise_floor", key)}});
+    table.rows.push_back(
+        {name,
+         about,
+         {apart("motion_model", key), apart("linear_dynamic_texture", key), apart("noise_floor", key)}});
   const auto mean = psnr("mean_image"), sketch = psnr("own_sketch");
-  const auto decibels = [](double value) { return number_text(std::round(value * 10) / 10) + " dB"; };
+  const auto decibels = [](double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.1f dB", value);
+    return std::string(text.data());
+  };
   if (mean) table.note += "The mean image alone foretells at " + decibels(*mean) + ". ";
   if (sketch)
     table.note += "Frames drawn from their own sketch, the bound of what a graph can show, reach " +
