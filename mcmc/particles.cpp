@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <unordered_map>
 
 namespace emberfold::mcmc::detail {
 
@@ -24,44 +25,90 @@ std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
   return result;
 }
 
+// Standard normal at every place, correlated between them by exp(−h²/2 range²): white noise on a lattice,
+// weighted by Gaussians. One stroke's field at one step.
+class Field {
+ public:
+  Field(double range, std::uint64_t seed, std::uint32_t stroke, std::uint32_t purpose_and_step,
+        int components)
+      : reach_(range / std::numbers::sqrt2),
+        seed_(seed),
+        stroke_(stroke),
+        key_(purpose_and_step),
+        components_(components) {}
+
+  std::array<double, 2> at(Point p) {
+    const double step = 1.25 * reach_;
+    const auto x0 = static_cast<int>(std::floor(p.x / step)) - 1,
+               y0 = static_cast<int>(std::floor(p.y / step)) - 1;
+    std::array<double, 2> sum{};
+    double power = 0;
+    for (int y = y0; y < y0 + 4; ++y)
+      for (int x = x0; x < x0 + 4; ++x) {
+        const double dx = p.x / reach_ - x * 1.25, dy = p.y / reach_ - y * 1.25;
+        const double weight = std::exp(-0.5 * (dx * dx + dy * dy));
+        const auto& white = node(x, y);
+        for (std::size_t c = 0; c < 2; ++c) sum[c] += weight * white[c];
+        power += weight * weight;
+      }
+    for (double& value : sum) value /= std::sqrt(power);
+    return sum;
+  }
+
+ private:
+  const std::array<double, 2>& node(int x, int y) {
+    const auto key = (static_cast<std::uint32_t>(x) << 16U) ^ (static_cast<std::uint32_t>(y) & 0xffffU);
+    const auto [found, is_new] = nodes_.try_emplace(key);
+    if (is_new) {
+      core::Rng rng(seed_, {stroke_, key, key_});
+      for (int c = 0; c < components_; ++c) found->second[static_cast<std::size_t>(c)] = rng.normal();
+    }
+    return found->second;
+  }
+  double reach_;
+  std::uint64_t seed_;
+  std::uint32_t stroke_, key_;
+  int components_;
+  std::unordered_map<std::uint32_t, std::array<double, 2>> nodes_;  // looked up, never walked through
+};
+
 struct Push {
   double x = 0, y = 0, gain = 0;
 };
 
-Push fresh(std::uint64_t seed, Purpose purpose, std::uint32_t id, std::uint32_t step) {
-  core::Rng rng(seed, {id, step, static_cast<std::uint32_t>(purpose)});
-  Push push;
-  push.x = rng.normal(), push.y = rng.normal(), push.gain = rng.normal();
-  return push;
-}
+constexpr double finest_range = 3;  // px: below it neighbours have nothing in common
 
-Push blend(const Push& parent, const Push& own, const MotionModel& model) {
-  const auto mix = [](double a, double b, double alike) {
-    return alike * a + std::sqrt(1 - alike * alike) * b;
-  };
-  const double sway = model.sway.correlation, gain = model.contrast.correlation;
-  return {mix(parent.x, own.x, sway), mix(parent.y, own.y, sway), mix(parent.gain, own.gain, gain)};
-}
-
-// Standard normal, correlated between neighbours: handed on from particle to particle along a spanning
-// forest.
+// Each particle's noise, of unit variance.
 std::vector<Push> pushes(const Particles& p, const std::vector<std::vector<std::uint32_t>>& sides,
                          const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
   std::vector<Push> result(p.list.size());
   std::vector<bool> reached(p.list.size());
   std::vector<std::size_t> queue;
+  const auto key = [&](std::uint32_t which) {
+    return (step << 4U) | (static_cast<std::uint32_t>(purpose) << 1U) | which;
+  };
+  const auto field = [&](double range, std::size_t root, std::uint32_t which) {
+    return Field(range, seed, p.ids[root], key(which), which == 0 ? 2 : 1);
+  };
   for (std::size_t root = 0; root < p.list.size(); ++root) {
     if (reached[root]) continue;
     reached[root] = true;
-    result[root] = fresh(seed, purpose, p.ids[root], step);
     queue.assign(1, root);
-    for (std::size_t head = 0; head < queue.size(); ++head)
-      for (const auto next : sides[queue[head]]) {
-        if (reached[next]) continue;
-        reached[next] = true;
-        result[next] = blend(result[queue[head]], fresh(seed, purpose, p.ids[next], step), model);
-        queue.push_back(next);
+    Field sway = field(model.sway.range, root, 0), gain = field(model.contrast.range, root, 1);
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      const std::size_t i = queue[head];
+      core::Rng alone(seed, {p.ids[i], 0, key(0)});
+      Push& push = result[i];
+      if (model.sway.range >= finest_range) {
+        const auto [x, y] = sway.at(p.list[i].rest.position);
+        push.x = x, push.y = y;
+      } else {
+        push.x = alone.normal(), push.y = alone.normal();
       }
+      push.gain = model.contrast.range >= finest_range ? gain.at(p.list[i].rest.position)[0] : alone.normal();
+      for (const auto next : sides[i])
+        if (!reached[next]) reached[next] = true, queue.push_back(next);
+    }
   }
   return result;
 }
@@ -138,6 +185,20 @@ graph::AttributeGraph make_graph(const Particles& p, const MotionModel* model) {
 
 }  // namespace
 
+namespace {
+
+// The map at a place, linear between the cells' middles.
+double between_cells(const CellMap& map, Point p) {
+  const double x = (p.x + 0.5) / map.cell - 0.5, y = (p.y + 0.5) / map.cell - 0.5;
+  const double u = x - std::floor(x), v = y - std::floor(y);
+  const auto value = [&](double dx, double dy) {
+    return map.at({(std::floor(x) + dx + 0.5) * map.cell - 0.5, (std::floor(y) + dy + 0.5) * map.cell - 0.5});
+  };
+  return (1 - v) * ((1 - u) * value(0, 0) + u * value(1, 0)) + v * ((1 - u) * value(0, 1) + u * value(1, 1));
+}
+
+}  // namespace
+
 std::uint32_t Particles::add(const Particle& particle) {
   ids.push_back(next_id++);
   list.push_back(particle);
@@ -206,6 +267,7 @@ void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, 
     Particle particle;
     particle.rest = vertex.patch;
     particle.rest.position = particle.rest.position + place;
+    particle.share = between_cells(model.sway_share, particle.rest.position);
     particle.age = age;
     fresh.add(particle);
   }
