@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/archive.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core/hal/interface.h>
+
+#include "core/error.hpp"
+
+namespace emberfold::dytex {
+
+namespace {
+
+constexpr std::string_view kFormat = "emberfold.linear_dynamic_texture";
+constexpr int kVersion = 1;
+constexpr std::array<std::pair<int, const char*>, 3> kDepths{
+    {{CV_8U, "u8"}, {CV_16U, "u16"}, {CV_32F, "f32"}}};
+
+template <class Matrix>
+core::NpyArray array_of(const Matrix& matrix) {
+  using Scalar = typename Matrix::Scalar;
+  core::NpyArray array{{static_cast<std::size_t>(matrix.rows())}, false, {}};
+  if constexpr (Matrix::ColsAtCompileTime != 1) {
+    array.shape.push_back(static_cast<std::size_t>(matrix.cols()));
+    array.fortran_order = true;
+  }
+  array.data = std::vector<Scalar>(matrix.data(), matrix.data() + matrix.size());
+  return array;
+}
+
+[[noreturn]] void fail(const std::string& what) {
+  throw core::IoError("model: " + what);
+}
+
+/// A text from outside as it may stand in a message: short, printable, on one line.
+std::string shown(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  std::string result = "\"";
+  for (const char c : text.substr(0, kLongest)) result += c >= ' ' && c <= '~' && c != '"' ? c : '?';
+  return result + (text.size() > kLongest ? "…\"" : "\"");
+}
+
+nlohmann::json parse(const std::string& text) {
+  constexpr int kDeepest = 16;
+  const auto shallow = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    if (depth > kDeepest) fail("model.json is nested more than " + std::to_string(kDeepest) + " deep");
+    return true;
+  };
+  nlohmann::json json;
+  try {
+    json = nlohmann::json::parse(text, shallow);
+  } catch (const nlohmann::json::exception&) {
+    fail("model.json is no valid JSON");
+  }
+  if (!json.is_object()) fail("model.json holds no object");
+  return json;
+}
+
+const nlohmann::json& entry(const nlohmann::json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end()) fail("model.json has no \"" + std::string(key) + "\"");
+  return *found;
+}
+
+std::string text_entry(const nlohmann::json& json, const char* key) {
+  const nlohmann::json& value = entry(json, key);
+  if (!value.is_string()) fail("\"" + std::string(key) + "\" must be a text");
+  return value.get<std::string>();
+}
+
+std::int64_t whole(const nlohmann::json& json, const char* key, std::int64_t least, std::int64_t most) {
+  const nlohmann::json& value = entry(json, key);
+  const bool fits = value.is_number_integer() &&
+                    (!value.is_number_unsigned() || value.get<std::uint64_t>() <= std::uint64_t{1} << 62);
+  if (!fits || value.get<std::int64_t>() < least || value.get<std::int64_t>() > most)
+    fail("\"" + std::string(key) + "\" is " + shown(value.dump()) + ", must be a whole number from " +
+         std::to_string(least) + " to " + std::to_string(most));
+  return value.get<std::int64_t>();
+}
+
+double number(const nlohmann::json& json, const char* key) {
+  const nlohmann::json& value = entry(json, key);
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    fail("\"" + std::string(key) + "\" is " + shown(value.dump()) + ", must be a finite number");
+  return value.get<double>();
+}
+
+void check_format(const nlohmann::json& json) {
+  if (const std::string format = text_entry(json, "format"); format != kFormat)
+    fail("\"format\" is " + shown(format) + ", must be \"" + std::string(kFormat) + "\"");
+  constexpr std::int64_t kAny = std::int64_t{1} << 31;
+  if (const std::int64_t version = whole(json, "version", 1, kAny); version > kVersion)
+    fail("version " + std::to_string(version) + " is newer than " + std::to_string(kVersion) +
+         ", the newest that can be read");
+}
+
+core::ClipInfo read_info(const nlohmann::json& json) {
+  constexpr std::int64_t kLargest = 65536, kMostFrames = 1 << 24;
+  core::ClipInfo info;
+  info.width = static_cast<int>(whole(json, "width", 1, kLargest));
+  info.height = static_cast<int>(whole(json, "height", 1, kLargest));
+  info.channels = static_cast<int>(whole(json, "channels", 1, 3));
+  info.frames = whole(json, "frames", 1, kMostFrames);
+  info.fps = number(json, "fps");
+  info.white = number(json, "white");
+  const std::string depth = text_entry(json, "depth");
+  const auto* const known =
+      std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.second == depth; });
+  if (known == kDepths.end()) fail("\"depth\" is " + shown(depth) + R"(, must be "u8", "u16" or "f32")");
+  info.depth = known->first;
+  return info;
+}
+
+std::string shape_text(const std::vector<std::size_t>& shape) {
+  std::string text = "(";
+  for (std::size_t i = 0; i < shape.size(); ++i) text += (i > 0 ? ", " : "") + std::to_string(shape[i]);
+  return text + (shape.size() == 1 ? ",)" : ")");
+}
+
+/// The array's numbers in columns. `shape` is of one or two extents.
+template <class Scalar>
+Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> read_matrix(const core::ModelArchive& archive,
+                                                                  const char* name,
+                                                                  const std::vector<std::size_t>& shape) {
+  const auto found = archive.arrays.find(name);
+  if (found == archive.arrays.end()) fail("the array " + std::string(name) + " is missing");
+  const core::NpyArray& array = found->second;
+  const auto* data = std::get_if<std::vector<Scalar>>(&array.data);
+  if (data == nullptr)
+    fail("the array " + std::string(name) + " must hold " +
+         (std::is_same_v<Scalar, float> ? "float32" : "float64"));
+  if (array.shape != shape)
+    fail("the array " + std::string(name) + " has the shape " + shape_text(array.shape) + ", must have " +
+         shape_text(shape));
+  const auto rows = static_cast<Eigen::Index>(shape[0]);
+  const auto columns = static_cast<Eigen::Index>(shape.size() > 1 ? shape[1] : 1);
+  if (data->size() != static_cast<std::size_t>(rows * columns))
+    fail("the array " + std::string(name) + " has " + std::to_string(data->size()) + " numbers, its shape " +
+         shape_text(shape) + " another number");
+  using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Rows = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  if (array.fortran_order || shape.size() == 1) return Eigen::Map<const Columns>(data->data(), rows, columns);
+  return Eigen::Map<const Rows>(data->data(), rows, columns);
+}
+
+}  // namespace
+
+core::ModelArchive to_archive(const LinearDynamicTexture& texture) {
+  validate(texture);
+  const core::ClipInfo& info = texture.info;
+  const auto* const depth =
+      std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.first == info.depth; });
+  nlohmann::ordered_json json;
+  json["format"] = kFormat;
+  json["version"] = kVersion;
+  json["width"] = info.width;
+  json["height"] = info.height;
+  json["channels"] = info.channels;
+  json["fps"] = info.fps;
+  json["frames"] = *info.frames;
+  json["depth"] = depth->second;
+  json["white"] = info.white;
+  json["components"] = texture.order();
+  json["noise_inputs"] = texture.B.cols();
+  json["r"] = texture.r;
+  core::ModelArchive archive{json.dump(2) + "\n", {}};
+  archive.arrays["mean"] = array_of(texture.mean);
+  archive.arrays["C"] = array_of(texture.C);
+  archive.arrays["A"] = array_of(texture.A);
+  archive.arrays["B"] = array_of(texture.B);
+  archive.arrays["states"] = array_of(texture.states);
+  archive.arrays["singular"] = array_of(texture.singular);
+  return archive;
+}
+
+LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive) {
+  const nlohmann::json json = parse(archive.text);
+  check_format(json);
+  LinearDynamicTexture texture;
+  texture.info = read_info(json);
+  texture.r = number(json, "r");
+  constexpr std::int64_t kMostComponents = 1 << 24;
+  const auto n = static_cast<std::size_t>(whole(json, "components", 0, kMostComponents));
+  const auto k = static_cast<std::size_t>(whole(json, "noise_inputs", 0, static_cast<std::int64_t>(n)));
+  const auto m = static_cast<std::size_t>(texture.info.width) *
+                 static_cast<std::size_t>(texture.info.height) *
+                 static_cast<std::size_t>(texture.info.channels);
+  const auto frames = static_cast<std::size_t>(*texture.info.frames);
+  texture.mean = read_matrix<float>(archive, "mean", {m});
+  texture.C = read_matrix<float>(archive, "C", {m, n});
+  texture.A = read_matrix<double>(archive, "A", {n, n});
+  texture.B = read_matrix<double>(archive, "B", {n, k});
+  texture.states = read_matrix<double>(archive, "states", {n, frames});
+  texture.singular = read_matrix<double>(archive, "singular", {frames});
+  try {
+    validate(texture);
+  } catch (const core::InputError& error) {
+    fail(error.what());
+  } catch (const core::NumericalError& error) {
+    fail(error.what());
+  }
+  return texture;
+}
+
+}  // namespace emberfold::dytex

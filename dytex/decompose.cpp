@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/decompose.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "core/error.hpp"
+
+namespace emberfold::dytex::detail {
+
+SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  if (solver.info() != Eigen::Success)
+    throw core::NumericalError("the eigenvalues of a symmetric matrix were not found");
+  SymmetricEigen result{solver.eigenvalues().reverse(), solver.eigenvectors().rowwise().reverse()};
+  for (auto column : result.vectors.colwise()) {
+    Eigen::Index largest = 0;
+    column.cwiseAbs().maxCoeff(&largest);
+    if (column[largest] < 0) column = -column;
+  }
+  return result;
+}
+
+double largest_absolute_eigenvalue(const Eigen::MatrixXd& matrix) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, false);
+  if (solver.info() != Eigen::Success) throw core::NumericalError("the eigenvalues of A were not found");
+  return solver.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix) {
+  const Eigen::Index rows = matrix.rows(), columns = matrix.cols();
+  if (matrix.size() == 0) return Eigen::MatrixXd(rows, 0);
+  Eigen::MatrixXd small = matrix;
+  if (columns > rows) {  // M = Rᵀ Qᵀ: the left half is Rᵀ's
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix.transpose());
+    small = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>().toDenseMatrix().transpose();
+  }
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(small, Eigen::ComputeThinU);
+  const Eigen::VectorXd& s = svd.singularValues();
+  const double least =
+      s[0] * static_cast<double>(std::max(rows, columns)) * std::numeric_limits<double>::epsilon();
+  const Eigen::Index kept = (s.array() > least).count();
+  return svd.matrixU().leftCols(kept) * s.head(kept).asDiagonal();
+}
+
+}  // namespace emberfold::dytex::detail

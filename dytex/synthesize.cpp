@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/synthesize.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "core/context.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "core/rng.hpp"
+#include "dytex/decompose.hpp"
+
+namespace emberfold::dytex {
+
+namespace {
+
+constexpr std::size_t kBatch = 8;                               // frames rendered by one product
+constexpr std::size_t kValues = 1024;                           // of a block
+constexpr std::uint32_t kFirst = 1, kDriving = 2, kPixels = 3;  // purposes of streams
+
+Eigen::VectorXd normals(core::Rng rng, Eigen::Index count) {
+  Eigen::VectorXd result(count);
+  for (double& x : result) x = rng.normal();
+  return result;
+}
+
+core::Stream stream(std::uint64_t frame, std::uint32_t block, std::uint32_t purpose) {
+  return {static_cast<std::uint32_t>(frame), block, purpose + (static_cast<std::uint32_t>(frame >> 32) << 2)};
+}
+
+std::size_t block_count(const LinearDynamicTexture& texture) {
+  return (static_cast<std::size_t>(texture.pixels()) + kValues - 1) / kValues;
+}
+
+Eigen::Index first_row(std::size_t block) {
+  return static_cast<Eigen::Index>(block * kValues);
+}
+
+Eigen::Index row_count(const LinearDynamicTexture& texture, std::size_t block) {
+  return std::min(static_cast<Eigen::Index>(kValues), texture.pixels() - first_row(block));
+}
+
+/// x(0) ~ N(0, P).
+Eigen::VectorXd stationary_state(const LinearDynamicTexture& texture, std::uint64_t seed) {
+  if (texture.order() == 0) return {};
+  const detail::SymmetricEigen eigen = detail::symmetric_eigen(stationary_covariance(texture.A, texture.B));
+  const Eigen::VectorXd scale = eigen.values.cwiseMax(0).cwiseSqrt();
+  return eigen.vectors * scale.cwiseProduct(normals(core::Rng(seed, stream(0, 0, kFirst)), texture.order()));
+}
+
+/// A row vector of the frame's values.
+cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) {
+  const core::ClipInfo& info = texture.info;
+  if (levels.cols != info.width || levels.rows != info.height ||
+      levels.type() != CV_MAKETYPE(CV_32F, info.channels))
+    throw core::InputError("levels are " + std::to_string(levels.cols) + " × " + std::to_string(levels.rows) +
+                           " of OpenCV's type " + std::to_string(levels.type()) + ", the texture needs " +
+                           std::to_string(info.width) + " × " + std::to_string(info.height) + " of type " +
+                           std::to_string(CV_MAKETYPE(CV_32F, info.channels)));
+  return levels.isContinuous() ? levels : levels.clone();
+}
+
+}  // namespace
+
+Synthesis::Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions& options)
+    : texture_(texture), options_(options) {
+  validate(texture);
+  if (!options.first_frame) {
+    state_ = stationary_state(texture, options.seed);
+  } else {
+    const Eigen::Index frames = texture.states.cols(), first = *options.first_frame;
+    if (first < 0 || first >= frames)
+      throw core::InputError("first_frame is " + std::to_string(first) + ", allowed is 0 to " +
+                             std::to_string(frames - 1));
+    state_ = texture.states.col(first);
+  }
+  shown_ = state_;
+}
+
+void Synthesis::step() {
+  const core::Rng rng(options_.seed, stream(++frame_, 0, kDriving));
+  state_ = texture_.A * state_ + texture_.B * normals(rng, texture_.B.cols());
+}
+
+cv::Mat Synthesis::next() {
+  if (position_ == ready_.size()) render();
+  shown_ = states_[position_];
+  return std::move(ready_[position_++]);
+}
+
+void Synthesis::render() {
+  const core::ClipInfo& info = texture_.info;
+  Eigen::MatrixXf states(texture_.order(), static_cast<Eigen::Index>(kBatch));
+  states_.clear();
+  ready_.clear();
+  position_ = 0;
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    states.col(static_cast<Eigen::Index>(i)) = state_.cast<float>();
+    states_.push_back(state_);
+    ready_.emplace_back(info.height, info.width, CV_MAKETYPE(CV_8U, info.channels));
+    step();
+  }
+  core::parallel_for(block_count(texture_), {}, [&](std::size_t block) { render_block(states, block); });
+}
+
+void Synthesis::render_block(const Eigen::MatrixXf& states, std::size_t block) {
+  const Eigen::Index row = first_row(block), rows = row_count(texture_, block);
+  Eigen::MatrixXf levels = texture_.mean.segment(row, rows).replicate(1, states.cols());
+  levels.noalias() += texture_.C.middleRows(row, rows) * states;
+  const double deviation = std::sqrt(texture_.r);
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    auto column = levels.col(static_cast<Eigen::Index>(i));
+    if (options_.pixel_noise) {
+      const std::uint64_t frame = frame_ - kBatch + i;
+      core::Rng rng(options_.seed, stream(frame, static_cast<std::uint32_t>(block), kPixels));
+      for (float& x : column) x += static_cast<float>(deviation * rng.normal());
+    }
+    const cv::Mat from(1, static_cast<int>(rows), CV_32F, column.data());
+    cv::Mat to(1, static_cast<int>(rows), CV_8U, ready_[i].data + row);
+    from.convertTo(to, CV_8U);  // rounds and saturates
+  }
+}
+
+Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& levels) {
+  const cv::Mat flat = flat_levels(texture, levels);
+  constexpr std::size_t kParts = 16;
+  const std::size_t blocks = block_count(texture);
+  std::vector<Eigen::VectorXd> parts(kParts, Eigen::VectorXd::Zero(texture.order()));
+  core::parallel_for(kParts, {}, [&](std::size_t part) {
+    for (std::size_t b = blocks * part / kParts; b < blocks * (part + 1) / kParts; ++b) {
+      const Eigen::Index row = first_row(b), rows = row_count(texture, b);
+      const Eigen::VectorXf deviation =
+          Eigen::Map<const Eigen::VectorXf>(flat.ptr<float>() + row, rows) - texture.mean.segment(row, rows);
+      parts[part] += (texture.C.middleRows(row, rows).transpose() * deviation).cast<double>();
+    }
+  });
+  for (std::size_t part = 1; part < kParts; ++part) parts[0] += parts[part];
+  return parts[0];
+}
+
+cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state) {
+  if (state.size() != texture.order())
+    throw core::InputError("the state has " + std::to_string(state.size()) + " numbers, the texture needs " +
+                           std::to_string(texture.order()));
+  const core::ClipInfo& info = texture.info;
+  cv::Mat levels(info.height, info.width, CV_MAKETYPE(CV_32F, info.channels));
+  const Eigen::VectorXf x = state.cast<float>();
+  core::parallel_for(block_count(texture), {}, [&](std::size_t block) {
+    const Eigen::Index row = first_row(block), rows = row_count(texture, block);
+    Eigen::Map<Eigen::VectorXf> to(levels.ptr<float>() + row, rows);
+    to = texture.mean.segment(row, rows);
+    to.noalias() += texture.C.middleRows(row, rows) * x;
+  });
+  return levels;
+}
+
+cv::Mat predict(const LinearDynamicTexture& texture, const cv::Mat& levels) {
+  return draw(texture, texture.A * project(texture, levels));
+}
+
+}  // namespace emberfold::dytex

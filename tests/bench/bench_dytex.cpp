@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// Learning a linear dynamic texture of 320 × 240 grey, 300 frames, n = 50, and drawing frames from one; and
+// what else could do it. On as many threads as there are, the peers as they come.
+#include <cmath>
+#include <vector>
+
+#include <Eigen/SVD>
+#include <benchmark/benchmark.h>
+#include <opencv2/core.hpp>
+
+#include "core/rng.hpp"
+#include "dytex/learn.hpp"
+#include "dytex/synthesize.hpp"
+
+using namespace emberfold;
+
+namespace {
+
+constexpr int kFrames = 300, kComponents = 50;
+
+/// Plane waves that travel, each at its own pace and strength, and grain.
+core::Clip make_clip(int depth) {
+  core::Clip clip{{320, 240, 1, depth, 25, depth == CV_8U ? 255.0 : 1.0, kFrames}, {}};
+  core::Rng rng(1);
+  struct Wave {
+    double x, y, pace, phase, strength;
+  };
+  std::vector<Wave> waves(40);
+  for (std::size_t i = 0; i < waves.size(); ++i)
+    waves[i] = {rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), rng.uniform(0, 0.5), rng.uniform(0, 6),
+                30 / (1 + 0.2 * static_cast<double>(i))};
+  for (int t = 0; t < kFrames; ++t) {
+    cv::Mat levels(clip.info.height, clip.info.width, CV_32F, cv::Scalar(128));
+    for (Wave& wave : waves) {
+      wave.phase += wave.pace + 0.05 * rng.normal();
+      for (int y = 0; y < levels.rows; ++y)
+        for (int x = 0; x < levels.cols; ++x)
+          levels.at<float>(y, x) +=
+              static_cast<float>(wave.strength * std::sin(wave.x * x + wave.y * y + wave.phase));
+    }
+    for (float& level : cv::Mat_<float>(levels)) level += static_cast<float>(2 * rng.normal());
+    levels.convertTo(levels, depth, depth == CV_8U ? 1.0 : 1 / 255.0);
+    clip.frames.push_back(levels);
+  }
+  return clip;
+}
+
+/// A row for each frame, as cv::PCA takes it; less the mean.
+cv::Mat rows_of(const core::Clip& clip, bool centred) {
+  cv::Mat rows;
+  for (const cv::Mat& frame : clip.frames) rows.push_back(core::to_levels(frame, clip.info).reshape(1, 1));
+  if (centred) {
+    cv::Mat mean;
+    cv::reduce(rows, mean, 0, cv::REDUCE_AVG);
+    for (int t = 0; t < rows.rows; ++t) rows.row(t) -= mean;
+  }
+  return rows;
+}
+
+void learn_texture(benchmark::State& state, int depth) {
+  const core::Clip clip = make_clip(depth);
+  for (auto _ : state) {
+    core::ClipSource source(clip);
+    benchmark::DoNotOptimize(dytex::learn(source, {.components = kComponents, .energy = {}}));
+  }
+}
+BENCHMARK_CAPTURE(learn_texture, bytes, CV_8U)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(learn_texture, floats, CV_32F)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void peer_eigen_svd(benchmark::State& state) {
+  const cv::Mat rows = rows_of(make_clip(CV_8U), true);
+  const Eigen::Map<const Eigen::MatrixXf> frames(rows.ptr<float>(), rows.cols, rows.rows);
+  for (auto _ : state) {
+    const Eigen::BDCSVD<Eigen::MatrixXf> svd(frames, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    benchmark::DoNotOptimize(svd.singularValues().data());
+  }
+}
+BENCHMARK(peer_eigen_svd)->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(1);
+
+void peer_opencv_pca(benchmark::State& state) {
+  const cv::Mat rows = rows_of(make_clip(CV_8U), false);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(cv::PCA(rows, {}, cv::PCA::DATA_AS_ROW, kComponents).eigenvalues.data);
+}
+BENCHMARK(peer_opencv_pca)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+dytex::LinearDynamicTexture make_texture(int width, int height, int channels) {
+  const Eigen::Index m = Eigen::Index{width} * height * channels, n = kComponents;
+  core::Rng rng(2);
+  dytex::LinearDynamicTexture texture;
+  texture.info = {width, height, channels, CV_8U, 25, 255, n};
+  texture.mean = Eigen::VectorXf::Constant(m, 128);
+  texture.C.resize(m, n);
+  for (float& c : texture.C.reshaped())
+    c = static_cast<float>(rng.uniform(-1, 1) / std::sqrt(static_cast<double>(m) / 3));
+  texture.A = 0.9 * Eigen::MatrixXd::Identity(n, n);
+  texture.B = 20 * std::sqrt(static_cast<double>(m) / n) * Eigen::MatrixXd::Identity(n, n);
+  texture.states = Eigen::MatrixXd::Zero(n, n);
+  texture.singular = Eigen::VectorXd::Zero(n);
+  return texture;
+}
+
+void synthesize(benchmark::State& state, int width, int height, int channels) {
+  const dytex::LinearDynamicTexture texture = make_texture(width, height, channels);
+  dytex::Synthesis synthesis(texture, {});
+  for (auto _ : state)
+    for (int i = 0; i < 8; ++i) benchmark::DoNotOptimize(synthesis.next().data);
+  state.SetItemsProcessed(state.iterations() * 8);
+}
+BENCHMARK_CAPTURE(synthesize, grey_320x240_8_frames, 320, 240, 1)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(synthesize, colour_1280x720_8_frames, 1280, 720, 3)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+/// Frame by frame as the formula says it.
+void peer_synthesize(benchmark::State& state, int width, int height, int channels) {
+  const dytex::LinearDynamicTexture texture = make_texture(width, height, channels);
+  Eigen::VectorXf x = Eigen::VectorXf::Ones(kComponents);
+  for (auto _ : state)
+    for (int i = 0; i < 8; ++i) {
+      x *= 0.99F;
+      Eigen::VectorXf y = texture.mean;
+      y.noalias() += texture.C * x;
+      cv::Mat bytes;
+      cv::Mat(height, width, CV_MAKETYPE(CV_32F, channels), y.data()).convertTo(bytes, CV_8U);
+      benchmark::DoNotOptimize(bytes.data);
+    }
+  state.SetItemsProcessed(state.iterations() * 8);
+}
+BENCHMARK_CAPTURE(peer_synthesize, grey_320x240_8_frames, 320, 240, 1)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(peer_synthesize, colour_1280x720_8_frames, 1280, 720, 3)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
