@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <unordered_map>
 
 namespace emberfold::mcmc::detail {
@@ -12,8 +13,7 @@ namespace {
 
 using graph::Point;
 
-constexpr double forgotten = 0.02;  // share of its start that a settled motion still shows
-constexpr int longest_settling = 3000;
+constexpr std::uint32_t coupled_settling = 30;  // frames
 
 // Neighbours by index.
 std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
@@ -38,24 +38,31 @@ class Field {
         components_(components) {}
 
   std::array<double, 2> at(Point p) {
-    const double step = 1.25 * reach_;
-    const auto x0 = static_cast<int>(std::floor(p.x / step)) - 1,
-               y0 = static_cast<int>(std::floor(p.y / step)) - 1;
+    const double u = p.x / reach_, v = p.y / reach_;
+    const auto x0 = static_cast<int>(std::floor(u / spacing)) - 1,
+               y0 = static_cast<int>(std::floor(v / spacing)) - 1;
+    std::array<double, 4> across{}, down{};
+    double power_x = 0, power_y = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double dx = u - spacing * (x0 + static_cast<int>(i)),
+                   dy = v - spacing * (y0 + static_cast<int>(i));
+      across[i] = std::exp(-0.5 * dx * dx), down[i] = std::exp(-0.5 * dy * dy);
+      power_x += across[i] * across[i], power_y += down[i] * down[i];
+    }
     std::array<double, 2> sum{};
-    double power = 0;
-    for (int y = y0; y < y0 + 4; ++y)
-      for (int x = x0; x < x0 + 4; ++x) {
-        const double dx = p.x / reach_ - x * 1.25, dy = p.y / reach_ - y * 1.25;
-        const double weight = std::exp(-0.5 * (dx * dx + dy * dy));
-        const auto& white = node(x, y);
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x) {
+        const double weight = across[static_cast<std::size_t>(x)] * down[static_cast<std::size_t>(y)];
+        const auto& white = node(x0 + x, y0 + y);
         for (std::size_t c = 0; c < 2; ++c) sum[c] += weight * white[c];
-        power += weight * weight;
       }
-    for (double& value : sum) value /= std::sqrt(power);
+    for (double& value : sum) value /= std::sqrt(power_x * power_y);
     return sum;
   }
 
  private:
+  static constexpr double spacing = 1.25;  // of the lattice, in reaches
+
   const std::array<double, 2>& node(int x, int y) {
     const auto key = (static_cast<std::uint32_t>(x) << 16U) ^ (static_cast<std::uint32_t>(y) & 0xffffU);
     const auto [found, is_new] = nodes_.try_emplace(key);
@@ -97,7 +104,7 @@ std::vector<Push> pushes(const Particles& p, const std::vector<std::vector<std::
     Field sway = field(model.sway.range, root, 0), gain = field(model.contrast.range, root, 1);
     for (std::size_t head = 0; head < queue.size(); ++head) {
       const std::size_t i = queue[head];
-      core::Rng alone(seed, {p.ids[i], 0, key(0)});
+      core::Rng alone(seed, {p.ids[i], 0, key(8)});
       Push& push = result[i];
       if (model.sway.range >= finest_range) {
         const auto [x, y] = sway.at(p.list[i].rest.position);
@@ -251,12 +258,26 @@ void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose pu
 }
 
 void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
-  const double radius = std::max(spectral_radius(model.sway), spectral_radius(model.contrast));
-  const int steps =
-      radius > 0 ? std::clamp(static_cast<int>(std::log(forgotten) / std::log(radius)), 1, longest_settling)
-                 : 1;
-  for (int step = 0; step < steps; ++step)
-    sway(p, model, seed, Purpose::start, static_cast<std::uint32_t>(step));
+  // Two frames of the stationary state: fields of the noise's own shape, as alike as the motion makes them.
+  const auto sides = neighbours(p);
+  const auto before = pushes(p, sides, model, seed, Purpose::start, 0);
+  const auto fresh = pushes(p, sides, model, seed, Purpose::start, 1);
+  const auto pair = [](const Autoregression& m, double deviation, double first, double second) {
+    const double alike = m.a1 / (1 - m.a2);
+    return std::pair{deviation * first, deviation * (alike * first + std::sqrt(1 - alike * alike) * second)};
+  };
+  const double sway_deviation = stationary_deviation(model.sway),
+               gain_deviation = stationary_deviation(model.contrast);
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    Particle& me = p.list[i];
+    std::tie(me.offset_before.x, me.offset.x) = pair(model.sway, sway_deviation, before[i].x, fresh[i].x);
+    std::tie(me.offset_before.y, me.offset.y) = pair(model.sway, sway_deviation, before[i].y, fresh[i].y);
+    std::tie(me.gain_before, me.gain) = pair(model.contrast, gain_deviation, before[i].gain, fresh[i].gain);
+  }
+  // Coupling shapes the state further; the motion itself brings it there.
+  if (model.sway.coupling <= 0 && model.contrast.coupling <= 0) return;
+  for (std::uint32_t step = 2; step < 2 + coupled_settling; ++step)
+    sway(p, model, seed, Purpose::start, step);
 }
 
 void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, int age,
