@@ -45,7 +45,7 @@ struct Info {
 dytex::LinearDynamicTexture read_texture(const std::string& name) {
   const auto archive = read_model(name, kTextureFormat);
   try {
-    return dytex::from_archive(archive);
+    return dytex::linear_dynamic_texture(archive);
   } catch (const core::IoError& error) {
     throw core::IoError(name + ": " + error.what());
   }
@@ -65,16 +65,6 @@ void fit_to_length(Learn& asked, const core::ClipInfo& info, const Session& sess
   asked.options.components = static_cast<int>(most);
   session.console.say(asked.reading.clip + " has " + std::to_string(*info.frames) +
                       " frames: " + std::to_string(most) + " components are learned");
-}
-
-void tell_transition(const dytex::LearnResult& learned, Session& session) {
-  if (learned.transition == dytex::Transition::least_squares) return;
-  std::ostringstream text;
-  text.precision(6);
-  text << "the least-squares fit of the motion is not stable (spectral radius "
-       << learned.least_squares_radius << "); the Yule-Walker one was taken ("
-       << dytex::spectral_radius(learned.texture.A) << ")";
-  session.warn(text.str());
 }
 
 Json learn_summary(const Learn& asked, const ReadOptions& read, const core::ClipInfo& info,
@@ -129,7 +119,7 @@ void run_learn(Learn asked, Session& session) {
       open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
   fit_to_length(asked, source->info(), session);
   const auto learned = learn_texture(asked, *source, session);
-  tell_transition(learned, session);
+  for (const auto& note : learned.notes) session.warn(note);
   stages.begin("write");
   write_model(folder.output(), "", dytex::to_archive(learned.texture));
   write_picture(folder.output(), learned.texture);
@@ -178,7 +168,7 @@ void run_synth(const Synth& asked, Session& session) {
   dytex::SynthesisOptions options;
   options.seed = session.common.seed;
   options.first_frame = start_frame(asked, texture);
-  options.noise = asked.noise;
+  options.pixel_noise = asked.noise;
   stages.begin("synthesize");
   const auto& info = texture.info;
   const auto writer = create_clip(asked.output, {info.width, info.height}, info.fps, info.channels == 3);

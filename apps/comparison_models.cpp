@@ -2,7 +2,6 @@
 #include "apps/comparison_models.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 #include "apps/clip_part.hpp"
 #include "apps/interrupt.hpp"
@@ -56,13 +55,7 @@ std::optional<dytex::LinearDynamicTexture> learn(core::FrameSource& source, int 
     options.components = std::min(options.components, frames - 1);
     auto learned = dytex::learn(source, options, session.context);
     if (learned.status == core::Status::cancelled) throw Interrupted{};
-    if (learned.transition != dytex::Transition::least_squares) {
-      std::ostringstream text;
-      text << "linear dynamic texture of " << what
-           << ": the least-squares fit is not stable (spectral radius " << learned.least_squares_radius
-           << "), the Yule-Walker one was taken";
-      session.warn(text.str());
-    }
+    for (const auto& note : learned.notes) session.warn("linear dynamic texture of " + what + ": " + note);
     return std::move(learned.texture);
   } catch (const core::InputError& error) {
     session.warn("no linear dynamic texture of " + what + ": " + error.what());

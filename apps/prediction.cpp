@@ -13,7 +13,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/reconstruct.hpp"
 #include "core/parallel.hpp"
-#include "dytex/predict.hpp"
+#include "dytex/synthesize.hpp"
 
 namespace emberfold::apps {
 

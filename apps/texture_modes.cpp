@@ -2,11 +2,11 @@
 #include "apps/texture_modes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+#include <iomanip>
 #include <limits>
 #include <numbers>
+#include <sstream>
 
 #include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
@@ -23,19 +23,14 @@ Json finite(double value, double step) {
   return std::isfinite(value) ? Json(std::round(value / step) * step) : Json(nullptr);
 }
 
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
-
-std::string frames_text(double frames) {
-  return std::isfinite(frames) ? line("%9.1f", frames) : "        -";
-}
-
-double deviation(const dytex::LinearDynamicTexture& texture) {
-  return std::sqrt(texture.r);
+// A number in a column of a table.
+std::string column(double value, int width, int digits) {
+  std::ostringstream out;
+  if (std::isfinite(value))
+    out << std::fixed << std::setprecision(digits) << std::setw(width) << value;
+  else
+    out << std::setw(width) << '-';
+  return out.str();
 }
 
 }  // namespace
@@ -97,23 +92,24 @@ Json texture_json(const dytex::LinearDynamicTexture& texture) {
 
 std::string texture_table(const dytex::LinearDynamicTexture& texture, std::size_t slowest) {
   const auto& info = texture.info;
-  std::string out = "linear dynamic texture\n";
-  out += line("  frames              %d x %d, %s, %g a second\n", info.width, info.height,
-              info.channels == 3 ? "colour" : "grey", info.fps);
-  out += line("  learned from        %lld frames\n", static_cast<long long>(texture.states.cols()));
-  out += line("  order               %lld components, driven by %lld noises\n",
-              static_cast<long long>(texture.order()), static_cast<long long>(texture.B.cols()));
-  out += line("  share of variance   %.2f %%\n", 100 * share_of_variance(texture, texture.order()));
-  out += line("  spectral radius     %.5f\n", dytex::spectral_radius(texture.A));
-  out += line("  left out            r = %.4g levels^2 (SD %.3g levels)\n", texture.r, deviation(texture));
+  std::ostringstream out;
+  out << "linear dynamic texture\n  frames              " << info.width << " x " << info.height << ", "
+      << (info.channels == 3 ? "colour" : "grey") << ", " << info.fps << " a second\n  learned from        "
+      << texture.states.cols() << " frames\n  order               " << texture.order()
+      << " components, driven by " << texture.B.cols() << " noises\n  share of variance   "
+      << column(100 * share_of_variance(texture, texture.order()), 0, 2) << " %\n  spectral radius     "
+      << column(dytex::spectral_radius(texture.A), 0, 5)
+      << "\n  left out            r = " << std::setprecision(4) << texture.r << " levels^2 (SD "
+      << std::sqrt(texture.r) << " levels)\n";
   const auto modes = texture_modes(texture);
-  if (modes.empty()) return out;
-  out += "\nslowest modes     radius    period     decay   (frames)\n";
+  if (modes.empty()) return out.str();
+  out << "\nslowest modes     radius    period     decay   (frames)\n";
   for (std::size_t i = 0; i < std::min(slowest, modes.size()); ++i)
-    out += line("  %3zu %-8s   %9.5f %s %s\n", i + 1, modes[i].pair ? "pair" : "real", modes[i].radius,
-                frames_text(modes[i].period()).c_str(), frames_text(modes[i].decay()).c_str());
-  if (modes.size() > slowest) out += line("  and %zu more\n", modes.size() - slowest);
-  return out;
+    out << std::setw(5) << i + 1 << (modes[i].pair ? " pair   " : " real   ")
+        << column(modes[i].radius, 11, 5) << column(modes[i].period(), 10, 1)
+        << column(modes[i].decay(), 10, 1) << '\n';
+  if (modes.size() > slowest) out << "  and " << modes.size() - slowest << " more\n";
+  return out.str();
 }
 
 }  // namespace emberfold::apps

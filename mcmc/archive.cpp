@@ -53,12 +53,8 @@ NpyArray pairs(std::vector<std::int64_t> values) {
 }
 
 Json motion_json(const Autoregression& m) {
-  return {{"a1", m.a1},
-          {"a2", m.a2},
-          {"coupling", m.coupling},
-          {"noise", m.noise},
-          {"correlation", m.correlation},
-          {"measurement", m.measurement}};
+  return {{"a1", m.a1},       {"a2", m.a2},       {"coupling", m.coupling},
+          {"noise", m.noise}, {"range", m.range}, {"measurement", m.measurement}};
 }
 
 // --- reading
@@ -102,8 +98,8 @@ std::array<double, N> numbers(const nlohmann::json& object, const char* key) {
 }
 
 Autoregression read_motion(const nlohmann::json& object) {
-  return {number(object, "a1"),    number(object, "a2"),          number(object, "coupling"),
-          number(object, "noise"), number(object, "correlation"), number(object, "measurement")};
+  return {number(object, "a1"),    number(object, "a2"),    number(object, "coupling"),
+          number(object, "noise"), number(object, "range"), number(object, "measurement")};
 }
 
 std::string shape_text(const std::vector<std::size_t>& shape) {
@@ -261,10 +257,9 @@ core::ModelArchive to_archive(const MotionModel& model) {
                      {"vanishing", model.vanishing}};
   core::ModelArchive archive;
   archive.text = json.dump(1) + "\n";
-  archive.arrays = {{"birth", map_array(rates.birth)},
-                    {"death", map_array(rates.death)},
-                    {"density", map_array(model.density)},
-                    {"drift_x", map_array(model.drift_x)},
+  archive.arrays = {{"birth", map_array(rates.birth)},           {"death", map_array(rates.death)},
+                    {"density", map_array(model.density)},       {"parting", map_array(rates.parting)},
+                    {"sway_share", map_array(model.sway_share)}, {"drift_x", map_array(model.drift_x)},
                     {"drift_y", map_array(model.drift_y)}};
   std::vector<double> patches, places, first;
   std::vector<std::int64_t> edges, sizes, first_edges;
@@ -312,6 +307,7 @@ MotionModel motion_model(const core::ModelArchive& archive) {
     refuse("\"cell\" is " + std::to_string(cell) + "; allowed is 1 to 65536 px");
   const auto map = [&](const char* name) { return read_map(archive, name, cell, model.width, model.height); };
   model.rates.birth = map("birth"), model.rates.death = map("death");
+  model.rates.parting = map("parting"), model.sway_share = map("sway_share");
   model.density = map("density");
   model.drift_x = map("drift_x"), model.drift_y = map("drift_y");
   read_exemplars(archive, model);

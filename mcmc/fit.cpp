@@ -17,7 +17,8 @@ namespace emberfold::mcmc {
 
 namespace {
 
-constexpr int shortest = 12;  // frames: shorter lineages tell no rest
+constexpr std::size_t shortest = 12;  // frames: shorter lineages tell no rest
+constexpr double few = 5;             // samples in a cell
 constexpr std::size_t most_exemplars = 300;
 
 // Each lineage's travel, less what the drift made of it.
@@ -86,6 +87,31 @@ CellMap usual_density(const graph::MotionGraph& motion) {
   return map;
 }
 
+// The SD of the travel about its mean in each cell, less what the sketch adds, over what is usual; where
+// little was seen nearer to 1.
+CellMap sway_by_place(const std::vector<detail::Lineage>& all, const Series& travel,
+                      const Autoregression& sway, const CellMap& grid) {
+  CellMap squares = grid, counts = grid;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (travel[i].size() < shortest) continue;
+    const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / double(travel[i].size());
+    for (std::size_t k = 0; k < travel[i].size(); ++k) {
+      const auto cell = grid.index(all[i].samples[k].position);
+      squares.values[cell] += (travel[i][k] - mean) * (travel[i][k] - mean);
+      ++counts.values[cell];
+    }
+  }
+  CellMap shares = grid;
+  const double error = sway.measurement * sway.measurement;
+  const double usual = sway.noise > 0 ? std::pow(stationary_deviation(sway), 2) : 0;
+  const auto s = spread(squares, 1), n = spread(counts, 1);
+  for (std::size_t c = 0; c < shares.values.size(); ++c) {
+    const double variance = (s[c] + few * (usual + error)) / (n[c] + few);
+    shares.values[c] = usual > 0 ? std::sqrt(std::clamp((variance - error) / usual, 0.01, 9.0)) : 1;
+  }
+  return shares;
+}
+
 void append(std::vector<std::string>& all, const std::vector<std::string>& more) {
   all.insert(all.end(), more.begin(), more.end());
 }
@@ -104,13 +130,13 @@ FitResult fit(const graph::MotionGraph& motion, const FitOptions& options, const
 
   context.report("fit", 0);
   const auto lineages = detail::lineages(motion);
-  const auto sides = detail::neighbours(motion, lineages);
   const Drift drift = measure_drift(lineages, grid_over(model.width, model.height));
   model.drift_x = drift.x, model.drift_y = drift.y;
   const Series travel = without_drift(lineages, drift);
-  const auto sway = estimate(moments(lineages, sides, travel, true, shortest), "sway");
-  const auto contrast = estimate(moments(lineages, sides, contrasts(lineages), false, shortest), "contrast");
+  const auto sway = estimate(moments(motion, lineages, travel, true, shortest), "sway");
+  const auto contrast = estimate(moments(motion, lineages, contrasts(lineages), false, shortest), "contrast");
   model.sway = sway.motion, model.contrast = contrast.motion;
+  model.sway_share = sway_by_place(lineages, travel, model.sway, grid_over(model.width, model.height));
   append(result.notes, sway.notes);
   append(result.notes, contrast.notes);
   model.appearing = way_in(lineages, frames, false);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <Eigen/LU>
@@ -14,7 +15,8 @@ namespace {
 constexpr int K = Moments::kLags;
 constexpr double most_stable = 0.995;  // spectral radius that an unstable fit is drawn back to
 constexpr double fewest_windows = 100;
-constexpr double most_alike = 0.98;  // correlation of neighbours' noise
+constexpr double bin = 5;         // px, of distances
+constexpr double parallel = 0.8;  // cosine: curves that turn more say nothing of each other
 
 // Deviations from the lineage's mean, and the neighbours' mean deviation less its own, frame by frame.
 struct Deviations {
@@ -100,33 +102,75 @@ double measurement(const Moments& m, const Autoregression& motion) {
   return std::sqrt(std::clamp(-lag_one / loading, 0.0, 0.5 * m.own(0, 0) / m.windows));
 }
 
-// The noise that gives the deviations the variance and the likeness between neighbours that were measured,
-// less what the sketch added.
+// c exp(−h²/2 range²), fitted to how deviations correlate over distance.
+struct Likeness {
+  double share = 1, range = 0;
+};
+Likeness likeness(const Moments& m, double variance) {
+  Likeness best;
+  double least = std::numeric_limits<double>::infinity();
+  for (double range = 2; range < 200; range *= 1.1) {
+    double pp = 0, pc = 0, cc = 0;
+    for (std::size_t i = 0; i < m.pairs.size(); ++i) {
+      const double h = bin * (static_cast<double>(i) + 0.5), p = std::exp(-0.5 * h * h / (range * range));
+      if (m.pairs[i] < fewest_windows) continue;
+      const double c = m.products[i] / m.pairs[i] / variance;
+      pp += p * p, pc += p * c, cc += c * c;
+    }
+    if (pp <= 0) continue;
+    const double share = std::clamp(pc / pp, 0.0, 1.0), off = cc - 2 * share * pc + share * share * pp;
+    if (off < least) least = off, best = {share, range};
+  }
+  return best;
+}
+
+// The noise that gives the deviations the variance that was measured, as far as it goes on along the curves.
 void take_noise(const Moments& m, Autoregression& motion) {
   motion.measurement = measurement(m, motion);
-  const double variance = m.own(0, 0) / m.windows - motion.measurement * motion.measurement;
-  const double alike = m.pairs > 0 && variance > 0 ? m.next(0, 0) / m.pairs / variance : 0;
+  const double variance = m.own(0, 0) / m.windows;
+  if (variance <= 0) return;
+  const Likeness along = likeness(m, variance);
+  motion.range = along.range;
+  const double own = std::min(along.share * variance, variance - motion.measurement * motion.measurement);
   motion.noise = 1;
-  double low = 0, high = most_alike;
-  for (int round = 0; round < 40; ++round) {
-    motion.correlation = (low + high) / 2;
-    (stationary(motion).correlation < alike ? low : high) = motion.correlation;
-  }
-  motion.noise = std::sqrt(std::max(0.0, variance)) / stationary(motion).deviation;
+  motion.noise = std::sqrt(own) / stationary_deviation(motion);
+}
+
+// The frame's pairs of lineages on one stroke.
+void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t frame,
+               const std::vector<std::uint32_t>& there, const std::vector<detail::Lineage>& all,
+               const Series& deviation, bool turns) {
+  const auto parts = graph::components(graph);
+  std::vector<std::vector<std::uint32_t>> strokes(parts.count);
+  const auto at = [&](std::uint32_t i) { return frame - static_cast<std::size_t>(all[i].first); };
+  for (const auto i : there) strokes[parts.of_vertex[all[i].samples[at(i)].vertex]].push_back(i);
+  for (const auto& stroke : strokes)
+    for (std::size_t p = 0; p < stroke.size(); ++p)
+      for (std::size_t q = 0; q < p; ++q) {
+        const auto& a = all[stroke[p]].samples[at(stroke[p])];
+        const auto& b = all[stroke[q]].samples[at(stroke[q])];
+        const auto apart = static_cast<std::size_t>(graph::distance(a.position, b.position) / bin);
+        const double facing = graph::dot(a.normal, b.normal);
+        if (apart >= sums.pairs.size() || std::abs(facing) < parallel) continue;
+        const double product = deviation[stroke[p]][at(stroke[p])] * deviation[stroke[q]][at(stroke[q])];
+        sums.products[apart] += turns && facing < 0 ? -product : product;
+        ++sums.pairs[apart];
+      }
 }
 
 }  // namespace
 
 Moments& Moments::operator+=(const Moments& other) {
-  own += other.own, next += other.next;
-  windows += other.windows, pairs += other.pairs;
+  own += other.own;
+  windows += other.windows;
+  for (std::size_t i = 0; i < pairs.size(); ++i) products[i] += other.products[i], pairs[i] += other.pairs[i];
   return *this;
 }
 
-Moments moments(const std::vector<detail::Lineage>& all, const detail::Neighbours& sides,
-                const Series& series, bool turns, int shortest) {
-  const Deviations d = deviations(all, sides, series, turns);
-  const auto taken = [&](std::size_t i) { return d.own[i].size() >= static_cast<std::size_t>(shortest); };
+Moments moments(const graph::MotionGraph& motion, const std::vector<detail::Lineage>& all,
+                const Series& series, bool turns, std::size_t shortest) {
+  const Deviations d = deviations(all, detail::neighbours(motion, all), series, turns);
+  const auto taken = [&](std::size_t i) { return d.own[i].size() >= shortest; };
   Moments sums;
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t t = K - 1; taken(i) && t < d.own[i].size(); ++t) {
@@ -134,14 +178,12 @@ Moments moments(const std::vector<detail::Lineage>& all, const detail::Neighbour
       sums.own += psi * psi.transpose();
       ++sums.windows;
     }
-  for (std::size_t t = 0; t < sides.frames.size(); ++t)
-    for (const auto& [a, b, sense] : sides.frames[t]) {
-      const auto at_a = t - static_cast<std::size_t>(all[a].first),
-                 at_b = t - static_cast<std::size_t>(all[b].first);
-      if (!taken(a) || !taken(b) || at_a < K - 1 || at_b < K - 1) continue;
-      sums.next += (turns ? sense : 1) * window(d, a, at_a) * window(d, b, at_b).transpose();
-      ++sums.pairs;
-    }
+  std::vector<std::vector<std::uint32_t>> there(motion.sketch.frames.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i)
+    for (std::size_t k = 0; taken(i) && k < all[i].samples.size(); ++k)
+      there[static_cast<std::size_t>(all[i].first) + k].push_back(i);
+  for (std::size_t t = 0; t < there.size(); ++t)
+    add_pairs(sums, motion.sketch.frames[t], t, there[t], all, d.own, turns);
   return sums;
 }
 

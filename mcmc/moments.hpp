@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,10 @@ namespace emberfold::mcmc {
 struct Moments {
   static constexpr int kLags = 5;
   using Matrix = Eigen::Matrix<double, 2 * kLags, 2 * kLags>;
-  Matrix own = Matrix::Zero();   ///< Σ ψ ψᵀ
-  double windows = 0;            ///< how many
-  Matrix next = Matrix::Zero();  ///< Σ ψ ψ′ᵀ over neighbours' windows of the same frames
-  double pairs = 0;
+  Matrix own = Matrix::Zero();  ///< Σ ψ ψᵀ
+  double windows = 0;           ///< how many
+  /// Σ d(t) d′(t) over pairs of lineages on one stroke, and how many, by their distance: up to 5 px, 10 px …
+  std::array<double, 8> products{}, pairs{};
 
   Moments& operator+=(const Moments& other);
 };
@@ -29,8 +30,8 @@ struct Moments {
 using Series = std::vector<std::vector<double>>;
 
 /// Lineages shorter than `shortest` frames are left out: their mean is no rest.
-Moments moments(const std::vector<detail::Lineage>& lineages, const detail::Neighbours& neighbours,
-                const Series& series, bool turns_with_normal, int shortest);
+Moments moments(const graph::MotionGraph& motion, const std::vector<detail::Lineage>& lineages,
+                const Series& series, bool turns_with_normal, std::size_t shortest);
 
 struct Estimate {
   Autoregression motion;
@@ -40,8 +41,9 @@ struct Estimate {
 /// Least squares on the moments. What the sketch adds to the deviations in each frame alone would bias it
 /// towards faster decay; where that can be told apart it is kept out by taking deviations three and four
 /// frames back as instruments (two-stage least squares), which share no such error with the window's newest
-/// three. An estimate that is not stable is drawn back to a spectral radius of 0.995, and a note says so.
-/// `what` names the attribute in notes.
+/// three. What does not go on along the curve is taken for the sketch's, too: the noise gets the variance and
+/// the range of what does. An estimate that is not stable is drawn back to a spectral radius of 0.995, and a
+/// note says so. `what` names the attribute in notes.
 Estimate estimate(const Moments& moments, const std::string& what);
 
 }  // namespace emberfold::mcmc

@@ -28,11 +28,11 @@ void check(bool holds, const std::string& part, const std::string& why) {
 }
 
 void check(const Autoregression& m, const std::string& part) {
-  for (const double value : {m.a1, m.a2, m.coupling, m.noise, m.correlation, m.measurement})
+  for (const double value : {m.a1, m.a2, m.coupling, m.noise, m.range, m.measurement})
     check(std::isfinite(value), part, "holds a number that is not finite");
   check(m.coupling >= 0 && m.coupling <= 1, part, "has a coupling outside 0…1");
   check(m.noise >= 0 && m.measurement >= 0, part, "has a negative deviation");
-  check(m.correlation >= 0 && m.correlation < 1, part, "has a correlation outside [0, 1)");
+  check(m.range >= 0 && m.range <= 1e4, part, "has a range outside 0…10000 px");
   const double r = spectral_radius(m);
   check(r < 1, part, "is not stable: spectral radius " + std::to_string(r) + ", allowed is below 1");
 }
@@ -65,22 +65,21 @@ double spectral_radius(const Autoregression& m) {
   return largest;
 }
 
-Stationary stationary(const Autoregression& m) {
-  if (!(spectral_radius(m) < 1))
-    throw core::InputError("a motion that is not stable has no stationary state");
+double stationary_deviation(const Autoregression& m) {
+  const double worst = spectral_radius(m);
+  if (!(worst < 1)) throw core::InputError("a motion that is not stable has no stationary state");
   // Along an endless curve every spatial frequency is an AR(2) of its own.
   constexpr int steps = 256;
-  double variance = 0, beside = 0;
+  constexpr double spacing = 5;  // px from patch to patch
+  double variance = 0, mass = 0;
   for (int i = 0; i < steps; ++i) {
-    const double cosine = std::cos(std::numbers::pi * (i + 0.5) / steps);
-    const double a = m.a1 - m.coupling * (1 - cosine), b = m.a2;
-    const double force = (1 - m.correlation * m.correlation) /
-                         (1 + m.correlation * m.correlation - 2 * m.correlation * cosine);
-    const double power = force * (1 - b) / ((1 + b) * ((1 - b) * (1 - b) - a * a));
-    variance += power / steps;
-    beside += power * cosine / steps;
+    const double frequency = std::numbers::pi * (i + 0.5) / steps;
+    const double a = m.a1 - m.coupling * (1 - std::cos(frequency)), b = m.a2;
+    const double force = std::exp(-0.5 * std::pow(frequency * m.range / spacing, 2));
+    variance += force * (1 - b) / ((1 + b) * ((1 - b) * (1 - b) - a * a));
+    mass += force;
   }
-  return {m.noise * std::sqrt(variance), variance > 0 ? beside / variance : 0};
+  return m.noise * std::sqrt(variance / mass);
 }
 
 std::size_t CellMap::index(graph::Point p) const {
@@ -109,6 +108,8 @@ void validate(const MotionModel& model) {
   check(model.drift_y, model, "drift_y", -1e6);
   check(model.rates.birth, model, "the birth map", 0);
   check(model.rates.death, model, "the death map", 0);
+  check(model.rates.parting, model, "the parting map", 0);
+  check(model.sway_share, model, "sway_share", 0);
   check(model.density, model, "the density map", 0);
   for (const double share : model.rates.birth_by_size) check_share(share, "a share of births");
   for (const double rate : model.rates.death_by_size) check_share(rate, "a death rate");

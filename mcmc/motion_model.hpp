@@ -11,24 +11,21 @@ namespace emberfold::mcmc {
 
 /// How one attribute d of a patch, its deviation from rest, goes on from frame to frame:
 ///   d(t+1) = a1 d(t) + a2 d(t−1) + coupling (n̄(t) − d(t)) + e
-/// where n̄ is the mean over the patch's neighbours in the graph and e ~ N(0, noise²), correlated along the
-/// curve: from one patch to the next by `correlation` (Wang & Zhu 2004, eq. 9).
+/// where n̄ is the mean over the patch's neighbours in the graph and e ~ N(0, noise²), independent in time and
+/// smooth along a stroke: at h px from each other two patches' e correlate by exp(−h²/2 range²) (Wang & Zhu
+/// 2004, eq. 3, with the inertia of two frames).
 struct Autoregression {
   double a1 = 0, a2 = 0, coupling = 0;
   double noise = 0;        ///< SD of e, ≥ 0
-  double correlation = 0;  ///< of neighbours' e, [0, 1)
+  double range = 0;        ///< px, ≥ 0
   double measurement = 0;  ///< SD of what the sketch adds to d in each frame alone, ≥ 0; not drawn
 
   bool operator==(const Autoregression&) const = default;
 };
 /// The largest growth of a deviation in a frame, over all couplings that a graph can make; below 1: stable.
 double spectral_radius(const Autoregression& motion);
-/// The stationary state along a long curve. InputError where there is none.
-struct Stationary {
-  double deviation = 0;    ///< SD of d
-  double correlation = 0;  ///< of neighbours' d
-};
-Stationary stationary(const Autoregression& motion);
+/// SD of d in the stationary state along a long curve. InputError where there is none.
+double stationary_deviation(const Autoregression& motion);
 
 /// A number for each cell of a grid over the frame, row by row; it holds for all of the cell.
 struct CellMap {
@@ -53,11 +50,12 @@ struct OperatorRates {
   std::array<double, kSizes> birth_by_size{};  ///< shares of births, sum 1
   CellMap death;                               ///< relative to `death_by_size`, about 1
   std::array<double, kSizes> death_by_size{};  ///< per stroke
-  double split = 0;                            ///< per inner patch of a curve
-  double merge = 0;                            ///< per pair of ends that continue each other
-  double connect = 0;                          ///< per pair of strokes near each other, in no line
-  double disconnect = 0;                       ///< per arm of a junction, or corner
-  double reach = 24;                           ///< px: strokes farther apart neither merge nor connect
+  CellMap parting;        ///< of splits and disconnects, relative to their rates, about 1
+  double split = 0;       ///< per inner patch of a curve
+  double merge = 0;       ///< per pair of ends that continue each other
+  double connect = 0;     ///< per pair of strokes near each other, in no line
+  double disconnect = 0;  ///< per arm of a junction, or corner
+  double reach = 24;      ///< px: strokes farther apart neither merge nor connect
   double split_gap = 10, disconnect_gap = 10;  ///< px: from end to end where a stroke came apart
   bool operator==(const OperatorRates&) const = default;
 };
@@ -77,6 +75,7 @@ struct MotionModel {
   int frames = 0;  ///< of the clip it was learned from
 
   Autoregression sway;       ///< of the displacement from the rest shape, px, each coordinate alike
+  CellMap sway_share;        ///< of the sway's SD that is usual in each cell; about 1
   Autoregression contrast;   ///< of the logarithm of the contrast
   CellMap drift_x, drift_y;  ///< px a frame: how the rest shapes travel
   OperatorRates rates;

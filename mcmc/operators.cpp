@@ -20,7 +20,7 @@ using Index = std::uint32_t;
 constexpr double crowd_reach = 2;      // cells
 constexpr double spacing = 5;          // px between the patches of a bridge
 constexpr double margin = 8;           // px beyond the frame where nothing is seen any more
-constexpr double likeness = 40;        // px: exemplars seen as near as this are like what is born here
+constexpr double astray = 4;           // px, SD: how far from where it was seen an exemplar is born
 constexpr double most_clearance = 40;  // px: strokes farther apart do not keep each other away
 
 // A frame's strokes while operators are drawn for them.
@@ -41,6 +41,9 @@ struct Scene {
   // ... and what brings some, more often where it is bare.
   bool bring(Index vertex, double rate) {
     return rng.uniform() * crowd.at(graph.patch(vertex).position) < rate && !busy[parts.of_vertex[vertex]];
+  }
+  [[nodiscard]] double parting(Index vertex) const {
+    return model.rates.parting.at(graph.patch(vertex).position);
   }
   void take(Index vertex) { busy[parts.of_vertex[vertex]] = true; }
   void count(graph::EventType type) { ++done[static_cast<std::size_t>(type)]; }
@@ -102,7 +105,7 @@ std::size_t patches_of(double gap) {
 void split(Scene& scene, const Sites& found) {
   const auto wide = patches_of(scene.model.rates.split_gap);
   for (const Index v : found.inner) {
-    if (!scene.strike(v, scene.model.rates.split)) continue;
+    if (!scene.strike(v, scene.model.rates.split * scene.parting(v))) continue;
     scene.take(v);
     scene.count(EventType::split);
     scene.fade(v);
@@ -115,7 +118,7 @@ void split(Scene& scene, const Sites& found) {
 void come_apart(Scene& scene, const Sites& found) {
   const auto wide = patches_of(scene.model.rates.disconnect_gap);
   for (const auto& [hub, first] : found.arms) {
-    if (!scene.strike(hub, scene.model.rates.disconnect)) continue;
+    if (!scene.strike(hub, scene.model.rates.disconnect * scene.parting(hub))) continue;
     scene.take(hub);
     scene.count(EventType::disconnect);
     const Run arm = run(scene.graph, hub, first, 2 * wide + kPiece);
@@ -192,24 +195,25 @@ CellMap crowding(const graph::AttributeGraph& graph, const CellMap& usual) {
   return now;
 }
 
-// A place by the birth map.
-Point draw_place(const CellMap& map, core::Rng& rng) {
-  const auto cell = rng.categorical(map.values);
-  const auto columns = static_cast<std::size_t>(map.columns);
-  return {(static_cast<double>(cell % columns) + rng.uniform()) * map.cell - 0.5,
-          (static_cast<double>(cell / columns) + rng.uniform()) * map.cell - 0.5};
-}
-
-// One of the exemplars of a size, rather one that was seen near the place.
-const Exemplar& draw_exemplar(Scene& scene, Point place) {
+// How likely each exemplar is to be born: by its size, and where it was seen by the birth map, over how many
+// strokes were seen there.
+std::vector<double> birth_weights(const Scene& scene) {
   const auto& model = scene.model;
-  const auto size = scene.rng.categorical(model.rates.birth_by_size);
+  double mean = 0;
+  for (const double value : model.density.values)
+    mean += value / static_cast<double>(model.density.values.size());
   std::vector<double> weights;
+  std::array<double, kSizes> sums{};
   for (const auto& exemplar : model.exemplars) {
-    const double away = graph::distance(exemplar.place, place) / likeness;
-    weights.push_back(size_class(exemplar.graph.size()) == size ? std::exp(-0.5 * away * away) + 1e-6 : 0);
+    weights.push_back((model.rates.birth.at(exemplar.place) + 1e-12) /
+                      (model.density.at(exemplar.place) + 0.1 * mean + 1e-12));
+    sums[size_class(exemplar.graph.size())] += weights.back();
   }
-  return model.exemplars[scene.rng.categorical(weights)];
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const auto size = size_class(model.exemplars[i].graph.size());
+    weights[i] *= model.rates.birth_by_size[size] / sums[size];
+  }
+  return weights;
 }
 
 int poisson(double mean, core::Rng& rng) {
@@ -241,19 +245,20 @@ double clearance(const Scene& scene, const graph::AttributeGraph& stroke, Point 
   return std::sqrt(nearest);
 }
 
-// A place for one of the exemplars: as much by itself as it was seen, or as nearly so as some tries allow.
+// An exemplar and a place about where it was seen: as much by itself as it was there, or as nearly so as some
+// tries allow.
 struct Cradle {
   const Exemplar* exemplar = nullptr;
   Point place;
 };
-Cradle find_cradle(Scene& scene) {
+Cradle find_cradle(Scene& scene, const std::vector<double>& weights) {
   Cradle best;
   double most_free = -1;
   for (int tries = 0; tries < 20 && most_free < 1; ++tries) {
-    const Point place = draw_place(scene.model.rates.birth, scene.rng);
+    const Exemplar& exemplar = scene.model.exemplars[scene.rng.categorical(weights)];
+    const Point place = exemplar.place + Point{scene.rng.normal(), scene.rng.normal()} * astray;
     const double crowded = scene.crowd.at(place);
     if (best.exemplar && scene.rng.uniform() * crowded * crowded > 1) continue;
-    const Exemplar& exemplar = draw_exemplar(scene, place);
     const double asked = std::clamp(exemplar.clearance, 1.0, most_clearance);
     const double free = clearance(scene, exemplar.graph, place, asked) / asked;
     if (free > most_free) best = {&exemplar, place}, most_free = free;
@@ -272,8 +277,10 @@ void give_birth(Scene& scene, std::uint64_t seed) {
   }
   // Fewer than usual are there: more are born.
   if (crowded > 0) births *= usual * usual / (crowded * crowded);
-  for (int left = births > 0 ? poisson(births, scene.rng) : 0; left > 0; --left) {
-    const Cradle cradle = find_cradle(scene);
+  if (births <= 0) return;
+  const auto weights = birth_weights(scene);
+  for (int left = poisson(births, scene.rng); left > 0; --left) {
+    const Cradle cradle = find_cradle(scene, weights);
     scene.count(EventType::birth);
     add_settled(scene.particles, cradle.exemplar->graph, cradle.place, 0, model, seed);
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <unordered_map>
 
 namespace emberfold::mcmc::detail {
 
@@ -11,8 +13,7 @@ namespace {
 
 using graph::Point;
 
-constexpr double forgotten = 0.02;  // share of its start that a settled motion still shows
-constexpr int longest_settling = 3000;
+constexpr std::uint32_t coupled_settling = 30;  // frames
 
 // Neighbours by index.
 std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
@@ -24,44 +25,97 @@ std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
   return result;
 }
 
+// Standard normal at every place, correlated between them by exp(−h²/2 range²): white noise on a lattice,
+// weighted by Gaussians. One stroke's field at one step.
+class Field {
+ public:
+  Field(double range, std::uint64_t seed, std::uint32_t stroke, std::uint32_t purpose_and_step,
+        int components)
+      : reach_(range / std::numbers::sqrt2),
+        seed_(seed),
+        stroke_(stroke),
+        key_(purpose_and_step),
+        components_(components) {}
+
+  std::array<double, 2> at(Point p) {
+    const double u = p.x / reach_, v = p.y / reach_;
+    const auto x0 = static_cast<int>(std::floor(u / spacing)) - 1,
+               y0 = static_cast<int>(std::floor(v / spacing)) - 1;
+    std::array<double, 4> across{}, down{};
+    double power_x = 0, power_y = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double dx = u - spacing * (x0 + static_cast<int>(i)),
+                   dy = v - spacing * (y0 + static_cast<int>(i));
+      across[i] = std::exp(-0.5 * dx * dx), down[i] = std::exp(-0.5 * dy * dy);
+      power_x += across[i] * across[i], power_y += down[i] * down[i];
+    }
+    std::array<double, 2> sum{};
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x) {
+        const double weight = across[static_cast<std::size_t>(x)] * down[static_cast<std::size_t>(y)];
+        const auto& white = node(x0 + x, y0 + y);
+        for (std::size_t c = 0; c < 2; ++c) sum[c] += weight * white[c];
+      }
+    for (double& value : sum) value /= std::sqrt(power_x * power_y);
+    return sum;
+  }
+
+ private:
+  static constexpr double spacing = 1.25;  // of the lattice, in reaches
+
+  const std::array<double, 2>& node(int x, int y) {
+    const auto key = (static_cast<std::uint32_t>(x) << 16U) ^ (static_cast<std::uint32_t>(y) & 0xffffU);
+    const auto [found, is_new] = nodes_.try_emplace(key);
+    if (is_new) {
+      core::Rng rng(seed_, {stroke_, key, key_});
+      for (int c = 0; c < components_; ++c) found->second[static_cast<std::size_t>(c)] = rng.normal();
+    }
+    return found->second;
+  }
+  double reach_;
+  std::uint64_t seed_;
+  std::uint32_t stroke_, key_;
+  int components_;
+  std::unordered_map<std::uint32_t, std::array<double, 2>> nodes_;  // looked up, never walked through
+};
+
 struct Push {
   double x = 0, y = 0, gain = 0;
 };
 
-Push fresh(std::uint64_t seed, Purpose purpose, std::uint32_t id, std::uint32_t step) {
-  core::Rng rng(seed, {id, step, static_cast<std::uint32_t>(purpose)});
-  Push push;
-  push.x = rng.normal(), push.y = rng.normal(), push.gain = rng.normal();
-  return push;
-}
+constexpr double finest_range = 3;  // px: below it neighbours have nothing in common
 
-Push blend(const Push& parent, const Push& own, const MotionModel& model) {
-  const auto mix = [](double a, double b, double alike) {
-    return alike * a + std::sqrt(1 - alike * alike) * b;
-  };
-  const double sway = model.sway.correlation, gain = model.contrast.correlation;
-  return {mix(parent.x, own.x, sway), mix(parent.y, own.y, sway), mix(parent.gain, own.gain, gain)};
-}
-
-// Standard normal, correlated between neighbours: handed on from particle to particle along a spanning
-// forest.
+// Each particle's noise, of unit variance.
 std::vector<Push> pushes(const Particles& p, const std::vector<std::vector<std::uint32_t>>& sides,
                          const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
   std::vector<Push> result(p.list.size());
   std::vector<bool> reached(p.list.size());
   std::vector<std::size_t> queue;
+  const auto key = [&](std::uint32_t which) {
+    return (step << 4U) | (static_cast<std::uint32_t>(purpose) << 1U) | which;
+  };
+  const auto field = [&](double range, std::size_t root, std::uint32_t which) {
+    return Field(range, seed, p.ids[root], key(which), which == 0 ? 2 : 1);
+  };
   for (std::size_t root = 0; root < p.list.size(); ++root) {
     if (reached[root]) continue;
     reached[root] = true;
-    result[root] = fresh(seed, purpose, p.ids[root], step);
     queue.assign(1, root);
-    for (std::size_t head = 0; head < queue.size(); ++head)
-      for (const auto next : sides[queue[head]]) {
-        if (reached[next]) continue;
-        reached[next] = true;
-        result[next] = blend(result[queue[head]], fresh(seed, purpose, p.ids[next], step), model);
-        queue.push_back(next);
+    Field sway = field(model.sway.range, root, 0), gain = field(model.contrast.range, root, 1);
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      const std::size_t i = queue[head];
+      core::Rng alone(seed, {p.ids[i], 0, key(8)});
+      Push& push = result[i];
+      if (model.sway.range >= finest_range) {
+        const auto [x, y] = sway.at(p.list[i].rest.position);
+        push.x = x, push.y = y;
+      } else {
+        push.x = alone.normal(), push.y = alone.normal();
       }
+      push.gain = model.contrast.range >= finest_range ? gain.at(p.list[i].rest.position)[0] : alone.normal();
+      for (const auto next : sides[i])
+        if (!reached[next]) reached[next] = true, queue.push_back(next);
+    }
   }
   return result;
 }
@@ -138,6 +192,20 @@ graph::AttributeGraph make_graph(const Particles& p, const MotionModel* model) {
 
 }  // namespace
 
+namespace {
+
+// The map at a place, linear between the cells' middles.
+double between_cells(const CellMap& map, Point p) {
+  const double x = (p.x + 0.5) / map.cell - 0.5, y = (p.y + 0.5) / map.cell - 0.5;
+  const double u = x - std::floor(x), v = y - std::floor(y);
+  const auto value = [&](double dx, double dy) {
+    return map.at({(std::floor(x) + dx + 0.5) * map.cell - 0.5, (std::floor(y) + dy + 0.5) * map.cell - 0.5});
+  };
+  return (1 - v) * ((1 - u) * value(0, 0) + u * value(1, 0)) + v * ((1 - u) * value(0, 1) + u * value(1, 1));
+}
+
+}  // namespace
+
 std::uint32_t Particles::add(const Particle& particle) {
   ids.push_back(next_id++);
   list.push_back(particle);
@@ -190,12 +258,26 @@ void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose pu
 }
 
 void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
-  const double radius = std::max(spectral_radius(model.sway), spectral_radius(model.contrast));
-  const int steps =
-      radius > 0 ? std::clamp(static_cast<int>(std::log(forgotten) / std::log(radius)), 1, longest_settling)
-                 : 1;
-  for (int step = 0; step < steps; ++step)
-    sway(p, model, seed, Purpose::start, static_cast<std::uint32_t>(step));
+  // Two frames of the stationary state: fields of the noise's own shape, as alike as the motion makes them.
+  const auto sides = neighbours(p);
+  const auto before = pushes(p, sides, model, seed, Purpose::start, 0);
+  const auto fresh = pushes(p, sides, model, seed, Purpose::start, 1);
+  const auto pair = [](const Autoregression& m, double deviation, double first, double second) {
+    const double alike = m.a1 / (1 - m.a2);
+    return std::pair{deviation * first, deviation * (alike * first + std::sqrt(1 - alike * alike) * second)};
+  };
+  const double sway_deviation = stationary_deviation(model.sway),
+               gain_deviation = stationary_deviation(model.contrast);
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    Particle& me = p.list[i];
+    std::tie(me.offset_before.x, me.offset.x) = pair(model.sway, sway_deviation, before[i].x, fresh[i].x);
+    std::tie(me.offset_before.y, me.offset.y) = pair(model.sway, sway_deviation, before[i].y, fresh[i].y);
+    std::tie(me.gain_before, me.gain) = pair(model.contrast, gain_deviation, before[i].gain, fresh[i].gain);
+  }
+  // Coupling shapes the state further; the motion itself brings it there.
+  if (model.sway.coupling <= 0 && model.contrast.coupling <= 0) return;
+  for (std::uint32_t step = 2; step < 2 + coupled_settling; ++step)
+    sway(p, model, seed, Purpose::start, step);
 }
 
 void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, int age,
@@ -206,6 +288,7 @@ void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, 
     Particle particle;
     particle.rest = vertex.patch;
     particle.rest.position = particle.rest.position + place;
+    particle.share = between_cells(model.sway_share, particle.rest.position);
     particle.age = age;
     fresh.add(particle);
   }

@@ -14,12 +14,13 @@ namespace emberfold::mcmc::detail {
 /// A patch of a synthesized clip.
 struct Particle {
   graph::Patch rest;                   ///< as it is at rest; its position too
-  graph::Point offset, offset_before;  ///< px from rest, now and a frame ago
+  graph::Point offset, offset_before;  ///< px from rest where the sway is usual, now and a frame ago
+  double share = 1;                    ///< of the usual sway that it shows
   double gain = 0, gain_before = 0;    ///< logarithm of its contrast over that at rest
   int age = 0;                         ///< frames since it appeared
   int leaving = -1;                    ///< frames until it goes; −1: it stays
 
-  [[nodiscard]] graph::Point position() const { return rest.position + offset; }
+  [[nodiscard]] graph::Point position() const { return rest.position + offset * share; }
 };
 
 /// The strokes of a moment: particles, with ids that ascend and are never used again, and edges by index.
@@ -43,10 +44,10 @@ graph::AttributeGraph shape(const Particles& particles);
 graph::AttributeGraph appearance(const Particles& particles, const MotionModel& model);
 
 /// What random numbers are drawn for.
-enum class Purpose : std::uint32_t { start = 1, motion, operators };
+enum class Purpose : std::uint32_t { start = 1, motion, operators };  // below 8
 
-/// One step of the auto-regressions: noise is drawn by (id, step), correlated along the edges of a spanning
-/// forest.
+/// One step of the auto-regressions. The noise is a smooth random field about each stroke, drawn by the
+/// stroke's lowest id, the place and the step.
 void sway(Particles& particles, const MotionModel& model, std::uint64_t seed, Purpose purpose,
           std::uint32_t step);
 

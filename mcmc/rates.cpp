@@ -33,17 +33,25 @@ double rate(const OperatorCounts::Tally& tally, const OperatorCounts::Tally& all
   return std::min(1.0, (tally.happened + doubt) / (tally.could + doubt / mean));
 }
 
-void count_strokes(const graph::AttributeGraph& graph, OperatorCounts& counts,
-                   std::array<CellMap, kSizes>& by_size) {
+// Where what could happen was.
+struct Could {
+  std::array<CellMap, kSizes> die;
+  CellMap split, disconnect;
+};
+
+void count_strokes(const graph::AttributeGraph& graph, OperatorCounts& counts, Could& could) {
   const auto parts = graph::components(graph);
   for (const auto& stroke : strokes(parts)) {
     const auto size = size_class(stroke.size());
     ++counts.death[size].could;
-    ++by_size[size].values[by_size[size].index(middle(graph, stroke))];
+    ++could.die[size].values[could.die[size].index(middle(graph, stroke))];
   }
   const Sites found = sites(graph, parts, counts.reach);
   counts.split.could += static_cast<double>(found.inner.size());
   counts.disconnect.could += static_cast<double>(found.arms.size());
+  const auto at = [&](std::uint32_t v) { return could.split.index(graph.patch(v).position); };
+  for (const auto v : found.inner) ++could.split.values[at(v)];
+  for (const auto& arm : found.arms) ++could.disconnect.values[at(arm.a)];
   counts.merge.could += static_cast<double>(found.facing.size());
   counts.connect.could += static_cast<double>(found.beside.size());
 }
@@ -58,7 +66,7 @@ void count_events(const graph::MotionGraph& motion, std::span<const graph::Event
                   OperatorCounts& counts) {
   const CellMap grid = grid_over(motion.sketch.width, motion.sketch.height);
   counts.births.assign(motion.sketch.frames.size() - 1, grid);
-  counts.deaths = counts.births;
+  counts.deaths = counts.partings = counts.births;
   for (std::size_t i = 0; i < events.size();) {
     const int frame = events[i].frame;
     const auto sizes = stroke_sizes(motion.sketch.frames[static_cast<std::size_t>(frame) - 1]);
@@ -77,6 +85,7 @@ void count_events(const graph::MotionGraph& motion, std::span<const graph::Event
           break;
         case EventType::split:
           ++counts.split.happened;
+          ++counts.partings[gap].values[grid.index(event.position)];
           break;
         case EventType::merge:
           ++counts.merge.happened;
@@ -86,6 +95,7 @@ void count_events(const graph::MotionGraph& motion, std::span<const graph::Event
           break;
         case EventType::disconnect:
           ++counts.disconnect.happened;
+          ++counts.partings[gap].values[grid.index(event.position)];
           break;
       }
     }
@@ -211,16 +221,20 @@ OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const
   const auto& frames = motion.sketch.frames;
   counts.gaps = static_cast<double>(frames.size()) - 1;
   measure_gaps(motion, events, counts);
-  std::array<CellMap, kSizes> by_size;
-  by_size.fill(grid_over(motion.sketch.width, motion.sketch.height));
-  for (std::size_t t = 0; t + 1 < frames.size(); ++t) count_strokes(frames[t], counts, by_size);
+  const CellMap grid = grid_over(motion.sketch.width, motion.sketch.height);
+  Could could{{}, grid, grid};
+  could.die.fill(grid);
+  for (std::size_t t = 0; t + 1 < frames.size(); ++t) count_strokes(frames[t], counts, could);
   count_events(motion, events, counts);
   OperatorCounts::Tally all;
   for (const auto& tally : counts.death) all += tally;
-  counts.strokes = grid_over(motion.sketch.width, motion.sketch.height);
+  counts.strokes = counts.partable = grid;
   for (std::size_t s = 0; s < kSizes; ++s)
     for (std::size_t c = 0; c < counts.strokes.values.size(); ++c)
-      counts.strokes.values[c] += by_size[s].values[c] * rate(counts.death[s], all);
+      counts.strokes.values[c] += could.die[s].values[c] * rate(counts.death[s], all);
+  for (std::size_t c = 0; c < grid.values.size(); ++c)
+    counts.partable.values[c] = could.split.values[c] * rate(counts.split, counts.split) +
+                                could.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
   return counts;
 }
 
@@ -231,6 +245,7 @@ RateEstimate estimate_rates(const OperatorCounts& counts) {
   for (const auto& tally : counts.death) deaths += tally;
   for (std::size_t s = 0; s < kSizes; ++s) rates.death_by_size[s] = rate(counts.death[s], deaths);
   rates.death = relative_map(counts.deaths, counts.strokes);
+  rates.parting = relative_map(counts.partings, counts.partable);
 
   const double births = total(sum(counts.births).values);
   const CellMap& grid = counts.strokes;

@@ -18,11 +18,12 @@ struct OperatorCounts {
     double happened = 0, could = 0;
     Tally& operator+=(const Tally& o) { return happened += o.happened, could += o.could, *this; }
   };
-  Tally split, merge, connect, disconnect;     ///< could: sites × frames (mcmc/sites.hpp)
-  std::array<Tally, kSizes> death;             ///< could: strokes × frames
-  std::vector<CellMap> births, deaths;         ///< of every gap between frames: how many in each cell
-  CellMap strokes;                             ///< deaths expected in each cell by the strokes' sizes alone
-  double reach = 24;                           ///< px: nine in ten unions bridged no more
+  Tally split, merge, connect, disconnect;        ///< could: sites × frames (mcmc/sites.hpp)
+  std::array<Tally, kSizes> death;                ///< could: strokes × frames
+  std::vector<CellMap> births, deaths, partings;  ///< of every gap between frames: how many in each cell
+  CellMap partable;   ///< splits and disconnects expected in each cell by the sites alone
+  CellMap strokes;    ///< deaths expected in each cell by the strokes' sizes alone
+  double reach = 24;  ///< px: nine in ten unions bridged no more
   double split_gap = 10, disconnect_gap = 10;  ///< px, medians
   double gaps = 0;                             ///< between frames
 
