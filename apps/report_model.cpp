@@ -73,11 +73,11 @@ Json motion_json(const mcmc::Autoregression& motion) {
               {"a2", rounded(motion.a2)},
               {"coupling", rounded(motion.coupling)},
               {"noise", rounded(motion.noise)},
-              {"correlation", rounded(motion.correlation)},
+              {"range", rounded(motion.range)},
               {"measurement", rounded(motion.measurement)},
               {"radius", rounded(radius)},
               {"deviation", nullptr}};
-  if (radius < 1) out["deviation"] = rounded(mcmc::stationary(motion).deviation);
+  if (radius < 1) out["deviation"] = rounded(mcmc::stationary_deviation(motion));
   return out;
 }
 
@@ -131,7 +131,7 @@ Json rates_json(const mcmc::MotionModel& model, std::span<const graph::Event> ev
   for (std::size_t i = 0; i < mcmc::kSizes; ++i) row("", stroke_sizes(i), nullptr, rates.death_by_size[i]);
   row("split", "a patch inside a curve", seen(split), rates.split);
   row("merge", "a pair of ends in line", seen(merge), rates.merge);
-  row("connect", "an end beside another stroke", seen(connect), rates.connect);
+  row("connect", "a pair of strokes beside each other", seen(connect), rates.connect);
   row("disconnect", "an arm of a junction", seen(disconnect), rates.disconnect);
   return out;
 }

@@ -123,7 +123,7 @@ function buildMotionTable(m) {
     ...line("weight of the one before that, a\u2082", (v) => number(v.a2, 3)),
     ...line("pull of the neighbours", (v) => number(v.coupling, 3)),
     ...line("noise, SD a frame", (v) => figure(v.noise)),
-    ...line("its correlation along the curve", (v) => number(v.correlation, 2)),
+    ...line("its reach along the curve, px", (v) => figure(v.range)),
     ...line("SD in the long run", (v) => (v.deviation === null ? "\u2013" : figure(v.deviation))),
     ...line("added by the sketch alone, SD", (v) => figure(v.measurement)),
     ...line("spectral radius", (v) => number(v.radius, 3)),
