@@ -157,7 +157,6 @@ FitResult fit(const graph::MotionGraph& motion, const FitOptions& options, const
   context.report("fit", 0.5);
   append(result.notes, balance(model, born_sizes(motion, events), result.counts, options.seed, context));
   if (context.cancelled()) result.status = core::Status::cancelled;
-  context.report("fit", 1);
   return result;
 }
 

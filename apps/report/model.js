@@ -80,7 +80,7 @@ function figure(value) {
     const raised = String(+power).replace("-", "\u207b").replace(/\d/g, (d) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[d]);
     return `${mantissa}\u00b710${raised}`;
   }
-  return number(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3);
+  return number(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : size >= .01 ? 3 : 4);
 }
 
 // ---- what the models hold
@@ -90,7 +90,7 @@ function buildLearned() {
   if (!learned) return;
   $("learned").hidden = false;
   const m = learned.motion;
-  $("learned-lead").textContent = (m ? `Motion model: every patch of a stroke sways about its rest place by a second-order auto-regression, tied to its neighbours; strokes change at the rates counted in this clip, and new ones take the shape of one of ${plural(m.exemplars_total, "stroke")} that ${m.exemplars_total === 1 ? "was" : "were"} born in it. ` : "")
+  $("learned-lead").textContent = (m ? `Motion model: every patch of a stroke sways about its rest place by a second-order auto-regression, tied to its neighbours; strokes change at the rates counted in this clip, and new ones take the shape of one of ${plural(m.exemplars_total, "stroke")} seen in it. ` : "")
     + (learned.eigenvalues ? `Linear dynamic texture: ${plural(learned.eigenvalues.length, "component")}, frames as points that a linear system drives.` : "");
   if (m) {
     buildMotionTable(m);
@@ -139,14 +139,16 @@ function buildOperators(m) {
 
 const most = (list) => list.reduce((a, b) => Math.max(a, b), 0);
 function heatMap(canvas, map, colour) {
-  const shape = clip.height / clip.width, top = most(map.values);
+  const shape = clip.height / clip.width, top = most(map.values), least = Math.min(...map.values);
+  const from = least > 0 && top < 1.05 * least ? top : least;  // where all are alike, none shall look like more
   const draw = drawing(canvas, (context, width, height) => {
     drawBackdrop(context, width, height, "rgba(255,255,255,.72)");
-    const scale = width / clip.width, side = map.cell * scale;
+    const edge = (i) => Math.round(i * map.cell * width / clip.width);
     map.values.forEach((value, i) => {
-      if (!(value > 0) || top <= 0) return;
-      context.fillStyle = `rgba(${colour.join(",")},${(.78 * Math.sqrt(value / top)).toFixed(3)})`;
-      context.fillRect((i % map.columns) * side, Math.floor(i / map.columns) * side, side, side);
+      if (!(value > 0)) return;
+      const share = from < top ? (value - from) / (top - from) : 0, x = i % map.columns, y = Math.floor(i / map.columns);
+      context.fillStyle = `rgba(${colour.join(",")},${(.08 + .7 * share).toFixed(3)})`;
+      context.fillRect(edge(x), edge(y), edge(x + 1) - edge(x), edge(y + 1) - edge(y));
     });
   }, Math.min(1.6, shape));
   if (backdrop) backdrop.decode().then(draw, () => {});

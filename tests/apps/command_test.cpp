@@ -246,12 +246,13 @@ TEST_CASE("progress is one line for each stage where there is no terminal, and n
   std::vector<std::string> seen;
   for (std::string line; std::getline(lines, line);) seen.push_back(line);
   CHECK(seen.size() >= 3);
-  CHECK(seen.size() <= 6);
+  CHECK(seen.size() <= 8);
   std::ranges::sort(seen);
   CHECK(std::ranges::adjacent_find(seen) == seen.end());
   const auto quiet = run_command({"analyze", clip, "-o", (temp / "b").string(), "--quiet"});
   CHECK(quiet.exit == 0);
-  CHECK(quiet.err.empty());
+  std::istringstream left(quiet.err);  // what a model takes otherwise than measured is a warning
+  for (std::string line; std::getline(left, line);) CHECK(line.starts_with("emberfold: warning: model: "));
   CHECK(quiet.out.empty());
 }
 
