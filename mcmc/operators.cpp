@@ -19,7 +19,6 @@ using Index = std::uint32_t;
 
 constexpr double crowd_reach = 2;      // cells
 constexpr double spacing = 5;          // px between the patches of a bridge
-constexpr double margin = 8;           // px beyond the frame where nothing is seen any more
 constexpr double astray = 4;           // px, SD: how far from where it was seen an exemplar is born
 constexpr double most_clearance = 40;  // px: strokes farther apart do not keep each other away
 
@@ -312,27 +311,6 @@ std::array<int, 6> operate(Particles& particles, const MotionModel& model, std::
   unite(scene, found.beside, model.rates.connect, EventType::connect);
   give_birth(scene, seed);
   return scene.done;
-}
-
-void age(Particles& particles, const MotionModel& model) {
-  std::vector<bool> gone(particles.list.size());
-  for (std::size_t i = 0; i < gone.size(); ++i) {
-    Particle& particle = particles.list[i];
-    ++particle.age;
-    gone[i] = particle.leaving == 0;
-    if (particle.leaving > 0) --particle.leaving;
-  }
-  // A stroke goes when all of it is out of sight.
-  const auto graph = shape(particles);
-  for (const auto& stroke : strokes(graph::components(graph))) {
-    const bool out = std::ranges::all_of(stroke, [&](Index v) {
-      const Point p = graph.patch(v).position;
-      return p.x < -margin || p.y < -margin || p.x > model.width - 1 + margin ||
-             p.y > model.height - 1 + margin;
-    });
-    for (const Index v : stroke) gone[v] = gone[v] || out;
-  }
-  remove(particles, gone);
 }
 
 }  // namespace emberfold::mcmc::detail

@@ -15,7 +15,4 @@ namespace emberfold::mcmc::detail {
 std::array<int, 6> operate(Particles& particles, const MotionModel& model, std::uint64_t seed,
                            std::uint32_t frame);
 
-/// Ages, removes what has faded, and what left the frame.
-void age(Particles& particles, const MotionModel& model);
-
 }  // namespace emberfold::mcmc::detail
