@@ -63,6 +63,12 @@ Json motion_json(const Autoregression& m) {
   throw core::IoError("motion model: " + why);
 }
 
+std::string shown(double value) {
+  std::string text;
+  graph::detail::append(text, value);
+  return text;
+}
+
 double number(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number())
@@ -73,7 +79,7 @@ double number(const nlohmann::json& object, const char* key) {
 int whole(const nlohmann::json& object, const char* key) {
   const double value = number(object, key);
   if (!(value >= 0 && value <= 1e9) || value != std::floor(value))
-    refuse(std::string("\"") + key + "\" is " + std::to_string(value) + " in model.json, not a count");
+    refuse(std::string("\"") + key + "\" is " + shown(value) + " in model.json, not a count");
   return static_cast<int>(value);
 }
 
@@ -303,8 +309,7 @@ MotionModel motion_model(const core::ModelArchive& archive) {
   model.appearing = numbers<8>(json, "appearing");
   model.vanishing = numbers<8>(json, "vanishing");
   const double cell = number(json, "cell");
-  if (!(cell >= 1 && cell <= 65536))
-    refuse("\"cell\" is " + std::to_string(cell) + "; allowed is 1 to 65536 px");
+  if (!(cell >= 1 && cell <= 65536)) refuse("\"cell\" is " + shown(cell) + "; allowed is 1 to 65536 px");
   const auto map = [&](const char* name) { return read_map(archive, name, cell, model.width, model.height); };
   model.rates.birth = map("birth"), model.rates.death = map("death");
   model.rates.parting = map("parting"), model.sway_share = map("sway_share");

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/error.hpp"
+#include "graph/json.hpp"
 
 namespace emberfold::mcmc {
 
@@ -17,6 +18,13 @@ namespace {
 double radius(double a1, double a2) {
   const std::complex<double> root = std::sqrt(std::complex<double>(a1 * a1 + 4 * a2, 0));
   return std::max(std::abs(a1 + root), std::abs(a1 - root)) / 2;
+}
+
+std::string shown(double value) {
+  if (!std::isfinite(value)) return "not finite";
+  std::string text;
+  graph::detail::append(text, value);
+  return text;
 }
 
 [[noreturn]] void refuse(const std::string& part, const std::string& why) {
@@ -34,11 +42,13 @@ void check(const Autoregression& m, const std::string& part) {
   check(m.noise >= 0 && m.measurement >= 0, part, "has a negative deviation");
   check(m.range >= 0 && m.range <= 1e4, part, "has a range outside 0…10000 px");
   const double r = spectral_radius(m);
-  check(r < 1, part, "is not stable: spectral radius " + std::to_string(r) + ", allowed is below 1");
+  check(r < 1, part, "is not stable: spectral radius " + shown(r) + ", allowed is below 1");
 }
 
 void check(const CellMap& map, const MotionModel& model, const std::string& part, double least) {
   check(map.cell >= 1 && map.cell <= 65536, part, "has cells outside 1…65536 px");
+  check(map.cell == model.density.cell, part,
+        "has cells of " + shown(map.cell) + " px, the density map of " + shown(model.density.cell));
   const auto cells = [&](int size) { return static_cast<int>(std::ceil(size / map.cell)); };
   check(map.columns == cells(model.width) && map.rows == cells(model.height), part,
         "does not cover the frame with its " + std::to_string(map.columns) + " x " +
@@ -48,11 +58,18 @@ void check(const CellMap& map, const MotionModel& model, const std::string& part
             std::to_string(map.rows) + " cells");
   for (const double value : map.values)
     check(std::isfinite(value) && value >= least && value <= 1e6, part,
-          "holds " + std::to_string(value) + ", which is out of range");
+          "holds " + shown(value) + ", which is out of range");
+}
+
+void check(const graph::AttributeGraph& graph, const std::string& part) {
+  for (const auto& vertex : graph.vertices()) {
+    const auto complaint = graph::detail::complaint(vertex.patch);
+    check(complaint.empty(), part, "holds a patch that is none: " + complaint);
+  }
 }
 
 void check_share(double value, const std::string& part) {
-  check(value >= 0 && value <= 1, part, "is " + std::to_string(value) + "; allowed is 0…1");
+  check(value >= 0 && value <= 1, part, "is " + shown(value) + "; allowed is 0…1");
 }
 
 }  // namespace
@@ -99,8 +116,7 @@ void validate(const MotionModel& model) {
   check(model.width >= 1 && model.width <= 65536 && model.height >= 1 && model.height <= 65536, "the frame",
         "is " + std::to_string(model.width) + " x " + std::to_string(model.height) +
             " px; allowed is 1…65536 each way");
-  check(model.fps > 0 && model.fps <= 1000, "fps",
-        "is " + std::to_string(model.fps) + "; allowed is (0, 1000]");
+  check(model.fps > 0 && model.fps <= 1000, "fps", "is " + shown(model.fps) + "; allowed is (0, 1000]");
   check(model.frames >= 2, "frames", "is " + std::to_string(model.frames) + "; at least 2");
   check(model.sway, "sway");
   check(model.contrast, "contrast");
@@ -118,7 +134,7 @@ void validate(const MotionModel& model) {
   check_share(model.rates.connect, "the connect rate");
   check_share(model.rates.disconnect, "the disconnect rate");
   for (const double length : {model.rates.reach, model.rates.split_gap, model.rates.disconnect_gap})
-    check(length >= 0 && length <= 1000, "a gap", "is " + std::to_string(length) + " px; allowed is 0…1000");
+    check(length >= 0 && length <= 1000, "a gap", "is " + shown(length) + " px; allowed is 0…1000");
   for (const double share : model.appearing) check_share(share, "appearing");
   for (const double share : model.vanishing) check_share(share, "vanishing");
   for (const auto& exemplar : model.exemplars) {
@@ -126,7 +142,9 @@ void validate(const MotionModel& model) {
     check(std::isfinite(exemplar.place.x) && std::isfinite(exemplar.place.y) &&
               std::isfinite(exemplar.clearance) && exemplar.clearance >= 0,
           "an exemplar", "has no finite place");
+    check(exemplar.graph, "an exemplar");
   }
+  check(model.first, "the first frame");
 }
 
 }  // namespace emberfold::mcmc
