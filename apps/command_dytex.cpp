@@ -97,6 +97,15 @@ void write_picture(OutputFolder& output, const dytex::LinearDynamicTexture& text
   });
 }
 
+void check_learning(const dytex::LearnOptions& options) {
+  try {
+    options.validate();
+  } catch (const core::InputError& error) {
+    const auto message = without_struct_name(error.what());
+    throw Misuse(with_option_name(with_option_name(message, "components"), "energy"));
+  }
+}
+
 dytex::LearnResult learn_texture(const Learn& asked, core::FrameSource& source, Session& session) {
   try {
     auto learned = dytex::learn(source, asked.options, session.context);
@@ -111,7 +120,7 @@ dytex::LearnResult learn_texture(const Learn& asked, core::FrameSource& source, 
 void run_learn(Learn asked, Session& session) {
   if (asked.asked_energy) asked.options.energy = asked.energy;
   const ReadOptions read = check_reading(asked.reading, session);
-  check_options(asked.options);
+  check_learning(asked.options);
   ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("learn");
@@ -157,6 +166,14 @@ std::optional<int> start_frame(const Synth& asked, const dytex::LinearDynamicTex
   return frame;
 }
 
+std::unique_ptr<ClipWriter> create_output(const std::string& path, const core::ClipInfo& info) {
+  try {
+    return create_clip(path, {info.width, info.height}, info.fps, info.channels == 3);
+  } catch (const core::InputError& error) {
+    throw Misuse("--output: " + std::string(error.what()));
+  }
+}
+
 void run_synth(const Synth& asked, Session& session) {
   constexpr int kMostFrames = 1'000'000;
   if (asked.frames < 1 || asked.frames > kMostFrames)
@@ -171,7 +188,7 @@ void run_synth(const Synth& asked, Session& session) {
   options.pixel_noise = asked.noise;
   stages.begin("synthesize");
   const auto& info = texture.info;
-  const auto writer = create_clip(asked.output, {info.width, info.height}, info.fps, info.channels == 3);
+  const auto writer = create_output(asked.output, info);
   dytex::Synthesis synthesis(texture, options);
   for (int t = 0; t < asked.frames; ++t) {
     session.context.report("synthesize", double(t) / asked.frames);

@@ -142,6 +142,9 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip, cons
   Json measures = begin_measures(segment, rings);
   measures["clip"] = clip_json(clip, info, models.frames);
   measures["seed"] = session.common.seed;
+  measures["components"] = {
+      {"clip", models.texture ? Json(models.texture->order()) : Json(nullptr)},
+      {"first_half", models.half_texture ? Json(models.half_texture->order()) : Json(nullptr)}};
 
   const Predictors predictors{models.half,
                               models.frames,

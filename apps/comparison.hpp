@@ -21,7 +21,7 @@ struct CompareOptions {
   sketch::ExtractOptions sketch;
   graph::MatchOptions match;
   sketch::FillOptions fill;
-  dytex::LearnOptions learn;  ///< a short clip gets as many components as it has frames for
+  dytex::LearnOptions learn;  ///< at most a third of the frames as components: more fit a short clip's chance
 };
 
 /// What the caller has already made of the whole clip; what is null is made here.

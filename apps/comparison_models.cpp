@@ -52,7 +52,7 @@ std::optional<dytex::LinearDynamicTexture> learn(core::FrameSource& source, int 
                                                  dytex::LearnOptions options, const std::string& what,
                                                  Session& session) {
   try {
-    options.components = std::min(options.components, frames - 1);
+    options.components = std::min(options.components, std::max(1, frames / 3));
     auto learned = dytex::learn(source, options, session.context);
     if (learned.status == core::Status::cancelled) throw Interrupted{};
     for (const auto& note : learned.notes) session.warn("linear dynamic texture of " + what + ": " + note);

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "apps/clip_part.hpp"
+#include "apps/clip_reader.hpp"
+#include "apps/clip_spectra.hpp"
+#include "apps/prediction.hpp"
+#include "apps/side_by_side.hpp"
+#include "tests/apps/command_check.hpp"
+
+using namespace emberfold;
+using namespace emberfold::apps;
+using namespace emberfold::tests;
+using Catch::Matchers::WithinAbs;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+core::Clip noise_clip(cv::Size size, int frames, std::uint64_t seed, std::uint32_t limit = 256) {
+  core::Clip clip;
+  clip.info.width = size.width, clip.info.height = size.height, clip.info.depth = CV_8U;
+  for (int t = 0; t < frames; ++t)
+    clip.frames.push_back(noise_frame(size, CV_8UC1, seed * 1000 + static_cast<std::uint64_t>(t), limit));
+  return clip;
+}
+
+std::string write_clip(const fs::path& path, const core::Clip& clip) {
+  const auto writer = create_clip(path, clip.frames[0].size(), 25, clip.frames[0].channels() == 3);
+  for (const auto& frame : clip.frames) writer->write(frame);
+  writer->finish();
+  return path.string();
+}
+
+}  // namespace
+
+TEST_CASE("a part of a clip is its frames and can be read again") {
+  const auto clip = noise_clip({5, 4}, 9, 1);
+  core::ClipSource source(clip);
+  ClipPart part(source, 2, 6);
+  for (int round = 0; round < 2; ++round) {
+    const auto read = core::read_all(part);
+    REQUIRE(read.frames.size() == 4);
+    for (std::size_t t = 0; t < 4; ++t) CHECK(same_pixels(read.frames[t], clip.frames[t + 2]));
+    part.rewind();
+  }
+  CHECK(part.info().frames == 4);
+}
+
+TEST_CASE("a clip's spectra are the mean over its frames however they come") {
+  const auto clip = noise_clip({40, 30}, 24, 3);
+  core::ClipSource source(clip);
+  ClipSpectra spectra({40, 30}, 8, 15);
+  std::vector<cv::Mat> luma;
+  for (const auto& frame : clip.frames) luma.push_back(core::luma(frame, clip.info));
+  spectra.add(std::span(luma).first(5), {});
+  spectra.add(std::span(luma).subspan(5), {});
+  CHECK(spectra.temporal() == dytex::temporal_spectrum(source, 8));
+  CHECK(spectra.radial() == dytex::radial_spectrum(source, 15));
+  CHECK(segment_length(64) == 32);
+  CHECK(segment_length(31) == 16);
+  CHECK(segment_length(4) == 4);
+  CHECK(segment_length(3) == 0);
+}
+
+TEST_CASE("large frames have the spectrum in time of all their pixels") {
+  const cv::Size size(900, 700);
+  const auto clip = noise_clip(size, 8, 5, 101);
+  ClipSpectra spectra(size, 4, 64);
+  for (const auto& frame : clip.frames) {
+    const auto luma = core::luma(frame, clip.info);
+    spectra.add(std::span(&luma, 1), {});
+  }
+  // uniform on 0 … 100: a variance of (101² − 1) / 12
+  CHECK_THAT(spectra.temporal()(1), WithinAbs(850, 20));
+}
+
+TEST_CASE("clips beside each other are as high as they should be") {
+  const TempFolder temp;
+  const std::vector<cv::Size> sizes{{64, 48}, {30, 60}};
+  SideBySide beside(temp / "a.mp4", {"one", "a name that is far too long for so narrow a panel"}, sizes, 25);
+  beside.write(std::vector<cv::Mat>{cv::Mat(48, 64, CV_8UC3, cv::Scalar(0, 0, 250)),
+                                    cv::Mat(60, 30, CV_8UC1, cv::Scalar(30))});
+  beside.finish();
+  const auto clip = core::read_all(*open_clip((temp / "a.mp4").string(), {}, {}));
+  CHECK(clip.info.width == 320 + 6 + 120);
+  CHECK(clip.info.height == 240 + 28);
+  const auto pixel = [&](int x) { return clip.frames[0].at<cv::Vec3b>(150, x); };
+  CHECK(pixel(160)[2] > 200);
+  CHECK(pixel(160)[0] < 60);
+  CHECK(std::abs(pixel(380)[1] - 30) < 12);
+}
+
+TEST_CASE("what is foretold is measured against the frame that comes") {
+  // The frames of the second half hold one level more each, the first half is all 10.
+  core::Clip clip = noise_clip({6, 5}, 10, 1);
+  for (int t = 0; t < 10; ++t)
+    clip.frames[static_cast<std::size_t>(t)] =
+        cv::Mat(5, 6, CV_8UC1, cv::Scalar(t < 5 ? 10 : 10 + 4 * (t - 4)));
+  core::ClipSource source(clip);
+  Console console;
+  const Session session{console, {}, "", {}};
+  const auto measured = measure_prediction(source, {5, 10, nullptr, nullptr, nullptr, {}}, session);
+  CHECK(measured["first_frame"] == 5);
+  CHECK(measured["frames"] == 5);
+  const auto decibel = [](double mse) { return 10 * std::log10(255 * 255 / mse); };
+  const auto psnr = [&](const char* way) { return measured["methods"][way]["psnr"].get<double>(); };
+  CHECK_THAT(psnr("frame_before"), WithinAbs(decibel(16), 1e-3));
+  CHECK_THAT(psnr("mean_image"), WithinAbs(decibel((16 + 64 + 144 + 256 + 400) / 5.0), 1e-3));
+  CHECK_THAT(measured["per_frame"]["mean_image"][4].get<double>(), WithinAbs(decibel(400), 1e-3));
+  CHECK_FALSE(measured["methods"].contains("linear_dynamic_texture"));
+}
+
+TEST_CASE("compare holds a clip against its models and writes all that it names") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {81, 60}, 40);
+  for (const std::string threads : {"1", "2", "8"}) {
+    const auto result =
+        run_command({"compare", clip, "-o", (temp / threads).string(), "--threads", threads, "--json", "-q"});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    const Json summary = Json::parse(result.out);
+    for (const auto& file : summary["files"]) CHECK(fs::exists(temp / threads / file.get<std::string>()));
+    CHECK(bytes_of(temp / threads / "measures.json") == bytes_of(temp / "1/measures.json"));
+    for (const char* name : {"synthesized_motion.avi", "synthesized_dytex.avi"})
+      CHECK(bytes_of(temp / threads / name) == bytes_of(temp / "1" / name));
+    CHECK(summary["measures"] == Json::parse(bytes_of(temp / threads / "measures.json")));
+  }
+  const Json measures = Json::parse(bytes_of(temp / "1/measures.json"));
+  CHECK(measures["format"] == "emberfold.measures");
+  CHECK(measures["segment"] == 16);
+  CHECK(measures["prediction"]["first_frame"] == 20);
+  for (const char* way :
+       {"motion_model", "linear_dynamic_texture", "frame_before", "mean_image", "own_sketch"})
+    CHECK(measures["prediction"]["methods"][way]["psnr"] > 10);
+  for (const char* way : {"motion_model", "linear_dynamic_texture", "noise_floor"})
+    for (const char* measure : {"temporal_db", "radial_db"}) CHECK(measures["synthesis"][way][measure] > 0);
+  const auto& spectra = measures["spectra"];
+  CHECK(spectra["temporal_db"]["source"].size() == 8);
+  CHECK(spectra["radial_db"]["source"].size() == 30);
+  for (const char* name : {"synthesized_motion.avi", "synthesized_dytex.avi", "side_by_side.mp4"})
+    CHECK(core::read_all(*open_clip((temp / "1" / name).string(), {}, {})).frames.size() == 40);
+  const auto video = open_clip((temp / "1/side_by_side.mp4").string(), {}, {});
+  CHECK(video->info().height >= 240);
+  CHECK(video->info().width > 3 * 81 * 240 / 60);
+}
+
+TEST_CASE("two clips are compared and their distances hold what they should") {
+  const TempFolder temp;
+  const auto a = write_clip(temp / "a", noise_clip({40, 32}, 40, 1)),
+             b = write_clip(temp / "b", noise_clip({40, 32}, 40, 2));
+  const auto faint = write_clip(temp / "faint", noise_clip({40, 32}, 40, 3, 26));
+  const auto small = write_clip(temp / "small", noise_clip({30, 20}, 20, 4));
+  const auto measure = [&](const std::string& one, const std::string& other) {
+    const auto result = run_command({"compare", one, other, "-o", (temp / "out").string(), "--json", "-q"});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return Json::parse(result.out)["measures"];
+  };
+  const auto same = measure(a, a);
+  CHECK(same["distances"]["other"]["temporal_db"] == 0);
+  CHECK(same["distances"]["other"]["radial_db"] == 0);
+  CHECK(same["psnr"] == 100);
+  const auto sample = measure(a, b);
+  CHECK(sample["distances"]["other"]["temporal_db"] < 0.5);
+  CHECK(sample["distances"]["other"]["radial_db"] < 1);
+  // Two independent uniform levels of 0 … 255 lie (256² − 1) / 6 apart in the mean square.
+  CHECK_THAT(sample["psnr"].get<double>(), WithinAbs(10 * std::log10(255.0 * 255 * 6 / 65535), 0.1));
+  // A tenth of the range is a hundredth of the power: 20 dB.
+  const auto weak = measure(a, faint);
+  CHECK_THAT(weak["distances"]["other"]["temporal_db"].get<double>(), WithinAbs(19.9, 0.4));
+  CHECK_THAT(weak["distances"]["other"]["radial_db"].get<double>(), WithinAbs(19.9, 0.8));
+  const auto other_size = measure(a, small);
+  CHECK(other_size["psnr"].is_null());
+  CHECK(other_size["psnr_missing"] == "the sizes differ");
+  CHECK(other_size["distances"]["other"]["temporal_db"] < 1);
+  CHECK(core::read_all(*open_clip((temp / "out/side_by_side.mp4").string(), {}, {})).frames.size() == 20);
+  const auto table = run_command({"compare", a, small, "-o", (temp / "out").string(), "-q"});
+  for (const char* part : {"in time", "noise floor", "the sizes differ"}) CHECK(contains(table.out, part));
+}
+
+TEST_CASE("a clip without a stroke is compared as far as it goes") {
+  const TempFolder temp;
+  core::Clip flat = noise_clip({20, 16}, 12, 1);
+  for (auto& frame : flat.frames) frame = cv::Mat(16, 20, CV_8UC1, cv::Scalar(90));
+  const auto clip = write_clip(temp / "flat", flat);
+  const auto result = run_command({"compare", clip, "-o", (temp / "out").string(), "--json", "-q"});
+  INFO(result.err);
+  REQUIRE(result.exit == 0);
+  const auto measures = Json::parse(result.out)["measures"];
+  CHECK(measures["prediction"]["methods"]["frame_before"]["psnr"] == 100);
+  CHECK(measures["synthesis"]["noise_floor"]["temporal_db"] == 0);
+}
+
+TEST_CASE("what compare cannot take is refused in one line") {
+  const TempFolder temp;
+  const auto clip = write_clip(temp / "clip", noise_clip({20, 16}, 12, 1)),
+             few = write_clip(temp / "few", noise_clip({20, 16}, 7, 1));
+  const auto out = temp / "out";
+  const auto refused = [&](const std::vector<std::string>& more, int exit,
+                           const std::vector<std::string>& what) {
+    check_one_line(joined({"compare"}, more, {"-o", out.string(), "-q"}), exit, what, out);
+  };
+  refused({few}, 1, {"few", "7 frames", "at least 8"});
+  refused({clip, few}, 1, {"few", "7 frames"});
+  refused({clip, (temp / "no").string()}, 1, {"no such"});
+  refused({clip, "--components", "0"}, 2, {"--components", "0"});
+  refused({clip, clip, clip}, 2, {"one argument too many"});
+  REQUIRE(run_command({"dytex", "learn", clip, "-o", (temp / "model").string(), "-q"}).exit == 0);
+  refused({(temp / "model").string()}, 1, {"is no clip but a linear dynamic texture"});
+}
+
+TEST_CASE("Ctrl-C ends compare and dytex learn with nothing left") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {480, 360}, 60, 20);
+  const auto out = temp / "out";
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"compare"}, {"dytex", "learn"}}) {
+    const auto arguments = joined(command, {clip}, {"-o", out.string(), "--threads", "1"});
+    CommandOptions options;
+    options.interrupt_if = [&] { return fs::exists(out); };
+    const auto result = run_command(arguments, options);
+    INFO(result.err);
+    CHECK(result.exit == 130);
+    CHECK_FALSE(fs::exists(out));
+  }
+}
