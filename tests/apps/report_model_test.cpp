@@ -9,6 +9,7 @@
 #include "apps/image_evidence.hpp"
 #include "apps/report.hpp"
 #include "apps/report_strip.hpp"
+#include "apps/story.hpp"
 #include "tests/apps/clip_fixture.hpp"
 #include "tests/apps/made_model.hpp"
 #include "tests/apps/made_motion.hpp"
@@ -132,6 +133,24 @@ TEST_CASE("a page carries models and clips only where there are some, and no tex
   CHECK(data["learned"]["eigenvalues"][2] == Json({-0.9, 0.0}));
   CHECK_THAT(data["learned"]["texture_radius"].get<double>(), WithinAbs(0.9, 1e-12));
   CHECK(data["learned"]["motion"]["exemplars_total"] == model.exemplars.size());
+}
+
+TEST_CASE("the table of measures has each figure in its place, and a gap where there is none") {
+  const Json measures = Json::parse(R"({
+    "prediction": {"methods": {"frame_before": {"psnr": 30.5}, "mean_image": {"psnr": 20.04},
+      "motion_model": {"psnr": 19.5}, "own_sketch": {"psnr": 25.25}}},
+    "synthesis": {"noise_floor": {"temporal_db": 0.5, "radial_db": 1.5},
+      "motion_model": {"temporal_db": 2.5, "radial_db": 6.5}}})");
+  const auto table = measures_table(measures);
+  REQUIRE(table.columns.size() == 3);
+  REQUIRE(table.rows.size() == 3);
+  using Values = std::vector<std::optional<double>>;
+  CHECK(table.rows[0].values == Values{19.5, std::nullopt, 30.5});
+  CHECK(table.rows[1].values == Values{2.5, std::nullopt, 0.5});
+  CHECK(table.rows[2].values == Values{6.5, std::nullopt, 1.5});
+  CHECK(contains(table.note, "20.0 dB"));
+  CHECK(contains(table.note, "25.2"));
+  for (const auto& row : measures_table(Json::object()).rows) CHECK(row.values == Values(3));
 }
 
 TEST_CASE("clips lie side by side in one video, frame by frame") {
