@@ -19,8 +19,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-Json finite(double value, double step) {
-  return std::isfinite(value) ? Json(std::round(value / step) * step) : Json(nullptr);
+Json finite(double value, double per) {
+  return std::isfinite(value) ? Json(std::round(value * per) / per) : Json(nullptr);
 }
 
 // A number in a column of a table.
@@ -73,9 +73,9 @@ double share_of_variance(const dytex::LinearDynamicTexture& texture, Eigen::Inde
 Json texture_json(const dytex::LinearDynamicTexture& texture) {
   Json modes = Json::array();
   for (const auto& mode : texture_modes(texture))
-    modes.push_back({{"radius", finite(mode.radius, 1e-6)},
-                     {"period", finite(mode.period(), 1e-3)},
-                     {"decay", finite(mode.decay(), 1e-3)},
+    modes.push_back({{"radius", finite(mode.radius, 1e6)},
+                     {"period", finite(mode.period(), 1e3)},
+                     {"decay", finite(mode.decay(), 1e3)},
                      {"pair", mode.pair}});
   return {{"width", texture.info.width},
           {"height", texture.info.height},
@@ -84,9 +84,9 @@ Json texture_json(const dytex::LinearDynamicTexture& texture) {
           {"frames", texture.states.cols()},
           {"order", texture.order()},
           {"noise_inputs", texture.B.cols()},
-          {"share_of_variance", finite(share_of_variance(texture, texture.order()), 1e-6)},
-          {"spectral_radius", finite(dytex::spectral_radius(texture.A), 1e-6)},
-          {"r", finite(texture.r, 1e-6)},
+          {"share_of_variance", finite(share_of_variance(texture, texture.order()), 1e6)},
+          {"spectral_radius", finite(dytex::spectral_radius(texture.A), 1e6)},
+          {"r", finite(texture.r, 1e6)},
           {"modes", std::move(modes)}};
 }
 

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -166,6 +168,20 @@ void take_dynamics(detail::Dynamics dynamics, LearnResult& result) {
   result.texture.B = std::move(dynamics.B);
 }
 
+/// Says where clips drawn from the model vary much more or less than the clip itself.
+void compare_variance(LearnResult& result) {
+  constexpr double kMuch = 1.5;
+  const LinearDynamicTexture& texture = result.texture;
+  if (texture.order() == 0) return;
+  const double drawn = stationary_covariance(texture.A, texture.B).trace();
+  const double seen = texture.states.squaredNorm() / static_cast<double>(texture.states.cols());
+  if (drawn <= kMuch * seen && seen <= kMuch * drawn) return;
+  std::ostringstream share;
+  share << std::setprecision(2) << drawn / seen;
+  result.notes.push_back("clips drawn from the model have " + share.str() +
+                         " times the variance of the clip it was learned from");
+}
+
 /// The variance that n components leave, by its degrees of freedom: n directions of the frames and of time,
 /// and the mean, are taken out of m × τ values.
 double left_variance(const Eigen::VectorXd& singular, Eigen::Index n, Eigen::Index m) {
@@ -234,6 +250,7 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
   texture.r = left_variance(found.singular, n, m);
   texture.states = s.asDiagonal() * V.transpose();
   texture.singular = std::move(found.singular);
+  compare_variance(result);
   result.passes = bands.passes();
   return result;
 }

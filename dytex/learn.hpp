@@ -44,12 +44,12 @@ struct LearnResult {
 ///
 /// Where the least-squares A is not stable, or leaves no noise at all, A = Σ x(t+1) x(t)ᵀ S⁻² is taken
 /// (Yule–Walker), with the noise that makes the stationary covariance exactly the data's, S²/τ; a note says
-/// so. Frames of fewer independent directions than n give fewer components, and a note.
+/// so, as one does where clips drawn from the model would vary 1.5 times more or less than the clip. Frames
+/// of fewer independent directions than n give fewer components, and a note.
 ///
 /// The source is read from its beginning, as often as `memory` demands: once if all frames fit. The same
-/// bytes at any thread count, and for 8-bit clips at any budget of memory exactly the same sums; for others
-/// too, since sums are cut at fixed places. InputError where n is above τ − 1, where there are fewer than 2
-/// or more than 5000 frames, or where a value is not finite. O(m τ²) + O(τ³).
+/// bytes at any thread count and any budget of memory. InputError where n is above τ − 1, where there are
+/// fewer than 2 or more than 5000 frames, or where a value is not finite. O(m τ²) + O(τ³).
 LearnResult learn(core::FrameSource& source, const LearnOptions& options = {},
                   const core::Context& context = {});
 

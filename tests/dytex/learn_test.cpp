@@ -152,6 +152,23 @@ TEST_CASE("Where least squares is not stable Yule-Walker is taken and keeps the 
   CHECK((dytex::stationary_covariance(texture.A, texture.B) - data).norm() < 1e-9 * data.norm());
 }
 
+TEST_CASE("A model that varies much more or less than its clip says so", "[dytex][learn]") {
+  // One slow swing: the fit is stable, its variance in the long run another.
+  Eigen::MatrixXd levels(12, 30);
+  const Eigen::MatrixXd shapes = test::orthonormal(12, 2, 3), grain = test::normals(12, 30, 4);
+  for (int t = 0; t < 30; ++t)
+    levels.col(t) = (60 * std::exp(-0.15 * t) * shapes.col(0) + 0.05 * grain.col(t)).array() + 100;
+  const dytex::LearnResult result = learn(test::clip_of(levels, 4, 3, 1, CV_32F), 1);
+  const dytex::LinearDynamicTexture& texture = result.texture;
+  REQUIRE(result.transition == dytex::Transition::least_squares);
+  const double share =
+      dytex::stationary_covariance(texture.A, texture.B)(0, 0) / (texture.states.squaredNorm() / 30);
+  INFO("share " << share);
+  REQUIRE((share > 1.5 || share < 1 / 1.5));
+  REQUIRE(result.notes.size() == 1);
+  CHECK_THAT(result.notes[0], Catch::Matchers::Contains("times the variance"));
+}
+
 TEST_CASE("Any states give a stable fit and Yule-Walker the data's variance", "[dytex][learn]") {
   int unstable = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
