@@ -87,7 +87,8 @@ Eigen::MatrixXd stationary_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A
     const Eigen::MatrixXd more = power * covariance * power.transpose();
     covariance += more;
     power = (power * power).eval();
-    if (more.norm() <= std::numeric_limits<double>::epsilon() * covariance.norm())
+    const double size = covariance.norm();
+    if (std::isfinite(size) && more.norm() <= std::numeric_limits<double>::epsilon() * size)
       return (covariance + covariance.transpose()) / 2;
   }
   throw core::NumericalError("stationary_covariance: the states have none, A is not stable");

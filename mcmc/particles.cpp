@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numbers>
 #include <tuple>
-#include <unordered_map>
+
+#include "mcmc/noise.hpp"
 
 namespace emberfold::mcmc::detail {
 
@@ -14,111 +15,6 @@ namespace {
 using graph::Point;
 
 constexpr std::uint32_t coupled_settling = 30;  // frames
-
-// Neighbours by index.
-std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
-  std::vector<std::vector<std::uint32_t>> result(p.list.size());
-  for (const auto& [a, b] : p.edges) {
-    result[a].push_back(b);
-    result[b].push_back(a);
-  }
-  return result;
-}
-
-// Standard normal at every place, correlated between them by exp(−h²/2 range²): white noise on a lattice,
-// weighted by Gaussians. One stroke's field at one step.
-class Field {
- public:
-  Field(double range, std::uint64_t seed, std::uint32_t stroke, std::uint32_t purpose_and_step,
-        int components)
-      : reach_(range / std::numbers::sqrt2),
-        seed_(seed),
-        stroke_(stroke),
-        key_(purpose_and_step),
-        components_(components) {}
-
-  std::array<double, 2> at(Point p) {
-    const double u = p.x / reach_, v = p.y / reach_;
-    const auto x0 = static_cast<int>(std::floor(u / spacing)) - 1,
-               y0 = static_cast<int>(std::floor(v / spacing)) - 1;
-    std::array<double, 4> across{}, down{};
-    double power_x = 0, power_y = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double dx = u - spacing * (x0 + static_cast<int>(i)),
-                   dy = v - spacing * (y0 + static_cast<int>(i));
-      across[i] = std::exp(-0.5 * dx * dx), down[i] = std::exp(-0.5 * dy * dy);
-      power_x += across[i] * across[i], power_y += down[i] * down[i];
-    }
-    std::array<double, 2> sum{};
-    for (int y = 0; y < 4; ++y)
-      for (int x = 0; x < 4; ++x) {
-        const double weight = across[static_cast<std::size_t>(x)] * down[static_cast<std::size_t>(y)];
-        const auto& white = node(x0 + x, y0 + y);
-        for (std::size_t c = 0; c < 2; ++c) sum[c] += weight * white[c];
-      }
-    for (double& value : sum) value /= std::sqrt(power_x * power_y);
-    return sum;
-  }
-
- private:
-  static constexpr double spacing = 1.25;  // of the lattice, in reaches
-
-  const std::array<double, 2>& node(int x, int y) {
-    const auto key = (static_cast<std::uint32_t>(x) << 16U) ^ (static_cast<std::uint32_t>(y) & 0xffffU);
-    const auto [found, is_new] = nodes_.try_emplace(key);
-    if (is_new) {
-      core::Rng rng(seed_, {stroke_, key, key_});
-      for (int c = 0; c < components_; ++c) found->second[static_cast<std::size_t>(c)] = rng.normal();
-    }
-    return found->second;
-  }
-  double reach_;
-  std::uint64_t seed_;
-  std::uint32_t stroke_, key_;
-  int components_;
-  std::unordered_map<std::uint32_t, std::array<double, 2>> nodes_;  // looked up, never walked through
-};
-
-struct Push {
-  double x = 0, y = 0, gain = 0;
-};
-
-constexpr double finest_range = 3;  // px: below it neighbours have nothing in common
-
-// Each particle's noise, of unit variance.
-std::vector<Push> pushes(const Particles& p, const std::vector<std::vector<std::uint32_t>>& sides,
-                         const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
-  std::vector<Push> result(p.list.size());
-  std::vector<bool> reached(p.list.size());
-  std::vector<std::size_t> queue;
-  const auto key = [&](std::uint32_t which) {
-    return (step << 4U) | (static_cast<std::uint32_t>(purpose) << 1U) | which;
-  };
-  const auto field = [&](double range, std::size_t root, std::uint32_t which) {
-    return Field(range, seed, p.ids[root], key(which), which == 0 ? 2 : 1);
-  };
-  for (std::size_t root = 0; root < p.list.size(); ++root) {
-    if (reached[root]) continue;
-    reached[root] = true;
-    queue.assign(1, root);
-    Field sway = field(model.sway.range, root, 0), gain = field(model.contrast.range, root, 1);
-    for (std::size_t head = 0; head < queue.size(); ++head) {
-      const std::size_t i = queue[head];
-      core::Rng alone(seed, {p.ids[i], 0, key(8)});
-      Push& push = result[i];
-      if (model.sway.range >= finest_range) {
-        const auto [x, y] = sway.at(p.list[i].rest.position);
-        push.x = x, push.y = y;
-      } else {
-        push.x = alone.normal(), push.y = alone.normal();
-      }
-      push.gain = model.contrast.range >= finest_range ? gain.at(p.list[i].rest.position)[0] : alone.normal();
-      for (const auto next : sides[i])
-        if (!reached[next]) reached[next] = true, queue.push_back(next);
-    }
-  }
-  return result;
-}
 
 double next_value(const Autoregression& m, double now, double before, double around, double push) {
   return m.a1 * now + m.a2 * before + m.coupling * (around - now) + m.noise * push;
@@ -206,6 +102,15 @@ double between_cells(const CellMap& map, Point p) {
 
 }  // namespace
 
+std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
+  std::vector<std::vector<std::uint32_t>> result(p.list.size());
+  for (const auto& [a, b] : p.edges) {
+    result[a].push_back(b);
+    result[b].push_back(a);
+  }
+  return result;
+}
+
 std::uint32_t Particles::add(const Particle& particle) {
   ids.push_back(next_id++);
   list.push_back(particle);
@@ -237,7 +142,7 @@ graph::AttributeGraph appearance(const Particles& particles, const MotionModel& 
 
 void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
   const auto sides = neighbours(p);
-  const auto push = pushes(p, sides, model, seed, purpose, step);
+  const auto push = draw_noise(p, sides, model, seed, purpose, step);
   const std::vector<Particle> now(p.list);
   for (std::size_t i = 0; i < now.size(); ++i) {
     const Particle& me = now[i];
@@ -260,8 +165,8 @@ void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose pu
 void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
   // Two frames of the stationary state: fields of the noise's own shape, as alike as the motion makes them.
   const auto sides = neighbours(p);
-  const auto before = pushes(p, sides, model, seed, Purpose::start, 0);
-  const auto fresh = pushes(p, sides, model, seed, Purpose::start, 1);
+  const auto before = draw_noise(p, sides, model, seed, Purpose::start, 0);
+  const auto fresh = draw_noise(p, sides, model, seed, Purpose::start, 1);
   const auto pair = [](const Autoregression& m, double deviation, double first, double second) {
     const double alike = m.a1 / (1 - m.a2);
     return std::pair{deviation * first, deviation * (alike * first + std::sqrt(1 - alike * alike) * second)};

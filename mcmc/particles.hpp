@@ -34,6 +34,9 @@ struct Particles {
   std::uint32_t add(const Particle& particle);
 };
 
+/// For each particle the indices of those it shares an edge with.
+std::vector<std::vector<std::uint32_t>> neighbours(const Particles& particles);
+
 /// Removes the marked ones, and their edges.
 void remove(Particles& particles, const std::vector<bool>& marked);
 
@@ -46,8 +49,7 @@ graph::AttributeGraph appearance(const Particles& particles, const MotionModel& 
 /// What random numbers are drawn for.
 enum class Purpose : std::uint32_t { start = 1, motion, operators };  // below 8
 
-/// One step of the auto-regressions. The noise is a smooth random field about each stroke, drawn by the
-/// stroke's lowest id, the place and the step.
+/// One step of the auto-regressions.
 void sway(Particles& particles, const MotionModel& model, std::uint64_t seed, Purpose purpose,
           std::uint32_t step);
 

@@ -8,6 +8,9 @@
 
 #include "core/npy.hpp"
 #include "core/parallel.hpp"
+#include "dytex/archive.hpp"
+#include "dytex/learn.hpp"
+#include "dytex/synthesize.hpp"
 #include "graph/attribute_graph.hpp"
 #include "graph/motion_io.hpp"
 #include "sketch/fill.hpp"
@@ -42,6 +45,18 @@ int main() {
   std::stringstream lines;
   graph::write_sketch(lines, sketch);
   right &= check(graph::read_sketch(lines, "the sketch") == sketch, "graph writes and reads JSON Lines");
+
+  // Two pixels that take turns: one component, and a model that can be kept.
+  core::Clip clip{{2, 1, 1, CV_8U, 25, 255, 4}, {}};
+  for (int t = 0; t < 4; ++t)
+    clip.frames.push_back((cv::Mat_<unsigned char>(1, 2) << t % 2 * 9, 9 - t % 2 * 9));
+  core::ClipSource source(clip);
+  dytex::LearnOptions options;
+  options.components = 1;
+  const dytex::LinearDynamicTexture texture =
+      dytex::linear_dynamic_texture(dytex::to_archive(dytex::learn(source, options).texture));
+  dytex::Synthesis synthesis(texture, {});
+  right &= check(texture.order() == 1 && synthesis.next().cols == 2, "dytex learns, keeps and draws");
 
   // Between 0 and 10 heat settles in the middle.
   const cv::Mat levels = (cv::Mat_<float>(1, 3) << 0.0F, 99.0F, 10.0F);

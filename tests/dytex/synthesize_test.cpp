@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/synthesize.hpp"
+
+#include <algorithm>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "dytex/learn.hpp"
+#include "tests/catch.hpp"
+#include "tests/dytex/make.hpp"
+
+using namespace emberfold;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+dytex::LinearDynamicTexture learned(int width = 40, int height = 30, int channels = 1) {
+  const core::Clip clip = test::wavy_clip(width, height, channels, CV_8U, 50);
+  core::ClipSource source(clip);
+  return dytex::learn(source, {.components = 6, .energy = {}}).texture;
+}
+
+std::vector<cv::Mat> frames(const dytex::LinearDynamicTexture& texture,
+                            const dytex::SynthesisOptions& options, int count) {
+  dytex::Synthesis synthesis(texture, options);
+  std::vector<cv::Mat> result;
+  for (int t = 0; t < count; ++t) result.push_back(synthesis.next());
+  return result;
+}
+
+bool equal(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+/// A system of three states whose noise has two inputs.
+dytex::LinearDynamicTexture small_system() {
+  dytex::LinearDynamicTexture texture;
+  texture.info = {5, 3, 1, CV_8U, 25, 255, 4};
+  texture.mean = Eigen::VectorXf::LinSpaced(15, 60, 200);
+  texture.C = test::orthonormal(15, 3, 1).cast<float>();
+  texture.A.resize(3, 3);
+  texture.A << 0.8, -0.4, 0.1, 0.3, 0.7, 0, 0, 0.2, 0.5;
+  texture.B.resize(3, 2);
+  texture.B << 3, 0, 1, 2, 0, 1;
+  texture.states = test::normals(3, 4, 2);
+  texture.singular = Eigen::Vector4d(4, 3, 2, 0);
+  texture.r = 9;
+  return texture;
+}
+
+}  // namespace
+
+TEST_CASE("The stationary covariance solves its equation", "[dytex][synthesize]") {
+  for (const double size : {0.0, 0.5, 0.99, 0.99999}) {
+    Eigen::MatrixXd A = test::normals(6, 6, 4);
+    A *= size / dytex::spectral_radius(A);
+    const Eigen::MatrixXd B = test::normals(6, 4, 5), P = dytex::stationary_covariance(A, B);
+    CHECK((P - A * P * A.transpose() - B * B.transpose()).norm() < 1e-11 * P.norm());
+    CHECK(P == P.transpose());
+  }
+  CHECK_THROWS_AS(
+      dytex::stationary_covariance(Eigen::MatrixXd::Identity(2, 2) * 1.01, Eigen::MatrixXd::Identity(2, 2)),
+      core::NumericalError);
+  CHECK_THROWS_AS(
+      dytex::stationary_covariance(Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd::Identity(2, 2)),
+      core::NumericalError);
+}
+
+TEST_CASE("Synthesized states are stationary from the first frame on", "[dytex][synthesize]") {
+  const dytex::LinearDynamicTexture texture = small_system();
+  const Eigen::MatrixXd P = dytex::stationary_covariance(texture.A, texture.B);
+  Eigen::MatrixXd first = Eigen::MatrixXd::Zero(3, 3), later = first, lag = first;
+  constexpr int kClips = 6000;
+  for (std::uint64_t seed = 0; seed < kClips; ++seed) {
+    dytex::Synthesis synthesis(texture, {.seed = seed, .first_frame = {}});
+    synthesis.next();
+    const Eigen::VectorXd x0 = synthesis.state();
+    synthesis.next();
+    const Eigen::VectorXd x1 = synthesis.state();
+    first += x0 * x0.transpose() / kClips;
+    later += x1 * x1.transpose() / kClips;
+    lag += x1 * x0.transpose() / kClips;
+  }
+  // The SD of an entry is at most √2 P_max / √6000 = 1.8 %.
+  CHECK((first - P).cwiseAbs().maxCoeff() < 0.08 * P.maxCoeff());
+  CHECK((later - P).cwiseAbs().maxCoeff() < 0.08 * P.maxCoeff());
+  CHECK((lag - texture.A * P).cwiseAbs().maxCoeff() < 0.08 * P.maxCoeff());
+}
+
+TEST_CASE("A long clip has the model's covariance", "[dytex][synthesize]") {
+  const dytex::LinearDynamicTexture texture = small_system();
+  const Eigen::MatrixXd P = dytex::stationary_covariance(texture.A, texture.B);
+  dytex::Synthesis synthesis(texture, {});
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, 3);
+  constexpr int kLong = 60000;
+  for (int t = 0; t < kLong; ++t) {
+    synthesis.next();
+    sum += synthesis.state() * synthesis.state().transpose() / kLong;
+  }
+  CHECK((sum - P).cwiseAbs().maxCoeff() < 0.05 * P.maxCoeff());
+}
+
+TEST_CASE("Frames are the states drawn and rounded", "[dytex][synthesize]") {
+  for (const int channels : {1, 3}) {
+    const dytex::LinearDynamicTexture texture = learned(40, 30, channels);
+    dytex::Synthesis synthesis(texture, {.seed = 3, .first_frame = {}});
+    for (int t = 0; t < 20; ++t) {
+      const cv::Mat frame = synthesis.next();
+      REQUIRE(frame.type() == CV_MAKETYPE(CV_8U, channels));
+      cv::Mat exact;
+      dytex::draw(texture, synthesis.state()).convertTo(exact, CV_32F);
+      cv::Mat clipped = cv::min(cv::max(exact.reshape(1), 0.0), 255.0), shown;
+      frame.reshape(1).convertTo(shown, CV_32F);
+      CHECK(cv::norm(clipped, shown, cv::NORM_INF) < 0.5 + 1e-3);
+    }
+  }
+}
+
+TEST_CASE("A clip may begin with a training frame", "[dytex][synthesize]") {
+  const dytex::LinearDynamicTexture texture = learned();
+  dytex::Synthesis synthesis(texture, {.seed = 1, .first_frame = 17});
+  synthesis.next();
+  CHECK(synthesis.state() == texture.states.col(17));
+  for (const int none : {-1, 50}) {
+    CHECK(test::message<core::InputError>([&] {
+            dytex::Synthesis(texture, {.seed = 1, .first_frame = none});
+          }) == "first_frame is " + std::to_string(none) + ", allowed is 0 to 49");
+  }
+}
+
+TEST_CASE("Synthesis gives the same bytes at any number of threads and others for other seeds",
+          "[dytex][synthesize]") {
+  const dytex::LinearDynamicTexture texture = learned(100, 70, 3);
+  for (const bool noise : {false, true}) {
+    const dytex::SynthesisOptions options{.seed = 5, .first_frame = {}, .pixel_noise = noise};
+    const std::vector<cv::Mat> expected = frames(texture, options, 19);
+    for (const std::size_t threads : {1, 2, 8}) {
+      const core::ThreadLimit limit(threads);
+      const std::vector<cv::Mat> found = frames(texture, options, 19);
+      CHECK(std::equal(found.begin(), found.end(), expected.begin(), equal));
+    }
+    dytex::SynthesisOptions other = options;
+    other.seed = 6;
+    CHECK_FALSE(equal(frames(texture, other, 1)[0], expected[0]));
+  }
+}
+
+TEST_CASE("Pixel noise has the variance that was left", "[dytex][synthesize]") {
+  dytex::LinearDynamicTexture texture = learned(100, 80);
+  texture.mean.setConstant(128);
+  texture.r = 36;
+  const std::vector<cv::Mat> without =
+                                 frames(texture, {.seed = 2, .first_frame = 1, .pixel_noise = false}, 10),
+                             with = frames(texture, {.seed = 2, .first_frame = 1, .pixel_noise = true}, 10);
+  double products = 0;
+  cv::Mat last;
+  for (std::size_t t = 0; t < with.size(); ++t) {
+    cv::Mat noise;
+    cv::subtract(with[t], without[t], noise, cv::noArray(), CV_32F);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(noise, mean, deviation);
+    CHECK_THAT(mean[0], WithinAbs(0, 0.35));
+    CHECK_THAT(deviation[0], WithinRel(6.01, 0.04));  // and rounding
+    if (!last.empty()) products = std::max(products, std::abs(noise.dot(last)) / (36.0 * 8000));
+    last = noise;
+  }
+  CHECK(products < 0.06);  // frames' noises know nothing of each other
+}
+
+TEST_CASE("One step ahead is predicted as the definition says", "[dytex][synthesize]") {
+  for (const int channels : {1, 3}) {
+    const dytex::LinearDynamicTexture texture = learned(37, 23, channels);
+    const core::Clip clip = test::wavy_clip(37, 23, channels, CV_8U, 3, 77);
+    const cv::Mat levels = core::to_levels(clip.frames[1], clip.info);
+    const Eigen::VectorXd y = test::levels_of(clip).col(1), mean = texture.mean.cast<double>();
+    const Eigen::MatrixXd C = texture.C.cast<double>();
+    const Eigen::VectorXd x = C.transpose() * (y - mean), expected = mean + C * (texture.A * x);
+    CHECK((dytex::project(texture, levels) - x).norm() < 1e-5 * x.norm());
+    const cv::Mat predicted = dytex::predict(texture, levels);
+    REQUIRE(predicted.type() == CV_MAKETYPE(CV_32F, channels));
+    const Eigen::VectorXd found =
+        Eigen::Map<const Eigen::VectorXf>(predicted.ptr<float>(), y.size()).cast<double>();
+    CHECK((found - expected).cwiseAbs().maxCoeff() < 1e-3);
+    // The states of the clip that was learned from are its frames' projections.
+    CHECK((dytex::project(texture, dytex::draw(texture, texture.states.col(4))) - texture.states.col(4))
+              .norm() < 1e-3);
+  }
+}
+
+TEST_CASE("Levels and states that do not fit are refused", "[dytex][synthesize]") {
+  const dytex::LinearDynamicTexture texture = learned();
+  CHECK(test::message<core::InputError>([&] { dytex::project(texture, cv::Mat(30, 41, CV_32F)); }) ==
+        "levels are 41 × 30 of OpenCV's type 5, the texture needs 40 × 30 of type 5");
+  CHECK_THROWS_AS(dytex::predict(texture, cv::Mat(30, 40, CV_8U)), core::InputError);
+  CHECK(test::message<core::InputError>([&] { dytex::draw(texture, Eigen::VectorXd::Zero(7)); }) ==
+        "the state has 7 numbers, the texture needs 6");
+}
+
+TEST_CASE("A model without components shows its mean", "[dytex][synthesize]") {
+  const core::Clip clip = test::clip_of(Eigen::MatrixXd::Constant(12, 5, 77), 4, 3, 1, CV_8U);
+  core::ClipSource source(clip);
+  const dytex::LinearDynamicTexture texture = dytex::learn(source, {.components = 2, .energy = {}}).texture;
+  for (const cv::Mat& frame : frames(texture, {}, 10)) CHECK(equal(frame, clip.frames[0]));
+  CHECK(equal(dytex::predict(texture, core::to_levels(clip.frames[0], clip.info)),
+              core::to_levels(clip.frames[0], clip.info)));
+}
