@@ -65,10 +65,15 @@ std::vector<std::vector<Point>> displacements(const graph::MotionGraph& motion,
 }
 
 AttributeGraph at_rest(const AttributeGraph& graph, std::span<const Point> displacement) {
-  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
-  for (std::size_t v = 0; v < vertices.size(); ++v)
-    vertices[v].patch.position = vertices[v].patch.position - displacement[v];
-  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (Index v = 0; v < graph.size(); ++v) {
+    vertices.push_back({{v}, {}, graph.patch(v)});
+    vertices[v].patch.position = graph.patch(v).position - displacement[v];
+    for (const Index w : graph.neighbours(v))
+      if (v < w) edges.push_back({{v}, {w}});
+  }
+  return {std::move(vertices), std::move(edges)};
 }
 
 std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,

@@ -19,7 +19,7 @@ std::vector<std::vector<graph::Point>> displacements(const graph::MotionGraph& m
                                                      const std::vector<detail::Lineage>& lineages,
                                                      const Series& travel);
 
-/// The frame's graph with every patch at rest.
+/// The frame's graph with every patch at rest, its vertices numbered from 0.
 graph::AttributeGraph at_rest(const graph::AttributeGraph& graph, std::span<const graph::Point> displacement);
 
 /// Strokes to be born: of each size a sample, evenly spread over the clip, of all strokes of all frames, so

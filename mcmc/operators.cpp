@@ -58,7 +58,7 @@ struct Scene {
 
 void die(Scene& scene) {
   const auto all = strokes(scene.parts);
-  std::size_t least = scene.graph.size();
+  std::size_t least = scene.model.exemplars.empty() ? 0 : scene.graph.size();
   for (const auto& exemplar : scene.model.exemplars) least = std::min(least, exemplar.graph.size());
   for (std::size_t s = 0; s < all.size(); ++s) {
     const double rate = scene.model.rates.death_by_size[size_class(all[s].size())] *
@@ -292,14 +292,9 @@ std::array<int, 6> operate(Particles& particles, const MotionModel& model, std::
   auto shown = shape(particles);
   auto parts = graph::components(shown);
   CellMap crowd = crowding(shown, model.density);
-  Scene scene{particles,
-              model,
-              core::Rng(seed, {frame, 0, static_cast<std::uint32_t>(Purpose::operators)}),
-              std::move(shown),
-              std::move(parts),
-              std::move(crowd),
-              {},
-              {}};
+  // Shifted as the keys of the noise are, and so none of theirs.
+  const core::Rng rng(seed, {frame, 0, static_cast<std::uint32_t>(Purpose::operators) << 1U});
+  Scene scene{particles, model, rng, std::move(shown), std::move(parts), std::move(crowd), {}, {}};
   scene.busy.resize(scene.parts.count);
   for (Index v = 0; v < scene.graph.size(); ++v)
     if (particles.list[v].leaving >= 0) scene.take(v);

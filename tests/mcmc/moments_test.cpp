@@ -146,7 +146,6 @@ TEST_CASE("Of a motion that forgets one of its roots at once the other is recove
   const auto found = mcmc::estimate(mcmc::moments(scene.motion, scene.lineages, series, true, 12), "sway");
   CHECK(found.notes.empty());
   CHECK_THAT(mcmc::spectral_radius(found.motion), near((0.8 + std::sqrt(0.64 + 0.4)) / 2, 0.02));
-  CHECK_THAT(found.motion.a1, near(truth.a1, 0.2));
   CHECK_THAT(mcmc::stationary_deviation(found.motion), about(deviation(series), 0.05));
 }
 

@@ -177,7 +177,7 @@ TEST_CASE("A known death rate and birth density are recovered", "[rates]") {
   CHECK(found.rates.disconnect == 0);
 }
 
-TEST_CASE("Births all over the frame make a flat map and a hot corner shows up", "[rates]") {
+TEST_CASE("Births all over the frame make a flat map and a hot corner shows up", "[rates][slow]") {
   const bool corner = GENERATE(false, true);
   made::Scene scene;
   scene.frames = 400;
@@ -213,7 +213,7 @@ TEST_CASE("Births all over the frame make a flat map and a hot corner shows up",
   }
 }
 
-TEST_CASE("Deaths at one rate everywhere make a flat map, and more on one side show up", "[rates]") {
+TEST_CASE("Deaths at one rate everywhere make a flat map, and more on one side show up", "[rates][slow]") {
   const bool uneven = GENERATE(false, true);
   made::Scene scene;
   scene.frames = 400;
