@@ -22,18 +22,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-graph::SketchSequence sketch_frames(core::FrameSource& source, const sketch::ExtractOptions& options,
-                                    const Session& session) {
-  const auto& info = source.info();
-  graph::SketchSequence sketch;
-  sketch.width = info.width, sketch.height = info.height, sketch.fps = info.fps;
-  stream_frames(
-      source, "sketch", info.frames, session.context,
-      [&](int, const cv::Mat& frame) { return sketch::extract(core::to_levels(frame, info), options); },
-      [&](int, graph::AttributeGraph graph) { sketch.append(graph); });
-  return sketch;
-}
-
 void write_data(OutputFolder& output, const graph::MotionGraph& motion,
                 const std::vector<graph::Event>& events, const std::vector<graph::Event>& all_events) {
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
@@ -121,11 +109,14 @@ void need_two_frames(const std::string& clip, std::int64_t frames) {
 }
 
 /// Learns the motion model and writes it; what was not taken as measured becomes warnings.
-mcmc::MotionModel learn_model(const graph::MotionGraph& motion, OutputFolder& output, Session& session) {
+mcmc::MotionModel learn_model(const graph::MotionGraph& motion, const Ground& ground, OutputFolder& output,
+                              Session& session) {
   auto fitted = mcmc::fit(motion, {session.common.seed}, session.context);
   if (fitted.status == core::Status::cancelled) throw Interrupted{};
   for (const auto& note : fitted.notes) session.warn("model: " + note);
-  write_model(output, "model", mcmc::to_archive(fitted.model));
+  auto archive = mcmc::to_archive(fitted.model);
+  add_ground(archive, ground);
+  write_model(output, "model", archive);
   return std::move(fitted.model);
 }
 
@@ -140,12 +131,12 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   stages.begin("sketch");
   const auto source = open_clip(name, options.read, [&](const std::string& text) { session.warn(text); });
   if (source->info().frames) need_two_frames(made.clip, *source->info().frames);
-  auto sketch = sketch_frames(*source, options.sketch, session);
-  need_two_frames(made.clip, static_cast<std::int64_t>(sketch.frames.size()));
+  auto sketched = sketch_clip(*source, options.sketch, session);
+  need_two_frames(made.clip, static_cast<std::int64_t>(sketched.sketch.frames.size()));
 
-  if (options.keep_sketch) made.sketch = sketch;
+  if (options.keep_sketch) made.sketched = sketched;
   stages.begin("match");
-  auto matched = graph::match(std::move(sketch), options.match, session.context);
+  auto matched = graph::match(std::move(sketched.sketch), options.match, session.context);
   if (matched.status == core::Status::cancelled) throw Interrupted{};
   made.motion = std::move(matched.motion);
   const auto& motion = made.motion;
@@ -154,7 +145,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
                        [](const auto& e) { return e.probability >= 0.5; });
   const auto& events = made.events;
   stages.begin("learn");
-  made.model = learn_model(motion, output, session);
+  made.model = learn_model(motion, still_ground(sketched.grounds), output, session);
   stages.begin("write");
   write_data(output, motion, events, all_events);
 

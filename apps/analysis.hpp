@@ -11,6 +11,7 @@
 #include "apps/command.hpp"
 #include "apps/output_folder.hpp"
 #include "apps/report.hpp"
+#include "apps/sketch_clip.hpp"
 #include "graph/events.hpp"
 #include "graph/match.hpp"
 #include "mcmc/motion_model.hpp"
@@ -24,15 +25,15 @@ struct AnalyzeOptions {
   sketch::ExtractOptions sketch;
   graph::MatchOptions match;
   sketch::FillOptions fill;
-  bool keep_sketch = false;  ///< in the analysis, as extracted
+  bool keep_sketch = false;  ///< in the analysis: sketches as extracted, and grounds
   bool reconstruction =
       false;  ///< write reconstruction.avi too: every frame is drawn again, not a choice of them
 };
 
 /// A clip and all that was found in it.
 struct Analysis {
-  std::string clip;  ///< as it is called
-  graph::SketchSequence sketch;  ///< as extracted; empty unless asked for
+  std::string clip;       ///< as it is called
+  SketchedClip sketched;  ///< empty unless asked for
   graph::MotionGraph motion;
   std::vector<graph::Event> events;
   mcmc::MotionModel model;

@@ -66,10 +66,16 @@ class BesideFile {
   fs::path path_, part_;
 };
 
-mcmc::MotionModel open_model(const std::string& folder) {
+struct OpenedModel {
+  mcmc::MotionModel motion;
+  Ground ground;
+};
+OpenedModel open_model(const std::string& folder) {
   const auto archive = read_model(folder, kMotionFormat);
   try {
-    return mcmc::motion_model(archive);
+    OpenedModel opened{mcmc::motion_model(archive), {}};
+    opened.ground = read_ground(archive, {opened.motion.width, opened.motion.height});
+    return opened;
   } catch (const core::IoError& error) {
     throw core::IoError(folder + ": " + error.what());
   }
@@ -147,9 +153,9 @@ void run_synth(Synth asked, Session& session) {
   check(asked);
   Stages stages;
   stages.begin("read");
-  const auto model = open_model(asked.model);
+  auto [model, ground] = open_model(asked.model);
   stages.begin("synthesize");
-  const auto look = model_look(model, asked.fill);
+  const auto look = model_look(model, std::move(ground), asked.fill);
   const auto figures = write_clips(asked, model, look, session);
   stages.end();
   session.console.say(std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " +

@@ -65,7 +65,7 @@ std::vector<Column> make_columns(const ComparedModels& models, const core::ClipI
   };
   if (models.motion) {
     const auto synthesis = std::make_shared<mcmc::Synthesis>(*models.motion, session.common.seed);
-    const FrameLook look{size, info.channels, mean_level, options.fill};
+    const FrameLook look{size, info.channels, mean_level, options.fill, models.ground};
     add("motion_model", "motion model", "synthesized_motion.avi", [synthesis, look, &session](int count) {
       std::vector<graph::AttributeGraph> graphs;
       for (int i = 0; i < count; ++i) graphs.push_back(synthesis->next());
@@ -151,7 +151,8 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip, cons
                               models.half_texture ? &*models.half_texture : nullptr,
                               models.predicted.empty() ? nullptr : &models.predicted,
                               &models.sketches,
-                              options.fill};
+                              options.fill,
+                              models.half_ground};
   measures["prediction"] = measure_prediction(source, predictors, session);
 
   const ClipSpectra blank({info.width, info.height}, segment, rings);

@@ -8,6 +8,7 @@
 
 #include "apps/command.hpp"
 #include "apps/output_folder.hpp"
+#include "apps/sketch_clip.hpp"
 #include "core/clip.hpp"
 #include "dytex/learn.hpp"
 #include "graph/match.hpp"
@@ -26,8 +27,7 @@ struct CompareOptions {
 
 /// What the caller has already made of the whole clip; what is null is made here.
 struct KnownModels {
-  const graph::SketchSequence* sketch =
-      nullptr;  ///< as extracted: match() steadies a sketch with frames to come
+  const SketchedClip* sketched = nullptr;  ///< as extracted: match() steadies a sketch with frames to come
   const graph::MotionGraph* motion = nullptr;
   const mcmc::MotionModel* motion_model = nullptr;
   const dytex::LinearDynamicTexture* texture = nullptr;

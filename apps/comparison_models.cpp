@@ -2,10 +2,10 @@
 #include "apps/comparison_models.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "apps/clip_part.hpp"
 #include "apps/interrupt.hpp"
-#include "apps/stream_frames.hpp"
 #include "core/error.hpp"
 #include "mcmc/fit.hpp"
 #include "mcmc/predict.hpp"
@@ -13,18 +13,6 @@
 namespace emberfold::apps {
 
 namespace {
-
-graph::SketchSequence sketch_clip(core::FrameSource& source, const sketch::ExtractOptions& options,
-                                  const Session& session) {
-  const auto& info = source.info();
-  graph::SketchSequence sketch;
-  sketch.width = info.width, sketch.height = info.height, sketch.fps = info.fps;
-  stream_frames(
-      source, "sketch", info.frames, session.context,
-      [&](int, const cv::Mat& frame) { return sketch::extract(core::to_levels(frame, info), options); },
-      [&](int, graph::AttributeGraph graph) { sketch.append(graph); });
-  return sketch;
-}
 
 graph::MotionGraph match(graph::SketchSequence sketch, const graph::MatchOptions& options,
                          const Session& session) {
@@ -80,13 +68,15 @@ void need_frames(const std::string& clip, std::int64_t frames) {
 
 ComparedModels learn_models(core::FrameSource& source, const std::string& clip, const CompareOptions& options,
                             const KnownModels& known, Session& session) {
-  graph::SketchSequence own;
-  if (known.sketch == nullptr) own = sketch_clip(source, options.sketch, session);
-  const graph::SketchSequence& sketch = known.sketch != nullptr ? *known.sketch : own;
+  SketchedClip own;
+  if (known.sketched == nullptr) own = sketch_clip(source, options.sketch, session);
+  const auto& [sketch, grounds] = known.sketched != nullptr ? *known.sketched : own;
   ComparedModels models;
   models.frames = static_cast<int>(sketch.frames.size());
   need_frames(clip, models.frames);
   models.half = models.frames / 2;
+  models.ground = still_ground(grounds);
+  models.half_ground = still_ground(std::span(grounds).first(static_cast<std::size_t>(models.half)));
 
   if (known.motion_model != nullptr)
     models.motion = *known.motion_model;

@@ -14,6 +14,7 @@ struct ComparedModels {
   std::optional<mcmc::MotionModel> motion;             ///< of the whole clip
   std::optional<dytex::LinearDynamicTexture> texture;  ///< of the whole clip
   std::optional<dytex::LinearDynamicTexture> half_texture;
+  Ground ground, half_ground;                    ///< of the whole clip, of its first half
   std::vector<graph::AttributeGraph> sketches;   ///< of every frame
   std::vector<graph::AttributeGraph> predicted;  ///< of every frame by the first half's motion model; or none
 };

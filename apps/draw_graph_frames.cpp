@@ -2,6 +2,7 @@
 #include "apps/draw_graph_frames.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -12,26 +13,27 @@
 
 namespace emberfold::apps {
 
-DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
-                       const sketch::FillOptions& options) {
+DrawnFrame draw_around(sketch::Sketchable part, const cv::Scalar& empty, const sketch::FillOptions& options,
+                       const Ground& ground) {
+  const double share = part.share();
+  hold_ground(part, ground);
   if (cv::countNonZero(part.mask) == 0)
     return {cv::Mat(part.levels.size(), part.levels.type(), empty), 0, true};
   const auto filled = sketch::fill(part.levels, part.mask, options);
-  return {filled.levels, part.share(), filled.converged};
+  return {filled.levels, share, filled.converged};
 }
 
-cv::Mat draw_frame(const graph::AttributeGraph& graph, cv::Size size, int channels, float empty_level,
-                   const sketch::FillOptions& options) {
-  const auto part = sketch::draw_fitted(graph, size, channels);
-  return core::to_bytes(draw_around(part, cv::Scalar::all(static_cast<double>(empty_level)), options).levels);
+cv::Mat draw_frame(const graph::AttributeGraph& graph, const FrameLook& look) {
+  auto part = sketch::draw_fitted(graph, look.size, look.channels);
+  const auto empty = cv::Scalar::all(static_cast<double>(look.empty_level));
+  return core::to_bytes(draw_around(std::move(part), empty, look.fill, look.ground).levels);
 }
 
 std::vector<cv::Mat> draw_batch(std::span<const graph::AttributeGraph> graphs, const FrameLook& look,
                                 const core::Context& context) {
   std::vector<cv::Mat> frames(graphs.size());
-  const auto status = core::parallel_for(graphs.size(), context, [&](std::size_t i) {
-    frames[i] = draw_frame(graphs[i], look.size, look.channels, look.empty_level, look.fill);
-  });
+  const auto status = core::parallel_for(graphs.size(), context,
+                                         [&](std::size_t i) { frames[i] = draw_frame(graphs[i], look); });
   if (status == core::Status::cancelled) throw Interrupted{};
   return frames;
 }

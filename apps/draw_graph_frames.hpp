@@ -8,6 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "apps/ground.hpp"
 #include "core/context.hpp"
 #include "graph/attribute_graph.hpp"
 #include "sketch/fill.hpp"
@@ -22,22 +23,23 @@ struct DrawnFrame {
   bool converged = true;
 };
 
-/// Fills what `part` leaves open; with nothing in it the frame becomes `empty`, levels by channel.
-DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
-                       const sketch::FillOptions& options);
-
-/// The frame that a graph alone tells of: patches drawn from their attributes, the rest filled. CV_8U of
-/// `channels` (1 or 3); `empty_level` everywhere where no patch lies in the frame.
-cv::Mat draw_frame(const graph::AttributeGraph& graph, cv::Size size, int channels, float empty_level,
-                   const sketch::FillOptions& options = {});
+/// Fills what `part` and the still ground leave open; with nothing held the frame becomes `empty`, levels by
+/// channel.
+DrawnFrame draw_around(sketch::Sketchable part, const cv::Scalar& empty, const sketch::FillOptions& options,
+                       const Ground& ground = {});
 
 /// What the frames of a clip of graphs have in common.
 struct FrameLook {
   cv::Size size;
   int channels = 3;       ///< 1 or 3
-  float empty_level = 0;  ///< of a frame without patches, white = 255
+  float empty_level = 0;  ///< of a frame without patches and ground, white = 255
   sketch::FillOptions fill = {};
+  Ground ground = {};
 };
+
+/// The frame that a graph alone tells of: patches drawn from their attributes, the still ground away from
+/// them, the rest filled. CV_8U.
+cv::Mat draw_frame(const graph::AttributeGraph& graph, const FrameLook& look);
 
 /// Draws the frames of these graphs on several threads, CV_8U. Throws Interrupted.
 std::vector<cv::Mat> draw_batch(std::span<const graph::AttributeGraph> graphs, const FrameLook& look,

@@ -30,8 +30,9 @@ double mean(const std::vector<std::size_t>& values) {
 
 }  // namespace
 
-FrameLook model_look(const mcmc::MotionModel& model, const sketch::FillOptions& fill) {
-  FrameLook look{{model.width, model.height}, 1, 0, fill};
+FrameLook model_look(const mcmc::MotionModel& model, Ground ground, const sketch::FillOptions& fill) {
+  FrameLook look{{model.width, model.height}, std::max(1, ground.levels.channels()), 0, fill, {}};
+  look.ground = std::move(ground);
   double sum = 0, count = 0;
   const auto look_at = [&](const graph::AttributeGraph& graph) {
     if (!is_grey(graph)) look.channels = 3;

@@ -16,9 +16,9 @@
 
 namespace emberfold::apps {
 
-/// How frames of a model's graphs are drawn: its size, grey where all its levels are, and the mean of its
-/// strokes' sides where a frame has none.
-FrameLook model_look(const mcmc::MotionModel& model, const sketch::FillOptions& fill);
+/// How frames of a model's graphs are drawn: its size, grey where all its levels are, its ground, and the
+/// mean of its strokes' sides where a frame has neither.
+FrameLook model_look(const mcmc::MotionModel& model, Ground ground, const sketch::FillOptions& fill);
 
 /// What a clip drawn from a model holds.
 struct SynthesisFigures {

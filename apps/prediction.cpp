@@ -71,8 +71,9 @@ Errors frame_errors(const cv::Mat& before, const cv::Mat& truth, const cv::Mat& 
     // Where there is no stroke, the mean level of the frame before is what is known.
     const auto level = cv::mean(core::luma(before))[0];
     cv::Mat out;
-    draw_frame(graph, truth.size(), truth.channels(), static_cast<float>(level), predictors.fill)
-        .convertTo(out, CV_32F);
+    const FrameLook look{truth.size(), truth.channels(), static_cast<float>(level), predictors.fill,
+                         predictors.ground};
+    draw_frame(graph, look).convertTo(out, CV_32F);
     return out;
   };
   Errors errors;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.hpp"
+#include "apps/ground.hpp"
 #include "core/clip.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "graph/attribute_graph.hpp"
@@ -20,6 +21,7 @@ struct Predictors {
   const std::vector<graph::AttributeGraph>* graphs = nullptr;    ///< of every frame, foretold; null: none
   const std::vector<graph::AttributeGraph>* sketches = nullptr;  ///< of every frame, as it is
   sketch::FillOptions fill;
+  Ground ground;  ///< of the frames before `first`
 };
 
 /// How near every held-out frame comes to what was foretold of it from the frames before it: for each way

@@ -35,7 +35,7 @@ graph::AttributeGraph bar(double x, double shift = 0) {
 
 TEST_CASE("a frame drawn from a graph shows its strokes and the levels beside them") {
   for (const int channels : {1, 3}) {
-    const cv::Mat frame = draw_frame(bar(20), {48, 40}, channels, 7);
+    const cv::Mat frame = draw_frame(bar(20), {.size = {48, 40}, .channels = channels, .empty_level = 7});
     REQUIRE(frame.type() == CV_8UC(channels));
     REQUIRE(frame.size() == cv::Size(48, 40));
     const cv::Mat first = frame.reshape(1, 40);
@@ -47,9 +47,11 @@ TEST_CASE("a frame drawn from a graph shows its strokes and the levels beside th
 }
 
 TEST_CASE("a frame without a stroke in it has the level that was asked for") {
-  CHECK(same_pixels(draw_frame({}, {9, 5}, 3, 77), cv::Mat(5, 9, CV_8UC3, cv::Scalar::all(77))));
+  CHECK(same_pixels(draw_frame({}, {.size = {9, 5}, .empty_level = 77}),
+                    cv::Mat(5, 9, CV_8UC3, cv::Scalar::all(77))));
   // all of it lies outside
-  CHECK(same_pixels(draw_frame(bar(20, -500), {48, 40}, 1, 77), cv::Mat(40, 48, CV_8UC1, cv::Scalar(77))));
+  CHECK(same_pixels(draw_frame(bar(20, -500), {.size = {48, 40}, .channels = 1, .empty_level = 77}),
+                    cv::Mat(40, 48, CV_8UC1, cv::Scalar(77))));
 }
 
 TEST_CASE("a clip of graphs is drawn in order and frame by frame as each alone") {
@@ -63,7 +65,7 @@ TEST_CASE("a clip of graphs is drawn in order and frame by frame as each alone")
       },
       [&](int t, const cv::Mat& frame) {
         taken.push_back(t);
-        if (t % 9 == 0) CHECK(same_pixels(frame, draw_frame(bar(5 + t), look.size, 3, 7)));
+        if (t % 9 == 0) CHECK(same_pixels(frame, draw_frame(bar(5 + t), look)));
       });
   REQUIRE(taken.size() == 37);
   for (int t = 0; t < 37; ++t)

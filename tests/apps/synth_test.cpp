@@ -107,12 +107,11 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
   const auto drawn = read_clip(avi);
   REQUIRE(drawn.frames.size() == 40);
   CHECK(drawn.info.fps == 25);
-  const auto look = model_look(model, {});
+  const auto look = model_look(model, {}, {});
   std::size_t patches = 0;
   for (std::size_t t = 0; t < 40; ++t) {
     patches += motion.sketch.frames[t].size();
-    CHECK(same_pixels(drawn.frames[t],
-                      draw_frame(motion.sketch.frames[t], look.size, look.channels, look.empty_level)));
+    CHECK(same_pixels(drawn.frames[t], draw_frame(motion.sketch.frames[t], look)));
   }
   CHECK(patches > 40 * 20);
 

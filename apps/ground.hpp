@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/model_archive.hpp"
+#include "graph/attribute_graph.hpp"
+#include "sketch/render.hpp"
+
+// What lies between strokes where it keeps still: a black sky behind a fire belongs to no stroke, and
+// diffusion from the strokes alone would paint it in the fire's colour.
+namespace emberfold::apps {
+
+/// One frame's means over cells of kGroundCell px.
+constexpr int kGroundCell = 16;
+struct FrameGround {
+  cv::Mat levels;  ///< CV_32F, 1 or 3 channels, a cell each, white = 255
+  cv::Mat open;    ///< CV_8U, 255 where no patch lies in the cell or near it
+};
+/// `levels`: the frame, CV_32F, white = 255.
+FrameGround measure_ground(const cv::Mat& levels, const graph::AttributeGraph& graph);
+
+/// The ground that is the same in all frames. Empty where none is known.
+struct Ground {
+  cv::Mat levels;  ///< CV_32F, 1 or 3 channels, a cell each, white = 255
+  cv::Mat
+      still;  ///< CV_8U, 255 where the ground was seen in a fifth of the frames and kept within a few levels
+  [[nodiscard]] bool empty() const { return levels.empty(); }
+};
+/// Of these frames, at least one. O(cells · frames).
+Ground still_ground(std::span<const FrameGround> frames);
+
+/// Adds to what patches show the still ground that lies farther than some px from all of them. Channels as
+/// the part's.
+void hold_ground(sketch::Sketchable& part, const Ground& ground);
+
+/// The arrays "ground" and "ground_still" beside a motion model's own.
+void add_ground(core::ModelArchive& archive, const Ground& ground);
+/// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
+Ground read_ground(const core::ModelArchive& archive, cv::Size frame);
+
+}  // namespace emberfold::apps
