@@ -48,7 +48,7 @@ std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
 }  // namespace
 
 TEST_CASE("A known system is found again", "[dytex][learn]") {
-  constexpr Eigen::Index m = 400, n = 4, frames = 3000;
+  constexpr Eigen::Index m = 400, n = 4, frames = 1000;
   const Eigen::MatrixXd A = rotations(), C = test::orthonormal(m, n, 1);
   const Eigen::VectorXd strength = Eigen::Vector4d(120, 90, 60, 45);
   const Eigen::MatrixXd drive = strength.asDiagonal() * test::normals(n, frames, 2);
@@ -65,13 +65,13 @@ TEST_CASE("A known system is found again", "[dytex][learn]") {
   CHECK(result.passes == 1);
 
   const auto truth = eigenvalues(A), learned = eigenvalues(found.A);
-  for (std::size_t i = 0; i < truth.size(); ++i) CHECK(std::abs(truth[i] - learned[i]) < 0.03);
+  for (std::size_t i = 0; i < truth.size(); ++i) CHECK(std::abs(truth[i] - learned[i]) < 0.04);
   const Eigen::MatrixXd turn = found.C.cast<double>().transpose() * C;  // from the true states to the learned
   const Eigen::JacobiSVD<Eigen::MatrixXd> angles(turn);
-  CHECK(angles.singularValues().minCoeff() > 0.9995);
+  CHECK(angles.singularValues().minCoeff() > 0.999);
   const Eigen::MatrixXd Q = turn * strength.cwiseAbs2().asDiagonal() * turn.transpose();
-  CHECK((found.B * found.B.transpose() - Q).norm() < 0.06 * Q.norm());
-  CHECK_THAT(found.r, WithinRel(r, 0.005));  // 1.2 million values: an SD of 0.13 %
+  CHECK((found.B * found.B.transpose() - Q).norm() < 0.12 * Q.norm());
+  CHECK_THAT(found.r, WithinRel(r, 0.01));  // 400 000 values: an SD of 0.22 %
 }
 
 TEST_CASE("The variance left counts degrees of freedom", "[dytex][learn]") {
