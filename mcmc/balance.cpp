@@ -68,6 +68,7 @@ std::vector<std::string> balance(MotionModel& model, const Sizes& seen, const Op
   const double measured = sum(seen) / counts.gaps;
   set_births(model, births);
   auto& rates = model.rates;
+  const OperatorRates learned = rates;
   const double patches = std::max(1.0, static_cast<double>(model.first.size()));
   const int frames = std::clamp(static_cast<int>(most_patches / rounds / patches), 4, frames_a_round);
   auto particles = detail::begin(model, seed);
@@ -85,12 +86,19 @@ std::vector<std::string> balance(MotionModel& model, const Sizes& seen, const Op
       correct(births[s], wanted[s], shown.strokes[s], 0.5);
       correct(births[s], sum(wanted), sum(shown.strokes), 0.5);
     }
-    for (const auto& [type, rate] : {std::pair{graph::EventType::merge, &rates.merge},
-                                     std::pair{graph::EventType::connect, &rates.connect}}) {
+    // Where it is crowded patches are taken away more often than was learned: not so as to shorten lives, ...
+    const auto keep_frequency = [&](graph::EventType type, double& rate, double most) {
       const auto i = static_cast<std::size_t>(type);
-      correct(*rate, counts.events[i] / counts.gaps, shown.operators[i], 1.0 / frames);
-      *rate = std::min(*rate, 1.0);
-    }
+      correct(rate, counts.events[i] / counts.gaps, shown.operators[i], 1.0 / frames);
+      rate = std::min(rate, most);
+    };
+    for (std::size_t s = 0; s < kSizes; ++s)
+      keep_frequency(graph::EventType::death, rates.death_by_size[s], learned.death_by_size[s]);
+    keep_frequency(graph::EventType::split, rates.split, learned.split);
+    keep_frequency(graph::EventType::disconnect, rates.disconnect, learned.disconnect);
+    // ... and what brings some is to happen as often as it was seen.
+    keep_frequency(graph::EventType::merge, rates.merge, 1);
+    keep_frequency(graph::EventType::connect, rates.connect, 1);
     set_births(model, births);
     context.report("balance", (round + 1.0) / rounds);
   }

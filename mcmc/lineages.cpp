@@ -86,7 +86,7 @@ std::vector<Index> within_two_edges(const AttributeGraph& graph, std::vector<Ind
     for (const Index v : reached)
       for (const Index w : graph.neighbours(v)) from.push_back(w);
     std::ranges::sort(from);
-    from.erase(std::ranges::unique(from).begin(), from.end());
+    from.erase(std::unique(from.begin(), from.end()), from.end());
   }
   return from;
 }

@@ -2,6 +2,7 @@
 #include <set>
 
 #include "core/error.hpp"
+#include "graph/events.hpp"
 #include "mcmc/fit.hpp"
 #include "mcmc/synthesize.hpp"
 #include "tests/catch.hpp"
@@ -88,6 +89,14 @@ TEST_CASE("A synthesized clip stays as the learned one was for a thousand frames
   check("y", was.y, is.y, 120);
   check("wide", was.wide, is.wide, mean(was.wide));
   check("high", was.high, is.high, mean(was.high));
+  // Strokes live as long: in 400 frames of the data 120 die, so that their rate is known to a tenth, and as
+  // many are drawn to balance births with.
+  const auto deaths = [](const graph::MotionGraph& motion) {
+    double count = 0;
+    for (const auto& event : graph::stroke_events(motion)) count += event.type == graph::EventType::death;
+    return count / double(motion.sketch.frames.size() - 1);
+  };
+  CHECK_THAT(deaths(clip), Catch::Matchers::WithinRel(deaths(data), 0.25));
 }
 
 TEST_CASE("A model that was drawn from is learned again", "[synthesis][slow]") {
