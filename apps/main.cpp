@@ -127,6 +127,8 @@ int parse_and_run(int count, char** words, apps::Console& console) {
       "  emberfold demo\n"
       "  emberfold analyze fire.mp4 -o out/fire\n"
       "  emberfold synth out/fire/model -o new_fire.mp4\n"
+      "  emberfold dytex learn fire.mp4 -o out/fire_texture\n"
+      "  emberfold compare fire.mp4 -o out/compare\n"
       "  emberfold sketch fire.mp4 -o out/sketch\n"
       "  emberfold score truth.json out/fire/events.json");
   app.formatter(std::make_shared<HelpFormatter>());

@@ -21,6 +21,7 @@ constexpr double most_patches = 8e5;  // in all frames: of dense clips fewer are
 struct Shown {
   Sizes strokes{};
   std::array<double, 6> operators{};
+  double patches = 0;
 };
 
 Shown simulate(detail::Particles& particles, const MotionModel& model, std::uint64_t seed,
@@ -28,6 +29,7 @@ Shown simulate(detail::Particles& particles, const MotionModel& model, std::uint
   Shown shown;
   for (int t = 0; t < frames; ++t) {
     const auto done = detail::advance(particles, model, seed, first + static_cast<std::uint32_t>(t));
+    shown.patches += static_cast<double>(particles.list.size()) / frames;
     for (std::size_t i = 0; i < done.size(); ++i) shown.operators[i] += double(done[i]) / frames;
     for (const auto& stroke : strokes(graph::components(detail::shape(particles))))
       shown.strokes[size_class(stroke.size())] += 1.0 / frames;
@@ -65,6 +67,7 @@ std::vector<std::string> balance(MotionModel& model, const Sizes& seen, const Op
     // Of a size nobody saw being born, as many as die.
     if (known[s]) births[s] = std::max(seen[s] / counts.gaps, wanted[s] * model.rates.death_by_size[s]);
   }
+  const double usual = std::accumulate(model.density.values.begin(), model.density.values.end(), 0.0);
   const double measured = sum(seen) / counts.gaps;
   set_births(model, births);
   auto& rates = model.rates;
@@ -81,10 +84,10 @@ std::vector<std::string> balance(MotionModel& model, const Sizes& seen, const Op
     const auto correct = [&](double& rate, double want, double have, double more) {
       rate *= std::pow(std::clamp((want + more) / (have + more), 0.25, 4.0), step);
     };
-    // Each size by itself and, as pieces swell the small ones, all together.
+    // Each size by itself and, as strokes grow together and fall into pieces, the patches of all together.
     for (std::size_t s = 0; s < kSizes; ++s) {
       correct(births[s], wanted[s], shown.strokes[s], 0.5);
-      correct(births[s], sum(wanted), sum(shown.strokes), 0.5);
+      correct(births[s], usual, shown.patches, 5);
     }
     // Where it is crowded patches are taken away more often than was learned: not so as to shorten lives, ...
     const auto keep_frequency = [&](graph::EventType type, double& rate, double most) {

@@ -63,8 +63,10 @@ void die(Scene& scene) {
   for (std::size_t s = 0; s < all.size(); ++s) {
     const double rate = scene.model.rates.death_by_size[size_class(all[s].size())] *
                         scene.model.rates.death.at(middle(scene.graph, all[s]));
-    // What is smaller than any stroke that was seen is none.
-    if (!scene.strike(all[s][0], all[s].size() < least ? 1 : rate)) continue;
+    // The frames in which it fades are part of its life. What is smaller than any stroke that was seen is
+    // none.
+    const double sooner = rate / std::max(0.05, 1 - rate * scene.fading());
+    if (!scene.strike(all[s][0], all[s].size() < least ? 1 : sooner)) continue;
     scene.take(all[s][0]);
     scene.count(EventType::death);
     for (const Index v : all[s]) scene.fade(v);

@@ -228,9 +228,9 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
 TEST_CASE("an overview, help that opens with examples and shows the defaults, the version") {
   const auto overview = run_command({});
   CHECK(overview.exit == 0);
-  for (const char* word : {"Examples:", "analyze", "sketch", "score", "demo"})
+  for (const char* word : {"Examples:", "analyze", "sketch", "synth", "dytex", "compare", "score", "demo"})
     CHECK(contains(overview.out, word));
-  for (const char* command : {"analyze", "sketch", "score", "demo"}) {
+  for (const char* command : {"analyze", "sketch", "synth", "compare", "score", "demo"}) {
     const auto help = run_command({command, "--help"});
     CHECK(help.exit == 0);
     CHECK(help.err.empty());

@@ -13,6 +13,8 @@
 #include "dytex/synthesize.hpp"
 #include "graph/attribute_graph.hpp"
 #include "graph/motion_io.hpp"
+#include "mcmc/fit.hpp"
+#include "mcmc/synthesize.hpp"
 #include "sketch/fill.hpp"
 
 using namespace emberfold;
@@ -45,6 +47,14 @@ int main() {
   std::stringstream lines;
   graph::write_sketch(lines, sketch);
   right &= check(graph::read_sketch(lines, "the sketch") == sketch, "graph writes and reads JSON Lines");
+
+  // Two frames of a graph that stands still: as many patches in every frame drawn from its model.
+  graph::MotionGraph motion;
+  motion.sketch.width = 64, motion.sketch.height = 48;
+  for (int t = 0; t < 2; ++t) motion.sketch.append(two_strokes);
+  motion.links = {{}, {{{0}, {3}}, {{1}, {4}}, {{2}, {5}}}};
+  const auto model = mcmc::motion_model(mcmc::to_archive(mcmc::fit(graph::identify(motion)).model));
+  right &= check(mcmc::Synthesis(model, 1).next().size() == 3, "mcmc learns and draws a graph");
 
   // Two pixels that take turns: one component, and a model that can be kept.
   core::Clip clip{{2, 1, 1, CV_8U, 25, 255, 4}, {}};
