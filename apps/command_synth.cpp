@@ -172,7 +172,6 @@ void run_synth(Synth asked, Session& session) {
 void add_synthesis(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand("synth", "Draw a new clip from a motion model");
   command->footer(
-      "  emberfold analyze fire.mp4 -o out/fire\n"
       "  emberfold synth out/fire/model -o new_fire.mp4\n"
       "  emberfold synth out/fire/model -o frames --frames 1000 --seed 7 --motion new_fire.jsonl");
   const auto asked = std::make_shared<Synth>();

@@ -2,7 +2,6 @@
 #include "apps/draw_graph_frames.hpp"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -13,20 +12,19 @@
 
 namespace emberfold::apps {
 
-DrawnFrame draw_around(sketch::Sketchable part, const cv::Scalar& empty, const sketch::FillOptions& options,
-                       const Ground& ground) {
-  const double share = part.share();
-  hold_ground(part, ground);
-  if (cv::countNonZero(part.mask) == 0)
-    return {cv::Mat(part.levels.size(), part.levels.type(), empty), 0, true};
-  const auto filled = sketch::fill(part.levels, part.mask, options);
-  return {filled.levels, share, filled.converged};
+DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
+                       const sketch::FillOptions& options, const Ground& ground) {
+  const auto held = with_ground(part, ground);
+  if (cv::countNonZero(held.mask) == 0)
+    return {cv::Mat(held.levels.size(), held.levels.type(), empty), 0, true};
+  const auto filled = sketch::fill(held.levels, held.mask, options);
+  return {filled.levels, part.share(), filled.converged};
 }
 
 cv::Mat draw_frame(const graph::AttributeGraph& graph, const FrameLook& look) {
-  auto part = sketch::draw_fitted(graph, look.size, look.channels);
+  const auto part = sketch::draw_fitted(graph, look.size, look.channels);
   const auto empty = cv::Scalar::all(static_cast<double>(look.empty_level));
-  return core::to_bytes(draw_around(std::move(part), empty, look.fill, look.ground).levels);
+  return core::to_bytes(draw_around(part, empty, look.fill, look.ground).levels);
 }
 
 std::vector<cv::Mat> draw_batch(std::span<const graph::AttributeGraph> graphs, const FrameLook& look,

@@ -25,8 +25,8 @@ struct DrawnFrame {
 
 /// Fills what `part` and the still ground leave open; with nothing held the frame becomes `empty`, levels by
 /// channel.
-DrawnFrame draw_around(sketch::Sketchable part, const cv::Scalar& empty, const sketch::FillOptions& options,
-                       const Ground& ground = {});
+DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
+                       const sketch::FillOptions& options, const Ground& ground = {});
 
 /// What the frames of a clip of graphs have in common.
 struct FrameLook {

@@ -109,8 +109,8 @@ Ground still_ground(std::span<const FrameGround> frames) {
   return ground;
 }
 
-void hold_ground(sketch::Sketchable& part, const Ground& ground) {
-  if (ground.empty() || cv::countNonZero(ground.still) == 0) return;
+sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& ground) {
+  if (ground.empty() || cv::countNonZero(ground.still) == 0) return part;
   cv::Mat still, distance;
   cv::resize(ground.still, still, {ground.still.cols * kGroundCell, ground.still.rows * kGroundCell}, 0, 0,
              cv::INTER_NEAREST);
@@ -120,8 +120,10 @@ void hold_ground(sketch::Sketchable& part, const Ground& ground) {
     still.setTo(0, distance <= away);
   }
   const Ground fitting{with_channels(ground.levels, part.levels.channels()), ground.still};
-  spread_out(fitting, part.levels.size()).copyTo(part.levels, still);
-  part.mask.setTo(255, still);
+  sketch::Sketchable held{part.levels.clone(), part.mask.clone()};
+  spread_out(fitting, part.levels.size()).copyTo(held.levels, still);
+  held.mask.setTo(255, still);
+  return held;
 }
 
 void add_ground(core::ModelArchive& archive, const Ground& ground) {

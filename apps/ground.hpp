@@ -32,9 +32,8 @@ struct Ground {
 /// Of these frames, at least one. O(cells · frames).
 Ground still_ground(std::span<const FrameGround> frames);
 
-/// Adds to what patches show the still ground that lies farther than some px from all of them. Channels as
-/// the part's.
-void hold_ground(sketch::Sketchable& part, const Ground& ground);
+/// What patches show and, farther than some px from all of them, the still ground. Channels as the part's.
+sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& ground);
 
 /// The arrays "ground" and "ground_still" beside a motion model's own.
 void add_ground(core::ModelArchive& archive, const Ground& ground);

@@ -105,7 +105,7 @@ TEST_CASE("what is foretold is measured against the frame that comes") {
   core::ClipSource source(clip);
   Console console;
   const Session session{console, {}, "", {}};
-  const auto measured = measure_prediction(source, {5, 10, nullptr, nullptr, nullptr, {}}, session);
+  const auto measured = measure_prediction(source, {5, 10, nullptr, nullptr, nullptr, {}, {}}, session);
   CHECK(measured["first_frame"] == 5);
   CHECK(measured["frames"] == 5);
   const auto decibel = [](double mse) { return 10 * std::log10(255 * 255 / mse); };

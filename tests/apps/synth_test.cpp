@@ -101,13 +101,14 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
   REQUIRE(result.exit == 0);
   std::ifstream stream(motion_file);
   const auto motion = graph::read_motion(stream, "new.jsonl");
-  const auto model = mcmc::motion_model(read_model(made.model, kMotionFormat));
+  const auto archive = read_model(made.model, kMotionFormat);
+  const auto model = mcmc::motion_model(archive);
   CHECK(motion == mcmc::synthesize(model, 40, 5).motion);
 
   const auto drawn = read_clip(avi);
   REQUIRE(drawn.frames.size() == 40);
   CHECK(drawn.info.fps == 25);
-  const auto look = model_look(model, {}, {});
+  const auto look = model_look(model, read_ground(archive, {model.width, model.height}), {});
   std::size_t patches = 0;
   for (std::size_t t = 0; t < 40; ++t) {
     patches += motion.sketch.frames[t].size();
