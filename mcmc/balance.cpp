@@ -42,7 +42,7 @@ double sum(const Sizes& sizes) {
 }
 
 // Births a frame, of each size.
-void set_births(MotionModel& model, const Sizes& births) {
+void set_births(MotionModel& model, const Sizes& births, const Sizes& usual) {
   auto& map = model.rates.birth;
   double mass = 0;
   for (const double value : map.values) mass += value * map.cell * map.cell;
@@ -52,7 +52,10 @@ void set_births(MotionModel& model, const Sizes& births) {
     std::ranges::fill(map.values, 1.0);
   }
   for (double& value : map.values) value *= all / mass;
-  for (std::size_t s = 0; s < kSizes; ++s) model.rates.birth_by_size[s] = all > 0 ? births[s] / all : 0;
+  // Where nothing is ever born, what is lost is made up for by what is usual.
+  const Sizes& shares = all > 0 ? births : usual;
+  const double whole = std::max(sum(shares), 1e-300);
+  for (std::size_t s = 0; s < kSizes; ++s) model.rates.birth_by_size[s] = shares[s] / whole;
 }
 
 }  // namespace
@@ -69,7 +72,7 @@ std::vector<std::string> balance(MotionModel& model, const Sizes& seen, const Op
   }
   const double usual = std::accumulate(model.density.values.begin(), model.density.values.end(), 0.0);
   const double measured = sum(seen) / counts.gaps;
-  set_births(model, births);
+  set_births(model, births, wanted);
   auto& rates = model.rates;
   const OperatorRates learned = rates;
   const double patches = std::max(1.0, static_cast<double>(model.first.size()));
@@ -84,10 +87,11 @@ std::vector<std::string> balance(MotionModel& model, const Sizes& seen, const Op
     const auto correct = [&](double& rate, double want, double have, double more) {
       rate *= std::pow(std::clamp((want + more) / (have + more), 0.25, 4.0), step);
     };
-    // Each size by itself and, as strokes grow together and fall into pieces, the patches of all together.
+    // Each size by itself and, as strokes grow together and fall into pieces, with more weight the patches of
+    // all together.
     for (std::size_t s = 0; s < kSizes; ++s) {
       correct(births[s], wanted[s], shown.strokes[s], 0.5);
-      correct(births[s], usual, shown.patches, 5);
+      correct(births[s], usual * usual, shown.patches * shown.patches, 25);
     }
     // Where it is crowded patches are taken away more often than was learned: not so as to shorten lives, ...
     const auto keep_frequency = [&](graph::EventType type, double& rate, double most) {
@@ -102,7 +106,7 @@ std::vector<std::string> balance(MotionModel& model, const Sizes& seen, const Op
     // ... and what brings some is to happen as often as it was seen.
     keep_frequency(graph::EventType::merge, rates.merge, 1);
     keep_frequency(graph::EventType::connect, rates.connect, 1);
-    set_births(model, births);
+    set_births(model, births, wanted);
     context.report("balance", (round + 1.0) / rounds);
   }
   const double ratio = measured > 0 ? sum(births) / measured : 1;

@@ -32,6 +32,16 @@ struct Normal {
   }
 };
 
+// A speed that is not clearly above its own error is none: else what stands would creep away in a long clip.
+graph::Point told_apart(graph::Point v, const Normal& seen, double precision, double area) {
+  const double square = graph::dot(v, v);
+  if (square <= 0) return v;
+  const double a = seen.xx + precision, d = seen.yy + precision;
+  const double along = d * v.x * v.x - 2 * seen.xy * v.x * v.y + a * v.y * v.y;
+  const double error = along / square / (a * d - seen.xy * seen.xy) / area;  // variance in the direction of v
+  return v * std::max(0.0, 1 - 4 * error / square);
+}
+
 // A lineage's mean speed along its normals and how its travel scatters about a steady one.
 struct Course {
   double speed = 0, scatter = 0;
@@ -128,7 +138,7 @@ Drift measure_drift(const std::vector<detail::Lineage>& all, const CellMap& grid
   const double area = 4 * std::numbers::pi * reach * reach;
   for (std::size_t i = 0; i < grid.values.size(); ++i) {
     const Normal here{near[0][i], near[1][i], near[2][i], near[3][i], near[4][i]};
-    const graph::Point v = here.solve(mean, precision / area);
+    const graph::Point v = told_apart(here.solve(mean, precision / area), here, precision / area, area);
     drift.x.values[i] = v.x, drift.y.values[i] = v.y;
   }
   return drift;

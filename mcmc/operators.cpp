@@ -17,6 +17,8 @@ using graph::EventType;
 using graph::Point;
 using Index = std::uint32_t;
 
+constexpr double few = 0.8;            // of the usual patches: fewer are made up for ...
+constexpr double refilled = 0.02;      // ... by this share in a frame
 constexpr double crowd_reach = 2;      // cells
 constexpr double spacing = 5;          // px between the patches of a bridge
 constexpr double astray = 4;           // px, SD: how far from where it was seen an exemplar is born
@@ -276,8 +278,15 @@ void give_birth(Scene& scene, std::uint64_t seed) {
     usual += model.density.values[c];
     crowded += model.density.values[c] * scene.crowd.values[c];
   }
-  // Fewer than usual are there: more are born.
+  // Fewer than usual are there: more are born, and where much is missing even if no birth was ever seen.
   if (crowded > 0) births *= usual * usual / (crowded * crowded);
+  if (crowded < few * usual) {
+    double patches = 0;
+    for (const auto& exemplar : model.exemplars) patches += static_cast<double>(exemplar.graph.size());
+    const double strokes_missing =
+        (few * usual - crowded) / patches * static_cast<double>(model.exemplars.size());
+    births += refilled * strokes_missing;
+  }
   if (births <= 0) return;
   const auto weights = birth_weights(scene);
   for (int left = poisson(births, scene.rng); left > 0; --left) {
