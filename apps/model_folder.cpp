@@ -73,10 +73,11 @@ bool is_video_name(const fs::path& path) {
 }
 
 // Says what a path is that has no model.json.
-[[noreturn]] void refuse(const fs::path& path) {
+[[noreturn]] void refuse(const fs::path& path, std::string_view format) {
   const std::string name = path.string();
   const auto clip = [&] {
-    throw core::IoError(name + " is a clip, not a model; learn one with 'emberfold dytex learn'");
+    throw core::IoError(name + " is a clip, not a model; learn one with 'emberfold " +
+                        (format == kMotionFormat ? "analyze'" : "dytex learn'"));
   };
   std::error_code error;
   const auto status = fs::status(path, error);
@@ -167,7 +168,7 @@ void ModelFolder::commit() {
 core::ModelArchive read_model(const fs::path& folder, std::string_view format, const ModelLimits& limits) {
   std::error_code ignored;
   const fs::path file = folder / kText;
-  if (!fs::is_directory(folder, ignored) || !fs::exists(file, ignored)) refuse(folder);
+  if (!fs::is_directory(folder, ignored) || !fs::exists(file, ignored)) refuse(folder, format);
   core::ModelArchive archive{read_text(file, limits.text), {}};
   std::string found;
   try {

@@ -173,7 +173,7 @@ TEST_CASE("what is no motion model is refused by name, and nothing is written") 
     check_refused({"synth", model, "-o", out.string(), "-q", "--frames", "2"}, 1, what, out);
   };
   refused((made.temp / "nothing").string(), {"nothing"});
-  refused(made.clip, {"clip"});
+  refused(made.clip, {"is a clip, not a model; learn one with 'emberfold analyze'"});
   std::ofstream(made.temp / "file.avi") << "not a model";
   refused((made.temp / "file.avi").string(), {"file.avi"});
 
