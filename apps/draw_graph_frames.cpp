@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "apps/interrupt.hpp"
+#include "apps/stream_frames.hpp"
 #include "core/clip.hpp"
 #include "core/parallel.hpp"
 
@@ -39,8 +40,7 @@ std::vector<cv::Mat> draw_batch(std::span<const graph::AttributeGraph> graphs, c
 void draw_frames(int count, const FrameLook& look, std::string_view stage, const core::Context& context,
                  const std::function<graph::AttributeGraph(int)>& graph,
                  const std::function<void(int, const cv::Mat&)>& take) {
-  const double frame_bytes = 4.0 * look.size.area() * look.channels;
-  const int most = static_cast<int>(std::clamp(192e6 / std::max(1.0, frame_bytes), 1.0, 16.0));
+  const auto most = static_cast<int>(frames_at_once(look.size.width, look.size.height, look.channels));
   context.report(stage, 0);
   for (int first = 0; first < count; first += most) {
     std::vector<graph::AttributeGraph> graphs;

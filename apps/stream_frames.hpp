@@ -13,6 +13,11 @@
 
 namespace emberfold::apps {
 
+/// How many frames are worked on at once: 16, or as many as 192 MB hold in levels, at least one.
+inline std::size_t frames_at_once(int width, int height, int channels) {
+  return static_cast<std::size_t>(std::clamp(192e6 / (4.0 * width * height * channels), 1.0, 16.0));
+}
+
 /// Runs through a clip from its first frame: work(t, frame) on several frames at once, then take(t, result)
 /// in order. Holds a batch of frames and their results, some 16 frames or 192 MB, whichever is less.
 /// `expected`: for the progress alone. Returns how many frames there were; throws Interrupted.
@@ -21,8 +26,7 @@ int stream_frames(core::FrameSource& source, std::string_view stage, std::option
                   const core::Context& context, const Work& work, const Take& take) {
   using Result = decltype(work(0, cv::Mat{}));
   const auto& info = source.info();
-  const double frame_bytes = 4.0 * info.width * info.height * info.channels;
-  const auto batch_size = static_cast<std::size_t>(std::clamp(192e6 / frame_bytes, 1.0, 16.0));
+  const auto batch_size = frames_at_once(info.width, info.height, info.channels);
   source.rewind();
   int done = 0;
   context.report(stage, 0);

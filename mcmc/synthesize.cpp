@@ -2,6 +2,7 @@
 #include "mcmc/synthesize.hpp"
 
 #include <string>
+#include <utility>
 
 #include "core/error.hpp"
 #include "mcmc/advance.hpp"
@@ -10,12 +11,15 @@ namespace emberfold::mcmc {
 
 namespace {
 
-// What goes on from one frame to the next: the ids that both have.
+// What goes on from one frame to the next, by the ids that both have; linked as the sequence numbers them.
 std::vector<graph::Link> links_between(const graph::AttributeGraph& before,
-                                       const graph::AttributeGraph& after) {
+                                       const graph::AttributeGraph& after,
+                                       const graph::AttributeGraph& numbered_before,
+                                       const graph::AttributeGraph& numbered_after) {
   std::vector<graph::Link> links;
-  for (const auto& vertex : before.vertices())
-    if (after.index_of(vertex.id) < after.size()) links.push_back({vertex.id, vertex.id});
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (const auto j = after.index_of(before.vertices()[i].id); j < after.size())
+      links.push_back({numbered_before.vertices()[i].id, numbered_after.vertices()[j].id});
   return links;
 }
 
@@ -64,18 +68,12 @@ SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t s
       result.status = core::Status::cancelled;
       break;
     }
-    const graph::AttributeGraph graph = synthesis.next();
-    auto links = t > 0 ? links_between(before, graph) : std::vector<graph::Link>{};
+    graph::AttributeGraph graph = synthesis.next();
     motion.sketch.append(graph);
-    // Ids as the sequence numbers them.
-    if (t > 0) {
-      const auto& frame_before = motion.sketch.frames[static_cast<std::size_t>(t) - 1];
-      for (auto& link : links)
-        link = {frame_before.vertices()[before.index_of(link.before)].id,
-                motion.sketch.frames.back().vertices()[graph.index_of(link.after)].id};
-    }
-    motion.links.push_back(std::move(links));
-    before = graph;
+    const auto& frames_now = motion.sketch.frames;
+    motion.links.push_back(t > 0 ? links_between(before, graph, frames_now.end()[-2], frames_now.back())
+                                 : std::vector<graph::Link>{});
+    before = std::move(graph);
     context.report("synthesize", (t + 1.0) / frames);
   }
   motion = graph::identify(std::move(motion));
