@@ -16,8 +16,9 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr std::array<std::string_view, 12> kVertexKeys = {
-    "id", "subgraph", "type", "x", "y", "theta", "width", "blur", "contrast", "left", "middle", "right"};
+constexpr std::array<std::string_view, 14> kVertexKeys = {"id",     "subgraph", "type", "x",        "y",
+                                                          "theta",  "width",    "blur", "contrast", "left",
+                                                          "middle", "right",    "cost", "gain"};
 enum VertexKey : unsigned {
   kId,
   kSubgraph,
@@ -30,7 +31,9 @@ enum VertexKey : unsigned {
   kContrast,
   kLeft,
   kMiddle,
-  kRight
+  kRight,
+  kCost,
+  kGain
 };
 constexpr std::array<std::string_view, 4> kFrameKeys = {"frame", "vertices", "edges", "links"};
 enum FrameKey : unsigned { kFrame, kVertices, kEdges, kLinks };
@@ -112,7 +115,7 @@ class Handler {
       place_ = Place::done;
       return true;
     }
-    require_all(kVertexKeys, seen_vertex_, vertex_name());
+    require_all(kVertexKeys, seen_vertex_ | 1U << kCost | 1U << kGain, vertex_name());
     if (const auto wrong = complaint(line.vertices.back().patch); !wrong.empty()) fail(vertex_name() + wrong);
     place_ = Place::vertices;
     return true;
@@ -128,7 +131,7 @@ class Handler {
       count_ = 0;
       return true;
     }
-    if (place_ == Place::vertex && key_ != kUnknown && key_ >= kLeft) {
+    if (place_ == Place::vertex && key_ != kUnknown && key_ >= kLeft && key_ <= kRight) {
       place_ = Place::level;
       count_ = 0;
       return true;
@@ -273,6 +276,12 @@ class Handler {
         return true;
       case kContrast:
         vertex.patch.contrast = value;
+        return true;
+      case kCost:
+        vertex.patch.cost = value;
+        return true;
+      case kGain:
+        vertex.patch.gain = value;
         return true;
       default:
         level().fill(to_float(value));

@@ -12,35 +12,44 @@
 
 namespace emberfold::graph::detail {
 
+namespace {
+std::string whole(double value) {
+  return std::to_string(static_cast<long long>(value));
+}
+}  // namespace
+
 std::string complaint(const Patch& patch) {
-  constexpr double kLargest = 1e6;
-  const auto check = [](const char* field, double value, double least) -> std::string {
-    if (value >= least && value <= kLargest) return {};
+  constexpr double kLargest = 1e6, kMostNats = 1e9;
+  const auto check = [](const char* field, double value, double least, double most) -> std::string {
+    if (value >= least && value <= most) return {};
     std::string result = "\"" + std::string(field) + "\" is ";
     if (std::isfinite(value)) {
       append(result, value);
     } else {
       result += "not finite";
     }
-    return result + (least < 0 ? ", allowed is -1000000 to 1000000" : ", allowed is 0 to 1000000");
+    return result + ", allowed is " + (least < 0 ? "-" + whole(most) : "0") + " to " + whole(most);
   };
   struct Field {
     const char* name;
-    double value, least;
+    double value, least, most = kLargest;
   };
-  const std::array<Field, 6> fields{{{"x", patch.position.x, -kLargest},
+  const std::array<Field, 8> fields{{{"x", patch.position.x, -kLargest},
                                      {"y", patch.position.y, -kLargest},
                                      {"theta", patch.theta, -kLargest},
                                      {"width", patch.width, 0},
                                      {"blur", patch.blur, 0},
-                                     {"contrast", patch.contrast, -kLargest}}};
+                                     {"contrast", patch.contrast, -kLargest},
+                                     {"cost", patch.cost, 0, kMostNats},
+                                     {"gain", patch.gain, -kMostNats, kMostNats}}};
   for (const Field& field : fields) {
-    if (auto text = check(field.name, field.value, field.least); !text.empty()) return text;
+    if (auto text = check(field.name, field.value, field.least, field.most); !text.empty()) return text;
   }
   for (const auto& [name, level] :
        {std::pair{"left", patch.left}, {"middle", patch.middle}, {"right", patch.right}}) {
     for (const float value : level) {
-      if (auto text = check(name, static_cast<double>(value), -kLargest); !text.empty()) return text;
+      if (auto text = check(name, static_cast<double>(value), -kLargest, kLargest); !text.empty())
+        return text;
     }
   }
   return {};

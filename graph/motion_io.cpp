@@ -58,6 +58,8 @@ void append_vertex(std::string& text, const Vertex& vertex) {
   append_level(text, "left", patch.left);
   append_level(text, "middle", patch.middle);
   append_level(text, "right", patch.right);
+  if (patch.cost != 0) append_field(text, "cost", patch.cost);
+  if (patch.gain != 0) append_field(text, "gain", patch.gain);
   text += '}';
 }
 

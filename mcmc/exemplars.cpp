@@ -70,6 +70,7 @@ AttributeGraph at_rest(const AttributeGraph& graph, std::span<const Point> displ
   for (Index v = 0; v < graph.size(); ++v) {
     vertices.push_back({{v}, {}, graph.patch(v)});
     vertices[v].patch.position = graph.patch(v).position - displacement[v];
+    vertices[v].patch.cost = vertices[v].patch.gain = 0;  // they are the frame's, not the stroke's
     for (const Index w : graph.neighbours(v))
       if (v < w) edges.push_back({{v}, {w}});
   }

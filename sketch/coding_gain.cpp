@@ -11,6 +11,7 @@
 
 #include "core/clip.hpp"
 #include "core/error.hpp"
+#include "sketch/blob.hpp"
 #include "sketch/median.hpp"
 
 namespace emberfold::sketch {
@@ -119,6 +120,11 @@ struct Sums {
     ii += weight * level * level;
     profile += weight * difference * difference;
   }
+  /// The slope of the ramp that leaves least.
+  [[nodiscard]] double slope() const {
+    const double spread = w * vv - v * v;
+    return spread > 1e-9 ? (w * vi - v * i) / spread : 0;
+  }
   /// The same for the ramp of this slope at the level that leaves least.
   [[nodiscard]] double ramp(double slope) const {
     const double mean = (i - slope * v) / w;
@@ -168,6 +174,30 @@ Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& 
   return seen;
 }
 
+Coding coding_of_blob(const GainFrame& frame, const graph::Patch& blob) {
+  const BlobShape shape(blob);
+  const double left = luma_of(blob.left), middle = luma_of(blob.middle), right = luma_of(blob.right);
+  const auto [px, py] = blob.position;
+  const double reach = shape.reach(), c = std::cos(blob.theta), s = std::sin(blob.theta);
+  Sums disc;
+  if (px + reach < 0 || py + reach < 0 || px - reach > frame.luma.cols || py - reach > frame.luma.rows)
+    return {};
+  for (int y = std::max(0, static_cast<int>(py - reach)); y <= std::min(frame.luma.rows - 1.0, py + reach);
+       ++y)
+    for (int x = std::max(0, static_cast<int>(px - reach)); x <= std::min(frame.luma.cols - 1.0, px + reach);
+         ++x) {
+      const double dx = x - px, dy = y - py, level = double{frame.luma(y, x)} - middle;
+      if (!shape.holds(dx, dy)) continue;
+      const auto shares = shape.at(dx, dy);
+      disc.add(1, dy * c - dx * s, level,
+               level + middle - shares.left * left - shares.middle * middle - shares.right * right);
+    }
+  if (disc.w < 1) return {};
+  const double cost = coding_cost(blob, disc.w / frame.clumping[0]);
+  const double saved = disc.ramp(disc.slope()) - disc.profile;
+  return {cost, saved / (2 * frame.noise * frame.noise * frame.clumping[0]) - cost};
+}
+
 }  // namespace
 
 GainFrame prepare_gain(const cv::Mat& levels) {
@@ -188,18 +218,24 @@ GainFrame prepare_gain(const cv::Mat& levels) {
   return frame;
 }
 
-double coding_gain(const GainFrame& frame, const graph::Patch& patch) {
+double coding_cost(const graph::Patch& patch, double pixels) {
+  const int numbers = patch.type == graph::PatchType::blob ? 6 : graph::on_step(patch) ? 5 : 7;
+  return 0.5 * numbers * std::log1p(pixels);
+}
+
+Coding coding(const GainFrame& frame, const graph::Patch& patch) {
+  if (patch.type == graph::PatchType::blob) return coding_of_blob(frame, patch);
   const Profile profile(patch);
   const Footprint seen = look(frame.luma, patch, profile);
-  if (seen.inside.w <= 0) return 0;
+  if (seen.inside.w <= 0) return {};
   // A bar with its sides lies within 1.5 widths of its middle, a step's two sides within one.
   const bool step = graph::on_step(patch);
   const double bar = profile.reach / (step ? 1.0 : 1.5);
   const double wider = std::clamp((bar - kBars[0]) / (kBars[1] - kBars[0]), 0.0, 1.0);
   const double clumping = frame.clumping[0] + wider * (frame.clumping[1] - frame.clumping[0]);
   const double saved = seen.inside.ramp(seen.slope()) - seen.inside.profile;
-  return saved / (2 * frame.noise * frame.noise * clumping) -
-         0.5 * (step ? 5 : 7) * std::log1p(seen.inside.w / clumping);
+  const double cost = coding_cost(patch, seen.inside.w / clumping);
+  return {cost, saved / (2 * frame.noise * frame.noise * clumping) - cost};
 }
 
 }  // namespace emberfold::sketch

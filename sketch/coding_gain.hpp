@@ -20,6 +20,15 @@ struct GainFrame {
 /// `levels`: CV_32F, 1 or 3 channels, white = 255, finite; InputError otherwise. O(pixels).
 GainFrame prepare_gain(const cv::Mat& levels);
 
+/// ½·ln(1 + pixels) nats for each number of the patch that the fill has not: 7 of a line, 5 of a step, 6 of a
+/// blob. `pixels`: > 0, those that tell the numbers, independent of each other.
+double coding_cost(const graph::Patch& patch, double pixels);
+
+/// What a patch of a frame costs and gains, nats.
+struct Coding {
+  double cost = 0, gain = 0;
+};
+
 /// The gain in coding length, nats, of showing `patch` in the frame rather than leaving its place to the fill
 /// (Guo, Zhu, Wu 2007, whose image is the drawn patches plus white noise):
 ///   Σ w·[(I − g)² − (I − profile)²] / (2 noise² clumping) − cost
@@ -28,9 +37,15 @@ GainFrame prepare_gain(const cv::Mat& levels);
 /// footprint on both sides, at the level that suits the footprint best. `clumping` is that of a bar of the
 /// patch's size. The cost is ½·ln(1 + n) nats for each number that the patch has and the ramp has not (7, of
 /// a step 5), n the footprint's pixels ÷ clumping: the precision at which the pixels tell them (Rissanen's
-/// description length). Pixels outside the frame are not there: a patch outside it gains and costs nothing.
-/// Patches fitted at places of chance gain more than 0 less than once in 1000 times in white noise, once in
-/// 100 in noise that is smooth over 1.6 px. O(pixels of footprint and bands); thread-safe.
-double coding_gain(const GainFrame& frame, const graph::Patch& patch);
+/// description length). A blob gains over the best ramp in its disc. Pixels outside the frame are not there:
+/// a patch outside it gains and costs nothing. Patches fitted at places of chance gain more than 0 less than
+/// once in 1000 times in white noise, once in 100 in noise that is smooth over 1.6 px. O(pixels of footprint
+/// and bands); thread-safe.
+Coding coding(const GainFrame& frame, const graph::Patch& patch);
+
+/// Its gain alone.
+inline double coding_gain(const GainFrame& frame, const graph::Patch& patch) {
+  return coding(frame, patch).gain;
+}
 
 }  // namespace emberfold::sketch

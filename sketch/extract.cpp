@@ -10,6 +10,7 @@
 
 #include "core/clip.hpp"
 #include "core/error.hpp"
+#include "sketch/coding_gain.hpp"
 #include "sketch/creases.hpp"
 #include "sketch/crossings.hpp"
 #include "sketch/cut.hpp"
@@ -17,6 +18,8 @@
 #include "sketch/link.hpp"
 #include "sketch/lobes.hpp"
 #include "sketch/median.hpp"
+#include "sketch/pursuit.hpp"
+#include "sketch/refine.hpp"
 #include "sketch/scale_space.hpp"
 
 namespace emberfold::sketch {
@@ -28,6 +31,8 @@ void require(bool holds, const char* field, double value, const char* allowed) {
     throw core::InputError(std::string("ExtractOptions::") + field + " is " + std::to_string(value) +
                            ", must be " + allowed);
 }
+
+constexpr double kVisible = 1;  // grey level: what differs by less looks the same
 
 // Many faint points say as much as few strong ones.
 double evidence(const Chain& chain) {
@@ -47,6 +52,7 @@ void ExtractOptions::validate() const {
   require(min_length >= 0 && std::isfinite(min_length), "min_length", min_length, "at least 0");
   require(min_evidence >= 0 && std::isfinite(min_evidence), "min_evidence", min_evidence, "at least 0");
   require(spacing >= 2 && spacing <= 100, "spacing", spacing, "in [2, 100] px");
+  require(budget >= 0 && budget <= 1, "budget", budget, "in [0, 1]");
 }
 
 double estimate_noise(const cv::Mat& luma) {
@@ -102,7 +108,13 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
   });
   const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
-  return cut_into_patches(network, space, levels, options.spacing);
+  const GainFrame frame = prepare_gain(levels);
+  const graph::AttributeGraph strokes = refine(cut_into_patches(network, space, levels, options.spacing),
+                                               levels, frame, {options.spacing, options.blobs});
+  if (options.budget > 0)
+    return pursue(strokes, levels, {std::max(estimate_noise(luma), kVisible), options.budget, true});
+  if (options.blobs) return pursue(strokes, levels, {frame.noise, 1, true});
+  return strokes;
 }
 
 }  // namespace emberfold::sketch

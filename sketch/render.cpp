@@ -12,6 +12,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "sketch/blob.hpp"
 
 namespace emberfold::sketch {
 
@@ -202,7 +203,8 @@ std::vector<Band> bands(const graph::AttributeGraph& graph, int channels) {
   std::vector<char> through(graph.size());
   for (std::size_t i = 0; i < graph.size(); ++i) {
     through[i] = goes_through(graph, i) ? 1 : 0;
-    if (graph.degree(i) == 0) all.push_back(alone(graph.patch(i), channels));
+    if (graph.degree(i) == 0 && graph.patch(i).type != graph::PatchType::blob)
+      all.push_back(alone(graph.patch(i), channels));
   }
   for (std::size_t i = 0; i < graph.size(); ++i)
     for (const std::size_t j : graph.neighbours(i)) {
@@ -258,6 +260,37 @@ double weight(const Band& band, const Foot& at) {
   return inward * inward * inward * inward * (at.at_round_end ? 1e-12 : 1);
 }
 
+/// paint(patch, shape, x, y, dx, dy) for every pixel of every blob.
+template <class Paint>
+void cover_blobs(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    const graph::Patch& patch = graph.patch(i);
+    if (graph.degree(i) != 0 || patch.type != graph::PatchType::blob) continue;
+    const BlobShape shape(patch);
+    const auto [px, py] = patch.position;
+    Range rows{0, size.height - 1}, columns{0, size.width - 1};
+    rows.meet(1, -py, -shape.reach() - kSlack, shape.reach() + kSlack);
+    columns.meet(1, -px, -shape.reach() - kSlack, shape.reach() + kSlack);
+    for (int y = rows.first; y <= rows.last; ++y)
+      for (int x = columns.first; x <= columns.last; ++x)
+        if (shape.holds(x - px, y - py)) paint(patch, shape, x, y);
+  }
+}
+
+void add(const graph::Patch& blob, const BlobShape& shape, int x, int y, int channels, float* sum,
+         float& weights) {
+  const double dx = x - blob.position.x, dy = y - blob.position.y;
+  const BlobShape::Shares shares = shape.at(dx, dy);
+  const Colour left = colour(blob.left, channels), middle = colour(blob.middle, channels),
+               right = colour(blob.right, channels);
+  const double inward = std::max(1 - std::hypot(dx, dy) / shape.reach(), 0.03);
+  const double weight = inward * inward * inward * inward;
+  for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c)
+    sum[c] += static_cast<float>(
+        weight * (shares.left * left[c] + shares.middle * middle[c] + shares.right * right[c]));
+  weights += static_cast<float>(weight);
+}
+
 void check(cv::Size size, int channels) {
   if (size.width >= 1 && size.height >= 1 && (channels == 1 || channels == 3)) return;
   std::ostringstream message;
@@ -284,6 +317,10 @@ Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int ch
       weights.at<float>(y, x) += static_cast<float>(w);
       result.mask.at<std::uint8_t>(y, x) = 255;
     });
+  cover_blobs(graph, size, [&](const graph::Patch& blob, const BlobShape& shape, int x, int y) {
+    add(blob, shape, x, y, channels, result.levels.ptr<float>(y) + x * channels, weights.at<float>(y, x));
+    result.mask.at<std::uint8_t>(y, x) = 255;
+  });
   for (int y = 0; y < size.height; ++y) {
     float* levels = result.levels.ptr<float>(y);
     const float* sum = weights.ptr<float>(y);
@@ -303,6 +340,9 @@ Sketchable draw_pixels(const graph::AttributeGraph& graph, const cv::Mat& levels
                     cv::Mat(levels.size(), CV_8U, cv::Scalar(0))};
   for (const Band& band : bands(graph, levels.channels()))
     cover(band, levels.size(), [&](int x, int y, const Foot&) { result.mask.at<std::uint8_t>(y, x) = 255; });
+  cover_blobs(graph, levels.size(), [&](const graph::Patch&, const BlobShape&, int x, int y) {
+    result.mask.at<std::uint8_t>(y, x) = 255;
+  });
   levels.copyTo(result.levels, result.mask);
   return result;
 }

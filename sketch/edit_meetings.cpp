@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// Strokes meet: ends with ends, ends with strokes, ends in a corner; patches become one.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "sketch/editor.hpp"
+
+namespace emberfold::sketch {
+
+using graph::Patch;
+using graph::Point;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kLongest = 16;  // px that a way bridges
+
+struct End {
+  Slot slot;
+  Point place, heading;  // out of the stroke
+};
+
+std::vector<End> free_ends(const Draft& draft) {
+  std::vector<End> ends;
+  for (Slot slot = 0; slot < draft.slots(); ++slot) {
+    if (!draft.holds(slot) || draft.degree(slot) != 1) continue;
+    const Point place = draft.patch(slot).position;
+    const Point out = place - draft.patch(draft.neighbours(slot)[0]).position;
+    if (const double length = graph::norm(out); length > 0) ends.push_back({slot, place, out * (1 / length)});
+  }
+  return ends;
+}
+
+/// Patches along the straight way from one place to another, both left out, as the patch at its begin shows
+/// it; none if it does not show throughout.
+std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point from, Point to,
+                                      double contrast, std::span<const Slot> besides) {
+  const Point step = to - from;
+  const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
+  const double theta = std::cos(begin.theta - heading) < 0 ? heading + kPi : heading;
+  const int pieces = static_cast<int>(std::lround(length / editor.spacing()));
+  constexpr double kShows = 0.6;  // more than the half that makes a gap: what is on the verge would flicker
+  if (editor.shown(begin, from, to, contrast) < kShows) return std::nullopt;
+  std::vector<Patch> patches;
+  for (int i = 1; i < pieces; ++i) {
+    const auto next = editor.like(begin, from + step * (double(i) / pieces), theta, contrast);
+    if (!next || editor.overlaps(*next, besides)) return std::nullopt;
+    patches.push_back(*next);
+  }
+  return patches;
+}
+
+/// Adds a row of patches between two that are there or are added.
+void bridge(Edit& edit, Slot& next, Slot from, const std::vector<Patch>& patches, Slot to) {
+  Slot last = from;
+  for (const Patch& patch : patches) {
+    edit.add.emplace_back(next, patch);
+    edit.tie.push_back(tie(last, next));
+    last = next++;
+  }
+  edit.tie.push_back(tie(last, to));
+}
+
+double fainter(const Patch& a, const Patch& b) {
+  return std::abs(a.contrast) < std::abs(b.contrast) ? a.contrast : std::copysign(b.contrast, a.contrast);
+}
+
+/// Two ends that point at each other: joined by patches, or, next to each other, made one.
+void join_ends(Editor& editor, const End& a, const End& b) {
+  constexpr double kFacing = 0.7;  // cos 45°
+  const Draft& draft = editor.draft();
+  const Patch &first = draft.patch(a.slot), &second = draft.patch(b.slot);
+  const Point gap = b.place - a.place;
+  const double length = graph::norm(gap);
+  if (draft.neighbours(a.slot)[0] == b.slot || length > kLongest || !graph::same_kind(first, second)) return;
+  const double contrast = fainter(first, second);
+  const std::array<Slot, 2> both{a.slot, b.slot};
+  if (length < 0.6 * editor.spacing()) {
+    const Slot before = draft.neighbours(a.slot)[0], after = draft.neighbours(b.slot)[0];
+    if (before == after) return;
+    const Point along = draft.patch(after).position - draft.patch(before).position;
+    const double heading = std::atan2(along.y, along.x);
+    const auto one = editor.like(first, (a.place + b.place) * 0.5,
+                                 std::cos(first.theta - heading) < 0 ? heading + kPi : heading, contrast);
+    if (!one) return;
+    Edit edit;
+    drop(edit, draft, a.slot);
+    drop(edit, draft, b.slot);
+    edit.add.emplace_back(draft.slots(), *one);
+    edit.tie = {tie(before, draft.slots()), tie(after, draft.slots())};
+    editor.propose(std::move(edit), {a.slot, b.slot, before, after});
+    return;
+  }
+  if (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length) return;
+  if (const auto patches = way(editor, first, a.place, b.place, contrast, both)) {
+    Edit edit;
+    Slot next = draft.slots();
+    bridge(edit, next, a.slot, *patches, b.slot);
+    editor.propose(std::move(edit), {a.slot, b.slot});
+  }
+}
+
+/// An end goes on to a stroke that it points at.
+void reach_stroke(Editor& editor, const End& end, Slot target) {
+  constexpr double kAhead = 0.87;  // cos 30°
+  const Draft& draft = editor.draft();
+  const Patch &first = draft.patch(end.slot), &hit = draft.patch(target);
+  const Point gap = hit.position - end.place;
+  const double length = graph::norm(gap);
+  if (draft.degree(target) < 2 || length > kLongest || !graph::same_kind(first, hit)) return;
+  if (graph::dot(end.heading, gap) < kAhead * length) return;
+  if (graph::orientation_difference(std::atan2(gap.y, gap.x), hit.theta) < kPi / 6) return;
+  std::vector<Slot> besides{end.slot, target};
+  besides.insert(besides.end(), draft.neighbours(target).begin(), draft.neighbours(target).end());
+  if (std::find(besides.begin(), besides.end(), draft.neighbours(end.slot)[0]) != besides.end()) return;
+  if (const auto patches = way(editor, first, end.place, hit.position, fainter(first, hit), besides)) {
+    Edit edit;
+    Slot next = draft.slots();
+    bridge(edit, next, end.slot, *patches, target);
+    editor.propose(std::move(edit), {end.slot, target});
+  }
+}
+
+/// Where two ends' ways cross ahead of both, they meet in a corner.
+void meet_in_corner(Editor& editor, const End& a, const End& b) {
+  const Draft& draft = editor.draft();
+  const Patch &first = draft.patch(a.slot), &second = draft.patch(b.slot);
+  const double sine = a.heading.x * b.heading.y - a.heading.y * b.heading.x;
+  if (std::abs(sine) < 0.5 || !graph::same_kind(first, second)) return;
+  const Point gap = b.place - a.place;
+  const double of_a = (gap.x * b.heading.y - gap.y * b.heading.x) / sine;
+  const double of_b = (gap.x * a.heading.y - gap.y * a.heading.x) / sine;
+  if (of_a < 2 || of_b < 2 || of_a > 12 || of_b > 12) return;
+  const Point place = a.place + a.heading * of_a;
+  const double contrast = fainter(first, second);
+  const std::array<Slot, 2> both{a.slot, b.slot};
+  const auto corner = editor.like(first, place, first.theta, contrast);
+  if (!corner || editor.overlaps(*corner, both)) return;
+  const auto from_a = way(editor, first, a.place, place, contrast, both);
+  const auto from_b = way(editor, second, b.place, place, contrast, both);
+  if (!from_a || !from_b) return;
+  Edit edit;
+  const Slot middle = draft.slots();
+  edit.add.emplace_back(middle, *corner);
+  Slot next = middle + 1;
+  bridge(edit, next, a.slot, *from_a, middle);
+  bridge(edit, next, b.slot, *from_b, middle);
+  editor.propose(std::move(edit), {a.slot, b.slot});
+}
+
+/// Two junctions next to each other become one.
+void merge_junctions(Editor& editor, Slot a, Slot b) {
+  const Draft& draft = editor.draft();
+  if (graph::distance(draft.patch(a).position, draft.patch(b).position) > editor.spacing()) return;
+  Edit edit;
+  drop(edit, draft, b);
+  std::vector<Slot> concerns{a, b};
+  for (const Slot arm : draft.neighbours(b)) {
+    if (arm == a) continue;
+    const auto of_a = draft.neighbours(a);
+    if (std::find(of_a.begin(), of_a.end(), arm) != of_a.end()) return;  // a triangle stays
+    edit.tie.push_back(tie(a, arm));
+    concerns.push_back(arm);
+  }
+  editor.propose(std::move(edit), std::move(concerns));
+}
+
+}  // namespace
+
+void propose_meetings(Editor& editor) {
+  const Draft& draft = editor.draft();
+  const std::vector<End> ends = free_ends(draft);
+  std::vector<std::size_t> end_of(draft.slots(), ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i) end_of[ends[i].slot] = i;
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    for (const Slot slot : editor.around(ends[i].place)) {
+      if (slot == ends[i].slot) continue;
+      if (const std::size_t j = end_of[slot]; j == ends.size()) {
+        reach_stroke(editor, ends[i], slot);
+      } else if (i < j) {
+        join_ends(editor, ends[i], ends[j]);
+        meet_in_corner(editor, ends[i], ends[j]);
+      }
+    }
+  for (Slot a = 0; a < draft.slots(); ++a) {
+    if (!draft.holds(a) || draft.degree(a) < 3) continue;
+    for (const Slot b : draft.neighbours(a))
+      if (draft.degree(b) >= 3) merge_junctions(editor, a, b);
+  }
+}
+
+}  // namespace emberfold::sketch

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "graph/near.hpp"
+#include "sketch/coding_gain.hpp"
+#include "sketch/draft.hpp"
+#include "sketch/profile.hpp"
+#include "sketch/refine.hpp"
+
+namespace emberfold::sketch {
+
+/// What an edit would change, and which patches it concerns: the places of no two edits of a round may meet.
+struct Proposal {
+  double change = 0;  // nats
+  Edit edit;
+  std::vector<Slot> concerns;
+};
+
+/// A draft on its frame: makes patches and proposals, for the edits of one round.
+class Editor {
+ public:
+  Editor(const Draft& draft, const cv::Mat& levels, const GainFrame& frame, const Refinement& refinement);
+
+  [[nodiscard]] const Draft& draft() const { return draft_; }
+  [[nodiscard]] double spacing() const { return refinement_.spacing; }
+  [[nodiscard]] cv::Size size() const { return levels_.size(); }
+  [[nodiscard]] const cv::Mat& levels() const { return levels_; }
+
+  /// A patch like this one, fitted at another place, with its cost and gain; none if what is there is of
+  /// another kind or shows less than half of `contrast`.
+  std::optional<graph::Patch> like(const graph::Patch& patch, graph::Point position, double theta,
+                                   double contrast);
+  /// The least share of `contrast` that shows on the way from one place to another, a pixel at a time: luma's
+  /// difference across it, as the patch's profile has it. Finer than a fitted patch, so less sure.
+  [[nodiscard]] double shown(const graph::Patch& patch, graph::Point from, graph::Point to, double contrast) const;
+  /// Its cost and gain.
+  [[nodiscard]] graph::Patch judged(graph::Patch patch) const;
+  /// Whether a patch at this place would lie on a patch of the draft that is none of `besides`.
+  [[nodiscard]] bool overlaps(const graph::Patch& patch, std::span<const Slot> besides) const;
+  /// The patches within `radius` px, ascending.
+  [[nodiscard]] std::vector<Slot> around(graph::Point place) const;
+  static constexpr double kRadius = 20;
+
+  /// Keeps it, if it shortens the code by more than a nat.
+  void propose(Edit edit, std::vector<Slot> concerns);
+  std::vector<Proposal> take() { return std::move(proposals_); }
+
+ private:
+  const Draft& draft_;
+  const cv::Mat& levels_;
+  const GainFrame& frame_;
+  Refinement refinement_;
+  std::vector<Slot> held_;  // of the draft
+  graph::detail::Near near_;
+  PatchFitter fitter_;
+  std::vector<Proposal> proposals_;
+};
+
+/// Curves of patches between those whose degree is not 2, as graph::Curve has them.
+std::vector<std::vector<Slot>> strokes(const Draft& draft);
+
+void propose_at_ends(Editor& editor);                  // edit_ends.cpp
+void propose_meetings(Editor& editor);                 // edit_meetings.cpp
+void propose_for_strokes(Editor& editor, bool blobs);  // edit_strokes.cpp
+
+}  // namespace emberfold::sketch

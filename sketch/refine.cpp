@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/refine.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "sketch/draft.hpp"
+#include "sketch/editor.hpp"
+
+namespace emberfold::sketch {
+
+namespace {
+
+constexpr int kMostRounds = 4;
+
+graph::AttributeGraph judged(const graph::AttributeGraph& graph, const GainFrame& frame) {
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  for (graph::Vertex& vertex : vertices) {
+    const Coding told = coding(frame, vertex.patch);
+    vertex.patch.cost = told.cost;
+    vertex.patch.gain = told.gain;
+  }
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+}
+
+/// New patches were numbered as if each edit were the only one.
+Edit renumbered(Edit edit, Slot first, Slot now) {
+  const auto shift = [&](Slot& slot) {
+    if (slot >= first) slot += now - first;
+  };
+  for (auto& added : edit.add) shift(added.first);
+  for (Tie& both : edit.tie) shift(both.first), shift(both.second);
+  return edit;
+}
+
+/// Does the edits that shorten the code most and do not meet; whether there were any.
+bool round(Draft& draft, std::vector<Proposal> proposals) {
+  std::stable_sort(proposals.begin(), proposals.end(),
+                   [](const Proposal& a, const Proposal& b) { return a.change < b.change; });
+  const Slot first = draft.slots();
+  std::vector<char> busy(first, 0);
+  Slot next = first;
+  bool any = false;
+  for (Proposal& proposal : proposals) {
+    const auto taken = [&](Slot slot) { return busy[slot] != 0; };
+    if (std::ranges::any_of(proposal.concerns, taken)) continue;
+    std::vector<Slot> place = proposal.concerns;
+    for (const Slot slot : proposal.concerns)
+      place.insert(place.end(), draft.neighbours(slot).begin(), draft.neighbours(slot).end());
+    std::erase_if(place, [&](Slot slot) { return slot >= first; });
+    if (std::ranges::any_of(place, taken)) continue;
+    for (const Slot slot : place) busy[slot] = 1;
+    const Edit edit = renumbered(std::move(proposal.edit), first, next);
+    next += static_cast<Slot>(edit.add.size());
+    draft.apply(edit);
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
+graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& levels,
+                             const GainFrame& frame, const Refinement& refinement) {
+  Draft draft(judged(graph, frame));
+  for (int i = 0; i < kMostRounds; ++i) {
+    Editor editor(draft, levels, frame, refinement);
+    propose_for_strokes(editor, refinement.blobs);
+    propose_at_ends(editor);
+    propose_meetings(editor);
+    if (!round(draft, editor.take())) break;
+  }
+  return draft.graph();
+}
+
+}  // namespace emberfold::sketch
