@@ -21,6 +21,7 @@ constexpr std::array<const char*, 6> kClips{"flag.avi",     "flame.mp4",   "rive
 
 /// The wanted frames (ascending) of a video; those behind its end are left out.
 std::vector<cv::Mat> read_video(const fs::path& path, const std::vector<int>& numbers) {
+  if (!fs::exists(path)) throw Missing{path.string()};
   cv::VideoCapture video(path.string());
   if (!video.isOpened()) throw Missing{path.string()};
   std::vector<cv::Mat> frames;

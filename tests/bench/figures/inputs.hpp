@@ -15,7 +15,8 @@ namespace emberfold::figures {
 /// What the measures read; an empty path where there is nothing.
 struct Inputs {
   std::filesystem::path clips, scenes;
-  std::filesystem::path dump;  ///< where the reconstruction leaves frames and masks
+  std::filesystem::path
+      dump;  ///< an existing folder, where scenes and reconstruction leave what peers work on
 };
 
 /// Thrown where a measure has not got what it reads; tells what.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <string>
@@ -52,7 +53,10 @@ Arguments parse(const std::vector<std::string>& words) {
     const std::string& value = words[i + 1];
     if (option == "--clips") arguments.inputs.clips = value;
     if (option == "--scenes") arguments.inputs.scenes = value;
-    if (option == "--dump") arguments.inputs.dump = value;
+    if (option == "--dump") {
+      arguments.inputs.dump = value;
+      std::filesystem::create_directories(value);
+    }
     if (option != "--only") continue;
     if (std::ranges::none_of(kMeasures, [&](const Measure& m) { return value == m.name; }))
       throw std::runtime_error("--only " + value + ": the measures are " + names());
@@ -63,15 +67,19 @@ Arguments parse(const std::vector<std::string>& words) {
 
 void run(const Arguments& arguments) {
   print_heading(std::cout);
+  std::vector<Row> all;
   for (const Measure& measure : kMeasures) {
     if (!arguments.only.empty() && std::ranges::find(arguments.only, measure.name) == arguments.only.end())
       continue;
     try {
-      print(std::cout, measure.run(arguments.inputs));
+      const std::vector<Row> rows = measure.run(arguments.inputs);
+      print(std::cout, rows);
+      all.insert(all.end(), rows.begin(), rows.end());
     } catch (const Missing& missing) {
       std::cout << measure.name << ": skipped, there is no " << missing.what << std::endl;
     }
   }
+  print_sum(std::cout, all);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 // behind a true end is neither right nor wrong.
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -46,7 +49,29 @@ struct SceneCounts {
   Counts lines;  ///< curves without step edges; only what was found
 };
 
-SceneCounts measure(const Scene& scene) {
+/// What was found, for others to score: lists of curve pieces and of junctions.
+class Lists {
+ public:
+  explicit Lists(const std::filesystem::path& folder) {
+    if (folder.empty()) return;
+    curves_.open(folder / "scene_curves.csv");
+    junctions_.open(folder / "scene_junctions.csv");
+    curves_ << "scene,frame,ax,ay,bx,by\n";
+    junctions_ << "scene,frame,x,y\n";
+  }
+  void add(const std::string& scene, int frame, std::span<const Segment> found,
+           std::span<const Point> meetings) {
+    for (const Segment& s : found)
+      curves_ << scene << ',' << frame << ',' << s.a.x << ',' << s.a.y << ',' << s.b.x << ',' << s.b.y
+              << '\n';
+    for (const Point p : meetings) junctions_ << scene << ',' << frame << ',' << p.x << ',' << p.y << '\n';
+  }
+
+ private:
+  std::ofstream curves_, junctions_;  // closed where there is no folder
+};
+
+SceneCounts measure(const Scene& scene, Lists& lists) {
   SceneCounts counts;
   for (const SceneFrame& frame : scene.frames) {
     const graph::AttributeGraph graph = sketch::extract(levels_of(frame.pixels), usual_options());
@@ -60,6 +85,7 @@ SceneCounts measure(const Scene& scene) {
     counts.junctions.found_hit += pairs;
     counts.junctions.true_all += static_cast<double>(frame.junctions.size());
     counts.junctions.found_all += static_cast<double>(meetings.size());
+    lists.add(scene.name, frame.number, found, meetings);
   }
   return counts;
 }
@@ -78,9 +104,10 @@ void add_rows(std::vector<Row>& rows, const std::string& name, double recall, do
 std::vector<Row> scenes(const Inputs& inputs) {
   const std::vector<Scene> all = read_scenes(inputs.scenes, 0, 5);
   std::vector<Row> rows;
+  Lists lists(inputs.dump);
   double sums[5] = {};
   for (const Scene& scene : all) {
-    const SceneCounts c = measure(scene);
+    const SceneCounts c = measure(scene, lists);
     const double figures[5] = {c.curves.recall(), c.curves.precision(), c.lines.precision(),
                                c.junctions.recall(), c.junctions.precision()};
     add_rows(rows, "scenes: " + scene.name, figures[0], figures[1], figures[2], figures[3], figures[4]);

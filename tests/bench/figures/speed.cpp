@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // CPU time of the sketch and of the fill on one thread, the least of some repeats.
-#include <algorithm>
 #include <cstddef>
-#include <ctime>
-#include <functional>
 #include <string>
 
 #include <opencv2/imgproc.hpp>
@@ -12,6 +9,7 @@
 #include "sketch/extract.hpp"
 #include "sketch/fill.hpp"
 #include "sketch/render.hpp"
+#include "tests/bench/figures/cpu_time.hpp"
 #include "tests/bench/figures/measures.hpp"
 
 namespace emberfold::figures {
@@ -19,17 +17,6 @@ namespace emberfold::figures {
 namespace {
 
 constexpr int kRepeats = 7;
-
-/// Milliseconds of this process's CPU time.
-double least_time(const std::function<void()>& work) {
-  double least = 1e9;
-  for (int i = 0; i < kRepeats; ++i) {
-    const std::clock_t begin = std::clock();
-    work();
-    least = std::min(least, 1000.0 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
-  }
-  return least;
-}
 
 struct Times {
   double sketch = 0, fill = 0;
@@ -43,9 +30,9 @@ Times measure(const std::vector<cv::Mat>& frames, cv::Size size) {
     cv::resize(pixels, scaled, size, 0, 0, pixels.cols > size.width ? cv::INTER_AREA : cv::INTER_CUBIC);
     scaled.convertTo(levels, CV_32F);
     graph::AttributeGraph graph;
-    times.sketch += least_time([&] { graph = sketch::extract(levels, usual_options()); });
+    times.sketch += least_time(kRepeats, [&] { graph = sketch::extract(levels, usual_options()); });
     const sketch::Sketchable held = sketch::draw_pixels(graph, levels);
-    times.fill += least_time([&] { sketch::fill(held.levels, held.mask); });
+    times.fill += least_time(kRepeats, [&] { sketch::fill(held.levels, held.mask); });
   }
   times.sketch /= static_cast<double>(frames.size());
   times.fill /= static_cast<double>(frames.size());

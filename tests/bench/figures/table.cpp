@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/figures/table.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdio>
 #include <ostream>
@@ -9,7 +10,7 @@ namespace emberfold::figures {
 
 namespace {
 
-constexpr int kNameWidth = 58;
+constexpr int kNameWidth = 62;
 
 std::string number(double value, int digits) {
   char text[64];
@@ -43,6 +44,13 @@ void print(std::ostream& out, const std::vector<Row>& rows) {
                 met);
   }
   out.flush();
+}
+
+void print_sum(std::ostream& out, const std::vector<Row>& rows) {
+  const auto met =
+      std::ranges::count_if(rows, [](const Row& r) { return r.target && r.target->met(r.figure); });
+  const auto all = std::ranges::count_if(rows, [](const Row& r) { return r.target.has_value(); });
+  out << met << " of " << all << " targets met" << std::endl;
 }
 
 }  // namespace emberfold::figures

@@ -38,5 +38,7 @@ struct Row {
 /// measure | figure | target | met or not.
 void print_heading(std::ostream& out);
 void print(std::ostream& out, const std::vector<Row>& rows);
+/// How many of the targets are met.
+void print_sum(std::ostream& out, const std::vector<Row>& rows);
 
 }  // namespace emberfold::figures
