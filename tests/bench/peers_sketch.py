@@ -45,6 +45,7 @@ import cv2
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
+from scipy.spatial import cKDTree
 from skimage.filters import sato
 from skimage.morphology import remove_small_objects, skeletonize
 
@@ -63,11 +64,11 @@ def timed(work, *arguments):
 # Scoring of centre lines: segments are arrays (n, 4) of ax, ay, bx, by.
 
 
-def samples(segments):
-    """Middles of equal parts of at most half a pixel, (n, 2), and the length that each stands for."""
+def samples(segments, step=0.5):
+    """Middles of equal parts of at most `step` px, (n, 2), and the length that each stands for."""
     a, b = segments[:, :2], segments[:, 2:]
     length = np.hypot(*(b - a).T)
-    parts = np.maximum(1, np.ceil(length / 0.5).astype(int))
+    parts = np.maximum(1, np.ceil(length / step).astype(int))
     which = np.repeat(np.arange(len(segments)), parts)
     first = np.repeat(np.cumsum(parts) - parts, parts)
     t = (np.arange(len(which)) - first + 0.5) / parts[which]
@@ -75,18 +76,11 @@ def samples(segments):
 
 
 def near(points, segments, reach):
-    """Whether each point has one of the segments within `reach`."""
-    result = np.zeros(len(points), bool)
+    """Whether each point has one of the segments within `reach`, to 0.001 px."""
     if not len(segments):
-        return result
-    a, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
-    square = np.maximum((along**2).sum(1), 1e-12)
-    for begin in range(0, len(points), 500):
-        off = points[begin : begin + 500, None] - a[None]
-        t = np.clip((off * along).sum(2) / square, 0, 1)
-        gap = off - t[..., None] * along
-        result[begin : begin + 500] = ((gap**2).sum(2) <= reach**2).any(1)
-    return result
+        return np.zeros(len(points), bool)
+    dense = np.vstack([samples(segments, 0.1)[0], segments[:, :2], segments[:, 2:]])
+    return np.isfinite(cKDTree(dense).query(points, distance_upper_bound=reach)[0])
 
 
 def behind_ends(points, ends, reach):
@@ -245,9 +239,9 @@ def print_scenes(frames, folder):
         print(f"{name:44s} {r:6.3f} {p:9.3f} | {jr:17.3f} {jp:9.3f} | {spent}", flush=True)
 
     line("emberfold sketch (time: sketch_figures)", our_score(frames, folder))
-    threshold, score = best_of(frames, (2, 3, 4, 6, 8, 10, 12, 16, 20), sato_response, sato_skeleton)
+    threshold, score = best_of(frames, (3, 4, 6, 8, 11, 15), sato_response, sato_skeleton)
     line(f"sato 1 2 3 px > {threshold} + skeletonize", score)
-    threshold, score = best_of(frames, (60, 100, 150, 200, 300, 400), lambda pixels: pixels, canny_lines)
+    threshold, score = best_of(frames, (60, 100, 150, 200, 300), lambda pixels: pixels, canny_lines)
     line(f"Canny {0.4 * threshold:.0f} {threshold} (edges, not centres)", score)
 
 
