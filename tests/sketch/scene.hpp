@@ -34,6 +34,12 @@ inline double seen(double d, double width, double blur) {
   return reached(d + width / 2, blur) - reached(d - width / 2, blur);
 }
 
+/// What a blurred bar with its sides shows at distance d from its middle: graph::Patch's profile.
+inline double bar_level(double d, double width, double blur, double left, double middle, double right) {
+  return left + (middle - left) * reached(d + width / 2, blur) +
+         (right - middle) * reached(d - width / 2, blur);
+}
+
 /// How much of a shape is seen at a place, 0…1.
 using Cover = std::function<double(Point)>;
 

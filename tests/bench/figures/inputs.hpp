@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "sketch/extract.hpp"
+#include "tests/bench/figures/polyline.hpp"
+
+namespace emberfold::figures {
+
+/// What the measures read; an empty path where there is nothing.
+struct Inputs {
+  std::filesystem::path clips, scenes;
+  std::filesystem::path
+      dump;  ///< an existing folder, where scenes and reconstruction leave what peers work on
+};
+
+/// Thrown where a measure has not got what it reads; tells what.
+struct Missing {
+  std::string what;
+};
+
+/// The share of a frame's pixels that a sketch may hold.
+inline constexpr double kShare = 0.2;
+
+/// The options of all measures but the reconstruction; and those of the reconstruction: the only places.
+inline sketch::ExtractOptions usual_options() {
+  return {};
+}
+inline sketch::ExtractOptions reconstruction_options() {
+  return {};
+}
+
+/// A frame of a clip, as it was decoded (CV_8UC3).
+struct ClipFrame {
+  std::string clip;
+  int number = 0;
+  cv::Mat pixels;
+};
+/// These frames (ascending) of the six clips flag, flame, river, fountain, boiling and smoke. Missing where
+/// the folder lacks one of them.
+std::vector<ClipFrame> clip_frames(const std::filesystem::path& folder, const std::vector<int>& numbers);
+
+/// Grey, with `longer` px on the longer side, areas averaged.
+cv::Mat1b grey_at(const cv::Mat& pixels, int longer = 352);
+
+/// One 8-bit channel as levels.
+cv::Mat1f levels_of(const cv::Mat1b& bytes);
+
+struct SceneFrame {
+  int number = 0;
+  cv::Mat1b pixels;
+  std::vector<Segment> strokes;  ///< the true centre lines
+  std::vector<Point> junctions;
+};
+struct Scene {
+  std::string name;
+  std::vector<SceneFrame> frames;
+};
+/// Every `step`th frame from `first` on of all scenes in the folder, by name; at most `most` of each. Missing
+/// where there is none.
+std::vector<Scene> read_scenes(const std::filesystem::path& folder, int first, int step, int most = 1 << 20);
+
+}  // namespace emberfold::figures
