@@ -74,8 +74,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   const Ground ground = measure_ground(space, estimate_noise(luma));
 
   const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};
-  CreaseMap ridges = find_lines(space, ground, CreaseKind::ridge, low);
-  CreaseMap valleys = find_lines(space, ground, CreaseKind::valley, low);
+  auto [ridges, valleys] = find_lines(space, ground, low);
   thin(ridges, space);
   thin(valleys, space);
   const CreaseMap all_ridges = ridges;
