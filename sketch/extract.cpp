@@ -71,7 +71,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     throw core::InputError("extract: the frame holds a value that is not finite");
   const cv::Mat1f luma = core::luma(levels);
   const ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
-  const Ground ground = measure_ground(space, estimate_noise(luma));
+  const double noise = estimate_noise(luma);
+  const Ground ground = measure_ground(space, noise);
 
   const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};
   auto [ridges, valleys] = find_lines(space, ground, low);
@@ -101,7 +102,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
   });
   const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
-  return cut_into_patches(network, space, levels, options.spacing);
+  return cut_into_patches(network, space, levels, options.spacing, noise);
 }
 
 }  // namespace emberfold::sketch
