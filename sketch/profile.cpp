@@ -79,21 +79,20 @@ Profile best_start(const Section& section, CreaseKind kind, double spread, bool 
     if (kind == CreaseKind::valley && 2 * p.middle > p.left + p.right) return;
     best = p;
   };
-  const double aside = 0.6 * spread;
-  for (const double offset : {0.0, aside, -aside}) {
-    if (offset != 0 && !moves) break;
-    for (const double scale : kScales) {
-      const double sd = scale * spread;
-      if (kind == CreaseKind::step) {
-        attempt(offset, 0, sd);
-        continue;
-      }
-      for (const double squareness : kSquareness) {
-        const double width = squareness * sd;
-        attempt(offset, width, std::sqrt(std::max(sd * sd - width * width / 12, 0.0)));
-      }
+  for (const double scale : kScales) {
+    const double sd = scale * spread;
+    if (kind == CreaseKind::step) {
+      attempt(0, 0, sd);
+      continue;
+    }
+    for (const double squareness : kSquareness) {
+      const double width = squareness * sd;
+      attempt(0, width, std::sqrt(std::max(sd * sd - width * width / 12, 0.0)));
     }
   }
+  if (moves && best.residual >= 0)
+    for (const Profile middle = best; const double aside : {-0.6 * spread, 0.6 * spread})
+      attempt(aside, middle.width, middle.blur);
   if (best.residual < 0)  // no bar of this sign suits at all
     best = with_levels(section, {.width = kind == CreaseKind::step ? 0 : 1.8 * spread, .blur = spread});
   return best;
