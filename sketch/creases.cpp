@@ -2,13 +2,11 @@
 #include "sketch/creases.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
-#include <numeric>
-
-#include <opencv2/imgproc.hpp>
 
 #include "sketch/median.hpp"
+#include "sketch/row_pass.hpp"
 
 namespace emberfold::sketch {
 
@@ -29,13 +27,6 @@ struct Principal {
   float nx, ny;  // its direction
 };
 
-// The nearest whole number, as std::lround has it, without a call.
-int nearest(double v) {
-  const int whole = static_cast<int>(v);
-  const double rest = v - whole;
-  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
-}
-
 // Squares of single precision neither overflow nor vanish in double precision.
 float length_of(float x, float y) {
   return static_cast<float>(std::sqrt(double{x} * double{x} + double{y} * double{y}));
@@ -53,6 +44,12 @@ Principal principal(const Hessian& h) {
   }
   const float length = length_of(nx, ny);
   return length > 0 ? Principal{value, nx / length, ny / length} : Principal{value, 1, 0};
+}
+
+// Whether a point of this strength would be kept.
+bool beats(const CreaseMap& map, int x, int y, double strength) {
+  const int slot = map.index(y, x);
+  return slot < 0 || strength > map.points[static_cast<std::size_t>(slot)].strength;
 }
 
 void put(CreaseMap& map, int x, int y, const CreasePoint& point) {
@@ -76,55 +73,104 @@ CreaseMap empty_map(const ScaleSpace& space, CreaseKind kind) {
   return {kind, {}, cv::Mat1i(smooth.rows - 2, smooth.cols - 2, -1)};
 }
 
-// Drops the points that are marked and numbers the rest anew, in row order.
-void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
-  std::vector<CreasePoint> kept;
-  kept.reserve(map.points.size());
-  for (int y = 0; y < map.index.rows; ++y) {
-    int* row = map.index[y];
-    for (int x = 0; x < map.index.cols; ++x) {
-      if (row[x] < 0) continue;
-      const auto old = static_cast<std::size_t>(row[x]);
-      row[x] = marked[old] ? -1 : static_cast<int>(kept.size());
-      if (!marked[old]) kept.push_back(map.points[old]);
-    }
-  }
-  map.points = std::move(kept);
-}
-
-// The bound that find_lines asks of a response, for a whole row at once: not negative wherever half trace +
-// radius may reach `least`; the thousandth that it gives away is more than single precision loses.
-void may_respond(const ScaleLevel& level, int y, float sign, double least, std::vector<float>& margin) {
-  const float* up = level.smooth[y];
-  const float* mid = level.smooth[y + 1];
-  const float* down = level.smooth[y + 2];
-  float* __restrict out = margin.data();
-  const float lower = static_cast<float>(0.999 * least);
-  const int width = level.smooth.cols - 2;
+// find_lines for a whole row in single precision: the eigenvalue of greater magnitude where it reaches
+// `least` and the subpixel place lies near enough, 0 elsewhere. The thousandth given away is more than single
+// precision loses.
+EMBERFOLD_ROW_PASS void line_row(const float* up, const float* mid, const float* down, int width, float least,
+                                 float* __restrict out) {
+  const float enough = 0.999F * least, reach = 1.001F * static_cast<float>(kPixelReach);
   for (int x = 0; x < width; ++x) {
-    const float xx = mid[x + 2] - 2 * mid[x + 1] + mid[x], yy = down[x + 1] - 2 * mid[x + 1] + up[x + 1];
-    const float xy = 0.25F * (down[x + 2] - down[x] - up[x + 2] + up[x]), half_difference = 0.5F * (xx - yy);
-    const float short_of = lower - 0.5F * sign * (xx + yy);
-    const float missing = 0.5F * (short_of + std::abs(short_of));  // at least 0, without a branch
-    out[x] = half_difference * half_difference + xy * xy - missing * missing;
+    const float left = mid[x], here = 2 * mid[x + 1], right = mid[x + 2], above = up[x + 1],
+                below = down[x + 1];
+    const float xx = (left + right) - here, yy = (above + below) - here;
+    const float xy = 0.25F * ((down[x + 2] + up[x]) - (down[x] + up[x + 2]));
+    const float gx = 0.5F * (right - left), gy = 0.5F * (below - above);
+    const float half_trace = 0.5F * (xx + yy), half_difference = 0.5F * (xx - yy);
+    const float radius = std::sqrt(half_difference * half_difference + xy * xy);
+    const float excess = half_trace >= 0 ? radius : -radius, value = half_trace + excess;
+    // As in principal(): value − yy and value − xx, of which one is free of cancellation.
+    const float over_y = half_difference + excess, over_x = excess - half_difference;
+    const bool flat = std::abs(over_y) > std::abs(over_x);
+    const float nx = flat ? over_y : xy, ny = flat ? xy : over_x;
+    const float slope = std::abs(gx * nx + gy * ny), size = std::abs(value);
+    const float longer = std::max(std::abs(nx), std::abs(ny));
+    const bool is_line = (size >= enough) & (slope * longer <= reach * (size * (nx * nx + ny * ny)));
+    out[x] = is_line ? value : 0.0F;
   }
 }
 
-cv::Mat1f gradient_magnitude(const ScaleLevel& level) {
-  const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
-  cv::Mat1f magnitude(height, width);
-  for (int y = 0; y < height; ++y) {
-    const float* up = level.smooth[y];
-    const float* mid = level.smooth[y + 1];
-    const float* down = level.smooth[y + 2];
-    float* __restrict row = magnitude[y];
-    for (int x = 0; x < width; ++x) {
-      const float gx = 0.5F * (mid[x + 2] - mid[x]), gy = 0.5F * (down[x + 1] - up[x + 1]);
-      row[x] = gx * gx + gy * gy;
-    }
+EMBERFOLD_ROW_PASS void magnitude_row(const float* up, const float* mid, const float* down, int width,
+                                      float* __restrict out) {
+  for (int x = 0; x < width; ++x) {
+    const float gx = 0.5F * (mid[x + 2] - mid[x]), gy = 0.5F * (down[x + 1] - up[x + 1]);
+    out[x] = std::sqrt(gx * gx + gy * gy);
   }
-  cv::sqrt(magnitude, magnitude);
-  return magnitude;
+}
+
+// The gradient's magnitude, here and one pixel on and back along the gradient, between four pixels each.
+struct Along {
+  float here, ahead, behind, nx, ny;
+};
+
+// The four pixels lie on the side where the direction points: no side is favoured.
+inline Along look_along(const float* up, const float* mid, const float* down, float gx, float gy) {
+  const float here = mid[0], scale = 1 / here;
+  const float nx = gx * scale, ny = gy * scale, wx = std::abs(nx), wy = std::abs(ny);
+  const float left = mid[-1], right = mid[1];
+  const float ul = up[-1], uc = up[0], ur = up[1], dl = down[-1], dc = down[0], dr = down[1];
+  const bool to_right = gx > 0, to_down = gy > 0;
+  const float side_a = to_right ? right : left, side_b = to_right ? left : right;
+  const float edge_a = to_down ? dc : uc, edge_b = to_down ? uc : dc;
+  const float right_a = to_down ? dr : ur, right_b = to_down ? ur : dr;
+  const float left_a = to_down ? dl : ul, left_b = to_down ? ul : dl;
+  const float corner_a = to_right ? right_a : left_a, corner_b = to_right ? left_b : right_b;
+  const float none = (1 - wx) * (1 - wy), across = wx * (1 - wy), along = wy * (1 - wx), both = wx * wy;
+  return {here, (none * here + both * corner_a) + (across * side_a + along * edge_a),
+          (none * here + both * corner_b) + (across * side_b + along * edge_b), nx, ny};
+}
+
+// find_steps for a row from its second to its last pixel but one: 1 where the magnitude reaches `least` and
+// is greatest along the gradient within the pixel. Rows of magnitudes and of the level's own values.
+EMBERFOLD_ROW_PASS void step_row(const std::array<const float*, 3>& magnitude,
+                                 const std::array<const float*, 3>& smooth, int width, float least,
+                                 float* __restrict out) {
+  const float enough = std::max(0.999F * least, 1e-30F), reach = 2.002F * static_cast<float>(kPixelReach);
+  const float *up = magnitude[0], *mid = magnitude[1], *down = magnitude[2];
+  const float *above = smooth[0], *level = smooth[1], *below = smooth[2];
+  for (int x = 1; x < width - 1; ++x) {
+    const float gx = 0.5F * (level[x + 2] - level[x]), gy = 0.5F * (below[x + 1] - above[x + 1]);
+    const Along a = look_along(up + x, mid + x, down + x, gx, gy);
+    const float bend = 2 * a.here - (a.ahead + a.behind), lean = std::abs(a.ahead - a.behind);
+    const bool is_step =
+        (a.here >= enough) & (bend > 0) & (lean * std::max(std::abs(a.nx), std::abs(a.ny)) <= reach * bend);
+    out[x] = is_step ? 1.0F : 0.0F;
+  }
+}
+
+// Between four pixels, clamped to the frame.
+double bilinear(const cv::Mat1f& m, double x, double y) {
+  x = std::clamp(x, 0.0, m.cols - 1.0);
+  y = std::clamp(y, 0.0, m.rows - 1.0);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, m.cols - 1), y1 = std::min(y0 + 1, m.rows - 1);
+  const double fx = x - x0, fy = y - y0;
+  const float *top = m[y0], *bottom = m[y1];
+  return (1 - fy) * ((1 - fx) * double{top[x0]} + fx * double{top[x1]}) +
+         fy * ((1 - fx) * double{bottom[x0]} + fx * double{bottom[x1]});
+}
+
+// From one sample to the next, odd, so that samples can lie alike seen from either border.
+int sample_step(double sigma, cv::Size frame) {
+  constexpr double kEnough = 20000;
+  const double step = std::max(1.5 * sigma, std::sqrt(frame.area() / kEnough));
+  return 2 * static_cast<int>(std::min(0.5 * step, 50.0)) + 1;
+}
+
+// The first sample, as far from its border as the last is from the other.
+int first_sample(int size, int step) {
+  int first = 0;
+  while ((size - 1 - 2 * first) % step != 0) ++first;
+  return first;
 }
 
 }  // namespace
@@ -134,15 +180,15 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
   Ground ground;
   for (const ScaleLevel& level : space) {
     const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
-    // A sample every 1.5 σ pixels is as good as all, for neighbours hardly differ.
-    const int step = std::max(1, static_cast<int>(1.5 * level.sigma));
+    // Neighbours nearer than 1.5 σ hardly differ, and some 40 000 values tell their median to a hundredth.
+    const int step = sample_step(level.sigma, {width, height});
     std::vector<float> second, first;
-    const auto samples = 2 * static_cast<std::size_t>((width + step - 1) / step) *
-                         static_cast<std::size_t>((height + step - 1) / step);
+    const auto samples =
+        2 * static_cast<std::size_t>(width / step + 1) * static_cast<std::size_t>(height / step + 1);
     second.reserve(samples);
     first.reserve(samples);
-    for (int y = 0; y < height; y += step)
-      for (int x = 0; x < width; x += step) {
+    for (int y = first_sample(height, step); y < height; y += step)
+      for (int x = first_sample(width, step); x < width; x += step) {
         const Hessian h = level.hessian(x, y);
         const Point g = level.gradient(x, y);
         second.push_back(std::abs(h.xx));
@@ -158,29 +204,26 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
   return ground;
 }
 
-CreaseMap find_lines(const ScaleSpace& space, const Ground& ground, CreaseKind kind, CreaseLimits limits) {
-  CreaseMap map = empty_map(space, kind);
-  const float sign = kind == CreaseKind::ridge ? -1.0F : 1.0F;
-  std::vector<float> margin(static_cast<std::size_t>(map.index.cols));
+Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits limits) {
+  Lines lines{empty_map(space, CreaseKind::ridge), empty_map(space, CreaseKind::valley)};
+  const int width = lines.ridges.index.cols, height = lines.ridges.index.rows;
+  std::vector<float> found(static_cast<std::size_t>(width));
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
     const double to_contrast = kLineContrast * level.sigma * level.sigma;
     const double least = std::max(limits.significance * ground.second[k], limits.contrast / to_contrast);
     const double normalise = std::pow(level.sigma, 1.5);
-    for (int y = 0; y < map.index.rows; ++y) {
-      may_respond(level, y, sign, least, margin);
-      for (int x = 0; x < map.index.cols; ++x) {
-        if (margin[static_cast<std::size_t>(x)] < 0) continue;
-        const Hessian h = level.hessian(x, y);
-        // Most pixels end here, before any root is taken: half trace + radius is the response.
-        const double half_trace = 0.5 * double{sign * (h.xx + h.yy)}, missing = least - half_trace;
-        if (half_trace < 0) continue;
-        const double half_difference = 0.5 * (double{h.xx} - double{h.yy});
-        if (missing > 0 &&
-            half_difference * half_difference + double{h.xy} * double{h.xy} < missing * missing)
-          continue;
-        const Principal p = principal(h);
-        const double response = double{sign * p.value};
+    for (int y = 0; y < height; ++y) {
+      line_row(level.smooth[y], level.smooth[y + 1], level.smooth[y + 2], width, static_cast<float>(least),
+               found.data());
+      for (int x = 0; x < width; ++x) {
+        if (found[static_cast<std::size_t>(x)] == 0.0F) continue;
+        const Principal p = principal(level.hessian(x, y));
+        const double response = std::abs(double{p.value});
+        if (response < least) continue;
+        CreaseMap& map = p.value < 0 ? lines.ridges : lines.valleys;
+        const double strength = response * normalise;
+        if (!beats(map, x, y, strength)) continue;
         const Point g = level.gradient(x, y);
         const double nx = double{p.nx}, ny = double{p.ny};
         const double t = -(g.x * nx + g.y * ny) / double{p.value};
@@ -192,142 +235,59 @@ CreaseMap find_lines(const ScaleSpace& space, const Ground& ground, CreaseKind k
             {{x + t * nx, y + t * ny},
              std::atan2(-nx, ny),
              response / ground.second[k],
-             response * normalise,
+             strength,
              response * to_contrast,
              static_cast<int>(k)});
       }
     }
   }
-  return map;
+  return lines;
 }
 
 CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits limits) {
   CreaseMap map = empty_map(space, CreaseKind::step);
+  const int width = map.index.cols, height = map.index.rows;
+  std::vector<float> found(static_cast<std::size_t>(width));
+  cv::Mat1f magnitude(height, width);
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
-    const int width = map.index.cols, height = map.index.rows;
-    const double to_contrast = kStepContrast * level.sigma;
+    const double to_contrast = kStepContrast * level.sigma, normalise = std::sqrt(level.sigma);
     const double least = std::max(limits.significance * ground.first[k], limits.contrast / to_contrast);
-    const cv::Mat1f magnitude = gradient_magnitude(level);
-    const auto at = [&](double px, double py) {
-      px = std::clamp(px, 0.0, width - 1.001);
-      py = std::clamp(py, 0.0, height - 1.001);
-      const int ix = static_cast<int>(px), iy = static_cast<int>(py);
-      const double fx = px - ix, fy = py - iy;
-      return (1 - fy) * ((1 - fx) * double{magnitude(iy, ix)} + fx * double{magnitude(iy, ix + 1)}) +
-             fy * ((1 - fx) * double{magnitude(iy + 1, ix)} + fx * double{magnitude(iy + 1, ix + 1)});
-    };
-    for (int y = 1; y + 2 < height; ++y)
-      for (int x = 1; x + 2 < width; ++x) {
+    for (int y = 0; y < height; ++y)
+      magnitude_row(level.smooth[y], level.smooth[y + 1], level.smooth[y + 2], width, magnitude[y]);
+    for (int y = 1; y + 1 < height; ++y) {
+      step_row({magnitude[y - 1], magnitude[y], magnitude[y + 1]},
+               {level.smooth[y], level.smooth[y + 1], level.smooth[y + 2]}, width, static_cast<float>(least),
+               found.data());
+      for (int x = 1; x + 1 < width; ++x) {
+        if (found[static_cast<std::size_t>(x)] == 0.0F) continue;
         const double here = double{magnitude(y, x)};
-        if (here < least) continue;
+        if (here < least || !beats(map, x, y, here * normalise)) continue;
         const Point g = level.gradient(x, y);
         const double nx = g.x / here, ny = g.y / here;
-        const double ahead = at(x + nx, y + ny), behind = at(x - nx, y - ny);
-        const double bend = 2 * here - ahead - behind;
+        const double ahead = bilinear(magnitude, x + nx, y + ny),
+                     behind = bilinear(magnitude, x - nx, y - ny);
+        const double bend = 2 * here - (ahead + behind);
         if (bend <= 0) continue;
         const double t = 0.5 * (ahead - behind) / bend;
         if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
         // A slope that goes on to both sides is shading, not a step: only what rises above it counts.
         const double far = 2.5 * level.sigma;
-        const double slope = 0.5 * (at(x + far * nx, y + far * ny) + at(x - far * nx, y - far * ny));
+        const double slope = 0.5 * (bilinear(magnitude, x + far * nx, y + far * ny) +
+                                    bilinear(magnitude, x - far * nx, y - far * ny));
         const double rise = here - slope;
         if (rise < least) continue;
         put(map, x, y,
             {{x + t * nx, y + t * ny},
              std::atan2(-nx, ny),
              rise / ground.first[k],
-             rise * std::sqrt(level.sigma),
+             rise * normalise,
              rise * to_contrast,
              static_cast<int>(k)});
       }
+    }
   }
   return map;
-}
-
-void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space) {
-  constexpr double kLobeShare = 0.35;  // of the line's contrast: a lobe has at most a tenth, the curl round a
-                                       // bend or an end up to a third
-  constexpr double kReach = 4.0;       // in σ of the line
-  const int width = lines.index.cols, height = lines.index.rows;
-  cv::Mat1f shadow(height, width, 0.0F);
-  for (const CreasePoint& p : opposite.points) {
-    const int reach = static_cast<int>(std::ceil(kReach * space[static_cast<std::size_t>(p.level)].sigma));
-    const auto cast = static_cast<float>(kLobeShare * p.contrast);
-    const int cx = nearest(p.position.x), cy = nearest(p.position.y);
-    for (int y = std::max(0, cy - reach); y <= std::min(height - 1, cy + reach); ++y) {
-      const int half = static_cast<int>(std::sqrt(double(reach) * reach - double(y - cy) * (y - cy)));
-      float* row = shadow[y];
-      const int last = std::min(width - 1, cx + half);
-      for (int x = std::max(0, cx - half); x <= last; ++x) row[x] = row[x] < cast ? cast : row[x];
-    }
-  }
-  std::vector<bool> marked(lines.points.size(), false);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      if (const int i = lines.index(y, x); i >= 0)
-        marked[static_cast<std::size_t>(i)] =
-            lines.points[static_cast<std::size_t>(i)].contrast < double{shadow(y, x)};
-  keep_unmarked(lines, marked);
-}
-
-void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space) {
-  constexpr double kMargin = 1.6;  // a line whose sides differ by half has one flank that is a third higher
-  const int width = steps.index.cols, height = steps.index.rows;
-  cv::Mat1i owner(height, width, -1);  // of each pixel beside a line: the strongest such line's point
-  const auto point = [&](int i) -> const CreasePoint& { return lines.points[static_cast<std::size_t>(i)]; };
-  for (std::size_t i = 0; i < lines.points.size(); ++i) {
-    const CreasePoint& p = lines.points[i];
-    const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
-    const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
-    for (double d = -reach; d <= reach; d += 0.5) {
-      const int x = nearest(p.position.x + d * nx), y = nearest(p.position.y + d * ny);
-      if (x < 0 || y < 0 || x >= width || y >= height) continue;
-      int& pixel = owner(y, x);
-      if (pixel < 0 || point(pixel).contrast < p.contrast) pixel = static_cast<int>(i);
-    }
-  }
-  std::vector<bool> marked(steps.points.size(), false);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      if (steps.index(y, x) < 0 || owner(y, x) < 0) continue;
-      const auto at = static_cast<std::size_t>(steps.index(y, x));
-      const CreasePoint& line = point(owner(y, x));
-      // The steepest slope of a Gaussian line, h s / S² · e^{−1/2}, read as a step at the step's own scale.
-      const double s = space[static_cast<std::size_t>(line.level)].sigma,
-                   sigma = space[static_cast<std::size_t>(steps.points[at].level)].sigma;
-      const double slope = 0.607 * line.contrast * s / (s * s + sigma * sigma);
-      marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma;
-    }
-  keep_unmarked(steps, marked);
-}
-
-void thin(CreaseMap& map, const ScaleSpace& space) {
-  std::vector<std::size_t> order(map.points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return map.points[a].strength > map.points[b].strength;
-  });
-  std::vector<bool> marked(map.points.size(), false);
-  for (const std::size_t i : order) {
-    if (marked[i]) continue;
-    const CreasePoint& p = map.points[i];
-    const double reach = std::max(1.5, 1.25 * space[static_cast<std::size_t>(p.level)].sigma);
-    const Point normal{-std::sin(p.theta), std::cos(p.theta)};
-    for (double d = -reach; d <= reach; d += 0.5) {
-      const int x = nearest(p.position.x + d * normal.x), y = nearest(p.position.y + d * normal.y);
-      if (x < 0 || y < 0 || x >= map.index.cols || y >= map.index.rows || map.index(y, x) < 0) continue;
-      const auto j = static_cast<std::size_t>(map.index(y, x));
-      const CreasePoint& q = map.points[j];
-      const Point v = q.position - p.position;
-      const double across = std::abs(graph::dot(v, normal)),
-                   along = std::abs(graph::dot(v, {normal.y, -normal.x}));
-      if (j != i && q.strength < p.strength && across > 0.5 && across <= reach && along < 1 &&
-          graph::orientation_difference(p.theta, q.theta) < std::numbers::pi / 4)
-        marked[j] = true;
-    }
-  }
-  keep_unmarked(map, marked);
 }
 
 }  // namespace emberfold::sketch

@@ -46,7 +46,11 @@ struct CreaseLimits {
 
 /// Lines: where the first derivative across the direction of greatest curvature vanishes inside the pixel
 /// (Steger 1998), at the scale where the normalised second derivative is greatest (Lindeberg 1998, γ = 3/4).
-CreaseMap find_lines(const ScaleSpace& space, const Ground& ground, CreaseKind kind, CreaseLimits limits);
+/// O(pixels · levels).
+struct Lines {
+  CreaseMap ridges, valleys;
+};
+Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits limits);
 
 /// Steps: where the gradient's magnitude is greatest along its own direction, at the scale where its
 /// normalised value is greatest (γ = 1/2).

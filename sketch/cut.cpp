@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -27,12 +28,6 @@ struct Station {
   double s = 0;  // arc length
 };
 
-struct Sample {
-  Point position;
-  double theta;
-  double spread;
-};
-
 struct Ruler {
   const Chain& chain;
   std::vector<double> s;
@@ -43,9 +38,85 @@ struct Ruler {
   }
 };
 
-// Place, direction and spread at an arc length; the direction over ±3 points, the spread over ±5 points,
-// steadies both.
-Sample sample(const Ruler& ruler, const ScaleSpace& space, double at) {
+double wrapped(const Ruler& ruler, double at) {
+  if (!ruler.chain.closed) return at;
+  const double length = ruler.length();
+  return at - length * std::floor(at / length);
+}
+
+// The points around a place on the curve, by index; a closed curve goes on at its other end.
+template <class Visit>
+void visit_around(const Ruler& ruler, double at, double reach, Visit visit) {
+  const double length = ruler.length();
+  const auto from = [&](double s) {
+    return static_cast<std::size_t>(std::lower_bound(ruler.s.begin(), ruler.s.end(), s) - ruler.s.begin());
+  };
+  const auto range = [&](double low, double high, double shift) {
+    for (std::size_t i = from(low); i < ruler.s.size() && ruler.s[i] <= high; ++i)
+      visit(i, ruler.s[i] + shift - at);
+  };
+  if (ruler.chain.closed && at - reach < 0) range(length + at - reach, length, -length);
+  range(at - reach, at + reach, 0);
+  if (ruler.chain.closed && at + reach > length) range(0, at + reach - length, length);
+}
+
+// A parabola through the points of a curve about a place: steadier than the points, and still bent as they
+// are.
+struct Bow {
+  Point origin, slope, bend;  // origin + slope·t + bend·t²
+  double off = 0;             // px, RMS distance of the points
+  [[nodiscard]] Point at(double t) const { return origin + slope * t + bend * (t * t); }
+  [[nodiscard]] Point along(double t) const {
+    const Point v = slope + bend * (2 * t);
+    const double length = graph::norm(v);
+    return length > 1e-9 ? v * (1 / length) : Point{1, 0};
+  }
+};
+
+std::optional<Bow> bow(const Ruler& ruler, double at, double reach) {
+  double m[5] = {};
+  Point y[3];
+  double before = 0, after = 0;
+  const auto& points = ruler.chain.points;
+  visit_around(ruler, at, reach, [&](std::size_t i, double t) {
+    double power = 1;
+    for (int k = 0; k < 5; ++k, power *= t) {
+      m[k] += power;
+      if (k < 3) y[k] = y[k] + points[i].position * power;
+    }
+    before = std::min(before, t);
+    after = std::max(after, t);
+  });
+  if (m[0] < 3) return std::nullopt;
+  Bow b;
+  // At an end a parabola would swing: a straight line must do.
+  const bool straight = std::min(-before, after) < 0.5 * reach || m[0] < 6;
+  if (straight) {
+    const double det = m[0] * m[2] - m[1] * m[1];
+    if (det < 1e-6) return std::nullopt;
+    b.origin = (y[0] * m[2] - y[1] * m[1]) * (1 / det);
+    b.slope = (y[1] * m[0] - y[0] * m[1]) * (1 / det);
+  } else {
+    const double c00 = m[2] * m[4] - m[3] * m[3], c01 = m[2] * m[3] - m[1] * m[4],
+                 c02 = m[1] * m[3] - m[2] * m[2], c11 = m[0] * m[4] - m[2] * m[2],
+                 c12 = m[1] * m[2] - m[0] * m[3], c22 = m[0] * m[2] - m[1] * m[1];
+    const double det = m[0] * c00 + m[1] * c01 + m[2] * c02;
+    if (std::abs(det) < 1e-6) return std::nullopt;
+    b.origin = (y[0] * c00 + y[1] * c01 + y[2] * c02) * (1 / det);
+    b.slope = (y[0] * c01 + y[1] * c11 + y[2] * c12) * (1 / det);
+    b.bend = (y[0] * c02 + y[1] * c12 + y[2] * c22) * (1 / det);
+  }
+  double squares = 0;
+  visit_around(ruler, at, reach, [&](std::size_t i, double t) {
+    const Point d = points[i].position - b.at(t);
+    squares += graph::dot(d, d);
+  });
+  b.off = std::sqrt(squares / m[0]);
+  return b;
+}
+
+// Where the points lie and run, without any smoothing.
+Bow chord(const Ruler& ruler, double at) {
   const std::size_t n = ruler.chain.points.size();
   const auto above = std::lower_bound(ruler.s.begin(), ruler.s.end(), at);
   const std::size_t hi = std::min(static_cast<std::size_t>(above - ruler.s.begin()), n - 1),
@@ -53,19 +124,34 @@ Sample sample(const Ruler& ruler, const ScaleSpace& space, double at) {
   const double gap = ruler.s[hi] - ruler.s[lo];
   const double f = gap > 0 ? std::clamp((at - ruler.s[lo]) / gap, 0.0, 1.0) : 0.0;
   const Point a = ruler.chain.points[lo].position, b = ruler.chain.points[hi].position;
-  const std::size_t nearest = f < 0.5 ? lo : hi;
-  const Point u = direction(ruler.chain, nearest);
-  double log_sigma = 0;
-  const std::size_t first = nearest > 5 ? nearest - 5 : 0, last = std::min(nearest + 5, n - 1);
-  for (std::size_t i = first; i <= last; ++i)
-    log_sigma += std::log(space[static_cast<std::size_t>(ruler.chain.points[i].level)].sigma);
-  return {a + (b - a) * f, std::atan2(u.y, u.x), std::exp(log_sigma / static_cast<double>(last - first + 1))};
+  return {a + (b - a) * f, direction(ruler.chain, f < 0.5 ? lo : hi), {}, 0};
 }
+
+constexpr double kBowReach = 6, kMostOff = 0.3;  // px
+
+Bow shape_at(const Ruler& ruler, double at) {
+  for (const double reach : {kBowReach, 0.5 * kBowReach})
+    if (const auto b = bow(ruler, at, reach); b && b->off <= kMostOff) return *b;
+  return chord(ruler, at);
+}
+
+// SD of the profile about a place, as the points' scales tell.
+double spread_at(const Ruler& ruler, const ScaleSpace& space, double at) {
+  double log_sigma = 0, count = 0;
+  for (double reach = kBowReach; count == 0; reach *= 2)
+    visit_around(ruler, at, reach, [&](std::size_t i, double) {
+      log_sigma += std::log(space[static_cast<std::size_t>(ruler.chain.points[i].level)].sigma);
+      count += 1;
+    });
+  return std::exp(log_sigma / count);
+}
+
+constexpr double kRibReach = 1.6;  // in spacings
 
 class Cutter {
  public:
-  Cutter(const Network& network, const ScaleSpace& space, const cv::Mat& levels, double spacing)
-      : network_(network), space_(space), levels_(levels), spacing_(spacing) {
+  Cutter(const Network& network, const ScaleSpace& space, const cv::Mat& levels, double spacing, double noise)
+      : network_(network), space_(space), levels_(levels), spacing_(spacing), noise_(noise) {
     for (const Chain& chain : network.chains) rulers_.push_back({chain, arc_lengths(chain)});
   }
 
@@ -86,12 +172,25 @@ class Cutter {
   }
 
  private:
-  std::uint32_t add(const Station& station) {
-    const Chain& chain = network_.chains[station.chain];
-    const Sample at = sample(rulers_[station.chain], space_, station.s);
+  std::uint32_t add(const Station& station, bool moves) {
+    const Ruler& ruler = rulers_[station.chain];
+    const double at = wrapped(ruler, station.s), length = ruler.length();
+    const Bow shape = shape_at(ruler, at);
+    // Ribs along the curve as far as it goes, the nearer the more they count.
+    const double reach = kRibReach * spacing_;
+    std::vector<Rib> ribs;
+    for (double t = -std::floor(reach); t < reach; t += 1) {
+      if (!ruler.chain.closed && (at + t < -0.5 || at + t > length + 0.5)) continue;
+      const Point u = shape.along(t);
+      ribs.push_back({shape.at(t), {-u.y, u.x}, 1 - std::abs(t) / reach});
+    }
+    const Point u = shape.along(0);
     const auto id = static_cast<std::uint32_t>(vertices_.size());
+    const FitOptions options{spread_at(ruler, space_, at), moves, noise_};
     vertices_.push_back(
-        {VertexId{id}, {}, fitter_.fit(levels_, at.position, at.theta, chain.kind, at.spread, spacing_)});
+        {VertexId{id},
+         {},
+         fit_patch(levels_, shape.at(0), std::atan2(u.y, u.x), ruler.chain.kind, ribs, options)});
     return id;
   }
 
@@ -109,7 +208,7 @@ class Cutter {
     // A patch of an earlier meeting close by serves this one too.
     for (const auto& [other_s, id] : stops_[host.chain])
       if (std::abs(other_s - s) < 0.5 * spacing_) return attach(meeting, id);
-    const std::uint32_t id = add({host.chain, s});
+    const std::uint32_t id = add({host.chain, s}, false);
     if (inner == meeting.end()) {
       Point middle;
       for (const Contact& c : meeting)
@@ -129,13 +228,13 @@ class Cutter {
     const Ruler& ruler = rulers_[c];
     const double length = ruler.length();
     if (ruler.chain.closed) {
-      if (stops.empty()) stops.emplace(0.0, add({c, 0.0}));
+      if (stops.empty()) stops.emplace(0.0, add({c, 0.0}, true));
       const auto [first_s, first_id] = *stops.begin();
       stops.emplace(first_s + length, first_id);
     } else {
       // A free end next to a stop is that stop's.
-      if (stops.empty() || stops.begin()->first > 0.5 * spacing_) stops.emplace(0.0, add({c, 0.0}));
-      if (length - stops.rbegin()->first > 0.5 * spacing_) stops.emplace(length, add({c, length}));
+      if (stops.empty() || stops.begin()->first > 0.5 * spacing_) stops.emplace(0.0, add({c, 0.0}, true));
+      if (length - stops.rbegin()->first > 0.5 * spacing_) stops.emplace(length, add({c, length}, true));
     }
     for (auto from = stops.begin(), to = std::next(from); to != stops.end(); ++from, ++to) {
       const double span = to->first - from->first;
@@ -143,10 +242,8 @@ class Cutter {
           std::max(from->second == to->second ? 3 : 1, static_cast<int>(std::lround(span / spacing_)));
       std::uint32_t previous = from->second;
       for (int i = 1; i < pieces; ++i) {
-        double s = from->first + span * i / pieces;
-        if (ruler.chain.closed && s > ruler.s.back())
-          s = std::min(s, length) - length >= 0 ? 0 : std::min(s, ruler.s.back());
-        const std::uint32_t next = add({c, s});
+        const double s = from->first + span * i / pieces;
+        const std::uint32_t next = add({c, s}, true);
         connect(previous, next);
         previous = next;
       }
@@ -191,7 +288,7 @@ class Cutter {
   const ScaleSpace& space_;
   const cv::Mat& levels_;
   double spacing_;
-  PatchFitter fitter_;
+  double noise_;
   std::vector<Ruler> rulers_;
   std::vector<std::map<double, std::uint32_t>> stops_;
   std::vector<Vertex> vertices_;
@@ -201,8 +298,8 @@ class Cutter {
 }  // namespace
 
 graph::AttributeGraph cut_into_patches(const Network& network, const ScaleSpace& space, const cv::Mat& levels,
-                                       double spacing) {
-  return Cutter(network, space, levels, spacing).run();
+                                       double spacing, double noise) {
+  return Cutter(network, space, levels, spacing, noise).run();
 }
 
 }  // namespace emberfold::sketch

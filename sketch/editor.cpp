@@ -70,6 +70,27 @@ double difference(const Patch& patch) {
   return patch.contrast / core(0) * (core(in) - core(d));
 }
 
+/// A line's middle lies beyond both its sides; else it is the flank of something.
+bool stands_out(const Patch& patch) {
+  constexpr double kLeast = 0.25;  // of the contrast
+  if (graph::on_step(patch)) return true;
+  const auto luma = [](const graph::Level& level) {
+    return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+  };
+  const double sign = patch.contrast >= 0 ? 1 : -1, middle = luma(patch.middle);
+  const double least = kLeast * std::abs(patch.contrast);
+  return sign * (middle - luma(patch.left)) > least && sign * (middle - luma(patch.right)) > least;
+}
+
+/// Across a straight patch, one a pixel.
+std::vector<Rib> ribs_across(Point position, double theta, double length) {
+  const Point along{std::cos(theta), std::sin(theta)}, across{-along.y, along.x};
+  const int rows = std::max(1, static_cast<int>(std::lround(length)));
+  std::vector<Rib> ribs;
+  for (int r = 0; r < rows; ++r) ribs.push_back({position + along * (r - 0.5 * (rows - 1)), across});
+  return ribs;
+}
+
 CreaseKind kind_of(const Patch& patch) {
   if (graph::on_step(patch)) return CreaseKind::step;
   return patch.contrast >= 0 ? CreaseKind::ridge : CreaseKind::valley;
@@ -116,9 +137,11 @@ std::optional<Patch> Editor::like(const Patch& patch, Point position, double the
   // A step points so that its brighter side is on the right.
   const bool turned = graph::on_step(patch) && patch.contrast < 0;
   const double spread = std::sqrt(patch.blur * patch.blur + patch.width * patch.width / 12);
-  Patch made = fitter_.fit(levels_, position, theta, kind_of(patch), spread, refinement_.spacing);
+  const Patch made =
+      fit_patch(levels_, position, theta, kind_of(patch), ribs_across(position, theta, refinement_.spacing),
+                {spread, true, frame_.noise});
   const double sign = kind_of(patch) == CreaseKind::valley || turned ? -1 : 1;
-  if (sign * made.contrast < 0.5 * std::abs(contrast)) return std::nullopt;
+  if (sign * made.contrast < 0.5 * std::abs(contrast) || !stands_out(made)) return std::nullopt;
   return judged(made);
 }
 

@@ -31,13 +31,14 @@ class Editor {
   [[nodiscard]] cv::Size size() const { return levels_.size(); }
   [[nodiscard]] const cv::Mat& levels() const { return levels_; }
 
-  /// A patch like this one, fitted at another place, with its cost and gain; none if what is there is of
-  /// another kind or shows less than half of `contrast`.
+  /// A patch like this one, fitted at another place or a little beside it, with its cost and gain; none if
+  /// what is there is of another kind or shows less than half of `contrast`.
   std::optional<graph::Patch> like(const graph::Patch& patch, graph::Point position, double theta,
                                    double contrast);
   /// The least share of `contrast` that shows on the way from one place to another, a pixel at a time: luma's
   /// difference across it, as the patch's profile has it. Finer than a fitted patch, so less sure.
-  [[nodiscard]] double shown(const graph::Patch& patch, graph::Point from, graph::Point to, double contrast) const;
+  [[nodiscard]] double shown(const graph::Patch& patch, graph::Point from, graph::Point to,
+                             double contrast) const;
   /// Its cost and gain.
   [[nodiscard]] graph::Patch judged(graph::Patch patch) const;
   /// Whether a patch at this place would lie on a patch of the draft that is none of `besides`.
@@ -57,7 +58,6 @@ class Editor {
   Refinement refinement_;
   std::vector<Slot> held_;  // of the draft
   graph::detail::Near near_;
-  PatchFitter fitter_;
   std::vector<Proposal> proposals_;
 };
 

@@ -77,11 +77,11 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     throw core::InputError("extract: the frame holds a value that is not finite");
   const cv::Mat1f luma = core::luma(levels);
   const ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
-  const Ground ground = measure_ground(space, estimate_noise(luma));
+  const double noise = estimate_noise(luma);
+  const Ground ground = measure_ground(space, noise);
 
   const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};
-  CreaseMap ridges = find_lines(space, ground, CreaseKind::ridge, low);
-  CreaseMap valleys = find_lines(space, ground, CreaseKind::valley, low);
+  auto [ridges, valleys] = find_lines(space, ground, low);
   thin(ridges, space);
   thin(valleys, space);
   const CreaseMap all_ridges = ridges;
@@ -109,10 +109,10 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   });
   const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
   const GainFrame frame = prepare_gain(levels);
-  const graph::AttributeGraph strokes = refine(cut_into_patches(network, space, levels, options.spacing),
-                                               levels, frame, {options.spacing, options.blobs});
-  if (options.budget > 0)
-    return pursue(strokes, levels, {std::max(estimate_noise(luma), kVisible), options.budget, true});
+  const graph::AttributeGraph strokes =
+      refine(cut_into_patches(network, space, levels, options.spacing, noise), levels, frame,
+             {options.spacing, options.blobs});
+  if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {frame.noise, 1, true});
   return strokes;
 }

@@ -5,8 +5,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <optional>
+
+#include "sketch/order.hpp"
 
 namespace emberfold::sketch {
 
@@ -18,8 +19,12 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::array<std::array<int, 2>, 8> kOctants = {
     {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
+// The difference in (−π, π]; both are a few turns at most.
 double turn(double from, double to) {
-  return std::remainder(to - from, 2 * kPi);
+  double difference = to - from;
+  while (difference > kPi) difference -= 2 * kPi;
+  while (difference <= -kPi) difference += 2 * kPi;
+  return difference;
 }
 
 // The undirected theta of a point, as the one of its two directions nearer to `along`.
@@ -33,13 +38,8 @@ class Linker {
       : map_(map), space_(space), limits_(limits), spent_(map.points.size(), false) {}
 
   std::vector<Chain> run() {
-    std::vector<std::size_t> seeds(map_.points.size());
-    std::iota(seeds.begin(), seeds.end(), std::size_t{0});
-    std::stable_sort(seeds.begin(), seeds.end(), [&](std::size_t a, std::size_t b) {
-      return map_.points[a].significance > map_.points[b].significance;
-    });
     std::vector<Chain> chains;
-    for (const std::size_t seed : seeds) {
+    for (const std::size_t seed : strongest_first(map_.points, &CreasePoint::significance)) {
       if (map_.points[seed].significance < limits_.seed) break;
       if (!spent_[seed]) chains.push_back(grow(seed));
     }

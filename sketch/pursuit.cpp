@@ -82,6 +82,11 @@ cv::Rect around(const AttributeGraph& graph, const Curve& curve, cv::Size size) 
   return box & cv::Rect({0, 0}, size);
 }
 
+/// Nats that tell where something begins: any of the frame's pixels.
+double place_cost(cv::Size size) {
+  return std::log(static_cast<double>(size.area()));
+}
+
 /// What the curve shows on its own.
 Item draw_curve(const AttributeGraph& graph, const std::vector<Curve>& curves, std::size_t number,
                 cv::Size size) {
@@ -98,6 +103,7 @@ Item draw_curve(const AttributeGraph& graph, const std::vector<Curve>& curves, s
         item.pixels.push_back(static_cast<std::uint32_t>((box.y + y) * size.width + box.x + x));
         item.values.push_back(drawn.levels.at<float>(y, x));
       }
+  item.cost = place_cost(size);
   for (const Vertex& v : part.vertices())
     item.cost +=
         coding_cost(v.patch, static_cast<double>(item.pixels.size()) / static_cast<double>(part.size()));
@@ -220,7 +226,7 @@ class Pursuer {
                                                  shares.middle * double{item.blob->middle[0]} +
                                                  shares.right * double{item.blob->right[0]}));
       }
-    item.cost = coding_cost(*item.blob, static_cast<double>(item.pixels.size()));
+    item.cost = place_cost(luma_.size()) + coding_cost(*item.blob, static_cast<double>(item.pixels.size()));
     const double score = score_of(item);
     if (score <= 0) return;
     item.blob->cost = item.cost;

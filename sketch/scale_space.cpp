@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "sketch/row_pass.hpp"
+
 namespace emberfold::sketch {
 
 namespace {
@@ -65,26 +67,114 @@ double ScaleLevel::value_at(graph::Point p) const {
          b.fy * ((1 - b.fx) * double{lower[0]} + b.fx * double{lower[1]});
 }
 
+namespace {
+
+// A symmetric kernel's middle and its taps to one side, `apart` px from one to the next.
+struct Taps {
+  int apart = 1;
+  std::vector<float> weight;
+  [[nodiscard]] int reach() const { return apart * (static_cast<int>(weight.size()) - 1); }
+};
+
+// What is smooth to `smoothed` px already has nothing left at the frequencies that taps further apart alias
+// to: at taps n px apart the kernel repeats every 2π/n, and the product of both is below e⁻¹² where it does.
+Taps gaussian_taps(double sigma, double smoothed) {
+  Taps taps;
+  taps.apart = std::max(1, static_cast<int>(0.886 * std::min(sigma, smoothed)));
+  const int count = std::max(1, static_cast<int>(std::ceil(4 * sigma / taps.apart)));
+  double sum = 0;
+  std::vector<double> weight;
+  for (int i = 0; i <= count; ++i) {
+    weight.push_back(std::exp(-0.5 * std::pow(i * taps.apart / sigma, 2)));
+    sum += (i > 0 ? 2 : 1) * weight.back();
+  }
+  for (const double w : weight) taps.weight.push_back(static_cast<float>(w / sum));
+  return taps;
+}
+
+// Mirrored at the frame's border, the border's pixel twice.
+int mirrored(int at, int size) {
+  at %= 2 * size;
+  if (at < 0) at += 2 * size;
+  return at < size ? at : 2 * size - 1 - at;
+}
+
+constexpr int kBlock = 32;  // pixels whose sums stay in registers
+
+// out[x] = Σ weight[i]·(before[i][x] + after[i][x]): a pair of equal weight is summed first, so that mirrored
+// rows give the same bits.
+EMBERFOLD_ROW_PASS void weigh_rows(const float* const* before, const float* const* after, const float* weight,
+                                   int taps, int width, float* __restrict out) {
+  int x = 0;
+  for (; x + kBlock <= width; x += kBlock) {
+    float sum[kBlock];
+    for (int j = 0; j < kBlock; ++j) sum[j] = weight[0] * before[0][x + j];
+    for (int i = 1; i < taps; ++i) {
+      const float* a = before[i] + x;
+      const float* b = after[i] + x;
+      const float w = weight[i];
+      for (int j = 0; j < kBlock; ++j) sum[j] += w * (a[j] + b[j]);
+    }
+    for (int j = 0; j < kBlock; ++j) out[x + j] = sum[j];
+  }
+  for (; x < width; ++x) {
+    float sum = weight[0] * before[0][x];
+    for (int i = 1; i < taps; ++i) sum += weight[i] * (before[i][x] + after[i][x]);
+    out[x] = sum;
+  }
+}
+
+// The frame `from` (its first pixel at `border`, `border`) smoothed, with a border of one pixel.
+cv::Mat1f smoothed(const cv::Mat1f& from, int border, const Taps& taps) {
+  const int width = from.cols - 2 * border, height = from.rows - 2 * border, reach = taps.reach();
+  const auto count = taps.weight.size();
+  cv::Mat1f to(height + 2, width + 2);
+  std::vector<float> row(static_cast<std::size_t>(width + 2 * reach));
+  std::vector<const float*> before(count), after(count);
+  for (int y = 0; y < height; ++y) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const int away = taps.apart * static_cast<int>(i);
+      before[i] = from[mirrored(y - away, height) + border] + border;
+      after[i] = from[mirrored(y + away, height) + border] + border;
+    }
+    float* middle = row.data() + reach;
+    weigh_rows(before.data(), after.data(), taps.weight.data(), static_cast<int>(count), width, middle);
+    for (int x = 1; x <= reach; ++x) {
+      middle[-x] = middle[mirrored(-x, width)];
+      middle[width - 1 + x] = middle[mirrored(width - 1 + x, width)];
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const int away = taps.apart * static_cast<int>(i);
+      before[i] = middle - away;
+      after[i] = middle + away;
+    }
+    float* out = to[y + 1];
+    weigh_rows(before.data(), after.data(), taps.weight.data(), static_cast<int>(count), width, out + 1);
+    out[0] = out[1];
+    out[width + 1] = out[width];
+  }
+  to.row(1).copyTo(to.row(0));
+  to.row(height).copyTo(to.row(height + 1));
+  return to;
+}
+
+}  // namespace
+
 ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels) {
   ScaleSpace space;
-  cv::Mat1f previous = luma;
   double previous_sigma = 0;
   for (int i = 0; i < levels; ++i) {
     ScaleLevel level;
     level.sigma = finest * std::pow(2.0, 0.5 * i);
     // Each level smooths the one before, which is cheaper than starting from the image and gives the same
     // Gaussian.
-    const cv::Mat1d step =
-        gaussian_kernel(std::sqrt(level.sigma * level.sigma - previous_sigma * previous_sigma));
-    cv::Mat1f smooth;
-    cv::sepFilter2D(previous, smooth, CV_32F, step, step, {-1, -1}, 0,
-                    cv::BORDER_REFLECT | cv::BORDER_ISOLATED);
-    cv::copyMakeBorder(smooth, level.smooth, 1, 1, 1, 1, cv::BORDER_REFLECT | cv::BORDER_ISOLATED);
+    const Taps step =
+        gaussian_taps(std::sqrt(level.sigma * level.sigma - previous_sigma * previous_sigma), previous_sigma);
+    level.smooth = i == 0 ? smoothed(luma, 0, step) : smoothed(space.back().smooth, 1, step);
     const cv::Mat1d whole = gaussian_kernel(level.sigma);
     const double plain = noise_gain(whole, {1});
     level.gradient_sd = std::sqrt(plain * noise_gain(whole, {0.5, 0, -0.5}));
     level.hessian_sd = std::sqrt(plain * noise_gain(whole, {1, -2, 1}));
-    previous = smooth;
     previous_sigma = level.sigma;
     space.push_back(std::move(level));
   }

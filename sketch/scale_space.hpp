@@ -29,8 +29,9 @@ struct ScaleLevel {
     const float* up = smooth[y];
     const float* mid = smooth[y + 1];
     const float* down = smooth[y + 2];
-    return {mid[x + 2] - 2 * mid[x + 1] + mid[x], 0.25F * (down[x + 2] - down[x] - up[x + 2] + up[x]),
-            down[x + 1] - 2 * mid[x + 1] + up[x + 1]};
+    // Summed so that a mirrored or turned frame gives the same bits.
+    return {(mid[x] + mid[x + 2]) - 2 * mid[x + 1], 0.25F * ((down[x + 2] + up[x]) - (down[x] + up[x + 2])),
+            (up[x + 1] + down[x + 1]) - 2 * mid[x + 1]};
   }
   [[nodiscard]] graph::Point gradient(int x, int y) const {
     const float* mid = smooth[y + 1];
@@ -44,7 +45,9 @@ struct ScaleLevel {
 
 using ScaleSpace = std::vector<ScaleLevel>;
 
-/// Levels at finest, finest·√2, finest·2, … px. O(pixels · levels).
+/// Levels at finest, finest·√2, finest·2, … px, each smoothed from the one before, with taps as far apart as
+/// the smoothness reached allows (a share of 1e-5 of the amplitude is lost at most). Mirrored frames give
+/// mirrored levels, bit by bit. O(pixels · levels).
 ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels);
 
 }  // namespace emberfold::sketch

@@ -72,7 +72,7 @@ cv::Mat1f flat(cv::Size size, double level) {
 
 /// The share of patches, fitted to a frame at places of chance, that gain.
 double false_alarms(const std::vector<cv::Mat1f>& frames, int count) {
-  PatchFitter fitter;
+  using sketch::fit_patch;
   core::Rng rng(11);
   int alarms = 0, all = 0;
   for (const auto& frame : frames) {
@@ -80,7 +80,7 @@ double false_alarms(const std::vector<cv::Mat1f>& frames, int count) {
     for (int i = 0; i < count; ++i, ++all) {
       const Point at{rng.uniform(15, frame.cols - 16), rng.uniform(15, frame.rows - 16)};
       const auto kind = i % 3 == 0 ? CreaseKind::ridge : i % 3 == 1 ? CreaseKind::valley : CreaseKind::step;
-      const auto patch = fitter.fit(frame, at, rng.uniform(-kPi, kPi), kind, rng.uniform(1.2, 4), 5);
+      const auto patch = fit_patch(frame, at, rng.uniform(-kPi, kPi), kind, rng.uniform(1.2, 4), 5);
       alarms += coding_gain(prepared, patch) > 0 ? 1 : 0;
     }
   }

@@ -65,7 +65,8 @@ TEST_CASE("A Gaussian line is found in its place, at its scale, with its height"
         const double spread = probe[level].sigma;
         const ScaleSpace space = sketch::scale_space(gaussian_line(line, spread, height), 1.2, 5);
         const CreaseKind kind = height > 0 ? CreaseKind::ridge : CreaseKind::valley;
-        CreaseMap map = sketch::find_lines(space, flat_ground(space), kind, kLimits);
+        sketch::Lines lines = sketch::find_lines(space, flat_ground(space), kLimits);
+        CreaseMap& map = kind == CreaseKind::ridge ? lines.ridges : lines.valleys;
         sketch::thin(map, space);
         INFO("angle " << line.theta << ", spread " << spread << ", height " << height);
         std::size_t far_scale = 0;
@@ -105,9 +106,9 @@ TEST_CASE("A map holds at most one point for a pixel, near its centre") {
       with_noise(draw(kSize, {ring({50, 50}, 30, 4, 1), segment({10, 20}, {90, 70}, 3, 1)}, 60, 80), 10, 1);
   const ScaleSpace space = sketch::scale_space(scene, 1.2, 5);
   const sketch::Ground ground = sketch::measure_ground(space, 10);
-  for (const CreaseMap& map : {sketch::find_lines(space, ground, CreaseKind::ridge, kLimits),
-                               sketch::find_lines(space, ground, CreaseKind::valley, kLimits),
-                               sketch::find_steps(space, ground, kLimits)}) {
+  for (const CreaseMap& map :
+       {sketch::find_lines(space, ground, kLimits).ridges, sketch::find_lines(space, ground, kLimits).valleys,
+        sketch::find_steps(space, ground, kLimits)}) {
     std::vector<int> uses(map.points.size(), 0);
     for (int y = 0; y < kSize.height; ++y)
       for (int x = 0; x < kSize.width; ++x) {
@@ -132,8 +133,7 @@ TEST_CASE("The flanks of a line are taken away, a step of its own stays") {
       const ScaleSpace space = sketch::scale_space(image, 1.2, 5);
       CreaseMap steps = sketch::find_steps(space, flat_ground(space), kLimits);
       if (without_flanks)
-        sketch::remove_flanks(
-            steps, sketch::find_lines(space, flat_ground(space), CreaseKind::ridge, kLimits), space);
+        sketch::remove_flanks(steps, sketch::find_lines(space, flat_ground(space), kLimits).ridges, space);
       return check_points(steps, line, 12, [](const CreasePoint&) {});
     };
     INFO("angle " << line.theta);
@@ -156,10 +156,9 @@ TEST_CASE("A faint line beside a strong one of the other sign is its lobe, a str
                depth * std::exp(-0.5 * std::pow(beside(p) / 1.7, 2));
       });
       const ScaleSpace space = sketch::scale_space(image, 1.2, 5);
-      CreaseMap map = sketch::find_lines(space, flat_ground(space), CreaseKind::valley, kLimits);
+      CreaseMap map = sketch::find_lines(space, flat_ground(space), kLimits).valleys;
       if (without_lobes)
-        sketch::remove_lobes(map, sketch::find_lines(space, flat_ground(space), CreaseKind::ridge, kLimits),
-                             space);
+        sketch::remove_lobes(map, sketch::find_lines(space, flat_ground(space), kLimits).ridges, space);
       return check_points(map, beside, 2, [](const CreasePoint&) {});
     };
     INFO("angle " << line.theta);
@@ -173,7 +172,7 @@ TEST_CASE("Thinning keeps one line of points") {
   for (int k = 0; k < 8; ++k) {
     const Straight line = at_angle(k);
     const ScaleSpace space = sketch::scale_space(gaussian_line(line, 2.4, 80), 1.2, 5);
-    CreaseMap map = sketch::find_lines(space, flat_ground(space), CreaseKind::ridge, kLimits);
+    CreaseMap map = sketch::find_lines(space, flat_ground(space), kLimits).ridges;
     sketch::thin(map, space);
     for (const CreasePoint& p : map.points)
       for (const CreasePoint& q : map.points) {

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/profile_model.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "sketch/row_pass.hpp"
+
+namespace emberfold::sketch {
+
+namespace {
+
+constexpr std::size_t kLanes = 8;
+// left, middle, right, offset, width, blur
+constexpr std::size_t kNumbers = 6;
+constexpr std::size_t kProducts = kNumbers * (kNumbers + 1) / 2;
+
+// The normal distribution's density and share below x at each x (Abramowitz & Stegun 26.2.17: within 1e-7),
+// without a branch or a call, so that the loop goes into vectors.
+EMBERFOLD_ROW_PASS void normal_row(const float* __restrict x, int count, float* __restrict density,
+                                   float* __restrict below) {
+  for (int i = 0; i < count; ++i) {
+    const float size = std::abs(x[i]), a = size < 9.0F ? size : 9.0F;
+    // e^y = 2^n·e^r with |r| ≤ ln 2 / 2, the rest by its series.
+    const float y = -0.5F * a * a, scaled = y * 1.44269504F;
+    const int n = static_cast<int>(scaled - 0.5F);
+    const float r = (scaled - static_cast<float>(n)) * 0.69314718F;
+    const float series =
+        1 + r * (1 + r * (0.5F +
+                          r * (0.16666667F + r * (0.041666667F + r * (0.0083333333F + r * 0.0013888889F)))));
+    const float f = 0.39894228F * series * std::bit_cast<float>((n + 127) * (1 << 23));
+    const float t = 1 / (1 + 0.2316419F * a);
+    const float tail =
+        f * t *
+        (0.319381530F + t * (-0.356563782F + t * (1.781477937F + t * (-1.821255978F + t * 1.330274429F))));
+    density[i] = f;
+    below[i] = 0.5F + std::copysign(0.5F - tail, x[i]);
+  }
+}
+
+// What a step of the fit needs: how the model changes with each of its numbers, and the model's residuals.
+// After the columns by number, the residuals.
+using Slopes = std::array<float, (kNumbers + 1) * kMostSamples>;
+
+struct Shape {
+  float offset, half_width, blur, left, middle, right;
+};
+
+// Of both edges at each sample: the place in SDs, the density and the share below.
+struct Edges {
+  Samples enter_at, leave_at, enter_density, leave_density, enter, leave;
+};
+
+// `by`: the columns of Slopes, one after the other.
+EMBERFOLD_ROW_PASS void slope_row(const float* __restrict level, const Edges& __restrict e, int count,
+                                  int padded, Shape s, float* __restrict by) {
+  constexpr int k = static_cast<int>(kMostSamples);
+  const float up = s.middle - s.left, down = s.right - s.middle, scale = 1 / s.blur;
+  for (int i = 0; i < padded; ++i) {
+    const float there = i < count ? 1.0F : 0.0F;
+    const float enter = e.enter.data()[i], leave = e.leave.data()[i];
+    const float rise = there * up * scale * e.enter_density.data()[i];
+    const float fall = there * down * scale * e.leave_density.data()[i];
+    by[i] = there - there * enter;
+    by[k + i] = there * (enter - leave);
+    by[2 * k + i] = there * leave;
+    by[3 * k + i] = -(rise + fall);
+    by[4 * k + i] = 0.5F * (rise - fall);
+    by[5 * k + i] = -(rise * e.enter_at.data()[i] + fall * e.leave_at.data()[i]);
+    by[6 * k + i] = there * (level[i] - (s.left + up * enter + down * leave));
+  }
+}
+
+void slopes(const Section& section, Shape s, Slopes& out) {
+  const int count = static_cast<int>(section.count), lanes = static_cast<int>(kLanes);
+  const int padded = (count + lanes - 1) / lanes * lanes;
+  const float first = -0.5F * static_cast<float>(kSampleStep) * static_cast<float>(count - 1) - s.offset;
+  Edges e;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(padded); ++i) {
+    const float d = first + static_cast<float>(kSampleStep) * static_cast<float>(i);
+    e.enter_at[i] = (d + s.half_width) / s.blur;
+    e.leave_at[i] = (d - s.half_width) / s.blur;
+  }
+  normal_row(e.enter_at.data(), padded, e.enter_density.data(), e.enter.data());
+  normal_row(e.leave_at.data(), padded, e.leave_density.data(), e.leave.data());
+  slope_row(section.level.data(), e, count, padded, s, out.data());
+}
+
+// Σ over the samples of each product of the first `numbers` columns, in eight partial sums added in order.
+EMBERFOLD_ROW_PASS void products(const Slopes& slopes, std::size_t count, std::size_t numbers,
+                                 double* normal_matrix, double* moment, double* squares) {
+  const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
+  const auto sum = [&](std::size_t a, std::size_t b) {
+    const float* x = slopes.data() + a * kMostSamples;
+    const float* y = slopes.data() + b * kMostSamples;
+    float lane[kLanes] = {};
+    for (std::size_t i = 0; i < padded; i += kLanes)
+      for (std::size_t l = 0; l < kLanes; ++l) lane[l] += x[i + l] * y[i + l];
+    return double{((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]))};
+  };
+  for (std::size_t a = 0, at = 0; a < numbers; ++a) {
+    for (std::size_t b = 0; b <= a; ++b) normal_matrix[at++] = sum(a, b);
+    moment[a] = sum(a, kNumbers);
+  }
+  *squares = sum(kNumbers, kNumbers);
+}
+
+std::size_t product_of(std::size_t a, std::size_t b) {
+  return a >= b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a;
+}
+
+// Solves the system of the numbers in `use` by Cholesky; the others' results are 0. False where it is
+// singular.
+bool solve(const std::array<double, kProducts>& matrix, const std::array<double, kNumbers>& right,
+           const std::array<bool, kNumbers>& use, double damping, std::array<double, kNumbers>& result) {
+  double l[kNumbers][kNumbers] = {};
+  std::array<double, kNumbers> y{};
+  result = {};
+  for (std::size_t a = 0; a < kNumbers; ++a) {
+    if (!use[a]) continue;
+    for (std::size_t b = 0; b <= a; ++b) {
+      if (!use[b]) continue;
+      double v = matrix[product_of(a, b)];
+      if (a == b) v += damping * v + 1e-9;
+      for (std::size_t k = 0; k < b; ++k) v -= l[a][k] * l[b][k];
+      if (a != b) {
+        l[a][b] = v / l[b][b];
+      } else {
+        if (!(v > 0)) return false;
+        l[a][a] = std::sqrt(v);
+      }
+    }
+    double v = right[a];
+    for (std::size_t k = 0; k < a; ++k) v -= l[a][k] * y[k];
+    y[a] = v / l[a][a];
+  }
+  for (std::size_t a = kNumbers; a-- > 0;) {
+    if (!use[a]) continue;
+    double v = y[a];
+    for (std::size_t k = a + 1; k < kNumbers; ++k) v -= l[k][a] * result[k];
+    result[a] = v / l[a][a];
+  }
+  return true;
+}
+
+struct System {
+  std::array<double, kProducts> matrix{};
+  std::array<double, kNumbers> moment{};
+  double squares = 0;
+};
+
+System system_at(const Section& section, const Profile& p, std::size_t numbers, Slopes& work) {
+  slopes(section,
+         {static_cast<float>(p.offset), static_cast<float>(0.5 * p.width), static_cast<float>(p.blur),
+          static_cast<float>(p.left), static_cast<float>(p.middle), static_cast<float>(p.right)},
+         work);
+  System s;
+  products(work, section.count, numbers, s.matrix.data(), s.moment.data(), &s.squares);
+  return s;
+}
+
+constexpr double square(double v) {
+  return v * v;
+}
+
+}  // namespace
+
+Profile with_levels(const Section& section, Profile shape) {
+  shape.left = shape.middle = shape.right = 0;
+  Slopes work;  // written before it is read
+  const System s = system_at(section, shape, 3, work);
+  std::array<double, kNumbers> level{};
+  const bool bar = shape.width > 0;
+  shape.residual = s.squares;
+  if (!solve(s.matrix, s.moment, {true, bar, true, false, false, false}, 0, level)) return shape;
+  shape.left = level[0];
+  shape.right = level[2];
+  shape.middle = bar ? level[1] : 0.5 * (level[0] + level[2]);
+  for (std::size_t a = 0; a < 3; ++a) shape.residual -= level[a] * s.moment[a];
+  shape.residual = std::max(shape.residual, 0.0);
+  return shape;
+}
+
+Profile refine(const Section& section, Profile start, const ProfileBounds& bounds, int steps, double prior,
+               double usual_blur) {
+  constexpr double kSettled = 0.003;  // px
+  const bool bar = start.width > 0;
+  const std::array<bool, kNumbers> use = {true, bar, true, bounds.offset > 0, bar, true};
+  const auto strange = [&](const Profile& p) { return prior * square(std::log(p.blur / usual_blur)); };
+  Slopes work;  // written before it is read
+  Profile best = start;
+  System at = system_at(section, best, kNumbers, work);
+  double cost = at.squares + strange(best), damping = 1e-3;
+  for (int step = 0; step < steps; ++step) {
+    System pulled = at;
+    pulled.matrix[product_of(5, 5)] += prior / square(best.blur);
+    pulled.moment[5] -= prior * std::log(best.blur / usual_blur) / best.blur;
+    std::array<double, kNumbers> change{};
+    if (!solve(pulled.matrix, pulled.moment, use, damping, change)) break;
+    Profile next = best;
+    next.left += change[0];
+    next.right += change[2];
+    next.offset = std::clamp(best.offset + change[3], -bounds.offset, bounds.offset);
+    next.blur = std::clamp(best.blur + change[5], std::max(bounds.least_blur, 0.6 * best.blur),
+                           std::min(bounds.most_blur, 1.6 * best.blur));
+    if (bar) {
+      next.middle += change[1];
+      next.width = std::clamp(best.width + change[4], std::max(bounds.least_width, 0.6 * best.width),
+                              std::min(bounds.most_width, 1.6 * best.width));
+    } else {
+      next.middle = 0.5 * (next.left + next.right);
+    }
+    const System there = system_at(section, next, kNumbers, work);
+    const double next_cost = there.squares + strange(next);
+    if (next_cost >= cost) {
+      if ((damping *= 10) > 1e4) break;
+      continue;
+    }
+    const double moved = std::max({std::abs(next.offset - best.offset), std::abs(next.width - best.width),
+                                   std::abs(next.blur - best.blur)});
+    best = next;
+    at = there;
+    cost = next_cost;
+    damping = std::max(0.2 * damping, 1e-6);
+    if (moved < kSettled) break;
+  }
+  best.residual = at.squares;
+  return best;
+}
+
+}  // namespace emberfold::sketch

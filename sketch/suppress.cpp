@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// What takes crease points away again: lobes, flanks, and parallel points.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "sketch/creases.hpp"
+#include "sketch/order.hpp"
+#include "sketch/row_pass.hpp"
+
+namespace emberfold::sketch {
+
+using graph::Point;
+
+namespace {
+
+// A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
+constexpr double kStepContrast = 3.5449077018110318;
+
+// The nearest whole number, as std::lround has it, without a call.
+int nearest(double v) {
+  const int whole = static_cast<int>(v);
+  const double rest = v - whole;
+  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
+// Drops the points that are marked and numbers the rest anew, in row order.
+void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
+  std::vector<CreasePoint> kept;
+  kept.reserve(map.points.size());
+  for (int y = 0; y < map.index.rows; ++y) {
+    int* row = map.index[y];
+    for (int x = 0; x < map.index.cols; ++x) {
+      if (row[x] < 0) continue;
+      const auto old = static_cast<std::size_t>(row[x]);
+      row[x] = marked[old] ? -1 : static_cast<int>(kept.size());
+      if (!marked[old]) kept.push_back(map.points[old]);
+    }
+  }
+  map.points = std::move(kept);
+}
+
+EMBERFOLD_ROW_PASS void raise_row(const float* from, int width, float* __restrict to) {
+  for (int x = 0; x < width; ++x) to[x] = std::max(to[x], from[x]);
+}
+
+// The greatest of many discs' values at every pixel. A disc's rows are intervals; each is covered by two of
+// length 2^k, which are noted at their first pixel and halved at the end.
+class Shadow {
+ public:
+  Shadow(int width, int height) : width_(width), height_(height) {}
+
+  void cast(cv::Point centre, int radius, float value) {
+    const std::vector<int>& halves = halves_of(radius);
+    for (int y = std::max(0, centre.y - radius); y <= std::min(height_ - 1, centre.y + radius); ++y) {
+      const int half = halves[static_cast<std::size_t>(std::abs(y - centre.y))];
+      const int first = std::max(0, centre.x - half), last = std::min(width_ - 1, centre.x + half);
+      if (first > last) continue;
+      const auto k = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(last - first + 1)) - 1);
+      while (lengths_.size() <= k) lengths_.emplace_back(height_, width_, 0.0F);
+      float* row = lengths_[k][y];
+      for (const int x : {first, last + 1 - (1 << k)}) row[x] = std::max(row[x], value);
+    }
+  }
+
+  cv::Mat1f finish() {
+    if (lengths_.empty()) return cv::Mat1f(height_, width_, 0.0F);
+    for (std::size_t k = lengths_.size() - 1; k > 0; --k) {
+      const int half = 1 << (k - 1);
+      for (int y = 0; y < height_; ++y) {
+        raise_row(lengths_[k][y], width_, lengths_[k - 1][y]);
+        raise_row(lengths_[k][y], width_ - half, lengths_[k - 1][y] + half);
+      }
+    }
+    return lengths_.front();
+  }
+
+ private:
+  // How far a disc reaches to either side, for each distance from its middle row.
+  const std::vector<int>& halves_of(int radius) {
+    const auto r = static_cast<std::size_t>(radius);
+    if (halves_.size() <= r) halves_.resize(r + 1);
+    if (halves_[r].empty())
+      for (int dy = 0; dy <= radius; ++dy)
+        halves_[r].push_back(static_cast<int>(std::sqrt(double(radius) * radius - double(dy) * dy)));
+    return halves_[r];
+  }
+
+  int width_, height_;
+  std::vector<std::vector<int>> halves_;
+  std::vector<cv::Mat1f> lengths_;  // [k](y, x): the greatest noted from x on over 2^k pixels
+};
+
+}  // namespace
+
+void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space) {
+  constexpr double kLobeShare = 0.35;  // of the line's contrast: a lobe has at most a tenth, the curl round a
+                                       // bend or an end up to a third
+  constexpr double kReach = 4.0;       // in σ of the line
+  const int width = lines.index.cols, height = lines.index.rows;
+  Shadow shadow(width, height);
+  for (const CreasePoint& p : opposite.points) {
+    const int reach = static_cast<int>(std::ceil(kReach * space[static_cast<std::size_t>(p.level)].sigma));
+    shadow.cast({nearest(p.position.x), nearest(p.position.y)}, reach,
+                static_cast<float>(kLobeShare * p.contrast));
+  }
+  const cv::Mat1f dark = shadow.finish();
+  std::vector<bool> marked(lines.points.size(), false);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (const int i = lines.index(y, x); i >= 0)
+        marked[static_cast<std::size_t>(i)] =
+            lines.points[static_cast<std::size_t>(i)].contrast < double{dark(y, x)};
+  keep_unmarked(lines, marked);
+}
+
+void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space) {
+  constexpr double kMargin = 1.6;  // a line whose sides differ by half has one flank that is a third higher
+  const int width = steps.index.cols, height = steps.index.rows;
+  cv::Mat1i owner(height, width, -1);  // of each pixel beside a line: the strongest such line's point
+  const auto point = [&](int i) -> const CreasePoint& { return lines.points[static_cast<std::size_t>(i)]; };
+  for (std::size_t i = 0; i < lines.points.size(); ++i) {
+    const CreasePoint& p = lines.points[i];
+    const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
+    const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
+    const int halves = static_cast<int>(2 * reach);
+    for (int h = -halves; h <= halves; ++h) {
+      const int x = nearest(p.position.x + 0.5 * h * nx), y = nearest(p.position.y + 0.5 * h * ny);
+      if (x < 0 || y < 0 || x >= width || y >= height || steps.index(y, x) < 0) continue;
+      int& pixel = owner(y, x);
+      if (pixel < 0 || point(pixel).contrast < p.contrast) pixel = static_cast<int>(i);
+    }
+  }
+  std::vector<bool> marked(steps.points.size(), false);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (steps.index(y, x) < 0 || owner(y, x) < 0) continue;
+      const auto at = static_cast<std::size_t>(steps.index(y, x));
+      const CreasePoint& line = point(owner(y, x));
+      // The steepest slope of a Gaussian line, h s / S² · e^{−1/2}, read as a step at the step's own scale.
+      const double s = space[static_cast<std::size_t>(line.level)].sigma,
+                   sigma = space[static_cast<std::size_t>(steps.points[at].level)].sigma;
+      const double slope = 0.607 * line.contrast * s / (s * s + sigma * sigma);
+      marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma;
+    }
+  keep_unmarked(steps, marked);
+}
+
+void thin(CreaseMap& map, const ScaleSpace& space) {
+  std::vector<bool> marked(map.points.size(), false);
+  for (const std::size_t i : strongest_first(map.points, &CreasePoint::strength)) {
+    if (marked[i]) continue;
+    const CreasePoint& p = map.points[i];
+    const double reach = std::max(1.5, 1.25 * space[static_cast<std::size_t>(p.level)].sigma);
+    const Point normal{-std::sin(p.theta), std::cos(p.theta)};
+    const int halves = static_cast<int>(2 * reach);
+    for (int h = -halves; h <= halves; ++h) {
+      const int x = nearest(p.position.x + 0.5 * h * normal.x),
+                y = nearest(p.position.y + 0.5 * h * normal.y);
+      if (x < 0 || y < 0 || x >= map.index.cols || y >= map.index.rows || map.index(y, x) < 0) continue;
+      const auto j = static_cast<std::size_t>(map.index(y, x));
+      const CreasePoint& q = map.points[j];
+      const Point v = q.position - p.position;
+      const double across = std::abs(graph::dot(v, normal)),
+                   along = std::abs(graph::dot(v, {normal.y, -normal.x}));
+      if (j != i && q.strength < p.strength && across > 0.5 && across <= reach && along < 1 &&
+          graph::orientation_difference(p.theta, q.theta) < std::numbers::pi / 4)
+        marked[j] = true;
+    }
+  }
+  keep_unmarked(map, marked);
+}
+
+}  // namespace emberfold::sketch
