@@ -36,14 +36,18 @@ std::vector<End> free_ends(const Draft& draft) {
 
 /// Patches along the straight way from one place to another, both left out, as the patch at its begin shows
 /// it; none if it does not show throughout.
-std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point from, Point to,
+std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point from, const Patch& end,
                                       double contrast, std::span<const Slot> besides) {
-  const Point step = to - from;
+  const Point to = end.position, step = to - from;
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
   const double theta = std::cos(begin.theta - heading) < 0 ? heading + kPi : heading;
   const int pieces = static_cast<int>(std::lround(length / editor.spacing()));
   constexpr double kShows = 0.6;  // more than the half that makes a gap: what is on the verge would flicker
-  if (editor.shown(begin, from, to, contrast) < kShows) return std::nullopt;
+  // Where a stroke comes in from the side, its own sides hide that the way goes on.
+  const double hidden =
+      graph::orientation_difference(heading, end.theta) < kPi / 6 ? 0 : end.width / 2 + 2 * end.blur;
+  const Point seen_to = from + step * std::max(1 - hidden / length, 0.0);
+  if (hidden < length && editor.shown(begin, from, seen_to, contrast) < kShows) return std::nullopt;
   std::vector<Patch> patches;
   for (int i = 1; i < pieces; ++i) {
     const auto next = editor.like(begin, from + step * (double(i) / pieces), theta, contrast);
@@ -95,7 +99,7 @@ void join_ends(Editor& editor, const End& a, const End& b) {
     return;
   }
   if (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length) return;
-  if (const auto patches = way(editor, first, a.place, b.place, contrast, both)) {
+  if (const auto patches = way(editor, first, a.place, second, contrast, both)) {
     Edit edit;
     Slot next = draft.slots();
     bridge(edit, next, a.slot, *patches, b.slot);
@@ -103,20 +107,20 @@ void join_ends(Editor& editor, const End& a, const End& b) {
   }
 }
 
-/// An end goes on to a stroke that it points at.
+/// An end goes on to a stroke that it points at, or to an end, for a corner.
 void reach_stroke(Editor& editor, const End& end, Slot target) {
   constexpr double kAhead = 0.87;  // cos 30°
   const Draft& draft = editor.draft();
   const Patch &first = draft.patch(end.slot), &hit = draft.patch(target);
   const Point gap = hit.position - end.place;
   const double length = graph::norm(gap);
-  if (draft.degree(target) < 2 || length > kLongest || !graph::same_kind(first, hit)) return;
+  if (draft.degree(target) < 1 || length > kLongest || !graph::same_kind(first, hit)) return;
   if (graph::dot(end.heading, gap) < kAhead * length) return;
   if (graph::orientation_difference(std::atan2(gap.y, gap.x), hit.theta) < kPi / 6) return;
   std::vector<Slot> besides{end.slot, target};
   besides.insert(besides.end(), draft.neighbours(target).begin(), draft.neighbours(target).end());
   if (std::find(besides.begin(), besides.end(), draft.neighbours(end.slot)[0]) != besides.end()) return;
-  if (const auto patches = way(editor, first, end.place, hit.position, fainter(first, hit), besides)) {
+  if (const auto patches = way(editor, first, end.place, hit, fainter(first, hit), besides)) {
     Edit edit;
     Slot next = draft.slots();
     bridge(edit, next, end.slot, *patches, target);
@@ -139,8 +143,8 @@ void meet_in_corner(Editor& editor, const End& a, const End& b) {
   const std::array<Slot, 2> both{a.slot, b.slot};
   const auto corner = editor.like(first, place, first.theta, contrast);
   if (!corner || editor.overlaps(*corner, both)) return;
-  const auto from_a = way(editor, first, a.place, place, contrast, both);
-  const auto from_b = way(editor, second, b.place, place, contrast, both);
+  const auto from_a = way(editor, first, a.place, *corner, contrast, both);
+  const auto from_b = way(editor, second, b.place, *corner, contrast, both);
   if (!from_a || !from_b) return;
   Edit edit;
   const Slot middle = draft.slots();
@@ -182,6 +186,8 @@ void propose_meetings(Editor& editor) {
         reach_stroke(editor, ends[i], slot);
       } else if (i < j) {
         join_ends(editor, ends[i], ends[j]);
+        reach_stroke(editor, ends[i], slot);
+        reach_stroke(editor, ends[j], ends[i].slot);
         meet_in_corner(editor, ends[i], ends[j]);
       }
     }

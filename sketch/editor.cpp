@@ -26,7 +26,6 @@ std::vector<Point> places(const Draft& draft, const std::vector<Slot>& held) {
   return points;
 }
 
-/// Whether the place lies on the patch: 3 px along it, its core and a blur across.
 bool on(const Patch& patch, Point place) {
   constexpr double kAlong = 3, kLeastAcross = 1.5;
   const Point apart = place - patch.position;
@@ -98,6 +97,10 @@ CreaseKind kind_of(const Patch& patch) {
 
 }  // namespace
 
+bool overlap(const Patch& a, const Patch& b) {
+  return on(a, b.position) || on(b, a.position);
+}
+
 Editor::Editor(const Draft& draft, const cv::Mat& levels, const GainFrame& frame,
                const Refinement& refinement)
     : draft_(draft),
@@ -137,6 +140,7 @@ std::optional<Patch> Editor::like(const Patch& patch, Point position, double the
   // A step points so that its brighter side is on the right.
   const bool turned = graph::on_step(patch) && patch.contrast < 0;
   const double spread = std::sqrt(patch.blur * patch.blur + patch.width * patch.width / 12);
+  theta = std::remainder(theta, 2 * std::numbers::pi);
   const Patch made =
       fit_patch(levels_, position, theta, kind_of(patch), ribs_across(position, theta, refinement_.spacing),
                 {spread, true, frame_.noise});
@@ -149,7 +153,7 @@ bool Editor::overlaps(const Patch& patch, std::span<const Slot> besides) const {
   for (const Slot slot : around(patch.position)) {
     if (std::find(besides.begin(), besides.end(), slot) != besides.end()) continue;
     const Patch& other = draft_.patch(slot);
-    if (on(other, patch.position) || on(patch, other.position)) return true;
+    if (overlap(patch, other)) return true;
   }
   return false;
 }

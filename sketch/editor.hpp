@@ -21,6 +21,9 @@ struct Proposal {
   std::vector<Slot> concerns;
 };
 
+/// Whether one patch lies on the other: within 3 px along it, its core and a blur (1.5 px at least) across.
+bool overlap(const graph::Patch& a, const graph::Patch& b);
+
 /// A draft on its frame: makes patches and proposals, for the edits of one round.
 class Editor {
  public:

@@ -40,6 +40,7 @@ bool round(Draft& draft, std::vector<Proposal> proposals) {
   const Slot first = draft.slots();
   std::vector<char> busy(first, 0);
   Slot next = first;
+  std::vector<graph::Patch> fresh;  // of this round
   bool any = false;
   for (Proposal& proposal : proposals) {
     const auto taken = [&](Slot slot) { return busy[slot] != 0; };
@@ -49,6 +50,12 @@ bool round(Draft& draft, std::vector<Proposal> proposals) {
       place.insert(place.end(), draft.neighbours(slot).begin(), draft.neighbours(slot).end());
     std::erase_if(place, [&](Slot slot) { return slot >= first; });
     if (std::ranges::any_of(place, taken)) continue;
+    const auto in_the_way = [&](const auto& added) {
+      return std::ranges::any_of(fresh,
+                                 [&](const graph::Patch& other) { return overlap(added.second, other); });
+    };
+    if (std::ranges::any_of(proposal.edit.add, in_the_way)) continue;
+    for (const auto& added : proposal.edit.add) fresh.push_back(added.second);
     for (const Slot slot : place) busy[slot] = 1;
     const Edit edit = renumbered(std::move(proposal.edit), first, next);
     next += static_cast<Slot>(edit.add.size());
