@@ -37,7 +37,8 @@ def check_modules():
         except ImportError:
             missing.append(name)
     if missing:
-        sys.exit(f"peers_sketch: not installed: {', '.join(missing)} (python3-numpy, -scipy, -opencv, -skimage on Debian)")
+        names = "python3-numpy, -scipy, -opencv, -skimage"
+        sys.exit(f"peers_sketch: not installed: {', '.join(missing)} (on Debian: {names})")
 
 
 check_modules()
@@ -230,7 +231,7 @@ def our_score(frames, folder):
 
 
 def print_scenes(frames, folder):
-    print(f"\nCentre lines of {len(frames)} scene frames, all together; thresholds are those that serve these frames best")
+    print(f"\nCentre lines of {len(frames)} scene frames; thresholds are those that serve these frames best")
     print(f"{'method':44s} recall precision | junctions: recall precision |    ms")
 
     def line(name, score):
@@ -323,7 +324,8 @@ def print_fills(folder):
             results[f"{name} of the same share, spsolve"].append((psnr(frame, filled), spent))
     mean_share = np.mean([float(row["share"]) for row in rows])
     sketching = np.mean([float(row["sketch_ms"]) for row in rows])
-    print(f"\n{len(rows)} frames of clips from {100 * mean_share:.1f} % of their pixels (the sketch itself: {sketching:.1f} ms)")
+    print(f"\n{len(rows)} frames of clips from {100 * mean_share:.1f} % of their pixels")
+    print(f"(finding the sketch: {sketching:.1f} ms)")
     print(f"{'method':44s}     dB | fill, ms")
     for name, figures in results.items():
         decibels, milliseconds = np.mean(figures, axis=0)
