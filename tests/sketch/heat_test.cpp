@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
