@@ -14,8 +14,6 @@ namespace emberfold::sketch {
 
 namespace {
 
-constexpr double kWeightSum = 256;
-
 /// Samples `kernel`, rounds it to whole numbers, and lets the middle tap make up for what rounding did to the
 /// sum.
 TextureFilter sampled(std::string_view name, int radius,
@@ -27,7 +25,7 @@ TextureFilter sampled(std::string_view name, int radius,
   int total = 0;
   for (int dy = -radius; dy <= radius; ++dy)
     for (int dx = -radius; dx <= radius; ++dx) {
-      const int weight = static_cast<int>(std::lround(kernel(dx, dy) * kWeightSum / sum));
+      const int weight = static_cast<int>(std::lround(kernel(dx, dy) * kTextureLevel / sum));
       total += weight;
       if (weight != 0) filter.taps.push_back({dx, dy, weight});
     }
@@ -57,7 +55,7 @@ TextureFilter second_derivative(std::string_view name, double degrees) {
 }  // namespace
 
 std::array<TextureFilter, kTextureFilters> texture_filters() {
-  return {TextureFilter{"level", 0, {{0, 0, static_cast<int>(kWeightSum)}}},
+  return {TextureFilter{"level", 0, {{0, 0, kTextureLevel}}},
           laplacian("fine Laplacian", 2, 0.7),
           sampled("slope along x", 2, [](double x, double y) { return x * bell(x, y, 1); }),
           sampled("slope along y", 2, [](double x, double y) { return y * bell(x, y, 1); }),
@@ -65,7 +63,9 @@ std::array<TextureFilter, kTextureFilters> texture_filters() {
           second_derivative("bend at 45 degrees", 45),
           second_derivative("bend at 90 degrees", 90),
           second_derivative("bend at 135 degrees", 135),
-          laplacian("Laplacian", 3, 1.2)};
+          laplacian("Laplacian", 3, 1.2),
+          TextureFilter{"difference along x", 1, {{0, 0, -kTextureLevel / 2}, {1, 0, kTextureLevel / 2}}},
+          TextureFilter{"difference along y", 1, {{0, 0, -kTextureLevel / 2}, {0, 1, kTextureLevel / 2}}}};
 }
 
 cv::Mat respond(const cv::Mat& bytes, const TextureFilter& filter) {
@@ -84,13 +84,21 @@ cv::Mat respond(const cv::Mat& bytes, const TextureFilter& filter) {
 }
 
 BinEdges bin_edges(std::vector<int> responses) {
-  constexpr std::array<double, kTextureBins - 1> kBelow{0.005, 0.02, 0.06, 0.14, 0.26, 0.42,
-                                                        0.58,  0.74, 0.86, 0.94, 0.98, 0.995};
+  constexpr std::array<double, kTextureBins - 3> kBelow{0.005, 0.03, 0.12, 0.28, 0.43,
+                                                        0.57,  0.72, 0.88, 0.97, 0.995};
+  constexpr int kGap = kTextureLevel / 4;
   BinEdges edges{};
-  if (responses.empty()) return edges;
   std::ranges::sort(responses);
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    edges[i] = responses[static_cast<std::size_t>(kBelow[i] * static_cast<double>(responses.size() - 1))];
+  if (!responses.empty()) {
+    edges.front() = responses.front();
+    for (std::size_t i = 0; i < kBelow.size(); ++i)
+      edges[i + 1] =
+          responses[static_cast<std::size_t>(kBelow[i] * static_cast<double>(responses.size() - 1))];
+    edges.back() = responses.back() + 1;
+  }
+  constexpr std::size_t kMiddle = edges.size() / 2;
+  for (std::size_t i = kMiddle; i < edges.size(); ++i) edges[i] = std::max(edges[i], edges[i - 1] + kGap);
+  for (std::size_t i = kMiddle - 1; i-- > 0;) edges[i] = std::min(edges[i], edges[i + 1] - kGap);
   return edges;
 }
 

@@ -10,11 +10,12 @@
 
 namespace emberfold::sketch {
 
-inline constexpr int kTextureFilters = 9;
+inline constexpr int kTextureFilters = 11;
 inline constexpr int kTextureBins = 13;
+inline constexpr int kTextureLevel = 128;  ///< Σ |weight| of a filter: response of the first to level 1
 
-/// A linear filter of whole numbers, Σ |weight| about 256; all but the first sum to 0. Whole numbers make
-/// responses exact, however often they are updated.
+/// A linear filter of whole numbers, Σ |weight| about kTextureLevel; all but the first sum to 0. Whole
+/// numbers make responses exact, however often they are updated; those to 0…255 fit into 16 bits.
 struct TextureFilter {
   struct Tap {
     int dx, dy, weight;  ///< response(x, y) = Σ weight · level(x + dx, y + dy)
@@ -25,7 +26,8 @@ struct TextureFilter {
 };
 
 /// The level itself; Laplacian of a Gaussian of SD 0.7; Gaussian first derivatives along x and y, SD 1;
-/// second ones at 0°, 45°, 90°, 135°, SD 1.2; the Laplacian of a Gaussian of SD 1.2.
+/// second ones at 0°, 45°, 90°, 135°, SD 1.2; the Laplacian of a Gaussian of SD 1.2; what lies between a
+/// pixel and the next along x and y.
 std::array<TextureFilter, kTextureFilters> texture_filters();
 
 /// Responses to CV_8U levels, CV_32S; the border is repeated outwards.
@@ -33,7 +35,9 @@ cv::Mat respond(const cv::Mat& bytes, const TextureFilter& filter);
 
 /// Ascending limits between the bins of one filter: bin b holds edge[b − 1] ≤ response < edge[b].
 using BinEdges = std::array<int, kTextureBins - 1>;
-/// The limits that leave 0.5, 2, 6, 14, 26, 42 % of `responses` below, and likewise above.
+/// The first and the last bin are what lies beyond all of `responses`, the limits between leave 0.5, 3, 12,
+/// 28, 43 % of them below, and likewise above; all at least 32 apart (a quarter of a grey level), so that
+/// bins stay narrow where all responses are alike.
 BinEdges bin_edges(std::vector<int> responses);
 int bin_of(const BinEdges& edges, int response);
 

@@ -22,10 +22,10 @@ struct TextureOptions {
 
 /// The non-sketchable part of a frame, by texture.
 struct TextureRegions {
-  cv::Mat label;                             ///< CV_8U: 0 sketchable, else 1…count
-  int count = 0;                             ///< of regions; none is empty
-  std::vector<FilterHistograms> histograms;  ///< by label − 1, of responses whose window lies in the frame
-  std::array<BinEdges, kTextureFilters> edges{};  ///< of the histograms' bins, for all regions the same
+  cv::Mat label;                                             ///< CV_8U: 0 sketchable, else 1…count
+  int count = 0;                                             ///< of regions; none is empty
+  std::vector<FilterHistograms> histograms;                  ///< by label − 1
+  std::vector<std::array<BinEdges, kTextureFilters>> edges;  ///< of their bins, by label − 1
 };
 
 /// Clusters the pixels where `sketchable` (CV_8U) is 0 by the histograms of filter responses around them, of

@@ -12,7 +12,8 @@
 
 namespace emberfold::test {
 
-/// Whole levels around `mean`: 0 smoothed grain, 1 stripes along x, 2 stripes along y, 3 fine grain.
+/// Whole levels around `mean`: 0 smoothed grain, 1 stripes along x, 2 stripes along y, 3 fine grain, 4 grain
+/// drawn out along x, 5 along y.
 inline cv::Mat texture(cv::Size size, int kind, double mean, std::uint64_t seed) {
   core::Rng rng(seed);
   cv::Mat levels(size, CV_32F);
@@ -21,6 +22,9 @@ inline cv::Mat texture(cv::Size size, int kind, double mean, std::uint64_t seed)
   if (kind == 0) {
     cv::GaussianBlur(levels, levels, {}, 2);
     levels *= 150;
+  } else if (kind >= 4) {
+    cv::GaussianBlur(levels, levels, {}, kind == 4 ? 3 : 0.6, kind == 4 ? 0.6 : 3);
+    levels *= 80;
   } else if (kind == 3) {
     levels *= 25;
   } else {
