@@ -28,23 +28,24 @@ constexpr int kPhases = 4;  // px between pixels visited one after the other
 
 void check(const cv::Mat& start, const TextureRegions& regions) {
   std::ostringstream message;
-  const auto count = static_cast<std::size_t>(std::max(regions.count, 0));
+  const auto count = 2 * static_cast<std::size_t>(std::max(regions.count, 0));
   double highest = 0;
   if (start.dims != 2 || start.empty() || start.depth() != CV_32F ||
       (start.channels() != 1 && start.channels() != 3))
     message << "julesz: levels are " << cv::typeToString(start.type()) << ", " << start.cols << " × "
             << start.rows << "; allowed are CV_32FC1 and CV_32FC3 of at least 1 × 1";
-  else if (regions.label.dims != 2 || regions.label.type() != CV_8UC1 || regions.label.size() != start.size())
-    message << "julesz: the labels are " << cv::typeToString(regions.label.type()) << ", "
-            << regions.label.cols << " × " << regions.label.rows
-            << "; they have to be CV_8UC1 of the levels' size, " << start.cols << " × " << start.rows;
+  else if (regions.part.dims != 2 || regions.part.type() != CV_8UC1 || regions.part.size() != start.size())
+    message << "julesz: the parts are " << cv::typeToString(regions.part.type()) << ", " << regions.part.cols
+            << " × " << regions.part.rows << "; they have to be CV_8UC1 of the levels' size, " << start.cols
+            << " × " << start.rows;
   else if (!cv::checkRange(start))
     message << "julesz: the levels hold a number that is not finite";
-  else if (cv::minMaxLoc(regions.label, nullptr, &highest);
-           highest > regions.count || regions.histograms.size() != count || regions.edges.size() != count)
-    message << "julesz: there are labels up to " << highest << ", " << regions.histograms.size()
+  else if (cv::minMaxLoc(regions.part, nullptr, &highest); highest > static_cast<double>(count) ||
+                                                           regions.histograms.size() != count ||
+                                                           regions.edges.size() != count)
+    message << "julesz: there are parts up to " << highest << ", " << regions.histograms.size()
             << " histograms and edges of " << regions.edges.size() << " for " << regions.count
-            << " regions; each needs its own";
+            << " regions of two parts; each part needs its own";
   if (!message.str().empty()) throw core::InputError(message.str());
 }
 
@@ -78,12 +79,12 @@ class Sampler {
     return static_cast<std::size_t>(y + kMargin) * stride_ + static_cast<std::size_t>(x + kMargin);
   }
   [[nodiscard]] std::size_t cell(std::size_t at, std::size_t filter, std::size_t bin) const {
-    return ((label_[at] - std::size_t{1}) * kTextureFilters + filter) * kTextureBins + bin;
+    return ((part_[at] - std::size_t{1}) * kTextureFilters + filter) * kTextureBins + bin;
   }
   [[nodiscard]] const Limits& limits(std::size_t at, std::size_t filter) const {
-    return limits_[(label_[at] - std::size_t{1}) * kTextureFilters + filter];
+    return limits_[(part_[at] - std::size_t{1}) * kTextureFilters + filter];
   }
-  void order_visits(const cv::Mat& label);
+  void order_visits(const cv::Mat& part);
   void visit(const cv::Size& size, cv::Point pixel);
   void set_limits(const TextureRegions& regions);
   void count(const cv::Mat& bytes, const TextureRegions& regions);
@@ -94,7 +95,7 @@ class Sampler {
 
   std::size_t stride_;
   std::vector<int> level_;
-  std::vector<std::uint8_t> label_;
+  std::vector<std::uint8_t> part_;
   struct Visit {
     std::size_t place, rows;
     std::uint32_t number;  // in the raster
@@ -102,14 +103,14 @@ class Sampler {
   std::vector<Visit> visits_;
   std::vector<Rows> rows_;  // first those of pixels inside, then of the border's one by one
   std::array<Filter, kTextureFilters> filters_;
-  std::vector<Limits> limits_;             // by region and filter
-  std::vector<std::array<int, 3>> reach_;  // by region: the largest change of three kinds of proposals
-  std::vector<double> total_;              // by region and filter: responses that count
-  std::vector<double> excess_;             // by region, filter and bin: n − n₀
+  std::vector<Limits> limits_;             // by part and filter
+  std::vector<std::array<int, 3>> reach_;  // by part: the largest change of three kinds of proposals
+  std::vector<double> total_;              // by part and filter: responses that count
+  std::vector<double> excess_;             // by part, filter and bin: n − n₀
   std::vector<double> stiffness_;          // of its square
   // Of the proposal at hand:
   std::vector<Move> moves_;
-  std::vector<int> shift_;  // by region, filter and bin; 0 between proposals
+  std::vector<int> shift_;  // by part, filter and bin; 0 between proposals
   std::vector<std::size_t> shifted_;
 };
 
@@ -117,27 +118,27 @@ Sampler::Sampler(const cv::Mat& bytes, const TextureRegions& regions)
     : stride_(static_cast<std::size_t>(bytes.cols + 2 * kMargin)) {
   const std::size_t places = stride_ * static_cast<std::size_t>(bytes.rows + 2 * kMargin);
   level_.assign(places, 0);
-  label_.assign(places, 0);
+  part_.assign(places, 0);
   for (int y = 0; y < bytes.rows; ++y)
     for (int x = 0; x < bytes.cols; ++x) {
       level_[place(y, x)] = bytes.at<std::uint8_t>(y, x);
-      label_[place(y, x)] = regions.label.at<std::uint8_t>(y, x);
+      part_[place(y, x)] = regions.part.at<std::uint8_t>(y, x);
     }
   // Of a pixel far from any border.
   rows_.push_back(rows_of({4 * kMargin + 1, 4 * kMargin + 1}, {2 * kMargin, 2 * kMargin}));
-  order_visits(regions.label);
+  order_visits(regions.part);
   set_limits(regions);
   count(bytes, regions);
 }
 
 /// Neighbours are not visited one after the other: no direction is preferred.
-void Sampler::order_visits(const cv::Mat& label) {
+void Sampler::order_visits(const cv::Mat& part) {
   constexpr std::array<int, kPhases> kOrder{0, 2, 1, 3};
   for (const int first_x : kOrder)
     for (const int first_y : kOrder)
-      for (int y = first_y; y < label.rows; y += kPhases)
-        for (int x = (first_x + first_y / 2) % kPhases; x < label.cols; x += kPhases)
-          if (label.at<std::uint8_t>(y, x) != 0) visit(label.size(), {x, y});
+      for (int y = first_y; y < part.rows; y += kPhases)
+        for (int x = (first_x + first_y / 2) % kPhases; x < part.cols; x += kPhases)
+          if (part.at<std::uint8_t>(y, x) != 0) visit(part.size(), {x, y});
 }
 
 void Sampler::visit(const cv::Size& size, cv::Point pixel) {
@@ -205,8 +206,8 @@ void Sampler::count(const cv::Mat& bytes, const TextureRegions& regions) {
       for (int x = 0; x < bytes.cols; ++x) {
         const std::size_t at = place(y, x);
         filter.responses[at] = static_cast<std::int16_t>(responses.at<int>(y, x));
-        if (label_[at] == 0) continue;
-        const auto& edges = regions.edges[label_[at] - std::size_t{1}][f];
+        if (part_[at] == 0) continue;
+        const auto& edges = regions.edges[part_[at] - std::size_t{1}][f];
         filter.bins[at] = static_cast<std::uint8_t>(bin_of(edges, filter.responses[at]));
         filter.low[at] = limits(at, f)[filter.bins[at]];
         filter.end[at] = limits(at, f)[filter.bins[at] + std::size_t{1}];
@@ -293,7 +294,7 @@ void Sampler::sweep(std::uint64_t seed, std::uint32_t number, double temperature
     core::Rng rng(seed, {number, pixel});
     const std::uint32_t bits = rng.bits();
     // As likely as the way back.
-    const auto& reaches = reach_[label_[at] - std::size_t{1}];
+    const auto& reaches = reach_[part_[at] - std::size_t{1}];
     const auto reach = static_cast<unsigned>(reaches[(bits >> 1) % reaches.size()]);
     const int size = 1 + static_cast<int>(rng.below(reach));
     const int change = (bits & 1U) != 0 ? size : -size;
@@ -312,12 +313,12 @@ double Sampler::distance() const {
 }
 
 /// The start with its free pixels' luma replaced.
-cv::Mat with_luma(const cv::Mat& start, const cv::Mat& luma, const cv::Mat& label, const Sampler& sampler) {
+cv::Mat with_luma(const cv::Mat& start, const cv::Mat& luma, const cv::Mat& part, const Sampler& sampler) {
   cv::Mat result = start.clone();
   const int channels = start.channels();
   for (int y = 0; y < start.rows; ++y)
     for (int x = 0; x < start.cols; ++x) {
-      if (label.at<std::uint8_t>(y, x) == 0) continue;
+      if (part.at<std::uint8_t>(y, x) == 0) continue;
       const auto level = static_cast<float>(sampler.level(y, x));
       float* pixel = result.ptr<float>(y) + x * channels;
       for (int c = 0; c < channels; ++c)
@@ -359,7 +360,7 @@ JuleszResult julesz(const cv::Mat& start, const TextureRegions& regions, const J
     context.report("julesz", double(sweep + 1) / options.sweeps);
   }
   result.after = sampler.distance();
-  result.levels = with_luma(start, luma, regions.label, sampler);
+  result.levels = with_luma(start, luma, regions.part, sampler);
   return result;
 }
 

@@ -25,9 +25,9 @@ struct JuleszResult {
   core::Status status = core::Status::done;
 };
 
-/// Draws the free pixels (those with a label) anew such that in every region the responses of the texture
-/// filters have the histograms that `regions` holds, the other pixels being held as the boundary: a sample of
-/// the Julesz ensemble by single-pixel Metropolis updates, annealed geometrically in temperature,
+/// Draws the free pixels (those of a part) anew such that in every part of a region the responses of the
+/// texture filters have the histograms that `regions` holds, the other pixels being held as the boundary: a
+/// sample of the Julesz ensemble by single-pixel Metropolis updates, annealed geometrically in temperature,
 ///     E = Σ over regions, filters, bins of (n − n₀)² / (n₀ + ½ + N/1000),
 /// n and n₀ being the counts in the sample and asked for, N the region's pixels. Grain, ripples, foam come
 /// out like the observed; regular patterns of high contrast (a fence, brick) freeze half-way, as they do with

@@ -29,6 +29,7 @@ constexpr int kFeatures = kTextureFilters * kLimits;  // of a pixel
 constexpr std::size_t kLanes = 8;                     // features are summed side by side, for the vector unit
 constexpr int kStep = 3;                              // px between the pixels that make the clusters
 constexpr int kIterations = 25;
+constexpr int kReach = 3;  // px, of the filters
 constexpr int kTries = 4;  // of k-means, the best is taken
 
 using Feature = std::array<float, (kFeatures + kLanes - 1) / kLanes * kLanes>;  // zeros behind
@@ -252,6 +253,7 @@ TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
   check(levels, sketchable);
   TextureRegions regions;
   regions.label = cv::Mat(levels.size(), CV_8U, cv::Scalar(0));
+  regions.part = regions.label.clone();
   const cv::Mat free = sketchable == 0, bytes = core::to_bytes(core::luma(levels));
   if (cv::countNonZero(free) == 0) return regions;
   const auto filters = texture_filters();
@@ -270,28 +272,32 @@ TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
     if (!points.empty()) break;
   }
   label_pixels(features, bytes, free, best_clusters(points, options).centres, regions);
-  regions.edges.resize(static_cast<std::size_t>(regions.count));
+  cv::Mat beside;
+  cv::dilate(sketchable != 0, beside, cv::Mat(2 * kReach + 1, 2 * kReach + 1, CV_8U, cv::Scalar(1)));
+  regions.part = regions.label.clone();
+  cv::add(regions.part, regions.count, regions.part, beside & free);
+  regions.edges.resize(2 * static_cast<std::size_t>(regions.count));
   core::parallel_for(filters.size(), {}, [&](std::size_t f) {
     for (std::size_t k = 0; k < regions.edges.size(); ++k)
-      regions.edges[k][f] = bin_edges(where(responses[f], regions.label == static_cast<int>(k + 1)));
+      regions.edges[k][f] = bin_edges(where(responses[f], regions.part == static_cast<int>(k + 1)));
   });
   regions.histograms = region_histograms(bytes, regions);
   return regions;
 }
 
 std::vector<FilterHistograms> region_histograms(const cv::Mat& bytes, const TextureRegions& regions) {
-  std::vector<FilterHistograms> histograms(static_cast<std::size_t>(regions.count));
+  std::vector<FilterHistograms> histograms(2 * static_cast<std::size_t>(regions.count));
   const auto filters = texture_filters();
   core::parallel_for(filters.size(), {}, [&](std::size_t f) {
     const cv::Mat responses = respond(bytes, filters[f]);
     std::vector<double> counts(histograms.size(), 0.0);
     for (int y = 0; y < bytes.rows; ++y)
       for (int x = 0; x < bytes.cols; ++x) {
-        const auto label = static_cast<std::size_t>(regions.label.at<std::uint8_t>(y, x));
-        if (label == 0) continue;
-        ++counts[label - 1];
-        const int bin = bin_of(regions.edges[label - 1][f], responses.at<int>(y, x));
-        ++histograms[label - 1][f][static_cast<std::size_t>(bin)];
+        const auto part = static_cast<std::size_t>(regions.part.at<std::uint8_t>(y, x));
+        if (part == 0) continue;
+        ++counts[part - 1];
+        const int bin = bin_of(regions.edges[part - 1][f], responses.at<int>(y, x));
+        ++histograms[part - 1][f][static_cast<std::size_t>(bin)];
       }
     for (std::size_t k = 0; k < histograms.size(); ++k)
       for (double& share : histograms[k][f]) share /= std::max(counts[k], 1.0);

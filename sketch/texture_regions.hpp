@@ -21,11 +21,14 @@ struct TextureOptions {
 };
 
 /// The non-sketchable part of a frame, by texture.
+/// The non-sketchable part of a frame, by texture. Histograms are of the parts: each region's pixels away
+/// from strokes, and those whose filters (3 px) reach into a stroke, where responses are of another kind.
 struct TextureRegions {
-  cv::Mat label;                                             ///< CV_8U: 0 sketchable, else 1…count
-  int count = 0;                                             ///< of regions; none is empty
-  std::vector<FilterHistograms> histograms;                  ///< by label − 1
-  std::vector<std::array<BinEdges, kTextureFilters>> edges;  ///< of their bins, by label − 1
+  cv::Mat label;  ///< CV_8U: 0 sketchable, else 1…count
+  cv::Mat part;   ///< CV_8U: 0 sketchable, label away from strokes, label + count beside them
+  int count = 0;  ///< of regions; none is empty
+  std::vector<FilterHistograms> histograms;  ///< 2 · count, by part − 1; 0 of an empty part
+  std::vector<std::array<BinEdges, kTextureFilters>> edges;  ///< of their bins
 };
 
 /// Clusters the pixels where `sketchable` (CV_8U) is 0 by the histograms of filter responses around them, of
@@ -40,7 +43,7 @@ struct TextureRegions {
 TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
                                const TextureOptions& options = {});
 
-/// The histograms of all regions of other levels (CV_8U) with the same labels and bins.
+/// The histograms of other levels (CV_8U) with the same parts and bins.
 std::vector<FilterHistograms> region_histograms(const cv::Mat& bytes, const TextureRegions& regions);
 
 }  // namespace emberfold::sketch

@@ -47,7 +47,7 @@ double distance_of(const cv::Mat& levels, const sketch::TextureRegions& regions)
   double sum = 0;
   for (std::size_t k = 0; k < own.size(); ++k)
     sum += sketch::histogram_distance(own[k], regions.histograms[k]) *
-           cv::countNonZero(regions.label == static_cast<int>(k + 1));
+           cv::countNonZero(regions.part == static_cast<int>(k + 1));
   return sum / cv::countNonZero(regions.label);
 }
 

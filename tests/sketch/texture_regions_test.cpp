@@ -125,11 +125,12 @@ TEST_CASE("Histograms of regions are counts of their own pixels", "[sketch][text
   const cv::Mat frame = beside({0, 2}, 100), mask = test::bands(frame.size());
   const auto regions = sketch::texture_regions(frame, mask);
   REQUIRE(regions.count >= 3);
-  REQUIRE(regions.histograms.size() == static_cast<std::size_t>(regions.count));
+  const int parts = 2 * regions.count;
+  REQUIRE(regions.histograms.size() == static_cast<std::size_t>(parts));
   const auto filters = sketch::texture_filters();
   const cv::Mat bytes = core::to_bytes(frame);
   double before = 0;
-  for (int k = 1; k <= regions.count; ++k) {
+  for (int k = 1; k <= parts; ++k) {
     const auto& histograms = regions.histograms[static_cast<std::size_t>(k - 1)];
     for (std::size_t f = 0; f < filters.size(); ++f) {
       double sum = 0, below = 0, count = 0;
@@ -137,7 +138,7 @@ TEST_CASE("Histograms of regions are counts of their own pixels", "[sketch][text
       CHECK_THAT(sum, WithinAbs(1, 1e-9));
       for (int y = 0; y < frame.rows; ++y)
         for (int x = 0; x < frame.cols; ++x) {
-          if (regions.label.at<uchar>(y, x) != k) continue;
+          if (regions.part.at<uchar>(y, x) != k) continue;
           int response = 0;
           for (const auto& tap : filters[f].taps)
             response += tap.weight * bytes.at<uchar>(std::clamp(y + tap.dy, 0, frame.rows - 1),
@@ -149,10 +150,22 @@ TEST_CASE("Histograms of regions are counts of their own pixels", "[sketch][text
       for (std::size_t b = 0; b <= 5; ++b) share += histograms[f][b];
       CHECK_THAT(below / count, WithinAbs(share, 1e-9));
     }
+  }
+  for (int k = 1; k <= regions.count; ++k) {
     const double mean = cv::mean(bytes, regions.label == k)[0];
     CHECK(mean >= before);
     before = mean;
   }
+  // Parts: within the filters' reach of a held pixel, or not.
+  for (int y = 0; y < frame.rows; ++y)
+    for (int x = 0; x < frame.cols; ++x) {
+      bool beside = false;
+      for (int v = std::max(0, y - 3); v <= std::min(frame.rows - 1, y + 3); ++v)
+        for (int u = std::max(0, x - 3); u <= std::min(frame.cols - 1, x + 3); ++u)
+          beside |= mask.at<uchar>(v, u) != 0;
+      const int label = regions.label.at<uchar>(y, x);
+      CHECK(int(regions.part.at<uchar>(y, x)) == (label == 0 || !beside ? label : label + regions.count));
+    }
 }
 
 TEST_CASE("Texture regions are the same at any thread count and seed by seed", "[sketch][texture]") {
