@@ -14,7 +14,7 @@ struct EfrosLeungOptions {
   int window = 9;          ///< px, odd, 3…31: side of the squares that are compared
   double tolerance = 0.1;  ///< ≥ 0: candidates up to so much worse than the best may be drawn
   int candidates = 400;  ///< 1…100000: places looked at for each pixel beside those its neighbours came from
-  double guidance = 0.05;  ///< 0…1: weight of a pixel not yet drawn, which stands with what it begins with
+  double guidance = 0.002;  ///< 0…1: weight of a pixel not yet drawn, which stands with what it begins with
   std::uint64_t seed = 1;
   void validate() const;
 };
