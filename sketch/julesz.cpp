@@ -183,10 +183,10 @@ void Sampler::set_limits(const TextureRegions& regions) {
       limits.back() = kTop;
       limits_.push_back(limits);
     }
-    // From 3 to 97 % are four SD; of the fine Laplacian for what is fine, of the level for the rest.
+    // From 3 to 97 % of the fine Laplacian are four SD. Greater changes would make specks of what is to be
+    // shade.
     const int fine = static_cast<int>((edges[1][9] - edges[1][2]) / (2 * std::sqrt(power)));
-    const int all = (edges[0][9] - edges[0][2]) / (2 * kTextureLevel);
-    reach_.push_back({std::clamp(fine / 4, 1, 128), std::clamp(fine, 2, 128), std::clamp(all, 2, 128)});
+    reach_.push_back({std::clamp(fine / 4, 1, 128), std::clamp(fine / 2, 1, 128), std::clamp(fine, 2, 128)});
   }
 }
 
