@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "sketch/colour.hpp"
 #include "sketch/profile.hpp"
 
 namespace emberfold::sketch {
@@ -186,7 +187,8 @@ class Cutter {
     }
     const Point u = shape.along(0);
     const auto id = static_cast<std::uint32_t>(vertices_.size());
-    const FitOptions options{spread_at(ruler, space_, at), moves, noise_};
+    const FitOptions options{spread_at(ruler, space_, at), moves, noise_,
+                             axis_of(space_[middle_level(ruler.chain.points, space_)].channel)};
     vertices_.push_back(
         {VertexId{id},
          {},

@@ -121,10 +121,10 @@ bool bridged(const ScaleLevel& level, CreaseKind kind, Point from, Point to, Poi
   return true;
 }
 
-std::size_t level_near(const Chain& chain, bool back) {
+std::size_t level_near(const Chain& chain, const ScaleSpace& space, bool back) {
   const std::span points(chain.points);
   const std::size_t reach = std::min<std::size_t>(points.size(), 10);
-  return middle_level(back ? points.last(reach) : points.first(reach));
+  return middle_level(back ? points.last(reach) : points.first(reach), space);
 }
 
 // What the end points at and reaches; the nearest such point of every curve within reach.
@@ -133,8 +133,9 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
   const End& end = ends[e];
   const Chain& own = chains[end.chain];
   const std::size_t own_end = end_point(own, end.back);
-  const ScaleLevel& level = space[level_near(own, end.back)];
-  const ScaleLevel& fine = space.front();
+  const std::size_t own_level = level_near(own, space, end.back);
+  const ScaleLevel& level = space[own_level];
+  const ScaleLevel& fine = finest_of(space, own_level);
   // half_showing looks along the chain, bridged out of the end: at the front these are opposite, which turns
   // a step's sides.
   const double side = own.kind == CreaseKind::step && !end.back ? -1 : 1;

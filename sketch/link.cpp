@@ -147,9 +147,17 @@ class Linker {
 
 }  // namespace
 
-std::size_t middle_level(std::span<const CreasePoint> points) {
+std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& space) {
+  const auto channel_of = [&](int level) { return space[static_cast<std::size_t>(level)].channel; };
+  std::vector<std::size_t> count(static_cast<std::size_t>(space.back().channel) + 1);
   std::vector<int> levels;
-  for (const CreasePoint& p : points) levels.push_back(p.level);
+  levels.reserve(points.size());
+  for (const CreasePoint& p : points) {
+    levels.push_back(p.level);
+    ++count[static_cast<std::size_t>(channel_of(p.level))];
+  }
+  const auto most = std::max_element(count.begin(), count.end()) - count.begin();
+  std::erase_if(levels, [&](int level) { return channel_of(level) != most; });
   const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
   std::nth_element(levels.begin(), middle, levels.end());
   return static_cast<std::size_t>(*middle);
@@ -214,7 +222,7 @@ std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpa
   constexpr double kAround = 20;  // px
   std::vector<Chain> pieces;
   for (const Chain& chain : chains) {
-    const ScaleLevel& level = space[middle_level(chain.points)];
+    const ScaleLevel& level = space[middle_level(chain.points, space)];
     const std::size_t n = chain.points.size();
     const std::vector<double> s = arc_lengths(chain);
     std::vector<double> response(n);

@@ -307,3 +307,75 @@ TEST_CASE("What is clipped at white keeps its place and its levels") {
     REQUIRE_THAT(static_cast<double>(p.right[0]), WithinAbs(0, 10));
   }
 }
+
+namespace {
+
+/// A stripe of one colour on ground of another: levels of blue, green, red.
+cv::Mat3f stripe(const Straight& bar, double width, cv::Vec3f ground, cv::Vec3f core) {
+  cv::Mat3f frame(kSize);
+  for (int y = 0; y < frame.rows; ++y)
+    for (int x = 0; x < frame.cols; ++x) {
+      const auto cover =
+          static_cast<float>(seen(bar.across({static_cast<double>(x), static_cast<double>(y)}), width, 1));
+      frame(y, x) = ground + (core - ground) * cover;
+    }
+  return frame;
+}
+
+}  // namespace
+
+TEST_CASE("A stripe of another colour but the same luma is found in colour only") {
+  // 0.587 · 80 = 0.299 · 157.06: red for green at equal luma.
+  for (const double width : {3.0, 5.0, 8.0})
+    for (int k = 0; k < kAngles; k += 3) {
+      const Straight bar = at_angle(k, kPi);
+      const cv::Mat3f frame = stripe(bar, width, {40, 140, 40}, {40, 60, 197.06F});
+      CHECK(sketch::extract(frame, {}).empty());
+      const AttributeGraph found = sketch::extract(frame, {.colour = true});
+      Spread place, wide, green, red;
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        const Patch& p = found.patch(i);
+        if (!well_inside(p.position, kSize, 12)) continue;
+        REQUIRE(p.type == PatchType::ridge);
+        place.add(bar.across(p.position));
+        wide.add(p.width - width);
+        green.add(static_cast<double>(p.middle[1]) - 60);
+        red.add(static_cast<double>(p.middle[2]) - 197.06);
+      }
+      INFO("width " << width << ", angle " << k << ": place " << place.rms() << ", width " << wide.rms()
+                    << ", levels " << green.rms() << " " << red.rms() << " of " << place.count);
+      CHECK(place.count >= 18);
+      CHECK(place.rms() <= 0.1);
+      CHECK(wide.rms() <= 0.3);
+      CHECK(green.rms() <= 4);
+      CHECK(red.rms() <= 4);
+    }
+}
+
+TEST_CASE("Colour changes nothing in grey frames") {
+  const auto grey =
+      with_noise(draw(kSize, {segment({20, 30}, {120, 100}, 4, 1), ring({80, 60}, 30, 3, 1)}, 60, 80), 5, 1);
+  cv::Mat three;
+  cv::merge(std::vector<cv::Mat>{grey, grey, grey}, three);
+  CHECK(sketch::extract(three, {.colour = true}) == sketch::extract(three, {}));
+  CHECK(sketch::extract(grey, {.colour = true}) == sketch::extract(grey, {}));
+}
+
+TEST_CASE("Where luma falls and a colour rises on the same stripe there is one line") {
+  const Straight bar = at_angle(2, kPi);
+  const AttributeGraph found =
+      sketch::extract(stripe(bar, 5, {40, 140, 40}, {40, 20, 150}), {.colour = true});
+  CHECK(components(found).count == 1);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (well_inside(found.patch(i).position, kSize, 12))
+      CHECK_THAT(bar.across(found.patch(i).position), WithinAbs(0, 0.15));
+}
+
+TEST_CASE("Noise of colour has no strokes") {
+  std::vector<cv::Mat> channels;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed)
+    channels.emplace_back(with_noise(cv::Mat1f(256, 256, 128.0F), 12, seed));
+  cv::Mat frame;
+  cv::merge(channels, frame);
+  CHECK(sketch::extract(frame, {.colour = true}).empty());
+}
