@@ -104,7 +104,7 @@ Profile fit_profile(const Section& section, CreaseKind kind, std::span<const Rib
   constexpr int kSteps = 12;
   constexpr double kUsualBlur = 1.1, kBlurSpread = 0.4;  // px; SD of its logarithm
   const double least_blur = std::sqrt(kInterpolation + 0.04);
-  const ProfileBounds bounds{options.moves ? 1.0 + 0.3 * options.spread : 0, 0.8, 4.5 * options.spread + 2,
+  const ProfileBounds bounds{options.moves ? 0.5 + 0.35 * options.spread : 0, 0.8, 4.5 * options.spread + 2,
                              least_blur, 2.5 * options.spread + 1};
   const Profile start = best_start(section, kind, options.spread, options.moves, least_blur);
   // Neighbouring samples share half of their noise: twice its variance counts.
