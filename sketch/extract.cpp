@@ -131,12 +131,15 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
   });
   const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
-  const GainFrame frame = prepare_gain(levels);
+  std::vector<GainFrame> axes{prepare_gain(luma, kColourAxes[0])};
+  if (space.back().channel > 0)
+    for (cv::Mat1f& colour : opponent_colours(levels))
+      axes.push_back(prepare_gain(std::move(colour), kColourAxes[axes.size()]));
   const graph::AttributeGraph strokes =
-      refine(cut_into_patches(network, space, levels, options.spacing, noise), levels, frame,
+      refine(cut_into_patches(network, space, levels, options.spacing, noise), levels, axes,
              {options.spacing, options.blobs, previous});
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
-  if (options.blobs) return pursue(strokes, levels, {frame.noise, 1, true});
+  if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;
 }
 
