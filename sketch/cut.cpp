@@ -184,7 +184,7 @@ class Cutter {
     // Ribs along the curve as far as it goes, the nearer the more they count.
     const double reach = kRibReach * spacing_;
     std::vector<Rib> ribs;
-    for (double t = -std::floor(reach); t < reach; t += 1) {
+    for (double t = -std::floor(reach / 1.5) * 1.5; t < reach; t += 1.5) {
       if (!ruler.chain.closed && (at + t < -0.5 || at + t > length + 0.5)) continue;
       const Point u = shape.along(t);
       const Point across{-u.y, u.x};

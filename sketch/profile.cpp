@@ -69,7 +69,7 @@ Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_
 // the bar's.
 Profile best_start(const Section& section, CreaseKind kind, double spread, bool moves, double least_blur) {
   constexpr std::array<double, 3> kScales = {0.6, 1.0, 1.6};
-  constexpr std::array<double, 2> kSquareness = {1.8, 3.1};
+  constexpr double kSquareness = 2.6;
   Profile best;
   best.residual = -1;
   const auto attempt = [&](double offset, double width, double blur) {
@@ -86,10 +86,8 @@ Profile best_start(const Section& section, CreaseKind kind, double spread, bool 
       attempt(0, 0, sd);
       continue;
     }
-    for (const double squareness : kSquareness) {
-      const double width = squareness * sd;
-      attempt(0, width, std::sqrt(std::max(sd * sd - width * width / 12, 0.0)));
-    }
+    const double width = kSquareness * sd;
+    attempt(0, width, std::sqrt(std::max(sd * sd - width * width / 12, 0.0)));
   }
   if (moves && best.residual >= 0)
     for (const Profile middle = best; const double aside : {-0.6 * spread, 0.6 * spread})
@@ -101,7 +99,7 @@ Profile best_start(const Section& section, CreaseKind kind, double spread, bool 
 
 Profile fit_profile(const Section& section, CreaseKind kind, std::span<const Rib> ribs,
                     const FitOptions& options) {
-  constexpr int kSteps = 12;
+  constexpr int kSteps = 10;
   constexpr double kUsualBlur = 1.1, kBlurSpread = 0.4;  // px; SD of its logarithm
   const double least_blur = std::sqrt(kInterpolation + 0.04);
   const ProfileBounds bounds{options.moves ? 0.5 + 0.35 * options.spread : 0, 0.8, 4.5 * options.spread + 2,
