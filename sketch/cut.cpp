@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "sketch/colour.hpp"
+#include "sketch/degree.hpp"
 #include "sketch/profile.hpp"
 
 namespace emberfold::sketch {
 
 using graph::Edge;
 using graph::Patch;
-using graph::PatchType;
 using graph::Point;
 using graph::Vertex;
 using graph::VertexId;
@@ -163,7 +163,6 @@ class Cutter {
     for (const auto& meeting : network_.meetings) place_meeting(meeting);
     met_ = static_cast<std::uint32_t>(vertices_.size());
     for (std::size_t c = 0; c < rulers_.size(); ++c) cut(c);
-    name_by_degree();
     std::vector<Edge> edges;
     std::vector<bool> joined(vertices_.size(), false);
     for (const auto& [a, b] : edges_) {
@@ -172,7 +171,7 @@ class Cutter {
     }
     // What shrank to one patch when its ends met nearly the same place shows nothing of its own.
     std::erase_if(vertices_, [&](const Vertex& v) { return !joined[v.id.value]; });
-    return {std::move(vertices_), std::move(edges)};
+    return named_by_degree(std::move(vertices_), std::move(edges));
   }
 
  private:
@@ -295,39 +294,6 @@ class Cutter {
       if (free(to->second) && (ids.empty() || to->second != ids.front())) ids.push_back(to->second);
     }
     settle(ids, ruler.chain.closed);
-  }
-
-  void name_by_degree() {
-    std::vector<std::vector<Point>> arms(vertices_.size());
-    for (const auto& [a, b] : edges_) {
-      const Point way = vertices_[b].patch.position - vertices_[a].patch.position;
-      const double length = std::max(graph::norm(way), 1e-9);
-      arms[a].push_back(way * (1 / length));
-      arms[b].push_back(way * (-1 / length));
-    }
-    for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      PatchType& type = vertices_[i].patch.type;
-      double least = 1;  // cosine between the two arms that come nearest to a straight line
-      for (std::size_t a = 0; a < arms[i].size(); ++a)
-        for (std::size_t b = a + 1; b < arms[i].size(); ++b)
-          least = std::min(least, graph::dot(arms[i][a], arms[i][b]));
-      const bool straight = least < -0.866;
-      switch (arms[i].size()) {
-        case 0:
-          break;
-        case 1:
-          type = PatchType::terminator;
-          break;
-        case 2:
-          if (least > -0.5) type = PatchType::corner;
-          break;
-        case 3:
-          type = straight ? PatchType::t_junction : PatchType::y_junction;
-          break;
-        default:
-          type = PatchType::crossing;
-      }
-    }
   }
 
   const Network& network_;
