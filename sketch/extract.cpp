@@ -23,6 +23,7 @@
 #include "sketch/pursuit.hpp"
 #include "sketch/refine.hpp"
 #include "sketch/scale_space.hpp"
+#include "sketch/smooth.hpp"
 
 namespace emberfold::sketch {
 
@@ -136,7 +137,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     for (cv::Mat1f& colour : opponent_colours(levels))
       axes.push_back(prepare_gain(std::move(colour), kColourAxes[axes.size()]));
   const graph::AttributeGraph strokes =
-      refine(cut_into_patches(network, space, levels, options.spacing, noise), levels, axes,
+      refine(smoothed(cut_into_patches(network, space, levels, options.spacing, noise), noise), levels, axes,
              {options.spacing, options.blobs, previous});
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
