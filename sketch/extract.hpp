@@ -14,7 +14,7 @@ struct ExtractOptions {
   int scales = 5;             ///< ≥ 1, each √2 above the one before
   double significance = 6;    ///< > 0: a curve begins where the response is so many SD of the ground
   double hysteresis = 0.4;    ///< 0…1: and goes on down to this share of it
-  double min_contrast = 4;    ///< grey levels, ≥ 0: fainter strokes are left out
+  double min_contrast = 2;    ///< grey levels, ≥ 0: fainter strokes are left out
   double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
   double min_evidence =
       28;  ///< SD, ≥ 0: curves whose points' significance (root of the sum of squares) is less are left out
