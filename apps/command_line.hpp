@@ -37,7 +37,7 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Number& valu
       ->default_str(number_text(static_cast<double>(value)));
 }
 
-/// One option for each field of an options struct; a switch that turns it off for a bool that is true.
+/// One option for each field of an options struct; a switch for a bool: --no-… turns off what is on.
 template <class Options>
 void add_fields(CLI::App& command, Options& options, const std::string& group) {
   visit_fields(options,
@@ -45,7 +45,8 @@ void add_fields(CLI::App& command, Options& options, const std::string& group) {
                  if constexpr (std::is_same_v<std::remove_reference_t<decltype(value)>, bool>)
                    command
                        .add_flag_callback(
-                           "--no-" + option_name(field).substr(2), [&value] { value = false; }, about)
+                           value ? "--no-" + option_name(field).substr(2) : option_name(field),
+                           [&value, turned = !value] { value = turned; }, about)
                        ->group(group);
                  else
                    add_number(command, option_name(field), value, unit, about)->group(group);

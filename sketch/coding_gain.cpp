@@ -23,7 +23,7 @@ constexpr int kBarLength = 5;                                 // px
 constexpr std::array<int, 2> kBars = {3, 6};                  // px
 constexpr double kQuantisation = 0.29;                        // grey levels
 constexpr double kAlong = 2.5;                                // px to each end
-constexpr double kLeastReach = 3, kMostReach = 12;  // px to each side
+constexpr double kLeastReach = 3, kMostReach = 12;            // px to each side
 constexpr double kBand = 2;  // px more than the footprint's half, of each band
 
 /// The mean square of a window about its plane.

@@ -32,7 +32,7 @@ struct Coding {
 /// The gain in coding length, nats, of showing `patch` in the frame rather than leaving its place to the fill
 /// (Guo, Zhu, Wu 2007, whose image is the drawn patches plus white noise):
 ///   Σ w·[(I − g)² − (I − profile)²] / (2 noise² clumping) − cost
-/// over the patch's footprint, 5 px along it and, to each side, as far as draw_fitted shows its profile. g is
+/// over the patch's footprint, 5 px along it and, to each side, as far as draw_fitted shows its profile, at least 3 px. g is
 /// what the fill would show: an even ramp as steep as the difference between the bands that lie outside the
 /// footprint on both sides, at the level that suits the footprint best. `clumping` is that of a bar of the
 /// patch's size. The cost is ½·ln(1 + n) nats for each number that the patch has and the ramp has not (7, of

@@ -187,8 +187,9 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
         2 * static_cast<std::size_t>(width / step + 1) * static_cast<std::size_t>(height / step + 1);
     second.reserve(samples);
     first.reserve(samples);
-    for (int y = first_sample(height, step); y < height; y += step)
-      for (int x = first_sample(width, step); x < width; x += step) {
+    const int down = std::min(step, std::max(height - 1, 1)), across = std::min(step, std::max(width - 1, 1));
+    for (int y = first_sample(height, down); y < height; y += down)
+      for (int x = first_sample(width, across); x < width; x += across) {
         const Hessian h = level.hessian(x, y);
         const Point g = level.gradient(x, y);
         second.push_back(std::abs(h.xx));

@@ -127,10 +127,10 @@ Bow chord(const Ruler& ruler, double at) {
   return {a + (b - a) * f, direction(ruler.chain, f < 0.5 ? lo : hi), {}, 0};
 }
 
-constexpr double kBowReach = 6, kMostOff = 0.3;  // px
+constexpr double kBowReach = 10, kMostOff = 0.3;  // px
 
 Bow shape_at(const Ruler& ruler, double at) {
-  for (const double reach : {kBowReach, 0.5 * kBowReach})
+  for (const double reach : {kBowReach, 6.0, 3.0})
     if (const auto b = bow(ruler, at, reach); b && b->off <= kMostOff) return *b;
   return chord(ruler, at);
 }
@@ -138,7 +138,7 @@ Bow shape_at(const Ruler& ruler, double at) {
 // SD of the profile about a place, as the points' scales tell.
 double spread_at(const Ruler& ruler, const ScaleSpace& space, double at) {
   double log_sigma = 0, count = 0;
-  for (double reach = kBowReach; count == 0; reach *= 2)
+  for (double reach = 6; count == 0; reach *= 2)
     visit_around(ruler, at, reach, [&](std::size_t i, double) {
       log_sigma += std::log(space[static_cast<std::size_t>(ruler.chain.points[i].level)].sigma);
       count += 1;
@@ -146,7 +146,7 @@ double spread_at(const Ruler& ruler, const ScaleSpace& space, double at) {
   return std::exp(log_sigma / count);
 }
 
-constexpr double kRibReach = 1.6;  // in spacings
+constexpr double kRibReach = 1.8;  // in spacings
 
 class Cutter {
  public:

@@ -67,8 +67,9 @@ class Editor {
 /// Curves of patches between those whose degree is not 2, as graph::Curve has them.
 std::vector<std::vector<Slot>> strokes(const Draft& draft);
 
-void propose_at_ends(Editor& editor);                  // edit_ends.cpp
-void propose_meetings(Editor& editor);                 // edit_meetings.cpp
-void propose_for_strokes(Editor& editor, bool blobs);  // edit_strokes.cpp
+void propose_at_ends(Editor& editor);                                        // edit_ends.cpp
+void propose_meetings(Editor& editor);                                       // edit_meetings.cpp
+void propose_for_strokes(Editor& editor, bool blobs);                        // edit_strokes.cpp
+void propose_offered(Editor& editor, const graph::AttributeGraph& offered);  // edit_offered.cpp
 
 }  // namespace emberfold::sketch

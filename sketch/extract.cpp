@@ -69,7 +69,10 @@ double estimate_noise(const cv::Mat& luma) {
   return std::max(kQuantisation, kMedianToSd * double{median(std::move(detail))});
 }
 
-graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
+namespace {
+
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
+                              const graph::AttributeGraph* previous) {
   options.validate();
   if (levels.empty() || levels.depth() != CV_32F || (levels.channels() != 1 && levels.channels() != 3))
     throw core::InputError("extract: the frame must be CV_32F with 1 or 3 channels and not empty");
@@ -111,10 +114,21 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   const GainFrame frame = prepare_gain(levels);
   const graph::AttributeGraph strokes =
       refine(cut_into_patches(network, space, levels, options.spacing, noise), levels, frame,
-             {options.spacing, options.blobs});
+             {options.spacing, options.blobs, previous});
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {frame.noise, 1, true});
   return strokes;
+}
+
+}  // namespace
+
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
+  return extract(levels, options, nullptr);
+}
+
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
+                              const graph::AttributeGraph& previous) {
+  return extract(levels, options, &previous);
 }
 
 }  // namespace emberfold::sketch

@@ -36,4 +36,10 @@ double estimate_noise(const cv::Mat& luma);
 /// the rest. Patches carry their cost and gain. A frame without structure gives an empty graph.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options);
 
+/// The same with a warm start: strokes of `previous`, the sketch of the frame before, that are not found are
+/// looked for where they were, up to 4 px across, and are in the sketch where they show at half of their
+/// contrast and shorten the frame's code. So faint strokes flicker less; all else is as from a cold start.
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
+                              const graph::AttributeGraph& previous);
+
 }  // namespace emberfold::sketch

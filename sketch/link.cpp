@@ -32,6 +32,8 @@ double directed(double theta, double along) {
   return std::abs(turn(along, theta)) > kPi / 2 ? theta + kPi : theta;
 }
 
+constexpr double kDouble = 1.5;  // px: nearer points are the same line's, whichever is stronger
+
 class Linker {
  public:
   Linker(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits)
@@ -39,10 +41,10 @@ class Linker {
 
   std::vector<Chain> run() {
     std::vector<Chain> chains;
-    for (const std::size_t seed : strongest_first(map_.points, &CreasePoint::significance)) {
-      if (map_.points[seed].significance < limits_.seed) break;
-      if (!spent_[seed]) chains.push_back(grow(seed));
-    }
+    // By strength, which is comparable between scales: a shoulder that is significant at a coarse scale only
+    // must not spend the line beside it.
+    for (const std::size_t seed : strongest_first(map_.points, &CreasePoint::strength))
+      if (!spent_[seed] && map_.points[seed].significance >= limits_.seed) chains.push_back(grow(seed));
     return chains;
   }
 
@@ -121,7 +123,7 @@ class Linker {
     const int x = static_cast<int>(std::lround(p.position.x)),
               y = static_cast<int>(std::lround(p.position.y));
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
-    const double reach = std::max(1.5, space_[static_cast<std::size_t>(p.level)].sigma);
+    const double reach = std::max(kDouble, space_[static_cast<std::size_t>(p.level)].sigma);
     const int box = static_cast<int>(std::ceil(reach));
     for (int dy = -box; dy <= box; ++dy)
       for (int dx = -box; dx <= box; ++dx) {
@@ -131,7 +133,8 @@ class Linker {
         const Point v = q.position - p.position;
         const double across = std::abs(graph::dot(v, normal)),
                      along = std::abs(graph::dot(v, {normal.y, -normal.x}));
-        if (across <= reach && along < 0.8 && graph::orientation_difference(p.theta, q.theta) < kPi / 5)
+        if (across <= (q.strength < p.strength ? reach : kDouble) && along < 0.8 &&
+            graph::orientation_difference(p.theta, q.theta) < kPi / 5)
           spent_[*beside] = true;
       }
   }

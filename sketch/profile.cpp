@@ -98,13 +98,24 @@ Profile best_start(const Section& section, CreaseKind kind, double spread, bool 
   return best;
 }
 
-Profile fit_profile(const Section& section, CreaseKind kind, const FitOptions& options) {
+Profile fit_profile(const Section& section, CreaseKind kind, std::span<const Rib> ribs,
+                    const FitOptions& options) {
   constexpr int kSteps = 12;
+  constexpr double kUsualBlur = 1.1, kBlurSpread = 0.4;  // px; SD of its logarithm
   const double least_blur = std::sqrt(kInterpolation + 0.04);
   const ProfileBounds bounds{options.moves ? 1.0 + 0.3 * options.spread : 0, 0.8, 4.5 * options.spread + 2,
                              least_blur, 2.5 * options.spread + 1};
   const Profile start = best_start(section, kind, options.spread, options.moves, least_blur);
-  const Profile fitted = refine(section, start, bounds, kSteps, 0, 1);
+  // Neighbouring samples share half of their noise: twice its variance counts.
+  double sum = 0, squares = 0;
+  for (const Rib& rib : ribs) {
+    sum += rib.weight;
+    squares += rib.weight * rib.weight;
+  }
+  const double variance = 2 * options.noise * options.noise * squares / (sum * sum);
+  const Profile fitted =
+      refine(section, start, bounds, kSteps,
+             kind == CreaseKind::step ? 0 : variance / (kBlurSpread * kBlurSpread), kUsualBlur);
   const double sign = kind == CreaseKind::ridge ? 1 : -1;
   if (kind != CreaseKind::step && sign * (2 * fitted.middle - fitted.left - fitted.right) <= 0) return start;
   return fitted;
@@ -117,7 +128,7 @@ Patch fit_patch(const cv::Mat& levels, Point at, double theta, CreaseKind kind, 
   const auto half = std::min(static_cast<std::size_t>(std::ceil((2.8 * options.spread + 1.5) / kSampleStep)),
                              (kMostSamples - 1) / 2);
   const Sections sections = cut_across(levels, ribs, 2 * half + 1);
-  const Profile fitted = fit_profile(sections.luma, kind, options);
+  const Profile fitted = fit_profile(sections.luma, kind, ribs, options);
   Patch patch;
   patch.type = kind == CreaseKind::ridge    ? PatchType::ridge
                : kind == CreaseKind::valley ? PatchType::valley

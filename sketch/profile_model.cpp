@@ -184,7 +184,7 @@ Profile with_levels(const Section& section, Profile shape) {
 
 Profile refine(const Section& section, Profile start, const ProfileBounds& bounds, int steps, double prior,
                double usual_blur) {
-  constexpr double kSettled = 0.003;  // px
+  constexpr double kSettled = 0.01;  // px
   const bool bar = start.width > 0;
   const std::array<bool, kNumbers> use = {true, bar, true, bounds.offset > 0, bar, true};
   const auto strange = [&](const Profile& p) { return prior * square(std::log(p.blur / usual_blur)); };

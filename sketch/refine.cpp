@@ -73,6 +73,7 @@ graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& 
   for (int i = 0; i < kMostRounds; ++i) {
     Editor editor(draft, levels, frame, refinement);
     propose_for_strokes(editor, refinement.blobs);
+    if (refinement.offered != nullptr) propose_offered(editor, *refinement.offered);
     propose_at_ends(editor);
     propose_meetings(editor);
     if (!round(draft, editor.take())) break;

@@ -99,10 +99,11 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
                                        // bend or an end up to a third
   constexpr double kReach = 4.0;       // in σ of the line
   const int width = lines.index.cols, height = lines.index.rows;
-  Shadow shadow(width, height);
+  // In cells of 2 × 2 px: a lobe's rim is not that sharp.
+  Shadow shadow((width + 1) / 2, (height + 1) / 2);
   for (const CreasePoint& p : opposite.points) {
-    const int reach = static_cast<int>(std::ceil(kReach * space[static_cast<std::size_t>(p.level)].sigma));
-    shadow.cast({nearest(p.position.x), nearest(p.position.y)}, reach,
+    const double reach = 0.5 * kReach * space[static_cast<std::size_t>(p.level)].sigma;
+    shadow.cast({nearest(p.position.x) / 2, nearest(p.position.y) / 2}, static_cast<int>(std::ceil(reach)),
                 static_cast<float>(kLobeShare * p.contrast));
   }
   const cv::Mat1f dark = shadow.finish();
@@ -111,7 +112,7 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
     for (int x = 0; x < width; ++x)
       if (const int i = lines.index(y, x); i >= 0)
         marked[static_cast<std::size_t>(i)] =
-            lines.points[static_cast<std::size_t>(i)].contrast < double{dark(y, x)};
+            lines.points[static_cast<std::size_t>(i)].contrast < double{dark(y / 2, x / 2)};
   keep_unmarked(lines, marked);
 }
 

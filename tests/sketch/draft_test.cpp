@@ -138,7 +138,7 @@ TEST_CASE("Every proposal for a frame is worth what counting anew says and can b
   propose_at_ends(editor);
   propose_meetings(editor);
   const std::vector<Proposal> proposals = editor.take();
-  REQUIRE(proposals.size() > 20);
+  REQUIRE(proposals.size() >= 15);
   for (const Proposal& proposal : proposals) {
     Draft edited = draft;
     const Edit reverse = edited.apply(proposal.edit);

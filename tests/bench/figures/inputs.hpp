@@ -32,7 +32,9 @@ inline sketch::ExtractOptions usual_options() {
   return {};
 }
 inline sketch::ExtractOptions reconstruction_options() {
-  return {};
+  sketch::ExtractOptions options;
+  options.budget = kShare;
+  return options;
 }
 
 /// A frame of a clip, as it was decoded (CV_8UC3).

@@ -13,6 +13,7 @@
 #include "core/parallel.hpp"
 #include "graph/attribute_graph.hpp"
 #include "sketch/extract.hpp"
+#include "sketch/anchors.hpp"
 #include "sketch/fill.hpp"
 #include "sketch/render.hpp"
 #include "tests/bench/figures/cpu_time.hpp"
@@ -29,12 +30,22 @@ Sketchable fitted(const graph::AttributeGraph& graph, const cv::Mat& levels) {
   return sketch::draw_fitted(graph, levels.size(), levels.channels());
 }
 
+/// A smaller sketch, with anchors up to the whole share: `emberfold sketch --anchors`.
+Sketchable anchored(const graph::AttributeGraph&, const cv::Mat& levels) {
+  sketch::ExtractOptions options = reconstruction_options();
+  options.budget = kShare / 4;
+  Sketchable held = sketch::draw_pixels(sketch::extract(levels, options), levels);
+  held.mask |= sketch::anchors(levels, held.mask, kShare - held.share());
+  levels.copyTo(held.levels, held.mask);
+  return held;
+}
+
 /// Ways to hold a part of a frame; another one is another line, and its targets in add_targets.
 struct Method {
   const char* name;
   Sketchable (*draw)(const graph::AttributeGraph& graph, const cv::Mat& levels);
 };
-constexpr Method kMethods[] = {{"pixels", sketch::draw_pixels}, {"fitted", fitted}};
+constexpr Method kMethods[] = {{"pixels", sketch::draw_pixels}, {"fitted", fitted}, {"anchors", anchored}};
 
 /// A frame's figures by their names.
 using Figures = std::map<std::string, double>;
