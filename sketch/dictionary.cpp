@@ -97,9 +97,7 @@ double parametric_residual(const graph::Patch& patch, const View& view) {
 /// How an entry tells a view with so many coefficients.
 struct Fit {
   double score = 0, cost = 0, squares = 0;  // squares: mean of what is left
-  double amplitude = 0;
   int numbers = 0;
-  std::array<float, kMostComponents> coefficients{};
 };
 
 std::optional<Fit> best_fit(const Entry& entry, double share, const View& view, double variance,
@@ -110,20 +108,17 @@ std::optional<Fit> best_fit(const Entry& entry, double share, const View& view, 
   const std::size_t most = entry.components.size();
   const double base = kNumbers * number - std::log(share) + std::log1p(static_cast<double>(most));
   Fit now, best;
-  now.amplitude = amplitude;
   now.squares = std::max(variance - amplitude * amplitude, 0.0);
   for (std::size_t k = 0; k <= most; ++k) {
     if (k > 0) {
       const double along = product(view.luma, entry.components[k - 1]);
       now.squares = std::max(now.squares - along * along, 0.0);
-      now.coefficients[k - 1] = static_cast<float>(along / amplitude);
     }
     now.numbers = static_cast<int>(k);
     now.cost = base + static_cast<double>(k) * number;
     now.score = pixels * now.squares / (2 * noise * noise) + now.cost;
     if (k == 0 || now.score < best.score) best = now;
   }
-  for (std::size_t k = static_cast<std::size_t>(best.numbers); k < most; ++k) best.coefficients[k] = 0;
   return best;
 }
 
@@ -143,13 +138,13 @@ std::vector<std::pair<std::uint32_t, double>> candidates(const Dictionary& dicti
   return any;
 }
 
+/// The entry's vectors are orthogonal: each number by itself.
 void tell_channels(Code& code, const Entry& entry, const ColourView& seen) {
-  const auto shape =
-      shape_of(entry, std::span(code.coefficients).first(static_cast<std::size_t>(code.numbers)));
-  const double square = product(shape, shape);
   for (std::size_t c = 0; c < 3; ++c) {
     code.level[c] = static_cast<float>(mean_of(seen.channel[c]));
-    code.amplitude[c] = static_cast<float>(product(seen.channel[c], shape) / square);
+    code.amplitude[c] = static_cast<float>(product(seen.channel[c], entry.mean));
+    for (std::size_t k = 0; k < static_cast<std::size_t>(code.numbers); ++k)
+      code.coefficients[k][c] = static_cast<float>(product(seen.channel[c], entry.components[k]));
   }
 }
 
@@ -175,7 +170,6 @@ Code encode_patch(const cv::Mat& levels, const graph::AttributeGraph& graph, std
     code.entry = index;
   }
   if (!best) return code;
-  code.coefficients = best->coefficients;
   code.numbers = best->numbers;
   code.residual = std::sqrt(best->squares);
   code.cost = best->cost;

@@ -116,9 +116,9 @@ struct Code {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::uint32_t entry = kNone;  ///< kNone: the dictionary has none that fits, or nothing can be seen
   bool turned = false;          ///< the entry is seen against the patch's direction
-  /// Of each channel: level + amplitude·(mean + Σ coefficient·component) is shown.
+  /// Grey levels of each channel: level + amplitude·mean + Σ coefficientₖ·componentₖ is shown.
   graph::Level level{}, amplitude{};
-  std::array<float, kMostComponents> coefficients{};
+  std::array<graph::Level, kMostComponents> coefficients{};
   int numbers = 0;                   ///< coefficients that are told; the others are 0
   double residual = 0;               ///< grey levels, RMS of luma over the view
   double cost = 0;                   ///< nats
@@ -127,8 +127,10 @@ struct Code {
 };
 
 /// For each patch, by index, the entry of its degree and type (of any, where there is none) and the number of
-/// coefficients that make squared residual / (2 noise²) + cost least; amplitude, level and coefficients are
-/// those of least squares in luma, level and amplitude again in each channel. The cost is comparable with
+/// coefficients that make squared residual / (2 noise²) + cost least, in luma; level, amplitude and
+/// coefficients are those of least squares in each channel: in fire, red is full where green still rises, and
+/// no channel is luma on another scale. An entry fits where luma's amplitude is above 0.2 of the view's RMS.
+/// The cost is comparable with
 /// coding_cost: ½ ln(1 + pixels) nats for each of 5 numbers (place, orientation, size, level, amplitude) and
 /// each coefficient, −ln of the entry's share, and ln(K + 1) for their number; pixels are those that the view
 /// spans. `levels`: as for views(). `noise`: grey levels, > 0; InputError otherwise.

@@ -21,10 +21,10 @@ using Colour = std::array<double, 3>;
 /// What a patch shows across its direction: channel by channel at profile_place(i), in reaches.
 using Table = std::array<Colour, kProfileSamples>;
 
-/// Of a patch: its profile, and whether its window lies over it.
+/// Of a patch: its profile, and the window that lies over it, if one does; along the patch's own direction.
 struct Shown {
   Table across{};
-  std::vector<float> window;  // along the patch's own direction, of RMS 1 or so; empty: none
+  std::vector<Colour> window;
 };
 
 Colour colour(const graph::Level& level, int channels) {
@@ -51,31 +51,45 @@ Table parametric(const graph::Patch& patch, int channels) {
   return table;
 }
 
-/// A window's value at (along, across), −1…1 each.
-double window_at(const std::vector<float>& window, double along, double across) {
+Colour mixed(const Colour& a, const Colour& b, double s) {
+  return {between(a[0], b[0], s), between(a[1], b[1], s), between(a[2], b[2], s)};
+}
+
+/// A window's levels at (along, across), −1…1 each.
+Colour window_at(const std::vector<Colour>& window, double along, double across) {
   constexpr double kHalf = 0.5 * (kWindowSide - 1);
   const double y = std::clamp((along + 1) * kHalf, 0.0, 2 * kHalf - 1e-9);
   const double x = std::clamp((across + 1) * kHalf, 0.0, 2 * kHalf - 1e-9);
   const auto y0 = static_cast<std::size_t>(y), x0 = static_cast<std::size_t>(x);
   const double fy = y - static_cast<double>(y0), fx = x - static_cast<double>(x0);
-  const float* at = window.data() + y0 * kWindowSide + x0;
-  return between(between(double{at[0]}, double{at[1]}, fx),
-                 between(double{at[kWindowSide]}, double{at[kWindowSide + 1]}, fx), fy);
+  const Colour* at = window.data() + y0 * kWindowSide + x0;
+  return mixed(mixed(at[0], at[1], fx), mixed(at[kWindowSide], at[kWindowSide + 1], fx), fy);
+}
+
+/// What a code says at each of its entry's samples.
+std::vector<Colour> told(const Code& code, const Entry& entry, int channels) {
+  const Colour level = colour(code.level, channels), amplitude = colour(code.amplitude, channels);
+  std::vector<Colour> all(entry.mean.size());
+  const auto numbers = std::min(static_cast<std::size_t>(std::max(code.numbers, 0)), entry.components.size());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) all[i][c] = level[c] + amplitude[c] * double{entry.mean[i]};
+  for (std::size_t k = 0; k < numbers; ++k) {
+    const Colour coefficient = colour(code.coefficients[k], channels);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      for (std::size_t c = 0; c < 3; ++c) all[i][c] += coefficient[c] * double{entry.components[k][i]};
+  }
+  if (code.turned) std::ranges::reverse(all);
+  return all;
 }
 
 Shown shown(const graph::Patch& patch, const Code& code, const Dictionary& dictionary, int channels) {
   if (code.entry == Code::kNone) return {parametric(patch, channels), {}};
   const Entry& entry = dictionary.entries[code.entry];
-  const auto told = static_cast<std::size_t>(std::clamp(code.numbers, 0, int{kMostComponents}));
-  auto shape = shape_of(entry, std::span(code.coefficients).first(told));
-  if (code.turned) std::ranges::reverse(shape);
-  const Colour level = colour(code.level, channels), amplitude = colour(code.amplitude, channels);
+  auto levels = told(code, entry, channels);
   Shown result;
-  for (std::size_t i = 0; i < kProfileSamples; ++i) {
-    const double value = entry.window() ? window_at(shape, 0, profile_place(i) / 1.5) : double{shape[i]};
-    for (std::size_t c = 0; c < 3; ++c) result.across[i][c] = level[c] + amplitude[c] * value;
-  }
-  if (entry.window()) result.window = std::move(shape);
+  for (std::size_t i = 0; i < kProfileSamples; ++i)
+    result.across[i] = entry.window() ? window_at(levels, 0, profile_place(i) / 1.5) : levels[i];
+  if (entry.window()) result.window = std::move(levels);
   return result;
 }
 
@@ -84,8 +98,7 @@ Colour at(const Table& table, double place) {
   const double x = std::clamp((place + 1) * 0.5 * (kProfileSamples - 1), 0.0, kProfileSamples - 1 - 1e-9);
   const auto i = static_cast<std::size_t>(x);
   const double f = x - static_cast<double>(i);
-  return {between(table[i][0], table[i + 1][0], f), between(table[i][1], table[i + 1][1], f),
-          between(table[i][2], table[i + 1][2], f)};
+  return mixed(table[i], table[i + 1], f);
 }
 
 /// What is drawn so far.
@@ -115,18 +128,13 @@ void draw_bands(Canvas& canvas, const graph::AttributeGraph& graph, const std::v
       const double place = foot.distance / between(band.a.reach, band.b.reach, foot.s);
       const Colour from = at(table_a, a.backwards ? -place : place);
       const Colour to = at(table_b, b.backwards ? -place : place);
-      canvas.add(
-          x, y,
-          {between(from[0], to[0], foot.s), between(from[1], to[1], foot.s), between(from[2], to[2], foot.s)},
-          weight(band, foot));
+      canvas.add(x, y, mixed(from, to, foot.s), weight(band, foot));
     });
   }
 }
 
 /// Lays a window over the pixels that are drawn already.
-void lay_window(Canvas& canvas, const graph::Patch& patch, const Shown& what, const Code& code) {
-  const int channels = canvas.part.levels.channels();
-  const Colour level = colour(code.level, channels), amplitude = colour(code.amplitude, channels);
+void lay_window(Canvas& canvas, const graph::Patch& patch, const std::vector<Colour>& window) {
   const double reach = 1.5 * profile_reach(patch), c = std::cos(patch.theta), s = std::sin(patch.theta);
   const auto [px, py] = patch.position;
   const cv::Size size = canvas.part.mask.size();
@@ -138,16 +146,12 @@ void lay_window(Canvas& canvas, const graph::Patch& patch, const Shown& what, co
       if (canvas.part.mask.at<std::uint8_t>(y, x) == 0) continue;
       const double dx = x - px, dy = y - py, inward = 1 - std::hypot(dx, dy) / reach;
       if (inward <= 0) continue;
-      const double value = window_at(what.window, (dx * c + dy * s) / reach, (dy * c - dx * s) / reach);
-      canvas.add(
-          x, y,
-          {level[0] + amplitude[0] * value, level[1] + amplitude[1] * value, level[2] + amplitude[2] * value},
-          4 * inward * inward);
+      canvas.add(x, y, window_at(window, (dx * c + dy * s) / reach, (dy * c - dx * s) / reach),
+                 4 * inward * inward);
     }
 }
 
-void draw_blobs(Canvas& canvas, const graph::AttributeGraph& graph, std::span<const Code> codes,
-                const std::vector<Shown>& all) {
+void draw_blobs(Canvas& canvas, const graph::AttributeGraph& graph, const std::vector<Shown>& all) {
   const int channels = canvas.part.levels.channels();
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const graph::Patch& blob = graph.patch(i);
@@ -155,7 +159,6 @@ void draw_blobs(Canvas& canvas, const graph::AttributeGraph& graph, std::span<co
     const BlobShape shape(blob);
     const Colour left = colour(blob.left, channels), middle = colour(blob.middle, channels),
                  right = colour(blob.right, channels);
-    const Colour level = colour(codes[i].level, channels), amplitude = colour(codes[i].amplitude, channels);
     const double c = std::cos(blob.theta), s = std::sin(blob.theta);
     cover_blob(blob, shape, canvas.part.mask.size(), [&](int x, int y) {
       const double dx = x - blob.position.x, dy = y - blob.position.y;
@@ -165,9 +168,8 @@ void draw_blobs(Canvas& canvas, const graph::AttributeGraph& graph, std::span<co
         for (std::size_t k = 0; k < 3; ++k)
           levels[k] = shares.left * left[k] + shares.middle * middle[k] + shares.right * right[k];
       } else {
-        const double value =
+        levels =
             window_at(all[i].window, (dx * c + dy * s) / shape.reach(), (dy * c - dx * s) / shape.reach());
-        for (std::size_t k = 0; k < 3; ++k) levels[k] = level[k] + amplitude[k] * value;
       }
       canvas.add(x, y, levels, blob_weight(shape, dx, dy));
     });
@@ -204,8 +206,8 @@ Sketchable draw_learned(const graph::AttributeGraph& graph, std::span<const Code
   draw_bands(canvas, graph, all);
   for (std::size_t i = 0; i < graph.size(); ++i)
     if (!all[i].window.empty() && graph.patch(i).type != graph::PatchType::blob)
-      lay_window(canvas, graph.patch(i), all[i], codes[i]);
-  draw_blobs(canvas, graph, codes, all);
+      lay_window(canvas, graph.patch(i), all[i].window);
+  draw_blobs(canvas, graph, all);
   for (int y = 0; y < size.height; ++y) {
     float* levels = canvas.part.levels.ptr<float>(y);
     for (int x = 0; x < size.width; ++x)
