@@ -16,7 +16,7 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr int kMargin = 16, kHead = 56, kLabel = 132, kLeastColumns = 3;
+constexpr int kMargin = 16, kHead = 56, kLabel = 150, kLeastColumns = 3;
 constexpr int kPatch = 96, kPlot = 140, kSmall = 28, kCaption = 20, kGap = 6, kRowGap = 22;
 constexpr int kCellWidth = kPatch + kGap + kPlot, kCellHeight = kCaption + kPatch + kGap + kSmall;
 constexpr double kGrey = 46, kFull = 2.8;  // grey levels of 1; the plot's end
@@ -153,7 +153,8 @@ cv::Mat draw_dictionary(const sketch::Dictionary& dictionary) {
     const int degree = rows[r].front().degree;
     write(picture, "degree " + std::to_string(degree) + (degree == 4 ? " and more" : ""), {kMargin, top + 72},
           0.42, kSoft);
-    write(picture, std::to_string(count) + " patches", {kMargin, top + 90}, 0.42, kSoft);
+    write(picture, std::to_string(count) + (count == 1 ? " patch" : " patches"), {kMargin, top + 90}, 0.42,
+          kSoft);
     for (std::size_t i = 0; i < rows[r].size(); ++i)
       draw_entry(picture, rows[r][i],
                  {kMargin + kLabel + static_cast<int>(i) * (kCellWidth + kMargin), top + kRowGap / 2});

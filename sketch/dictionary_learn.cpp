@@ -20,6 +20,7 @@ constexpr std::size_t kMostProfiles = 4096, kMostWindows = 1536;  // held of a g
 constexpr double kEven = 0.5;                                     // grey levels, RMS: below, nothing is seen
 constexpr int kStarts = 3, kRounds = 25;
 constexpr std::size_t kLeastMembers = 8;  // of a cluster, if there are several
+constexpr std::size_t kLeastForEach = 4;  // members for each component
 constexpr double kLeastVariance = 1e-4;   // of what has an RMS of 1
 constexpr std::uint32_t kSampling = 1, kClustering = 2;
 
@@ -170,7 +171,8 @@ std::optional<Described> describe(const std::vector<const Vector*>& members, dou
   std::size_t kept = 0;
   best.length = std::numeric_limits<double>::infinity();
   double left = rest;
-  for (std::size_t k = 0; k <= kMostComponents && static_cast<double>(k) < numbers - 1; ++k) {
+  const std::size_t most = std::min(kMostComponents, members.size() / kLeastForEach);
+  for (std::size_t k = 0; k <= most && static_cast<double>(k) < numbers - 1; ++k) {
     if (k > 0) {
       const double value = std::max(values(static_cast<int>(k) - 1), 0.0) / size;
       if (!(value * numbers > kLeastVariance)) break;

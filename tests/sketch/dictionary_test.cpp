@@ -62,10 +62,11 @@ struct Drawn {
   graph::AttributeGraph graph;
   cv::Mat levels;
 };
-Drawn drawn(double noise = 0) {
+Drawn drawn(double noise = 0, double shift = 0) {
+  const double d = shift;
   const std::vector<test::Cover> shapes = {
-      test::segment({20, 30}, {180, 50}, 4, 1), test::segment({60, 10}, {80, 150}, 5, 1.2),
-      test::ring({140, 105}, 32, 4, 1), test::segment({15, 120}, {100, 110}, 7, 1.5)};
+      test::segment({20 + d, 30}, {180, 50 + d}, 4, 1), test::segment({60 + d, 10}, {80 + d, 150}, 5, 1.2),
+      test::ring({140, 105 + d}, 32, 4, 1), test::segment({15, 120 + d}, {100, 110 - d}, 7, 1.5)};
   const cv::Mat1f frame = test::draw({200, 160}, shapes, 60, 110);
   Drawn result{extract(frame, {}), {}};
   const auto part = draw_fitted(result.graph, frame.size(), 1);
@@ -269,7 +270,12 @@ TEST_CASE("A code costs its numbers and its entry's share") {
 
 TEST_CASE("A frame that was drawn from attributes is drawn again by what is learned from it") {
   const Drawn made = drawn();
-  const Dictionary dictionary = learned_from(made);
+  DictionaryLearner learner;
+  for (std::uint32_t frame = 0; frame < 12; ++frame) {
+    const Drawn other = drawn(0, 0.4 * frame);
+    learner.add(frame, views(other.levels, other.graph));
+  }
+  const Dictionary dictionary = learner.learn();
   const auto codes = encode(made.levels, made.graph, dictionary, 0.3);
   const auto fitted = draw_fitted(made.graph, made.levels.size(), 1);
   const auto learned = draw_learned(made.graph, codes, dictionary, made.levels.size(), 1);
