@@ -12,6 +12,7 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "sketch/blob.hpp"
+#include "sketch/colour.hpp"
 #include "sketch/median.hpp"
 
 namespace emberfold::sketch {
@@ -73,8 +74,9 @@ double measure_clumping(const cv::Mat1f& luma, int width, double noise) {
   return std::max(1.0, sd * sd * kBarLength * width / (1.5 * noise * noise));
 }
 
-double luma_of(const graph::Level& level) {
-  return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+double along(const std::array<float, 3>& axis, const graph::Level& level) {
+  return double{axis[0]} * double{level[0]} + double{axis[1]} * double{level[1]} +
+         double{axis[2]} * double{level[2]};
 }
 
 /// Φ
@@ -86,10 +88,10 @@ double blurred_step(double d) {
 struct Profile {
   double left, middle, right, half_width, blur, reach;
 
-  explicit Profile(const graph::Patch& patch)
-      : left(luma_of(patch.left)),
-        middle(luma_of(patch.middle)),
-        right(luma_of(patch.right)),
+  Profile(const graph::Patch& patch, const std::array<float, 3>& axis)
+      : left(along(axis, patch.left)),
+        middle(along(axis, patch.middle)),
+        right(along(axis, patch.right)),
         half_width(std::max(patch.width, 0.0) / 2),
         blur(std::max(patch.blur, 0.2)),
         reach(std::clamp(half_width + 2 * blur, kLeastReach, kMostReach)) {}
@@ -176,7 +178,8 @@ Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& 
 
 Coding coding_of_blob(const GainFrame& frame, const graph::Patch& blob) {
   const BlobShape shape(blob);
-  const double left = luma_of(blob.left), middle = luma_of(blob.middle), right = luma_of(blob.right);
+  const double left = along(frame.axis, blob.left), middle = along(frame.axis, blob.middle),
+               right = along(frame.axis, blob.right);
   const auto [px, py] = blob.position;
   const double reach = shape.reach(), c = std::cos(blob.theta), s = std::sin(blob.theta);
   Sums disc;
@@ -205,7 +208,14 @@ GainFrame prepare_gain(const cv::Mat& levels) {
     throw core::InputError("coding_gain: the frame must be CV_32F with 1 or 3 channels and not empty");
   if (!cv::checkRange(levels, true))
     throw core::InputError("coding_gain: the frame holds a value that is not finite");
-  GainFrame frame{core::luma(levels), kQuantisation, {1, 1}};
+  return prepare_gain(core::luma(levels), kColourAxes[0]);
+}
+
+GainFrame prepare_gain(cv::Mat1f mixture, const std::array<float, 3>& axis) {
+  GainFrame frame;
+  frame.luma = std::move(mixture);
+  frame.axis = axis;
+  frame.noise = kQuantisation;
   std::vector<float> variances;
   for (int y = 0; y + kSide <= frame.luma.rows; y += kStride)
     for (int x = 0; x + kSide <= frame.luma.cols; x += kStride)
@@ -225,7 +235,7 @@ double coding_cost(const graph::Patch& patch, double pixels) {
 
 Coding coding(const GainFrame& frame, const graph::Patch& patch) {
   if (patch.type == graph::PatchType::blob) return coding_of_blob(frame, patch);
-  const Profile profile(patch);
+  const Profile profile(patch, frame.axis);
   const Footprint seen = look(frame.luma, patch, profile);
   if (seen.inside.w <= 0) return {};
   // A bar with its sides lies within 1.5 widths of its middle, a step's two sides within one.

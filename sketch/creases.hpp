@@ -60,6 +60,8 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
 /// steps that its flanks are.
 void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space);
 void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space);
+/// Takes away lines on which a stronger line of opposite sign runs, in another channel.
+void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space);
 
 /// Of points that run in parallel nearer than lines of their size could be told apart, keeps the strongest.
 void thin(CreaseMap& map, const ScaleSpace& space);

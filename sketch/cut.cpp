@@ -9,13 +9,14 @@
 #include <set>
 #include <utility>
 
+#include "sketch/colour.hpp"
+#include "sketch/degree.hpp"
 #include "sketch/profile.hpp"
 
 namespace emberfold::sketch {
 
 using graph::Edge;
 using graph::Patch;
-using graph::PatchType;
 using graph::Point;
 using graph::Vertex;
 using graph::VertexId;
@@ -31,6 +32,7 @@ struct Station {
 struct Ruler {
   const Chain& chain;
   std::vector<double> s;
+  int channel = 0;
   [[nodiscard]] double length() const {
     return chain.closed
                ? s.back() + graph::distance(chain.points.back().position, chain.points.front().position)
@@ -152,14 +154,15 @@ class Cutter {
  public:
   Cutter(const Network& network, const ScaleSpace& space, const cv::Mat& levels, double spacing, double noise)
       : network_(network), space_(space), levels_(levels), spacing_(spacing), noise_(noise) {
-    for (const Chain& chain : network.chains) rulers_.push_back({chain, arc_lengths(chain)});
+    for (const Chain& chain : network.chains)
+      rulers_.push_back({chain, arc_lengths(chain), space[middle_level(chain.points, space)].channel});
   }
 
   graph::AttributeGraph run() {
     stops_.resize(network_.chains.size());
     for (const auto& meeting : network_.meetings) place_meeting(meeting);
+    met_ = static_cast<std::uint32_t>(vertices_.size());
     for (std::size_t c = 0; c < rulers_.size(); ++c) cut(c);
-    name_by_degree();
     std::vector<Edge> edges;
     std::vector<bool> joined(vertices_.size(), false);
     for (const auto& [a, b] : edges_) {
@@ -168,30 +171,66 @@ class Cutter {
     }
     // What shrank to one patch when its ends met nearly the same place shows nothing of its own.
     std::erase_if(vertices_, [&](const Vertex& v) { return !joined[v.id.value]; });
-    return {std::move(vertices_), std::move(edges)};
+    return named_by_degree(std::move(vertices_), std::move(edges));
   }
 
  private:
-  std::uint32_t add(const Station& station, bool moves) {
+  // The patch at a station, `aside` px from the curve, free to move or not.
+  [[nodiscard]] Patch fit(const Station& station, double aside, bool moves) const {
     const Ruler& ruler = rulers_[station.chain];
     const double at = wrapped(ruler, station.s), length = ruler.length();
     const Bow shape = shape_at(ruler, at);
     // Ribs along the curve as far as it goes, the nearer the more they count.
     const double reach = kRibReach * spacing_;
     std::vector<Rib> ribs;
-    for (double t = -std::floor(reach); t < reach; t += 1) {
+    for (double t = -std::floor(reach / 1.5) * 1.5; t < reach; t += 1.5) {
       if (!ruler.chain.closed && (at + t < -0.5 || at + t > length + 0.5)) continue;
       const Point u = shape.along(t);
-      ribs.push_back({shape.at(t), {-u.y, u.x}, 1 - std::abs(t) / reach});
+      const Point across{-u.y, u.x};
+      ribs.push_back({shape.at(t) + across * aside, across, 1 - std::abs(t) / reach});
     }
-    const Point u = shape.along(0);
+    const Point u = shape.along(0), across{-u.y, u.x};
+    const FitOptions options{spread_at(ruler, space_, at), moves, noise_, axis_of(ruler.channel)};
+    return fit_patch(levels_, shape.at(0) + across * aside, std::atan2(u.y, u.x), ruler.chain.kind, ribs,
+                     options);
+  }
+
+  std::uint32_t add(const Station& station, bool moves) {
     const auto id = static_cast<std::uint32_t>(vertices_.size());
-    const FitOptions options{spread_at(ruler, space_, at), moves, noise_};
-    vertices_.push_back(
-        {VertexId{id},
-         {},
-         fit_patch(levels_, shape.at(0), std::atan2(u.y, u.x), ruler.chain.kind, ribs, options)});
+    vertices_.push_back({VertexId{id}, {}, fit(station, 0, moves)});
+    stations_.push_back(station);
     return id;
+  }
+
+  // How far a patch moved to its right, off its curve.
+  [[nodiscard]] double moved(std::uint32_t id) const {
+    const Station& station = stations_[id];
+    const Ruler& ruler = rulers_[station.chain];
+    const Patch& patch = vertices_[id].patch;
+    const Point off = patch.position - shape_at(ruler, wrapped(ruler, station.s)).at(0);
+    return graph::dot(off, {-std::sin(patch.theta), std::cos(patch.theta)});
+  }
+
+  // What a curve's sides do to its crease they do along the curve: a patch that moved otherwise than those
+  // around it is fitted where they lie.
+  void settle(const std::vector<std::uint32_t>& ids, bool closed) {
+    constexpr std::ptrdiff_t kAround = 3;  // patches to each side
+    constexpr double kOtherwise = 0.15;    // px
+    const auto n = static_cast<std::ptrdiff_t>(ids.size());
+    if (n < 3) return;
+    std::vector<double> offset, around;
+    for (const std::uint32_t id : ids) offset.push_back(moved(id));
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      around.clear();
+      for (std::ptrdiff_t j = i - kAround; j <= i + kAround; ++j)
+        if (closed || (j >= 0 && j < n))
+          around.push_back(offset[static_cast<std::size_t>(((j % n) + n) % n)]);
+      std::sort(around.begin(), around.end());
+      const double usual = 0.5 * (around[around.size() / 2] + around[(around.size() - 1) / 2]);
+      const std::uint32_t id = ids[static_cast<std::size_t>(i)];
+      if (std::abs(usual - offset[static_cast<std::size_t>(i)]) > kOtherwise)
+        vertices_[id].patch = fit(stations_[id], usual, false);
+    }
   }
 
   void connect(std::uint32_t a, std::uint32_t b) {
@@ -236,6 +275,9 @@ class Cutter {
       if (stops.empty() || stops.begin()->first > 0.5 * spacing_) stops.emplace(0.0, add({c, 0.0}, true));
       if (length - stops.rbegin()->first > 0.5 * spacing_) stops.emplace(length, add({c, length}, true));
     }
+    std::vector<std::uint32_t> ids;  // of the patches that may move, in order
+    const auto free = [&](std::uint32_t id) { return id >= met_ && stations_[id].chain == c; };
+    if (free(stops.begin()->second)) ids.push_back(stops.begin()->second);
     for (auto from = stops.begin(), to = std::next(from); to != stops.end(); ++from, ++to) {
       const double span = to->first - from->first;
       const int pieces =
@@ -244,44 +286,14 @@ class Cutter {
       for (int i = 1; i < pieces; ++i) {
         const double s = from->first + span * i / pieces;
         const std::uint32_t next = add({c, s}, true);
+        ids.push_back(next);
         connect(previous, next);
         previous = next;
       }
       connect(previous, to->second);
+      if (free(to->second) && (ids.empty() || to->second != ids.front())) ids.push_back(to->second);
     }
-  }
-
-  void name_by_degree() {
-    std::vector<std::vector<Point>> arms(vertices_.size());
-    for (const auto& [a, b] : edges_) {
-      const Point way = vertices_[b].patch.position - vertices_[a].patch.position;
-      const double length = std::max(graph::norm(way), 1e-9);
-      arms[a].push_back(way * (1 / length));
-      arms[b].push_back(way * (-1 / length));
-    }
-    for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      PatchType& type = vertices_[i].patch.type;
-      double least = 1;  // cosine between the two arms that come nearest to a straight line
-      for (std::size_t a = 0; a < arms[i].size(); ++a)
-        for (std::size_t b = a + 1; b < arms[i].size(); ++b)
-          least = std::min(least, graph::dot(arms[i][a], arms[i][b]));
-      const bool straight = least < -0.866;
-      switch (arms[i].size()) {
-        case 0:
-          break;
-        case 1:
-          type = PatchType::terminator;
-          break;
-        case 2:
-          if (least > -0.5) type = PatchType::corner;
-          break;
-        case 3:
-          type = straight ? PatchType::t_junction : PatchType::y_junction;
-          break;
-        default:
-          type = PatchType::crossing;
-      }
-    }
+    settle(ids, ruler.chain.closed);
   }
 
   const Network& network_;
@@ -292,6 +304,8 @@ class Cutter {
   std::vector<Ruler> rulers_;
   std::vector<std::map<double, std::uint32_t>> stops_;
   std::vector<Vertex> vertices_;
+  std::vector<Station> stations_;  // of the vertices
+  std::uint32_t met_ = 0;          // vertices before it are those of meetings
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges_;
 };
 

@@ -38,7 +38,7 @@ void trim(Patches& patches, Neighbours& neighbours) {
 }  // namespace
 
 double degree_cost(std::size_t degree) {
-  constexpr std::array<double, 5> kNats = {1, 5, 2, 3, 4};
+  constexpr std::array<double, 5> kNats = {1, 3, 0, 1, 2};
   return kNats[std::min<std::size_t>(degree, 4)];
 }
 

@@ -24,7 +24,7 @@ struct Edit {
   std::vector<Tie> tie;
 };
 
-/// Nats that a vertex costs because of its degree (0, 1, 2, 3, 4 and more). After Guo, Zhu & Wu 2007: free
+/// Nats that a vertex costs because of its degree (0, 1, 2, 3, 4 and more), beside one inside a curve. After Guo, Zhu & Wu 2007: free
 /// ends are the dearest, so that curves close and meet where the frame does not speak against it.
 double degree_cost(std::size_t degree);
 

@@ -101,11 +101,18 @@ bool overlap(const Patch& a, const Patch& b) {
   return on(a, b.position) || on(b, a.position);
 }
 
-Editor::Editor(const Draft& draft, const cv::Mat& levels, const GainFrame& frame,
+Coding best_coding(std::span<const GainFrame> axes, const Patch& patch) {
+  Coding best;
+  for (const GainFrame& frame : axes)
+    if (const Coding told = coding(frame, patch); &frame == axes.data() || told.gain > best.gain) best = told;
+  return best;
+}
+
+Editor::Editor(const Draft& draft, const cv::Mat& levels, std::span<const GainFrame> axes,
                const Refinement& refinement)
     : draft_(draft),
       levels_(levels),
-      frame_(frame),
+      axes_(axes),
       refinement_(refinement),
       held_(slots_held(draft)),
       near_(places(draft, held_), kRadius) {}
@@ -121,14 +128,14 @@ double Editor::shown(const Patch& patch, Point from, Point to, double contrast) 
   for (int i = 1; i < length; ++i) {
     double seen = 0;
     for (const double a : {-1.0, 0.0, 1.0})
-      seen += across(frame_.luma, patch, from + along * (i + a), normal) / 3;
+      seen += across(axes_[0].luma, patch, from + along * (i + a), normal) / 3;
     least = std::min(least, seen / expected * std::abs(patch.contrast / contrast));
   }
   return least;
 }
 
 Patch Editor::judged(Patch patch) const {
-  const Coding told = coding(frame_, patch);
+  const Coding told = best_coding(axes_, patch);
   patch.cost = told.cost;
   patch.gain = told.gain;
   return patch;
@@ -143,7 +150,7 @@ std::optional<Patch> Editor::like(const Patch& patch, Point position, double the
   theta = std::remainder(theta, 2 * std::numbers::pi);
   const Patch made =
       fit_patch(levels_, position, theta, kind_of(patch), ribs_across(position, theta, refinement_.spacing),
-                {spread, true, frame_.noise});
+                {spread, true, axes_[0].noise});
   const double sign = kind_of(patch) == CreaseKind::valley || turned ? -1 : 1;
   if (sign * made.contrast < 0.5 * std::abs(contrast) || !stands_out(made)) return std::nullopt;
   return judged(made);

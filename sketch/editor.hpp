@@ -24,10 +24,14 @@ struct Proposal {
 /// Whether one patch lies on the other: within 3 px along it, its core and a blur (1.5 px at least) across.
 bool overlap(const graph::Patch& a, const graph::Patch& b);
 
+/// In the axis in which the patch gains most.
+Coding best_coding(std::span<const GainFrame> axes, const graph::Patch& patch);
+
 /// A draft on its frame: makes patches and proposals, for the edits of one round.
 class Editor {
  public:
-  Editor(const Draft& draft, const cv::Mat& levels, const GainFrame& frame, const Refinement& refinement);
+  Editor(const Draft& draft, const cv::Mat& levels, std::span<const GainFrame> axes,
+         const Refinement& refinement);
 
   [[nodiscard]] const Draft& draft() const { return draft_; }
   [[nodiscard]] double spacing() const { return refinement_.spacing; }
@@ -57,7 +61,7 @@ class Editor {
  private:
   const Draft& draft_;
   const cv::Mat& levels_;
-  const GainFrame& frame_;
+  std::span<const GainFrame> axes_;  // luma first
   Refinement refinement_;
   std::vector<Slot> held_;  // of the draft
   graph::detail::Near near_;

@@ -25,6 +25,7 @@ constexpr int kReportEvery = 2048;  // pixels
 
 void check(const cv::Mat& start, const cv::Mat& observed, const TextureRegions& regions) {
   std::ostringstream message;
+  double highest = 0;
   if (start.dims != 2 || start.empty() || start.depth() != CV_32F ||
       (start.channels() != 1 && start.channels() != 3))
     message << "efros_leung: levels are " << cv::typeToString(start.type()) << ", " << start.cols << " × "
@@ -39,6 +40,8 @@ void check(const cv::Mat& start, const cv::Mat& observed, const TextureRegions& 
             << "; they have to be CV_8UC1 of the levels' size, " << start.cols << " × " << start.rows;
   else if (!cv::checkRange(start) || !cv::checkRange(observed))
     message << "efros_leung: the levels hold a number that is not finite";
+  else if (cv::minMaxLoc(regions.label, nullptr, &highest); highest > regions.count)
+    message << "efros_leung: there are labels up to " << highest << " for " << regions.count << " regions";
   if (!message.str().empty()) throw core::InputError(message.str());
 }
 

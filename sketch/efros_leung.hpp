@@ -11,18 +11,17 @@
 namespace emberfold::sketch {
 
 struct EfrosLeungOptions {
-  int window = 9;          ///< px, odd, 3…31: side of the squares that are compared
-  double tolerance = 0.1;  ///< ≥ 0: candidates up to so much worse than the best may be drawn
-  int candidates = 400;  ///< 1…100000: places looked at for each pixel beside those its neighbours came from
-  double guidance = 0.002;  ///< 0…1: weight of a pixel not yet drawn, which stands with what it begins with
+  int window = 9;           ///< px, odd, 3…31: side of the squares that are compared
+  double tolerance = 0.1;   ///< ≥ 0: candidates up to so much worse than the best may be drawn
+  int candidates = 400;     ///< 1…100000: places looked at beside those the neighbours came from
+  double guidance = 0.002;  ///< 0…1: weight of pixels not drawn yet, with the levels they begin with
   std::uint64_t seed = 1;
   void validate() const;
 };
 
 struct EfrosLeungResult {
   cv::Mat levels;  ///< CV_32F, channels as given
-  cv::Mat
-      source;  ///< CV_32SC2, (x, y) of the observed pixel each free one was copied from; (−1, −1) elsewhere
+  cv::Mat source;  ///< CV_32SC2: (x, y) of the observed pixel that a free one is a copy of, else (−1, −1)
   core::Status status = core::Status::done;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "sketch/coding_gain.hpp"
+#include "sketch/colour.hpp"
 #include "sketch/creases.hpp"
 #include "sketch/crossings.hpp"
 #include "sketch/cut.hpp"
@@ -21,6 +23,7 @@
 #include "sketch/pursuit.hpp"
 #include "sketch/refine.hpp"
 #include "sketch/scale_space.hpp"
+#include "sketch/smooth.hpp"
 
 namespace emberfold::sketch {
 
@@ -39,6 +42,18 @@ double evidence(const Chain& chain) {
   double squares = 0;
   for (const CreasePoint& p : chain.points) squares += p.significance * p.significance;
   return std::sqrt(squares);
+}
+
+// The two axes of colour as further channels of both.
+void add_colour(ScaleSpace& space, Ground& ground, const cv::Mat& levels, const ExtractOptions& options) {
+  int channel = 0;
+  for (const cv::Mat1f& colour : opponent_colours(levels)) {
+    ScaleSpace more = scale_space(colour, options.finest_scale, options.scales, ++channel);
+    const Ground own = measure_ground(more, estimate_noise(colour));
+    space.insert(space.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+    ground.second.insert(ground.second.end(), own.second.begin(), own.second.end());
+    ground.first.insert(ground.first.end(), own.first.begin(), own.first.end());
+  }
 }
 
 }  // namespace
@@ -79,15 +94,21 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   if (!cv::checkRange(levels, true))
     throw core::InputError("extract: the frame holds a value that is not finite");
   const cv::Mat1f luma = core::luma(levels);
-  const ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
   const double noise = estimate_noise(luma);
-  const Ground ground = measure_ground(space, noise);
+  ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
+  Ground ground = measure_ground(space, noise);
+  if (options.colour && levels.channels() == 3) add_colour(space, ground, levels, options);
 
   const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};
   auto [ridges, valleys] = find_lines(space, ground, low);
   thin(ridges, space);
   thin(valleys, space);
-  const CreaseMap all_ridges = ridges;
+  if (space.back().channel > 0) {
+    const CreaseMap all{ridges.kind, ridges.points, ridges.index.clone()};
+    remove_coinciding(ridges, valleys, space);
+    remove_coinciding(valleys, all, space);
+  }
+  const CreaseMap all_ridges = ridges;  // its index is that of what is left
   remove_lobes(ridges, valleys, space);
   remove_lobes(valleys, all_ridges, space);
   const LinkLimits limits{options.significance};
@@ -111,12 +132,15 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
   });
   const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
-  const GainFrame frame = prepare_gain(levels);
+  std::vector<GainFrame> axes{prepare_gain(luma, kColourAxes[0])};
+  if (space.back().channel > 0)
+    for (cv::Mat1f& colour : opponent_colours(levels))
+      axes.push_back(prepare_gain(std::move(colour), kColourAxes[axes.size()]));
   const graph::AttributeGraph strokes =
-      refine(cut_into_patches(network, space, levels, options.spacing, noise), levels, frame,
+      refine(smoothed(cut_into_patches(network, space, levels, options.spacing, noise), noise), levels, axes,
              {options.spacing, options.blobs, previous});
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
-  if (options.blobs) return pursue(strokes, levels, {frame.noise, 1, true});
+  if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;
 }
 

@@ -18,9 +18,10 @@ struct ExtractOptions {
   double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
   double min_evidence =
       28;  ///< SD, ≥ 0: curves whose points' significance (root of the sum of squares) is less are left out
-  double spacing = 5;  ///< px, ≥ 2: from patch to patch along a curve
-  bool edges = true;   ///< step edges too, not only ridges and valleys
-  bool blobs = false;  ///< blobs too, where the fill between the strokes leaves more than noise
+  double spacing = 5;   ///< px, ≥ 2: from patch to patch along a curve
+  bool edges = true;    ///< step edges too, not only ridges and valleys
+  bool colour = false;  ///< structure from two axes of colour too, not only from luma
+  bool blobs = false;   ///< blobs too, where the fill between the strokes leaves more than noise
   double budget = 0;  ///< 0…1: the patches, blobs among them, that gain most show this share of the frame at
                       ///< most; 0: all that pay
 
@@ -32,8 +33,10 @@ struct ExtractOptions {
 double estimate_noise(const cv::Mat& luma);
 
 /// The primal sketch of one frame. `levels`: CV_32F, 1 or 3 channels, white = 255; structure is found in its
-/// luma. Vertex ids count from 0. Steger 1998 (subpixel lines), Lindeberg 1998 (scale); docs/method.md has
-/// the rest. Patches carry their cost and gain. A frame without structure gives an empty graph.
+/// luma, with `colour` also in red − green and blue − yellow, scaled so that white noise is as strong in all
+/// three; a patch's contrast is then that of the axis in which it is strongest. Patches carry their cost and
+/// gain. Vertex ids count from 0. Steger 1998 (subpixel lines), Lindeberg 1998 (scale); docs/method.md has
+/// the rest. A frame without structure gives an empty graph.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options);
 
 /// The same with a warm start: strokes of `previous`, the sketch of the frame before, that are not found are

@@ -8,6 +8,9 @@
 #include <optional>
 #include <span>
 #include <tuple>
+#include <utility>
+
+#include "sketch/creaseness.hpp"
 
 namespace emberfold::sketch {
 
@@ -90,10 +93,11 @@ double showing(const ScaleLevel& level, CreaseKind kind, Point p, Point across, 
   return level.value_at(p + across * reach) - level.value_at(p - across * reach);
 }
 
-// Half way between the ground beside the curve and the curve itself, over the last points before an end.
-double half_showing(const Chain& chain, bool back, const ScaleLevel& level, double sigma) {
+// Over the last points before an end: half way between the ground beside the curve and the curve itself, and
+// the ground.
+std::pair<double, double> half_showing(const Chain& chain, bool back, const ScaleLevel& level, double sigma) {
   const std::size_t n = chain.points.size(), reach = std::min<std::size_t>(n, 10);
-  std::vector<double> values;
+  std::vector<double> halves, grounds;
   for (std::size_t i = std::min<std::size_t>(2, n / 2); i < reach; ++i) {
     const std::size_t at = back ? n - 1 - i : i;
     const Point p = chain.points[at].position, u = direction(chain, at), across{-u.y, u.x};
@@ -102,29 +106,49 @@ double half_showing(const Chain& chain, bool back, const ScaleLevel& level, doub
                              ? 0
                              : 0.5 * (showing(level, chain.kind, p + across * (3 * sigma), across, 0) +
                                       showing(level, chain.kind, p - across * (3 * sigma), across, 0));
-    values.push_back(0.5 * (here + aside));
+    halves.push_back(0.5 * (here + aside));
+    grounds.push_back(aside);
   }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto median_of = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return {median_of(halves), median_of(grounds)};
 }
 
-bool bridged(const ScaleLevel& level, CreaseKind kind, Point from, Point to, Point outward, double sigma,
-             double needed) {
+struct Bridge {
+  double needed;  // how much must show
+  double ground;  // shows beside the curve
+  double sigma;   // px
+  double slope;   // levels per px that is no noise
+};
+
+bool bridged(const ScaleLevel& level, CreaseKind kind, Point from, Point to, Point outward,
+             const Bridge& bridge) {
+  // Where less shows, but not nothing, a line goes on if the level lines still turn about it all along.
+  constexpr double kLeastShare = 0.6, kTurning = 0.35;
   const double length = graph::distance(from, to);
   if (length < 1.5) return true;
   // A step keeps its side: the way is looked at in the direction in which the end runs out.
   const Point across{-outward.y, outward.x};
+  const double least = bridge.ground + kLeastShare * (bridge.needed - bridge.ground);
+  const double sign = kind == CreaseKind::valley ? -1 : 1;
   const int steps = static_cast<int>(std::ceil(length));
-  for (int i = 1; i < steps; ++i)
-    if (showing(level, kind, from + (to - from) * (1.0 * i / steps), across, sigma) < needed) return false;
+  for (int i = 1; i < steps; ++i) {
+    const Point p = from + (to - from) * (1.0 * i / steps);
+    const double shows = showing(level, kind, p, across, bridge.sigma);
+    if (shows >= bridge.needed) continue;
+    if (kind == CreaseKind::step || shows < least || sign * creaseness(level, p, bridge.slope) < kTurning)
+      return false;
+  }
   return true;
 }
 
-std::size_t level_near(const Chain& chain, bool back) {
+std::size_t level_near(const Chain& chain, const ScaleSpace& space, bool back) {
   const std::span points(chain.points);
   const std::size_t reach = std::min<std::size_t>(points.size(), 10);
-  return middle_level(back ? points.last(reach) : points.first(reach));
+  return middle_level(back ? points.last(reach) : points.first(reach), space);
 }
 
 // What the end points at and reaches; the nearest such point of every curve within reach.
@@ -133,12 +157,15 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
   const End& end = ends[e];
   const Chain& own = chains[end.chain];
   const std::size_t own_end = end_point(own, end.back);
-  const ScaleLevel& level = space[level_near(own, end.back)];
-  const ScaleLevel& fine = space.front();
+  const std::size_t own_level = level_near(own, space, end.back);
+  const ScaleLevel& level = space[own_level];
+  const ScaleLevel& fine = finest_of(space, own_level);
   // half_showing looks along the chain, bridged out of the end: at the front these are opposite, which turns
   // a step's sides.
   const double side = own.kind == CreaseKind::step && !end.back ? -1 : 1;
-  const double needed = half_showing(own, end.back, fine, level.sigma);
+  const auto [needed, ground] = half_showing(own, end.back, fine, level.sigma);
+  const Bridge bridge{needed, ground, level.sigma,
+                      std::max(0.2 * std::abs(needed - ground) / level.sigma, 0.1)};
   const double farthest = reach_of(space.back().sigma);
   std::vector<Meeting> found;
   grid.near(end.position, farthest, [&](const Contact& c) {
@@ -169,7 +196,7 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
       found.end());
   std::erase_if(found, [&](const Meeting& m) {
     const Point to = chains[m.target.chain].points[m.target.point].position;
-    return !bridged(fine, own.kind, end.position, to, end.outward * side, level.sigma, needed);
+    return !bridged(fine, own.kind, end.position, to, end.outward * side, bridge);
   });
   return found;
 }

@@ -54,19 +54,43 @@ class Linker {
     const CreasePoint& start = map_.points[seed];
     spend_beside(start);
     Chain chain{map_.kind, {}, false};
-    std::vector<CreasePoint> ahead = follow(seed, start.theta), behind = follow(seed, start.theta + kPi);
+    const double first = stronger_way(start);
+    std::vector<CreasePoint> ahead = follow(seed, first), behind = follow(seed, first + kPi);
     for (auto p = behind.rbegin(); p != behind.rend(); ++p) {
       p->theta -= kPi;
       chain.points.push_back(*p);
     }
     chain.points.push_back(start);
+    chain.points.back().theta = first;
     chain.points.insert(chain.points.end(), ahead.begin(), ahead.end());
+    std::size_t middle = behind.size();
+    if (first != start.theta) {  // steps keep their brighter side to the right
+      std::reverse(chain.points.begin(), chain.points.end());
+      for (CreasePoint& p : chain.points) p.theta -= kPi;
+      middle = ahead.size();
+    }
     for (CreasePoint& p : chain.points) p.theta = std::remainder(p.theta, 2 * kPi);
     const std::size_t n = chain.points.size();
     chain.closed = n >= 8 &&
                    graph::distance(chain.points.front().position, chain.points.back().position) < 2.5 &&
                    std::abs(turn(chain.points.back().theta, chain.points.front().theta)) < kPi / 3;
+    if (chain.closed)
+      std::rotate(chain.points.begin(), chain.points.begin() + static_cast<std::ptrdiff_t>(middle),
+                  chain.points.end());
     return chain;
+  }
+
+  // The one of the two directions in which more of the crease shows: where a ring begins and which way round
+  // it goes then does not depend on how the frame is turned or mirrored.
+  [[nodiscard]] double stronger_way(const CreasePoint& p) const {
+    const ScaleLevel& level = space_[static_cast<std::size_t>(p.level)];
+    const Point along{std::cos(p.theta), std::sin(p.theta)}, across{-along.y, along.x};
+    const auto shows = [&](double t) {
+      const Point q = p.position + along * t;
+      if (map_.kind != CreaseKind::step) return (map_.kind == CreaseKind::ridge ? 1 : -1) * level.value_at(q);
+      return std::abs(level.value_at(q + across * level.sigma) - level.value_at(q - across * level.sigma));
+    };
+    return shows(2) >= shows(-2) ? p.theta : p.theta + kPi;
   }
 
   std::vector<CreasePoint> follow(std::size_t from, double theta) {
@@ -147,9 +171,17 @@ class Linker {
 
 }  // namespace
 
-std::size_t middle_level(std::span<const CreasePoint> points) {
+std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& space) {
+  const auto channel_of = [&](int level) { return space[static_cast<std::size_t>(level)].channel; };
+  std::vector<std::size_t> count(static_cast<std::size_t>(space.back().channel) + 1);
   std::vector<int> levels;
-  for (const CreasePoint& p : points) levels.push_back(p.level);
+  levels.reserve(points.size());
+  for (const CreasePoint& p : points) {
+    levels.push_back(p.level);
+    ++count[static_cast<std::size_t>(channel_of(p.level))];
+  }
+  const auto most = std::max_element(count.begin(), count.end()) - count.begin();
+  std::erase_if(levels, [&](int level) { return channel_of(level) != most; });
   const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
   std::nth_element(levels.begin(), middle, levels.end());
   return static_cast<std::size_t>(*middle);
@@ -214,7 +246,7 @@ std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpa
   constexpr double kAround = 20;  // px
   std::vector<Chain> pieces;
   for (const Chain& chain : chains) {
-    const ScaleLevel& level = space[middle_level(chain.points)];
+    const ScaleLevel& level = space[middle_level(chain.points, space)];
     const std::size_t n = chain.points.size();
     const std::vector<double> s = arc_lengths(chain);
     std::vector<double> response(n);

@@ -30,8 +30,9 @@ std::vector<double> arc_lengths(const Chain& chain);
 /// Unit direction in which the chain runs at this point, from its neighbours `reach` points off.
 graph::Point direction(const Chain& chain, std::size_t at, std::size_t reach = 3);
 
-/// The scale in the middle of those that responded best, along a curve or a part of it; at least one point.
-std::size_t middle_level(std::span<const CreasePoint> points);
+/// The scale in the middle of those that responded best, along a curve or a part of it, of the channel that
+/// most of its points belong to; at least one point.
+std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& space);
 
 /// Takes off the hooks at free ends, where a line's round end makes the crease turn aside.
 std::vector<Chain> without_hooks(std::vector<Chain> chains);

@@ -53,14 +53,15 @@ double lobe(const CreasePoint& q, Point p, double sigma, const ScaleSpace& space
 
 bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& space) {
   constexpr double kMargin = 1.4, kReach = 4;  // reach in S of a line as wide as this one
-  const std::size_t own = middle_level(chain.points);
+  const std::size_t own = middle_level(chain.points, space);
   const double sigma = space[own].sigma, reach = kReach * 1.5 * sigma + 4;
   double seen = 0, predicted = 0;
   for (std::size_t i = 0; i < chain.points.size(); i += 2) {
     const Point p = chain.points[i].position, u = direction(chain, i), across{-u.y, u.x};
     seen += std::abs(space[own].hessian_at(p).along(across));
     for (const Point side : {across, across * -1})
-      if (const CreasePoint* q = opposite.first_on(p, side, reach))
+      if (const CreasePoint* q = opposite.first_on(p, side, reach);
+          q != nullptr && space[static_cast<std::size_t>(q->level)].channel == space[own].channel)
         predicted += std::max(0.0, lobe(*q, p, sigma, space));
   }
   return seen < kMargin * predicted;
@@ -70,8 +71,8 @@ bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& s
 // 0.84 times); blurred flanks with flat ground between them do not.
 bool blurred_ground(const Chain& chain, const ScaleSpace& space) {
   constexpr double kLeast = 0.65;
-  const std::size_t own = middle_level(chain.points);
-  if (own < 2) return false;
+  const std::size_t own = middle_level(chain.points, space);
+  if (space[own].octave < 2) return false;
   double at_own = 0, at_half = 0;
   for (std::size_t i = 0; i < chain.points.size(); ++i) {
     const Point p = chain.points[i].position, u = direction(chain, i), across{-u.y, u.x};

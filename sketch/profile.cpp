@@ -23,10 +23,10 @@ double normal_cdf(double x) {
   return 0.5 * std::erfc(-x * 0.70710678118654752);
 }
 
-// The image across the patch: means over its ribs, of each channel and of luma.
+// The image across the patch: means over its ribs, of each channel and of luma or another axis of colour.
 struct Sections {
   std::array<Section, 3> channel;
-  Section luma;
+  Section seen;
 };
 
 void add_sample(const cv::Mat& levels, Point q, float weight, int channels, float* out) {
@@ -44,21 +44,22 @@ void add_sample(const cv::Mat& levels, Point q, float weight, int channels, floa
   }
 }
 
-Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count) {
+Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count,
+                    const std::array<float, 3>& axis) {
   const int channels = levels.channels();
   double total = 0;
   for (const Rib& rib : ribs) total += rib.weight;
   Sections sections;
-  sections.luma.count = count;
+  sections.seen.count = count;
   for (std::size_t i = 0; i < count; ++i) {
     std::array<float, 3> sum{};
-    const double d = sections.luma.place(i);
+    const double d = sections.seen.place(i);
     for (const Rib& rib : ribs)
       add_sample(levels, rib.position + rib.across * d, static_cast<float>(rib.weight / total), channels,
                  sum.data());
     if (channels == 1) sum[1] = sum[2] = sum[0];
     for (std::size_t c = 0; c < 3; ++c) sections.channel[c].level[i] = sum[c];
-    sections.luma.level[i] = channels == 1 ? sum[0] : 0.114F * sum[0] + 0.587F * sum[1] + 0.299F * sum[2];
+    sections.seen.level[i] = channels == 1 ? sum[0] : axis[0] * sum[0] + axis[1] * sum[1] + axis[2] * sum[2];
   }
   for (Section& section : sections.channel) section.count = count;
   return sections;
@@ -68,7 +69,7 @@ Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_
 // the bar's.
 Profile best_start(const Section& section, CreaseKind kind, double spread, bool moves, double least_blur) {
   constexpr std::array<double, 3> kScales = {0.6, 1.0, 1.6};
-  constexpr std::array<double, 2> kSquareness = {1.8, 3.1};
+  constexpr double kSquareness = 2.6;
   Profile best;
   best.residual = -1;
   const auto attempt = [&](double offset, double width, double blur) {
@@ -85,10 +86,8 @@ Profile best_start(const Section& section, CreaseKind kind, double spread, bool 
       attempt(0, 0, sd);
       continue;
     }
-    for (const double squareness : kSquareness) {
-      const double width = squareness * sd;
-      attempt(0, width, std::sqrt(std::max(sd * sd - width * width / 12, 0.0)));
-    }
+    const double width = kSquareness * sd;
+    attempt(0, width, std::sqrt(std::max(sd * sd - width * width / 12, 0.0)));
   }
   if (moves && best.residual >= 0)
     for (const Profile middle = best; const double aside : {-0.6 * spread, 0.6 * spread})
@@ -100,10 +99,10 @@ Profile best_start(const Section& section, CreaseKind kind, double spread, bool 
 
 Profile fit_profile(const Section& section, CreaseKind kind, std::span<const Rib> ribs,
                     const FitOptions& options) {
-  constexpr int kSteps = 12;
+  constexpr int kSteps = 10;
   constexpr double kUsualBlur = 1.1, kBlurSpread = 0.4;  // px; SD of its logarithm
   const double least_blur = std::sqrt(kInterpolation + 0.04);
-  const ProfileBounds bounds{options.moves ? 1.0 + 0.3 * options.spread : 0, 0.8, 4.5 * options.spread + 2,
+  const ProfileBounds bounds{options.moves ? 0.5 + 0.35 * options.spread : 0, 0.8, 4.5 * options.spread + 2,
                              least_blur, 2.5 * options.spread + 1};
   const Profile start = best_start(section, kind, options.spread, options.moves, least_blur);
   // Neighbouring samples share half of their noise: twice its variance counts.
@@ -127,8 +126,8 @@ Patch fit_patch(const cv::Mat& levels, Point at, double theta, CreaseKind kind, 
                 const FitOptions& options) {
   const auto half = std::min(static_cast<std::size_t>(std::ceil((2.8 * options.spread + 1.5) / kSampleStep)),
                              (kMostSamples - 1) / 2);
-  const Sections sections = cut_across(levels, ribs, 2 * half + 1);
-  const Profile fitted = fit_profile(sections.luma, kind, ribs, options);
+  const Sections sections = cut_across(levels, ribs, 2 * half + 1, options.axis);
+  const Profile fitted = fit_profile(sections.seen, kind, ribs, options);
   Patch patch;
   patch.type = kind == CreaseKind::ridge    ? PatchType::ridge
                : kind == CreaseKind::valley ? PatchType::valley

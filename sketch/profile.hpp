@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 
 #include <opencv2/core/mat.hpp>
@@ -21,6 +22,8 @@ struct FitOptions {
   double spread = 1;   ///< px, SD of the profile, roughly
   bool moves = false;  ///< the patch may move across the curve
   double noise = 0;    ///< grey levels, SD of the pixels
+  std::array<float, 3> axis = {0.114F, 0.587F,
+                               0.299F};  ///< weights of blue, green, red by which the profile is seen
 };
 
 /// Fits a patch's levels, width, blur and contrast to the image, and where it may move, its place across the

@@ -13,10 +13,10 @@ namespace {
 
 constexpr int kMostRounds = 4;
 
-graph::AttributeGraph judged(const graph::AttributeGraph& graph, const GainFrame& frame) {
+graph::AttributeGraph judged(const graph::AttributeGraph& graph, std::span<const GainFrame> axes) {
   std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
   for (graph::Vertex& vertex : vertices) {
-    const Coding told = coding(frame, vertex.patch);
+    const Coding told = best_coding(axes, vertex.patch);
     vertex.patch.cost = told.cost;
     vertex.patch.gain = told.gain;
   }
@@ -68,10 +68,10 @@ bool round(Draft& draft, std::vector<Proposal> proposals) {
 }  // namespace
 
 graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& levels,
-                             const GainFrame& frame, const Refinement& refinement) {
-  Draft draft(judged(graph, frame));
+                             std::span<const GainFrame> axes, const Refinement& refinement) {
+  Draft draft(judged(graph, axes));
   for (int i = 0; i < kMostRounds; ++i) {
-    Editor editor(draft, levels, frame, refinement);
+    Editor editor(draft, levels, axes, refinement);
     propose_for_strokes(editor, refinement.blobs);
     if (refinement.offered != nullptr) propose_offered(editor, *refinement.offered);
     propose_at_ends(editor);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
 #include <opencv2/core/mat.hpp>
 
 #include "graph/attribute_graph.hpp"
@@ -20,9 +22,10 @@ struct Refinement {
 /// of two ends become one; what fades in the middle of a stroke is cut out; neighbouring junctions become
 /// one; two parallel steps become a bar; short strokes become blobs. Each may bring several patches at once
 /// and is judged as a whole. New patches show at least half of the contrast of what they continue, and do not
-/// overlap others. `graph`: of `levels` (CV_32F, 1 or 3 channels), prepared as `frame`. Every patch comes
-/// back with its cost and gain. O(patches · log) a round, at most 4 rounds.
+/// overlap others. `graph`: of `levels` (CV_32F, 1 or 3 channels), prepared as `axes`: luma first; a patch
+/// gains what it gains in the axis where that is most. Every patch comes back with its cost and gain.
+/// O(patches · log) a round, at most 4 rounds.
 graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& levels,
-                             const GainFrame& frame, const Refinement& refinement);
+                             std::span<const GainFrame> axes, const Refinement& refinement);
 
 }  // namespace emberfold::sketch

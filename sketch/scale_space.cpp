@@ -160,12 +160,14 @@ cv::Mat1f smoothed(const cv::Mat1f& from, int border, const Taps& taps) {
 
 }  // namespace
 
-ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels) {
+ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels, int channel) {
   ScaleSpace space;
   double previous_sigma = 0;
   for (int i = 0; i < levels; ++i) {
     ScaleLevel level;
     level.sigma = finest * std::pow(2.0, 0.5 * i);
+    level.channel = channel;
+    level.octave = i;
     // Each level smooths the one before, which is cheaper than starting from the image and gives the same
     // Gaussian.
     const Taps step =

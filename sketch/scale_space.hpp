@@ -21,6 +21,8 @@ struct Hessian {
 /// The image smoothed by a Gaussian; derivatives are central differences of it.
 struct ScaleLevel {
   double sigma = 1;  ///< px, of the smoothing
+  int channel = 0;   ///< of the frame's: luma, or the axes of opponent colours
+  int octave = 0;    ///< half octaves above the channel's finest level
   cv::Mat1f smooth;  ///< with a border of one pixel, so that every pixel of the frame has eight neighbours
   double gradient_sd = 0;  ///< SD of a first derivative under white noise of SD 1
   double hessian_sd = 0;   ///< SD of a second derivative (xx or yy) under white noise of SD 1
@@ -43,11 +45,17 @@ struct ScaleLevel {
   [[nodiscard]] double value_at(graph::Point p) const;
 };
 
+/// Levels of one channel from fine to coarse, those of the next channel after them.
 using ScaleSpace = std::vector<ScaleLevel>;
+
+/// The finest level of the channel that level k belongs to.
+inline const ScaleLevel& finest_of(const ScaleSpace& space, std::size_t k) {
+  return space[k - static_cast<std::size_t>(space[k].octave)];
+}
 
 /// Levels at finest, finest·√2, finest·2, … px, each smoothed from the one before, with taps as far apart as
 /// the smoothness reached allows (a share of 1e-5 of the amplitude is lost at most). Mirrored frames give
 /// mirrored levels, bit by bit. O(pixels · levels).
-ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels);
+ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels, int channel = 0);
 
 }  // namespace emberfold::sketch

@@ -116,6 +116,23 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
   keep_unmarked(lines, marked);
 }
 
+void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space) {
+  const auto channel = [&](const CreasePoint& p) { return space[static_cast<std::size_t>(p.level)].channel; };
+  std::vector<bool> marked(lines.points.size(), false);
+  for (std::size_t i = 0; i < lines.points.size(); ++i) {
+    const CreasePoint& p = lines.points[i];
+    const int cx = nearest(p.position.x), cy = nearest(p.position.y);
+    const int reach = static_cast<int>(1 + 0.5 * space[static_cast<std::size_t>(p.level)].sigma);
+    for (int y = std::max(0, cy - reach); y <= std::min(lines.index.rows - 1, cy + reach); ++y)
+      for (int x = std::max(0, cx - reach); x <= std::min(lines.index.cols - 1, cx + reach); ++x) {
+        if (opposite.index(y, x) < 0) continue;
+        const CreasePoint& q = opposite.points[static_cast<std::size_t>(opposite.index(y, x))];
+        if (channel(q) != channel(p) && q.strength > p.strength) marked[i] = true;
+      }
+  }
+  keep_unmarked(lines, marked);
+}
+
 void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space) {
   constexpr double kMargin = 1.6;  // a line whose sides differ by half has one flank that is a third higher
   const int width = steps.index.cols, height = steps.index.rows;

@@ -20,7 +20,6 @@ struct TextureOptions {
   void validate() const;
 };
 
-/// The non-sketchable part of a frame, by texture.
 /// The non-sketchable part of a frame, by texture. Histograms are of the parts: each region's pixels away
 /// from strokes, and those whose filters (3 px) reach into a stroke, where responses are of another kind.
 struct TextureRegions {

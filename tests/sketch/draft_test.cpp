@@ -78,7 +78,7 @@ std::string refusal(Draft& draft, const Edit& edit) {
 
 TEST_CASE("A draft's length is its degrees' cost without its patches' gains") {
   const Draft draft(row({7, 11, 2}));
-  CHECK_THAT(draft.length(), WithinAbs(5 + 2 + 5 - 20, 1e-12));
+  CHECK_THAT(draft.length(), WithinAbs(3 + 0 + 3 - 20, 1e-12));
   CHECK(Draft(graph::AttributeGraph()).length() == 0);
   CHECK(degree_cost(1) > degree_cost(3));
   CHECK(degree_cost(7) == degree_cost(4));
@@ -133,7 +133,7 @@ TEST_CASE("Every proposal for a frame is worth what counting anew says and can b
   for (const graph::Edge& e : found.edges())
     if (e.a.value % 7 != 3 && e.b.value % 7 != 3) edges.push_back(e);
   const Draft draft(graph::AttributeGraph(std::move(vertices), std::move(edges)));
-  Editor editor(draft, frame, prepared, {5, true});
+  Editor editor(draft, frame, {&prepared, 1}, {5, true});
   propose_for_strokes(editor, true);
   propose_at_ends(editor);
   propose_meetings(editor);

@@ -182,6 +182,9 @@ TEST_CASE("Efros-Leung rejects what is none", "[sketch][efros_leung]") {
   CHECK_THROWS_AS(sketch::efros_leung(cv::Mat(), s.frame, s.regions), core::InputError);
   CHECK_THROWS_AS(sketch::efros_leung(s.start, cv::Mat(3, 3, CV_32F), s.regions), core::InputError);
   CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, sketch::TextureRegions{}), core::InputError);
+  sketch::TextureRegions fewer = s.regions;
+  fewer.count = 0;
+  CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, fewer), core::InputError);
   s.frame.at<float>(2, 2) = std::numeric_limits<float>::quiet_NaN();
   CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, s.regions), core::InputError);
 }

@@ -125,7 +125,6 @@ std::string message_of(const std::function<void()>& call) {
 }  // namespace
 
 TEST_CASE("Mirrored, turned, transposed, brighter, fainter and negative frames have the same sketch") {
-  // Where linking begins may change, and with it where patches lie along a curve; the curves stay.
   for (const double noise : {0.0, 5.0}) {
     const cv::Mat1f frame = noise > 0 ? with_noise(scene(), noise, 1) : scene();
     const AttributeGraph original = sketch::extract(frame, {});
@@ -138,9 +137,10 @@ TEST_CASE("Mirrored, turned, transposed, brighter, fainter and negative frames h
                 << " patches, components " << components(found).count << " of " << components(original).count
                 << ", shares " << vertices << ", " << edges);
       const double more = static_cast<double>(found.size()) / static_cast<double>(original.size());
-      CHECK(std::abs(more - 1) <= 0.05);
-      CHECK(vertices >= 0.7);
-      CHECK(edges >= 0.93);
+      // Half the contrast has half the noise, but not half the rounding to grey levels that is reckoned with.
+      CHECK(std::abs(more - 1) <= 0.02);
+      CHECK(vertices >= 0.98);
+      CHECK(edges >= 0.98);
     }
   }
 }

@@ -32,7 +32,8 @@ graph::AttributeGraph without(const graph::AttributeGraph& graph, const std::fun
 
 graph::AttributeGraph refined(const graph::AttributeGraph& graph, const cv::Mat1f& frame,
                               bool blobs = false) {
-  return refine(graph, frame, prepare_gain(frame), {5, blobs});
+  const GainFrame prepared = prepare_gain(frame);
+  return refine(graph, frame, {&prepared, 1}, {5, blobs});
 }
 
 double extent(const graph::AttributeGraph& graph) {

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace emberfold::sketch {
+
+/// Weights of blue, green and red: luma (Rec. 601), red − green, blue − yellow, the latter two scaled so that
+/// white noise is as strong in all.
+inline constexpr std::array<std::array<float, 3>, 3> kColourAxes = {
+    {{0.114F, 0.587F, 0.299F}, {0, -0.4726F, 0.4726F}, {0.5457F, -0.27285F, -0.27285F}}};
+
+inline const std::array<float, 3>& axis_of(int channel) {
+  return kColourAxes[static_cast<std::size_t>(channel)];
+}
+
+/// The frame along the two axes of colour. `levels`: CV_32FC3. Grey frames give 0 everywhere.
+std::vector<cv::Mat1f> opponent_colours(const cv::Mat& levels);
+
+}  // namespace emberfold::sketch
