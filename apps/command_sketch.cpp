@@ -9,6 +9,7 @@
 #include "apps/output_folder.hpp"
 #include "apps/overlay.hpp"
 #include "apps/reconstruct.hpp"
+#include "apps/sketch_dictionary.hpp"
 #include "apps/stream_frames.hpp"
 #include "apps/summary.hpp"
 #include "graph/motion_io.hpp"
@@ -24,12 +25,14 @@ struct Sketch {
   std::string output, patches = "fitted";
   sketch::ExtractOptions extract;
   sketch::FillOptions fill;
+  DictionaryRequest dictionary;
 };
 
 struct Sketched {
   graph::AttributeGraph graph;
   Reconstruction reconstruction;
   cv::Mat overlay;
+  std::vector<sketch::Code> codes;
 };
 
 // All of the clip: what is found, and the figures of each frame.
@@ -37,10 +40,11 @@ struct SketchRun {
   graph::SketchSequence sketch;
   std::vector<double> share, psnr, patches;
   int not_converged = 0;
+  CodeFigures codes;
 };
 
-SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, OutputFolder& output,
-                      const Session& session) {
+SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, const SketchDictionary* dictionary,
+                      OutputFolder& output, const Session& session) {
   const auto& info = source.info();
   const auto drawing = asked.patches == "pixels" ? PatchDrawing::pixels : PatchDrawing::fitted;
   SketchRun run;
@@ -52,8 +56,19 @@ SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, OutputFold
       source, "sketch", info.frames, session.context,
       [&](int t, const cv::Mat& frame) {
         const cv::Mat levels = core::to_levels(frame, info);
-        Sketched made{sketch::extract(levels, asked.extract), {}, {}};
-        made.reconstruction = reconstruct(levels, made.graph, drawing, asked.fill);
+        Sketched made{
+            dictionary ? dictionary->graph(t, levels, asked.extract) : sketch::extract(levels, asked.extract),
+            {},
+            {},
+            {}};
+        if (dictionary) made.codes = encode_frame(levels, made.graph, *dictionary);
+        made.reconstruction =
+            asked.patches == "learned"
+                ? reconstruct(levels,
+                              sketch::draw_learned(made.graph, made.codes, dictionary->dictionary,
+                                                   levels.size(), levels.channels()),
+                              asked.fill)
+                : reconstruct(levels, made.graph, drawing, asked.fill);
         made.overlay = draw_types(to_colour_bytes(frame, info), made.graph, t);
         return made;
       },
@@ -66,6 +81,7 @@ SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, OutputFold
         run.share.push_back(made.reconstruction.share);
         run.psnr.push_back(made.reconstruction.psnr);
         run.patches.push_back(static_cast<double>(made.graph.size()));
+        run.codes.add(made.codes);
         run.not_converged += made.reconstruction.converged ? 0 : 1;
       });
   if (run.sketch.frames.empty()) throw core::IoError(asked.reading.clip + " holds no frame");
@@ -94,14 +110,17 @@ void run_sketch(const Sketch& asked, Session& session) {
   const ReadOptions read = check_reading(asked.reading, session);
   check_options(asked.extract);
   check_options(asked.fill);
+  if (asked.patches == "learned" && !asked.dictionary.any())
+    throw Misuse("--patches learned needs a dictionary: give --learn-dictionary or --dictionary FOLDER");
   OutputFolder output(asked.output);
   Stages stages;
   stages.begin("sketch");
   const auto source =
       open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  const auto dictionary = prepare_dictionary(asked.dictionary, *source, asked.extract, session);
   SketchRun run;
   try {
-    run = sketch_clip(asked, *source, output, session);
+    run = sketch_clip(asked, *source, dictionary ? &*dictionary : nullptr, output, session);
   } catch (const core::IoError& error) {
     throw core::IoError(output.of_final(error.what()));
   }
@@ -111,6 +130,8 @@ void run_sketch(const Sketch& asked, Session& session) {
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, run.sketch); });
   stages.end();
   Json summary = summarise(asked, read, source->info(), run, session);
+  if (dictionary) summary["dictionary"] = run.codes.json(dictionary->dictionary);
+  if (asked.dictionary.learn) write_dictionary(output, dictionary->dictionary);
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
@@ -134,10 +155,16 @@ void add_sketch(CLI::App& app, Chosen& chosen) {
   add_output(*command, asked->output);
   command
       ->add_option("--patches", asked->patches,
-                   "Draw patches from their attributes (fitted) or with the frame's own pixels")
-      ->type_name("fitted|pixels")
-      ->check(CLI::IsMember({"fitted", "pixels"}).description(""))
+                   "Draw patches from their attributes (fitted), with the frame's own pixels, or as a "
+                   "dictionary tells them (learned)")
+      ->type_name("fitted|pixels|learned")
+      ->check(CLI::IsMember({"fitted", "pixels", "learned"}).description(""))
       ->default_str(asked->patches);
+  auto* learn = command->add_flag("--learn-dictionary", asked->dictionary.learn,
+                                  "Learn what the clip's patches look like: dictionary/, dictionary.png");
+  command->add_option("--dictionary", asked->dictionary.folder, "Use a dictionary that was learned before")
+      ->type_name("FOLDER")
+      ->excludes(learn);
   add_fields(*command, asked->extract, "Sketching");
   add_fields(*command, asked->fill, "Filling");
   add_common(*command, chosen.common, "Print the content of summary.json");

@@ -10,16 +10,21 @@
 
 #include "apps/draw_graph_frames.hpp"
 #include "core/clip.hpp"
-#include "sketch/render.hpp"
 
 namespace emberfold::apps {
 
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options) {
+  return reconstruct(levels,
+                     drawing == PatchDrawing::fitted
+                         ? sketch::draw_fitted(graph, levels.size(), levels.channels())
+                         : sketch::draw_pixels(graph, levels),
+                     options);
+}
+
+Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& part,
+                           const sketch::FillOptions& options) {
   Reconstruction result;
-  const auto part = drawing == PatchDrawing::fitted
-                        ? sketch::draw_fitted(graph, levels.size(), levels.channels())
-                        : sketch::draw_pixels(graph, levels);
   const auto drawn = draw_around(part, cv::mean(levels), options);
   result.share = drawn.share;
   result.converged = drawn.converged;

@@ -8,6 +8,7 @@
 
 #include "graph/attribute_graph.hpp"
 #include "sketch/fill.hpp"
+#include "sketch/render.hpp"
 
 namespace emberfold::apps {
 
@@ -25,6 +26,10 @@ constexpr double kMostPsnr = 100;
 /// Draws the patches and fills the rest by diffusion; a frame without patches becomes its mean level.
 /// `levels`: CV_32F, white = 255.
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
+                           const sketch::FillOptions& options);
+
+/// The same with a sketchable part that is drawn already.
+Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& part,
                            const sketch::FillOptions& options);
 
 /// 10 log₁₀(255² / MSE) over all pixels and channels of two CV_32F frames; kMostPsnr where they hardly

@@ -164,6 +164,12 @@ constexpr double square(double v) {
   return v * v;
 }
 
+/// A size that changes by 0.6 to 1.6 times a step, between the bounds whatever it was.
+double within(double wanted, double now, double least, double most) {
+  const double low = std::clamp(0.6 * now, least, most), high = std::clamp(1.6 * now, low, most);
+  return std::clamp(wanted, low, high);
+}
+
 }  // namespace
 
 Profile with_levels(const Section& section, Profile shape) {
@@ -202,12 +208,10 @@ Profile refine(const Section& section, Profile start, const ProfileBounds& bound
     next.left += change[0];
     next.right += change[2];
     next.offset = std::clamp(best.offset + change[3], -bounds.offset, bounds.offset);
-    next.blur = std::clamp(best.blur + change[5], std::max(bounds.least_blur, 0.6 * best.blur),
-                           std::min(bounds.most_blur, 1.6 * best.blur));
+    next.blur = within(best.blur + change[5], best.blur, bounds.least_blur, bounds.most_blur);
     if (bar) {
       next.middle += change[1];
-      next.width = std::clamp(best.width + change[4], std::max(bounds.least_width, 0.6 * best.width),
-                              std::min(bounds.most_width, 1.6 * best.width));
+      next.width = within(best.width + change[4], best.width, bounds.least_width, bounds.most_width);
     } else {
       next.middle = 0.5 * (next.left + next.right);
     }
