@@ -20,12 +20,18 @@ namespace emberfold::sketch {
 namespace {
 
 constexpr int kHalf = 4, kSide = 2 * kHalf + 1, kStride = 7;  // px, of the windows that measure the noise
+constexpr double kEnough = 1500;                                       // windows
 constexpr int kBarLength = 5;                                 // px
 constexpr std::array<int, 2> kBars = {3, 6};                  // px
 constexpr double kQuantisation = 0.29;                        // grey levels
 constexpr double kAlong = 2.5;                                // px to each end
 constexpr double kLeastReach = 3, kMostReach = 12;            // px to each side
 constexpr double kBand = 2;  // px more than the footprint's half, of each band
+
+/// From one window to the next: px.
+int stride_of(const cv::Mat1f& luma) {
+  return std::max(kStride, static_cast<int>(std::sqrt(luma.size().area() / kEnough)));
+}
 
 /// The mean square of a window about its plane.
 double variance(const cv::Mat1f& luma, int x0, int y0) {
@@ -44,28 +50,37 @@ double variance(const cv::Mat1f& luma, int x0, int y0) {
          (kCount - 3);
 }
 
-/// The mean of a bar, `width` px across and 5 along, above those of its two sides of the same size: no even
-/// slope shows in it.
-double bar_contrast(const cv::Mat1f& luma, cv::Point corner, cv::Point across, int width) {
+double box_sum(const cv::Mat1f& luma, int x0, int y0, cv::Size size) {
   double sum = 0;
-  for (int a = 0; a < kBarLength; ++a)
-    for (int d = 0; d < 3 * width; ++d) {
-      const double v =
-          double{luma(corner.y + a * across.x + d * across.y, corner.x + a * across.y + d * across.x)};
-      sum += d / width == 1 ? v : -0.5 * v;
-    }
-  return sum / (kBarLength * width);
+  for (int y = y0; y < y0 + size.height; ++y) {
+    const float* row = luma[y] + x0;
+    float along = 0;
+    for (int x = 0; x < size.width; ++x) along += row[x];
+    sum += double{along};
+  }
+  return sum;
+}
+
+/// The mean of a bar, `width` px across and 5 along, above those of its two sides of the same size: no even
+/// slope shows in it. `across`: (1, 0) or (0, 1).
+double bar_contrast(const cv::Mat1f& luma, cv::Point corner, cv::Point across, int width) {
+  const cv::Size size(across.x * width + across.y * kBarLength, across.y * width + across.x * kBarLength);
+  const auto part = [&](int i) {
+    return box_sum(luma, corner.x + i * width * across.x, corner.y + i * width * across.y, size);
+  };
+  return (part(1) - 0.5 * (part(0) + part(2))) / (kBarLength * width);
 }
 
 /// How much more a bar's contrast varies, both ways, than on white noise of this SD: 3/2 of the variance of a
 /// bar's mean.
 double measure_clumping(const cv::Mat1f& luma, int width, double noise) {
   std::vector<float> contrasts;
+  const int stride = stride_of(luma);
   for (const cv::Point across : {cv::Point{1, 0}, cv::Point{0, 1}}) {
     const int columns = across.x * 3 * width + across.y * kBarLength;
     const int rows = across.y * 3 * width + across.x * kBarLength;
-    for (int y = 0; y + rows <= luma.rows; y += kStride)
-      for (int x = 0; x + columns <= luma.cols; x += kStride)
+    for (int y = 0; y + rows <= luma.rows; y += stride)
+      for (int x = 0; x + columns <= luma.cols; x += stride)
         contrasts.push_back(static_cast<float>(std::abs(bar_contrast(luma, {x, y}, across, width))));
   }
   if (contrasts.empty()) return 1;
@@ -79,9 +94,38 @@ double along(const std::array<float, 3>& axis, const graph::Level& level) {
          double{axis[2]} * double{level[2]};
 }
 
-/// Φ
+/// Φ between −kFar and kFar, from a table and its first two derivatives there: within 1e-8.
+class BlurredStep {
+ public:
+  BlurredStep() {
+    constexpr double kToDensity = 0.3989422804014327;  // 1 / √(2π)
+    for (int i = 0; i < kNodes; ++i) {
+      const double x = at(i);
+      nodes_[static_cast<std::size_t>(i)] = {0.5 * std::erfc(-x / std::numbers::sqrt2),
+                                             kToDensity * std::exp(-0.5 * x * x)};
+    }
+  }
+  double operator()(double x) const {
+    if (!(x > -kFar)) return 0;
+    if (!(x < kFar)) return 1;
+    const int i = static_cast<int>((x + kFar) * kPerUnit + 0.5);
+    const double from = at(i), d = x - from;
+    const auto& [below, density] = nodes_[static_cast<std::size_t>(i)];
+    return below + density * d * (1 - 0.5 * d * (from - d * (from * from - 1) / 3));
+  }
+
+ private:
+  static constexpr int kFar = 6, kPerUnit = 32, kNodes = 2 * kFar * kPerUnit + 1;
+  static double at(int node) { return double(node) / kPerUnit - kFar; }
+  struct Node {
+    double below, density;
+  };
+  std::array<Node, kNodes> nodes_;
+};
+
 double blurred_step(double d) {
-  return 0.5 * std::erfc(-d / std::numbers::sqrt2);
+  static const BlurredStep step;
+  return step(d);
 }
 
 /// A patch's profile in luma.
@@ -160,19 +204,32 @@ Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& 
   Footprint seen;
   const auto [px, py] = patch.position;
   if (!(px - wide < luma.cols && px + wide > -1 && py - high < luma.rows && py + high > -1)) return seen;
-  for (int y = first(py - high); y <= last(py + high, luma.rows); ++y)
-    for (int x = first(px - wide); x <= last(px + wide, luma.cols); ++x) {
-      const double dx = x - px, dy = y - py;
+  // A row meets the footprint where it is near enough along it and across it.
+  const auto narrow = [](double& from, double& to, double rate, double offset, double limit) {
+    if (std::abs(rate) < 1e-9) return;
+    const double a = (-limit - offset) / rate, b = (limit - offset) / rate;
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  };
+  for (int y = first(py - high); y <= last(py + high, luma.rows); ++y) {
+    const double dy = y - py;
+    double from = -wide, to = wide;
+    narrow(from, to, c, dy * s, kAlong + 0.5);
+    narrow(from, to, -s, dy * c, outer + 0.5);
+    const float* row = luma[y];
+    for (int x = first(px + from); x <= last(px + to, luma.cols); ++x) {
+      const double dx = x - px;
       const double along = share_within(dx * c + dy * s, kAlong);
       if (along <= 0) continue;
       const double across = dy * c - dx * s;
       const double within = share_within(across, profile.reach);
-      const double level = double{luma(y, x)} - profile.middle;
+      const double level = double{row[x]} - profile.middle;
       if (within > 0)
         seen.inside.add(along * within, across, level, level + profile.middle - profile.at(across));
       const double beside = along * (share_within(across, outer) - within);
       if (beside > 0) seen.bands[across > 0 ? 1 : 0].add(beside, across, level, 0);
     }
+  }
   return seen;
 }
 
@@ -217,8 +274,9 @@ GainFrame prepare_gain(cv::Mat1f mixture, const std::array<float, 3>& axis) {
   frame.axis = axis;
   frame.noise = kQuantisation;
   std::vector<float> variances;
-  for (int y = 0; y + kSide <= frame.luma.rows; y += kStride)
-    for (int x = 0; x + kSide <= frame.luma.cols; x += kStride)
+  const int stride = stride_of(frame.luma);
+  for (int y = 0; y + kSide <= frame.luma.rows; y += stride)
+    for (int x = 0; x + kSide <= frame.luma.cols; x += stride)
       variances.push_back(static_cast<float>(variance(frame.luma, x, y)));
   if (variances.empty()) return frame;
   constexpr double kMedian = 0.9915;  // of χ²/78 with 78 degrees of freedom

@@ -161,7 +161,7 @@ double bilinear(const cv::Mat1f& m, double x, double y) {
 
 // From one sample to the next, odd, so that samples can lie alike seen from either border.
 int sample_step(double sigma, cv::Size frame) {
-  constexpr double kEnough = 20000;
+  constexpr double kEnough = 19000;
   const double step = std::max(1.5 * sigma, std::sqrt(frame.area() / kEnough));
   return 2 * static_cast<int>(std::min(0.5 * step, 50.0)) + 1;
 }
@@ -180,7 +180,7 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
   Ground ground;
   for (const ScaleLevel& level : space) {
     const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
-    // Neighbours nearer than 1.5 σ hardly differ, and some 40 000 values tell their median to a hundredth.
+    // Neighbours nearer than 1.5 σ hardly differ, and some 20 000 values tell their median to a hundredth.
     const int step = sample_step(level.sigma, {width, height});
     std::vector<float> second, first;
     const auto samples =

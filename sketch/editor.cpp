@@ -109,11 +109,12 @@ Coding best_coding(std::span<const GainFrame> axes, const Patch& patch) {
 }
 
 Editor::Editor(const Draft& draft, const cv::Mat& levels, std::span<const GainFrame> axes,
-               const Refinement& refinement)
+               const Refinement& refinement, Tried& tried)
     : draft_(draft),
       levels_(levels),
       axes_(axes),
       refinement_(refinement),
+      tried_(tried),
       held_(slots_held(draft)),
       near_(places(draft, held_), kRadius) {}
 
@@ -142,6 +143,15 @@ Patch Editor::judged(Patch patch) const {
 }
 
 std::optional<Patch> Editor::like(const Patch& patch, Point position, double theta, double contrast) {
+  const auto [found, fresh] = tried_.try_emplace({position.x, position.y, theta, contrast, patch.width,
+                                                  patch.blur, patch.contrast,
+                                                  graph::on_step(patch) ? 1.0 : 0.0});
+  if (fresh) found->second = fitted_like(patch, position, theta, contrast);
+  return found->second;
+}
+
+std::optional<Patch> Editor::fitted_like(const Patch& patch, Point position, double theta,
+                                         double contrast) const {
   if (position.x < 0 || position.y < 0 || position.x > levels_.cols - 1 || position.y > levels_.rows - 1)
     return std::nullopt;
   // A step points so that its brighter side is on the right.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -27,11 +29,14 @@ bool overlap(const graph::Patch& a, const graph::Patch& b);
 /// In the axis in which the patch gains most.
 Coding best_coding(std::span<const GainFrame> axes, const graph::Patch& patch);
 
+/// What Editor::like found, by all that it was asked: most of it is asked again in the next round.
+using Tried = std::map<std::array<double, 8>, std::optional<graph::Patch>>;
+
 /// A draft on its frame: makes patches and proposals, for the edits of one round.
 class Editor {
  public:
   Editor(const Draft& draft, const cv::Mat& levels, std::span<const GainFrame> axes,
-         const Refinement& refinement);
+         const Refinement& refinement, Tried& tried);
 
   [[nodiscard]] const Draft& draft() const { return draft_; }
   [[nodiscard]] double spacing() const { return refinement_.spacing; }
@@ -59,10 +64,14 @@ class Editor {
   std::vector<Proposal> take() { return std::move(proposals_); }
 
  private:
+  [[nodiscard]] std::optional<graph::Patch> fitted_like(const graph::Patch& patch, graph::Point position,
+                                                        double theta, double contrast) const;
+
   const Draft& draft_;
   const cv::Mat& levels_;
   std::span<const GainFrame> axes_;  // luma first
   Refinement refinement_;
+  Tried& tried_;
   std::vector<Slot> held_;  // of the draft
   graph::detail::Near near_;
   std::vector<Proposal> proposals_;

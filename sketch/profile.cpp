@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "sketch/profile_model.hpp"
@@ -23,45 +24,71 @@ double normal_cdf(double x) {
   return 0.5 * std::erfc(-x * 0.70710678118654752);
 }
 
-// The image across the patch: means over its ribs, of each channel and of luma or another axis of colour.
+// The image across the patch: means over its ribs, of each of the frame's channels and of luma or another axis
+// of colour.
 struct Sections {
   std::array<Section, 3> channel;
   Section seen;
 };
 
-void add_sample(const cv::Mat& levels, Point q, float weight, int channels, float* out) {
-  const auto x = static_cast<float>(std::clamp(q.x, 0.0, levels.cols - 1.0)),
-             y = static_cast<float>(std::clamp(q.y, 0.0, levels.rows - 1.0));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int right = x0 + 1 < levels.cols ? channels : 0;
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const float* top = levels.ptr<float>(y0) + x0 * channels;
-  const float* bottom = levels.ptr<float>(std::min(y0 + 1, levels.rows - 1)) + x0 * channels;
-  for (int c = 0; c < channels; ++c) {
-    const float upper = (1 - fx) * top[c] + fx * top[c + right];
-    const float lower = (1 - fx) * bottom[c] + fx * bottom[c + right];
-    out[c] += weight * ((1 - fy) * upper + fy * lower);
+// Between four pixels: `right` and `below` are how far on those to the right and below lie.
+float between(const float* pixel, std::ptrdiff_t right, std::ptrdiff_t below, float fx, float fy) {
+  const float upper = (1 - fx) * pixel[0] + fx * pixel[right];
+  const float lower = (1 - fx) * pixel[below] + fx * pixel[below + right];
+  return (1 - fy) * upper + fy * lower;
+}
+
+// Adds the levels along a rib; beyond the frame those of its border.
+void add_rib(const cv::Mat& levels, const Rib& rib, float weight, std::span<Section> sections) {
+  const std::size_t count = sections[0].count;
+  const auto channels = static_cast<std::ptrdiff_t>(sections.size());
+  const auto stride = static_cast<std::ptrdiff_t>(levels.step1());
+  const auto* first = levels.ptr<float>();
+  const auto inside = [&](double d) {
+    const Point q = rib.position + rib.across * d;
+    return q.x >= 0 && q.y >= 0 && q.x < levels.cols - 1.001 && q.y < levels.rows - 1.001;
+  };
+  if (inside(sections[0].place(0)) && inside(sections[0].place(count - 1))) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Point q = rib.position + rib.across * sections[0].place(i);
+      const auto x = static_cast<float>(q.x), y = static_cast<float>(q.y);
+      const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+      const float* pixel = first + y0 * stride + x0 * channels;
+      const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
+      for (Section& section : sections)
+        section.level[i] += weight * between(pixel++, channels, stride, fx, fy);
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point q = rib.position + rib.across * sections[0].place(i);
+    const auto x = static_cast<float>(std::clamp(q.x, 0.0, levels.cols - 1.0)),
+               y = static_cast<float>(std::clamp(q.y, 0.0, levels.rows - 1.0));
+    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+    const float* pixel = first + y0 * stride + x0 * channels;
+    for (Section& section : sections)
+      section.level[i] += weight * between(pixel++, x0 + 1 < levels.cols ? channels : 0,
+                                           y0 + 1 < levels.rows ? stride : 0, x - static_cast<float>(x0),
+                                           y - static_cast<float>(y0));
   }
 }
 
 Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count,
                     const std::array<float, 3>& axis) {
-  const int channels = levels.channels();
+  const auto channels = static_cast<std::size_t>(levels.channels());
   double total = 0;
   for (const Rib& rib : ribs) total += rib.weight;
   Sections sections;
-  sections.seen.count = count;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::array<float, 3> sum{};
-    const double d = sections.seen.place(i);
-    for (const Rib& rib : ribs)
-      add_sample(levels, rib.position + rib.across * d, static_cast<float>(rib.weight / total), channels,
-                 sum.data());
-    if (channels == 1) sum[1] = sum[2] = sum[0];
-    for (std::size_t c = 0; c < 3; ++c) sections.channel[c].level[i] = sum[c];
-    sections.seen.level[i] = channels == 1 ? sum[0] : axis[0] * sum[0] + axis[1] * sum[1] + axis[2] * sum[2];
-  }
   for (Section& section : sections.channel) section.count = count;
+  for (const Rib& rib : ribs)
+    add_rib(levels, rib, static_cast<float>(rib.weight / total),
+            std::span(sections.channel).first(channels));
+  sections.seen = sections.channel[0];
+  if (channels == 1) return sections;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto level = [&](std::size_t c) { return sections.channel[c].level[i]; };
+    sections.seen.level[i] = axis[0] * level(0) + axis[1] * level(1) + axis[2] * level(2);
+  }
   return sections;
 }
 

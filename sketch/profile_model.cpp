@@ -16,27 +16,27 @@ constexpr std::size_t kLanes = 8;
 constexpr std::size_t kNumbers = 6;
 constexpr std::size_t kProducts = kNumbers * (kNumbers + 1) / 2;
 
-// The normal distribution's density and share below x at each x (Abramowitz & Stegun 26.2.17: within 1e-7),
-// without a branch or a call, so that the loop goes into vectors.
-EMBERFOLD_ROW_PASS void normal_row(const float* __restrict x, int count, float* __restrict density,
-                                   float* __restrict below) {
-  for (int i = 0; i < count; ++i) {
-    const float size = std::abs(x[i]), a = size < 9.0F ? size : 9.0F;
-    // e^y = 2^n·e^r with |r| ≤ ln 2 / 2, the rest by its series.
-    const float y = -0.5F * a * a, scaled = y * 1.44269504F;
-    const int n = static_cast<int>(scaled - 0.5F);
-    const float r = (scaled - static_cast<float>(n)) * 0.69314718F;
-    const float series =
-        1 + r * (1 + r * (0.5F +
-                          r * (0.16666667F + r * (0.041666667F + r * (0.0083333333F + r * 0.0013888889F)))));
-    const float f = 0.39894228F * series * std::bit_cast<float>((n + 127) * (1 << 23));
-    const float t = 1 / (1 + 0.2316419F * a);
-    const float tail =
-        f * t *
-        (0.319381530F + t * (-0.356563782F + t * (1.781477937F + t * (-1.821255978F + t * 1.330274429F))));
-    density[i] = f;
-    below[i] = 0.5F + std::copysign(0.5F - tail, x[i]);
-  }
+struct Normal {
+  float density, below;
+};
+
+// The normal distribution's density and share below x (Abramowitz & Stegun 26.2.17: within 1e-7), without a
+// branch or a call, so that a loop goes into vectors.
+inline Normal normal_at(float x) {
+  const float size = std::abs(x), a = size < 9.0F ? size : 9.0F;
+  // e^y = 2^n·e^r with |r| ≤ ln 2 / 2, the rest by its series.
+  const float y = -0.5F * a * a, scaled = y * 1.44269504F;
+  const int n = static_cast<int>(scaled - 0.5F);
+  const float r = (scaled - static_cast<float>(n)) * 0.69314718F;
+  const float series =
+      1 +
+      r * (1 + r * (0.5F + r * (0.16666667F + r * (0.041666667F + r * (0.0083333333F + r * 0.0013888889F)))));
+  const float f = 0.39894228F * series * std::bit_cast<float>((n + 127) * (1 << 23));
+  const float t = 1 / (1 + 0.2316419F * a);
+  const float tail =
+      f * t *
+      (0.319381530F + t * (-0.356563782F + t * (1.781477937F + t * (-1.821255978F + t * 1.330274429F))));
+  return {f, 0.5F + std::copysign(0.5F - tail, x)};
 }
 
 // What a step of the fit needs: how the model changes with each of its numbers, and the model's residuals.
@@ -47,28 +47,25 @@ struct Shape {
   float offset, half_width, blur, left, middle, right;
 };
 
-// Of both edges at each sample: the place in SDs, the density and the share below.
-struct Edges {
-  Samples enter_at, leave_at, enter_density, leave_density, enter, leave;
-};
-
-// `by`: the columns of Slopes, one after the other.
-EMBERFOLD_ROW_PASS void slope_row(const float* __restrict level, const Edges& __restrict e, int count,
-                                  int padded, Shape s, float* __restrict by) {
+// `by`: the columns of Slopes, one after the other, `padded` samples of each; the first sample lies at
+// `first`.
+EMBERFOLD_ROW_PASS void slope_row(const float* __restrict level, float first, int count, int padded, Shape s,
+                                  float* __restrict by) {
   constexpr int k = static_cast<int>(kMostSamples);
   const float up = s.middle - s.left, down = s.right - s.middle, scale = 1 / s.blur;
   for (int i = 0; i < padded; ++i) {
     const float there = i < count ? 1.0F : 0.0F;
-    const float enter = e.enter.data()[i], leave = e.leave.data()[i];
-    const float rise = there * up * scale * e.enter_density.data()[i];
-    const float fall = there * down * scale * e.leave_density.data()[i];
-    by[i] = there - there * enter;
-    by[k + i] = there * (enter - leave);
-    by[2 * k + i] = there * leave;
+    const float d = first + static_cast<float>(kSampleStep) * static_cast<float>(i);
+    const float enter_at = (d + s.half_width) * scale, leave_at = (d - s.half_width) * scale;
+    const Normal enter = normal_at(enter_at), leave = normal_at(leave_at);
+    const float rise = there * up * scale * enter.density, fall = there * down * scale * leave.density;
+    by[i] = there - there * enter.below;
+    by[k + i] = there * (enter.below - leave.below);
+    by[2 * k + i] = there * leave.below;
     by[3 * k + i] = -(rise + fall);
     by[4 * k + i] = 0.5F * (rise - fall);
-    by[5 * k + i] = -(rise * e.enter_at.data()[i] + fall * e.leave_at.data()[i]);
-    by[6 * k + i] = there * (level[i] - (s.left + up * enter + down * leave));
+    by[5 * k + i] = -(rise * enter_at + fall * leave_at);
+    by[6 * k + i] = there * (level[i] - (s.left + up * enter.below + down * leave.below));
   }
 }
 
@@ -76,15 +73,7 @@ void slopes(const Section& section, Shape s, Slopes& out) {
   const int count = static_cast<int>(section.count), lanes = static_cast<int>(kLanes);
   const int padded = (count + lanes - 1) / lanes * lanes;
   const float first = -0.5F * static_cast<float>(kSampleStep) * static_cast<float>(count - 1) - s.offset;
-  Edges e;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(padded); ++i) {
-    const float d = first + static_cast<float>(kSampleStep) * static_cast<float>(i);
-    e.enter_at[i] = (d + s.half_width) / s.blur;
-    e.leave_at[i] = (d - s.half_width) / s.blur;
-  }
-  normal_row(e.enter_at.data(), padded, e.enter_density.data(), e.enter.data());
-  normal_row(e.leave_at.data(), padded, e.leave_density.data(), e.leave.data());
-  slope_row(section.level.data(), e, count, padded, s, out.data());
+  slope_row(section.level.data(), first, count, padded, s, out.data());
 }
 
 // Σ over the samples of each product of the first `numbers` columns, in eight partial sums added in order.
@@ -114,32 +103,32 @@ std::size_t product_of(std::size_t a, std::size_t b) {
 // singular.
 bool solve(const std::array<double, kProducts>& matrix, const std::array<double, kNumbers>& right,
            const std::array<bool, kNumbers>& use, double damping, std::array<double, kNumbers>& result) {
-  double l[kNumbers][kNumbers] = {};
-  std::array<double, kNumbers> y{};
-  result = {};
-  for (std::size_t a = 0; a < kNumbers; ++a) {
-    if (!use[a]) continue;
-    for (std::size_t b = 0; b <= a; ++b) {
-      if (!use[b]) continue;
-      double v = matrix[product_of(a, b)];
-      if (a == b) v += damping * v + 1e-9;
+  std::array<std::size_t, kNumbers> used;  // written as far as it is read, as are the others
+  std::size_t n = 0;
+  for (std::size_t a = 0; a < kNumbers; ++a)
+    if (use[a]) used[n++] = a;
+  double l[kNumbers][kNumbers];
+  std::array<double, kNumbers> y, reciprocal;  // of the diagonal
+  for (std::size_t a = 0; a < n; ++a) {
+    double rest = right[used[a]];
+    for (std::size_t b = 0; b < a; ++b) {
+      double v = matrix[product_of(used[a], used[b])];
       for (std::size_t k = 0; k < b; ++k) v -= l[a][k] * l[b][k];
-      if (a != b) {
-        l[a][b] = v / l[b][b];
-      } else {
-        if (!(v > 0)) return false;
-        l[a][a] = std::sqrt(v);
-      }
+      l[a][b] = v * reciprocal[b];
+      rest -= l[a][b] * y[b];
     }
-    double v = right[a];
-    for (std::size_t k = 0; k < a; ++k) v -= l[a][k] * y[k];
-    y[a] = v / l[a][a];
+    double v = matrix[product_of(used[a], used[a])];
+    v += damping * v + 1e-9;
+    for (std::size_t k = 0; k < a; ++k) v -= l[a][k] * l[a][k];
+    if (!(v > 0)) return result = {}, false;
+    reciprocal[a] = 1 / std::sqrt(v);
+    y[a] = rest * reciprocal[a];
   }
-  for (std::size_t a = kNumbers; a-- > 0;) {
-    if (!use[a]) continue;
+  result = {};
+  for (std::size_t a = n; a-- > 0;) {
     double v = y[a];
-    for (std::size_t k = a + 1; k < kNumbers; ++k) v -= l[k][a] * result[k];
-    result[a] = v / l[a][a];
+    for (std::size_t k = a + 1; k < n; ++k) v -= l[k][a] * result[used[k]];
+    result[used[a]] = v * reciprocal[a];
   }
   return true;
 }

@@ -70,8 +70,9 @@ bool round(Draft& draft, std::vector<Proposal> proposals) {
 graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& levels,
                              std::span<const GainFrame> axes, const Refinement& refinement) {
   Draft draft(judged(graph, axes));
+  Tried tried;
   for (int i = 0; i < kMostRounds; ++i) {
-    Editor editor(draft, levels, axes, refinement);
+    Editor editor(draft, levels, axes, refinement, tried);
     propose_for_strokes(editor, refinement.blobs);
     if (refinement.offered != nullptr) propose_offered(editor, *refinement.offered);
     propose_at_ends(editor);

@@ -99,28 +99,22 @@ int mirrored(int at, int size) {
   return at < size ? at : 2 * size - 1 - at;
 }
 
-constexpr int kBlock = 32;  // pixels whose sums stay in registers
-
 // out[x] = Σ weight[i]·(before[i][x] + after[i][x]): a pair of equal weight is summed first, so that mirrored
-// rows give the same bits.
+// rows give the same bits. Two pairs at a time: the sums stay in the nearest cache.
 EMBERFOLD_ROW_PASS void weigh_rows(const float* const* before, const float* const* after, const float* weight,
                                    int taps, int width, float* __restrict out) {
-  int x = 0;
-  for (; x + kBlock <= width; x += kBlock) {
-    float sum[kBlock];
-    for (int j = 0; j < kBlock; ++j) sum[j] = weight[0] * before[0][x + j];
-    for (int i = 1; i < taps; ++i) {
-      const float* a = before[i] + x;
-      const float* b = after[i] + x;
-      const float w = weight[i];
-      for (int j = 0; j < kBlock; ++j) sum[j] += w * (a[j] + b[j]);
-    }
-    for (int j = 0; j < kBlock; ++j) out[x + j] = sum[j];
+  const float* middle = before[0];
+  for (int x = 0; x < width; ++x) out[x] = weight[0] * middle[x];
+  int i = 1;
+  for (; i + 1 < taps; i += 2) {
+    const float *a = before[i], *b = after[i], *c = before[i + 1], *d = after[i + 1];
+    const float w = weight[i], v = weight[i + 1];
+    for (int x = 0; x < width; ++x) out[x] = (out[x] + w * (a[x] + b[x])) + v * (c[x] + d[x]);
   }
-  for (; x < width; ++x) {
-    float sum = weight[0] * before[0][x];
-    for (int i = 1; i < taps; ++i) sum += weight[i] * (before[i][x] + after[i][x]);
-    out[x] = sum;
+  for (; i < taps; ++i) {
+    const float *a = before[i], *b = after[i];
+    const float w = weight[i];
+    for (int x = 0; x < width; ++x) out[x] += w * (a[x] + b[x]);
   }
 }
 

@@ -18,11 +18,10 @@ namespace {
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
 
-// The nearest whole number, as std::lround has it, without a call.
+// The nearest whole number, as std::lround has it, without a call: half less the last bit, so that what is
+// just below a half is not rounded up by the sum.
 int nearest(double v) {
-  const int whole = static_cast<int>(v);
-  const double rest = v - whole;
-  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+  return static_cast<int>(v + std::copysign(0.49999999999999994, v));
 }
 
 // Drops the points that are marked and numbers the rest anew, in row order.

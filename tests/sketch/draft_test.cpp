@@ -133,7 +133,8 @@ TEST_CASE("Every proposal for a frame is worth what counting anew says and can b
   for (const graph::Edge& e : found.edges())
     if (e.a.value % 7 != 3 && e.b.value % 7 != 3) edges.push_back(e);
   const Draft draft(graph::AttributeGraph(std::move(vertices), std::move(edges)));
-  Editor editor(draft, frame, {&prepared, 1}, {5, true});
+  sketch::Tried tried;
+  Editor editor(draft, frame, {&prepared, 1}, {5, true}, tried);
   propose_for_strokes(editor, true);
   propose_at_ends(editor);
   propose_meetings(editor);
