@@ -104,7 +104,9 @@ bool overlap(const Patch& a, const Patch& b) {
 Coding best_coding(std::span<const GainFrame> axes, const Patch& patch) {
   Coding best;
   for (const GainFrame& frame : axes)
-    if (const Coding told = coding(frame, patch); &frame == axes.data() || told.gain > best.gain) best = told;
+    if (const Coding told = coding(frame, patch);
+        &frame == axes.data() || told.gain > std::max(best.gain, 0.0))
+      best = told;
   return best;
 }
 
@@ -143,9 +145,9 @@ Patch Editor::judged(Patch patch) const {
 }
 
 std::optional<Patch> Editor::like(const Patch& patch, Point position, double theta, double contrast) {
-  const auto [found, fresh] = tried_.try_emplace({position.x, position.y, theta, contrast, patch.width,
-                                                  patch.blur, patch.contrast,
-                                                  graph::on_step(patch) ? 1.0 : 0.0});
+  const auto [found, fresh] =
+      tried_.try_emplace({position.x, position.y, theta, contrast, patch.width, patch.blur, patch.contrast,
+                          graph::on_step(patch) ? 1.0 : 0.0});
   if (fresh) found->second = fitted_like(patch, position, theta, contrast);
   return found->second;
 }

@@ -26,7 +26,7 @@ struct Proposal {
 /// Whether one patch lies on the other: within 3 px along it, its core and a blur (1.5 px at least) across.
 bool overlap(const graph::Patch& a, const graph::Patch& b);
 
-/// In the axis in which the patch gains most.
+/// In the axis in which the patch gains most; in luma where none gains.
 Coding best_coding(std::span<const GainFrame> axes, const graph::Patch& patch);
 
 /// What Editor::like found, by all that it was asked: most of it is asked again in the next round.

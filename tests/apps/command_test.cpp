@@ -96,7 +96,7 @@ TEST_CASE("analyze writes everything it names, each readable and in agreement") 
   CHECK(patches > 100);
   CHECK(summary["sketch"]["patches"] == patches);
   CHECK(summary["sketch"]["psnr"]["frames"] == 14);
-  CHECK(summary["sketch"]["psnr"]["mean"] > 25);
+  CHECK(summary["sketch"]["psnr"]["mean"] > 23);
 
   const auto video = core::read_all(*open_clip((temp / "out/overlay.mp4").string(), {}, {}));
   CHECK(video.frames.size() == 14);
