@@ -218,7 +218,10 @@ Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits lim
       line_row(level.smooth[y], level.smooth[y + 1], level.smooth[y + 2], width, static_cast<float>(least),
                found.data());
       for (int x = 0; x < width; ++x) {
-        if (found[static_cast<std::size_t>(x)] == 0.0F) continue;
+        const double roughly = double{found[static_cast<std::size_t>(x)]};
+        if (roughly == 0) continue;
+        if (!beats(roughly < 0 ? lines.ridges : lines.valleys, x, y, 1.001 * normalise * std::abs(roughly)))
+          continue;
         const Principal p = principal(level.hessian(x, y));
         const double response = std::abs(double{p.value});
         if (response < least) continue;

@@ -24,6 +24,20 @@ int nearest(double v) {
   return static_cast<int>(v + std::copysign(0.49999999999999994, v));
 }
 
+// visit(x, y) for the pixels on the way across a crease point, as far as `reach` to both sides.
+template <class Visit>
+void visit_across(const CreasePoint& p, Point normal, double reach, cv::Size frame, Visit visit) {
+  const int halves = static_cast<int>(2 * reach);
+  int last_x = -1, last_y = -1;  // two halves often lie in one pixel
+  for (int h = -halves; h <= halves; ++h) {
+    const int x = nearest(p.position.x + 0.5 * h * normal.x), y = nearest(p.position.y + 0.5 * h * normal.y);
+    if ((x == last_x && y == last_y) || x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
+    last_x = x;
+    last_y = y;
+    visit(x, y);
+  }
+}
+
 // Drops the points that are marked and numbers the rest anew, in row order.
 void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
   std::vector<CreasePoint> kept;
@@ -141,13 +155,11 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
     const CreasePoint& p = lines.points[i];
     const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
     const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
-    const int halves = static_cast<int>(2 * reach);
-    for (int h = -halves; h <= halves; ++h) {
-      const int x = nearest(p.position.x + 0.5 * h * nx), y = nearest(p.position.y + 0.5 * h * ny);
-      if (x < 0 || y < 0 || x >= width || y >= height || steps.index(y, x) < 0) continue;
+    visit_across(p, {nx, ny}, reach, steps.index.size(), [&](int x, int y) {
+      if (steps.index(y, x) < 0) return;
       int& pixel = owner(y, x);
       if (pixel < 0 || point(pixel).contrast < p.contrast) pixel = static_cast<int>(i);
-    }
+    });
   }
   std::vector<bool> marked(steps.points.size(), false);
   for (int y = 0; y < height; ++y)
@@ -171,20 +183,18 @@ void thin(CreaseMap& map, const ScaleSpace& space) {
     const CreasePoint& p = map.points[i];
     const double reach = std::max(1.5, 1.25 * space[static_cast<std::size_t>(p.level)].sigma);
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
-    const int halves = static_cast<int>(2 * reach);
-    for (int h = -halves; h <= halves; ++h) {
-      const int x = nearest(p.position.x + 0.5 * h * normal.x),
-                y = nearest(p.position.y + 0.5 * h * normal.y);
-      if (x < 0 || y < 0 || x >= map.index.cols || y >= map.index.rows || map.index(y, x) < 0) continue;
+    visit_across(p, normal, reach, map.index.size(), [&](int x, int y) {
+      if (map.index(y, x) < 0) return;
       const auto j = static_cast<std::size_t>(map.index(y, x));
       const CreasePoint& q = map.points[j];
+      if (j == i || q.strength >= p.strength) return;
       const Point v = q.position - p.position;
-      const double across = std::abs(graph::dot(v, normal)),
-                   along = std::abs(graph::dot(v, {normal.y, -normal.x}));
-      if (j != i && q.strength < p.strength && across > 0.5 && across <= reach && along < 1 &&
+      const double across = std::abs(v.x * normal.x + v.y * normal.y),
+                   along = std::abs(v.x * normal.y - v.y * normal.x);
+      if (across > 0.5 && across <= reach && along < 1 &&
           graph::orientation_difference(p.theta, q.theta) < std::numbers::pi / 4)
         marked[j] = true;
-    }
+    });
   }
   keep_unmarked(map, marked);
 }
