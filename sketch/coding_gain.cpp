@@ -20,7 +20,7 @@ namespace emberfold::sketch {
 namespace {
 
 constexpr int kHalf = 4, kSide = 2 * kHalf + 1, kStride = 7;  // px, of the windows that measure the noise
-constexpr double kEnough = 1500;                                       // windows
+constexpr double kEnough = 1500;                              // windows
 constexpr int kBarLength = 5;                                 // px
 constexpr std::array<int, 2> kBars = {3, 6};                  // px
 constexpr double kQuantisation = 0.29;                        // grey levels

@@ -143,9 +143,9 @@ Patch Editor::judged(Patch patch) const {
 }
 
 std::optional<Patch> Editor::like(const Patch& patch, Point position, double theta, double contrast) {
-  const auto [found, fresh] = tried_.try_emplace({position.x, position.y, theta, contrast, patch.width,
-                                                  patch.blur, patch.contrast,
-                                                  graph::on_step(patch) ? 1.0 : 0.0});
+  const auto [found, fresh] =
+      tried_.try_emplace({position.x, position.y, theta, contrast, patch.width, patch.blur, patch.contrast,
+                          graph::on_step(patch) ? 1.0 : 0.0});
   if (fresh) found->second = fitted_like(patch, position, theta, contrast);
   return found->second;
 }
