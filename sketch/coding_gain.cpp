@@ -20,7 +20,7 @@ namespace emberfold::sketch {
 namespace {
 
 constexpr int kHalf = 4, kSide = 2 * kHalf + 1, kStride = 7;  // px, of the windows that measure the noise
-constexpr double kEnough = 1500;                                       // windows
+constexpr double kEnough = 1500;                              // windows
 constexpr int kBarLength = 5;                                 // px
 constexpr std::array<int, 2> kBars = {3, 6};                  // px
 constexpr double kQuantisation = 0.29;                        // grey levels
@@ -123,13 +123,14 @@ class BlurredStep {
   std::array<Node, kNodes> nodes_;
 };
 
-double blurred_step(double d) {
+const BlurredStep& blurred_step() {
   static const BlurredStep step;
-  return step(d);
+  return step;
 }
 
 /// A patch's profile in luma.
 struct Profile {
+  const BlurredStep& reached = blurred_step();
   double left, middle, right, half_width, blur, reach;
 
   Profile(const graph::Patch& patch, const std::array<float, 3>& axis)
@@ -141,8 +142,8 @@ struct Profile {
         reach(std::clamp(half_width + 2 * blur, kLeastReach, kMostReach)) {}
 
   [[nodiscard]] double at(double distance) const {
-    const double enter = blurred_step((distance + half_width) / blur);
-    const double leave = half_width > 0 ? blurred_step((distance - half_width) / blur) : enter;
+    const double enter = reached((distance + half_width) / blur);
+    const double leave = half_width > 0 ? reached((distance - half_width) / blur) : enter;
     return left + enter * (middle - left) + leave * (right - middle);
   }
 };

@@ -46,21 +46,35 @@ Principal principal(const Hessian& h) {
   return length > 0 ? Principal{value, nx / length, ny / length} : Principal{value, 1, 0};
 }
 
-// Whether a point of this strength would be kept.
-bool beats(const CreaseMap& map, int x, int y, double strength) {
-  const int slot = map.index(y, x);
-  return slot < 0 || strength > map.points[static_cast<std::size_t>(slot)].strength;
-}
+// A map to which points are added; their theta comes last, as most give way to others.
+struct Growing {
+  CreaseMap map;
+  std::vector<Point> normals;  // of the map's points
 
-void put(CreaseMap& map, int x, int y, const CreasePoint& point) {
-  int& slot = map.index(y, x);
-  if (slot < 0) {
-    slot = static_cast<int>(map.points.size());
-    map.points.push_back(point);
-  } else if (point.strength > map.points[static_cast<std::size_t>(slot)].strength) {
-    map.points[static_cast<std::size_t>(slot)] = point;
+  // Whether a point of this strength would be kept.
+  [[nodiscard]] bool beats(int x, int y, double strength) const {
+    const int slot = map.index(y, x);
+    return slot < 0 || strength > map.points[static_cast<std::size_t>(slot)].strength;
   }
-}
+
+  void put(int x, int y, const CreasePoint& point, Point normal) {
+    int& slot = map.index(y, x);
+    if (slot < 0) {
+      slot = static_cast<int>(map.points.size());
+      map.points.push_back(point);
+      normals.push_back(normal);
+    } else if (const auto i = static_cast<std::size_t>(slot); point.strength > map.points[i].strength) {
+      map.points[i] = point;
+      normals[i] = normal;
+    }
+  }
+
+  CreaseMap finish() {
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      map.points[i].theta = std::atan2(-normals[i].x, normals[i].y);
+    return std::move(map);
+  }
+};
 
 // The frame is mirrored at its border, which makes a line there of any slope: a line must show both its
 // sides.
@@ -68,9 +82,9 @@ bool inside(const cv::Mat1i& frame, Point p) {
   return p.x >= 0 && p.y >= 0 && p.x <= frame.cols - 1 && p.y <= frame.rows - 1;
 }
 
-CreaseMap empty_map(const ScaleSpace& space, CreaseKind kind) {
+Growing empty_map(const ScaleSpace& space, CreaseKind kind) {
   const cv::Mat1f& smooth = space.front().smooth;
-  return {kind, {}, cv::Mat1i(smooth.rows - 2, smooth.cols - 2, -1)};
+  return {{kind, {}, cv::Mat1i(smooth.rows - 2, smooth.cols - 2, -1)}, {}};
 }
 
 // find_lines for a whole row in single precision: the eigenvalue of greater magnitude where it reaches
@@ -206,8 +220,9 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
 }
 
 Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits limits) {
-  Lines lines{empty_map(space, CreaseKind::ridge), empty_map(space, CreaseKind::valley)};
-  const int width = lines.ridges.index.cols, height = lines.ridges.index.rows;
+  Growing ridges = empty_map(space, CreaseKind::ridge), valleys = empty_map(space, CreaseKind::valley);
+  const cv::Mat1i& frame = ridges.map.index;
+  const int width = frame.cols, height = frame.rows;
   std::vector<float> found(static_cast<std::size_t>(width));
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
@@ -218,36 +233,39 @@ Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits lim
       line_row(level.smooth[y], level.smooth[y + 1], level.smooth[y + 2], width, static_cast<float>(least),
                found.data());
       for (int x = 0; x < width; ++x) {
-        if (found[static_cast<std::size_t>(x)] == 0.0F) continue;
+        const double roughly = double{found[static_cast<std::size_t>(x)]};
+        if (roughly == 0) continue;
+        Growing& map = roughly < 0 ? ridges : valleys;
+        if (!map.beats(x, y, 1.001 * normalise * std::abs(roughly))) continue;
         const Principal p = principal(level.hessian(x, y));
         const double response = std::abs(double{p.value});
         if (response < least) continue;
-        CreaseMap& map = p.value < 0 ? lines.ridges : lines.valleys;
         const double strength = response * normalise;
-        if (!beats(map, x, y, strength)) continue;
+        if (!map.beats(x, y, strength)) continue;
         const Point g = level.gradient(x, y);
         const double nx = double{p.nx}, ny = double{p.ny};
         const double t = -(g.x * nx + g.y * ny) / double{p.value};
         if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
-        if (!inside(map.index, {x + level.sigma * nx, y + level.sigma * ny}) ||
-            !inside(map.index, {x - level.sigma * nx, y - level.sigma * ny}))
+        if (!inside(frame, {x + level.sigma * nx, y + level.sigma * ny}) ||
+            !inside(frame, {x - level.sigma * nx, y - level.sigma * ny}))
           continue;
-        put(map, x, y,
-            {{x + t * nx, y + t * ny},
-             std::atan2(-nx, ny),
-             response / ground.second[k],
-             strength,
-             response * to_contrast,
-             static_cast<int>(k)});
+        map.put(x, y,
+                {{x + t * nx, y + t * ny},
+                 0,
+                 response / ground.second[k],
+                 strength,
+                 response * to_contrast,
+                 static_cast<int>(k)},
+                {nx, ny});
       }
     }
   }
-  return lines;
+  return {ridges.finish(), valleys.finish()};
 }
 
 CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits limits) {
-  CreaseMap map = empty_map(space, CreaseKind::step);
-  const int width = map.index.cols, height = map.index.rows;
+  Growing map = empty_map(space, CreaseKind::step);
+  const int width = map.map.index.cols, height = map.map.index.rows;
   std::vector<float> found(static_cast<std::size_t>(width));
   cv::Mat1f magnitude(height, width);
   for (std::size_t k = 0; k < space.size(); ++k) {
@@ -263,7 +281,7 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
       for (int x = 1; x + 1 < width; ++x) {
         if (found[static_cast<std::size_t>(x)] == 0.0F) continue;
         const double here = double{magnitude(y, x)};
-        if (here < least || !beats(map, x, y, here * normalise)) continue;
+        if (here < least || !map.beats(x, y, here * normalise)) continue;
         const Point g = level.gradient(x, y);
         const double nx = g.x / here, ny = g.y / here;
         const double ahead = bilinear(magnitude, x + nx, y + ny),
@@ -278,17 +296,18 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
                                     bilinear(magnitude, x - far * nx, y - far * ny));
         const double rise = here - slope;
         if (rise < least) continue;
-        put(map, x, y,
-            {{x + t * nx, y + t * ny},
-             std::atan2(-nx, ny),
-             rise / ground.first[k],
-             rise * normalise,
-             rise * to_contrast,
-             static_cast<int>(k)});
+        map.put(x, y,
+                {{x + t * nx, y + t * ny},
+                 0,
+                 rise / ground.first[k],
+                 rise * normalise,
+                 rise * to_contrast,
+                 static_cast<int>(k)},
+                {nx, ny});
       }
     }
   }
-  return map;
+  return map.finish();
 }
 
 }  // namespace emberfold::sketch

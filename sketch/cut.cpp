@@ -70,7 +70,7 @@ struct Bow {
   [[nodiscard]] Point at(double t) const { return origin + slope * t + bend * (t * t); }
   [[nodiscard]] Point along(double t) const {
     const Point v = slope + bend * (2 * t);
-    const double length = graph::norm(v);
+    const double length = std::sqrt(graph::dot(v, v));
     return length > 1e-9 ? v * (1 / length) : Point{1, 0};
   }
 };

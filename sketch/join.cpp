@@ -173,7 +173,7 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
     if (other.kind != own.kind) return;
     const CreasePoint& q = other.points[c.point];
     const Point way = q.position - end.position;
-    const double length = graph::norm(way);
+    const double length = std::sqrt(graph::dot(way, way));
     const double reach = reach_of(std::max(level.sigma, space[static_cast<std::size_t>(q.level)].sigma));
     if (length > reach) return;
     // On the curve itself only what lies a real detour away: the other end of a ring, not the next point.

@@ -21,8 +21,8 @@ std::size_t bin_of(float value) {
 }  // namespace
 
 float median(std::vector<float> values) {
-  // Counting finds the bin in which the median lies, at a fraction of what partitioning everything costs. Four
-  // counters take turns: neighbours often lie in one bin.
+  // Counting finds the bin in which the median lies, at a fraction of what partitioning everything costs.
+  // Four counters take turns: neighbours often lie in one bin.
   std::array<std::array<std::uint32_t, 2048>, 4> counts{};
   for (std::size_t i = 0; i < values.size(); ++i) ++counts[i % 4][bin_of(values[i])];
   const auto count = [&](std::size_t b) {

@@ -24,8 +24,8 @@ double normal_cdf(double x) {
   return 0.5 * std::erfc(-x * 0.70710678118654752);
 }
 
-// The image across the patch: means over its ribs, of each of the frame's channels and of luma or another axis
-// of colour.
+// The image across the patch: means over its ribs, of each of the frame's channels and of luma or another
+// axis of colour.
 struct Sections {
   std::array<Section, 3> channel;
   Section seen;
@@ -67,9 +67,9 @@ void add_rib(const cv::Mat& levels, const Rib& rib, float weight, std::span<Sect
     const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
     const float* pixel = first + y0 * stride + x0 * channels;
     for (Section& section : sections)
-      section.level[i] += weight * between(pixel++, x0 + 1 < levels.cols ? channels : 0,
-                                           y0 + 1 < levels.rows ? stride : 0, x - static_cast<float>(x0),
-                                           y - static_cast<float>(y0));
+      section.level[i] +=
+          weight * between(pixel++, x0 + 1 < levels.cols ? channels : 0, y0 + 1 < levels.rows ? stride : 0,
+                           x - static_cast<float>(x0), y - static_cast<float>(y0));
   }
 }
 
@@ -81,8 +81,7 @@ Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_
   Sections sections;
   for (Section& section : sections.channel) section.count = count;
   for (const Rib& rib : ribs)
-    add_rib(levels, rib, static_cast<float>(rib.weight / total),
-            std::span(sections.channel).first(channels));
+    add_rib(levels, rib, static_cast<float>(rib.weight / total), std::span(sections.channel).first(channels));
   sections.seen = sections.channel[0];
   if (channels == 1) return sections;
   for (std::size_t i = 0; i < count; ++i) {

@@ -49,8 +49,8 @@ struct Shape {
 
 // `by`: the columns of Slopes, one after the other, `padded` samples of each; the first sample lies at
 // `first`.
-EMBERFOLD_ROW_PASS void slope_row(const float* __restrict level, float first, int count, int padded, Shape s,
-                                  float* __restrict by) {
+EMBERFOLD_ROW_PASS void bar_slopes(const float* __restrict level, float first, int count, int padded, Shape s,
+                                   float* __restrict by) {
   constexpr int k = static_cast<int>(kMostSamples);
   const float up = s.middle - s.left, down = s.right - s.middle, scale = 1 / s.blur;
   for (int i = 0; i < padded; ++i) {
@@ -69,15 +69,48 @@ EMBERFOLD_ROW_PASS void slope_row(const float* __restrict level, float first, in
   }
 }
 
+// The same of a step, whose two edges are one, without the columns of its middle and width.
+EMBERFOLD_ROW_PASS void step_slopes(const float* __restrict level, float first, int count, int padded,
+                                    Shape s, float* __restrict by) {
+  constexpr int k = static_cast<int>(kMostSamples);
+  const float up = s.right - s.left, scale = 1 / s.blur;
+  for (int i = 0; i < padded; ++i) {
+    const float there = i < count ? 1.0F : 0.0F;
+    const float at = (first + static_cast<float>(kSampleStep) * static_cast<float>(i)) * scale;
+    const Normal edge = normal_at(at);
+    const float rise = there * up * scale * edge.density;
+    by[i] = there - there * edge.below;
+    by[2 * k + i] = there * edge.below;
+    by[3 * k + i] = -rise;
+    by[5 * k + i] = -(rise * at);
+    by[6 * k + i] = there * (level[i] - (s.left + up * edge.below));
+  }
+}
+
 void slopes(const Section& section, Shape s, Slopes& out) {
   const int count = static_cast<int>(section.count), lanes = static_cast<int>(kLanes);
   const int padded = (count + lanes - 1) / lanes * lanes;
   const float first = -0.5F * static_cast<float>(kSampleStep) * static_cast<float>(count - 1) - s.offset;
-  slope_row(section.level.data(), first, count, padded, s, out.data());
+  const auto row = s.half_width > 0 ? bar_slopes : step_slopes;
+  row(section.level.data(), first, count, padded, s, out.data());
 }
 
-// Σ over the samples of each product of the first `numbers` columns, in eight partial sums added in order.
-EMBERFOLD_ROW_PASS void products(const Slopes& slopes, std::size_t count, std::size_t numbers,
+constexpr std::size_t product_of(std::size_t a, std::size_t b) {
+  return a >= b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a;
+}
+
+// Which of the model's numbers a fit is free to choose.
+struct Free {
+  std::array<std::size_t, kNumbers> number;
+  std::size_t count = 0;
+  explicit Free(const std::array<bool, kNumbers>& use) : number{} {
+    for (std::size_t a = 0; a < kNumbers; ++a)
+      if (use[a]) number[count++] = a;
+  }
+};
+
+// Σ over the samples of each product of the free columns, in eight partial sums added in order.
+EMBERFOLD_ROW_PASS void products(const Slopes& slopes, std::size_t count, const Free& free,
                                  double* normal_matrix, double* moment, double* squares) {
   const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
   const auto sum = [&](std::size_t a, std::size_t b) {
@@ -88,26 +121,22 @@ EMBERFOLD_ROW_PASS void products(const Slopes& slopes, std::size_t count, std::s
       for (std::size_t l = 0; l < kLanes; ++l) lane[l] += x[i + l] * y[i + l];
     return double{((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]))};
   };
-  for (std::size_t a = 0, at = 0; a < numbers; ++a) {
-    for (std::size_t b = 0; b <= a; ++b) normal_matrix[at++] = sum(a, b);
+  for (std::size_t i = 0; i < free.count; ++i) {
+    const std::size_t a = free.number[i];
+    for (std::size_t j = 0; j <= i; ++j)
+      normal_matrix[product_of(a, free.number[j])] = sum(a, free.number[j]);
     moment[a] = sum(a, kNumbers);
   }
   *squares = sum(kNumbers, kNumbers);
 }
 
-std::size_t product_of(std::size_t a, std::size_t b) {
-  return a >= b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a;
-}
-
-// Solves the system of the numbers in `use` by Cholesky; the others' results are 0. False where it is
+// Solves the system of the free numbers by Cholesky; the others' results are 0. False where it is
 // singular.
 bool solve(const std::array<double, kProducts>& matrix, const std::array<double, kNumbers>& right,
-           const std::array<bool, kNumbers>& use, double damping, std::array<double, kNumbers>& result) {
-  std::array<std::size_t, kNumbers> used;  // written as far as it is read, as are the others
-  std::size_t n = 0;
-  for (std::size_t a = 0; a < kNumbers; ++a)
-    if (use[a]) used[n++] = a;
-  double l[kNumbers][kNumbers];
+           const Free& free, double damping, std::array<double, kNumbers>& result) {
+  const std::size_t n = free.count;
+  const auto& used = free.number;
+  double l[kNumbers][kNumbers];                // written as far as it is read, as are the others
   std::array<double, kNumbers> y, reciprocal;  // of the diagonal
   for (std::size_t a = 0; a < n; ++a) {
     double rest = right[used[a]];
@@ -139,13 +168,13 @@ struct System {
   double squares = 0;
 };
 
-System system_at(const Section& section, const Profile& p, std::size_t numbers, Slopes& work) {
+System system_at(const Section& section, const Profile& p, const Free& free, Slopes& work) {
   slopes(section,
          {static_cast<float>(p.offset), static_cast<float>(0.5 * p.width), static_cast<float>(p.blur),
           static_cast<float>(p.left), static_cast<float>(p.middle), static_cast<float>(p.right)},
          work);
   System s;
-  products(work, section.count, numbers, s.matrix.data(), s.moment.data(), &s.squares);
+  products(work, section.count, free, s.matrix.data(), s.moment.data(), &s.squares);
   return s;
 }
 
@@ -164,11 +193,12 @@ double within(double wanted, double now, double least, double most) {
 Profile with_levels(const Section& section, Profile shape) {
   shape.left = shape.middle = shape.right = 0;
   Slopes work;  // written before it is read
-  const System s = system_at(section, shape, 3, work);
-  std::array<double, kNumbers> level{};
   const bool bar = shape.width > 0;
+  const Free free({true, bar, true, false, false, false});
+  const System s = system_at(section, shape, free, work);
+  std::array<double, kNumbers> level{};
   shape.residual = s.squares;
-  if (!solve(s.matrix, s.moment, {true, bar, true, false, false, false}, 0, level)) return shape;
+  if (!solve(s.matrix, s.moment, free, 0, level)) return shape;
   shape.left = level[0];
   shape.right = level[2];
   shape.middle = bar ? level[1] : 0.5 * (level[0] + level[2]);
@@ -181,18 +211,18 @@ Profile refine(const Section& section, Profile start, const ProfileBounds& bound
                double usual_blur) {
   constexpr double kSettled = 0.01;  // px
   const bool bar = start.width > 0;
-  const std::array<bool, kNumbers> use = {true, bar, true, bounds.offset > 0, bar, true};
+  const Free free({true, bar, true, bounds.offset > 0, bar, true});
   const auto strange = [&](const Profile& p) { return prior * square(std::log(p.blur / usual_blur)); };
   Slopes work;  // written before it is read
   Profile best = start;
-  System at = system_at(section, best, kNumbers, work);
+  System at = system_at(section, best, free, work);
   double cost = at.squares + strange(best), damping = 1e-3;
   for (int step = 0; step < steps; ++step) {
     System pulled = at;
     pulled.matrix[product_of(5, 5)] += prior / square(best.blur);
     pulled.moment[5] -= prior * std::log(best.blur / usual_blur) / best.blur;
     std::array<double, kNumbers> change{};
-    if (!solve(pulled.matrix, pulled.moment, use, damping, change)) break;
+    if (!solve(pulled.matrix, pulled.moment, free, damping, change)) break;
     Profile next = best;
     next.left += change[0];
     next.right += change[2];
@@ -204,7 +234,7 @@ Profile refine(const Section& section, Profile start, const ProfileBounds& bound
     } else {
       next.middle = 0.5 * (next.left + next.right);
     }
-    const System there = system_at(section, next, kNumbers, work);
+    const System there = system_at(section, next, free, work);
     const double next_cost = there.squares + strange(next);
     if (next_cost >= cost) {
       if ((damping *= 10) > 1e4) break;

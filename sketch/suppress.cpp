@@ -24,19 +24,48 @@ int nearest(double v) {
   return static_cast<int>(v + std::copysign(0.49999999999999994, v));
 }
 
+// visit(x, y) for the pixels on the way across a crease point, as far as `reach` to both sides.
+template <class Visit>
+void visit_across(const CreasePoint& p, Point normal, double reach, cv::Size frame, Visit visit) {
+  const int halves = static_cast<int>(2 * reach);
+  int last_x = -1, last_y = -1;  // two halves often lie in one pixel
+  for (int h = -halves; h <= halves; ++h) {
+    const int x = nearest(p.position.x + 0.5 * h * normal.x), y = nearest(p.position.y + 0.5 * h * normal.y);
+    if ((x == last_x && y == last_y) || x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
+    last_x = x;
+    last_y = y;
+    visit(x, y);
+  }
+}
+
+// visit(x, y, the pixel's entry) for every pixel that refers to a point, in row order.
+template <class Visit>
+void visit_points(cv::Mat1i& index, Visit visit) {
+  constexpr int kBlock = 16;
+  for (int y = 0; y < index.rows; ++y) {
+    int* row = index[y];
+    for (int x0 = 0; x0 < index.cols; x0 += kBlock) {
+      const int end = std::min(x0 + kBlock, index.cols);
+      if (end == x0 + kBlock) {  // most blocks are empty: their entries are all −1
+        int all = -1;
+        for (int j = 0; j < kBlock; ++j) all &= row[x0 + j];
+        if (all == -1) continue;
+      }
+      for (int x = x0; x < end; ++x)
+        if (row[x] >= 0) visit(x, y, row[x]);
+    }
+  }
+}
+
 // Drops the points that are marked and numbers the rest anew, in row order.
 void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
   std::vector<CreasePoint> kept;
   kept.reserve(map.points.size());
-  for (int y = 0; y < map.index.rows; ++y) {
-    int* row = map.index[y];
-    for (int x = 0; x < map.index.cols; ++x) {
-      if (row[x] < 0) continue;
-      const auto old = static_cast<std::size_t>(row[x]);
-      row[x] = marked[old] ? -1 : static_cast<int>(kept.size());
-      if (!marked[old]) kept.push_back(map.points[old]);
-    }
-  }
+  visit_points(map.index, [&](int, int, int& entry) {
+    const auto old = static_cast<std::size_t>(entry);
+    entry = marked[old] ? -1 : static_cast<int>(kept.size());
+    if (!marked[old]) kept.push_back(map.points[old]);
+  });
   map.points = std::move(kept);
 }
 
@@ -107,11 +136,10 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
   }
   const cv::Mat1f dark = shadow.finish();
   std::vector<bool> marked(lines.points.size(), false);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      if (const int i = lines.index(y, x); i >= 0)
-        marked[static_cast<std::size_t>(i)] =
-            lines.points[static_cast<std::size_t>(i)].contrast < double{dark(y / 2, x / 2)};
+  visit_points(lines.index, [&](int x, int y, int entry) {
+    const auto i = static_cast<std::size_t>(entry);
+    marked[i] = lines.points[i].contrast < double{dark(y / 2, x / 2)};
+  });
   keep_unmarked(lines, marked);
 }
 
@@ -134,57 +162,54 @@ void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleS
 
 void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space) {
   constexpr double kMargin = 1.6;  // a line whose sides differ by half has one flank that is a third higher
-  const int width = steps.index.cols, height = steps.index.rows;
-  cv::Mat1i owner(height, width, -1);  // of each pixel beside a line: the strongest such line's point
+  std::vector<int> owner(steps.points.size(), -1);  // of each step's point beside a line: the strongest such
+                                                    // line's point
   const auto point = [&](int i) -> const CreasePoint& { return lines.points[static_cast<std::size_t>(i)]; };
   for (std::size_t i = 0; i < lines.points.size(); ++i) {
     const CreasePoint& p = lines.points[i];
     const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
     const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
-    const int halves = static_cast<int>(2 * reach);
-    for (int h = -halves; h <= halves; ++h) {
-      const int x = nearest(p.position.x + 0.5 * h * nx), y = nearest(p.position.y + 0.5 * h * ny);
-      if (x < 0 || y < 0 || x >= width || y >= height || steps.index(y, x) < 0) continue;
-      int& pixel = owner(y, x);
-      if (pixel < 0 || point(pixel).contrast < p.contrast) pixel = static_cast<int>(i);
-    }
+    visit_across(p, {nx, ny}, reach, steps.index.size(), [&](int x, int y) {
+      if (steps.index(y, x) < 0) return;
+      int& line = owner[static_cast<std::size_t>(steps.index(y, x))];
+      if (line < 0 || point(line).contrast < p.contrast) line = static_cast<int>(i);
+    });
   }
   std::vector<bool> marked(steps.points.size(), false);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      if (steps.index(y, x) < 0 || owner(y, x) < 0) continue;
-      const auto at = static_cast<std::size_t>(steps.index(y, x));
-      const CreasePoint& line = point(owner(y, x));
-      // The steepest slope of a Gaussian line, h s / S² · e^{−1/2}, read as a step at the step's own scale.
-      const double s = space[static_cast<std::size_t>(line.level)].sigma,
-                   sigma = space[static_cast<std::size_t>(steps.points[at].level)].sigma;
-      const double slope = 0.607 * line.contrast * s / (s * s + sigma * sigma);
-      marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma;
-    }
+  for (std::size_t at = 0; at < steps.points.size(); ++at) {
+    if (owner[at] < 0) continue;
+    const CreasePoint& line = point(owner[at]);
+    // The steepest slope of a Gaussian line, h s / S² · e^{−1/2}, read as a step at the step's own scale.
+    const double s = space[static_cast<std::size_t>(line.level)].sigma,
+                 sigma = space[static_cast<std::size_t>(steps.points[at].level)].sigma;
+    const double slope = 0.607 * line.contrast * s / (s * s + sigma * sigma);
+    marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma;
+  }
   keep_unmarked(steps, marked);
 }
 
 void thin(CreaseMap& map, const ScaleSpace& space) {
   std::vector<bool> marked(map.points.size(), false);
+  std::vector<char> settled(map.points.size(), 0);  // marked, or had their turn
   for (const std::size_t i : strongest_first(map.points, &CreasePoint::strength)) {
     if (marked[i]) continue;
+    settled[i] = 1;
     const CreasePoint& p = map.points[i];
     const double reach = std::max(1.5, 1.25 * space[static_cast<std::size_t>(p.level)].sigma);
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
-    const int halves = static_cast<int>(2 * reach);
-    for (int h = -halves; h <= halves; ++h) {
-      const int x = nearest(p.position.x + 0.5 * h * normal.x),
-                y = nearest(p.position.y + 0.5 * h * normal.y);
-      if (x < 0 || y < 0 || x >= map.index.cols || y >= map.index.rows || map.index(y, x) < 0) continue;
+    visit_across(p, normal, reach, map.index.size(), [&](int x, int y) {
+      if (map.index(y, x) < 0) return;
       const auto j = static_cast<std::size_t>(map.index(y, x));
+      if (settled[j] != 0) return;
       const CreasePoint& q = map.points[j];
+      if (q.strength >= p.strength) return;
       const Point v = q.position - p.position;
-      const double across = std::abs(graph::dot(v, normal)),
-                   along = std::abs(graph::dot(v, {normal.y, -normal.x}));
-      if (j != i && q.strength < p.strength && across > 0.5 && across <= reach && along < 1 &&
+      const double across = std::abs(v.x * normal.x + v.y * normal.y),
+                   along = std::abs(v.x * normal.y - v.y * normal.x);
+      if (across > 0.5 && across <= reach && along < 1 &&
           graph::orientation_difference(p.theta, q.theta) < std::numbers::pi / 4)
-        marked[j] = true;
-    }
+        settled[j] = 1, marked[j] = true;
+    });
   }
   keep_unmarked(map, marked);
 }
