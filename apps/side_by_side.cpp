@@ -40,8 +40,7 @@ std::string fitting(const std::string& label, int width) {
 
 }  // namespace
 
-SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
-                       std::span<const cv::Size> sizes, double fps)
+PanelRow::PanelRow(std::vector<std::string> labels, std::span<const cv::Size> sizes)
     : labels_(std::move(labels)) {
   const int height = panel_height(sizes);
   int width = -kGap;
@@ -54,25 +53,28 @@ SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::strin
   for (std::size_t i = 0; i < labels_.size(); ++i)
     cv::putText(empty_, fitting(labels_[i], panels_[i].width), {place(i).x + 4, kLabel - 9},
                 cv::FONT_HERSHEY_SIMPLEX, 0.5, {60, 52, 48}, 1, cv::LINE_AA);
-  writer_ = create_clip(path, empty_.size(), fps, true);
 }
 
-cv::Rect SideBySide::place(std::size_t index) const {
+cv::Rect PanelRow::place(std::size_t index) const {
   int left = 0;
   for (std::size_t i = 0; i < index; ++i) left += panels_[i].width + kGap;
   return {{left, kLabel}, panels_[index]};
 }
 
-void SideBySide::write(std::span<const cv::Mat> frames) {
+cv::Mat PanelRow::compose(std::span<const cv::Mat> pictures) const {
   cv::Mat whole = empty_.clone();
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    cv::Mat colour = frames[i], scaled;
-    if (colour.channels() == 1) cv::cvtColor(frames[i], colour, cv::COLOR_GRAY2BGR);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    cv::Mat colour = pictures[i], scaled;
+    if (colour.channels() == 1) cv::cvtColor(pictures[i], colour, cv::COLOR_GRAY2BGR);
     const bool shrinks = panels_[i].height < colour.rows;
     cv::resize(colour, scaled, panels_[i], 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
     scaled.copyTo(whole(place(i)));
   }
-  writer_->write(whole);
+  return whole;
 }
+
+SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
+                       std::span<const cv::Size> sizes, double fps)
+    : row_(std::move(labels), sizes), writer_(create_clip(path, row_.size(), fps, true)) {}
 
 }  // namespace emberfold::apps

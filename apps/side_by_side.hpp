@@ -13,16 +13,15 @@
 
 namespace emberfold::apps {
 
-/// A video of clips beside each other, each under its label and at least 240 px high; larger ones keep their
-/// size as long as all of them are at most 3840 px wide.
-class SideBySide {
+/// Where pictures lie beside each other, each under its label and at least 240 px high; larger ones keep
+/// their size as long as all of them are at most 3840 px wide.
+class PanelRow {
  public:
-  /// `sizes`: of the clips' frames, one for each label.
-  SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
-             std::span<const cv::Size> sizes, double fps);
-  /// A frame of each, CV_8UC1 or CV_8UC3.
-  void write(std::span<const cv::Mat> frames);
-  void finish() { writer_->finish(); }
+  /// `sizes`: of the pictures, one for each label.
+  PanelRow(std::vector<std::string> labels, std::span<const cv::Size> sizes);
+  /// One of each, CV_8UC1 or CV_8UC3; CV_8UC3.
+  [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> pictures) const;
+  [[nodiscard]] cv::Size size() const { return empty_.size(); }
 
  private:
   [[nodiscard]] cv::Rect place(std::size_t index) const;
@@ -30,6 +29,20 @@ class SideBySide {
   std::vector<std::string> labels_;
   std::vector<cv::Size> panels_;
   cv::Mat empty_;  // with the labels
+};
+
+/// A video of clips beside each other.
+class SideBySide {
+ public:
+  /// `sizes`: of the clips' frames, one for each label.
+  SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
+             std::span<const cv::Size> sizes, double fps);
+  /// A frame of each, CV_8UC1 or CV_8UC3.
+  void write(std::span<const cv::Mat> frames) { writer_->write(row_.compose(frames)); }
+  void finish() { writer_->finish(); }
+
+ private:
+  PanelRow row_;
   std::unique_ptr<ClipWriter> writer_;
 };
 
