@@ -189,7 +189,7 @@ void add_drawing(CLI::App& command, Sketch& asked) {
   command
       .add_option("--fill", asked.fill,
                   "Draw the rest by heat diffusion, or as texture: with the frame's filter histograms "
-                  "(julesz), or of copied pixels (efros-leung); both draw with --seed")
+                  "(julesz), or of copied pixels (efros-leung); both draw numbers from --seed")
       ->type_name("diffusion|julesz|efros-leung")
       ->check(CLI::IsMember({"diffusion", "julesz", "efros-leung"}).description(""))
       ->default_str(asked.fill)

@@ -40,8 +40,7 @@ std::string fitting(const std::string& label, int width) {
 
 }  // namespace
 
-PanelRow::PanelRow(std::vector<std::string> labels, std::span<const cv::Size> sizes)
-    : labels_(std::move(labels)) {
+PanelRow::PanelRow(std::span<const cv::Size> sizes) {
   const int height = panel_height(sizes);
   int width = -kGap;
   for (const auto& size : sizes) {
@@ -49,10 +48,7 @@ PanelRow::PanelRow(std::vector<std::string> labels, std::span<const cv::Size> si
     panels_.emplace_back(std::max(1, static_cast<int>(std::round(scaled))), height);
     width += panels_.back().width + kGap;
   }
-  empty_ = cv::Mat(height + kLabel, width, CV_8UC3, cv::Scalar(250, 248, 246));
-  for (std::size_t i = 0; i < labels_.size(); ++i)
-    cv::putText(empty_, fitting(labels_[i], panels_[i].width), {place(i).x + 4, kLabel - 9},
-                cv::FONT_HERSHEY_SIMPLEX, 0.5, {60, 52, 48}, 1, cv::LINE_AA);
+  size_ = {width, height + kLabel};
 }
 
 cv::Rect PanelRow::place(std::size_t index) const {
@@ -61,20 +57,23 @@ cv::Rect PanelRow::place(std::size_t index) const {
   return {{left, kLabel}, panels_[index]};
 }
 
-cv::Mat PanelRow::compose(std::span<const cv::Mat> pictures) const {
-  cv::Mat whole = empty_.clone();
+cv::Mat PanelRow::compose(std::span<const cv::Mat> pictures, std::span<const std::string> labels) const {
+  cv::Mat whole(size_, CV_8UC3, cv::Scalar(250, 248, 246));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const cv::Rect panel = place(i);
+    cv::putText(whole, fitting(labels[i], panel.width), {panel.x + 4, kLabel - 9}, cv::FONT_HERSHEY_SIMPLEX,
+                0.5, {60, 52, 48}, 1, cv::LINE_AA);
     cv::Mat colour = pictures[i], scaled;
     if (colour.channels() == 1) cv::cvtColor(pictures[i], colour, cv::COLOR_GRAY2BGR);
-    const bool shrinks = panels_[i].height < colour.rows;
-    cv::resize(colour, scaled, panels_[i], 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
-    scaled.copyTo(whole(place(i)));
+    const bool shrinks = panel.height < colour.rows;
+    cv::resize(colour, scaled, panel.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
+    scaled.copyTo(whole(panel));
   }
   return whole;
 }
 
 SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
                        std::span<const cv::Size> sizes, double fps)
-    : row_(std::move(labels), sizes), writer_(create_clip(path, row_.size(), fps, true)) {}
+    : row_(sizes), labels_(std::move(labels)), writer_(create_clip(path, row_.size(), fps, true)) {}
 
 }  // namespace emberfold::apps

@@ -17,18 +17,17 @@ namespace emberfold::apps {
 /// their size as long as all of them are at most 3840 px wide.
 class PanelRow {
  public:
-  /// `sizes`: of the pictures, one for each label.
-  PanelRow(std::vector<std::string> labels, std::span<const cv::Size> sizes);
-  /// One of each, CV_8UC1 or CV_8UC3; CV_8UC3.
-  [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> pictures) const;
-  [[nodiscard]] cv::Size size() const { return empty_.size(); }
+  /// `sizes`: of the pictures.
+  explicit PanelRow(std::span<const cv::Size> sizes);
+  /// Pictures CV_8UC1 or CV_8UC3, and a label for each, cut where it does not fit; CV_8UC3.
+  [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> pictures, std::span<const std::string> labels) const;
+  [[nodiscard]] cv::Size size() const { return size_; }
 
  private:
   [[nodiscard]] cv::Rect place(std::size_t index) const;
 
-  std::vector<std::string> labels_;
   std::vector<cv::Size> panels_;
-  cv::Mat empty_;  // with the labels
+  cv::Size size_;
 };
 
 /// A video of clips beside each other.
@@ -38,11 +37,12 @@ class SideBySide {
   SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
              std::span<const cv::Size> sizes, double fps);
   /// A frame of each, CV_8UC1 or CV_8UC3.
-  void write(std::span<const cv::Mat> frames) { writer_->write(row_.compose(frames)); }
+  void write(std::span<const cv::Mat> frames) { writer_->write(row_.compose(frames, labels_)); }
   void finish() { writer_->finish(); }
 
  private:
   PanelRow row_;
+  std::vector<std::string> labels_;
   std::unique_ptr<ClipWriter> writer_;
 };
 

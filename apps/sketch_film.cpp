@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sketch_film.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <ostream>
+#include <string>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -18,48 +18,44 @@ namespace emberfold::apps {
 
 namespace {
 
-PanelRow panels(cv::Size frame, const SketchRequest& request) {
+PanelRow panels(cv::Size frame) {
   const cv::Mat blank(frame, CV_8UC3);
   // The graph is drawn enlarged; its size decides how high all of them are.
   const cv::Size graph = enlarge(blank, enlargement(frame, OverlayOptions{}.shorter_side)).size();
-  const std::array sizes{frame, graph, frame, frame};
-  const char* fill = "Reconstruction (diffusion)";
-  if (request.ground.kind == sketch::GroundFill::julesz) fill = "Reconstruction (Julesz)";
-  if (request.ground.kind == sketch::GroundFill::efros_leung) fill = "Reconstruction (Efros-Leung)";
-  return {{"Input", "Graph", request.anchors > 0 ? "Patches and anchors" : "Sketchable part", fill}, sizes};
+  return PanelRow(std::array{frame, graph, frame, frame});
 }
 
-std::string figures(double patch_share, double anchor_share, double psnr, bool anchors) {
-  std::array<char, 96> text{};
-  if (anchors)
-    std::snprintf(text.data(), text.size(), "   patches %04.1f %%   anchors %04.1f %%   PSNR %05.2f dB   ",
-                  100 * patch_share, 100 * anchor_share, psnr);
-  else
-    std::snprintf(text.data(), text.size(), "   patches %04.1f %%   PSNR %05.2f dB   ", 100 * patch_share,
-                  psnr);
+const char* fill_label(sketch::GroundFill fill) {
+  if (fill == sketch::GroundFill::julesz) return "Julesz texture";
+  return fill == sketch::GroundFill::efros_leung ? "Efros-Leung texture" : "diffusion";
+}
+
+std::string rounded(double value, int digits) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
   return text.data();
 }
 
 }  // namespace
 
 SketchFilm::SketchFilm(cv::Size frame, const SketchRequest& request)
-    : row_(panels(frame, request)), anchors_(request.anchors > 0) {
-  const std::string widest = frame_label(10000000) + figures(1, 1, kMostPsnr, anchors_);
-  footer_ = draw_legend(row_.size().width, widest, type_legend()).rows;
-}
+    : row_(panels(frame)), anchors_(request.anchors > 0), fill_(fill_label(request.ground.kind)) {}
 
 cv::Mat SketchFilm::picture(const cv::Mat& frame, const graph::AttributeGraph& graph,
                             const SketchedFrame& drawn, int t) const {
   const std::array pictures{frame, draw_type_curves(frame, graph), draw_held(drawn.held),
                             drawn.reconstruction.bytes};
-  const cv::Mat row = row_.compose(pictures);
-  const auto text =
-      frame_label(t) + figures(drawn.patch_share, drawn.anchor_share, drawn.reconstruction.psnr, anchors_);
-  const cv::Mat legend = draw_legend(row.cols, text, type_legend());
-  cv::Mat whole(row.rows + footer_, row.cols, CV_8UC3, cv::Scalar(246, 248, 250));
-  row.copyTo(whole(cv::Rect({}, row.size())));
-  const int rows = std::min(footer_, legend.rows);
-  legend.rowRange(0, rows).copyTo(whole(cv::Rect(0, row.rows, row.cols, rows)));
+  const auto percent = [](double share) { return rounded(100 * share, 1) + " %"; };
+  const std::string part =
+      anchors_ ? "Patches " + percent(drawn.patch_share) + ", anchors " + percent(drawn.anchor_share)
+               : "Sketchable part, " + percent(drawn.patch_share);
+  const std::array<std::string, 4> labels{
+      "Input", "Graph", part,
+      "Reconstruction, " + fill_ + ", " + rounded(drawn.reconstruction.psnr, 1) + " dB"};
+  const cv::Mat row = row_.compose(pictures, labels);
+  const cv::Mat legend = draw_legend(row.cols, frame_label(t), type_legend());
+  cv::Mat whole;
+  cv::vconcat(row, legend, whole);
   return whole;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include <opencv2/core/mat.hpp>
 
 #include "apps/side_by_side.hpp"
@@ -12,8 +14,8 @@ namespace emberfold::apps {
 /// The level of what a picture of the sketchable part leaves open.
 constexpr double kOpenLevel = 128;
 
-/// The pictures of film.mp4: input, graph, sketchable part on grey, reconstruction, and a line with the
-/// frame's figures (Guo, Zhu & Wu 2007, Figs. 2 and 3). All of a clip have the same size.
+/// The pictures of film.mp4: input, graph, sketchable part on grey, reconstruction, with the frame's figures
+/// (Guo, Zhu & Wu 2007, Figs. 2 and 3). All of a clip have the same size.
 class SketchFilm {
  public:
   SketchFilm(cv::Size frame, const SketchRequest& request);
@@ -24,7 +26,7 @@ class SketchFilm {
  private:
   PanelRow row_;
   bool anchors_;
-  int footer_;  // px
+  std::string fill_;
 };
 
 /// What is held, on grey; CV_8U.
