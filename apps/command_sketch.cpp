@@ -170,10 +170,16 @@ void run_sketch(const Sketch& asked, Session& session) {
 // A share that may be left out.
 void parse_anchors(const std::string& text, double& share) {
   constexpr double kUsual = 0.2;
-  if (text.empty())
-    share = kUsual;
-  else
+  share = kUsual;
+  if (text.empty()) return;
+  try {
     parse_number("--anchors", text, share);
+  } catch (const CLI::ValidationError&) {
+    throw CLI::ValidationError("--anchors",
+                               "'" + text +
+                                   "' is not a number; where no share is told, another option or "
+                                   "nothing may follow");
+  }
 }
 
 void add_drawing(CLI::App& command, Sketch& asked) {

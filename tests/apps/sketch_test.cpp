@@ -236,8 +236,8 @@ TEST_CASE("heat.mp4 ends with the reconstruction") {
   const auto mean_error = [&](const cv::Mat& picture) {
     return cv::norm(grey(picture).rowRange(0, 480), shown, cv::NORM_L1) / double(shown.total());
   };
-  CHECK(mean_error(heat.back()) < 1.5);
-  CHECK(mean_error(heat.front()) > 5);
+  CHECK(mean_error(heat.back()) < 3);  // H.264 in 4:2:0 takes 2 levels; run_heat itself is held to the fill
+  CHECK(mean_error(heat.front()) > 8);
 }
 
 TEST_CASE("every fill draws texture of its own the same at any number of threads and in any part") {
@@ -245,10 +245,11 @@ TEST_CASE("every fill draws texture of its own the same at any number of threads
   const auto clip = write_grain(temp / "clip", 3);
   sketched(clip, temp / "diffusion", {});
   const auto smooth = frames_of(temp / "diffusion/reconstruction.avi");
-  const auto spread = [&](const cv::Mat& frame) {
-    cv::Scalar mean, deviation;
-    cv::meanStdDev(grey(frame)(cv::Rect(24, 8, 16, 32)), mean, deviation);  // between the lines
-    return deviation[0];
+  const auto spread = [&](const cv::Mat& frame) {  // from pixel to pixel, between the lines
+    cv::Mat levels, beside;
+    grey(frame).convertTo(levels, CV_32F);
+    cv::subtract(levels(cv::Rect(24, 8, 16, 32)), levels(cv::Rect(25, 8, 16, 32)), beside);
+    return cv::norm(beside, cv::NORM_L2) / std::sqrt(16.0 * 32);
   };
   const double true_spread = spread(frames_of(clip)[1]);
   for (const std::string fill : {"diffusion", "julesz", "efros-leung"}) {
@@ -312,7 +313,7 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   refused({"--anchors", "1.5"}, {"--anchors", "1.5", "0 (none) to 1"});
   refused({"--anchors", "-0.5"}, {"--anchors", "-0.5"});
   refused({"--anchors=nan"}, {"--anchors", "nan"});
-  refused({"--anchors", "many"}, {"--anchors", "many", "number"});
+  refused({"--anchors", "many"}, {"--anchors", "many", "number", "may follow"});
   refused({"--fill", "water"}, {"--fill", "water", "diffusion", "julesz", "efros-leung"});
   refused({"--fill", "julesz", "--regions", "2"}, {"--regions", "2", "3 to 7"});
   refused({"--fill", "julesz", "--regions", "8"}, {"--regions", "8", "3 to 7"});
@@ -327,6 +328,22 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   INFO(before.err);
   CHECK(before.exit == 0);
   CHECK(Json::parse(bytes_of(out / "summary.json"))["options"]["drawing"]["anchors"] == 0.2);
+}
+
+TEST_CASE("the smallest and the oddest pictures go through every way of drawing") {
+  const TempFolder temp;
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 2), cv::Size(3, 90), cv::Size(120, 2)})
+    for (const std::string fill : {"diffusion", "julesz", "efros-leung"}) {
+      const auto name = std::to_string(size.width) + "x" + std::to_string(size.height);
+      cv::imwrite((temp / "picture.png").string(), noise_frame(size, CV_8UC3, 5));
+      INFO(name << " " << fill);
+      const auto summary =
+          sketched((temp / "picture.png").string(), temp / name,
+                   {"--fill", fill, "--film", "--heat-film", "0", "--anchors", "--warm", "--blobs"});
+      CHECK(frames_of(temp / name / "film.mp4").size() == 1);
+      CHECK(frames_of(temp / name / "heat.mp4").size() >= 2);
+      CHECK(summary["sketch"]["psnr"]["mean"] > 5);
+    }
 }
 
 TEST_CASE("films that are interrupted or do not fit on the disk leave nothing") {
