@@ -68,7 +68,7 @@ sketch::Sketchable made_part() {
 
 }  // namespace
 
-TEST_CASE("a budget of the sketch is kept in every frame and told") {
+TEST_CASE("a budget of the sketch is kept in every frame and told", "[slow]") {
   const TempFolder temp;
   const auto free = sketched("builtin:fire", temp / "free", {"--range", "30:34"});
   const auto most = free["sketch"]["sketchable_share"]["mean"].get<double>();
@@ -84,7 +84,7 @@ TEST_CASE("a budget of the sketch is kept in every frame and told") {
   }
 }
 
-TEST_CASE("anchors show the share asked for with the patches and bring the frame more than 3 dB nearer") {
+TEST_CASE("anchors show the share asked for with the patches and bring the frame more than 3 dB nearer", "[slow]") {
   const TempFolder temp;
   for (const std::string patches : {"fitted", "pixels"}) {
     const auto alone = sketched("builtin:fire", temp / "alone",
@@ -240,7 +240,7 @@ TEST_CASE("heat.mp4 ends with the reconstruction") {
   CHECK(mean_error(heat.front()) > 8);
 }
 
-TEST_CASE("every fill draws texture of its own the same at any number of threads and in any part") {
+TEST_CASE("every fill draws texture of its own the same at any number of threads and in any part", "[slow]") {
   const TempFolder temp;
   const auto clip = write_grain(temp / "clip", 3);
   sketched(clip, temp / "diffusion", {});
@@ -280,21 +280,21 @@ TEST_CASE("every fill draws texture of its own the same at any number of threads
   }
 }
 
-TEST_CASE("a warm sketch begins like a cold one and holds on to what it had") {
+TEST_CASE("a warm sketch begins like a cold one and holds on to what it had", "[slow]") {
   const TempFolder temp;
   const auto read = [&](const char* name) {
     std::ifstream file(temp / name / "sketch.jsonl");
     return graph::read_sketch(file, name);
   };
-  sketched("builtin:river", temp / "cold", {"--range", "0:20"});
-  const auto summary = sketched("builtin:river", temp / "warm", {"--range", "0:20", "--warm"});
-  sketched("builtin:river", temp / "one", {"--range", "0:20", "--warm", "--threads", "1"});
+  sketched("builtin:river", temp / "cold", {"--range", "0:8"});
+  const auto summary = sketched("builtin:river", temp / "warm", {"--range", "0:8", "--warm"});
+  sketched("builtin:river", temp / "one", {"--range", "0:8", "--warm", "--threads", "1"});
   const auto cold = read("cold"), warm = read("warm");
-  REQUIRE(warm.frames.size() == 20);
+  REQUIRE(warm.frames.size() == 8);
   CHECK(warm.frames[0] == cold.frames[0]);
   CHECK_FALSE(warm == cold);
   std::size_t more = 0;
-  for (std::size_t t = 0; t < 20; ++t) more += warm.frames[t].size() > cold.frames[t].size() ? 1 : 0;
+  for (std::size_t t = 0; t < 8; ++t) more += warm.frames[t].size() > cold.frames[t].size() ? 1 : 0;
   CHECK(more > 0);
   CHECK(summary["options"]["sketch"]["warm"] == true);
   CHECK(bytes_of(temp / "warm/sketch.jsonl") == bytes_of(temp / "one/sketch.jsonl"));
@@ -330,7 +330,7 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   CHECK(Json::parse(bytes_of(out / "summary.json"))["options"]["drawing"]["anchors"] == 0.2);
 }
 
-TEST_CASE("the smallest and the oddest pictures go through every way of drawing") {
+TEST_CASE("the smallest and the oddest pictures go through every way of drawing", "[slow]") {
   const TempFolder temp;
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 2), cv::Size(3, 90), cv::Size(120, 2)})
     for (const std::string fill : {"diffusion", "julesz", "efros-leung"}) {
