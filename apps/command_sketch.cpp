@@ -224,7 +224,8 @@ void add_drawing(CLI::App& command, Sketch& asked) {
             parse_number("--heat-film", text, frame);
             request.heat_frame = frame;
           },
-          "Write heat.mp4: the diffusion of this frame as it goes on, from patches on grey to rest")
+          "Write heat.mp4: the diffusion of this frame (0: the first that is sketched) as it goes on, from "
+          "patches on grey to rest")
       ->type_name("FRAME")
       ->group(group);
 }
