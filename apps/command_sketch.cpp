@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <memory>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
-#include "apps/clip_writer.hpp"
 #include "apps/command_line.hpp"
-#include "apps/draw.hpp"
 #include "apps/output_folder.hpp"
-#include "apps/overlay.hpp"
 #include "apps/reconstruct.hpp"
 #include "apps/sketch_dictionary.hpp"
-#include "apps/stream_frames.hpp"
+#include "apps/sketch_film.hpp"
+#include "apps/sketch_frames.hpp"
+#include "apps/sketch_heat.hpp"
 #include "apps/summary.hpp"
 #include "graph/motion_io.hpp"
 
@@ -22,114 +23,147 @@ using Json = nlohmann::ordered_json;
 
 struct Sketch {
   Reading reading;
-  std::string output, patches = "fitted";
-  sketch::ExtractOptions extract;
-  sketch::FillOptions fill;
+  std::string output, patches = "fitted", fill = "diffusion";
+  SketchRequest request;
   DictionaryRequest dictionary;
+  bool own_budget = false, own_regions = false;
 };
 
-struct Sketched {
-  graph::AttributeGraph graph;
-  Reconstruction reconstruction;
-  cv::Mat overlay;
-  std::vector<sketch::Code> codes;
-};
-
-// All of the clip: what is found, and the figures of each frame.
-struct SketchRun {
-  graph::SketchSequence sketch;
-  std::vector<double> share, psnr, patches;
-  int not_converged = 0;
-  CodeFigures codes;
-};
-
-SketchRun sketch_clip(const Sketch& asked, core::FrameSource& source, const SketchDictionary* dictionary,
-                      OutputFolder& output, const Session& session) {
-  const auto& info = source.info();
-  const auto drawing = asked.patches == "pixels" ? PatchDrawing::pixels : PatchDrawing::fitted;
-  SketchRun run;
-  run.sketch.width = info.width, run.sketch.height = info.height, run.sketch.fps = info.fps;
-  std::unique_ptr<ClipWriter> overlay;
-  const auto reconstruction = create_clip(output.staged("reconstruction.avi"), {info.width, info.height},
-                                          info.fps, info.channels == 3);
-  stream_frames(
-      source, "sketch", info.frames, session.context,
-      [&](int t, const cv::Mat& frame) {
-        const cv::Mat levels = core::to_levels(frame, info);
-        Sketched made{
-            dictionary ? dictionary->graph(t, levels, asked.extract) : sketch::extract(levels, asked.extract),
-            {},
-            {},
-            {}};
-        if (dictionary) made.codes = encode_frame(levels, made.graph, *dictionary);
-        made.reconstruction =
-            asked.patches == "learned"
-                ? reconstruct(levels,
-                              sketch::draw_learned(made.graph, made.codes, dictionary->dictionary,
-                                                   levels.size(), levels.channels()),
-                              asked.fill)
-                : reconstruct(levels, made.graph, drawing, asked.fill);
-        made.overlay = draw_types(to_colour_bytes(frame, info), made.graph, t);
-        return made;
-      },
-      [&](int, Sketched made) {
-        if (!overlay)
-          overlay = create_clip(output.staged("overlay.mp4"), made.overlay.size(), info.fps, true);
-        overlay->write(made.overlay);
-        reconstruction->write(made.reconstruction.bytes);
-        run.sketch.append(made.graph);
-        run.share.push_back(made.reconstruction.share);
-        run.psnr.push_back(made.reconstruction.psnr);
-        run.patches.push_back(static_cast<double>(made.graph.size()));
-        run.codes.add(made.codes);
-        run.not_converged += made.reconstruction.converged ? 0 : 1;
-      });
-  if (run.sketch.frames.empty()) throw core::IoError(asked.reading.clip + " holds no frame");
-  overlay->finish();
-  reconstruction->finish();
-  return run;
+// The names are those that the parser lets through.
+PatchDrawing patches_named(const std::string& name) {
+  if (name == "learned") return PatchDrawing::learned;
+  return name == "pixels" ? PatchDrawing::pixels : PatchDrawing::fitted;
 }
 
-Json summarise(const Sketch& asked, const ReadOptions& read, const core::ClipInfo& info, const SketchRun& run,
-               const Session& session) {
+sketch::GroundFill fill_named(const std::string& name) {
+  if (name == "julesz") return sketch::GroundFill::julesz;
+  return name == "efros-leung" ? sketch::GroundFill::efros_leung : sketch::GroundFill::diffusion;
+}
+
+void refuse(const std::string& option, const std::string& value, const std::string& allowed) {
+  throw Misuse(option + " is " + value + "; allowed is " + allowed);
+}
+
+// What is asked for, whole: with what follows from other options.
+SketchRequest check_request(const Sketch& asked, const ReadOptions& read, const Session& session) {
+  SketchRequest request = asked.request;
+  request.first_frame = read.first;
+  request.patches = patches_named(asked.patches);
+  request.ground.kind = fill_named(asked.fill);
+  request.ground.seed = session.common.seed;
+  check_options(request.extract);
+  check_options(request.ground.fill);
+  if (request.patches == PatchDrawing::learned && !asked.dictionary.any())
+    throw Misuse("--patches learned needs a dictionary: give --learn-dictionary or --dictionary FOLDER");
+  const int regions = request.ground.texture.regions;
+  const auto& texture = request.ground.texture;
+  if (regions != 0 && (regions < texture.fewest || regions > texture.most))
+    refuse("--regions", std::to_string(regions),
+           "0 (as many as fit best) or " + std::to_string(texture.fewest) + " to " +
+               std::to_string(texture.most));
+  if (asked.own_regions && request.ground.kind == sketch::GroundFill::diffusion)
+    throw Misuse("--regions is for --fill julesz or efros-leung; the diffusion knows no textures");
+  if (request.anchors < 0 || request.anchors > 1 || std::isnan(request.anchors))
+    refuse("--anchors", number_text(request.anchors), "0 (none) to 1, a share of the frame");
+  // Measured to be the best split between patches and anchors.
+  if (request.anchors > 0 && !asked.own_budget) request.extract.budget = request.anchors / 4;
+  if (request.heat_frame && *request.heat_frame < 0)
+    refuse("--heat-film", std::to_string(*request.heat_frame), "a frame's number, from 0");
+  return request;
+}
+
+void check_heat_frame(const SketchRequest& request, std::optional<std::int64_t> frames) {
+  if (request.heat_frame && frames && *frames > 0 && *request.heat_frame >= *frames)
+    refuse(
+        "--heat-film", std::to_string(*request.heat_frame),
+        "0 to " + std::to_string(*frames - 1) + ", for " + std::to_string(*frames) + " frames are sketched");
+}
+
+void warn_of(const SketchRun& run, Session& session) {
+  const auto& figures = run.figures;
+  if (figures.not_converged > 0)
+    session.warn("the fill stopped before its tolerance in " + std::to_string(figures.not_converged) +
+                 " frames");
+  if (figures.without_room > 0)
+    session.warn("in " + std::to_string(figures.without_room) +
+                 " frames the patches alone show as much as --anchors allows; they have no anchors");
+}
+
+Json asked_json(const Sketch& asked, const SketchRequest& request, const ReadOptions& read) {
+  Json fill = {{"kind", asked.fill}};
+  if (request.ground.kind != sketch::GroundFill::diffusion) fill["regions"] = request.ground.texture.regions;
+  fill.update(options_json(request.ground.fill));
+  Json drawing = {{"patches", asked.patches}, {"anchors", request.anchors}};
+  Json extract = options_json(request.extract);
+  extract["warm"] = request.warm;
+  return {{"reading", reading_json(read)}, {"sketch", extract}, {"fill", fill}, {"drawing", drawing}};
+}
+
+Json summarise(const Sketch& asked, const SketchRequest& request, const ReadOptions& read,
+               const core::ClipInfo& info, const SketchRun& run, const Session& session) {
   Json summary = begin_summary("sketch", session);
+  const auto& figures = run.figures;
   summary["clip"] = clip_json(asked.reading.clip, info, static_cast<int>(run.sketch.frames.size()));
-  summary["options"] = {{"reading", reading_json(read)},
-                        {"sketch", options_json(asked.extract)},
-                        {"fill", options_json(asked.fill)},
-                        {"drawing", {{"patches", asked.patches}}}};
-  summary["sketch"] = {{"patches_per_frame", spread_json(run.patches)},
-                       {"sketchable_share", spread_json(run.share)},
-                       {"psnr", spread_json(run.psnr)}};
-  summary["per_frame"] = {{"patches", run.patches}, {"sketchable_share", run.share}, {"psnr", run.psnr}};
+  summary["options"] = asked_json(asked, request, read);
+  summary["sketch"] = {{"patches_per_frame", spread_json(figures.patches)},
+                       {"sketchable_share", spread_json(figures.patch_share)},
+                       {"anchor_share", spread_json(figures.anchor_share)},
+                       {"fill", asked.fill},
+                       {"psnr", spread_json(figures.psnr)}};
+  summary["per_frame"] = {{"patches", figures.patches},
+                          {"sketchable_share", figures.patch_share},
+                          {"anchor_share", figures.anchor_share},
+                          {"psnr", figures.psnr}};
+  if (request.ground.kind != sketch::GroundFill::diffusion) {
+    summary["sketch"]["regions"] = spread_json(figures.regions);
+    summary["per_frame"]["regions"] = figures.regions;
+  }
+  if (request.ground.kind == sketch::GroundFill::julesz) {
+    summary["sketch"]["histogram_distance"] = spread_json(figures.histogram_distance);
+    summary["per_frame"]["histogram_distance"] = figures.histogram_distance;
+  }
   summary["warnings"] = session.warnings;
   return summary;
 }
 
+// All files but the summary.
+SketchRun write_sketched(const std::string& clip, const SketchRequest& request, core::FrameSource& source,
+                         OutputFolder& output, Stages& stages, Session& session) {
+  try {
+    SketchRun run = sketch_frames(source, request, output, session);
+    if (run.sketch.frames.empty()) throw core::IoError(clip + " holds no frame");
+    check_heat_frame(request, static_cast<std::int64_t>(run.sketch.frames.size()));
+    warn_of(run, session);
+    if (request.film) {
+      stages.begin("picture");
+      write_film_picture(source, request, run, output, session);
+    }
+    if (request.heat_frame) {
+      stages.begin("heat");
+      write_heat_film(source, request, run, output, session);
+    }
+    stages.begin("write");
+    output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, run.sketch); });
+    return run;
+  } catch (const core::IoError& error) {
+    throw core::IoError(output.of_final(error.what()));
+  }
+}
+
 void run_sketch(const Sketch& asked, Session& session) {
   const ReadOptions read = check_reading(asked.reading, session);
-  check_options(asked.extract);
-  check_options(asked.fill);
-  if (asked.patches == "learned" && !asked.dictionary.any())
-    throw Misuse("--patches learned needs a dictionary: give --learn-dictionary or --dictionary FOLDER");
+  SketchRequest request = check_request(asked, read, session);
   OutputFolder output(asked.output);
   Stages stages;
   stages.begin("sketch");
   const auto source =
       open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
-  const auto dictionary = prepare_dictionary(asked.dictionary, *source, asked.extract, session);
-  SketchRun run;
-  try {
-    run = sketch_clip(asked, *source, dictionary ? &*dictionary : nullptr, output, session);
-  } catch (const core::IoError& error) {
-    throw core::IoError(output.of_final(error.what()));
-  }
-  if (run.not_converged > 0)
-    session.warn("the fill stopped before its tolerance in " + std::to_string(run.not_converged) + " frames");
-  stages.begin("write");
-  output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, run.sketch); });
+  check_heat_frame(request, source->info().frames);
+  const auto dictionary = prepare_dictionary(asked.dictionary, *source, request.extract, session);
+  if (dictionary) request.dictionary = &*dictionary;
+  const SketchRun run = write_sketched(asked.reading.clip, request, *source, output, stages, session);
   stages.end();
-  Json summary = summarise(asked, read, source->info(), run, session);
+  Json summary = summarise(asked, request, read, source->info(), run, session);
   if (dictionary) summary["dictionary"] = run.codes.json(dictionary->dictionary);
   if (asked.dictionary.learn) write_dictionary(output, dictionary->dictionary);
   summary["seconds"] = stages.seconds();
@@ -142,6 +176,78 @@ void run_sketch(const Sketch& asked, Session& session) {
   if (session.common.json) session.print(json_text(summary));
 }
 
+// A share that may be left out.
+void parse_anchors(const std::string& text, double& share) {
+  constexpr double kUsual = 0.2;
+  share = kUsual;
+  if (text.empty()) return;
+  try {
+    parse_number("--anchors", text, share);
+  } catch (const CLI::ValidationError&) {
+    throw CLI::ValidationError("--anchors",
+                               "'" + text +
+                                   "' is not a number; where no share is told, another option or "
+                                   "nothing may follow");
+  }
+}
+
+void add_drawing(CLI::App& command, Sketch& asked) {
+  auto& request = asked.request;
+  const char* group = "Drawing";
+  command
+      .add_option("--patches", asked.patches,
+                  "Draw patches from their attributes (fitted), with the frame's own pixels, or as a "
+                  "dictionary tells them (learned)")
+      ->type_name("fitted|pixels|learned")
+      ->check(CLI::IsMember({"fitted", "pixels", "learned"}).description(""))
+      ->default_str(asked.patches)
+      ->group(group);
+  auto* learn = command
+                    .add_flag("--learn-dictionary", asked.dictionary.learn,
+                              "Learn what the clip's patches look like: dictionary/, dictionary.png")
+                    ->group(group);
+  command.add_option("--dictionary", asked.dictionary.folder, "Use a dictionary that was learned before")
+      ->type_name("FOLDER")
+      ->excludes(learn)
+      ->group(group);
+  command
+      .add_option("--fill", asked.fill,
+                  "Draw the rest by heat diffusion, or as texture: with the frame's filter histograms "
+                  "(julesz), or of copied pixels (efros-leung); both draw numbers from --seed")
+      ->type_name("diffusion|julesz|efros-leung")
+      ->check(CLI::IsMember({"diffusion", "julesz", "efros-leung"}).description(""))
+      ->default_str(asked.fill)
+      ->group(group);
+  add_number(command, "--regions", request.ground.texture.regions, "N",
+             "Textures that julesz and efros-leung tell apart, 3 to 7; 0: as many as fit best")
+      ->group(group);
+  command
+      .add_option_function<std::string>(
+          "--anchors", [&request](const std::string& text) { parse_anchors(text, request.anchors); },
+          "Hold pixels where the diffusion needs them, until they and the patches show this share of the "
+          "frame, 0.2 where none is told; without --budget the patches get a quarter of it")
+      ->type_name("[SHARE]")
+      ->expected(0, 1)
+      ->group(group);
+  command
+      .add_flag("--film", request.film,
+                "Write film.mp4: input, graph, sketchable part, reconstruction; and film.png of the middle "
+                "frame")
+      ->group(group);
+  command
+      .add_option_function<std::string>(
+          "--heat-film",
+          [&request](const std::string& text) {
+            int frame = 0;
+            parse_number("--heat-film", text, frame);
+            request.heat_frame = frame;
+          },
+          "Write heat.mp4: the diffusion of this frame (0: the first that is sketched) as it goes on, from "
+          "patches on grey to rest")
+      ->type_name("FRAME")
+      ->group(group);
+}
+
 }  // namespace
 
 void add_sketch(CLI::App& app, Chosen& chosen) {
@@ -149,27 +255,26 @@ void add_sketch(CLI::App& app, Chosen& chosen) {
       app.add_subcommand("sketch", "Draw the primal sketch of every frame, and the frame from its sketch");
   command->footer(
       "  emberfold sketch fire.mp4 -o out/sketch\n"
-      "  emberfold sketch photo.png -o out/photo --patches pixels");
+      "  emberfold sketch photo.png -o out/photo --patches pixels\n"
+      "  emberfold sketch fire.mp4 -o out/film --anchors --film --heat-film 40\n"
+      "  emberfold sketch river.mp4 -o out/texture --fill julesz --range 0:10");
   const auto asked = std::make_shared<Sketch>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
+  add_drawing(*command, *asked);
+  add_fields(*command, asked->request.extract, "Sketching");
   command
-      ->add_option("--patches", asked->patches,
-                   "Draw patches from their attributes (fitted), with the frame's own pixels, or as a "
-                   "dictionary tells them (learned)")
-      ->type_name("fitted|pixels|learned")
-      ->check(CLI::IsMember({"fitted", "pixels", "learned"}).description(""))
-      ->default_str(asked->patches);
-  auto* learn = command->add_flag("--learn-dictionary", asked->dictionary.learn,
-                                  "Learn what the clip's patches look like: dictionary/, dictionary.png");
-  command->add_option("--dictionary", asked->dictionary.folder, "Use a dictionary that was learned before")
-      ->type_name("FOLDER")
-      ->excludes(learn);
-  add_fields(*command, asked->extract, "Sketching");
-  add_fields(*command, asked->fill, "Filling");
+      ->add_flag("--warm", asked->request.warm,
+                 "Begin each frame's sketch with that of the frame before, so that faint strokes flicker "
+                 "less; frames are then sketched one by one")
+      ->group("Sketching");
+  add_fields(*command, asked->request.ground.fill, "Filling");
   add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_sketch(*asked, session); }; });
+  command->callback([asked, &chosen, command] {
+    asked->own_budget = command->count("--budget") > 0;
+    asked->own_regions = command->count("--regions") > 0;
+    chosen.run = [asked](Session& session) { run_sketch(*asked, session); };
+  });
 }
 
 }  // namespace emberfold::apps

@@ -28,6 +28,7 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("min_evidence", o.min_evidence, "SD", "Curves that are less significant in all are left out");
   visit("spacing", o.spacing, "PX", "From patch to patch along a curve");
   visit("edges", o.edges, "", "Leave step edges out, follow ridges and valleys alone");
+  visit("colour", o.colour, "", "Structure from two axes of colour too, not only from luma");
   visit("blobs", o.blobs, "", "Blobs too, where the fill between the strokes leaves more than noise");
   visit("budget", o.budget, "SHARE",
         "The patches that gain most, blobs among them, on so much of the frame; 0: all that pay");

@@ -5,8 +5,6 @@
 
 #include <opencv2/core.hpp>
 
-#include "apps/draw.hpp"
-
 namespace emberfold::apps {
 
 namespace {
@@ -34,16 +32,26 @@ cv::Mat draw_sketch(const cv::Mat& frame, const graph::AttributeGraph& graph, co
   return picture;
 }
 
-cv::Mat draw_types(const cv::Mat& frame, const graph::AttributeGraph& graph, int frame_number,
-                   const OverlayOptions& options) {
+cv::Mat draw_type_curves(const cv::Mat& frame, const graph::AttributeGraph& graph,
+                         const OverlayOptions& options) {
   const Placement place{enlargement(frame.size(), options.shorter_side), {}};
-  cv::Mat picture = enlarge(frame, place.scale), whole;
+  cv::Mat picture = enlarge(frame, place.scale);
   picture.convertTo(picture, -1, options.brightness);
   draw_graph(picture, graph, place, [&](std::size_t index) { return look_colour(look(graph.patch(index))); });
-  const cv::Mat legend = draw_legend(picture.cols, frame_label(frame_number),
-                                     {{"bright line", look_colour(Look::bright_line)},
-                                      {"dark line", look_colour(Look::dark_line)},
-                                      {"step", look_colour(Look::step)}});
+  return picture;
+}
+
+std::vector<LegendItem> type_legend() {
+  return {{"bright line or blob", look_colour(Look::bright_line)},
+          {"dark line or blob", look_colour(Look::dark_line)},
+          {"step", look_colour(Look::step)}};
+}
+
+cv::Mat draw_types(const cv::Mat& frame, const graph::AttributeGraph& graph, int frame_number,
+                   const OverlayOptions& options) {
+  const cv::Mat picture = draw_type_curves(frame, graph, options);
+  const cv::Mat legend = draw_legend(picture.cols, frame_label(frame_number), type_legend());
+  cv::Mat whole;
   cv::vconcat(picture, legend, whole);
   return whole;
 }

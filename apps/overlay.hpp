@@ -2,9 +2,11 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
+#include "apps/draw.hpp"
 #include "graph/attribute_graph.hpp"
 #include "graph/events.hpp"
 
@@ -30,6 +32,11 @@ cv::Mat draw_overlay(const cv::Mat& frame, const graph::AttributeGraph& graph, i
 /// The same for a frame of which no strokes are known: curves in the colour of their type, explained below.
 cv::Mat draw_types(const cv::Mat& frame, const graph::AttributeGraph& graph, int frame_number,
                    const OverlayOptions& options = {});
+
+/// The picture and the legend's entries that this one is made of.
+cv::Mat draw_type_curves(const cv::Mat& frame, const graph::AttributeGraph& graph,
+                         const OverlayOptions& options = {});
+std::vector<LegendItem> type_legend();
 
 /// The events of frames first…last, of a list ordered by frame.
 std::span<const graph::Event> events_between(std::span<const graph::Event> events, int first, int last);

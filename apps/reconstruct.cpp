@@ -8,26 +8,43 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "apps/draw_graph_frames.hpp"
+#include "apps/interrupt.hpp"
 #include "core/clip.hpp"
+#include "sketch/anchors.hpp"
 
 namespace emberfold::apps {
 
-Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
-                           const sketch::FillOptions& options) {
-  return reconstruct(levels,
-                     drawing == PatchDrawing::fitted
-                         ? sketch::draw_fitted(graph, levels.size(), levels.channels())
-                         : sketch::draw_pixels(graph, levels),
-                     options);
+sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,
+                                PatchDrawing drawing) {
+  return drawing == PatchDrawing::fitted ? sketch::draw_fitted(graph, levels.size(), levels.channels())
+                                         : sketch::draw_pixels(graph, levels);
 }
 
-Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& part,
+sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat& levels, double share) {
+  const auto pixels = static_cast<double>(levels.total());
+  const double room = std::floor(share * pixels + 1e-9) - cv::countNonZero(patches.mask);
+  if (room < 1) return patches;
+  // Half a pixel more, so that rounding does not take one away.
+  const cv::Mat anchors = sketch::anchors(levels, patches, std::min(1.0, (room + 0.5) / pixels));
+  return sketch::with_anchors(patches, levels, anchors);
+}
+
+Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options) {
+  sketch::GroundOptions ground;
+  ground.fill = options;
+  return reconstruct(levels, draw_patches(levels, graph, drawing), ground);
+}
+
+Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held,
+                           const sketch::GroundOptions& ground, const core::Context& context) {
+  const auto drawn = sketch::fill_ground(levels, held, ground, context);
+  if (drawn.status == core::Status::cancelled) throw Interrupted{};
   Reconstruction result;
-  const auto drawn = draw_around(part, cv::mean(levels), options);
-  result.share = drawn.share;
+  result.share = held.share();
   result.converged = drawn.converged;
+  result.regions = drawn.regions;
+  result.histogram_distance = drawn.histogram_distance;
   result.bytes = core::to_bytes(drawn.levels);
   cv::Mat shown;
   result.bytes.convertTo(shown, CV_32F);

@@ -6,20 +6,24 @@
 #include <nlohmann/json_fwd.hpp>
 #include <opencv2/core/mat.hpp>
 
+#include "core/context.hpp"
 #include "graph/attribute_graph.hpp"
 #include "sketch/fill.hpp"
+#include "sketch/fill_ground.hpp"
 #include "sketch/render.hpp"
 
 namespace emberfold::apps {
 
-enum class PatchDrawing { fitted, pixels };
+enum class PatchDrawing { fitted, pixels, learned };
 
 /// A frame drawn again from its sketch.
 struct Reconstruction {
   cv::Mat bytes;     ///< CV_8U, channels of the frame
-  double share = 0;  ///< sketchable, 0…1
+  double share = 0;  ///< held: of patches and anchors, 0…1
   double psnr = 0;   ///< dB against the frame, at most kMostPsnr
   bool converged = true;
+  int regions = 0;                ///< textures that the ground was drawn with
+  double histogram_distance = 0;  ///< of the ground from the frame, 0…1; only with julesz
 };
 constexpr double kMostPsnr = 100;
 
@@ -28,9 +32,17 @@ constexpr double kMostPsnr = 100;
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options);
 
-/// The same with a sketchable part that is drawn already.
-Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& part,
-                           const sketch::FillOptions& options);
+/// The patches as they are drawn, from their attributes or with the frame's pixels.
+sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,
+                                PatchDrawing drawing);
+
+/// The patches and as many of the frame's own pixels, where the diffusion needs them most, that both together
+/// show at most `share` (0…1) of it; none where the patches show as much already.
+sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat& levels, double share);
+
+/// Draws the rest of the frame around what is held. Throws Interrupted.
+Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held,
+                           const sketch::GroundOptions& ground, const core::Context& context = {});
 
 /// 10 log₁₀(255² / MSE) over all pixels and channels of two CV_32F frames; kMostPsnr where they hardly
 /// differ.

@@ -40,9 +40,7 @@ std::string fitting(const std::string& label, int width) {
 
 }  // namespace
 
-SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
-                       std::span<const cv::Size> sizes, double fps)
-    : labels_(std::move(labels)) {
+PanelRow::PanelRow(std::span<const cv::Size> sizes) {
   const int height = panel_height(sizes);
   int width = -kGap;
   for (const auto& size : sizes) {
@@ -50,29 +48,32 @@ SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::strin
     panels_.emplace_back(std::max(1, static_cast<int>(std::round(scaled))), height);
     width += panels_.back().width + kGap;
   }
-  empty_ = cv::Mat(height + kLabel, width, CV_8UC3, cv::Scalar(250, 248, 246));
-  for (std::size_t i = 0; i < labels_.size(); ++i)
-    cv::putText(empty_, fitting(labels_[i], panels_[i].width), {place(i).x + 4, kLabel - 9},
-                cv::FONT_HERSHEY_SIMPLEX, 0.5, {60, 52, 48}, 1, cv::LINE_AA);
-  writer_ = create_clip(path, empty_.size(), fps, true);
+  size_ = {width, height + kLabel};
 }
 
-cv::Rect SideBySide::place(std::size_t index) const {
+cv::Rect PanelRow::place(std::size_t index) const {
   int left = 0;
   for (std::size_t i = 0; i < index; ++i) left += panels_[i].width + kGap;
   return {{left, kLabel}, panels_[index]};
 }
 
-void SideBySide::write(std::span<const cv::Mat> frames) {
-  cv::Mat whole = empty_.clone();
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    cv::Mat colour = frames[i], scaled;
-    if (colour.channels() == 1) cv::cvtColor(frames[i], colour, cv::COLOR_GRAY2BGR);
-    const bool shrinks = panels_[i].height < colour.rows;
-    cv::resize(colour, scaled, panels_[i], 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
-    scaled.copyTo(whole(place(i)));
+cv::Mat PanelRow::compose(std::span<const cv::Mat> pictures, std::span<const std::string> labels) const {
+  cv::Mat whole(size_, CV_8UC3, cv::Scalar(250, 248, 246));
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const cv::Rect panel = place(i);
+    cv::putText(whole, fitting(labels[i], panel.width), {panel.x + 4, kLabel - 9}, cv::FONT_HERSHEY_SIMPLEX,
+                0.5, {60, 52, 48}, 1, cv::LINE_AA);
+    cv::Mat colour = pictures[i], scaled;
+    if (colour.channels() == 1) cv::cvtColor(pictures[i], colour, cv::COLOR_GRAY2BGR);
+    const bool shrinks = panel.height < colour.rows;
+    cv::resize(colour, scaled, panel.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
+    scaled.copyTo(whole(panel));
   }
-  writer_->write(whole);
+  return whole;
 }
+
+SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
+                       std::span<const cv::Size> sizes, double fps)
+    : row_(sizes), labels_(std::move(labels)), writer_(create_clip(path, row_.size(), fps, true)) {}
 
 }  // namespace emberfold::apps

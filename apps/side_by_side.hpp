@@ -13,23 +13,36 @@
 
 namespace emberfold::apps {
 
-/// A video of clips beside each other, each under its label and at least 240 px high; larger ones keep their
-/// size as long as all of them are at most 3840 px wide.
+/// Where pictures lie beside each other, each under its label and at least 240 px high; larger ones keep
+/// their size as long as all of them are at most 3840 px wide.
+class PanelRow {
+ public:
+  /// `sizes`: of the pictures.
+  explicit PanelRow(std::span<const cv::Size> sizes);
+  /// Pictures CV_8UC1 or CV_8UC3, and a label for each, cut where it does not fit; CV_8UC3.
+  [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> pictures, std::span<const std::string> labels) const;
+  [[nodiscard]] cv::Size size() const { return size_; }
+
+ private:
+  [[nodiscard]] cv::Rect place(std::size_t index) const;
+
+  std::vector<cv::Size> panels_;
+  cv::Size size_;
+};
+
+/// A video of clips beside each other.
 class SideBySide {
  public:
   /// `sizes`: of the clips' frames, one for each label.
   SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
              std::span<const cv::Size> sizes, double fps);
   /// A frame of each, CV_8UC1 or CV_8UC3.
-  void write(std::span<const cv::Mat> frames);
+  void write(std::span<const cv::Mat> frames) { writer_->write(row_.compose(frames, labels_)); }
   void finish() { writer_->finish(); }
 
  private:
-  [[nodiscard]] cv::Rect place(std::size_t index) const;
-
+  PanelRow row_;
   std::vector<std::string> labels_;
-  std::vector<cv::Size> panels_;
-  cv::Mat empty_;  // with the labels
   std::unique_ptr<ClipWriter> writer_;
 };
 

@@ -20,10 +20,11 @@ inline std::size_t frames_at_once(int width, int height, int channels) {
 
 /// Runs through a clip from its first frame: work(t, frame) on several frames at once, then take(t, result)
 /// in order. Holds a batch of frames and their results, some 16 frames or 192 MB, whichever is less.
-/// `expected`: for the progress alone. Returns how many frames there were; throws Interrupted.
-template <class Work, class Take>
+/// `expected`: for the progress alone. Returns how many frames there were; throws Interrupted. What has to be
+/// done frame after frame is before(t, frame): in order, ahead of work(t, frame).
+template <class Before, class Work, class Take>
 int stream_frames(core::FrameSource& source, std::string_view stage, std::optional<std::int64_t> expected,
-                  const core::Context& context, const Work& work, const Take& take) {
+                  const core::Context& context, const Before& before, const Work& work, const Take& take) {
   using Result = decltype(work(0, cv::Mat{}));
   const auto& info = source.info();
   const auto batch_size = frames_at_once(info.width, info.height, info.channels);
@@ -35,6 +36,7 @@ int stream_frames(core::FrameSource& source, std::string_view stage, std::option
     while (frames.size() < batch_size) {
       cv::Mat frame = source.next();
       if (frame.empty()) break;
+      before(done + static_cast<int>(frames.size()), frame);
       frames.push_back(std::move(frame));
       if (context.cancelled()) throw Interrupted{};
     }
@@ -51,6 +53,13 @@ int stream_frames(core::FrameSource& source, std::string_view stage, std::option
     context.report(stage, expected && *expected > 0 ? double(done) / double(*expected) : 0);
   }
   return done;
+}
+
+template <class Work, class Take>
+int stream_frames(core::FrameSource& source, std::string_view stage, std::optional<std::int64_t> expected,
+                  const core::Context& context, const Work& work, const Take& take) {
+  return stream_frames(
+      source, stage, expected, context, [](int, const cv::Mat&) {}, work, take);
 }
 
 }  // namespace emberfold::apps

@@ -13,4 +13,8 @@ void Context::report(std::string_view stage, double fraction) const {
   if (progress_) progress_(stage, std::clamp(fraction, 0.0, 1.0));
 }
 
+Context Context::with_progress(Progress progress) const {
+  return Context(stop_, std::move(progress));
+}
+
 }  // namespace emberfold::core

@@ -22,6 +22,8 @@ class Context {
 
   [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
   void report(std::string_view stage, double fraction) const;
+  /// Stopped with this one, telling somebody else.
+  [[nodiscard]] Context with_progress(Progress progress) const;
 
  private:
   std::stop_token stop_;

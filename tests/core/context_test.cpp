@@ -37,3 +37,15 @@ TEST_CASE("Progress passes on the stage and a share between 0 and 1", "[core][co
   CHECK(told == std::vector<std::pair<std::string, double>>{{"sketch", 0.25}, {"match", 0}, {"match", 1}});
   CHECK_FALSE(context.cancelled());
 }
+
+TEST_CASE("A context that tells somebody else stops with the first", "[core][context]") {
+  std::stop_source stop;
+  int first = 0, other = 0;
+  const core::Context context(stop.get_token(), [&](std::string_view, double) { ++first; });
+  const core::Context part = context.with_progress([&](std::string_view, double) { ++other; });
+  part.report("julesz", 0.5);
+  CHECK(first == 0);
+  CHECK(other == 1);
+  stop.request_stop();
+  CHECK(part.cancelled());
+}
