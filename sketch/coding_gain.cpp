@@ -28,9 +28,21 @@ constexpr double kAlong = 2.5;                                // px to each end
 constexpr double kLeastReach = 3, kMostReach = 12;            // px to each side
 constexpr double kBand = 2;  // px more than the footprint's half, of each band
 
-/// From one window to the next: px.
-int stride_of(const cv::Mat1f& luma) {
-  return std::max(kStride, static_cast<int>(std::sqrt(luma.size().area() / kEnough)));
+/// visit(x, y) for the corners of windows of this size all over the frame, which lie alike seen from either
+/// border.
+template <class Visit>
+void visit_windows(cv::Size frame, cv::Size window, Visit visit) {
+  const int apart = std::max(kStride, static_cast<int>(std::sqrt(frame.area() / kEnough))) | 1;
+  const int across = frame.width - window.width, down = frame.height - window.height;
+  if (across < 0 || down < 0) return;
+  const int step_x = std::clamp(across, 1, apart), step_y = std::clamp(down, 1, apart);
+  const auto first = [](int range, int step) {
+    int at = 0;
+    while ((range - 2 * at) % step != 0) ++at;  // ends: the step is odd, or the range itself
+    return at;
+  };
+  for (int y = first(down, step_y); y <= down; y += step_y)
+    for (int x = first(across, step_x); x <= across; x += step_x) visit(x, y);
 }
 
 /// The mean square of a window about its plane.
@@ -75,13 +87,12 @@ double bar_contrast(const cv::Mat1f& luma, cv::Point corner, cv::Point across, i
 /// bar's mean.
 double measure_clumping(const cv::Mat1f& luma, int width, double noise) {
   std::vector<float> contrasts;
-  const int stride = stride_of(luma);
   for (const cv::Point across : {cv::Point{1, 0}, cv::Point{0, 1}}) {
     const int columns = across.x * 3 * width + across.y * kBarLength;
     const int rows = across.y * 3 * width + across.x * kBarLength;
-    for (int y = 0; y + rows <= luma.rows; y += stride)
-      for (int x = 0; x + columns <= luma.cols; x += stride)
-        contrasts.push_back(static_cast<float>(std::abs(bar_contrast(luma, {x, y}, across, width))));
+    visit_windows(luma.size(), {columns, rows}, [&](int x, int y) {
+      contrasts.push_back(static_cast<float>(std::abs(bar_contrast(luma, {x, y}, across, width))));
+    });
   }
   if (contrasts.empty()) return 1;
   constexpr double kMedianToSd = 1.4826;
@@ -275,10 +286,8 @@ GainFrame prepare_gain(cv::Mat1f mixture, const std::array<float, 3>& axis) {
   frame.axis = axis;
   frame.noise = kQuantisation;
   std::vector<float> variances;
-  const int stride = stride_of(frame.luma);
-  for (int y = 0; y + kSide <= frame.luma.rows; y += stride)
-    for (int x = 0; x + kSide <= frame.luma.cols; x += stride)
-      variances.push_back(static_cast<float>(variance(frame.luma, x, y)));
+  visit_windows(frame.luma.size(), {kSide, kSide},
+                [&](int x, int y) { variances.push_back(static_cast<float>(variance(frame.luma, x, y))); });
   if (variances.empty()) return frame;
   constexpr double kMedian = 0.9915;  // of χ²/78 with 78 degrees of freedom
   frame.noise = std::max(kQuantisation, std::sqrt(double{median(std::move(variances))} / kMedian));
