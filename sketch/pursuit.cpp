@@ -33,7 +33,7 @@ constexpr double kLeastQuota = 0.02;  // of the frame's pixels a round
 constexpr double kLocalMean =
     6;  // px, SD: what the first round takes for the fill, that has nothing to hold on
 constexpr double kStrokesFirst =
-    1.25;  // a curve's patches tell where the next one lies: as good as so many more pixels
+    1.4;  // a curve's patches tell where the next one lies: as good as so many more pixels
 constexpr double kMostHidden = 0.3;  // of a curve's pixels that others may show already
 
 /// The pixels that something would show, and what.
