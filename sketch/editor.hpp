@@ -40,7 +40,6 @@ class Editor {
 
   [[nodiscard]] const Draft& draft() const { return draft_; }
   [[nodiscard]] double spacing() const { return refinement_.spacing; }
-  [[nodiscard]] cv::Size size() const { return levels_.size(); }
   [[nodiscard]] const cv::Mat& levels() const { return levels_; }
 
   /// A patch like this one, fitted at another place or a little beside it, with its cost and gain; none if

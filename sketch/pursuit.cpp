@@ -28,13 +28,11 @@ using graph::Vertex;
 
 namespace {
 
-constexpr int kRounds = 10;           // that spend a budget
-constexpr double kLeastQuota = 0.02;  // of the frame's pixels a round
-constexpr double kLocalMean =
-    6;  // px, SD: what the first round takes for the fill, that has nothing to hold on
-constexpr double kStrokesFirst =
-    1.4;  // a curve's patches tell where the next one lies: as good as so many more pixels
-constexpr double kMostHidden = 0.3;  // of a curve's pixels that others may show already
+constexpr int kRounds = 10;            // that spend a budget
+constexpr double kLeastQuota = 0.02;   // of the frame's pixels a round
+constexpr double kLocalMean = 6;       // px, SD: the first round's fill, that has nothing to hold on
+constexpr double kStrokesFirst = 1.4;  // a curve is more than its pixels: it tells where the next one lies
+constexpr double kMostHidden = 0.3;    // of a curve's pixels that others may show already
 
 /// The pixels that something would show, and what.
 struct Item {
