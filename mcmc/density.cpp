@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/density.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace emberfold::mcmc {
+
+namespace {
+
+using graph::Point;
+using std::numbers::pi;
+
+constexpr double kLogTwoPi = 1.8378770664093453;
+constexpr double kMostDeath = 0.95;  // the death map raises no chance above this
+
+double log_normal(double x, double sd) {
+  const double z = x / sd;
+  return -0.5 * (z * z + kLogTwoPi) - std::log(sd);
+}
+
+// The turn between two undirected directions, −π/2…π/2.
+double turn(const Node& a, const Node& b) {
+  const double cosine = graph::dot(a.tangent, b.tangent);
+  const double sine = a.tangent.x * b.tangent.y - a.tangent.y * b.tangent.x;
+  return cosine < 0 ? std::atan2(-sine, -cosine) : std::atan2(sine, cosine);
+}
+
+// Of an undirected turn that is normal, cut off at ±π/2; either direction is as likely.
+double log_turn(double x, double sd) {
+  return log_normal(x, sd) - std::log(std::erf(pi / 2 / (sd * std::numbers::sqrt2))) -
+         std::numbers::ln2;
+}
+
+double log_sum(const double* terms, std::size_t n) {
+  const double most = *std::max_element(terms, terms + n);
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i) sum += std::exp(terms[i] - most);
+  return most + std::log(sum);
+}
+
+bool goes_on(const HiddenGraph& g, Index v) {
+  return g[v].next.size() == 1 && parent(g, g[v].next[0]) == v;
+}
+
+}  // namespace
+
+Index parent(const HiddenGraph& g, Index w) {
+  Index first = g[w].prev[0];
+  for (const Index v : g[w].prev)
+    if (g.before(v, first)) first = v;
+  return first;
+}
+
+Outcome outcome(const HiddenGraph& g, Index v) {
+  const auto& next = g[v].next;
+  if (next.empty()) return Outcome::death;
+  if (next.size() > 1) return Outcome::split;
+  return parent(g, next[0]) == v ? Outcome::going_on : Outcome::merge;
+}
+
+std::size_t merge_targets(const HiddenGraph& g, Index v) {
+  std::size_t count = 0;
+  for (const Beside& near : g.beside(v))
+    count += near.closeness < 2 && g[near.node].on && g.before(near.node, v) &&
+             g[near.node].kind == g[v].kind && goes_on(g, near.node);
+  return count;
+}
+
+std::size_t config_of(const HiddenGraph& g, Index v) {
+  std::size_t told = 0;
+  for (const Index u : g[v].edges)
+    if (g.before(u, v)) told = std::max<std::size_t>(told, g[u].next.empty() ? 2 : 1);
+  return config(g[v].edges.size(), g[v].border, told);
+}
+
+std::size_t grower(const HiddenGraph& g, Index w) {
+  if (g[w].prev.empty()) return 3;
+  const std::size_t degree = g[parent(g, w)].edges.size();
+  return degree < 2 ? 0 : degree == 2 ? 1 : 2;
+}
+
+bool were_joined(const HiddenGraph& g, Index a, Index b) {
+  for (const Index v : g[a].prev)
+    for (const Index u : g[b].prev)
+      if (u == v || g[v].edges.has(u)) return true;
+  return false;
+}
+
+double neighbours_sway(const HiddenGraph& g, Index v) {
+  const Node& node = g[v];
+  if (node.edges.empty()) return node.sway;
+  double sum = 0;
+  for (const Index u : node.edges) sum += sense(node, g[u]) * g[u].sway;
+  return sum / static_cast<double>(node.edges.size());
+}
+
+Density::Density(const Theta& theta, double evidence) : theta_(theta), evidence_(evidence) {
+  for (std::size_t place = 0; place < kPlaces; ++place) {
+    const double relative = std::exp2(0.5 * (static_cast<double>(place) - kPlaces / 2));
+    for (std::size_t c = 0; c < kConfigs; ++c) {
+      auto chance = theta.outcome[c];
+      const double death = std::min(std::max(chance[0], kMostDeath), chance[0] * relative);
+      for (std::size_t o = 1; o < kOutcomes; ++o) chance[o] *= (1 - death) / (1 - chance[0]);
+      chance[0] = death;
+      const double no_merge = std::log1p(-chance[3]);
+      for (std::size_t o = 0; o < kOutcomes; ++o) {
+        beside_[place][c][o] = std::log(chance[o]);
+        alone_[place][c][o] = beside_[place][c][o] - no_merge;
+      }
+    }
+  }
+  const auto both = [](double p) { return std::array{std::log1p(-p), std::log(p)}; };
+  for (std::size_t k = 0; k < kCloseness; ++k) {
+    kept_[k] = both(theta.keep[k]), connected_[k] = both(theta.connect[k]);
+    for (std::size_t e = 0; e < 2; ++e) closed_[e][k] = both(theta.close[e][k]);
+  }
+  for (std::size_t k = 0; k < kGrowers; ++k) log_growth_[k] = std::log(theta.growth[k]);
+  const Autoregression& m = theta.sway;
+  lag_one_ = m.a1 / (1 - m.a2);
+  // Box & Jenkins 1976, eq. 3.2.28.
+  stationary_ = m.noise * m.noise * (1 - m.a2) / ((1 + m.a2) * ((1 - m.a2) * (1 - m.a2) - m.a1 * m.a1));
+}
+
+double Density::of_outcome(const HiddenGraph& g, Index v) const {
+  const Node& node = g[v];
+  if (node.frame + 1 == g.frames()) return 0;
+  const Outcome what = outcome(g, v);
+  const std::size_t targets = merge_targets(g, v);
+  const auto& table = targets > 0 ? beside_ : alone_;
+  double sum = table[node.place][config_of(g, v)][static_cast<std::size_t>(what)];
+  if (what == Outcome::merge) {
+    // Into one of the targets; that it is one is asked of the state, not of the move.
+    bool near = false;
+    const Index into = parent(g, node.next[0]);
+    for (const Beside& b : g.beside(v)) near = near || (b.node == into && b.closeness < 2);
+    if (!near) return -std::numeric_limits<double>::infinity();
+    sum -= std::log(static_cast<double>(targets));
+  }
+  if (what == Outcome::split) {
+    const auto m = static_cast<double>(node.next.size());
+    sum += std::log1p(-theta_.split_more) + (m - 2) * std::log(theta_.split_more) + std::lgamma(m + 1);
+  }
+  return sum;
+}
+
+Density::Normal Density::sway_given_past(const HiddenGraph& g, Index w) const {
+  const Node& node = g[w];
+  if (node.prev.empty()) return {0, stationary_};
+  const Index v = parent(g, w);
+  return sway_given_past(g, v, sense(g[v], node));
+}
+
+Density::Normal Density::sway_given_past(const HiddenGraph& g, Index v, double same) const {
+  const Node& past = g[v];
+  if (past.prev.size() != 1)
+    return {same * lag_one_ * past.sway, stationary_ * (1 - lag_one_ * lag_one_)};
+  const Node& before = g[past.prev[0]];
+  const Autoregression& m = theta_.sway;
+  const double expected = m.a1 * past.sway + m.a2 * sense(before, past) * before.sway +
+                          m.coupling * (neighbours_sway(g, v) - past.sway);
+  return {same * expected, m.noise * m.noise};
+}
+
+double Density::stationary_sd() const {
+  return std::sqrt(stationary_);
+}
+
+double Density::of_sway(const HiddenGraph& g, Index w) const {
+  const Normal given = sway_given_past(g, w);
+  double sum = log_normal(g[w].sway - given.mean, std::sqrt(given.variance));
+  if (g[w].prev.empty()) return sum;
+  const Node &node = g[w], &past = g[parent(g, w)];
+  const double wider = past.next.size() > 1 ? theta_.split_spread : 1;
+  const Point moved = node.patch.position - past.patch.position - past.drift;
+  sum += log_normal(graph::dot(moved, past.normal()) - (sense(past, node) * node.sway - past.sway),
+                    theta_.across * wider);
+  return sum;
+}
+
+double Density::of_arrival(const HiddenGraph& g, Index w) const {
+  double sum = of_sway(g, w);
+  const Node& node = g[w];
+  if (node.prev.empty()) return sum + of_new(g, w);
+  const Node& past = g[parent(g, w)];
+  const double wider = past.next.size() > 1 ? theta_.split_spread : 1;
+  const Point moved = node.patch.position - past.patch.position - past.drift;
+  return sum + log_normal(graph::dot(moved, past.tangent), theta_.along * wider) +
+         log_turn(turn(past, node), theta_.turn) +
+         log_normal(node.log_contrast - past.log_contrast, theta_.flicker);
+}
+
+double Density::begun(const Node& w) const {
+  const double rate = theta_.birth[w.frame == 0 ? 0 : 1];
+  return std::log(rate) + w.log_birth - kLogTwoPi +
+         log_normal(w.log_contrast - theta_.new_contrast, theta_.new_contrast_sd) +
+         std::log(theta_.kinds[static_cast<std::size_t>(w.kind)]);
+}
+
+double Density::grown(const Node& from, const Node& w) const {
+  const Point apart = w.patch.position - from.patch.position;
+  const double along = std::abs(graph::dot(apart, from.tangent));
+  const double terms[2] = {
+      std::log1p(-theta_.branch) - std::numbers::ln2 + log_normal(along - theta_.step, theta_.step_sd) +
+          std::log1p(std::exp(-2 * along * theta_.step / (theta_.step_sd * theta_.step_sd))) +
+          log_normal(graph::dot(apart, from.normal()), theta_.side_sd) +
+          log_turn(turn(from, w), theta_.bend_sd),
+      graph::norm(apart) <= theta_.branch_reach
+          ? std::log(theta_.branch / (pi * theta_.branch_reach * theta_.branch_reach)) - kLogTwoPi
+          : -std::numeric_limits<double>::infinity()};
+  return log_sum(terms, 2) + log_normal(w.log_contrast - from.log_contrast, theta_.grown_contrast_sd) +
+         (from.kind == w.kind ? std::log1p(-theta_.other_kind) : std::log(theta_.other_kind / 2));
+}
+
+/// The ways in which a new node can have come: its terms, in logarithms.
+struct Density::Ways {
+  ShortList<8> from;
+  std::array<double, 9> terms{};  ///< the last of from.size() + 1: begun
+  double apart = 0;               ///< that it is joined to nothing else
+
+  [[nodiscard]] double sum() const { return apart + log_sum(terms.data(), from.size() + 1); }
+};
+
+Density::Ways Density::ways(const HiddenGraph& g, Index w) const {
+  const Node& node = g[w];
+  const auto& closed = closed_[node.frame == 0 ? 0 : 1];
+  Ways result;
+  std::array<double, 8> joined{};
+  double all_joined = 0;
+  for (const Beside& near : g.beside(w)) {
+    const Node& other = g[near.node];
+    if (!other.on || (other.prev.empty() && !g.before(near.node, w))) continue;
+    if (node.edges.has(near.node)) {
+      joined[result.from.size()] = closed[near.closeness][1];
+      all_joined += closed[near.closeness][1];
+      result.from.push(near.node);
+    } else {
+      result.apart += closed[near.closeness][0];
+    }
+  }
+  for (std::size_t k = 0; k < result.from.size(); ++k) {
+    const Index u = result.from[k];
+    const double rate = node.frame == 0 ? std::log(theta_.first_growth) : log_growth_[grower(g, u)];
+    result.terms[k] = rate + grown(g[u], node) + all_joined - joined[k];
+  }
+  result.terms[result.from.size()] = begun(node) + all_joined;
+  return result;
+}
+
+double Density::of_new(const HiddenGraph& g, Index w) const {
+  return ways(g, w).sum();
+}
+
+Density::Origins Density::origins(const HiddenGraph& g, Index w) const {
+  const Ways all = ways(g, w);
+  const double sum = all.sum() - all.apart;
+  Origins result;
+  result.from = all.from;
+  for (std::size_t k = 0; k < all.from.size(); ++k) result.shares[k] = std::exp(all.terms[k] - sum);
+  result.begun = std::exp(all.terms[all.from.size()] - sum);
+  return result;
+}
+
+double Density::of_presence(const HiddenGraph& g, Index w) const {
+  // A new patch grows others only towards what comes later in order: half of the plane, half of the kernel.
+  const double growth = g[w].frame == 0       ? theta_.first_growth / 2
+                        : g[w].prev.empty() ? theta_.growth[3] / 2
+                                            : theta_.growth[grower(g, w)];
+  return evidence_ * g[w].evidence - growth;
+}
+
+double Density::of_pair(const HiddenGraph& g, Index a, const Beside& b) const {
+  const Node &one = g[a], &other = g[b.node];
+  if (!one.on || !other.on || one.prev.empty() || other.prev.empty()) return 0;
+  const auto& table = were_joined(g, a, b.node) ? kept_ : connected_;
+  return table[b.closeness][one.edges.has(b.node) ? 1 : 0];
+}
+
+double Density::total(const HiddenGraph& g) const {
+  double sum = 0;
+  const double area = double(g.width()) * g.height();
+  for (int t = 0; t < g.frames(); ++t) {
+    double frame = -theta_.birth[t == 0 ? 0 : 1] * area;
+    std::vector<Index> shown(g.on(t).begin(), g.on(t).end());
+    std::ranges::sort(shown);
+    for (const Index v : shown) {
+      frame += of_outcome(g, v) + of_arrival(g, v) + of_presence(g, v);
+      for (const Beside& near : g.beside(v))
+        if (v < near.node) frame += of_pair(g, v, near);
+    }
+    sum += frame;
+  }
+  return sum;
+}
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "graph/motion_graph.hpp"
+
+namespace emberfold::mcmc {
+
+/// Names a node of a HiddenGraph.
+using Index = std::uint32_t;
+constexpr Index kNone = ~Index{0};
+
+/// A few indices, in order of insertion. Taking out and undoing it leaves them as they were.
+template <std::size_t Most>
+class ShortList {
+ public:
+  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] bool full() const { return count_ == Most; }
+  [[nodiscard]] const Index* begin() const { return items_.data(); }
+  [[nodiscard]] const Index* end() const { return items_.data() + count_; }
+  Index operator[](std::size_t i) const { return items_[i]; }
+  [[nodiscard]] bool has(Index x) const { return find(x) < count_; }
+  [[nodiscard]] std::size_t find(Index x) const {
+    std::size_t i = 0;
+    while (i < count_ && items_[i] != x) ++i;
+    return i;
+  }
+  void insert(std::size_t at, Index x) {
+    for (std::size_t i = count_++; i > at; --i) items_[i] = items_[i - 1];
+    items_[at] = x;
+  }
+  void push(Index x) { items_[count_++] = x; }
+  /// Returns where it was.
+  std::size_t erase(Index x) {
+    const std::size_t at = find(x);
+    --count_;
+    for (std::size_t i = at; i < count_; ++i) items_[i] = items_[i + 1];
+    items_[count_] = 0;
+    return at;
+  }
+  bool operator==(const ShortList&) const = default;
+
+ private:
+  std::array<Index, Most> items_{};
+  std::uint8_t count_ = 0;
+};
+
+/// How two nodes of a frame lie to each other, by distance and by whether they lie in line: what the
+/// probability of an edge depends on.
+constexpr std::size_t kCloseness = 6;
+
+/// A node nearby in the same frame.
+struct Beside {
+  Index node = 0;
+  std::uint8_t closeness = 0;  ///< below kCloseness
+};
+
+/// What a patch shows that its successor must show too.
+enum class Kind : std::uint8_t { bright, dark, step };
+Kind kind(const graph::Patch& patch);
+
+/// A patch that may be in the graph of its frame. What does not change:
+struct Node {
+  graph::Patch patch;
+  graph::Point tangent;      ///< unit, of the patch's direction
+  double log_contrast = 0;   ///< of 1 + |contrast|
+  double order = 0;          ///< nodes of a frame are passed in ascending order of this, then of index
+  double evidence = 0;       ///< nats that showing it saves
+  double log_birth = 0;      ///< of the birth map here over its mean
+  int frame = 0;
+  Kind kind = Kind::bright;
+  bool border = false;       ///< within kBorder of the frame's border, or outside
+  std::uint8_t place = 0;    ///< level of the death map here, below kPlaces
+  graph::Point drift;        ///< px a frame: how rest travels here
+  // What does, while it is `on`:
+  bool on = false;
+  std::uint8_t overlapped = 0;  ///< by how many nodes that are on
+  double sway = 0;           ///< px, latent: displacement from rest along the normal (−sin θ, cos θ)
+  ShortList<8> edges;
+  ShortList<6> next, prev;   ///< links to nodes of the frame after and before
+
+  [[nodiscard]] graph::Point normal() const { return {-tangent.y, tangent.x}; }
+};
+constexpr double kBorder = 8;          ///< px
+constexpr std::size_t kPlaces = 9;     ///< levels of the death map: 1/4, … by √2 …, 4
+
+/// Which nodes may be joined, linked, shown together. px.
+struct Gates {
+  double edge = 12;    ///< nodes of a frame farther apart are not joined
+  double link = 12;    ///< nodes of neighbouring frames farther apart are not linked
+  double overlap = 3;  ///< nodes of a frame and kind nearer to each other are not both on; 0: they may
+};
+
+/// The state of the sampler: of a fixed set of candidate patches in every frame those that are in the graph,
+/// their edges, the links between frames (a star forest in each gap), and how far each patch sways. What
+/// candidates could be joined or linked is known beforehand. Operations do what they are told; whether they
+/// may is asked of can_link and can_join.
+class HiddenGraph {
+ public:
+  HiddenGraph(int width, int height, int frames, const Gates& gates);
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] int frames() const { return static_cast<int>(on_.size()); }
+  [[nodiscard]] std::size_t size() const { return nodes_.size(); }
+  [[nodiscard]] const Node& operator[](Index i) const { return nodes_[i]; }
+  /// Nodes of a frame that are on, or off, in no order that matters.
+  [[nodiscard]] std::span<const Index> on(int frame) const { return on_[static_cast<std::size_t>(frame)]; }
+  [[nodiscard]] std::span<const Index> off(int frame) const { return off_[static_cast<std::size_t>(frame)]; }
+  /// Nodes, on or off, within the edge's gate in the same frame; symmetric.
+  [[nodiscard]] std::span<const Beside> beside(Index i) const { return beside_[i]; }
+  /// Nodes of the same kind, on or off, within the link's gate one frame on, and one back.
+  [[nodiscard]] std::span<const Index> ahead(Index i) const { return ahead_[i]; }
+  [[nodiscard]] std::span<const Index> behind(Index i) const { return behind_[i]; }
+  [[nodiscard]] bool before(Index a, Index b) const {
+    return nodes_[a].order != nodes_[b].order ? nodes_[a].order < nodes_[b].order : a < b;
+  }
+
+  /// A new candidate, off. O(candidates nearby).
+  Index add_candidate(int frame, const graph::Patch& patch);
+  /// Takes back the newest candidate; it is off.
+  void drop_newest_candidate();
+  /// Lets two nodes of a frame be joined whatever their distance.
+  void allow_edge(Index a, Index b);
+  void allow_link(Index before, Index after);
+  [[nodiscard]] bool overlaps(Index a, Index b) const;
+  /// What the maps say of its place.
+  void set_place(Index i, double log_birth, std::uint8_t place, graph::Point drift) {
+    nodes_[i].log_birth = log_birth, nodes_[i].place = place, nodes_[i].drift = drift;
+  }
+  void set_evidence(Index i, double nats) { nodes_[i].evidence = nats; }
+
+  [[nodiscard]] bool can_put(Index i) const { return !nodes_[i].on && nodes_[i].overlapped == 0; }
+  /// Both on, of neighbouring frames, not linked, and the links stay a star forest.
+  [[nodiscard]] bool can_link(Index v, Index w) const;
+  [[nodiscard]] bool can_join(Index a, Index b) const {
+    return a != b && nodes_[a].on && nodes_[b].on && !nodes_[a].edges.full() && !nodes_[b].edges.full() &&
+           !nodes_[a].edges.has(b);
+  }
+
+  void link(Index v, Index w);
+  void join(Index a, Index b);
+  void put(Index i);  ///< on, alone
+  void set_sway(Index i, double sway) { nodes_[i].sway = sway == 0 ? 0 : sway; }  // no −0
+  /// The places in the lists from which things were taken: what undoing needs.
+  struct Places {
+    std::size_t first = 0, second = 0;
+  };
+  Places unlink(Index v, Index w);
+  Places cut(Index a, Index b);
+  Places take(Index i);  ///< off; it has neither edges nor links
+  void undo_unlink(Index v, Index w, Places at);
+  void undo_cut(Index a, Index b, Places at);
+  void undo_take(Index i, Places at);
+  [[nodiscard]] Places off_place(Index i) const;  ///< before put(), for undo_put()
+  void undo_put(Index i, Places at);
+
+  /// Of what is on, with edges, links and sway, whatever the order of lists. Equal states have equal hashes.
+  [[nodiscard]] std::uint64_t hash() const;
+  bool operator==(const HiddenGraph& o) const;
+
+ private:
+  void count_overlaps(Index i, int change);
+  [[nodiscard]] std::size_t cell(int frame, int column, int row) const;
+  [[nodiscard]] std::size_t cell(int frame, graph::Point p) const;
+  template <class Visit>
+  void visit_near(int frame, graph::Point p, Visit visit) const;
+
+  int width_, height_;
+  Gates gates_;
+  std::vector<Node> nodes_;
+  std::vector<std::vector<Beside>> beside_;
+  std::vector<std::vector<Index>> ahead_, behind_;
+  std::vector<std::vector<Index>> on_, off_;  ///< by frame
+  std::vector<std::vector<Index>> cells_;     ///< all nodes, by frame, row and column
+  int columns_ = 1, rows_ = 1;
+  double cell_ = 1;  ///< px
+  std::vector<Index> at_;                           ///< place in on_ or off_
+};
+
+/// A state whose candidates are the patches of `start`, on as it has them, and off those of the others that
+/// overlap none of the former. Edges and links beyond the gates are allowed where the start has them.
+/// InputError where clips differ in size or length. O(patches log).
+HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph::SketchSequence> others,
+                         const Gates& gates);
+
+/// What is on, as a motion graph with its strokes identified.
+graph::MotionGraph motion_graph(const HiddenGraph& state, double fps);
+
+}  // namespace emberfold::mcmc
