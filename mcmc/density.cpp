@@ -30,8 +30,7 @@ double turn(const Node& a, const Node& b) {
 
 // Of an undirected turn that is normal, cut off at ±π/2; either direction is as likely.
 double log_turn(double x, double sd) {
-  return log_normal(x, sd) - std::log(std::erf(pi / 2 / (sd * std::numbers::sqrt2))) -
-         std::numbers::ln2;
+  return log_normal(x, sd) - std::log(std::erf(pi / 2 / (sd * std::numbers::sqrt2))) - std::numbers::ln2;
 }
 
 double log_sum(const double* terms, std::size_t n) {
@@ -155,8 +154,7 @@ Density::Normal Density::sway_given_past(const HiddenGraph& g, Index w) const {
 
 Density::Normal Density::sway_given_past(const HiddenGraph& g, Index v, double same) const {
   const Node& past = g[v];
-  if (past.prev.size() != 1)
-    return {same * lag_one_ * past.sway, stationary_ * (1 - lag_one_ * lag_one_)};
+  if (past.prev.size() != 1) return {same * lag_one_ * past.sway, stationary_ * (1 - lag_one_ * lag_one_)};
   const Node& before = g[past.prev[0]];
   const Autoregression& m = theta_.sway;
   const double expected = m.a1 * past.sway + m.a2 * sense(before, past) * before.sway +
@@ -216,9 +214,9 @@ double Density::grown(const Node& from, const Node& w) const {
 
 /// The ways in which a new node can have come: its terms, in logarithms.
 struct Density::Ways {
-  ShortList<8> from;
-  std::array<double, 9> terms{};  ///< the last of from.size() + 1: begun
-  double apart = 0;               ///< that it is joined to nothing else
+  ShortList<kMostEdges> from;
+  std::array<double, kMostEdges + 1> terms{};  ///< the last of from.size() + 1: begun
+  double apart = 0;                            ///< that it is joined to nothing else
 
   [[nodiscard]] double sum() const { return apart + log_sum(terms.data(), from.size() + 1); }
 };
@@ -227,7 +225,7 @@ Density::Ways Density::ways(const HiddenGraph& g, Index w) const {
   const Node& node = g[w];
   const auto& closed = closed_[node.frame == 0 ? 0 : 1];
   Ways result;
-  std::array<double, 8> joined{};
+  std::array<double, kMostEdges> joined{};
   double all_joined = 0;
   for (const Beside& near : g.beside(w)) {
     const Node& other = g[near.node];
@@ -265,7 +263,7 @@ Density::Origins Density::origins(const HiddenGraph& g, Index w) const {
 
 double Density::of_presence(const HiddenGraph& g, Index w) const {
   // A new patch grows others only towards what comes later in order: half of the plane, half of the kernel.
-  const double growth = g[w].frame == 0       ? theta_.first_growth / 2
+  const double growth = g[w].frame == 0     ? theta_.first_growth / 2
                         : g[w].prev.empty() ? theta_.growth[3] / 2
                                             : theta_.growth[grower(g, w)];
   return evidence_ * g[w].evidence - growth;

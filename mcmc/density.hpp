@@ -52,8 +52,8 @@ class Density {
   /// What of a new node's arrival each way explains: begun here, or grown from these; sums 1.
   struct Origins {
     double begun = 0;
-    ShortList<8> from;
-    std::array<double, 8> shares{};
+    ShortList<kMostEdges> from;
+    std::array<double, kMostEdges> shares{};
   };
   [[nodiscard]] Origins origins(const HiddenGraph& g, Index w) const;
   /// Mean and variance of w's sway given where it came from.

@@ -24,9 +24,7 @@ class Draws {
 class RandomDraws final : public Draws {
  public:
   explicit RandomDraws(const core::Rng& rng) : rng_(rng) {}
-  std::size_t below(std::size_t count) override {
-    return rng_.below(static_cast<std::uint32_t>(count));
-  }
+  std::size_t below(std::size_t count) override { return rng_.below(static_cast<std::uint32_t>(count)); }
   std::size_t pick(std::span<const double> weights) override {
     double left = rng_.uniform();
     std::size_t i = 0;

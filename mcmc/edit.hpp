@@ -31,7 +31,8 @@ class Edit {
   void take(Index i);
   void set_sway(Index i, double sway);
 
-  /// Change of the log density since it began or was last kept; −∞ where a step led to a state that cannot be.
+  /// Change of the log density since it began or was last kept; −∞ where a step led to a state that cannot
+  /// be.
   [[nodiscard]] double gain() const { return gain_; }
   [[nodiscard]] const HiddenGraph& state() const { return g_; }
   [[nodiscard]] const Density& density() const { return density_; }

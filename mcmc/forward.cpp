@@ -58,7 +58,7 @@ class Forward {
   /// What is born in a frame, before it is known which index it gets.
   struct Birth {
     Patch patch;
-    Index from = kNone;        ///< a node that goes on
+    Index from = kNone;                    ///< a node that goes on
     std::size_t parent = ~std::size_t{0};  ///< or one of the births before
   };
 
@@ -88,7 +88,7 @@ class Forward {
               outcome(g_, near.node) == Outcome::going_on)
             into.push_back(near.node);
         const Index u = into[rng_.below(static_cast<std::uint32_t>(into.size()))];
-        g_.link(v, g_[u].next[0]);
+        if (!g_[g_[u].next[0]].prev.full()) g_.link(v, g_[u].next[0]);
         continue;
       }
       int parts = 1;
@@ -113,7 +113,7 @@ class Forward {
     patch.position = past.patch.position + past.drift + past.normal() * across + past.tangent * along;
     const Index w = show(past.frame + 1, patch);
     g_.set_sway(w, d);
-    g_.link(v, w);
+    if (!g_[v].next.full()) g_.link(v, w);
   }
 
   void join_survivors(int t) {
@@ -166,16 +166,17 @@ class Forward {
     const double again = t == 0 ? theta_.first_growth : theta_.growth[3];
     std::vector<Index> born;
     for (std::size_t k = 0; k < births.size(); ++k) {
-      if (births.size() > 100000) throw core::InputError("forward: growth does not end; its rate is too high");
+      if (births.size() > 100000)
+        throw core::InputError("forward: growth does not end; its rate is too high");
       born.push_back(show(t, births[k].patch));
       g_.set_sway(born.back(), density_.stationary_sd() * rng_.normal());
       grow(g_[born.back()], again, true, {{}, kNone, k}, births);
     }
     for (std::size_t k = 0; k < births.size(); ++k) {
-      const Index from = births[k].from != kNone                ? births[k].from
+      const Index from = births[k].from != kNone               ? births[k].from
                          : births[k].parent != ~std::size_t{0} ? born[births[k].parent]
-                                                                : kNone;
-      if (from != kNone) g_.join(born[k], from);
+                                                               : kNone;
+      if (from != kNone && g_.can_join(born[k], from)) g_.join(born[k], from);
     }
     const auto& close = theta_.close[t == 0 ? 0 : 1];
     for (const Index w : born)

@@ -119,8 +119,7 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
     if (nodes_[j].on && overlaps(i, j)) ++nodes_[i].overlapped;
   });
   const auto linkable = [&](Index j) {
-    return nodes_[j].kind == nodes_[i].kind &&
-           graph::distance(p, nodes_[j].patch.position) <= gates_.link;
+    return nodes_[j].kind == nodes_[i].kind && graph::distance(p, nodes_[j].patch.position) <= gates_.link;
   };
   if (t > 0)
     visit_near(frame - 1, p, [&](Index j) {

@@ -50,6 +50,9 @@ class ShortList {
   std::uint8_t count_ = 0;
 };
 
+/// No patch has more; the state space ends there.
+constexpr std::size_t kMostEdges = 12, kMostLinks = 6;
+
 /// How two nodes of a frame lie to each other, by distance and by whether they lie in line: what the
 /// probability of an edge depends on.
 constexpr std::size_t kCloseness = 6;
@@ -67,27 +70,27 @@ Kind kind(const graph::Patch& patch);
 /// A patch that may be in the graph of its frame. What does not change:
 struct Node {
   graph::Patch patch;
-  graph::Point tangent;      ///< unit, of the patch's direction
-  double log_contrast = 0;   ///< of 1 + |contrast|
-  double order = 0;          ///< nodes of a frame are passed in ascending order of this, then of index
-  double evidence = 0;       ///< nats that showing it saves
-  double log_birth = 0;      ///< of the birth map here over its mean
+  graph::Point tangent;     ///< unit, of the patch's direction
+  double log_contrast = 0;  ///< of 1 + |contrast|
+  double order = 0;         ///< nodes of a frame are passed in ascending order of this, then of index
+  double evidence = 0;      ///< nats that showing it saves
+  double log_birth = 0;     ///< of the birth map here over its mean
   int frame = 0;
   Kind kind = Kind::bright;
-  bool border = false;       ///< within kBorder of the frame's border, or outside
-  std::uint8_t place = 0;    ///< level of the death map here, below kPlaces
-  graph::Point drift;        ///< px a frame: how rest travels here
+  bool border = false;     ///< within kBorder of the frame's border, or outside
+  std::uint8_t place = 0;  ///< level of the death map here, below kPlaces
+  graph::Point drift;      ///< px a frame: how rest travels here
   // What does, while it is `on`:
   bool on = false;
   std::uint8_t overlapped = 0;  ///< by how many nodes that are on
-  double sway = 0;           ///< px, latent: displacement from rest along the normal (−sin θ, cos θ)
-  ShortList<8> edges;
-  ShortList<6> next, prev;   ///< links to nodes of the frame after and before
+  double sway = 0;              ///< px, latent: displacement from rest along the normal (−sin θ, cos θ)
+  ShortList<kMostEdges> edges;
+  ShortList<kMostLinks> next, prev;  ///< links to nodes of the frame after and before
 
   [[nodiscard]] graph::Point normal() const { return {-tangent.y, tangent.x}; }
 };
-constexpr double kBorder = 8;          ///< px
-constexpr std::size_t kPlaces = 9;     ///< levels of the death map: 1/4, … by √2 …, 4
+constexpr double kBorder = 8;       ///< px
+constexpr std::size_t kPlaces = 9;  ///< levels of the death map: 1/4, … by √2 …, 4
 
 /// Which nodes may be joined, linked, shown together. px.
 struct Gates {
@@ -145,7 +148,7 @@ class HiddenGraph {
 
   void link(Index v, Index w);
   void join(Index a, Index b);
-  void put(Index i);  ///< on, alone
+  void put(Index i);                                                              ///< on, alone
   void set_sway(Index i, double sway) { nodes_[i].sway = sway == 0 ? 0 : sway; }  // no −0
   /// The places in the lists from which things were taken: what undoing needs.
   struct Places {
@@ -179,8 +182,8 @@ class HiddenGraph {
   std::vector<std::vector<Index>> on_, off_;  ///< by frame
   std::vector<std::vector<Index>> cells_;     ///< all nodes, by frame, row and column
   int columns_ = 1, rows_ = 1;
-  double cell_ = 1;  ///< px
-  std::vector<Index> at_;                           ///< place in on_ or off_
+  double cell_ = 1;        ///< px
+  std::vector<Index> at_;  ///< place in on_ or off_
 };
 
 /// A state whose candidates are the patches of `start`, on as it has them, and off those of the others that

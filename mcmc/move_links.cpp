@@ -59,9 +59,7 @@ std::optional<double> switch_links(Edit& edit, Draws& draws, int frame) {
   if (!g[c].on || g[c].next.empty() || g[c].kind != g[a].kind) return std::nullopt;
   const Index b = g[a].next[draws.below(g[a].next.size())];
   const Index d = g[c].next[draws.below(g[c].next.size())];
-  const auto gated = [&](Index v, Index w) {
-    return std::ranges::find(g.ahead(v), w) != g.ahead(v).end();
-  };
+  const auto gated = [&](Index v, Index w) { return std::ranges::find(g.ahead(v), w) != g.ahead(v).end(); };
   if (b == d || !gated(a, d) || !gated(c, b)) return std::nullopt;
   edit.unlink(a, b);
   edit.unlink(c, d);

@@ -120,7 +120,7 @@ std::optional<double> add(Edit& edit, Draws& draws, int frame) {
   if (!g.can_put(i)) return std::nullopt;
   Ties ties;
   const double chance = TieChance(g, i).draw(draws, ties);
-  if (ties.edges.size() > 8) return std::nullopt;
+  if (ties.edges.size() > kMostEdges) return std::nullopt;
   const Guess guess = guess_sway(g, edit.density(), i, ties);
   const double sway = draws.normal(guess.mean, guess.sd);
   edit.put(i);

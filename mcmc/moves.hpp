@@ -20,7 +20,7 @@ using Propose = std::optional<double> (*)(Edit& edit, Draws& draws, int frame);
 struct Move {
   std::string_view name;
   Propose propose;
-  double weight = 1;         ///< how often it is tried, relative to the others
+  double weight = 1;            ///< how often it is tried, relative to the others
   bool between_frames = false;  ///< it has no use in the last frame
 };
 /// All of them (Wang & Zhu 2004 name seven: switch, connect, cut, split, merge, add, delete).

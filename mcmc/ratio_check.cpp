@@ -147,8 +147,7 @@ void compare(const States& states, const std::vector<double>& pi, const Kernel& 
           states.density[y] - states.density[x] + std::log(back->second.chance) - std::log(there.chance);
       for (const double claimed : there.claimed)
         report.worst_ratio = std::max(report.worst_ratio, std::abs(claimed - enumerated));
-      report.worst_balance =
-          std::max(report.worst_balance, std::abs(flow(x, there) - flow(y, back->second)));
+      report.worst_balance = std::max(report.worst_balance, std::abs(flow(x, there) - flow(y, back->second)));
     }
 }
 

@@ -31,8 +31,8 @@ struct RatioReport {
 /// Enumerates all states that moves reach from `start` (at most `most`), and all outcomes of all draws of
 /// each move in each frame, with their chances: a draw of `below` and `pick` is followed to each side, a
 /// `normal` is its mean,
-/// with its density there. For models of some thousand states. A claimed ratio must be that of the sums over all draws
-/// that lead from one state to the other. O(states · outcomes · nodes).
+/// with its density there. For models of some thousand states. A claimed ratio must be that of the sums over
+/// all draws that lead from one state to the other. O(states · outcomes · nodes).
 RatioReport check_ratios(const HiddenGraph& start, const Density& density,
                          const std::vector<CheckedMove>& moves, std::size_t most = 20000);
 

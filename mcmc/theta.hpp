@@ -31,27 +31,27 @@ constexpr std::size_t kGrowers = 4;
 /// later ones.
 struct Theta {
   std::array<std::array<double, kOutcomes>, kConfigs> outcome{};  ///< sums 1
-  double split_more = 0.05;                ///< chance of yet another successor, beyond two
-  std::array<double, 2> birth{};           ///< strokes begun, per px²
-  std::array<double, kGrowers> growth{};   ///< patches that grow from one, expected number; from a new one to
-                                           ///< both sides, of which one comes later in order
-  double first_growth = 1.6;               ///< the same in frame 0, where all are new
-  std::array<double, kCloseness> keep{};   ///< chance that an edge stays, both its ends going on
+  double split_more = 0.05;               ///< chance of yet another successor, beyond two
+  std::array<double, 2> birth{};          ///< strokes begun, per px²
+  std::array<double, kGrowers> growth{};  ///< patches that grow from one, expected number; from a new one to
+                                          ///< both sides, of which one comes later in order
+  double first_growth = 1.6;              ///< the same in frame 0, where all are new
+  std::array<double, kCloseness> keep{};  ///< chance that an edge stays, both its ends going on
   std::array<double, kCloseness> connect{};  ///< that two patches that go on are joined and were not
   std::array<std::array<double, kCloseness>, 2> close{};  ///< that a new patch is joined to one it is not
                                                           ///< grown from
-  double across = 0.5, along = 1.5;        ///< px: SD of a patch about where its sway and drift carry it
-  double turn = 0.15;                      ///< rad
-  double flicker = 0.2;                    ///< SD of the change of the logarithm of the contrast
-  double split_spread = 2;                 ///< how many times wider the places of a split's parts spread
+  double across = 0.5, along = 1.5;  ///< px: SD of a patch about where its sway and drift carry it
+  double turn = 0.15;                ///< rad
+  double flicker = 0.2;              ///< SD of the change of the logarithm of the contrast
+  double split_spread = 2;           ///< how many times wider the places of a split's parts spread
   double new_contrast = 3, new_contrast_sd = 0.7;  ///< of the logarithm, where a stroke begins
   std::array<double, 3> kinds = {1. / 3, 1. / 3, 1. / 3};
-  double step = 5, step_sd = 1;            ///< px from a patch to what grows from it along the curve
-  double side_sd = 0.7, bend_sd = 0.2;     ///< px, rad: how far that lies beside the line, and turns
+  double step = 5, step_sd = 1;         ///< px from a patch to what grows from it along the curve
+  double side_sd = 0.7, bend_sd = 0.2;  ///< px, rad: how far that lies beside the line, and turns
   double grown_contrast_sd = 0.3;
-  double branch = 0.1;                     ///< share of what grows into any direction, up to the gate
-  double branch_reach = 12;                ///< px
-  double other_kind = 0.02;                ///< chance that what grows is of another kind
+  double branch = 0.1;                           ///< share of what grows into any direction, up to the gate
+  double branch_reach = 12;                      ///< px
+  double other_kind = 0.02;                      ///< chance that what grows is of another kind
   Autoregression sway{1.5, -0.7, 0, 0.4, 0, 0};  ///< of the displacement from rest, px
 };
 
