@@ -16,21 +16,23 @@ using std::numbers::pi;
 constexpr double kLogTwoPi = 1.8378770664093453;
 constexpr double kMostDeath = 0.95;  // the death map raises no chance above this
 
-double log_normal(double x, double sd) {
-  const double z = x / sd;
-  return -0.5 * (z * z + kLogTwoPi) - std::log(sd);
-}
-
 // The turn between two undirected directions, −π/2…π/2.
-double turn(const Node& a, const Node& b) {
+double turn_between(const Node& a, const Node& b) {
   const double cosine = graph::dot(a.tangent, b.tangent);
   const double sine = a.tangent.x * b.tangent.y - a.tangent.y * b.tangent.x;
   return cosine < 0 ? std::atan2(-sine, -cosine) : std::atan2(sine, cosine);
 }
 
-// Of an undirected turn that is normal, cut off at ±π/2; either direction is as likely.
-double log_turn(double x, double sd) {
-  return log_normal(x, sd) - std::log(std::erf(pi / 2 / (sd * std::numbers::sqrt2))) - std::numbers::ln2;
+// The log of the share of a normal turn within ±π/2, and of the choice between two directions.
+double log_half_turn(double sd) {
+  return std::log(std::erf(pi / 2 / (sd * std::numbers::sqrt2))) + std::numbers::ln2;
+}
+
+// Two normal densities mixed, one of them kErrsBy times wider: log of their sum, given both exponents.
+double log_mixed(double narrow, double wide) {
+  const double errs = std::log(kErrs), errs_not = std::log1p(-kErrs);
+  const double a = errs_not + narrow, b = errs + wide;
+  return a > b ? a + std::log1p(std::exp(b - a)) : b + std::log1p(std::exp(a - b));
 }
 
 double log_sum(const double* terms, std::size_t n) {
@@ -81,10 +83,18 @@ std::size_t grower(const HiddenGraph& g, Index w) {
   return degree < 2 ? 0 : degree == 2 ? 1 : 2;
 }
 
+namespace {
+// Joined, or with a neighbour in common: patches are set down anew along a curve in every frame, and what was
+// next but one may be next now.
+bool near_by_edges(const HiddenGraph& g, Index v, Index u) {
+  return g[v].edges.has(u) || std::ranges::any_of(g[v].edges, [&](Index x) { return g[x].edges.has(u); });
+}
+}  // namespace
+
 bool were_joined(const HiddenGraph& g, Index a, Index b) {
   for (const Index v : g[a].prev)
     for (const Index u : g[b].prev)
-      if (u == v || g[v].edges.has(u)) return true;
+      if (u == v || near_by_edges(g, v, u)) return true;
   return false;
 }
 
@@ -94,6 +104,13 @@ double neighbours_sway(const HiddenGraph& g, Index v) {
   double sum = 0;
   for (const Index u : node.edges) sum += sense(node, g[u]) * g[u].sway;
   return sum / static_cast<double>(node.edges.size());
+}
+
+Density::Scale::Scale(double sd_) : sd(sd_), peak(-0.5 * kLogTwoPi - std::log(sd_)) {}
+
+double Density::erred(double z) {
+  const double wide = kErrs / kErrsBy * std::exp(-0.5 * z * z / (kErrsBy * kErrsBy));
+  return wide / (wide + (1 - kErrs) * std::exp(-0.5 * z * z));
 }
 
 Density::Density(const Theta& theta, double evidence) : theta_(theta), evidence_(evidence) {
@@ -121,6 +138,16 @@ Density::Density(const Theta& theta, double evidence) : theta_(theta), evidence_
   lag_one_ = m.a1 / (1 - m.a2);
   // Box & Jenkins 1976, eq. 3.2.28.
   stationary_ = m.noise * m.noise * (1 - m.a2) / ((1 + m.a2) * ((1 - m.a2) * (1 - m.a2) - m.a1 * m.a1));
+  begins_ = Scale(std::sqrt(stationary_)), noise_ = Scale(m.noise);
+  lag_ = Scale(std::sqrt(stationary_ * (1 - lag_one_ * lag_one_)));
+  across_ = {Scale(theta.across), Scale(theta.across * theta.split_spread)};
+  along_ = {Scale(theta.along), Scale(theta.along * theta.split_spread)};
+  flicker_ = Scale(theta.flicker), new_contrast_ = Scale(theta.new_contrast_sd);
+  turn_ = Scale(theta.turn), wide_turn_ = Scale(kErrsBy * theta.turn);
+  turn_.peak -= log_half_turn(turn_.sd), wide_turn_.peak -= log_half_turn(wide_turn_.sd);
+  step_ = Scale(theta.step_sd), side_ = Scale(theta.side_sd), bend_ = Scale(theta.bend_sd);
+  bend_.peak -= log_half_turn(theta.bend_sd);
+  grown_contrast_ = Scale(theta.grown_contrast_sd);
 }
 
 double Density::of_outcome(const HiddenGraph& g, Index v) const {
@@ -167,33 +194,35 @@ double Density::stationary_sd() const {
 }
 
 double Density::of_sway(const HiddenGraph& g, Index w) const {
-  const Normal given = sway_given_past(g, w);
-  double sum = log_normal(g[w].sway - given.mean, std::sqrt(given.variance));
-  if (g[w].prev.empty()) return sum;
-  const Node &node = g[w], &past = g[parent(g, w)];
-  const double wider = past.next.size() > 1 ? theta_.split_spread : 1;
-  const Point moved = node.patch.position - past.patch.position - past.drift;
-  sum += log_normal(graph::dot(moved, past.normal()) - (sense(past, node) * node.sway - past.sway),
-                    theta_.across * wider);
-  return sum;
+  const Node& node = g[w];
+  if (node.prev.empty()) return begins_.log_normal(node.sway);
+  const Index v = parent(g, w);
+  const Node& past = g[v];
+  const Ahead& course = g.course(v, w);
+  const double same = double{course.sense};
+  const double going = past.prev.size() == 1 ? noise_.log_normal(node.sway - sway_given_past(g, v, same).mean)
+                                             : lag_.log_normal(node.sway - same * lag_one_ * past.sway);
+  return going + across_[past.next.size() > 1 ? 1 : 0].log_normal(double{course.across} -
+                                                                  (same * node.sway - past.sway));
 }
 
 double Density::of_arrival(const HiddenGraph& g, Index w) const {
-  double sum = of_sway(g, w);
+  const double sum = of_sway(g, w);
   const Node& node = g[w];
   if (node.prev.empty()) return sum + of_new(g, w);
-  const Node& past = g[parent(g, w)];
-  const double wider = past.next.size() > 1 ? theta_.split_spread : 1;
-  const Point moved = node.patch.position - past.patch.position - past.drift;
-  return sum + log_normal(graph::dot(moved, past.tangent), theta_.along * wider) +
-         log_turn(turn(past, node), theta_.turn) +
-         log_normal(node.log_contrast - past.log_contrast, theta_.flicker);
+  const Index v = parent(g, w);
+  const Ahead& course = g.course(v, w);
+  const double turn = double{course.turn}, flicker = double{course.flicker};
+  return sum + along_[g[v].next.size() > 1 ? 1 : 0].log_normal(double{course.along}) +
+         log_mixed(turn_.log_normal(turn), wide_turn_.log_normal(turn)) +
+         log_mixed(flicker_.log_normal(flicker),
+                   flicker_.log_normal(flicker / kErrsBy) - std::log(kErrsBy));
 }
 
 double Density::begun(const Node& w) const {
   const double rate = theta_.birth[w.frame == 0 ? 0 : 1];
   return std::log(rate) + w.log_birth - kLogTwoPi +
-         log_normal(w.log_contrast - theta_.new_contrast, theta_.new_contrast_sd) +
+         new_contrast_.log_normal(w.log_contrast - theta_.new_contrast) +
          std::log(theta_.kinds[static_cast<std::size_t>(w.kind)]);
 }
 
@@ -201,14 +230,13 @@ double Density::grown(const Node& from, const Node& w) const {
   const Point apart = w.patch.position - from.patch.position;
   const double along = std::abs(graph::dot(apart, from.tangent));
   const double terms[2] = {
-      std::log1p(-theta_.branch) - std::numbers::ln2 + log_normal(along - theta_.step, theta_.step_sd) +
+      std::log1p(-theta_.branch) - std::numbers::ln2 + step_.log_normal(along - theta_.step) +
           std::log1p(std::exp(-2 * along * theta_.step / (theta_.step_sd * theta_.step_sd))) +
-          log_normal(graph::dot(apart, from.normal()), theta_.side_sd) +
-          log_turn(turn(from, w), theta_.bend_sd),
-      graph::norm(apart) <= theta_.branch_reach
+          side_.log_normal(graph::dot(apart, from.normal())) + bend_.log_normal(turn_between(from, w)),
+      graph::dot(apart, apart) <= theta_.branch_reach * theta_.branch_reach
           ? std::log(theta_.branch / (pi * theta_.branch_reach * theta_.branch_reach)) - kLogTwoPi
           : -std::numeric_limits<double>::infinity()};
-  return log_sum(terms, 2) + log_normal(w.log_contrast - from.log_contrast, theta_.grown_contrast_sd) +
+  return log_sum(terms, 2) + grown_contrast_.log_normal(w.log_contrast - from.log_contrast) +
          (from.kind == w.kind ? std::log1p(-theta_.other_kind) : std::log(theta_.other_kind / 2));
 }
 
@@ -286,7 +314,7 @@ double Density::total(const HiddenGraph& g) const {
     for (const Index v : shown) {
       frame += of_outcome(g, v) + of_arrival(g, v) + of_presence(g, v);
       for (const Beside& near : g.beside(v))
-        if (v < near.node) frame += of_pair(g, v, near);
+        if (v < near.node) frame += of_pair(g, v, near) + (g[v].edges.has(near.node) ? of_edge(near) : 0);
     }
     sum += frame;
   }

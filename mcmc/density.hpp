@@ -19,7 +19,7 @@ std::size_t merge_targets(const HiddenGraph& g, Index v);
 std::size_t config_of(const HiddenGraph& g, Index v);
 /// Which of Theta::growth a node grows others by.
 std::size_t grower(const HiddenGraph& g, Index w);
-/// Whether two nodes that go on were joined, or one, in the frame before.
+/// Whether two nodes that go on were one in the frame before, joined, or joined to the same.
 bool were_joined(const HiddenGraph& g, Index a, Index b);
 /// −1 where the normals of two nodes point to opposite sides, else 1.
 inline double sense(const Node& a, const Node& b) {
@@ -44,6 +44,8 @@ class Density {
   [[nodiscard]] double of_sway(const HiddenGraph& g, Index w) const;
   /// That nothing more than what does grows from w; and its evidence.
   [[nodiscard]] double of_presence(const HiddenGraph& g, Index w) const;
+  /// What the sketches say of two nodes being joined: that one has the edge, or none.
+  [[nodiscard]] double of_edge(const Beside& b) const { return evidence_ * (b.sketched ? kEdge : -kEdge); }
   /// Of whether two nodes that both go on are joined. 0 where one of them is new.
   [[nodiscard]] double of_pair(const HiddenGraph& g, Index a, const Beside& b) const;
   /// All of it. O(nodes).
@@ -64,6 +66,8 @@ class Density {
   /// The same of one that goes on from v, its normal pointing to the same side (1) or to the other (−1).
   [[nodiscard]] Normal sway_given_past(const HiddenGraph& g, Index v, double same) const;
   [[nodiscard]] double stationary_sd() const;
+  /// The chance that a change of this many SDs is an error of the sketch (kErrs).
+  [[nodiscard]] static double erred(double z);
 
  private:
   struct Ways;
@@ -72,6 +76,7 @@ class Density {
   [[nodiscard]] double begun(const Node& w) const;
   [[nodiscard]] double grown(const Node& from, const Node& w) const;
 
+  static constexpr double kEdge = 8;  ///< nats
   Theta theta_;
   double evidence_;
   /// [place][config][outcome], without and with nodes that it could merge into.
@@ -80,6 +85,16 @@ class Density {
   std::array<std::array<std::array<double, 2>, kCloseness>, 2> closed_{};
   std::array<double, kGrowers> log_growth_{};
   double stationary_ = 1, lag_one_ = 0;  ///< variance and autocorrelation of the sway
+  /// Logarithms of the factors before the exponentials of normal densities.
+  struct Scale {
+    double sd = 1, peak = 0;
+    Scale() = default;
+    explicit Scale(double sd);
+    [[nodiscard]] double log_normal(double x) const { return peak - 0.5 * (x / sd) * (x / sd); }
+  };
+  Scale begins_, lag_, noise_;                     ///< of the sway
+  std::array<Scale, 2> across_, along_;            ///< of one that goes on, of a split's parts
+  Scale turn_, wide_turn_, flicker_, new_contrast_, step_, side_, bend_, grown_contrast_;
 };
 
 }  // namespace emberfold::mcmc

@@ -12,7 +12,7 @@ void Scratch::fit(std::size_t nodes) {
 }
 
 Edit::Edit(HiddenGraph& g, const Density& density, Scratch& scratch, std::uint32_t who)
-    : g_(g), density_(density), scratch_(scratch), stamp_((std::uint64_t{who} + 1) << 40U) {}
+    : g_(g), density_(density), scratch_(scratch), stamp_((std::uint64_t{who} + 1) << 32U) {}
 
 void Edit::begin() {
   ++stamp_;
@@ -80,9 +80,16 @@ void Edit::note_edge(Index a, Index b) {
     });
     if (!known) pairs_.emplace_back(x, *near);
   };
+  const auto add_next = [&](Index x, Index y) {
+    for (const Index c : g_[x].next)
+      for (const Index d : g_[y].next) add(c, d);
+  };
   add(a, b);
-  for (const Index c : g_[a].next)
-    for (const Index d : g_[b].next) add(c, d);
+  add_next(a, b);
+  for (const Index x : g_[a].edges)
+    if (x != b) add_next(x, b);
+  for (const Index y : g_[b].edges)
+    if (y != a) add_next(a, y);
 }
 
 void Edit::note_lone(Index i) {
@@ -128,7 +135,13 @@ void Edit::link(Index v, Index w) {
 void Edit::unlink(Index v, Index w) {
   step([&] { note_link(v, w); }, [&] { return Step{What::unlink, v, w, g_.unlink(v, w), 0}; });
 }
+double Edit::edge_evidence(Index a, Index b) const {
+  const auto near = std::ranges::find(g_.beside(a), b, &Beside::node);
+  return near == g_.beside(a).end() ? 0 : density_.of_edge(*near);
+}
+
 void Edit::join(Index a, Index b) {
+  gain_ += edge_evidence(a, b);
   step([&] { note_edge(a, b); },
        [&] {
          g_.join(a, b);
@@ -136,6 +149,7 @@ void Edit::join(Index a, Index b) {
        });
 }
 void Edit::cut(Index a, Index b) {
+  gain_ -= edge_evidence(a, b);
   step([&] { note_edge(a, b); }, [&] { return Step{What::cut, a, b, g_.cut(a, b), 0}; });
 }
 void Edit::put(Index i) {

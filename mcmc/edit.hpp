@@ -58,6 +58,7 @@ class Edit {
   void note_edge(Index a, Index b);
   void note_lone(Index i);
   [[nodiscard]] double sum() const;
+  [[nodiscard]] double edge_evidence(Index a, Index b) const;
   template <class Note, class Change>
   void step(Note note, Change change);
 

@@ -27,6 +27,11 @@ int poisson(core::Rng& rng, double mean) {
   return n;
 }
 
+// How many times wider than usual: now and then the sketch errs.
+double erring(core::Rng& rng) {
+  return rng.uniform() < kErrs ? kErrsBy : 1;
+}
+
 double turned(core::Rng& rng, double theta, double sd) {
   double turn = 0;
   do turn = sd * rng.normal();
@@ -102,8 +107,8 @@ class Forward {
     const Node past = g_[v];
     const double wider = split ? theta_.split_spread : 1;
     // Its sway is drawn in the sense of its own normal, which a turn of a half may reverse.
-    const double theta = turned(rng_, past.patch.theta, theta_.turn);
-    Patch patch = shown({}, theta, past.log_contrast + theta_.flicker * rng_.normal(), past.kind);
+    const double theta = turned(rng_, past.patch.theta, erring(rng_) * theta_.turn);
+    Patch patch = shown({}, theta, past.log_contrast + erring(rng_) * theta_.flicker * rng_.normal(), past.kind);
     const Point tangent{std::cos(theta), std::sin(theta)};
     const double same = graph::dot(tangent, past.tangent) < 0 ? -1 : 1;
     const auto sway = density_.sway_given_past(g_, v, same);

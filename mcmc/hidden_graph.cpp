@@ -92,8 +92,8 @@ void HiddenGraph::visit_near(int frame, Point p, Visit visit) const {
 }
 
 bool HiddenGraph::overlaps(Index a, Index b) const {
-  return nodes_[a].kind == nodes_[b].kind &&
-         graph::distance(nodes_[a].patch.position, nodes_[b].patch.position) < gates_.overlap;
+  const Point apart = nodes_[a].patch.position - nodes_[b].patch.position;
+  return nodes_[a].kind == nodes_[b].kind && graph::dot(apart, apart) < gates_.overlap * gates_.overlap;
 }
 
 Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
@@ -112,22 +112,26 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
   beside_.emplace_back(), ahead_.emplace_back(), behind_.emplace_back();
   at_.push_back(0);
   const auto t = static_cast<std::size_t>(frame);
+  const auto within = [&](Index j, double gate) {
+    const Point apart = nodes_[j].patch.position - p;
+    return graph::dot(apart, apart) <= gate * gate;
+  };
   visit_near(frame, p, [&](Index j) {
-    if (graph::distance(p, nodes_[j].patch.position) > gates_.edge) return;
-    beside_[i].push_back({j, closeness(nodes_[i], nodes_[j])});
-    beside_[j].push_back({i, closeness(nodes_[j], nodes_[i])});
+    if (!within(j, gates_.edge)) return;
+    beside_[i].push_back({j, closeness(nodes_[i], nodes_[j]), false});
+    beside_[j].push_back({i, closeness(nodes_[j], nodes_[i]), false});
     if (nodes_[j].on && overlaps(i, j)) ++nodes_[i].overlapped;
   });
   const auto linkable = [&](Index j) {
-    return nodes_[j].kind == nodes_[i].kind && graph::distance(p, nodes_[j].patch.position) <= gates_.link;
+    return nodes_[j].kind == nodes_[i].kind && within(j, gates_.link);
   };
   if (t > 0)
     visit_near(frame - 1, p, [&](Index j) {
-      if (linkable(j)) behind_[i].push_back(j), ahead_[j].push_back(i);
+      if (linkable(j)) behind_[i].push_back(j), ahead_[j].push_back(make_ahead(j, i));
     });
   if (t + 1 < on_.size())
     visit_near(frame + 1, p, [&](Index j) {
-      if (linkable(j)) ahead_[i].push_back(j), behind_[j].push_back(i);
+      if (linkable(j)) ahead_[i].push_back(make_ahead(i, j)), behind_[j].push_back(i);
     });
   cells_[cell(frame, p)].push_back(i);
   append_to(off_[t], at_, i);
@@ -140,21 +144,52 @@ void HiddenGraph::drop_newest_candidate() {
   // The newest is the last in every list that it is in.
   for (const Beside& near : beside_[i]) beside_[near.node].pop_back();
   for (const Index j : behind_[i]) ahead_[j].pop_back();
-  for (const Index j : ahead_[i]) behind_[j].pop_back();
+  for (const Ahead& j : ahead_[i]) behind_[j.node].pop_back();
   cells_[cell(nodes_[i].frame, nodes_[i].patch.position)].pop_back();
   erase_from(off_[t], at_, i);
   nodes_.pop_back(), beside_.pop_back(), ahead_.pop_back(), behind_.pop_back(), at_.pop_back();
 }
 
+bool HiddenGraph::linkable(Index v, Index w) const {
+  return std::ranges::find(ahead_[v], w, &Ahead::node) != ahead_[v].end();
+}
+
+Ahead HiddenGraph::make_ahead(Index v, Index w) const {
+  const Node &past = nodes_[v], &node = nodes_[w];
+  const Point moved = node.patch.position - past.patch.position - past.drift;
+  const double cosine = graph::dot(past.tangent, node.tangent);
+  const double sine = past.tangent.x * node.tangent.y - past.tangent.y * node.tangent.x;
+  Ahead result;
+  result.node = w;
+  result.across = static_cast<float>(graph::dot(moved, past.normal()));
+  result.along = static_cast<float>(graph::dot(moved, past.tangent));
+  result.turn = static_cast<float>(cosine < 0 ? std::atan2(-sine, -cosine) : std::atan2(sine, cosine));
+  result.flicker = static_cast<float>(node.log_contrast - past.log_contrast);
+  result.sense = cosine < 0 ? -1 : 1;
+  return result;
+}
+
+void HiddenGraph::set_place(Index i, double log_birth, std::uint8_t place, Point drift) {
+  nodes_[i].log_birth = log_birth, nodes_[i].place = place, nodes_[i].drift = drift;
+  for (Ahead& ahead : ahead_[i]) ahead = make_ahead(i, ahead.node);
+}
+
 void HiddenGraph::allow_edge(Index a, Index b) {
   if (std::ranges::find(beside_[a], b, &Beside::node) != beside_[a].end()) return;
-  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b])});
-  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a])});
+  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b]), false});
+  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a]), false});
+}
+
+void HiddenGraph::note_sketched(Index a, Index b) {
+  allow_edge(a, b);
+  for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+    for (Beside& near : beside_[from])
+      if (near.node == to) near.sketched = true;
 }
 
 void HiddenGraph::allow_link(Index before, Index after) {
-  if (std::ranges::find(ahead_[before], after) != ahead_[before].end()) return;
-  ahead_[before].push_back(after);
+  if (linkable(before, after)) return;
+  ahead_[before].push_back(make_ahead(before, after));
   behind_[after].push_back(before);
 }
 
@@ -258,6 +293,38 @@ bool HiddenGraph::operator==(const HiddenGraph& o) const {
   return true;
 }
 
+namespace {
+
+// The patches of another sketch of the frame that overlap none of `nodes` (which they join), and its edges.
+void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int frame, std::vector<Index>& nodes,
+                const Gates& gates) {
+  std::vector<Point> places;
+  for (const Index i : nodes) places.push_back(state[i].patch.position);
+  const graph::detail::Near near(places, std::max(gates.overlap, 0.5));
+  std::vector<Index> as;
+  for (const auto& vertex : other.vertices()) {
+    const Point at = vertex.patch.position;
+    Index nearest = kNone;
+    for (const Index k : near.around(at))
+      if (state[nodes[k]].kind == kind(vertex.patch) &&
+          (nearest == kNone || graph::distance(places[k], at) <
+                                   graph::distance(state[nearest].patch.position, at)))
+        nearest = nodes[k];
+    as.push_back(nearest != kNone ? nearest : state.add_candidate(frame, vertex.patch));
+  }
+  for (const auto& edge : other.edges()) {
+    const Index a = as[other.index_of(edge.a)], b = as[other.index_of(edge.b)];
+    if (a != b) state.note_sketched(a, b);
+  }
+  for (const Index i : as)
+    if (!state[i].on) nodes.push_back(i);
+  std::ranges::sort(nodes);
+  const auto repeated = std::ranges::unique(nodes);
+  nodes.erase(repeated.begin(), repeated.end());
+}
+
+}  // namespace
+
 HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph::SketchSequence> others,
                          const Gates& gates) {
   const auto& sketch = start.sketch;
@@ -271,15 +338,12 @@ HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph:
     const auto frame = static_cast<int>(t);
     const auto& shown = sketch.frames[t];
     std::vector<Index> now;
-    std::vector<Point> places;
-    for (const auto& vertex : shown.vertices()) {
-      now.push_back(state.add_candidate(frame, vertex.patch));
-      places.push_back(vertex.patch.position);
-    }
+    for (const auto& vertex : shown.vertices()) now.push_back(state.add_candidate(frame, vertex.patch));
+    std::vector<Index> nodes = now;
     for (const Index i : now) state.put(i);
     for (const auto& edge : shown.edges()) {
       const Index a = now[shown.index_of(edge.a)], b = now[shown.index_of(edge.b)];
-      state.allow_edge(a, b);
+      state.note_sketched(a, b);
       if (state.can_join(a, b)) state.join(a, b);
     }
     for (const auto& link : start.links[t]) {
@@ -288,14 +352,7 @@ HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph:
       state.allow_link(v, w);
       if (state.can_link(v, w)) state.link(v, w);
     }
-    for (const auto& other : others) {
-      const graph::detail::Near near(places, std::max(gates.overlap, 0.5));
-      for (const auto& vertex : other.frames[t].vertices())
-        if (near.around(vertex.patch.position).empty()) {
-          state.add_candidate(frame, vertex.patch);
-          places.push_back(vertex.patch.position);
-        }
-    }
+    for (const auto& other : others) add_others(state, other.frames[t], frame, nodes, gates);
     before = std::move(now);
   }
   return state;

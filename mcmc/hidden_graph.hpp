@@ -61,6 +61,16 @@ constexpr std::size_t kCloseness = 6;
 struct Beside {
   Index node = 0;
   std::uint8_t closeness = 0;  ///< below kCloseness
+  bool sketched = false;       ///< some sketch has them joined
+};
+
+/// A node of the next frame that this one may go on as, and how that one would have moved and changed.
+struct Ahead {
+  Index node = 0;
+  float across = 0, along = 0;  ///< px, from where drift carries it: along the normal, along the curve
+  float turn = 0;               ///< rad, undirected, −π/2…π/2
+  float flicker = 0;            ///< of the logarithm of the contrast
+  float sense = 1;              ///< −1 where their normals point to opposite sides
 };
 
 /// What a patch shows that its successor must show too.
@@ -118,7 +128,15 @@ class HiddenGraph {
   /// Nodes, on or off, within the edge's gate in the same frame; symmetric.
   [[nodiscard]] std::span<const Beside> beside(Index i) const { return beside_[i]; }
   /// Nodes of the same kind, on or off, within the link's gate one frame on, and one back.
-  [[nodiscard]] std::span<const Index> ahead(Index i) const { return ahead_[i]; }
+  [[nodiscard]] std::span<const Ahead> ahead(Index i) const { return ahead_[i]; }
+  /// Of two linked nodes.
+  [[nodiscard]] const Ahead& course(Index v, Index w) const {
+    const auto& list = ahead_[v];
+    std::size_t k = 0;
+    while (list[k].node != w) ++k;
+    return list[k];
+  }
+  [[nodiscard]] bool linkable(Index v, Index w) const;
   [[nodiscard]] std::span<const Index> behind(Index i) const { return behind_[i]; }
   [[nodiscard]] bool before(Index a, Index b) const {
     return nodes_[a].order != nodes_[b].order ? nodes_[a].order < nodes_[b].order : a < b;
@@ -130,12 +148,12 @@ class HiddenGraph {
   void drop_newest_candidate();
   /// Lets two nodes of a frame be joined whatever their distance.
   void allow_edge(Index a, Index b);
+  /// The same, and notes that a sketch has it.
+  void note_sketched(Index a, Index b);
   void allow_link(Index before, Index after);
   [[nodiscard]] bool overlaps(Index a, Index b) const;
   /// What the maps say of its place.
-  void set_place(Index i, double log_birth, std::uint8_t place, graph::Point drift) {
-    nodes_[i].log_birth = log_birth, nodes_[i].place = place, nodes_[i].drift = drift;
-  }
+  void set_place(Index i, double log_birth, std::uint8_t place, graph::Point drift);
   void set_evidence(Index i, double nats) { nodes_[i].evidence = nats; }
 
   [[nodiscard]] bool can_put(Index i) const { return !nodes_[i].on && nodes_[i].overlapped == 0; }
@@ -169,6 +187,7 @@ class HiddenGraph {
 
  private:
   void count_overlaps(Index i, int change);
+  [[nodiscard]] Ahead make_ahead(Index v, Index w) const;
   [[nodiscard]] std::size_t cell(int frame, int column, int row) const;
   [[nodiscard]] std::size_t cell(int frame, graph::Point p) const;
   template <class Visit>
@@ -178,7 +197,8 @@ class HiddenGraph {
   Gates gates_;
   std::vector<Node> nodes_;
   std::vector<std::vector<Beside>> beside_;
-  std::vector<std::vector<Index>> ahead_, behind_;
+  std::vector<std::vector<Ahead>> ahead_;
+  std::vector<std::vector<Index>> behind_;
   std::vector<std::vector<Index>> on_, off_;  ///< by frame
   std::vector<std::vector<Index>> cells_;     ///< all nodes, by frame, row and column
   int columns_ = 1, rows_ = 1;

@@ -12,17 +12,23 @@ double log_count(std::size_t n) {
   return std::log(static_cast<double>(n));
 }
 
-template <class Keep>
-std::size_t count_if(std::span<const Index> list, Keep keep) {
+Index node(Index i) {
+  return i;
+}
+Index node(const Ahead& ahead) {
+  return ahead.node;
+}
+template <class List, class Keep>
+std::size_t count_if(const List& list, Keep keep) {
   std::size_t count = 0;
-  for (const Index i : list) count += keep(i);
+  for (const auto& item : list) count += keep(node(item));
   return count;
 }
 /// The n-th of those to keep.
-template <class Keep>
-Index nth(std::span<const Index> list, std::size_t n, Keep keep) {
-  for (const Index i : list)
-    if (keep(i) && n-- == 0) return i;
+template <class List, class Keep>
+Index nth(const List& list, std::size_t n, Keep keep) {
+  for (const auto& item : list)
+    if (keep(node(item)) && n-- == 0) return node(item);
   return kNone;
 }
 
@@ -59,8 +65,7 @@ std::optional<double> switch_links(Edit& edit, Draws& draws, int frame) {
   if (!g[c].on || g[c].next.empty() || g[c].kind != g[a].kind) return std::nullopt;
   const Index b = g[a].next[draws.below(g[a].next.size())];
   const Index d = g[c].next[draws.below(g[c].next.size())];
-  const auto gated = [&](Index v, Index w) { return std::ranges::find(g.ahead(v), w) != g.ahead(v).end(); };
-  if (b == d || !gated(a, d) || !gated(c, b)) return std::nullopt;
+  if (b == d || !g.linkable(a, d) || !g.linkable(c, b)) return std::nullopt;
   edit.unlink(a, b);
   edit.unlink(c, d);
   if (g.can_link(a, d)) {
@@ -84,14 +89,14 @@ std::optional<double> relink(Edit& edit, Draws& draws, int frame) {
   if (links.empty()) return std::nullopt;
   const Index was = links[draws.below(links.size())];
   forward ? edit.unlink(i, was) : edit.unlink(was, i);
-  const auto reachable = forward ? g.ahead(i) : g.behind(i);
   const auto other = [&](Index j) { return j != was && (forward ? g.can_link(i, j) : g.can_link(j, i)); };
-  const std::size_t choices = count_if(reachable, other);
+  const std::size_t choices = forward ? count_if(g.ahead(i), other) : count_if(g.behind(i), other);
   if (choices == 0) {
     edit.undo();
     return std::nullopt;
   }
-  const Index is = nth(reachable, draws.below(choices), other);
+  const std::size_t n = draws.below(choices);
+  const Index is = forward ? nth(g.ahead(i), n, other) : nth(g.behind(i), n, other);
   forward ? edit.link(i, is) : edit.link(is, i);
   return 0;
 }

@@ -49,8 +49,8 @@ class TieChance {
       sum += std::log(join ? p : 1 - p);
       if (join) ties.edges.push_back(b.node);
     }
-    ties.prev = draw_one(draws, g_.behind(i_), false, sum);
-    ties.next = draw_one(draws, g_.ahead(i_), true, sum);
+    ties.prev = draw_one(draws, free_behind(), sum);
+    ties.next = draw_one(draws, free_ahead(), sum);
     return sum;
   }
   [[nodiscard]] double of(const Ties& ties) const {
@@ -60,34 +60,33 @@ class TieChance {
       const double p = kJoin[b.closeness];
       sum += std::log(std::ranges::find(ties.edges, b.node) != ties.edges.end() ? p : 1 - p);
     }
-    const std::size_t before = count(g_.behind(i_), false), after = count(g_.ahead(i_), true);
+    const std::size_t before = free_behind().size(), after = free_ahead().size();
     return sum + of_one(before, ties.prev != kNone) + of_one(after, ties.next != kNone);
   }
 
  private:
   [[nodiscard]] bool can_join(Index j) const { return g_[j].on && !g_[j].edges.full(); }
-  [[nodiscard]] bool is_free(Index j, bool ahead) const {
-    return g_[j].on && (ahead ? g_[j].prev : g_[j].next).empty();
+  [[nodiscard]] std::vector<Index> free_behind() const {
+    std::vector<Index> list;
+    for (const Index j : g_.behind(i_))
+      if (g_[j].on && g_[j].next.empty()) list.push_back(j);
+    return list;
   }
-  [[nodiscard]] std::size_t count(std::span<const Index> list, bool ahead) const {
-    std::size_t n = 0;
-    for (const Index j : list) n += is_free(j, ahead);
-    return n;
+  [[nodiscard]] std::vector<Index> free_ahead() const {
+    std::vector<Index> list;
+    for (const Ahead& ahead : g_.ahead(i_))
+      if (g_[ahead.node].on && g_[ahead.node].prev.empty()) list.push_back(ahead.node);
+    return list;
   }
   [[nodiscard]] static double of_one(std::size_t choices, bool tied) {
     if (choices == 0) return 0;
     return tied ? std::log1p(-kUntied) - log_count(choices) : std::log(kUntied);
   }
-  Index draw_one(Draws& draws, std::span<const Index> list, bool ahead, double& sum) {
-    const std::size_t choices = count(list, ahead);
-    if (choices == 0) return kNone;
+  static Index draw_one(Draws& draws, const std::vector<Index>& choices, double& sum) {
+    if (choices.empty()) return kNone;
     const bool tied = draws.pick(std::array{kUntied, 1 - kUntied}) == 1;
-    sum += of_one(choices, tied);
-    if (!tied) return kNone;
-    std::size_t n = draws.below(choices);
-    for (const Index j : list)
-      if (is_free(j, ahead) && n-- == 0) return j;
-    return kNone;
+    sum += of_one(choices.size(), tied);
+    return tied ? choices[draws.below(choices.size())] : kNone;
   }
 
   const HiddenGraph& g_;
@@ -169,7 +168,7 @@ Shareable shareable(const HiddenGraph& g, Index v, Index i) {
     if (gated(g, i, x)) result.edges.push_back(x);
   if (g[v].prev.size() == 1) {
     const Index p = g[v].prev[0];
-    if (std::ranges::find(g.ahead(p), i) != g.ahead(p).end() && !g[p].next.full()) result.past = p;
+    if (g.linkable(p, i) && !g[p].next.full()) result.past = p;
   }
   return result;
 }

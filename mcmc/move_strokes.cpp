@@ -26,8 +26,7 @@ struct Side {
   }
   [[nodiscard]] bool is_free(Index i) const { return (back ? g[i].prev : g[i].next).empty(); }
   [[nodiscard]] bool gated(Index i, Index partner) const {
-    const auto list = back ? g.behind(i) : g.ahead(i);
-    return std::ranges::find(list, partner) != list.end();
+    return back ? g.linkable(partner, i) : g.linkable(i, partner);
   }
   void link(Edit& edit, Index i, Index partner) const {
     back ? edit.link(partner, i) : edit.link(i, partner);
@@ -69,9 +68,9 @@ using Pairs = std::vector<std::pair<Index, Index>>;
 Pairs laid(const HiddenGraph& g, const std::vector<Index>& before, const std::vector<Index>& after) {
   std::vector<std::tuple<double, Index, Index>> near;
   for (const Index v : before)
-    for (const Index w : g.ahead(v))
+    for (const auto& [w, across, along, turn, flicker, same] : g.ahead(v))
       if (g[w].on && std::ranges::find(after, w) != after.end())
-        near.emplace_back(graph::distance(g[v].patch.position, g[w].patch.position), v, w);
+        near.emplace_back(double{across * across + along * along}, v, w);
   std::ranges::sort(near);
   Pairs pairs;
   for (const auto& [distance, v, w] : near)
@@ -122,7 +121,7 @@ std::optional<double> tie_strokes(Edit& edit, Draws& draws, int frame) {
   if (g.on(frame).empty()) return std::nullopt;
   const Index v = g.on(frame)[draws.below(g.on(frame).size())];
   if (g.ahead(v).empty()) return std::nullopt;
-  const Index w = g.ahead(v)[draws.below(g.ahead(v).size())];
+  const Index w = g.ahead(v)[draws.below(g.ahead(v).size())].node;
   if (!g[w].on) return std::nullopt;
   const Pairs pairs = laid(g, component(g, v), component(g, w));
   if (pairs.empty()) return std::nullopt;

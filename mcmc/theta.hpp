@@ -27,6 +27,10 @@ constexpr std::size_t config(std::size_t degree, bool border, std::size_t told) 
 /// junction; or one that is new.
 constexpr std::size_t kGrowers = 4;
 
+/// What a patch looks like as it goes on is normal, but for this share, which spreads this many times wider:
+/// the sketch errs now and then.
+constexpr double kErrs = 0.05, kErrsBy = 4;
+
 /// θ of the sampler's density (docs/method.md). Chances are in (0, 1), rates above 0. [2]: in frame 0, in
 /// later ones.
 struct Theta {

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/context.hpp"
+#include "mcmc/evidence.hpp"
+#include "mcmc/hidden_graph.hpp"
+#include "mcmc/motion_model.hpp"
+
+namespace emberfold::mcmc {
+
+/// Gives all candidates the evidence of the images. What a sketch shows although it does not pay alone holds
+/// a line together, or is where lines meet, which no profile shows: it counts 0. Frames in parallel.
+core::Status weigh(HiddenGraph& state, const Evidence& evidence, const core::Context& context = {});
+
+/// What maps learned before say of the candidates' places: births, deaths and drift.
+void place(HiddenGraph& state, const MotionModel& model);
+
+}  // namespace emberfold::mcmc
