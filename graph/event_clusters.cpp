@@ -47,7 +47,7 @@ class Field {
     }
   }
 
-  /// How near a sighting within the tolerance is, in 2048ths from 2048 to 4096: whole numbers add up alike in
+  /// How near a sighting within the tolerance is, 4096 at most: whole numbers add up alike in
   /// any order.
   [[nodiscard]] std::int64_t closeness(const Sighting& s, int time, Point place) const {
     const double apart = distance(s.place, place) / options_.radius;

@@ -11,6 +11,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "apps/interrupt.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "graph/events.hpp"
