@@ -15,25 +15,6 @@ namespace {
 
 constexpr std::size_t kMost = 4;  // patches that an end grows or shrinks by at once
 
-/// A stroke's patches from its free end on, at most six.
-std::vector<Slot> tail(const Draft& draft, Slot end) {
-  constexpr std::size_t kLong = 6;
-  std::vector<Slot> slots{end, draft.neighbours(end)[0]};
-  while (slots.size() < kLong && draft.degree(slots.back()) == 2) {
-    const auto sides = draft.neighbours(slots.back());
-    slots.push_back(sides[0] == slots[slots.size() - 2] ? sides[1] : sides[0]);
-  }
-  return slots;
-}
-
-double usual_contrast(const Draft& draft, const std::vector<Slot>& slots) {
-  std::vector<double> contrasts;
-  for (const Slot slot : slots) contrasts.push_back(std::abs(draft.patch(slot).contrast));
-  std::nth_element(contrasts.begin(), contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2),
-                   contrasts.end());
-  return contrasts[contrasts.size() / 2];
-}
-
 void shrink(Editor& editor, const std::vector<Slot>& slots) {
   Edit edit;
   for (std::size_t n = 0; n < std::min(kMost, slots.size() - 1); ++n) {

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLongest = 16;  // px that a way bridges
+constexpr double kShows = 0.6;   // more than the half that makes a gap: what is on the verge would flicker
 
 struct End {
   Slot slot;
@@ -42,7 +43,6 @@ std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point 
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
   const double theta = std::cos(begin.theta - heading) < 0 ? heading + kPi : heading;
   const int pieces = static_cast<int>(std::lround(length / editor.spacing()));
-  constexpr double kShows = 0.6;  // more than the half that makes a gap: what is on the verge would flicker
   // Where a stroke comes in from the side, its own sides hide that the way goes on.
   const double hidden =
       graph::orientation_difference(heading, end.theta) < kPi / 6 ? 0 : end.width / 2 + 2 * end.blur;
@@ -80,9 +80,13 @@ void join_ends(Editor& editor, const End& a, const End& b) {
   const Point gap = b.place - a.place;
   const double length = graph::norm(gap);
   if (draft.neighbours(a.slot)[0] == b.slot || length > kLongest || !graph::same_kind(first, second)) return;
-  const double contrast = fainter(first, second);
+  // Of both strokes, not of their ends alone: in a gap's penumbra these show less.
+  const double contrast = std::copysign(
+      std::sqrt(usual_contrast(draft, tail(draft, a.slot)) * usual_contrast(draft, tail(draft, b.slot))),
+      first.contrast);
   const std::array<Slot, 2> both{a.slot, b.slot};
   if (length < 0.6 * editor.spacing()) {
+    if (editor.shown(first, a.place, b.place, contrast) < kShows) return;
     const Slot before = draft.neighbours(a.slot)[0], after = draft.neighbours(b.slot)[0];
     if (before == after) return;
     const Point along = draft.patch(after).position - draft.patch(before).position;

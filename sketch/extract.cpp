@@ -16,6 +16,7 @@
 #include "sketch/creases.hpp"
 #include "sketch/crossings.hpp"
 #include "sketch/cut.hpp"
+#include "sketch/fades.hpp"
 #include "sketch/join.hpp"
 #include "sketch/link.hpp"
 #include "sketch/lobes.hpp"
@@ -126,7 +127,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   }
   chains = without_lobes(without_hooks(std::move(chains)), space, luma.size());
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
-  chains = cut_at_fades(chains, space, kHalf);
+  chains = cut_at_fades(chains, space, {kHalf, noise});
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   std::erase_if(chains, [&](const Chain& c) {
     return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
