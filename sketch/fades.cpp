@@ -137,18 +137,18 @@ struct Around {
 // Whether there is a gap; then what shows below the contrast returned is in it.
 double gap_level(const Showing& shows, CreaseKind kind, const std::vector<double>& contrast, Around around,
                  double error, double share, std::vector<double>& scratch) {
-  constexpr double kOfFainter = 0.7;  // a gap is one for its fainter side too, not a step down
-  constexpr double kFalls = 0.25;     // of the contrast, by which the middle falls at least
-  constexpr double kSure = 3;         // SD
+  // For its fainter side too it is a gap, not a step down, nor a contrast that varies by a fifth in noise.
+  constexpr double kVaries = 0.8, kSure = 4;  // SD
+  constexpr double kFalls = 0.9;              // of what is missed, by which the middle falls at least
   const auto [from, at, to] = around;
   const double before = usual(shows.contrast, from, at, scratch),
                after = usual(shows.contrast, at + 1, to, scratch);
   if (!(before > 0) || !(after > 0)) return 0;
   const double both = std::sqrt(before * after), here = contrast[at];
-  if (here > share * both - kSure * error || here > kOfFainter * std::min(before, after)) return 0;
+  if (here > share * both || here > kVaries * std::min(before, after) - kSure * error) return 0;
   const double level =
       0.5 * (usual(shows.middle, from, at, scratch) + usual(shows.middle, at + 1, to, scratch));
-  if (kind != CreaseKind::step && level - shows.middle[at] < kFalls * both) return 0;
+  if (kind != CreaseKind::step && level - shows.middle[at] < kFalls * (1 - share) * both) return 0;
   return share * both;
 }
 
