@@ -13,6 +13,7 @@ using graph::Point;
 
 namespace {
 
+constexpr double kShows = 0.5;    // of the contrast, all the way
 constexpr std::size_t kMost = 4;  // patches that an end grows or shrinks by at once
 
 void shrink(Editor& editor, const std::vector<Slot>& slots) {
@@ -46,6 +47,8 @@ void grow(Editor& editor, const std::vector<Slot>& slots) {
     const Point place = last.position + Point{std::cos(heading), std::sin(heading)} * editor.spacing();
     const auto next = editor.like(last, place, backwards ? heading + std::numbers::pi : heading, contrast);
     if (!next || editor.overlaps(*next, {slots.data(), 1})) return;
+    // What goes on behind a gap is not this stroke.
+    if (editor.shown(last, last.position, place, contrast) < kShows) return;
     const Slot slot = draft.slots() + static_cast<Slot>(n);
     edit.add.emplace_back(slot, *next);
     edit.tie.push_back(n == 0 ? tie(slots[0], slot) : tie(slot - 1, slot));
