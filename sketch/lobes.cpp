@@ -88,6 +88,26 @@ double mean_strength(const Chain& chain) {
          static_cast<double>(chain.points.size());
 }
 
+// What lies between two lines of the other sign was judged by the stronger of them alone if it came before
+// the weaker one: each line that was accepted is judged anew by all others that were.
+void drop_between(const std::vector<Chain>& chains, const std::vector<std::size_t>& order, cv::Size frame,
+                  const ScaleSpace& space, std::vector<bool>& dropped) {
+  const auto accepted = [&](CreaseKind kind) {
+    Accepted lines(frame);
+    for (const std::size_t c : order)
+      if (!dropped[c] && chains[c].kind == kind) lines.add(chains[c]);
+    return lines;
+  };
+  Accepted ridges = accepted(CreaseKind::ridge), valleys = accepted(CreaseKind::valley);
+  for (const std::size_t c : order) {
+    if (dropped[c] || chains[c].kind == CreaseKind::step) continue;
+    const bool ridge = chains[c].kind == CreaseKind::ridge;
+    if (!explained(chains[c], ridge ? valleys : ridges, space)) continue;
+    dropped[c] = true;
+    (ridge ? ridges : valleys) = accepted(chains[c].kind);
+  }
+}
+
 }  // namespace
 
 std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& space, cv::Size frame) {
@@ -105,6 +125,7 @@ std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& sp
     dropped[c] = blurred_ground(chains[c], space) || explained(chains[c], ridge ? valleys : ridges, space);
     if (!dropped[c]) (ridge ? ridges : valleys).add(chains[c]);
   }
+  drop_between(chains, order, frame, space, dropped);
   std::vector<Chain> kept;
   for (std::size_t c = 0; c < chains.size(); ++c)
     if (!dropped[c]) kept.push_back(std::move(chains[c]));
