@@ -175,17 +175,21 @@ void cut(Draft& draft, SubgraphId stroke, Point place) {
   if (first != near.end()) draft.edges.erase(first->second);
 }
 
-/// Joins the nearest patches of two strokes.
-void mend(Draft& draft, SubgraphId one, SubgraphId other) {
-  std::vector<const Vertex*> ones, others;
+/// Joins two of these strokes by their nearest patches; where there are more than two, near the place.
+void mend(Draft& draft, std::span<const SubgraphId> strokes, Point place) {
+  std::vector<const Vertex*> members;
   for (const Vertex& v : draft.vertices) {
-    if (v.subgraph == one) ones.push_back(&v);
-    if (v.subgraph == other) others.push_back(&v);
+    if (std::ranges::find(strokes, v.subgraph) != strokes.end()) members.push_back(&v);
   }
+  const bool several = std::ranges::any_of(
+      members, [&](const Vertex* v) { return v->subgraph != strokes[0] && v->subgraph != strokes[1]; });
   double least = kWidestTear;
   std::optional<Edge> nearest;
-  for (const Vertex* a : ones) {
-    for (const Vertex* b : others) {
+  for (const Vertex* a : members) {
+    for (const Vertex* b : members) {
+      if (!(a->subgraph < b->subgraph)) continue;
+      const Point middle = (a->patch.position + b->patch.position) * 0.5;
+      if (several && distance(middle, place) > kSamePlace) continue;
       const double way = distance(a->patch.position, b->patch.position);
       if (way >= least) continue;
       least = way;
@@ -230,8 +234,17 @@ class Undoing {
     const auto each = [&](auto change) {
       for (int t = first.frame; t < second.frame; ++t) change(drafts[static_cast<std::size_t>(t)]);
     };
-    if (separates(first) && unites(second) && first.after == second.before && first.after.size() == 2) {
-      each([&](Draft& draft) { mend(draft, first.after[0], first.after[1]); });
+    const auto shared = [&] {
+      return std::ranges::any_of(first.after, [&](SubgraphId s) {
+        return std::ranges::find(second.before, s) != second.before.end();
+      });
+    };
+    if (separates(first) && unites(second) &&
+        (first.after == second.before ||
+         (shared() && distance(first.position, second.position) < kSamePlace))) {
+      std::vector<SubgraphId> pieces = first.after;
+      pieces.insert(pieces.end(), second.before.begin(), second.before.end());
+      each([&](Draft& draft) { mend(draft, pieces, first.position); });
       return true;
     }
     if (unites(first) && separates(second) && first.after == second.before &&

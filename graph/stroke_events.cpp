@@ -125,6 +125,54 @@ void gap_events(const Side& before, const Side& after, std::span<const Link> lin
   join(after, before, of_after, Sense::forward, frame, events);
 }
 
+/// The shift of a stroke from one frame to the next: the mean over its links.
+Point shift(const MotionGraph& motion, std::size_t frame, SubgraphId stroke) {
+  const AttributeGraph &before = motion.sketch.frames[frame - 1], &after = motion.sketch.frames[frame];
+  Point sum;
+  double count = 0;
+  for (const Link& link : motion.links[frame]) {
+    const Vertex &a = before.vertices()[before.index_of(link.before)],
+                 &b = after.vertices()[after.index_of(link.after)];
+    if (a.subgraph != stroke || b.subgraph != stroke) continue;
+    sum = sum + (b.patch.position - a.patch.position);
+    count += 1;
+  }
+  return count > 0 ? sum * (1 / count) : Point{};
+}
+
+/// A stroke that fades in shows in part at first, and may show too much: where its size is another one at
+/// most kSettled frames later (of a death, earlier), that frame tells its middle, less how far it moved.
+void settle(const MotionGraph& motion, Event& event) {
+  constexpr int kSettled = 3;     // frames
+  constexpr double kOther = 1.3;  // times as many patches, or fewer
+  if (event.type != EventType::birth && event.type != EventType::death) return;
+  const bool birth = event.type == EventType::birth;
+  const SubgraphId stroke = birth ? event.after[0] : event.before[0];
+  const auto& frames = motion.sketch.frames;
+  const auto count = [&](int t) {
+    return std::ranges::count_if(frames[static_cast<std::size_t>(t)].vertices(),
+                                 [&](const Vertex& v) { return v.subgraph == stroke; });
+  };
+  const int first = birth ? event.frame : event.frame - 1, sense = birth ? 1 : -1;
+  const auto size = count(first);
+  int settled = first;
+  for (int k = 1; k <= kSettled; ++k) {
+    const int t = first + sense * k;
+    if (t < 0 || t >= static_cast<int>(frames.size()) || count(t) == 0) break;
+    settled = t;
+  }
+  const auto then = static_cast<double>(count(settled)), now = static_cast<double>(size);
+  if (then <= kOther * now && now <= kOther * then) return;
+  const AttributeGraph& graph = frames[static_cast<std::size_t>(settled)];
+  const auto of_stroke =
+      std::ranges::find_if(graph.vertices(), [&](const Vertex& v) { return v.subgraph == stroke; });
+  detail::Paths paths(graph);
+  event.position = detail::component_middle(graph, paths,
+                                            static_cast<std::uint32_t>(of_stroke - graph.vertices().begin()));
+  for (int t = std::min(first, settled) + 1; t <= std::max(first, settled); ++t)
+    event.position = event.position - shift(motion, static_cast<std::size_t>(t), stroke) * sense;
+}
+
 }  // namespace
 
 std::vector<Event> stroke_events(const MotionGraph& motion) {
@@ -138,6 +186,7 @@ std::vector<Event> stroke_events(const MotionGraph& motion) {
     gap_events(before, after, motion.links[t], static_cast<int>(t), events);
     before = std::move(after);
   }
+  for (Event& event : events) settle(motion, event);
   sort_events(events);
   return events;
 }
