@@ -2,6 +2,7 @@
 #include "graph/steady.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <optional>
@@ -21,6 +22,7 @@ constexpr double kSamePlace =
 constexpr double kSameStroke =
     4;  // px, mean: a stroke that comes back this near to where it was is the same stroke
 constexpr double kNearMiddle = 20;  // px: its middle may move more than its patches do, by what it grew
+constexpr std::size_t kCrumb = 3;   // a crumb has so many times fewer patches than what it parts from
 constexpr double kWidestTear = 25;  // px: pieces farther apart are not joined
 
 /// A frame while it is being changed.
@@ -199,6 +201,14 @@ void mend(Draft& draft, std::span<const SubgraphId> strokes, Point place) {
   if (nearest) draft.edges.insert(*nearest);
 }
 
+void take_out(Draft& draft, SubgraphId stroke) {
+  std::set<VertexId> gone;
+  for (const Vertex& v : draft.vertices)
+    if (v.subgraph == stroke) gone.insert(v.id);
+  std::erase_if(draft.edges, [&](const Edge& e) { return gone.contains(e.a) || gone.contains(e.b); });
+  std::erase_if(draft.vertices, [&](const Vertex& v) { return gone.contains(v.id); });
+}
+
 bool unites(const Event& e) {
   return e.type == EventType::merge || e.type == EventType::connect;
 }
@@ -218,6 +228,7 @@ class Undoing {
       for (const Vertex& v : d.vertices) next_id = std::max(next_id, v.id.value + 1);
     }
     std::vector<bool> undone(events_.size(), false);
+    crumbs(drafts, undone);
     for (std::size_t i = 0; i < events_.size(); ++i) {
       for (std::size_t j = i + 1; j < events_.size() && events_[j].frame <= events_[i].frame + frames_; ++j) {
         if (undone[i] || undone[j] || events_[j].frame == events_[i].frame ||
@@ -229,6 +240,51 @@ class Undoing {
   }
 
  private:
+  /// A piece that parts from a stroke and soon dies is the stroke's end that fades; one that is born and soon
+  /// joins another, its beginning: no stroke of its own. If all pieces die soon, the stroke fades as a whole.
+  void crumbs(std::vector<Draft>& drafts, std::vector<bool>& undone) const {
+    for (std::size_t i = 0; i < events_.size(); ++i) {
+      if (!separates(events_[i]) && !unites(events_[i])) continue;
+      const Event& joint = events_[i];
+      const bool parts = separates(joint);
+      const auto& pieces = parts ? joint.after : joint.before;
+      if (pieces.size() != 2 || undone[i]) continue;
+      // The frames in which a piece stands alone, if it is for so short a time.
+      const std::array ends = {lone_end(pieces[0], joint.frame, parts),
+                               lone_end(pieces[1], joint.frame, parts)};
+      const auto& there =
+          motion_.sketch.frames[static_cast<std::size_t>(parts ? joint.frame : joint.frame - 1)];
+      const std::array sizes = {members(there, pieces[0]).size(), members(there, pieces[1]).size()};
+      const auto frames_of = [&](int end) {
+        return std::pair(std::min(joint.frame, end), std::max(joint.frame, end));
+      };
+      if (ends[0] && ends[1]) {
+        const int end = parts ? std::min(*ends[0], *ends[1]) : std::max(*ends[0], *ends[1]);
+        const auto [first, last] = frames_of(end);
+        for (int t = first; t < last; ++t) mend(drafts[static_cast<std::size_t>(t)], pieces, joint.position);
+        undone[i] = true;
+        continue;
+      }
+      for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
+        if (!ends[k] || kCrumb * sizes[k] > sizes[1 - k]) continue;
+        const auto [first, last] = frames_of(*ends[k]);
+        for (int t = first; t < last; ++t) take_out(drafts[static_cast<std::size_t>(t)], pieces[k]);
+        undone[i] = true;
+      }
+    }
+  }
+
+  /// The frame of the piece's death (birth, where it is one of those that unite), if that is near.
+  [[nodiscard]] std::optional<int> lone_end(SubgraphId piece, int frame, bool parts) const {
+    for (const Event& e : events_) {
+      if (parts && e.type == EventType::death && e.before[0] == piece && e.frame - frame <= frames_)
+        return e.frame;
+      if (!parts && e.type == EventType::birth && e.after[0] == piece && frame - e.frame <= frames_)
+        return e.frame;
+    }
+    return std::nullopt;
+  }
+
   bool undo(std::vector<Draft>& drafts, const Event& first, const Event& second,
             std::uint32_t& next_id) const {
     const auto each = [&](auto change) {

@@ -140,28 +140,30 @@ Point shift(const MotionGraph& motion, std::size_t frame, SubgraphId stroke) {
   return count > 0 ? sum * (1 / count) : Point{};
 }
 
-/// A stroke that fades in shows in part at first, and may show too much: where its size is another one at
-/// most kSettled frames later (of a death, earlier), that frame tells its middle, less how far it moved.
+/// A stroke that fades in shows in part at first, and may show too much: of its first frames (of a death, its
+/// last) the one with the median number of patches tells its middle, less how far it moved, if that number is
+/// another one than at first.
 void settle(const MotionGraph& motion, Event& event) {
-  constexpr int kSettled = 3;     // frames
+  constexpr int kFrames = 4;
   constexpr double kOther = 1.3;  // times as many patches, or fewer
   if (event.type != EventType::birth && event.type != EventType::death) return;
   const bool birth = event.type == EventType::birth;
   const SubgraphId stroke = birth ? event.after[0] : event.before[0];
   const auto& frames = motion.sketch.frames;
-  const auto count = [&](int t) {
-    return std::ranges::count_if(frames[static_cast<std::size_t>(t)].vertices(),
-                                 [&](const Vertex& v) { return v.subgraph == stroke; });
-  };
   const int first = birth ? event.frame : event.frame - 1, sense = birth ? 1 : -1;
-  const auto size = count(first);
-  int settled = first;
-  for (int k = 1; k <= kSettled; ++k) {
+  std::vector<std::pair<std::ptrdiff_t, int>> sizes;  // and frames
+  for (int k = 0; k < kFrames; ++k) {
     const int t = first + sense * k;
-    if (t < 0 || t >= static_cast<int>(frames.size()) || count(t) == 0) break;
-    settled = t;
+    if (t < 0 || t >= static_cast<int>(frames.size())) break;
+    const auto size = std::ranges::count_if(frames[static_cast<std::size_t>(t)].vertices(),
+                                            [&](const Vertex& v) { return v.subgraph == stroke; });
+    if (size == 0) break;
+    sizes.emplace_back(size, sense * t);
   }
-  const auto then = static_cast<double>(count(settled)), now = static_cast<double>(size);
+  const auto now = static_cast<double>(sizes.front().first);
+  std::sort(sizes.begin(), sizes.end());
+  const auto then = static_cast<double>(sizes[sizes.size() / 2].first);
+  const int settled = sense * sizes[sizes.size() / 2].second;
   if (then <= kOther * now && now <= kOther * then) return;
   const AttributeGraph& graph = frames[static_cast<std::size_t>(settled)];
   const auto of_stroke =
