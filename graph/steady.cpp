@@ -22,7 +22,6 @@ constexpr double kSamePlace =
 constexpr double kSameStroke =
     4;  // px, mean: a stroke that comes back this near to where it was is the same stroke
 constexpr double kNearMiddle = 20;  // px: its middle may move more than its patches do, by what it grew
-constexpr std::size_t kCrumb = 3;   // a crumb has so many times fewer patches than what it parts from
 constexpr double kWidestTear = 25;  // px: pieces farther apart are not joined
 
 /// A frame while it is being changed.
@@ -229,12 +228,15 @@ class Undoing {
     }
     std::vector<bool> undone(events_.size(), false);
     crumbs(drafts, undone);
-    for (std::size_t i = 0; i < events_.size(); ++i) {
-      for (std::size_t j = i + 1; j < events_.size() && events_[j].frame <= events_[i].frame + frames_; ++j) {
-        if (undone[i] || undone[j] || events_[j].frame == events_[i].frame ||
-            !undo(drafts, events_[i], events_[j], next_id))
-          continue;
-        undone[i] = undone[j] = true;
+    // The shortest first: of three changes to and fro the two that lie nearest undo each other.
+    for (int apart = 1; apart <= frames_; ++apart) {
+      for (std::size_t i = 0; i < events_.size(); ++i) {
+        for (std::size_t j = i + 1; j < events_.size() && events_[j].frame <= events_[i].frame + apart; ++j) {
+          if (undone[i] || undone[j] || events_[j].frame != events_[i].frame + apart ||
+              !undo(drafts, events_[i], events_[j], next_id))
+            continue;
+          undone[i] = undone[j] = true;
+        }
       }
     }
   }
@@ -266,7 +268,7 @@ class Undoing {
         continue;
       }
       for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
-        if (!ends[k] || kCrumb * sizes[k] > sizes[1 - k]) continue;
+        if (!ends[k] || sizes[k] > sizes[1 - k]) continue;
         const auto [first, last] = frames_of(*ends[k]);
         for (int t = first; t < last; ++t) take_out(drafts[static_cast<std::size_t>(t)], pieces[k]);
         undone[i] = true;
