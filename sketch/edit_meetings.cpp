@@ -36,16 +36,18 @@ std::vector<End> free_ends(const Draft& draft) {
 }
 
 /// Patches along the straight way from one place to another, both left out, as the patch at its begin shows
-/// it; none if it does not show throughout.
+/// it; none if it does not show throughout. `from_side`: rad, a stroke whose direction is another by so much
+/// is come to from the side.
 std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point from, const Patch& end,
-                                      double contrast, std::span<const Slot> besides) {
+                                      double contrast, std::span<const Slot> besides,
+                                      double from_side = kPi / 6) {
   const Point to = end.position, step = to - from;
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
   const double theta = std::cos(begin.theta - heading) < 0 ? heading + kPi : heading;
   const int pieces = static_cast<int>(std::lround(length / editor.spacing()));
   // Where a stroke comes in from the side, its own sides hide that the way goes on.
   const double hidden =
-      graph::orientation_difference(heading, end.theta) < kPi / 6 ? 0 : end.width / 2 + 2 * end.blur;
+      graph::orientation_difference(heading, end.theta) < from_side ? 0 : end.width / 2 + 2 * end.blur;
   const Point seen_to = from + step * std::max(1 - hidden / length, 0.0);
   if (hidden < length && editor.shown(begin, from, seen_to, contrast) < kShows) return std::nullopt;
   std::vector<Patch> patches;
@@ -124,7 +126,9 @@ void reach_stroke(Editor& editor, const End& end, Slot target) {
   std::vector<Slot> besides{end.slot, target};
   besides.insert(besides.end(), draft.neighbours(target).begin(), draft.neighbours(target).end());
   if (std::find(besides.begin(), besides.end(), draft.neighbours(end.slot)[0]) != besides.end()) return;
-  if (const auto patches = way(editor, first, end.place, hit, fainter(first, hit), besides)) {
+  // An end has sides only for what comes nearly square to it: before it, nothing hides a gap.
+  const double from_side = draft.degree(target) == 1 ? kPi / 3 : kPi / 6;
+  if (const auto patches = way(editor, first, end.place, hit, fainter(first, hit), besides, from_side)) {
     Edit edit;
     Slot next = draft.slots();
     bridge(edit, next, end.slot, *patches, target);

@@ -11,6 +11,9 @@ using graph::Point;
 
 namespace {
 
+// How much less than a response its explanation may be: by stronger lines, and by all.
+constexpr double kOfOne = 1.4, kOfAll = 1.6;
+
 // Where accepted lines run: each pixel near one refers to its point.
 class Accepted {
  public:
@@ -51,8 +54,8 @@ double lobe(const CreasePoint& q, Point p, double sigma, const ScaleSpace& space
   return q.contrast * s * std::pow(spread2, -1.5) * (d2 - 1) * std::exp(-0.5 * d2);
 }
 
-bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& space) {
-  constexpr double kMargin = 1.4, kReach = 4;  // reach in S of a line as wide as this one
+bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& space, double margin) {
+  constexpr double kReach = 4;  // reach in S of a line as wide as this one
   const std::size_t own = middle_level(chain.points, space);
   const double sigma = space[own].sigma, reach = kReach * 1.5 * sigma + 4;
   double seen = 0, predicted = 0;
@@ -64,7 +67,7 @@ bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& s
           q != nullptr && space[static_cast<std::size_t>(q->level)].channel == space[own].channel)
         predicted += std::max(0.0, lobe(*q, p, sigma, space));
   }
-  return seen < kMargin * predicted;
+  return seen < margin * predicted;
 }
 
 // Lines respond to half their scale at least nearly as much as to their own (a Gaussian one 2.0 times, a box
@@ -102,7 +105,7 @@ void drop_between(const std::vector<Chain>& chains, const std::vector<std::size_
   for (const std::size_t c : order) {
     if (dropped[c] || chains[c].kind == CreaseKind::step) continue;
     const bool ridge = chains[c].kind == CreaseKind::ridge;
-    if (!explained(chains[c], ridge ? valleys : ridges, space)) continue;
+    if (!explained(chains[c], ridge ? valleys : ridges, space, kOfAll)) continue;
     dropped[c] = true;
     (ridge ? ridges : valleys) = accepted(chains[c].kind);
   }
@@ -122,7 +125,8 @@ std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& sp
   for (const std::size_t c : order) {
     if (chains[c].kind == CreaseKind::step) continue;
     const bool ridge = chains[c].kind == CreaseKind::ridge;
-    dropped[c] = blurred_ground(chains[c], space) || explained(chains[c], ridge ? valleys : ridges, space);
+    dropped[c] =
+        blurred_ground(chains[c], space) || explained(chains[c], ridge ? valleys : ridges, space, kOfOne);
     if (!dropped[c]) (ridge ? ridges : valleys).add(chains[c]);
   }
   drop_between(chains, order, frame, space, dropped);
