@@ -42,15 +42,32 @@ std::vector<Draft> drafts(const SketchSequence& sketch) {
 
 // ---- what is there for a moment ----
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// How many times as long a stroke has to be seen whose patches gain less than usual: until they have gained
+/// as much, twice as long at most.
+double doubted(double gain, double usual) {
+  constexpr double kMost = 2;
+  if (!(usual > 0)) return 1;
+  return gain * kMost <= usual ? kMost : std::max(1.0, usual / gain);
+}
+
 /// Vertices that edges and links hold together, over all frames: for each vertex, in order of ids, whether
 /// that whole lasts.
 std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames) {
   std::map<VertexId, std::size_t> index;
   std::vector<std::size_t> frame_of;
+  std::vector<double> gains;
   for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t) {
     for (const Vertex& v : motion.sketch.frames[t].vertices()) {
       index.emplace(v.id, index.size());
       frame_of.push_back(t);
+      gains.push_back(v.patch.gain);
     }
   }
   const std::size_t n = index.size();
@@ -64,18 +81,23 @@ std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames) {
     for (const Link& l : gap) wholes.union_set(index.at(l.before), index.at(l.after));
   }
   std::vector<std::size_t> first(n, std::numeric_limits<std::size_t>::max()), last(n, 0);
+  std::vector<double> gain(n, 0), patches(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t root = wholes.find_set(i);
     first[root] = std::min(first[root], frame_of[i]);
     last[root] = std::max(last[root], frame_of[i]);
+    gain[root] += gains[i];
+    patches[root] += 1;
   }
+  const double usual = median(gains);
   const std::size_t end = motion.sketch.frames.size() - 1;
   std::map<VertexId, bool> result;
   for (const auto& [id, i] : index) {
     const std::size_t root = wholes.find_set(i);
     // At the clip's ends nobody knows how long it was there.
-    const std::size_t least = first[root] == 0 || last[root] == end ? 1 : static_cast<std::size_t>(frames);
-    result.emplace(id, last[root] - first[root] + 1 > least);
+    const double least =
+        first[root] == 0 || last[root] == end ? 1 : frames * doubted(gain[root] / patches[root], usual);
+    result.emplace(id, static_cast<double>(last[root] - first[root] + 1) > least);
   }
   return result;
 }
