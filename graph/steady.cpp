@@ -40,6 +40,11 @@ std::vector<Draft> drafts(const SketchSequence& sketch) {
   return result;
 }
 
+void take_out(Draft& draft, const std::set<VertexId>& gone) {
+  std::erase_if(draft.edges, [&](const Edge& e) { return gone.contains(e.a) || gone.contains(e.b); });
+  std::erase_if(draft.vertices, [&](const Vertex& v) { return gone.contains(v.id); });
+}
+
 // ---- what is there for a moment ----
 
 double median(std::vector<double> values) {
@@ -59,7 +64,7 @@ double doubted(double gain, double usual) {
 
 /// Vertices that edges and links hold together, over all frames: for each vertex, in order of ids, whether
 /// that whole lasts.
-std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames) {
+std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames, bool doubting) {
   std::map<VertexId, std::size_t> index;
   std::vector<std::size_t> frame_of;
   std::vector<double> gains;
@@ -95,22 +100,24 @@ std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames) {
   for (const auto& [id, i] : index) {
     const std::size_t root = wholes.find_set(i);
     // At the clip's ends nobody knows how long it was there.
-    const double least =
-        first[root] == 0 || last[root] == end ? 1 : frames * doubted(gain[root] / patches[root], usual);
+    const double least = first[root] == 0 || last[root] == end
+                             ? 1
+                             : frames * (doubting ? doubted(gain[root] / patches[root], usual) : 1);
     result.emplace(id, static_cast<double>(last[root] - first[root] + 1) > least);
   }
   return result;
 }
 
-/// Vertices that were put in are not in `lasts`: they stay.
-void leave_out(std::vector<Draft>& drafts, const std::map<VertexId, bool>& lasts) {
-  const auto goes = [&](VertexId id) {
-    const auto known = lasts.find(id);
-    return known != lasts.end() && !known->second;
-  };
+/// Vertices that were put in are not in `lasts`: they stay; so do strokes that were mended.
+void leave_out(std::vector<Draft>& drafts, const std::map<VertexId, bool>& lasts,
+               const std::set<SubgraphId>& mended) {
   for (Draft& draft : drafts) {
-    std::erase_if(draft.edges, [&](const Edge& e) { return goes(e.a) || goes(e.b); });
-    std::erase_if(draft.vertices, [&](const Vertex& v) { return goes(v.id); });
+    std::set<VertexId> gone;
+    for (const Vertex& v : draft.vertices) {
+      const auto known = lasts.find(v.id);
+      if (known != lasts.end() && !known->second && !mended.contains(v.subgraph)) gone.insert(v.id);
+    }
+    take_out(draft, gone);
   }
 }
 
@@ -224,10 +231,10 @@ void mend(Draft& draft, std::span<const SubgraphId> strokes, Point place) {
 
 void take_out(Draft& draft, SubgraphId stroke) {
   std::set<VertexId> gone;
-  for (const Vertex& v : draft.vertices)
+  for (const Vertex& v : draft.vertices) {
     if (v.subgraph == stroke) gone.insert(v.id);
-  std::erase_if(draft.edges, [&](const Edge& e) { return gone.contains(e.a) || gone.contains(e.b); });
-  std::erase_if(draft.vertices, [&](const Vertex& v) { return gone.contains(v.id); });
+  }
+  take_out(draft, gone);
 }
 
 bool unites(const Event& e) {
@@ -243,11 +250,13 @@ class Undoing {
   Undoing(const MotionGraph& motion, const std::map<VertexId, bool>& lasts, int frames)
       : motion_(motion), lasts_(lasts), events_(stroke_events(motion)), frames_(frames) {}
 
-  void mend_all(std::vector<Draft>& drafts) {
+  /// Returns the strokes of which what was missing was put in.
+  std::set<SubgraphId> mend_all(std::vector<Draft>& drafts) {
     std::uint32_t next_id = 0;
     for (const Draft& d : drafts) {
       for (const Vertex& v : d.vertices) next_id = std::max(next_id, v.id.value + 1);
     }
+    std::set<SubgraphId> mended;
     std::vector<bool> undone(events_.size(), false);
     crumbs(drafts, undone);
     // The shortest first: of three changes to and fro the two that lie nearest undo each other.
@@ -258,9 +267,11 @@ class Undoing {
               !undo(drafts, events_[i], events_[j], next_id))
             continue;
           undone[i] = undone[j] = true;
+          if (events_[i].type == EventType::death) mended.insert({events_[i].before[0], events_[j].after[0]});
         }
       }
     }
+    return mended;
   }
 
  private:
@@ -357,10 +368,10 @@ class Undoing {
 
 SketchSequence steady(const MotionGraph& motion, int frames) {
   if (motion.sketch.frames.empty() || frames <= 0) return motion.sketch;
-  const std::map<VertexId, bool> lasts = lasting(motion, frames);
+  const std::map<VertexId, bool> lasts = lasting(motion, frames, false);
   std::vector<Draft> changed = drafts(motion.sketch);
-  Undoing(motion, lasts, frames).mend_all(changed);
-  leave_out(changed, lasts);
+  const std::set<SubgraphId> mended = Undoing(motion, lasts, frames).mend_all(changed);
+  leave_out(changed, lasting(motion, frames, true), mended);
   SketchSequence result{motion.sketch.width, motion.sketch.height, motion.sketch.fps, {}};
   for (const Draft& draft : changed) result.append(draft.graph());
   return result;
