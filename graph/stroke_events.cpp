@@ -125,19 +125,24 @@ void gap_events(const Side& before, const Side& after, std::span<const Link> lin
   join(after, before, of_after, Sense::forward, frame, events);
 }
 
-/// The shift of a stroke from one frame to the next: the mean over its links.
-Point shift(const MotionGraph& motion, std::size_t frame, SubgraphId stroke) {
-  const AttributeGraph &before = motion.sketch.frames[frame - 1], &after = motion.sketch.frames[frame];
-  Point sum;
-  double count = 0;
-  for (const Link& link : motion.links[frame]) {
-    const Vertex &a = before.vertices()[before.index_of(link.before)],
-                 &b = after.vertices()[after.index_of(link.after)];
-    if (a.subgraph != stroke || b.subgraph != stroke) continue;
-    sum = sum + (b.patch.position - a.patch.position);
-    count += 1;
+/// How far a stroke moves from one frame to a neighbouring one, the mean over its links. Summed in the order
+/// of the ways: the same bits in both senses of time.
+Point shift(const MotionGraph& motion, int from, int to, SubgraphId stroke) {
+  const AttributeGraph &a = motion.sketch.frames[static_cast<std::size_t>(from)],
+                       &b = motion.sketch.frames[static_cast<std::size_t>(to)];
+  std::vector<std::pair<double, double>> ways;
+  for (const Link& link : motion.links[static_cast<std::size_t>(std::max(from, to))]) {
+    const auto [before, after] = std::pair(link.before, link.after);
+    const Vertex &p = a.vertices()[a.index_of(from < to ? before : after)],
+                 &q = b.vertices()[b.index_of(from < to ? after : before)];
+    if (p.subgraph != stroke || q.subgraph != stroke) continue;
+    const Point way = q.patch.position - p.patch.position;
+    ways.emplace_back(way.x, way.y);
   }
-  return count > 0 ? sum * (1 / count) : Point{};
+  std::sort(ways.begin(), ways.end());
+  Point sum;
+  for (const auto& [x, y] : ways) sum = sum + Point{x, y};
+  return ways.empty() ? Point{} : sum * (1 / static_cast<double>(ways.size()));
 }
 
 /// A stroke that fades in shows in part at first, and may show too much: of its first frames (of a death, its
@@ -171,8 +176,8 @@ void settle(const MotionGraph& motion, Event& event) {
   detail::Paths paths(graph);
   event.position = detail::component_middle(graph, paths,
                                             static_cast<std::uint32_t>(of_stroke - graph.vertices().begin()));
-  for (int t = std::min(first, settled) + 1; t <= std::max(first, settled); ++t)
-    event.position = event.position - shift(motion, static_cast<std::size_t>(t), stroke) * sense;
+  for (int t = settled; t != first; t -= sense)
+    event.position = event.position + shift(motion, t, t - sense, stroke);
 }
 
 }  // namespace
