@@ -82,6 +82,9 @@ void join_ends(Editor& editor, const End& a, const End& b) {
   const Point gap = b.place - a.place;
   const double length = graph::norm(gap);
   if (draft.neighbours(a.slot)[0] == b.slot || length > kLongest || !graph::same_kind(first, second)) return;
+  if (length >= 0.6 * editor.spacing() &&
+      (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length))
+    return;
   // Of both strokes, not of their ends alone: in a gap's penumbra these show less.
   const double contrast = std::copysign(
       std::sqrt(usual_contrast(draft, tail(draft, a.slot)) * usual_contrast(draft, tail(draft, b.slot))),
@@ -104,7 +107,6 @@ void join_ends(Editor& editor, const End& a, const End& b) {
     editor.propose(std::move(edit), {a.slot, b.slot, before, after});
     return;
   }
-  if (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length) return;
   if (const auto patches = way(editor, first, a.place, second, contrast, both)) {
     Edit edit;
     Slot next = draft.slots();

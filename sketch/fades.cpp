@@ -141,11 +141,13 @@ double gap_level(const Showing& shows, CreaseKind kind, const std::vector<double
   constexpr double kVaries = 0.8, kSure = 4;  // SD
   constexpr double kFalls = 0.9;              // of what is missed, by which the middle falls at least
   const auto [from, at, to] = around;
+  const auto place = [&](std::size_t i) { return shows.contrast.begin() + static_cast<std::ptrdiff_t>(i); };
+  if (contrast[at] > share * *std::max_element(place(from), place(to))) return 0;
   const double before = usual(shows.contrast, from, at, scratch),
                after = usual(shows.contrast, at + 1, to, scratch);
   if (!(before > 0) || !(after > 0)) return 0;
   const double both = std::sqrt(before * after), here = contrast[at];
-  if (here > share * both || here > kVaries * std::min(before, after) - kSure * error) return 0;
+  if (here > share * both - error || here > kVaries * std::min(before, after) - kSure * error) return 0;
   const double level =
       0.5 * (usual(shows.middle, from, at, scratch) + usual(shows.middle, at + 1, to, scratch));
   if (kind != CreaseKind::step && level - shows.middle[at] < kFalls * (1 - share) * both) return 0;
