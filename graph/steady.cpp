@@ -2,6 +2,7 @@
 #include "graph/steady.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <optional>
@@ -39,17 +40,39 @@ std::vector<Draft> drafts(const SketchSequence& sketch) {
   return result;
 }
 
+void take_out(Draft& draft, const std::set<VertexId>& gone) {
+  std::erase_if(draft.edges, [&](const Edge& e) { return gone.contains(e.a) || gone.contains(e.b); });
+  std::erase_if(draft.vertices, [&](const Vertex& v) { return gone.contains(v.id); });
+}
+
 // ---- what is there for a moment ----
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// How many times as long a stroke has to be seen whose patches gain less than usual: until they have gained
+/// as much, twice as long at most.
+double doubted(double gain, double usual) {
+  constexpr double kMost = 2;
+  if (!(usual > 0)) return 1;
+  return gain * kMost <= usual ? kMost : std::max(1.0, usual / gain);
+}
 
 /// Vertices that edges and links hold together, over all frames: for each vertex, in order of ids, whether
 /// that whole lasts.
-std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames) {
+std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames, bool doubting) {
   std::map<VertexId, std::size_t> index;
   std::vector<std::size_t> frame_of;
+  std::vector<double> gains;
   for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t) {
     for (const Vertex& v : motion.sketch.frames[t].vertices()) {
       index.emplace(v.id, index.size());
       frame_of.push_back(t);
+      gains.push_back(v.patch.gain);
     }
   }
   const std::size_t n = index.size();
@@ -63,31 +86,38 @@ std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames) {
     for (const Link& l : gap) wholes.union_set(index.at(l.before), index.at(l.after));
   }
   std::vector<std::size_t> first(n, std::numeric_limits<std::size_t>::max()), last(n, 0);
+  std::vector<double> gain(n, 0), patches(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t root = wholes.find_set(i);
     first[root] = std::min(first[root], frame_of[i]);
     last[root] = std::max(last[root], frame_of[i]);
+    gain[root] += gains[i];
+    patches[root] += 1;
   }
+  const double usual = median(gains);
   const std::size_t end = motion.sketch.frames.size() - 1;
   std::map<VertexId, bool> result;
   for (const auto& [id, i] : index) {
     const std::size_t root = wholes.find_set(i);
     // At the clip's ends nobody knows how long it was there.
-    const std::size_t least = first[root] == 0 || last[root] == end ? 1 : static_cast<std::size_t>(frames);
-    result.emplace(id, last[root] - first[root] + 1 > least);
+    const double least = first[root] == 0 || last[root] == end
+                             ? 1
+                             : frames * (doubting ? doubted(gain[root] / patches[root], usual) : 1);
+    result.emplace(id, static_cast<double>(last[root] - first[root] + 1) > least);
   }
   return result;
 }
 
-/// Vertices that were put in are not in `lasts`: they stay.
-void leave_out(std::vector<Draft>& drafts, const std::map<VertexId, bool>& lasts) {
-  const auto goes = [&](VertexId id) {
-    const auto known = lasts.find(id);
-    return known != lasts.end() && !known->second;
-  };
+/// Vertices that were put in are not in `lasts`: they stay; so do strokes that were mended.
+void leave_out(std::vector<Draft>& drafts, const std::map<VertexId, bool>& lasts,
+               const std::set<SubgraphId>& mended) {
   for (Draft& draft : drafts) {
-    std::erase_if(draft.edges, [&](const Edge& e) { return goes(e.a) || goes(e.b); });
-    std::erase_if(draft.vertices, [&](const Vertex& v) { return goes(v.id); });
+    std::set<VertexId> gone;
+    for (const Vertex& v : draft.vertices) {
+      const auto known = lasts.find(v.id);
+      if (known != lasts.end() && !known->second && !mended.contains(v.subgraph)) gone.insert(v.id);
+    }
+    take_out(draft, gone);
   }
 }
 
@@ -175,17 +205,21 @@ void cut(Draft& draft, SubgraphId stroke, Point place) {
   if (first != near.end()) draft.edges.erase(first->second);
 }
 
-/// Joins the nearest patches of two strokes.
-void mend(Draft& draft, SubgraphId one, SubgraphId other) {
-  std::vector<const Vertex*> ones, others;
+/// Joins two of these strokes by their nearest patches; where there are more than two, near the place.
+void mend(Draft& draft, std::span<const SubgraphId> strokes, Point place) {
+  std::vector<const Vertex*> members;
   for (const Vertex& v : draft.vertices) {
-    if (v.subgraph == one) ones.push_back(&v);
-    if (v.subgraph == other) others.push_back(&v);
+    if (std::ranges::find(strokes, v.subgraph) != strokes.end()) members.push_back(&v);
   }
+  const bool several = std::ranges::any_of(
+      members, [&](const Vertex* v) { return v->subgraph != strokes[0] && v->subgraph != strokes[1]; });
   double least = kWidestTear;
   std::optional<Edge> nearest;
-  for (const Vertex* a : ones) {
-    for (const Vertex* b : others) {
+  for (const Vertex* a : members) {
+    for (const Vertex* b : members) {
+      if (!(a->subgraph < b->subgraph)) continue;
+      const Point middle = (a->patch.position + b->patch.position) * 0.5;
+      if (several && distance(middle, place) > kSamePlace) continue;
       const double way = distance(a->patch.position, b->patch.position);
       if (way >= least) continue;
       least = way;
@@ -193,6 +227,14 @@ void mend(Draft& draft, SubgraphId one, SubgraphId other) {
     }
   }
   if (nearest) draft.edges.insert(*nearest);
+}
+
+void take_out(Draft& draft, SubgraphId stroke) {
+  std::set<VertexId> gone;
+  for (const Vertex& v : draft.vertices) {
+    if (v.subgraph == stroke) gone.insert(v.id);
+  }
+  take_out(draft, gone);
 }
 
 bool unites(const Event& e) {
@@ -208,30 +250,92 @@ class Undoing {
   Undoing(const MotionGraph& motion, const std::map<VertexId, bool>& lasts, int frames)
       : motion_(motion), lasts_(lasts), events_(stroke_events(motion)), frames_(frames) {}
 
-  void mend_all(std::vector<Draft>& drafts) {
+  /// Returns the strokes of which what was missing was put in.
+  std::set<SubgraphId> mend_all(std::vector<Draft>& drafts) {
     std::uint32_t next_id = 0;
     for (const Draft& d : drafts) {
       for (const Vertex& v : d.vertices) next_id = std::max(next_id, v.id.value + 1);
     }
+    std::set<SubgraphId> mended;
     std::vector<bool> undone(events_.size(), false);
+    crumbs(drafts, undone);
+    // The shortest first: of three changes to and fro the two that lie nearest undo each other.
+    for (int apart = 1; apart <= frames_; ++apart) {
+      for (std::size_t i = 0; i < events_.size(); ++i) {
+        for (std::size_t j = i + 1; j < events_.size() && events_[j].frame <= events_[i].frame + apart; ++j) {
+          if (undone[i] || undone[j] || events_[j].frame != events_[i].frame + apart ||
+              !undo(drafts, events_[i], events_[j], next_id))
+            continue;
+          undone[i] = undone[j] = true;
+          if (events_[i].type == EventType::death) mended.insert({events_[i].before[0], events_[j].after[0]});
+        }
+      }
+    }
+    return mended;
+  }
+
+ private:
+  /// A piece that parts from a stroke and soon dies is the stroke's end that fades; one that is born and soon
+  /// joins another, its beginning: no stroke of its own. If all pieces die soon, the stroke fades as a whole.
+  void crumbs(std::vector<Draft>& drafts, std::vector<bool>& undone) const {
     for (std::size_t i = 0; i < events_.size(); ++i) {
-      for (std::size_t j = i + 1; j < events_.size() && events_[j].frame <= events_[i].frame + frames_; ++j) {
-        if (undone[i] || undone[j] || events_[j].frame == events_[i].frame ||
-            !undo(drafts, events_[i], events_[j], next_id))
-          continue;
-        undone[i] = undone[j] = true;
+      if (!separates(events_[i]) && !unites(events_[i])) continue;
+      const Event& joint = events_[i];
+      const bool parts = separates(joint);
+      const auto& pieces = parts ? joint.after : joint.before;
+      if (pieces.size() != 2 || undone[i]) continue;
+      // The frames in which a piece stands alone, if it is for so short a time.
+      const std::array ends = {lone_end(pieces[0], joint.frame, parts),
+                               lone_end(pieces[1], joint.frame, parts)};
+      const auto& there =
+          motion_.sketch.frames[static_cast<std::size_t>(parts ? joint.frame : joint.frame - 1)];
+      const std::array sizes = {members(there, pieces[0]).size(), members(there, pieces[1]).size()};
+      const auto frames_of = [&](int end) {
+        return std::pair(std::min(joint.frame, end), std::max(joint.frame, end));
+      };
+      if (ends[0] && ends[1]) {
+        const int end = parts ? std::min(*ends[0], *ends[1]) : std::max(*ends[0], *ends[1]);
+        const auto [first, last] = frames_of(end);
+        for (int t = first; t < last; ++t) mend(drafts[static_cast<std::size_t>(t)], pieces, joint.position);
+        undone[i] = true;
+        continue;
+      }
+      for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
+        if (!ends[k] || sizes[k] > sizes[1 - k]) continue;
+        const auto [first, last] = frames_of(*ends[k]);
+        for (int t = first; t < last; ++t) take_out(drafts[static_cast<std::size_t>(t)], pieces[k]);
+        undone[i] = true;
       }
     }
   }
 
- private:
+  /// The frame of the piece's death (birth, where it is one of those that unite), if that is near.
+  [[nodiscard]] std::optional<int> lone_end(SubgraphId piece, int frame, bool parts) const {
+    for (const Event& e : events_) {
+      if (parts && e.type == EventType::death && e.before[0] == piece && e.frame - frame <= frames_)
+        return e.frame;
+      if (!parts && e.type == EventType::birth && e.after[0] == piece && frame - e.frame <= frames_)
+        return e.frame;
+    }
+    return std::nullopt;
+  }
+
   bool undo(std::vector<Draft>& drafts, const Event& first, const Event& second,
             std::uint32_t& next_id) const {
     const auto each = [&](auto change) {
       for (int t = first.frame; t < second.frame; ++t) change(drafts[static_cast<std::size_t>(t)]);
     };
-    if (separates(first) && unites(second) && first.after == second.before && first.after.size() == 2) {
-      each([&](Draft& draft) { mend(draft, first.after[0], first.after[1]); });
+    const auto shared = [&] {
+      return std::ranges::any_of(first.after, [&](SubgraphId s) {
+        return std::ranges::find(second.before, s) != second.before.end();
+      });
+    };
+    if (separates(first) && unites(second) &&
+        (first.after == second.before ||
+         (shared() && distance(first.position, second.position) < kSamePlace))) {
+      std::vector<SubgraphId> pieces = first.after;
+      pieces.insert(pieces.end(), second.before.begin(), second.before.end());
+      each([&](Draft& draft) { mend(draft, pieces, first.position); });
       return true;
     }
     if (unites(first) && separates(second) && first.after == second.before &&
@@ -264,10 +368,10 @@ class Undoing {
 
 SketchSequence steady(const MotionGraph& motion, int frames) {
   if (motion.sketch.frames.empty() || frames <= 0) return motion.sketch;
-  const std::map<VertexId, bool> lasts = lasting(motion, frames);
+  const std::map<VertexId, bool> lasts = lasting(motion, frames, false);
   std::vector<Draft> changed = drafts(motion.sketch);
-  Undoing(motion, lasts, frames).mend_all(changed);
-  leave_out(changed, lasts);
+  const std::set<SubgraphId> mended = Undoing(motion, lasts, frames).mend_all(changed);
+  leave_out(changed, lasting(motion, frames, true), mended);
   SketchSequence result{motion.sketch.width, motion.sketch.height, motion.sketch.fps, {}};
   for (const Draft& draft : changed) result.append(draft.graph());
   return result;

@@ -125,6 +125,61 @@ void gap_events(const Side& before, const Side& after, std::span<const Link> lin
   join(after, before, of_after, Sense::forward, frame, events);
 }
 
+/// How far a stroke moves from one frame to a neighbouring one, the mean over its links. Summed in the order
+/// of the ways: the same bits in both senses of time.
+Point shift(const MotionGraph& motion, int from, int to, SubgraphId stroke) {
+  const AttributeGraph &a = motion.sketch.frames[static_cast<std::size_t>(from)],
+                       &b = motion.sketch.frames[static_cast<std::size_t>(to)];
+  std::vector<std::pair<double, double>> ways;
+  for (const Link& link : motion.links[static_cast<std::size_t>(std::max(from, to))]) {
+    const auto [before, after] = std::pair(link.before, link.after);
+    const Vertex &p = a.vertices()[a.index_of(from < to ? before : after)],
+                 &q = b.vertices()[b.index_of(from < to ? after : before)];
+    if (p.subgraph != stroke || q.subgraph != stroke) continue;
+    const Point way = q.patch.position - p.patch.position;
+    ways.emplace_back(way.x, way.y);
+  }
+  std::sort(ways.begin(), ways.end());
+  Point sum;
+  for (const auto& [x, y] : ways) sum = sum + Point{x, y};
+  return ways.empty() ? Point{} : sum * (1 / static_cast<double>(ways.size()));
+}
+
+/// A stroke that fades in shows in part at first, and may show too much: of its first frames (of a death, its
+/// last) the one with the median number of patches tells its middle, less how far it moved, if that number is
+/// another one than at first.
+void settle(const MotionGraph& motion, Event& event) {
+  constexpr int kFrames = 4;
+  constexpr double kOther = 1.3;  // times as many patches, or fewer
+  if (event.type != EventType::birth && event.type != EventType::death) return;
+  const bool birth = event.type == EventType::birth;
+  const SubgraphId stroke = birth ? event.after[0] : event.before[0];
+  const auto& frames = motion.sketch.frames;
+  const int first = birth ? event.frame : event.frame - 1, sense = birth ? 1 : -1;
+  std::vector<std::pair<std::ptrdiff_t, int>> sizes;  // and frames
+  for (int k = 0; k < kFrames; ++k) {
+    const int t = first + sense * k;
+    if (t < 0 || t >= static_cast<int>(frames.size())) break;
+    const auto size = std::ranges::count_if(frames[static_cast<std::size_t>(t)].vertices(),
+                                            [&](const Vertex& v) { return v.subgraph == stroke; });
+    if (size == 0) break;
+    sizes.emplace_back(size, sense * t);
+  }
+  const auto now = static_cast<double>(sizes.front().first);
+  std::sort(sizes.begin(), sizes.end());
+  const auto then = static_cast<double>(sizes[sizes.size() / 2].first);
+  const int settled = sense * sizes[sizes.size() / 2].second;
+  if (then <= kOther * now && now <= kOther * then) return;
+  const AttributeGraph& graph = frames[static_cast<std::size_t>(settled)];
+  const auto of_stroke =
+      std::ranges::find_if(graph.vertices(), [&](const Vertex& v) { return v.subgraph == stroke; });
+  detail::Paths paths(graph);
+  event.position = detail::component_middle(graph, paths,
+                                            static_cast<std::uint32_t>(of_stroke - graph.vertices().begin()));
+  for (int t = settled; t != first; t -= sense)
+    event.position = event.position + shift(motion, t, t - sense, stroke);
+}
+
 }  // namespace
 
 std::vector<Event> stroke_events(const MotionGraph& motion) {
@@ -138,6 +193,7 @@ std::vector<Event> stroke_events(const MotionGraph& motion) {
     gap_events(before, after, motion.links[t], static_cast<int>(t), events);
     before = std::move(after);
   }
+  for (Event& event : events) settle(motion, event);
   sort_events(events);
   return events;
 }

@@ -13,26 +13,8 @@ using graph::Point;
 
 namespace {
 
+constexpr double kShows = 0.5;    // of the contrast, all the way
 constexpr std::size_t kMost = 4;  // patches that an end grows or shrinks by at once
-
-/// A stroke's patches from its free end on, at most six.
-std::vector<Slot> tail(const Draft& draft, Slot end) {
-  constexpr std::size_t kLong = 6;
-  std::vector<Slot> slots{end, draft.neighbours(end)[0]};
-  while (slots.size() < kLong && draft.degree(slots.back()) == 2) {
-    const auto sides = draft.neighbours(slots.back());
-    slots.push_back(sides[0] == slots[slots.size() - 2] ? sides[1] : sides[0]);
-  }
-  return slots;
-}
-
-double usual_contrast(const Draft& draft, const std::vector<Slot>& slots) {
-  std::vector<double> contrasts;
-  for (const Slot slot : slots) contrasts.push_back(std::abs(draft.patch(slot).contrast));
-  std::nth_element(contrasts.begin(), contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2),
-                   contrasts.end());
-  return contrasts[contrasts.size() / 2];
-}
 
 void shrink(Editor& editor, const std::vector<Slot>& slots) {
   Edit edit;
@@ -65,6 +47,8 @@ void grow(Editor& editor, const std::vector<Slot>& slots) {
     const Point place = last.position + Point{std::cos(heading), std::sin(heading)} * editor.spacing();
     const auto next = editor.like(last, place, backwards ? heading + std::numbers::pi : heading, contrast);
     if (!next || editor.overlaps(*next, {slots.data(), 1})) return;
+    // What goes on behind a gap is not this stroke.
+    if (editor.shown(last, last.position, place, contrast) < kShows) return;
     const Slot slot = draft.slots() + static_cast<Slot>(n);
     edit.add.emplace_back(slot, *next);
     edit.tie.push_back(n == 0 ? tie(slots[0], slot) : tie(slot - 1, slot));

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLongest = 16;  // px that a way bridges
+constexpr double kShows = 0.6;   // more than the half that makes a gap: what is on the verge would flicker
 
 struct End {
   Slot slot;
@@ -35,17 +36,18 @@ std::vector<End> free_ends(const Draft& draft) {
 }
 
 /// Patches along the straight way from one place to another, both left out, as the patch at its begin shows
-/// it; none if it does not show throughout.
+/// it; none if it does not show throughout. `from_side`: rad, a stroke whose direction is another by so much
+/// is come to from the side.
 std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point from, const Patch& end,
-                                      double contrast, std::span<const Slot> besides) {
+                                      double contrast, std::span<const Slot> besides,
+                                      double from_side = kPi / 6) {
   const Point to = end.position, step = to - from;
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
   const double theta = std::cos(begin.theta - heading) < 0 ? heading + kPi : heading;
   const int pieces = static_cast<int>(std::lround(length / editor.spacing()));
-  constexpr double kShows = 0.6;  // more than the half that makes a gap: what is on the verge would flicker
   // Where a stroke comes in from the side, its own sides hide that the way goes on.
   const double hidden =
-      graph::orientation_difference(heading, end.theta) < kPi / 6 ? 0 : end.width / 2 + 2 * end.blur;
+      graph::orientation_difference(heading, end.theta) < from_side ? 0 : end.width / 2 + 2 * end.blur;
   const Point seen_to = from + step * std::max(1 - hidden / length, 0.0);
   if (hidden < length && editor.shown(begin, from, seen_to, contrast) < kShows) return std::nullopt;
   std::vector<Patch> patches;
@@ -80,9 +82,16 @@ void join_ends(Editor& editor, const End& a, const End& b) {
   const Point gap = b.place - a.place;
   const double length = graph::norm(gap);
   if (draft.neighbours(a.slot)[0] == b.slot || length > kLongest || !graph::same_kind(first, second)) return;
-  const double contrast = fainter(first, second);
+  if (length >= 0.6 * editor.spacing() &&
+      (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length))
+    return;
+  // Of both strokes, not of their ends alone: in a gap's penumbra these show less.
+  const double contrast = std::copysign(
+      std::sqrt(usual_contrast(draft, tail(draft, a.slot)) * usual_contrast(draft, tail(draft, b.slot))),
+      first.contrast);
   const std::array<Slot, 2> both{a.slot, b.slot};
   if (length < 0.6 * editor.spacing()) {
+    if (editor.shown(first, a.place, b.place, contrast) < kShows) return;
     const Slot before = draft.neighbours(a.slot)[0], after = draft.neighbours(b.slot)[0];
     if (before == after) return;
     const Point along = draft.patch(after).position - draft.patch(before).position;
@@ -98,7 +107,6 @@ void join_ends(Editor& editor, const End& a, const End& b) {
     editor.propose(std::move(edit), {a.slot, b.slot, before, after});
     return;
   }
-  if (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length) return;
   if (const auto patches = way(editor, first, a.place, second, contrast, both)) {
     Edit edit;
     Slot next = draft.slots();
@@ -120,7 +128,9 @@ void reach_stroke(Editor& editor, const End& end, Slot target) {
   std::vector<Slot> besides{end.slot, target};
   besides.insert(besides.end(), draft.neighbours(target).begin(), draft.neighbours(target).end());
   if (std::find(besides.begin(), besides.end(), draft.neighbours(end.slot)[0]) != besides.end()) return;
-  if (const auto patches = way(editor, first, end.place, hit, fainter(first, hit), besides)) {
+  // An end has sides only for what comes nearly square to it: before it, nothing hides a gap.
+  const double from_side = draft.degree(target) == 1 ? kPi / 3 : kPi / 6;
+  if (const auto patches = way(editor, first, end.place, hit, fainter(first, hit), besides, from_side)) {
     Edit edit;
     Slot next = draft.slots();
     bridge(edit, next, end.slot, *patches, target);

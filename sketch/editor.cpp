@@ -219,4 +219,22 @@ std::vector<std::vector<Slot>> strokes(const Draft& draft) {
   return all;
 }
 
+std::vector<Slot> tail(const Draft& draft, Slot end) {
+  constexpr std::size_t kLong = 6;
+  std::vector<Slot> slots{end, draft.neighbours(end)[0]};
+  while (slots.size() < kLong && draft.degree(slots.back()) == 2) {
+    const auto sides = draft.neighbours(slots.back());
+    slots.push_back(sides[0] == slots[slots.size() - 2] ? sides[1] : sides[0]);
+  }
+  return slots;
+}
+
+double usual_contrast(const Draft& draft, const std::vector<Slot>& slots) {
+  std::vector<double> contrasts;
+  for (const Slot slot : slots) contrasts.push_back(std::abs(draft.patch(slot).contrast));
+  std::nth_element(contrasts.begin(), contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2),
+                   contrasts.end());
+  return contrasts[contrasts.size() / 2];
+}
+
 }  // namespace emberfold::sketch

@@ -79,6 +79,10 @@ class Editor {
 /// Curves of patches between those whose degree is not 2, as graph::Curve has them.
 std::vector<std::vector<Slot>> strokes(const Draft& draft);
 
+/// A stroke's patches from its free end on, at most six, and the median of their |contrast|.
+std::vector<Slot> tail(const Draft& draft, Slot end);
+double usual_contrast(const Draft& draft, const std::vector<Slot>& slots);
+
 void propose_at_ends(Editor& editor);                                        // edit_ends.cpp
 void propose_meetings(Editor& editor);                                       // edit_meetings.cpp
 void propose_for_strokes(Editor& editor, bool blobs);                        // edit_strokes.cpp

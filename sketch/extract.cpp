@@ -16,6 +16,7 @@
 #include "sketch/creases.hpp"
 #include "sketch/crossings.hpp"
 #include "sketch/cut.hpp"
+#include "sketch/fades.hpp"
 #include "sketch/join.hpp"
 #include "sketch/link.hpp"
 #include "sketch/lobes.hpp"
@@ -125,12 +126,16 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     add(link(steps, space, limits));
   }
   chains = without_lobes(without_hooks(std::move(chains)), space, luma.size());
-  constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
-  chains = cut_at_fades(chains, space, kHalf);
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
-  std::erase_if(chains, [&](const Chain& c) {
-    return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
-  });
+  const auto without_crumbs = [&](std::vector<Chain>& from) {
+    std::erase_if(from, [&](const Chain& c) {
+      return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
+    });
+  };
+  without_crumbs(chains);
+  constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
+  chains = cut_at_fades(chains, space, {kHalf, noise});
+  without_crumbs(chains);
   const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
   std::vector<GainFrame> axes{prepare_gain(luma, kColourAxes[0])};
   if (space.back().channel > 0)

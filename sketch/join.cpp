@@ -167,10 +167,14 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
   const Bridge bridge{needed, ground, level.sigma,
                       std::max(0.2 * std::abs(needed - ground) / level.sigma, 0.1)};
   const double farthest = reach_of(space.back().sigma);
+  const int gap = own.gap[end.back ? 1 : 0];
+  const auto across_gap = [&](const Chain& other) {
+    return gap > 0 && (other.gap[0] == gap || other.gap[1] == gap) && &other != &own;
+  };
   std::vector<Meeting> found;
   grid.near(end.position, farthest, [&](const Contact& c) {
     const Chain& other = chains[c.chain];
-    if (other.kind != own.kind) return;
+    if (other.kind != own.kind || across_gap(other)) return;
     const CreasePoint& q = other.points[c.point];
     const Point way = q.position - end.position;
     const double length = std::sqrt(graph::dot(way, way));

@@ -187,23 +187,6 @@ std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& 
   return static_cast<std::size_t>(*middle);
 }
 
-namespace {
-
-// A dip of less than 3 px inside a curve is noise, not a gap: blur alone would fill it.
-void bridge_short_dips(std::vector<bool>& keep, const std::vector<double>& s) {
-  const std::size_t n = keep.size();
-  for (std::size_t i = 1; i < n; ++i) {
-    if (keep[i] || !keep[i - 1]) continue;
-    std::size_t end = i;
-    while (end < n && !keep[end]) ++end;
-    if (end < n && s[end] - s[i - 1] < 3)
-      for (std::size_t j = i; j < end; ++j) keep[j] = true;
-    i = end;
-  }
-}
-
-}  // namespace
-
 std::vector<Chain> link(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits) {
   return Linker(map, space, limits).run();
 }
@@ -242,58 +225,6 @@ std::vector<Chain> without_hooks(std::vector<Chain> chains) {
                     chain.points.begin() + static_cast<std::ptrdiff_t>(last) + 1};
   }
   return chains;
-}
-
-std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpace& space, double share) {
-  constexpr double kAround = 20;  // px
-  std::vector<Chain> pieces;
-  for (const Chain& chain : chains) {
-    const ScaleLevel& level = space[middle_level(chain.points, space)];
-    const std::size_t n = chain.points.size();
-    const std::vector<double> s = arc_lengths(chain);
-    std::vector<double> response(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Point u = direction(chain, i);
-      if (chain.kind == CreaseKind::step) {
-        const Point p = chain.points[i].position, across = Point{-u.y, u.x} * level.sigma;
-        response[i] = std::abs(level.value_at(p + across) - level.value_at(p - across));
-      } else {
-        const double second = level.hessian_at(chain.points[i].position).along({-u.y, u.x});
-        response[i] = chain.kind == CreaseKind::ridge ? -second : second;
-      }
-    }
-    // Six in ten of the points around lie below what is usual: as many must not ask for more than there is.
-    std::vector<double> asked(n);
-    for (std::size_t i = 0; i < n; ++i) asked[i] = share * response[i];
-    std::vector<bool> keep(n);
-    for (std::size_t i = 0, from = 0, to = 0; i < n; ++i) {
-      while (s[i] - s[from] > kAround) ++from;
-      while (to < n && s[to] - s[i] <= kAround) ++to;
-      std::size_t met = 0;
-      for (std::size_t j = from; j < to; ++j) met += asked[j] <= response[i] ? 1 : 0;
-      keep[i] = met > static_cast<std::size_t>(0.6 * static_cast<double>(to - from));
-    }
-    bridge_short_dips(keep, s);
-    if (std::all_of(keep.begin(), keep.end(), [](bool k) { return k; })) {
-      pieces.push_back(chain);
-      continue;
-    }
-    for (std::size_t i = 0; i < n;) {
-      if (!keep[i]) {
-        ++i;
-        continue;
-      }
-      std::size_t end = i;
-      while (end < n && keep[end]) ++end;
-      if (end - i >= 2)
-        pieces.push_back({chain.kind,
-                          {chain.points.begin() + static_cast<std::ptrdiff_t>(i),
-                           chain.points.begin() + static_cast<std::ptrdiff_t>(end)},
-                          false});
-      i = end;
-    }
-  }
-  return pieces;
 }
 
 }  // namespace emberfold::sketch

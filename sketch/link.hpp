@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct Chain {
   CreaseKind kind = CreaseKind::ridge;
   std::vector<CreasePoint> points;  ///< theta directed along the chain
   bool closed = false;              ///< the last point goes on to the first
+  std::array<int, 2> gap{0, 0};     ///< of its first and last end: the gap they lie at, 0: none
 };
 
 struct LinkLimits {
@@ -36,10 +38,5 @@ std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& 
 
 /// Takes off the hooks at free ends, where a line's round end makes the crease turn aside.
 std::vector<Chain> without_hooks(std::vector<Chain> chains);
-
-/// Cuts curves where they fade: a point stays if its contrast is at least `share` of what is usual around it
-/// (±20 px along the curve). The contrast is measured anew at the curve's own scale, across the curve. Pieces
-/// shorter than two points go.
-std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpace& space, double share);
 
 }  // namespace emberfold::sketch

@@ -11,6 +11,9 @@ using graph::Point;
 
 namespace {
 
+// How much less than a response its explanation may be: by stronger lines, and by all.
+constexpr double kOfOne = 1.4, kOfAll = 1.6;
+
 // Where accepted lines run: each pixel near one refers to its point.
 class Accepted {
  public:
@@ -51,8 +54,9 @@ double lobe(const CreasePoint& q, Point p, double sigma, const ScaleSpace& space
   return q.contrast * s * std::pow(spread2, -1.5) * (d2 - 1) * std::exp(-0.5 * d2);
 }
 
-bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& space) {
-  constexpr double kMargin = 1.4, kReach = 4;  // reach in S of a line as wide as this one
+/// The share of a line's response that lines of the other sign explain.
+double explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& space) {
+  constexpr double kReach = 4;  // reach in S of a line as wide as this one
   const std::size_t own = middle_level(chain.points, space);
   const double sigma = space[own].sigma, reach = kReach * 1.5 * sigma + 4;
   double seen = 0, predicted = 0;
@@ -64,7 +68,7 @@ bool explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& s
           q != nullptr && space[static_cast<std::size_t>(q->level)].channel == space[own].channel)
         predicted += std::max(0.0, lobe(*q, p, sigma, space));
   }
-  return seen < kMargin * predicted;
+  return seen > 0 ? predicted / seen : 0;
 }
 
 // Lines respond to half their scale at least nearly as much as to their own (a Gaussian one 2.0 times, a box
@@ -88,6 +92,28 @@ double mean_strength(const Chain& chain) {
          static_cast<double>(chain.points.size());
 }
 
+// What lies between two lines of the other sign was judged by the stronger of them alone if it came before
+// the weaker one: each line that was accepted is judged anew by all others that were.
+void drop_between(const std::vector<Chain>& chains, const std::vector<std::size_t>& order, cv::Size frame,
+                  const ScaleSpace& space, const std::vector<double>& share, std::vector<bool>& dropped) {
+  constexpr double kLeast = 0.2;  // of the response: less was explained by the stronger of the two
+  if (std::ranges::none_of(order, [&](std::size_t c) { return !dropped[c] && share[c] >= kLeast; })) return;
+  const auto accepted = [&](CreaseKind kind) {
+    Accepted lines(frame);
+    for (const std::size_t c : order)
+      if (!dropped[c] && chains[c].kind == kind) lines.add(chains[c]);
+    return lines;
+  };
+  Accepted ridges = accepted(CreaseKind::ridge), valleys = accepted(CreaseKind::valley);
+  for (const std::size_t c : order) {
+    if (dropped[c] || share[c] < kLeast) continue;
+    const bool ridge = chains[c].kind == CreaseKind::ridge;
+    if (explained(chains[c], ridge ? valleys : ridges, space) * kOfAll <= 1) continue;
+    dropped[c] = true;
+    (ridge ? ridges : valleys) = accepted(chains[c].kind);
+  }
+}
+
 }  // namespace
 
 std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& space, cv::Size frame) {
@@ -99,12 +125,15 @@ std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& sp
                    [&](std::size_t a, std::size_t b) { return strength[a] > strength[b]; });
   Accepted ridges(frame), valleys(frame);
   std::vector<bool> dropped(chains.size(), false);
+  std::vector<double> share(chains.size(), 0);
   for (const std::size_t c : order) {
     if (chains[c].kind == CreaseKind::step) continue;
     const bool ridge = chains[c].kind == CreaseKind::ridge;
-    dropped[c] = blurred_ground(chains[c], space) || explained(chains[c], ridge ? valleys : ridges, space);
+    share[c] = explained(chains[c], ridge ? valleys : ridges, space);
+    dropped[c] = share[c] * kOfOne > 1 || blurred_ground(chains[c], space);
     if (!dropped[c]) (ridge ? ridges : valleys).add(chains[c]);
   }
+  drop_between(chains, order, frame, space, share, dropped);
   std::vector<Chain> kept;
   for (std::size_t c = 0; c < chains.size(); ++c)
     if (!dropped[c]) kept.push_back(std::move(chains[c]));

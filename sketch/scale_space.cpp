@@ -162,6 +162,7 @@ ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels, int cha
     level.sigma = finest * std::pow(2.0, 0.5 * i);
     level.channel = channel;
     level.octave = i;
+    level.frame = luma;
     // Each level smooths the one before, which is cheaper than starting from the image and gives the same
     // Gaussian.
     const Taps step =

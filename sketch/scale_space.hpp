@@ -23,6 +23,7 @@ struct ScaleLevel {
   double sigma = 1;  ///< px, of the smoothing
   int channel = 0;   ///< of the frame's: luma, or the axes of opponent colours
   int octave = 0;    ///< half octaves above the channel's finest level
+  cv::Mat1f frame;   ///< the image itself
   cv::Mat1f smooth;  ///< with a border of one pixel, so that every pixel of the frame has eight neighbours
   double gradient_sd = 0;  ///< SD of a first derivative under white noise of SD 1
   double hessian_sd = 0;   ///< SD of a second derivative (xx or yy) under white noise of SD 1

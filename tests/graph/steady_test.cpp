@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/steady.hpp"
 
+#include <algorithm>
 #include <set>
 #include <vector>
 
@@ -119,4 +120,76 @@ TEST_CASE("Steadying a steady sequence changes nothing", "[graph][steady]") {
   const graph::MotionGraph motion = graph::match(sketch, options).motion;
   CHECK(graph::steady(motion, 3) == motion.sketch);
   CHECK(graph::steady(motion, 0) == motion.sketch);
+}
+
+namespace {
+
+std::vector<graph::Event> events_of(const std::vector<AttributeGraph>& frames) {
+  graph::SketchSequence sketch{160, 120, 25, {}};
+  for (const AttributeGraph& frame : frames) sketch.append(frame);
+  return graph::stroke_events(graph::match(sketch, {}).motion);
+}
+
+AttributeGraph gaining(AttributeGraph graph, double from_x, double gain) {
+  std::vector<Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  for (Vertex& v : vertices) v.patch.gain = v.patch.position.x < from_x ? 100 : gain;
+  return {vertices, {graph.edges().begin(), graph.edges().end()}};
+}
+
+}  // namespace
+
+TEST_CASE("A stroke that falls into pieces as it fades dies once and one that appears in pieces is born once",
+          "[graph][steady]") {
+  const Line other{{100, 20}, {100, 60}};
+  const AttributeGraph gone = draw({other}), whole = draw({other, kStroke[0]}),
+                       torn = draw({other, kTorn[0], kTorn[1]}), rest = draw({other, kTorn[0]});
+  std::vector<AttributeGraph> fading(6, whole);
+  fading.insert(fading.end(), {torn, torn, rest, gone, gone, gone, gone, gone});
+  const auto dies = events_of(fading);
+  REQUIRE(dies.size() == 1);
+  CHECK(dies[0].type == EventType::death);
+  CHECK(dies[0].frame == 9);
+  std::reverse(fading.begin(), fading.end());
+  const auto born = events_of(fading);
+  REQUIRE(born.size() == 1);
+  CHECK(born[0].type == EventType::birth);
+  CHECK(born[0].frame == 5);
+  CHECK(graph::distance(born[0].position, dies[0].position) < 1);
+}
+
+TEST_CASE("A stroke that gains little has to be seen twice as long", "[graph][steady]") {
+  for (const int length : {4, 5, 6, 7}) {
+    for (const double gain : {100.0, 30.0}) {
+      INFO(length << " frames, gain " << gain);
+      std::vector<AttributeGraph> frames;
+      for (int t = 0; t < 16; ++t)
+        frames.push_back(gaining(draw(t >= 4 && t < 4 + length ? kCompany : kStroke), 70, gain));
+      CHECK(events_of(frames).size() == (gain == 100 || length > 6 ? 2 : 0));
+    }
+  }
+}
+
+TEST_CASE("Of states to and fro the shortest is undone", "[graph][steady]") {
+  // Torn from frame 5 on, but for one frame.
+  std::vector<AttributeGraph> frames;
+  for (int t = 0; t < 14; ++t) frames.push_back(draw(t < 5 || t == 7 ? kStroke : kTorn));
+  const auto events = events_of(frames);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].type == EventType::split);
+  CHECK(events[0].frame == 5);
+}
+
+TEST_CASE("A stroke of which a part is seen first is born at its middle", "[graph][steady]") {
+  const Line other{{100, 20}, {100, 60}};
+  std::vector<AttributeGraph> frames(4, draw({other}));
+  frames.push_back(draw({other, {{40, 60}, {40, 80}}}));
+  frames.insert(frames.end(), 5, draw({other, kStroke[0]}));
+  const auto born = events_of(frames);
+  REQUIRE(born.size() == 1);
+  CHECK(born[0].frame == 4);
+  CHECK(graph::distance(born[0].position, {40, 50}) < 8);
+  std::reverse(frames.begin(), frames.end());
+  const auto dies = events_of(frames);
+  REQUIRE(dies.size() == 1);
+  CHECK(graph::distance(dies[0].position, born[0].position) < 1e-9);
 }

@@ -2,6 +2,7 @@
 // How many strokes there are, how they hang together, and that nothing is found where nothing is.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -174,4 +175,42 @@ TEST_CASE("Pure noise has no strokes") {
     INFO("SD " << sd);
     CHECK(strokes == 0);
   }
+}
+
+namespace {
+
+/// A bar along the x axis of the frame's middle; `shows`: how much of it, by place along it.
+AttributeGraph found_along(const std::function<double(double)>& shows, double spread, std::uint64_t seed) {
+  const Cover whole = segment(kMiddle - Point{50, 0}, kMiddle + Point{50, 0}, 2 * spread, spread / 2);
+  const Cover seen_of = [&](Point p) { return whole(p) * shows(p.x - kMiddle.x); };
+  return sketch::extract(with_noise(draw(kSize, {seen_of}, 60, 60), 4, seed), {});
+}
+
+}  // namespace
+
+TEST_CASE("A narrow gap cuts a line, also where the line is wide", "[sketch][gaps]") {
+  for (const double gap : {5.0, 6.0, 8.0})
+    for (const double spread : {1.5, 2.0, 3.0})
+      for (const std::uint64_t seed : {1U, 3U, 4U}) {
+        INFO("gap " << gap << ", spread " << spread << ", seed " << seed);
+        const auto graph = found_along([&](double x) { return 1 - seen(x - 3, gap, 1); }, spread, seed);
+        CHECK(graph::components(graph).count == 2);
+        for (const auto& vertex : graph.vertices())
+          CHECK(std::abs(vertex.patch.position.x - kMiddle.x - 3) > gap / 2 - 2);
+      }
+}
+
+TEST_CASE(
+    "A line whose contrast varies by 30 percent is not cut, nor one that fades to two thirds in a place",
+    "[sketch][gaps]") {
+  for (const double spread : {1.5, 2.0, 3.0})
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+      INFO("spread " << spread << ", seed " << seed);
+      const auto waves = found_along([](double x) { return 1 + 0.3 * std::sin(x / 4); }, spread, seed);
+      CHECK(graph::components(waves).count == 1);
+      const auto dip = found_along([](double x) { return 1 - seen(x, 6, 1) / 3; }, spread, seed);
+      CHECK(graph::components(dip).count == 1);
+      const auto step = found_along([](double x) { return x < 0 ? 1 : 0.55; }, spread, seed);
+      CHECK(graph::components(step).count == 1);
+    }
 }
