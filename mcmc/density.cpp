@@ -83,19 +83,14 @@ std::size_t grower(const HiddenGraph& g, Index w) {
   return degree < 2 ? 0 : degree == 2 ? 1 : 2;
 }
 
-namespace {
-// Joined, or with a neighbour in common: patches are set down anew along a curve in every frame, and what was
-// next but one may be next now.
-bool near_by_edges(const HiddenGraph& g, Index v, Index u) {
-  return g[v].edges.has(u) || std::ranges::any_of(g[v].edges, [&](Index x) { return g[x].edges.has(u); });
-}
-}  // namespace
-
-bool were_joined(const HiddenGraph& g, Index a, Index b) {
+Were were(const HiddenGraph& g, Index a, Index b) {
+  Were closest = Were::apart;
   for (const Index v : g[a].prev)
-    for (const Index u : g[b].prev)
-      if (u == v || near_by_edges(g, v, u)) return true;
-  return false;
+    for (const Index u : g[b].prev) {
+      if (u == v || g[v].edges.has(u)) return Were::joined;
+      if (std::ranges::any_of(g[v].edges, [&](Index x) { return g[x].edges.has(u); })) closest = Were::near;
+    }
+  return closest;
 }
 
 double neighbours_sway(const HiddenGraph& g, Index v) {
@@ -130,7 +125,7 @@ Density::Density(const Theta& theta, double evidence) : theta_(theta), evidence_
   }
   const auto both = [](double p) { return std::array{std::log1p(-p), std::log(p)}; };
   for (std::size_t k = 0; k < kCloseness; ++k) {
-    kept_[k] = both(theta.keep[k]), connected_[k] = both(theta.connect[k]);
+    for (std::size_t w = 0; w < 3; ++w) joined_[w][k] = both(theta.join[w][k]);
     for (std::size_t e = 0; e < 2; ++e) closed_[e][k] = both(theta.close[e][k]);
   }
   for (std::size_t k = 0; k < kGrowers; ++k) log_growth_[k] = std::log(theta.growth[k]);
@@ -300,7 +295,7 @@ double Density::of_presence(const HiddenGraph& g, Index w) const {
 double Density::of_pair(const HiddenGraph& g, Index a, const Beside& b) const {
   const Node &one = g[a], &other = g[b.node];
   if (!one.on || !other.on || one.prev.empty() || other.prev.empty()) return 0;
-  const auto& table = were_joined(g, a, b.node) ? kept_ : connected_;
+  const auto& table = joined_[static_cast<std::size_t>(were(g, a, b.node))];
   return table[b.closeness][one.edges.has(b.node) ? 1 : 0];
 }
 

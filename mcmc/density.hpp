@@ -19,8 +19,8 @@ std::size_t merge_targets(const HiddenGraph& g, Index v);
 std::size_t config_of(const HiddenGraph& g, Index v);
 /// Which of Theta::growth a node grows others by.
 std::size_t grower(const HiddenGraph& g, Index w);
-/// Whether two nodes that go on were one in the frame before, joined, or joined to the same.
-bool were_joined(const HiddenGraph& g, Index a, Index b);
+/// How two nodes that go on lay in the frame before.
+Were were(const HiddenGraph& g, Index a, Index b);
 /// −1 where the normals of two nodes point to opposite sides, else 1.
 inline double sense(const Node& a, const Node& b) {
   return graph::dot(a.tangent, b.tangent) < 0 ? -1 : 1;
@@ -76,12 +76,12 @@ class Density {
   [[nodiscard]] double begun(const Node& w) const;
   [[nodiscard]] double grown(const Node& from, const Node& w) const;
 
-  static constexpr double kEdge = 8;  ///< nats
+  static constexpr double kEdge = 20;  ///< nats
   Theta theta_;
   double evidence_;
   /// [place][config][outcome], without and with nodes that it could merge into.
   std::array<std::array<std::array<double, kOutcomes>, kConfigs>, kPlaces> alone_{}, beside_{};
-  std::array<std::array<double, 2>, kCloseness> kept_{}, connected_{};  ///< [closeness][joined]
+  std::array<std::array<std::array<double, 2>, kCloseness>, 3> joined_{};  ///< [were][closeness][joined]
   std::array<std::array<std::array<double, 2>, kCloseness>, 2> closed_{};
   std::array<double, kGrowers> log_growth_{};
   double stationary_ = 1, lag_one_ = 0;  ///< variance and autocorrelation of the sway

@@ -126,7 +126,7 @@ class Forward {
     for (const Index a : all)
       for (const Beside& b : g_.beside(a)) {
         if (b.node < a || !g_[b.node].on) continue;
-        const auto& chance = were_joined(g_, a, b.node) ? theta_.keep : theta_.connect;
+        const auto& chance = theta_.join[static_cast<std::size_t>(were(g_, a, b.node))];
         if (rng_.uniform() < chance[b.closeness] && g_.can_join(a, b.node)) g_.join(a, b.node);
       }
   }

@@ -107,7 +107,7 @@ void tally_pairs(const HiddenGraph& g, Index a, Tallies& t) {
   if (g[a].prev.empty()) return;
   for (const Beside& near : g.beside(a)) {
     if (near.node < a || !g[near.node].on || g[near.node].prev.empty()) continue;
-    auto& pair = (were_joined(g, a, near.node) ? t.keep : t.connect)[near.closeness];
+    auto& pair = t.join[static_cast<std::size_t>(were(g, a, near.node))][near.closeness];
     pair.could += 1;
     pair.joined += g[a].edges.has(near.node) ? 1 : 0;
   }
@@ -137,8 +137,8 @@ void learn_outcomes(const Tallies& t, const Theta& prior, double weight, Theta& 
 
 void learn_edges(const Tallies& t, const Theta& prior, double weight, Theta& theta) {
   for (std::size_t k = 0; k < kCloseness; ++k) {
-    theta.keep[k] = chance(t.keep[k].joined, t.keep[k].could, prior.keep[k], weight);
-    theta.connect[k] = chance(t.connect[k].joined, t.connect[k].could, prior.connect[k], weight);
+    for (std::size_t w = 0; w < 3; ++w)
+      theta.join[w][k] = chance(t.join[w][k].joined, t.join[w][k].could, prior.join[w][k], weight);
     for (std::size_t e = 0; e < 2; ++e)
       theta.close[e][k] = chance(t.close[e][k].joined, t.close[e][k].could, prior.close[e][k], weight);
   }

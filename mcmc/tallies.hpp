@@ -19,7 +19,7 @@ struct Tallies {
   struct Pair {
     double joined = 0, could = 0;
   };
-  std::array<Pair, kCloseness> keep{}, connect{};
+  std::array<std::array<Pair, kCloseness>, 3> join{};
   std::array<std::array<Pair, kCloseness>, 2> close{};
   double going_on = 0, across2 = 0, along2 = 0, turn2 = 0, flicker2 = 0;
   double contrast = 0, contrast2 = 0;  ///< of strokes begun

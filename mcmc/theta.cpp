@@ -31,7 +31,7 @@ void validate(const Theta& theta) {
     check(std::abs(sum - 1) < 1e-9, "the sum of an outcome's chances", sum, "1");
   }
   for (std::size_t k = 0; k < kCloseness; ++k) {
-    check_chance("keep", theta.keep[k]), check_chance("connect", theta.connect[k]);
+    for (const auto& chances : theta.join) check_chance("join", chances[k]);
     check_chance("close", theta.close[0][k]), check_chance("close", theta.close[1][k]);
   }
   check_chance("split_more", theta.split_more);
@@ -67,8 +67,9 @@ Theta usual_theta(double patches, double area) {
   theta.birth = {strokes, strokes * 0.05};
   theta.growth = {0.1, 0.02, 0.02, 1.6};
   constexpr std::array<double, kCloseness> staying = {0.99, 0.97, 0.97, 0.95, 0.9, 0.9};
+  constexpr std::array<double, kCloseness> near = {0.9, 0.5, 0.1, 0.1, 0.1, 0.1};
   constexpr std::array<double, kCloseness> meeting = {0.2, 0.05, 0.02, 0.01, 0.003, 0.003};
-  theta.keep = staying, theta.connect = meeting;
+  theta.join = {meeting, near, staying};
   theta.close = {meeting, meeting};
   return theta;
 }

@@ -27,6 +27,10 @@ constexpr std::size_t config(std::size_t degree, bool border, std::size_t told) 
 /// junction; or one that is new.
 constexpr std::size_t kGrowers = 4;
 
+/// How two patches lay in the frame before: neither joined nor joined to the same; joined to the same (patches
+/// are set down anew along a curve in every frame, and what was next but one may be next now); joined, or one.
+enum class Were : std::uint8_t { apart, near, joined };
+
 /// What a patch looks like as it goes on is normal, but for this share, which spreads this many times wider:
 /// the sketch errs now and then.
 constexpr double kErrs = 0.05, kErrsBy = 4;
@@ -40,8 +44,8 @@ struct Theta {
   std::array<double, kGrowers> growth{};  ///< patches that grow from one, expected number; from a new one to
                                           ///< both sides, of which one comes later in order
   double first_growth = 1.6;              ///< the same in frame 0, where all are new
-  std::array<double, kCloseness> keep{};  ///< chance that an edge stays, both its ends going on
-  std::array<double, kCloseness> connect{};  ///< that two patches that go on are joined and were not
+  /// Chance that two patches which go on are joined, by how they lay before and how they lie now.
+  std::array<std::array<double, kCloseness>, 3> join{};
   std::array<std::array<double, kCloseness>, 2> close{};  ///< that a new patch is joined to one it is not
                                                           ///< grown from
   double across = 0.5, along = 1.5;  ///< px: SD of a patch about where its sway and drift carry it
