@@ -21,8 +21,8 @@ struct FitOptions {
 struct FitResult {
   MotionModel model;
   OperatorCounts counts;                             ///< what the rates were learned from
-  std::array<RateInterval, 6> a_frame{};             ///< RateEstimate::a_frame
-  std::array<RateInterval, kSizes> death_by_size{};  ///< RateEstimate::death_by_size
+  std::array<RateInterval, 6> a_frame{};             ///< RateEstimate::a_frame: before balance
+  std::array<RateInterval, kSizes> death_by_size{};  ///< likewise
   std::vector<std::string>
       notes;  ///< a line for everything that was not taken as measured: an unstable fit, too little data
   core::Status status = core::Status::done;
