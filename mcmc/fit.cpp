@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "core/error.hpp"
 #include "mcmc/balance.hpp"
@@ -21,8 +22,16 @@ constexpr std::size_t shortest = 12;  // frames: shorter lineages tell no rest
 constexpr double few = 5;             // samples in a cell
 constexpr std::size_t most_exemplars = 300;
 
+using Lineages = std::vector<detail::Lineage>;
+
+// What is made of each sample's paths.
+struct Followed {
+  Lineages lineages;
+  Series travel;  // less what the drift made of it
+};
+
 // Each lineage's travel, less what the drift made of it.
-Series without_drift(const std::vector<detail::Lineage>& all, const Drift& drift) {
+Series without_drift(const Lineages& all, const Drift& drift) {
   Series series;
   for (const auto& lineage : all) {
     std::vector<double> travel;
@@ -36,7 +45,7 @@ Series without_drift(const std::vector<detail::Lineage>& all, const Drift& drift
   return series;
 }
 
-Series contrasts(const std::vector<detail::Lineage>& all) {
+Series contrasts(const Lineages& all) {
   Series series;
   for (const auto& lineage : all) {
     series.emplace_back();
@@ -46,19 +55,20 @@ Series contrasts(const std::vector<detail::Lineage>& all) {
 }
 
 // How bright a stroke is on its way in, in shares of what it has later; `backwards`: on its way out.
-std::array<double, 8> way_in(const std::vector<detail::Lineage>& all, int frames, bool backwards) {
+std::array<double, 8> way_in(std::span<const Followed> samples, int frames, bool backwards) {
   std::array<double, 8> sum{}, shares{};
   double count = 0;
-  for (const auto& lineage : all) {
+  const auto add = [&](const detail::Lineage& lineage) {
     const auto n = lineage.samples.size();
-    if (n < 2 * sum.size() || (backwards ? lineage.last() >= frames - 1 : lineage.first == 0)) continue;
+    if (n < 2 * sum.size() || (backwards ? lineage.last() >= frames - 1 : lineage.first == 0)) return;
     const auto at = [&](std::size_t k) { return lineage.samples[backwards ? n - 1 - k : k].contrast; };
     double later = 0;
     for (std::size_t k = sum.size(); k < n; ++k) later += at(k);
     later /= static_cast<double>(n - sum.size());
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += at(k) - later;
     ++count;
-  }
+  };
+  for (const auto& sample : samples) std::ranges::for_each(sample.lineages, add);
   for (std::size_t k = 0; k < sum.size(); ++k) shares[k] = count > 0 ? std::exp(sum[k] / count) : 1;
   // Brighter with every frame, and all of it in the end.
   double limit = 1;
@@ -78,29 +88,36 @@ std::size_t usual_frame(const graph::MotionGraph& motion) {
   return static_cast<std::size_t>(found - frames.begin());
 }
 
-CellMap usual_density(const graph::MotionGraph& motion) {
-  CellMap map = grid_over(motion.sketch.width, motion.sketch.height);
-  for (const auto& graph : motion.sketch.frames)
-    for (const auto& vertex : graph.vertices())
-      map.values[map.index(vertex.patch.position)] += 1 / static_cast<double>(motion.sketch.frames.size());
+void add(CellMap& to, const CellMap& from, double share) {
+  for (std::size_t c = 0; c < to.values.size(); ++c) to.values[c] += share * from.values[c];
+}
+
+CellMap usual_density(std::span<const graph::MotionGraph> samples) {
+  const auto& sketch = samples[0].sketch;
+  CellMap map = grid_over(sketch.width, sketch.height);
+  const double share = 1 / static_cast<double>(sketch.frames.size() * samples.size());
+  for (const auto& motion : samples)
+    for (const auto& graph : motion.sketch.frames)
+      for (const auto& vertex : graph.vertices()) map.values[map.index(vertex.patch.position)] += share;
   map.values = spread(map, 2);
   return map;
 }
 
 // The SD of the travel about its mean in each cell, less what the sketch adds, over what is usual; where
 // little was seen nearer to 1.
-CellMap sway_by_place(const std::vector<detail::Lineage>& all, const Series& travel,
-                      const Autoregression& sway, const CellMap& grid) {
+CellMap sway_by_place(std::span<const Followed> samples, const Autoregression& sway, const CellMap& grid) {
   CellMap squares = grid, counts = grid;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (travel[i].size() < shortest) continue;
-    const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / double(travel[i].size());
-    for (std::size_t k = 0; k < travel[i].size(); ++k) {
-      const auto cell = grid.index(all[i].samples[k].position);
-      squares.values[cell] += (travel[i][k] - mean) * (travel[i][k] - mean);
-      ++counts.values[cell];
+  const double share = 1 / static_cast<double>(samples.size());
+  for (const auto& [all, travel] : samples)
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (travel[i].size() < shortest) continue;
+      const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / double(travel[i].size());
+      for (std::size_t k = 0; k < travel[i].size(); ++k) {
+        const auto cell = grid.index(all[i].samples[k].position);
+        squares.values[cell] += share * (travel[i][k] - mean) * (travel[i][k] - mean);
+        counts.values[cell] += share;
+      }
     }
-  }
   CellMap shares = grid;
   const double error = sway.measurement * sway.measurement;
   const double usual = sway.noise > 0 ? std::pow(stationary_deviation(sway), 2) : 0;
@@ -116,48 +133,94 @@ void append(std::vector<std::string>& all, const std::vector<std::string>& more)
   all.insert(all.end(), more.begin(), more.end());
 }
 
-}  // namespace
-
-FitResult fit(const graph::MotionGraph& motion, const FitOptions& options, const core::Context& context) {
-  const auto frames = static_cast<int>(motion.sketch.frames.size());
-  if (frames < 2)
+void check(std::span<const graph::MotionGraph> samples) {
+  if (samples.empty())
+    throw core::InputError("a motion model is learned from one sample or more; here is none");
+  const auto shape = [](const graph::MotionGraph& motion) {
+    return std::to_string(motion.sketch.frames.size()) + " frames of " + std::to_string(motion.sketch.width) +
+           " x " + std::to_string(motion.sketch.height);
+  };
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    if (shape(samples[i]) != shape(samples[0]))
+      throw core::InputError("samples of one clip are alike in frames and size; sample " + std::to_string(i) +
+                             " has " + shape(samples[i]) + ", the first " + shape(samples[0]));
+  if (const auto frames = samples[0].sketch.frames.size(); frames < 2)
     throw core::InputError("a motion model is learned from two frames or more; here are " +
                            std::to_string(frames));
-  FitResult result;
-  MotionModel& model = result.model;
-  model.width = motion.sketch.width, model.height = motion.sketch.height;
-  model.fps = motion.sketch.fps, model.frames = frames;
+}
 
-  context.report("fit", 0);
-  const auto lineages = detail::lineages(motion);
-  const Drift drift = measure_drift(lineages, grid_over(model.width, model.height));
+// Drift, sway and contrast; what was followed of each sample.
+std::vector<Followed> learn_motion(std::span<const graph::MotionGraph> samples, FitResult& result) {
+  MotionModel& model = result.model;
+  const CellMap grid = grid_over(model.width, model.height);
+  Drift drift{grid, grid};
+  std::vector<Followed> followed;
+  for (const auto& motion : samples) {
+    followed.push_back({detail::lineages(motion), {}});
+    const Drift one = measure_drift(followed.back().lineages, grid);
+    add(drift.x, one.x, 1 / static_cast<double>(samples.size()));
+    add(drift.y, one.y, 1 / static_cast<double>(samples.size()));
+  }
+  Observed travels, brightness;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    auto& [lineages, travel] = followed[i];
+    travel = without_drift(lineages, drift);
+    travels += observe(samples[i], lineages, travel, true);
+    brightness += observe(samples[i], lineages, contrasts(lineages), false);
+  }
+  const auto sway = estimate(travels, "sway"), contrast = estimate(brightness, "contrast");
   model.drift_x = drift.x, model.drift_y = drift.y;
-  const Series travel = without_drift(lineages, drift);
-  const auto sway = estimate(moments(motion, lineages, travel, true, shortest), "sway");
-  const auto contrast = estimate(moments(motion, lineages, contrasts(lineages), false, shortest), "contrast");
   model.sway = sway.motion, model.contrast = contrast.motion;
-  model.sway_share = sway_by_place(lineages, travel, model.sway, grid_over(model.width, model.height));
+  model.sway_share = sway_by_place(followed, model.sway, grid);
   append(result.notes, sway.notes);
   append(result.notes, contrast.notes);
-  model.appearing = way_in(lineages, frames, false);
-  model.vanishing = way_in(lineages, frames, true);
+  model.appearing = way_in(followed, model.frames, false);
+  model.vanishing = way_in(followed, model.frames, true);
+  return followed;
+}
+
+}  // namespace
+
+FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& options,
+              const core::Context& context) {
+  check(samples);
+  FitResult result;
+  MotionModel& model = result.model;
+  const auto& last = samples.back();
+  model.width = last.sketch.width, model.height = last.sketch.height;
+  model.fps = last.sketch.fps, model.frames = static_cast<int>(last.sketch.frames.size());
+
+  context.report("fit", 0);
+  const auto followed = learn_motion(samples, result);
 
   context.report("fit", 0.3);
-  const auto events = graph::stroke_events(motion);
-  result.counts = count_operators(motion, events);
+  std::vector<OperatorCounts> counts;
+  std::array<double, kSizes> born{};
+  for (const auto& motion : samples) {
+    const auto events = graph::stroke_events(motion);
+    counts.push_back(count_operators(motion, events));
+    const auto sizes = born_sizes(motion, events);
+    for (std::size_t s = 0; s < kSizes; ++s) born[s] += sizes[s] / static_cast<double>(samples.size());
+  }
+  result.counts = mean(counts);
   auto rates = estimate_rates(result.counts);
   model.rates = std::move(rates.rates);
+  result.a_frame = rates.a_frame, result.death_by_size = rates.death_by_size;
   append(result.notes, rates.notes);
-  const auto displacement = displacements(motion, lineages, travel);
-  model.exemplars = sample_exemplars(motion, displacement, most_exemplars);
-  model.density = usual_density(motion);
-  const auto usual = usual_frame(motion);
-  model.first = at_rest(motion.sketch.frames[usual], displacement[usual]);
+  const auto displacement = displacements(last, followed.back().lineages, followed.back().travel);
+  model.exemplars = sample_exemplars(last, displacement, most_exemplars);
+  model.density = usual_density(samples);
+  const auto usual = usual_frame(last);
+  model.first = at_rest(last.sketch.frames[usual], displacement[usual]);
 
   context.report("fit", 0.5);
-  append(result.notes, balance(model, born_sizes(motion, events), result.counts, options.seed, context));
+  append(result.notes, balance(model, born, result.counts, options.seed, context));
   if (context.cancelled()) result.status = core::Status::cancelled;
   return result;
+}
+
+FitResult fit(const graph::MotionGraph& motion, const FitOptions& options, const core::Context& context) {
+  return fit(std::span(&motion, 1), options, context);
 }
 
 }  // namespace emberfold::mcmc

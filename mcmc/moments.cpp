@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -13,10 +14,12 @@ namespace emberfold::mcmc {
 namespace {
 
 constexpr int K = Moments::kLags;
-constexpr double most_stable = 0.995;  // spectral radius that an unstable fit is drawn back to
-constexpr double fewest_windows = 100;
-constexpr double bin = 5;         // px, of distances
-constexpr double parallel = 0.8;  // cosine: curves that turn more say nothing of each other
+constexpr std::size_t shortest_window = 12, shortest_path = 6;  // frames of lineages
+constexpr double fewest = 100;                                  // steps, windows, pairs
+constexpr double little = 1e-12;                                // a variance that is none
+constexpr double most_swing = 1.5;  // times the variance seen, of what paths are too short to show
+constexpr double bin = 5;           // px, of distances
+constexpr double parallel = 0.8;    // cosine: curves that turn more say nothing of each other
 
 // Deviations from the lineage's mean, and the neighbours' mean deviation less its own, frame by frame.
 struct Deviations {
@@ -57,49 +60,27 @@ Window window(const Deviations& d, std::size_t lineage, std::size_t newest) {
   return psi;
 }
 
-// Coefficients of d(t) − a1 d(t−1) − a2 d(t−2) − coupling g(t−1) on a window.
-Window residual(const Autoregression& m) {
-  Window c = Window::Zero();
-  c[0] = 1, c[1] = -m.a1, c[2] = -m.a2, c[K + 1] = -m.coupling;
-  return c;
-}
-
-struct Regression {
-  Eigen::VectorXd coefficients;
-  bool regular = false;
-};
-
-// Two-stage least squares of ψ[0] on ψ[regressors]: with the regressors themselves as instruments it is
-// plain least squares.
-Regression regress(const Moments& m, const std::vector<int>& regressors,
-                   const std::vector<int>& instruments) {
-  const auto r = static_cast<Eigen::Index>(regressors.size()),
-             s = static_cast<Eigen::Index>(instruments.size());
-  Eigen::MatrixXd w(s, s), z(s, r);
-  Eigen::VectorXd y(s);
-  for (Eigen::Index i = 0; i < s; ++i) {
-    const int row = instruments[static_cast<std::size_t>(i)];
-    y[i] = m.own(row, 0);
-    for (Eigen::Index j = 0; j < s; ++j) w(i, j) = m.own(row, instruments[static_cast<std::size_t>(j)]);
-    for (Eigen::Index j = 0; j < r; ++j) z(i, j) = m.own(row, regressors[static_cast<std::size_t>(j)]);
+// The coupling by two-stage least squares of ψ[0] on d(t−1), d(t−2) and g(t−1).
+double coupling(const Moments& m) {
+  constexpr std::array<int, 3> regressors{1, 2, K + 1};
+  constexpr std::array<int, 4> instruments{3, 4, K + 3, K + 4};
+  Eigen::Matrix4d w;
+  Eigen::Matrix<double, 4, 3> z;
+  Eigen::Vector4d y;
+  for (std::size_t i = 0; i < instruments.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    y[row] = m.own(instruments[i], 0);
+    for (std::size_t j = 0; j < 4; ++j) w(row, Eigen::Index(j)) = m.own(instruments[i], instruments[j]);
+    for (std::size_t j = 0; j < 3; ++j) z(row, Eigen::Index(j)) = m.own(instruments[i], regressors[j]);
   }
-  const Eigen::FullPivLU<Eigen::MatrixXd> inner(w);
-  if (!inner.isInvertible()) return {};
-  const Eigen::MatrixXd projected = z.transpose() * inner.solve(z);
-  const Eigen::FullPivLU<Eigen::MatrixXd> outer(projected);
-  if (!outer.isInvertible()) return {};
-  return {outer.solve(z.transpose() * inner.solve(y)), true};
-}
-
-// What the sketch adds to every frame alone: it makes neighbouring frames' residuals alike.
-double measurement(const Moments& m, const Autoregression& motion) {
-  const Window c = residual(motion);
-  Window shifted = Window::Zero();
-  for (int k = 0; k + 1 < K; ++k) shifted[k + 1] = c[k], shifted[K + k + 1] = c[K + k];
-  const double lag_one = c.dot(m.own * shifted) / m.windows;
-  const double loading = motion.a1 * (1 - motion.a2);
-  if (std::abs(loading) < 0.1) return 0;
-  return std::sqrt(std::clamp(-lag_one / loading, 0.0, 0.5 * m.own(0, 0) / m.windows));
+  const Eigen::FullPivLU<Eigen::Matrix4d> inner(w);
+  if (!inner.isInvertible()) return 0;
+  const Eigen::FullPivLU<Eigen::Matrix3d> outer(z.transpose() * inner.solve(z));
+  if (!outer.isInvertible()) return 0;
+  const Eigen::Vector3d c = outer.solve(z.transpose() * inner.solve(y));
+  const bool sound =
+      c.allFinite() && c[2] > 0 && c[2] < 0.5 && spectral_radius({c[0], c[1], c[2], 0, 0, 0}) < 1;
+  return sound ? c[2] : 0;
 }
 
 // c exp(−h²/2 range²), fitted to how deviations correlate over distance.
@@ -113,7 +94,7 @@ Likeness likeness(const Moments& m, double variance) {
     double pp = 0, pc = 0, cc = 0;
     for (std::size_t i = 0; i < m.pairs.size(); ++i) {
       const double h = bin * (static_cast<double>(i) + 0.5), p = std::exp(-0.5 * h * h / (range * range));
-      if (m.pairs[i] < fewest_windows) continue;
+      if (m.pairs[i] < fewest) continue;
       const double c = m.products[i] / m.pairs[i] / variance;
       pp += p * p, pc += p * c, cc += c * c;
     }
@@ -124,16 +105,46 @@ Likeness likeness(const Moments& m, double variance) {
   return best;
 }
 
-// The noise that gives the deviations the variance that was measured, as far as it goes on along the curves.
-void take_noise(const Moments& m, Autoregression& motion) {
-  motion.measurement = measurement(m, motion);
-  const double variance = m.own(0, 0) / m.windows;
-  if (variance <= 0) return;
-  const Likeness along = likeness(m, variance);
+// Of the stationary variance, the share that is about the mean of so many frames, for each number of them.
+std::vector<double> about_mean(const Autoregression& m, double error_share, std::size_t longest) {
+  std::vector<double> shares{1, 0};
+  double before = 1, now = m.a1 / (1 - m.a2), sum = 0, weighted = 0;  // correlations, Σ ρ(k), Σ k ρ(k)
+  for (std::size_t n = 2; n <= longest; ++n) {
+    sum += now, weighted += (static_cast<double>(n) - 1) * now;
+    before = std::exchange(now, m.a1 * now + m.a2 * before);
+    const auto frames = static_cast<double>(n);
+    const double mean = (frames + 2 * (frames * sum - weighted)) / (frames * frames);
+    shares.push_back(1 - (1 - error_share) * mean - error_share / frames);
+  }
+  return shares;
+}
+
+// The variance of all deviations from rest, from those from the paths' means.
+double from_rest(const std::vector<detail::Path>& paths, const Autoregression& m, double error_share) {
+  std::size_t longest = 0;
+  for (const auto& path : paths) longest = std::max(longest, path.own.size());
+  const auto shares = about_mean(m, error_share, longest);
+  double squares = 0, frames = 0, expected = 0;
+  for (const auto& path : paths) {
+    for (const double d : path.own) squares += d * d;
+    const auto n = static_cast<double>(path.own.size());
+    frames += n, expected += n * shares[path.own.size()];
+  }
+  return squares / std::max(expected, frames / most_swing);
+}
+
+// Noise and measurement of all paths' mean variance; of the noise, what goes on along the curves.
+void take_noise(const Observed& seen, const detail::SwayLaw& law, Autoregression& motion) {
+  motion.noise = law.noise;
+  const double swing = std::pow(stationary_deviation(motion), 2), error = std::pow(law.measurement, 2);
+  const double error_share = error / (swing + error);
+  const double all = from_rest(seen.paths, motion, error_share);
+  const Moments& m = seen.moments;
+  Likeness along;
+  if (m.windows > 0 && m.own(0, 0) > little) along = likeness(m, m.own(0, 0) / m.windows);
   motion.range = along.range;
-  const double own = std::min(along.share * variance, variance - motion.measurement * motion.measurement);
-  motion.noise = 1;
-  motion.noise = std::sqrt(own) / stationary_deviation(motion);
+  motion.measurement = std::sqrt(error_share * all);
+  motion.noise *= std::sqrt(all * std::min(along.share, 1 - error_share) / swing);
 }
 
 // The frame's pairs of lineages on one stroke.
@@ -167,61 +178,63 @@ Moments& Moments::operator+=(const Moments& other) {
   return *this;
 }
 
-Moments moments(const graph::MotionGraph& motion, const std::vector<detail::Lineage>& all,
-                const Series& series, bool turns, std::size_t shortest) {
+Observed& Observed::operator+=(const Observed& other) {
+  moments += other.moments;
+  paths.insert(paths.end(), other.paths.begin(), other.paths.end());
+  return *this;
+}
+
+Observed observe(const graph::MotionGraph& motion, const std::vector<detail::Lineage>& all,
+                 const Series& series, bool turns) {
   const Deviations d = deviations(all, detail::neighbours(motion, all), series, turns);
-  const auto taken = [&](std::size_t i) { return d.own[i].size() >= shortest; };
-  Moments sums;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t t = K - 1; taken(i) && t < d.own[i].size(); ++t) {
+  const auto tells_rest = [&](std::size_t i) { return d.own[i].size() >= shortest_window; };
+  Observed seen;
+  Moments& sums = seen.moments;
+  std::vector<std::vector<std::uint32_t>> there(motion.sketch.frames.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i) {
+    for (std::size_t t = K - 1; tells_rest(i) && t < d.own[i].size(); ++t) {
       const Window psi = window(d, i, t);
       sums.own += psi * psi.transpose();
       ++sums.windows;
     }
-  std::vector<std::vector<std::uint32_t>> there(motion.sketch.frames.size());
-  for (std::uint32_t i = 0; i < all.size(); ++i)
-    for (std::size_t k = 0; taken(i) && k < all[i].samples.size(); ++k)
+    for (std::size_t k = 0; tells_rest(i) && k < all[i].samples.size(); ++k)
       there[static_cast<std::size_t>(all[i].first) + k].push_back(i);
+    if (d.own[i].size() < shortest_path) continue;
+    detail::Path path{d.own[i], d.own[i]};
+    for (std::size_t k = 0; k < path.around.size(); ++k) path.around[k] += d.neighbours[i][k];
+    seen.paths.push_back(std::move(path));
+  }
   for (std::size_t t = 0; t < there.size(); ++t)
     add_pairs(sums, motion.sketch.frames[t], t, there[t], all, d.own, turns);
-  return sums;
+  return seen;
 }
 
-Estimate estimate(const Moments& m, const std::string& what) {
+Estimate estimate(const Observed& seen, const std::string& what) {
   Estimate result;
-  Autoregression& motion = result.motion;
-  if (m.windows < fewest_windows) {
+  double steps = 0, squares = 0, count = 0;
+  for (const auto& path : seen.paths) {
+    steps += static_cast<double>(path.own.size()) - 2, count += static_cast<double>(path.own.size());
+    for (const double d : path.own) squares += d * d;
+  }
+  if (steps < fewest) {
     result.notes.push_back(what + ": too few long paths to learn a motion from (" +
-                           std::to_string(static_cast<long>(m.windows)) + " windows, needed " +
-                           std::to_string(static_cast<long>(fewest_windows)) + "); it stands still");
+                           std::to_string(static_cast<long>(steps)) + " steps, needed " +
+                           std::to_string(static_cast<long>(fewest)) + "); it stands still");
     return result;
   }
-  const auto take = [&](const Regression& fit) {
-    motion = {};
-    motion.a1 = fit.coefficients[0], motion.a2 = fit.coefficients[1];
-    if (fit.coefficients.size() > 2) motion.coupling = fit.coefficients[2];
-  };
-  const auto good = [&](const Regression& fit) {
-    if (!fit.regular || !fit.coefficients.allFinite()) return false;
-    take(fit);
-    return motion.coupling >= 0 && motion.coupling < 0.5 && spectral_radius(motion) < 1;
-  };
-  // With coupling where that comes out sound, without it else; by plain least squares where the instruments
-  // say too little.
-  const Regression coupled = regress(m, {1, 2, K + 1}, {3, 4, K + 3, K + 4});
-  const Regression alone = regress(m, {1, 2}, {3, 4}), plain = regress(m, {1, 2}, {1, 2});
-  if (!good(coupled) && !good(alone) && !good(plain)) {
-    if (!alone.regular && !plain.regular) {
-      result.notes.push_back(what + ": nothing moves; it stands still");
-      return {{}, result.notes};
-    }
-    take(plain.regular ? plain : alone);
-    const double radius = spectral_radius(motion), shrink = most_stable / radius;
-    motion.a1 *= shrink, motion.a2 *= shrink * shrink;
-    result.notes.push_back(what + ": the fitted motion grows (spectral radius " + std::to_string(radius) +
-                           "); drawn back to " + std::to_string(most_stable));
+  if (squares / count <= little) {
+    result.notes.push_back(what + ": nothing moves; it stands still");
+    return result;
   }
-  take_noise(m, motion);
+  const auto law = detail::likeliest(seen.paths, coupling(seen.moments), std::sqrt(squares / count));
+  result.law = law;
+  result.motion = {law.mean_a1(), law.a2, law.coupling, 0, 0, 0};
+  if (const double radius = spectral_radius({law.a1, law.a2, law.coupling, 0, 0, 0});
+      radius > detail::most_stable - 1e-4)
+    result.notes.push_back(
+        what + ": the likeliest motion grows or never comes to rest; held at a spectral radius of " +
+        std::to_string(radius));
+  take_noise(seen, law, result.motion);
   return result;
 }
 

@@ -7,14 +7,15 @@
 
 #include <Eigen/Core>
 
+#include "mcmc/likelihood.hpp"
 #include "mcmc/lineages.hpp"
 #include "mcmc/motion_model.hpp"
 
 namespace emberfold::mcmc {
 
-/// Sufficient statistics of an Autoregression: sums of products over all windows of five frames of all
-/// lineages. Of a window, with d the deviation from the lineage's mean and g the neighbours' mean deviation
-/// less its own: ψ = (d(t), d(t−1), …, d(t−4), g(t), …, g(t−4)). Sums of two clips add.
+/// Of an attribute's deviations how they go on beside each other: sums of products over all windows of five
+/// frames of all lineages. Of a window, with d the deviation from the lineage's mean and g the neighbours'
+/// mean deviation less its own: ψ = (d(t), d(t−1), …, d(t−4), g(t), …, g(t−4)). Sums of two clips add.
 struct Moments {
   static constexpr int kLags = 5;
   using Matrix = Eigen::Matrix<double, 2 * kLags, 2 * kLags>;
@@ -29,21 +30,29 @@ struct Moments {
 /// One attribute of every lineage: a series for each, of its samples' length.
 using Series = std::vector<std::vector<double>>;
 
-/// Lineages shorter than `shortest` frames are left out: their mean is no rest.
-Moments moments(const graph::MotionGraph& motion, const std::vector<detail::Lineage>& lineages,
-                const Series& series, bool turns_with_normal, std::size_t shortest);
+/// What an Autoregression is learned from. Those of several clips add.
+struct Observed {
+  Moments moments;                  ///< of lineages of 12 frames or more: shorter ones tell no rest
+  std::vector<detail::Path> paths;  ///< of lineages of 6 frames or more
+
+  Observed& operator+=(const Observed& other);
+};
+
+Observed observe(const graph::MotionGraph& motion, const std::vector<detail::Lineage>& lineages,
+                 const Series& series, bool turns_with_normal);
 
 struct Estimate {
   Autoregression motion;
+  detail::SwayLaw law;             ///< as it came out, of a usual path
   std::vector<std::string> notes;  ///< what was not taken as it came out
 };
 
-/// Least squares on the moments. What the sketch adds to the deviations in each frame alone would bias it
-/// towards faster decay; where that can be told apart it is kept out by taking deviations three and four
-/// frames back as instruments (two-stage least squares), which share no such error with the window's newest
-/// three. What does not go on along the curve is taken for the sketch's, too: the noise gets the variance and
-/// the range of what does. An estimate that is not stable is drawn back to a spectral radius of 0.995, and a
-/// note says so. `what` names the attribute in notes.
-Estimate estimate(const Moments& moments, const std::string& what);
+/// Maximum likelihood over the paths (mcmc/likelihood.hpp): a1 (its mean over paths), a2, noise and
+/// measurement. The coupling comes before, by two-stage least squares on the moments with deviations three
+/// and four frames back as instruments, which share no measurement error with the window's newest three; it
+/// is 0 where that gives nothing sound. What does not go on along the curve is taken for the sketch's, too:
+/// the noise gets the variance and the range of what does. Laws have a spectral radius of 0.995 at most; a
+/// note says where that held one back. `what` names the attribute in notes.
+Estimate estimate(const Observed& seen, const std::string& what);
 
 }  // namespace emberfold::mcmc

@@ -8,6 +8,9 @@
 #include <numbers>
 #include <numeric>
 
+#include <boost/math/distributions/gamma.hpp>
+
+#include "core/error.hpp"
 #include "mcmc/drift.hpp"
 #include "mcmc/sites.hpp"
 
@@ -31,6 +34,51 @@ double rate(const OperatorCounts::Tally& tally, const OperatorCounts::Tally& all
   if (all.could <= 0 || all.happened <= 0) return 0;
   const double mean = all.happened / all.could;
   return std::min(1.0, (tally.happened + doubt) / (tally.could + doubt / mean));
+}
+
+constexpr double in_each_tail = 0.05;
+constexpr double jeffreys = 0.5;  // events
+
+void add_intervals(const OperatorCounts& counts, RateEstimate& result) {
+  if (counts.gaps <= 0) return;
+  for (std::size_t type = 0; type < counts.events.size(); ++type) {
+    auto& interval = result.a_frame[type];
+    interval = rate_interval(counts.events[type], counts.gaps, counts.events_variance[type], jeffreys, 0);
+    interval.mean = counts.events[type] / counts.gaps;
+    if (counts.events[type] <= 0) interval.low = 0;
+  }
+  OperatorCounts::Tally deaths;
+  for (const auto& tally : counts.death) deaths += tally;
+  if (deaths.happened <= 0) return;
+  for (std::size_t s = 0; s < kSizes; ++s) {
+    const auto& tally = counts.death[s];
+    result.death_by_size[s] = rate_interval(tally.happened, tally.could, tally.variance, doubt,
+                                            doubt * deaths.could / deaths.happened);
+  }
+}
+
+void require_alike(const OperatorCounts& a, const OperatorCounts& b, std::size_t index) {
+  if (a.births.size() == b.births.size() && a.strokes.columns == b.strokes.columns &&
+      a.strokes.rows == b.strokes.rows && a.strokes.cell == b.strokes.cell)
+    return;
+  const auto shape = [](const OperatorCounts& c) {
+    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.strokes.columns) + " x " +
+           std::to_string(c.strokes.rows) + " cells";
+  };
+  throw core::InputError("samples of one clip are alike in frames and size; sample " + std::to_string(index) +
+                         " has " + shape(b) + ", the first " + shape(a));
+}
+
+// Adds a share of `from`.
+void add(double& to, double from, double share) {
+  to += share * from;
+}
+void add(CellMap& to, const CellMap& from, double share) {
+  for (std::size_t c = 0; c < to.values.size(); ++c) to.values[c] += share * from.values[c];
+}
+template <class T>
+void add_all(T& to, const T& from, double share) {
+  for (std::size_t i = 0; i < to.size(); ++i) add(to[i], from[i], share);
 }
 
 // Where what could happen was.
@@ -238,8 +286,66 @@ OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const
   return counts;
 }
 
+OperatorCounts mean(std::span<const OperatorCounts> samples) {
+  if (samples.empty()) throw core::InputError("a mean of counts is made of one sample or more; here is none");
+  const auto n = static_cast<double>(samples.size());
+  const double share = 1 / n, unbiased = 1 / std::max(1.0, n - 1);
+  OperatorCounts result;
+  result.reach = result.split_gap = result.disconnect_gap = 0;
+  result.strokes = samples[0].strokes;
+  std::ranges::fill(result.strokes.values, 0.0);
+  result.partable = result.strokes;
+  result.births.assign(samples[0].births.size(), result.strokes);
+  result.deaths = result.partings = result.births;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto& sample = samples[i];
+    require_alike(samples[0], sample, i);
+    add_all(result.births, sample.births, share);
+    add_all(result.deaths, sample.deaths, share);
+    add_all(result.partings, sample.partings, share);
+    add(result.strokes, sample.strokes, share);
+    add(result.partable, sample.partable, share);
+    add(result.reach, sample.reach, share);
+    add(result.split_gap, sample.split_gap, share);
+    add(result.disconnect_gap, sample.disconnect_gap, share);
+    add(result.gaps, sample.gaps, share);
+    add_all(result.events, sample.events, share);
+  }
+  const auto average = [&](auto tally) {
+    OperatorCounts::Tally m;
+    for (const auto& sample : samples)
+      add(m.happened, tally(sample).happened, share), add(m.could, tally(sample).could, share);
+    for (const auto& sample : samples)
+      add(m.variance, std::pow(tally(sample).happened - m.happened, 2), unbiased);
+    return m;
+  };
+  result.split = average([](const auto& c) { return c.split; });
+  result.merge = average([](const auto& c) { return c.merge; });
+  result.connect = average([](const auto& c) { return c.connect; });
+  result.disconnect = average([](const auto& c) { return c.disconnect; });
+  for (std::size_t s = 0; s < kSizes; ++s)
+    result.death[s] = average([s](const auto& c) { return c.death[s]; });
+  for (const auto& sample : samples)
+    for (std::size_t type = 0; type < result.events.size(); ++type)
+      add(result.events_variance[type], std::pow(sample.events[type] - result.events[type], 2), unbiased);
+  return result;
+}
+
+RateInterval rate_interval(double events, double time, double variance, double prior_events,
+                           double prior_time) {
+  const double shape = events + prior_events, rate = time + prior_time, average = shape / rate;
+  if (!(shape > 0) || !(rate > 0))
+    throw core::InputError("a rate's interval needs more than no events and no time; here are " +
+                           std::to_string(shape) + " in " + std::to_string(rate));
+  const double spread = (shape + variance) / (rate * rate);
+  const boost::math::gamma_distribution<double> gamma(average * average / spread, spread / average);
+  return {average, boost::math::quantile(gamma, in_each_tail),
+          boost::math::quantile(boost::math::complement(gamma, in_each_tail))};
+}
+
 RateEstimate estimate_rates(const OperatorCounts& counts) {
   RateEstimate result;
+  add_intervals(counts, result);
   OperatorRates& rates = result.rates;
   OperatorCounts::Tally deaths;
   for (const auto& tally : counts.death) deaths += tally;

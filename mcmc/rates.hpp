@@ -16,7 +16,10 @@ namespace emberfold::mcmc {
 struct OperatorCounts {
   struct Tally {
     double happened = 0, could = 0;
-    Tally& operator+=(const Tally& o) { return happened += o.happened, could += o.could, *this; }
+    double variance = 0;  ///< of `happened` between the samples of the clip's graph that it is the mean of
+    Tally& operator+=(const Tally& o) {
+      return happened += o.happened, could += o.could, variance += o.variance, *this;
+    }
   };
   Tally split, merge, connect, disconnect;        ///< could: sites × frames (mcmc/sites.hpp)
   std::array<Tally, kSizes> death;                ///< could: strokes × frames
@@ -29,13 +32,33 @@ struct OperatorCounts {
 
   /// Events by kind, for reports: birth, death, split, merge, connect, disconnect.
   std::array<double, 6> events{};
+  std::array<double, 6> events_variance{};  ///< between samples
 };
 
 /// `events` are motion's stroke events. O(n log n).
 OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const graph::Event> events);
 
+/// What several samples of one clip's graph count on average, and how far their counts differ. InputError for
+/// none, or samples of unlike maps or numbers of frames.
+OperatorCounts mean(std::span<const OperatorCounts> samples);
+
+/// A rate and what it may be: with 90 % probability it lies between `low` and `high`.
+struct RateInterval {
+  double mean = 0, low = 0, high = 0;
+};
+
+/// Of a Gamma law of so many events in so much time (shape `events` + `prior_events`, rate `time` +
+/// `prior_time`, > 0) whose variance is increased by that of `events`, `variance` (law of total variance; the
+/// Gamma law of that mean and variance stands for the mixture).
+RateInterval rate_interval(double events, double time, double variance, double prior_events,
+                           double prior_time);
+
 struct RateEstimate {
   OperatorRates rates;
+  /// Expected number of each kind of event (graph::EventType) a frame: Jeffreys' prior; 0 and what it may be
+  /// at most where none was seen.
+  std::array<RateInterval, 6> a_frame{};
+  std::array<RateInterval, kSizes> death_by_size{};  ///< per stroke and frame, about rates.death_by_size
   std::vector<std::string> notes;
 };
 /// Posterior means under Gamma priors drawn towards the mean over the sizes. Maps: counts and exposures

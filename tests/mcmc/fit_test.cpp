@@ -142,3 +142,91 @@ TEST_CASE("The same clip gives the same model and a cancelled fit says so", "[fi
   CHECK(mcmc::fit(motion, {9}, context).status == core::Status::cancelled);
   CHECK(mcmc::synthesize(one.model, 10, 1, context).status == core::Status::cancelled);
 }
+
+namespace {
+
+made::Scene living_scene() {
+  made::Scene scene;
+  scene.frames = 60;
+  scene.strokes = made::living(0.6, 0.04, scene.frames, scene.width, scene.height, 10);
+  scene.sway = {1.5, -0.6, 0.25, 30};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("A clip sampled once is a sample of one", "[fit]") {
+  const auto motion = made::make(living_scene(), 11).motion;
+  const auto alone = mcmc::fit(motion), of_one = mcmc::fit(std::span(&motion, 1));
+  CHECK(alone.model == of_one.model);
+  CHECK(alone.notes == of_one.notes);
+  CHECK(alone.counts.events == of_one.counts.events);
+  // The same sample twice tells the same.
+  const auto twice = mcmc::fit(std::vector{motion, motion});
+  check_sound(twice);
+  CHECK_THAT(twice.model.sway.a1, Catch::Matchers::WithinRel(alone.model.sway.a1, 0.01));
+  CHECK_THAT(twice.model.sway.a2, Catch::Matchers::WithinRel(alone.model.sway.a2, 0.02));
+  CHECK(twice.counts.events == alone.counts.events);
+  for (std::size_t size = 0; size < mcmc::kSizes; ++size) {
+    CHECK(twice.counts.death[size].happened == alone.counts.death[size].happened);
+    CHECK(twice.death_by_size[size].high == alone.death_by_size[size].high);
+  }
+  CHECK(twice.model.exemplars == alone.model.exemplars);
+  CHECK(twice.model.first == alone.model.first);
+  for (std::size_t c = 0; c < alone.model.density.values.size(); ++c)
+    CHECK_THAT(twice.model.density.values[c],
+               Catch::Matchers::WithinAbs(alone.model.density.values[c], 1e-9));
+}
+
+TEST_CASE("Over several samples counts are averaged and the last gives the strokes", "[fit]") {
+  auto scene = living_scene();
+  const auto first = made::make(scene, 12).motion;
+  // The second sample says that a fifth of the strokes are not there.
+  std::vector<made::Stroke> fewer;
+  for (std::size_t i = 0; i < scene.strokes.size(); ++i)
+    if (i % 5 != 0) fewer.push_back(scene.strokes[i]);
+  scene.strokes = fewer;
+  const auto second = made::make(scene, 13).motion;
+  const auto a = mcmc::fit(first), b = mcmc::fit(second), both = mcmc::fit(std::vector{first, second});
+  check_sound(both);
+  for (std::size_t type = 0; type < 6; ++type) {
+    const double x = a.counts.events[type], y = b.counts.events[type];
+    CHECK(both.counts.events[type] == (x + y) / 2);
+    CHECK(both.counts.events_variance[type] == (x - y) * (x - y) / 2);
+    CHECK(both.a_frame[type].low <= both.a_frame[type].mean);
+    CHECK(both.a_frame[type].mean < both.a_frame[type].high);
+  }
+  REQUIRE(a.counts.events[0] > b.counts.events[0]);
+  for (std::size_t size = 0; size < mcmc::kSizes; ++size)
+    CHECK_THAT(
+        both.counts.death[size].could,
+        Catch::Matchers::WithinRel((a.counts.death[size].could + b.counts.death[size].could) / 2, 1e-12));
+  // Rests differ by the drift alone, which is the mean of both.
+  REQUIRE(both.model.exemplars.size() == b.model.exemplars.size());
+  for (std::size_t i = 0; i < b.model.exemplars.size(); ++i)
+    CHECK(both.model.exemplars[i].graph.size() == b.model.exemplars[i].graph.size());
+  REQUIRE(both.model.first.size() == b.model.first.size());
+  for (std::size_t v = 0; v < b.model.first.size(); ++v)
+    CHECK(both.model.first.patch(v).contrast == b.model.first.patch(v).contrast);
+  const auto [low, high] = std::minmax(a.model.sway.a1, b.model.sway.a1);
+  CHECK(both.model.sway.a1 > low - 0.03);
+  CHECK(both.model.sway.a1 < high + 0.03);
+}
+
+TEST_CASE("Samples of no clip or of unlike clips are refused", "[fit]") {
+  const auto none =
+      make::message<core::InputError>([] { (void)mcmc::fit(std::span<const graph::MotionGraph>{}); });
+  CHECK(make::has(none, "none"));
+  const auto longer = make::message<core::InputError>([] {
+    (void)mcmc::fit(std::vector{empty_clip(5), empty_clip(5), empty_clip(6)});
+  });
+  CHECK(make::has(longer, "sample 2"));
+  CHECK(make::has(longer, "6 frames"));
+  auto wide = empty_clip(5);
+  wide.sketch.width = 130;
+  const auto wider = make::message<core::InputError>([&] {
+    (void)mcmc::fit(std::vector{empty_clip(5), wide});
+  });
+  CHECK(make::has(wider, "sample 1"));
+  CHECK(make::has(wider, "130 x 90"));
+}

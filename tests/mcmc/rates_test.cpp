@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mcmc/rates.hpp"
 
+#include <cmath>
 #include <numeric>
 
+#include "core/error.hpp"
+#include "core/rng.hpp"
 #include "mcmc/drift.hpp"
 #include "tests/catch.hpp"
 #include "tests/graph/make.hpp"
@@ -239,8 +242,149 @@ TEST_CASE("Nothing happened: rates of zero and a note", "[rates]") {
       make::motion({frame.graph(), frame.graph(), frame.graph()}, {same(0, 0, 21), same(0, 0, 21)})));
   CHECK(found.notes.size() == 1);
   CHECK(births_a_frame(found.rates.birth) == 0);
+  for (const auto& interval : found.a_frame) {
+    CHECK(interval.low == 0);
+    CHECK(interval.mean == 0);
+    CHECK_THAT(interval.high, Catch::Matchers::WithinRel(1.92 / 2, 0.01));  // half of χ²'s quantile, 2 gaps
+  }
   for (const double rate : found.rates.death_by_size) CHECK(rate == 0);
   CHECK(found.rates.split == 0);
   for (const double value : found.rates.death.values) CHECK(std::isfinite(value));
   for (const double value : found.rates.parting.values) CHECK(std::isfinite(value));
+}
+
+namespace {
+
+int poisson(core::Rng& rng, double mean) {
+  const double limit = std::exp(-mean);
+  int n = 0;
+  for (double product = rng.uniform(); product > limit; product *= rng.uniform()) ++n;
+  return n;
+}
+
+// Of a Gamma law the share below x, by Simpson's rule over the logarithm.
+double gamma_below(double x, double shape, double rate) {
+  constexpr int steps = 200000;
+  const double top = std::log(x * rate), width = 60 / shape + 20;
+  double sum = 0;
+  for (int i = 0; i <= steps; ++i) {
+    const double v = top - width * i / steps;
+    sum += (i == 0 || i == steps ? 1 : i % 2 ? 4 : 2) * std::exp(shape * v - std::exp(v));
+  }
+  return sum * width / steps / 3 / std::tgamma(shape);
+}
+
+mcmc::OperatorCounts blank(std::size_t gaps) {
+  mcmc::OperatorCounts counts;
+  counts.gaps = double(gaps);
+  counts.strokes = counts.partable = mcmc::grid_over(64, 48);
+  counts.births.assign(gaps, counts.strokes);
+  counts.deaths = counts.partings = counts.births;
+  return counts;
+}
+
+}  // namespace
+
+TEST_CASE("A rate's interval leaves a twentieth of a Gamma law on either side", "[rates]") {
+  for (const auto& [events, time, prior_events, prior_time] :
+       {std::array{7.0, 100.0, 0.5, 0.0}, {0.0, 50.0, 0.2, 3.0}, {31.5, 99.0, 0.5, 0.0}}) {
+    const auto found = mcmc::rate_interval(events, time, 0, prior_events, prior_time);
+    const double shape = events + prior_events, rate = time + prior_time;
+    CHECK_THAT(found.mean, Catch::Matchers::WithinRel(shape / rate, 1e-12));
+    CHECK_THAT(gamma_below(found.low, shape, rate), Catch::Matchers::WithinAbs(0.05, 1e-4));
+    CHECK_THAT(gamma_below(found.high, shape, rate), Catch::Matchers::WithinAbs(0.95, 1e-4));
+  }
+  CHECK_THROWS_AS(mcmc::rate_interval(0, 10, 0, 0, 0), core::InputError);
+  CHECK_THROWS_AS(mcmc::rate_interval(1, 0, 0, 0, 0), core::InputError);
+}
+
+TEST_CASE("Intervals hold the true rate nine times in ten", "[rates]") {
+  constexpr int trials = 4000;
+  for (const double expected : {3.0, 10.0, 31.0, 120.0}) {
+    core::Rng rng(31, {static_cast<std::uint32_t>(expected), 0, 0});
+    int held = 0;
+    for (int i = 0; i < trials; ++i) {
+      auto counts = blank(99);
+      counts.events[event(graph::EventType::merge)] = poisson(rng, expected);
+      const auto interval = mcmc::estimate_rates(counts).a_frame[event(graph::EventType::merge)];
+      held += interval.low <= expected / 99 && expected / 99 <= interval.high;
+    }
+    // Counts are whole numbers: the share swings about 0.9 as the mean changes, most where it is small.
+    CAPTURE(expected, held / double(trials));
+    CHECK_THAT(held / double(trials), Catch::Matchers::WithinAbs(0.9, expected < 5 ? 0.06 : 0.025));
+  }
+}
+
+TEST_CASE("Intervals of deaths by size hold the true rates", "[rates]") {
+  constexpr int trials = 2000;
+  constexpr std::array<double, mcmc::kSizes> true_rate{0.2, 0.1, 0.05, 0.03, 0.03, 0.02, 0.02},
+      could{300, 400, 500, 600, 300, 200, 0};
+  std::array<int, mcmc::kSizes> held{};
+  core::Rng rng(32);
+  for (int i = 0; i < trials; ++i) {
+    auto counts = blank(9);
+    for (std::size_t s = 0; s < mcmc::kSizes; ++s)
+      counts.death[s] = {double(poisson(rng, true_rate[s] * could[s])), could[s]};
+    const auto found = mcmc::estimate_rates(counts);
+    for (std::size_t s = 0; s < mcmc::kSizes; ++s) {
+      const auto& interval = found.death_by_size[s];
+      CHECK_THAT(interval.mean, Catch::Matchers::WithinRel(found.rates.death_by_size[s], 1e-9));
+      held[s] += interval.low <= true_rate[s] && true_rate[s] <= interval.high;
+    }
+  }
+  for (std::size_t s = 0; s < mcmc::kSizes; ++s) {
+    CAPTURE(s, held[s] / double(trials));
+    if (could[s] > 0) CHECK_THAT(held[s] / double(trials), Catch::Matchers::WithinAbs(0.9, 0.07));
+  }
+  CHECK(held.back() == trials);  // nothing is known there, and the interval is wide
+}
+
+TEST_CASE("What samples disagree on makes intervals wider", "[rates]") {
+  // Of 20 and 40 events in two samples: the variance of the counts is 200.
+  std::vector<mcmc::OperatorCounts> samples(2, blank(50));
+  samples[0].events[0] = 20, samples[1].events[0] = 40;
+  samples[0].death[2] = {4, 100}, samples[1].death[2] = {4, 140};
+  samples[0].births[3].values[5] = 2;
+  samples[1].split = {3, 90};
+  samples[0].reach = 30, samples[1].reach = 20;
+  const auto both = mcmc::mean(samples);
+  CHECK(both.events[0] == 30);
+  CHECK(both.events_variance[0] == 200);
+  CHECK(both.death[2].happened == 4);
+  CHECK(both.death[2].could == 120);
+  CHECK(both.death[2].variance == 0);
+  CHECK(both.births[3].values[5] == 1);
+  CHECK(both.split.happened == 1.5);
+  CHECK(both.split.variance == 4.5);
+  CHECK(both.reach == 25);
+  CHECK(both.gaps == 50);
+  auto agreed = both;
+  agreed.events_variance[0] = 0;
+  const auto wide = mcmc::estimate_rates(both).a_frame[0], narrow = mcmc::estimate_rates(agreed).a_frame[0];
+  CHECK(wide.mean == narrow.mean);
+  CHECK(wide.mean == 0.6);
+  // √(30.5 + 200) against √30.5.
+  CHECK_THAT((wide.high - wide.low) / (narrow.high - narrow.low),
+             Catch::Matchers::WithinRel(std::sqrt(230.5 / 30.5), 0.05));
+}
+
+TEST_CASE("The mean of one sample is itself and samples have to be alike", "[rates]") {
+  made::Scene scene;
+  scene.frames = 40;
+  scene.strokes = made::living(1, 0.1, scene.frames, scene.width, scene.height, 33);
+  const auto motion = made::make(scene, 34).motion;
+  const auto one = mcmc::count_operators(motion, graph::stroke_events(motion));
+  const auto same_again = mcmc::mean(std::vector{one, one, one, one});
+  const auto a = mcmc::estimate_rates(one), b = mcmc::estimate_rates(same_again);
+  CHECK(a.rates.birth == b.rates.birth);
+  CHECK(a.rates.death == b.rates.death);
+  CHECK(a.rates.death_by_size == b.rates.death_by_size);
+  CHECK(a.rates.reach == b.rates.reach);
+  CHECK(same_again.events == one.events);
+  for (std::size_t type = 0; type < 6; ++type) CHECK(a.a_frame[type].high == b.a_frame[type].high);
+  CHECK_THROWS_AS(mcmc::mean({}), core::InputError);
+  const std::vector unlike{blank(9), blank(10)};
+  const auto message = make::message<core::InputError>([&] { (void)mcmc::mean(unlike); });
+  CHECK(make::has(message, "sample 1"));
+  CHECK(make::has(message, "11 frames"));
 }
