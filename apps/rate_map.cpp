@@ -13,7 +13,7 @@ namespace emberfold::apps {
 namespace {
 
 constexpr int kShorterSide = 480, kMargin = 10, kLine = 26, kShift = 4;
-constexpr double kText = 0.42, kDot = 3;
+constexpr double kText = 0.42, kDot = 4, kLeastRatio = 1.5;
 
 std::string shown(double value) {
   std::array<char, 32> text{};
@@ -39,11 +39,31 @@ void dot(cv::Mat& picture, cv::Point2d at) {
 
 /// How much of the colour covers what is under it.
 double opacity(double share) {
-  return 0.85 * std::sqrt(share);
+  return 0.85 * std::pow(std::min(std::abs(share), 1.0), 0.7);
 }
 
-double most(const mcmc::CellMap& map) {
-  return map.values.empty() ? 0 : std::max(0.0, *std::ranges::max_element(map.values));
+/// What the ends of the scale are.
+struct Scale {
+  bool relative = false;
+  double top = 0;
+  /// Of a value: 0…1, or −1…1 for ratios.
+  [[nodiscard]] double share(double value) const {
+    if (!relative) return top > 0 ? value / top : 0;
+    return std::clamp(std::log(std::max(value, 1e-9)) / std::log(top), -1.0, 1.0);
+  }
+  /// The value at a place of the scale, 0…1.
+  [[nodiscard]] double value(double place) const {
+    return relative ? std::pow(top, 2 * place - 1) : top * place;
+  }
+};
+
+Scale scale_of(const RateMap& what) {
+  Scale scale{what.relative, what.relative ? kLeastRatio : 0};
+  for (const double v : what.map->values) {
+    scale.top = std::max(scale.top, v);
+    if (what.relative && v > 0) scale.top = std::max(scale.top, 1 / v);
+  }
+  return scale;
 }
 
 cv::Vec3b blended(Colour colour, double part, cv::Vec3b under) {
@@ -56,7 +76,7 @@ cv::Vec3b blended(Colour colour, double part, cv::Vec3b under) {
 }
 
 /// Below the picture: the unit and what a dot is, then the colours' scale.
-cv::Mat draw_scale(int width, const RateMap& what, double top, std::size_t dots) {
+cv::Mat draw_scale(int width, const RateMap& what, const Scale& scale, std::size_t dots) {
   const std::string label =
       std::string(graph::name(what.type)) + (dots == 1 ? "" : "s") + " found: " + std::to_string(dots);
   const bool one_line = kMargin * 4 + text_width(what.unit) + text_width(label) + 20 <= width;
@@ -70,13 +90,14 @@ cv::Mat draw_scale(int width, const RateMap& what, double top, std::size_t dots)
   const int left = kMargin + 4, right = std::min(width - kMargin - 24, left + 420);
   const cv::Vec3b ground(60, 56, 54);
   for (int x = left; x < right; ++x) {
-    const double share = static_cast<double>(x - left) / std::max(1, right - left - 1);
-    const cv::Scalar colour = blended(rate_colour(what.type, share), opacity(share), ground);
+    const double share =
+        scale.share(scale.value(static_cast<double>(x - left) / std::max(1, right - left - 1)));
+    const cv::Scalar colour = blended(rate_colour(share), opacity(share), ground);
     cv::line(picture, {x, bar_top}, {x, bar_top + 11}, colour);
   }
   for (int k = 0; k <= 4; ++k) {
     const int x = left + (right - left - 1) * k / 4;
-    const std::string number = shown(top * k / 4);
+    const std::string number = shown(what.factor * scale.value(k / 4.0));
     cv::line(picture, {x, bar_top + 12}, {x, bar_top + 16}, cv::Scalar(140, 132, 126));
     write(picture, number,
           {std::clamp(x - text_width(number) / 2, 2, width - text_width(number) - 2), bar_top + 30});
@@ -87,19 +108,20 @@ cv::Mat draw_scale(int width, const RateMap& what, double top, std::size_t dots)
 }  // namespace
 
 RateMap birth_map(const mcmc::MotionModel& model) {
-  return {&model.rates.birth, 1e4, "births per frame and 100x100 px", graph::EventType::birth};
+  return {&model.rates.birth, 1e4, false, "births per frame and 100x100 px", graph::EventType::birth};
 }
 
 RateMap death_map(const mcmc::MotionModel& model) {
-  return {&model.rates.death, 1, "deaths, times what is usual for a stroke's size", graph::EventType::death};
+  return {&model.rates.death, 1, true, "deaths, times what is usual for a stroke's size",
+          graph::EventType::death};
 }
 
-Colour rate_colour(graph::EventType type, double share) {
+Colour rate_colour(double share) {
   using Stops = std::array<std::array<double, 3>, 3>;
-  const Stops stops = type == graph::EventType::birth
-                          ? Stops{{{150, 40, 20}, {235, 110, 30}, {255, 235, 140}}}
-                          : Stops{{{20, 60, 150}, {40, 140, 225}, {190, 245, 255}}};
-  const double at = std::clamp(share, 0.0, 1.0) * 2;
+  static constexpr Stops kWarm{{{150, 40, 20}, {235, 110, 30}, {255, 235, 140}}},
+      kCold{{{20, 60, 150}, {40, 140, 225}, {190, 245, 255}}};
+  const Stops& stops = share < 0 ? kCold : kWarm;
+  const double at = std::min(std::abs(share), 1.0) * 2;
   const std::size_t k = at < 1 ? 0 : 1;
   const auto channel = [&](std::size_t c) {
     return static_cast<unsigned char>(
@@ -128,19 +150,18 @@ cv::Mat draw_rate_map(const cv::Mat& under, const RateMap& what, std::span<const
   const Placement place{enlargement(under.size(), kShorterSide), {}};
   cv::Mat grey, picture;
   cv::cvtColor(enlarge(under, place.scale), grey, cv::COLOR_BGR2GRAY);
-  grey.convertTo(grey, -1, 0.4, 16);
+  grey.convertTo(grey, -1, 0.55, 16);
   cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
-  const double top = most(*what.map);
+  const Scale scale = scale_of(what);
   cv::Mat1f field = smooth_map(*what.map, under.size(), place.scale);
   cv::copyMakeBorder(field, field, 0, std::max(0, picture.rows - field.rows), 0,
                      std::max(0, picture.cols - field.cols), cv::BORDER_REPLICATE);
-  if (top > 0)
-    for (int y = 0; y < picture.rows; ++y)
-      for (int x = 0; x < picture.cols; ++x) {
-        const double share = double{field(y, x)} / top;
-        auto& pixel = picture.at<cv::Vec3b>(y, x);
-        pixel = blended(rate_colour(what.type, share), opacity(std::clamp(share, 0.0, 1.0)), pixel);
-      }
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x) {
+      const double share = scale.share(double{field(y, x)});
+      auto& pixel = picture.at<cv::Vec3b>(y, x);
+      pixel = blended(rate_colour(share), opacity(share), pixel);
+    }
   std::size_t dots = 0;
   for (const auto& event : events) {
     if (event.type != what.type || event.probability < 0.5) continue;
@@ -148,7 +169,7 @@ cv::Mat draw_rate_map(const cv::Mat& under, const RateMap& what, std::span<const
     ++dots;
   }
   cv::Mat whole;
-  cv::vconcat(picture, draw_scale(picture.cols, what, top * what.factor, dots), whole);
+  cv::vconcat(picture, draw_scale(picture.cols, what, scale, dots), whole);
   return whole;
 }
 

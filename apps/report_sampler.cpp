@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 
@@ -19,16 +21,20 @@ using Json = nlohmann::ordered_json;
 constexpr double kRhat = 1.05, kDraws = 100, kLargestRhat = 1000;
 constexpr std::size_t kTraces = 24, kChains = 8, kPoints = 20'000, kNamed = 4;
 
-std::string shown(double value, const char* format) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), format, value);
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+std::string shown(double value, int digits) {
+  std::array<char, 400> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
   return text.data();
 }
 
 /// Four digits, null where there is no number.
 Json rounded(double value) {
   if (!std::isfinite(value)) return nullptr;
-  return std::strtod(shown(value, "%.4g").c_str(), nullptr);
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4g", value);
+  return std::strtod(text.data(), nullptr);
 }
 
 /// JSON knows no infinity.
@@ -68,12 +74,12 @@ std::string listed(const std::vector<std::string>& names) {
 
 /// The traces of which `poor` holds, the worst first, as "name (value)".
 template <class Value, class Worse, class Poor>
-std::vector<std::string> poor_ones(std::vector<TraceDiagnosis> traces, const char* format, const Value& value,
+std::vector<std::string> poor_ones(std::vector<TraceDiagnosis> traces, int digits, const Value& value,
                                    const Worse& worse, const Poor& poor) {
   std::erase_if(traces, [&](const TraceDiagnosis& t) { return !poor(value(t)); });
   std::ranges::stable_sort(traces, worse, value);
   std::vector<std::string> names;
-  for (const auto& t : traces) names.push_back(t.name + " (" + shown(value(t), format) + ")");
+  for (const auto& t : traces) names.push_back(t.name + " (" + shown(value(t), digits) + ")");
   return names;
 }
 
@@ -120,9 +126,8 @@ std::vector<TraceDiagnosis> diagnose_traces(const mcmc::InferResult& result) {
 Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
   const auto with_rhat = known(traces, rhat_of), with_draws = known(traces, draws_of);
   if (with_rhat.empty() && with_draws.empty()) return {false, {}};
-  const auto apart =
-      poor_ones(with_rhat, "%.2f", rhat_of, std::greater{}, [](double v) { return v > kRhat; });
-  const auto few = poor_ones(with_draws, "%.0f", draws_of, std::less{}, [](double v) { return v < kDraws; });
+  const auto apart = poor_ones(with_rhat, 2, rhat_of, std::greater{}, [](double v) { return v > kRhat; });
+  const auto few = poor_ones(with_draws, 0, draws_of, std::less{}, [](double v) { return v < kDraws; });
   Assurance result{apart.empty() && few.empty(), {}};
   if (!apart.empty())
     result.sentences.push_back("The chains do not agree well yet: R-hat is above 1.05 for " + listed(apart) +
@@ -132,12 +137,11 @@ Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
         "The draws are worth fewer than 100 independent ones for " + listed(few) +
         ". Means and intervals of these are uncertain; more sweeps would sharpen them.");
   if (!result.sure) return result;
-  double rhat = 0, draws = INFINITY;
+  double rhat = 0, draws = std::numeric_limits<double>::infinity();
   for (const auto& t : with_rhat) rhat = std::max(rhat, rhat_of(t));
   for (const auto& t : with_draws) draws = std::min(draws, draws_of(t));
-  result.sentences.push_back("The chains agree: R-hat is at most " + shown(rhat, "%.3f") +
-                             ", and the draws are worth at least " + shown(draws, "%.0f") +
-                             " independent ones.");
+  result.sentences.push_back("The chains agree: R-hat is at most " + shown(rhat, 3) +
+                             ", and the draws are worth at least " + shown(draws, 0) + " independent ones.");
   return result;
 }
 
@@ -150,11 +154,11 @@ Json sampler_json(const mcmc::InferResult& result, std::span<const MoveCount> mo
       {"samples", result.samples.size()},
       {"proposals", result.proposals},
       {"processor_seconds", rounded(result.seconds)},
-      {"proposals_per_second", rounded(result.seconds > 0 ? result.proposals / result.seconds : NAN)}};
+      {"proposals_per_second", rounded(result.seconds > 0 ? result.proposals / result.seconds : kUnknown)}};
   if (!moves.empty()) {
     out["acceptance"] = Json::object();
     for (const auto& move : moves)
-      out["acceptance"][move.name] = rounded(move.proposed > 0 ? move.accepted / move.proposed : NAN);
+      out["acceptance"][move.name] = rounded(move.proposed > 0 ? move.accepted / move.proposed : kUnknown);
   }
   const auto worst = [&](const char* name, const auto& value, const auto& worse) {
     const auto list = known(traces, value);

@@ -96,9 +96,9 @@ function buildLearned() {
   if (m) {
     buildMotionTable(m);
     buildOperators(m);
-    heatMap("birth", m.birth, [200, 70, 20], 1e4);
+    heatMap("birth", m.birth, 1e4, false);
     $("birth-caption").textContent = "Births per frame and 100\u00d7100 px; dots are those found";
-    heatMap("death", m.death, [30, 90, 190], 1);
+    heatMap("death", m.death, 1, true);
     $("death-caption").textContent = "Deaths, times what is usual for a stroke's size; dots are those found";
     driftMap($("drift-map"), m.drift);
     $("drift-caption").textContent = `Drift of the rest shapes: the longest arrow is ${figure(m.drift.most)} px a frame`;
@@ -139,12 +139,16 @@ function buildOperators(m) {
 }
 
 const most = (list) => list.reduce((a, b) => Math.max(a, b), 0);
-/** A map of rates, smooth between the cells' middles, with the events of its class as dots and its scale from 0 below. */
-function heatMap(name, map, colour, factor) {
-  const canvas = $(name + "-map"), shape = clip.height / clip.width, top = most(map.values), bar = 30;
-  const type = classes.findIndex((kind) => kind.name === name), strength = (share) => .82 * Math.sqrt(share);
+/** A map of rates, smooth between the cells' middles, with the events of its class as dots and its scale below: from 0, or ratios on both sides of 1. */
+function heatMap(name, map, factor, relative) {
+  const canvas = $(name + "-map"), shape = clip.height / clip.width, bar = 30;
+  const top = relative ? Math.max(1.5, most(map.values), ...map.values.filter((v) => v > 0).map((v) => 1 / v)) : most(map.values);
+  const shareOf = (v) => (relative ? Math.max(-1, Math.min(1, Math.log(Math.max(v, 1e-9)) / Math.log(top))) : top > 0 ? v / top : 0);
+  const valueAt = (place) => (relative ? top ** (2 * place - 1) : top * place);
+  const colour = (share) => (share < 0 ? [30, 90, 190] : [200, 70, 20]);
+  const type = classes.findIndex((kind) => kind.name === name), strength = (share) => .82 * Math.abs(share) ** .7;
   const small = make("canvas", {width: map.columns, height: map.rows}), pixels = new ImageData(map.columns, map.rows);
-  map.values.forEach((value, i) => pixels.data.set([...colour, top > 0 ? 255 * strength(value / top) : 0], 4 * i));
+  map.values.forEach((value, i) => pixels.data.set([...colour(shareOf(value)), 255 * strength(shareOf(value))], 4 * i));
   small.getContext("2d").putImageData(pixels, 0, 0);
   const draw = drawing(canvas, (context, width, whole) => {
     const height = whole - bar, scale = width / clip.width;
@@ -168,7 +172,8 @@ function heatMap(name, map, colour, factor) {
     context.restore();
     const right = width * .98;
     for (let x = 0; x < right; ++x) {
-      context.fillStyle = `rgba(${colour.join(",")},${strength(x / right).toFixed(3)})`;
+      const share = shareOf(valueAt(x / right));
+      context.fillStyle = `rgba(${colour(share).join(",")},${strength(share).toFixed(3)})`;
       context.fillRect(x, height + 5, 1, 8);
     }
     context.font = font;
@@ -176,7 +181,7 @@ function heatMap(name, map, colour, factor) {
     context.textBaseline = "top";
     [["left", 0], ["center", .5], ["right", 1]].forEach(([align, share]) => {
       context.textAlign = align;
-      context.fillText(figure(top * factor * share), share * right, height + 16);
+      context.fillText(figure(factor * valueAt(share)), share * right, height + 16);
     });
   }, Math.min(1.6, shape) + .12);
   if (backdrop) backdrop.decode().then(draw, () => {});

@@ -17,12 +17,16 @@ function buildSampler() {
   buildProbabilities(sampler.probabilities);
   buildRateIntervals(sampler.rates);
   buildDiagnoses(sampler);
-  $("traces").append(...sampler.traces.map((trace) => make("figure", {}, drawTrace(trace, sampler), make("figcaption", {}, trace.name))));
+  $("traces").append(...sampler.traces.map((trace) => {
+    const {svg, low, high} = drawTrace(trace, sampler);
+    return make("figure", {}, svg, make("figcaption", {}, trace.name, ...(low < high ? [make("span", {class: "below"}, `, ${figure(low)} to ${figure(high)}`)] : [])));
+  }));
   const thinned = sampler.step > 1 ? ` Every ${sampler.step}. sweep is drawn.` : "";
   const left = sampler.traces_total > sampler.traces.length ? ` ${sampler.traces.length} of ${sampler.traces_total} traces are shown.` : "";
   $("traces-caption").textContent = `One colour for each chain, sweeps from left to right; the shaded ones are burn-in and count for nothing.${thinned}${left}`;
 }
 
+/** The plot, and the values at its lower and upper edge. */
 function drawTrace(trace, sampler) {
   const width = 340, height = 118, left = 6, right = width - 6, top = 6, bottom = height - 18;
   const svg = makeSvg("svg", {viewBox: `0 0 ${width} ${height}`, role: "img", class: "trace"});
@@ -33,7 +37,7 @@ function drawTrace(trace, sampler) {
   const kept = trace.chains.flatMap((chain) => chain.filter((v, i) => v !== null && i * sampler.step >= sampler.burn_in));
   const all = trace.chains.flat().filter((v) => v !== null), base = kept.length ? kept : all;
   let [low, high] = [base.reduce((a, b) => Math.min(a, b), Infinity), base.reduce((a, b) => Math.max(a, b), -Infinity)];
-  if (!all.length) return svg;
+  if (!all.length) return {svg};
   const room = Math.max((high - low) * .6, Math.abs(high) * 1e-3, 1e-9);
   low = Math.max(all.reduce((a, b) => Math.min(a, b)), low - room) - room * .08;
   high = Math.min(all.reduce((a, b) => Math.max(a, b)), high + room) + room * .08;
@@ -51,9 +55,8 @@ function drawTrace(trace, sampler) {
     });
     svg.append(makeSvg("path", {d, fill: "none", stroke: chainColours[c % chainColours.length], "stroke-width": 1.1, "stroke-opacity": .85, "stroke-linejoin": "round"}));
   });
-  svg.append(svgText(figure(high), {x: left + 4, y: top + 11}), svgText(figure(low), {x: left + 4, y: bottom - 4}));
   svg.append(svgText("0", {x: left, y: height - 5}), svgText(`sweep ${number(sampler.length - 1)}`, {x: right, y: height - 5, "text-anchor": "end"}));
-  return svg;
+  return {svg, low, high};
 }
 
 function buildDiagnoses(sampler) {

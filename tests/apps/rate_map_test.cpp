@@ -60,12 +60,27 @@ TEST_CASE("a map is strong where its rate is high") {
   CHECK(picture.rows % 2 == 0);
   const auto none = cv::mean(picture(cv::Rect(10, 10, 280, 460))),
              strong = cv::mean(picture(cv::Rect(350, 10, 280, 460)));
-  CHECK_THAT(none[2], WithinAbs(0.4 * 90 + 16, 1.5));  // as it is, dimmed
+  CHECK_THAT(none[2], WithinAbs(0.55 * 90 + 16, 1.5));  // as it is, dimmed
   CHECK(strong[2] > none[2] + 100);
   // nothing to show: nothing but the frame, and no division by zero
   std::ranges::fill(values, 0.0);
   const auto empty = cv::mean(draw_rate_map(under, birth_map(model), {})(cv::Rect(0, 0, 640, 480)));
-  CHECK_THAT(empty[0], WithinAbs(0.4 * 90 + 16, 1.5));
+  CHECK_THAT(empty[0], WithinAbs(0.55 * 90 + 16, 1.5));
+}
+
+TEST_CASE("a map of ratios is clear at 1, warm above and cold below") {
+  auto model = made_model(320, 240, 16);
+  auto& values = model.rates.death.values;
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = i % 20 < 6 ? 0.5 : i % 20 < 14 ? 1 : 2;
+  const cv::Mat picture =
+      draw_rate_map(cv::Mat(240, 320, CV_8UC3, cv::Scalar(90, 90, 90)), death_map(model), {});
+  const auto cold = cv::mean(picture(cv::Rect(10, 10, 140, 460))),
+             clear = cv::mean(picture(cv::Rect(250, 10, 140, 460))),
+             warm = cv::mean(picture(cv::Rect(490, 10, 140, 460)));
+  for (int c = 0; c < 3; ++c) CHECK_THAT(clear[c], WithinAbs(0.55 * 90 + 16, 1.5));
+  CHECK(cold[0] > cold[2] + 30);
+  CHECK(warm[2] > warm[0] + 30);
+  CHECK(rate_colour(0.3) != rate_colour(-0.3));
 }
 
 TEST_CASE("dots are the map's own events of probability a half or more, where they are") {

@@ -97,6 +97,7 @@ EventScene read_event_scene(const fs::path& folder, int most) {
   const nlohmann::json truth = nlohmann::json::parse(file);
   for (const auto& frame : truth.at("strokes"))
     for (const auto& stroke : frame) {
+      if (!stroke.contains("ar")) continue;
       scene.a1 += stroke.at("ar").at(0).get<double>();
       scene.a2 += stroke.at("ar").at(1).get<double>();
       ++strokes;

@@ -24,7 +24,7 @@ struct EventClip {
 struct EventScene {
   EventClip clip;
   std::vector<graph::Event> truth;
-  double a1 = 0, a2 = 0;  ///< mean over the strokes of all frames
+  double a1 = 0, a2 = 0;  ///< mean over the strokes of all frames that tell it; NaN where none does
 };
 
 /// Up to `most` frames of a video from frame `first` on, at most 640 px on the longer side, and their
