@@ -2,7 +2,6 @@
 #include "tests/bench/events/clips.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 
@@ -26,7 +25,6 @@ namespace {
 constexpr int kLonger = 640;
 
 void sketch_frames(EventClip& clip, double fps) {
-  const auto begin = std::chrono::steady_clock::now();
   std::vector<graph::AttributeGraph> graphs(clip.frames.size());
   core::parallel_for(graphs.size(), {},
                      [&](std::size_t i) { graphs[i] = sketch::extract(clip.frames[i], usual_options()); });
@@ -34,7 +32,6 @@ void sketch_frames(EventClip& clip, double fps) {
   clip.sketch.width = clip.frames.front().cols, clip.sketch.height = clip.frames.front().rows;
   clip.sketch.fps = fps;
   for (const auto& graph : graphs) clip.sketch.append(graph);
-  clip.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 graph::EventType opposite(graph::EventType type) {
@@ -61,7 +58,7 @@ graph::EventType opposite(graph::EventType type) {
 EventClip read_event_clip(const fs::path& path, const std::string& name, int first, int most) {
   cv::VideoCapture video;
   if (!fs::exists(path) || !video.open(path.string())) throw Missing{path.string()};
-  EventClip clip{name, {}, {}, 0};
+  EventClip clip{name, {}, {}};
   cv::Mat pixels;
   for (int at = 0; static_cast<int>(clip.frames.size()) < most && video.grab(); ++at) {
     if (at < first) continue;
@@ -108,7 +105,7 @@ EventScene read_event_scene(const fs::path& folder, int most) {
 }
 
 EventClip backwards(const EventClip& clip) {
-  EventClip turned{clip.name, {clip.frames.rbegin(), clip.frames.rend()}, {}, 0};
+  EventClip turned{clip.name, {clip.frames.rbegin(), clip.frames.rend()}, {}};
   turned.sketch.width = clip.sketch.width, turned.sketch.height = clip.sketch.height;
   turned.sketch.fps = clip.sketch.fps;
   for (auto graph = clip.sketch.frames.rbegin(); graph != clip.sketch.frames.rend(); ++graph)
@@ -127,7 +124,7 @@ std::vector<graph::Event> told_forwards(std::vector<graph::Event> events, int fr
 }
 
 EventClip with_noise(const EventClip& clip, double deviation, std::uint64_t seed) {
-  EventClip noisy{clip.name, std::vector<cv::Mat1f>(clip.frames.size()), {}, 0};
+  EventClip noisy{clip.name, std::vector<cv::Mat1f>(clip.frames.size()), {}};
   core::parallel_for(clip.frames.size(), {}, [&](std::size_t t) {
     core::Rng rng(seed, {static_cast<std::uint32_t>(t)});
     noisy.frames[t] = clip.frames[t].clone();

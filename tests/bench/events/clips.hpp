@@ -18,7 +18,6 @@ struct EventClip {
   std::string name;
   std::vector<cv::Mat1f> frames;  ///< luma, white = 255
   graph::SketchSequence sketch;   ///< each frame alone, by the default options
-  double seconds = 0;             ///< that the sketch took
 };
 
 struct EventScene {

@@ -19,7 +19,7 @@ constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
 /// A stroke in one frame.
 struct Blob {
-  Point middle;
+  Point middle, low, high;  // low, high: the box around its patches
   std::vector<Point> patches;
 };
 using Frames = std::vector<std::vector<Blob>>;
@@ -35,8 +35,15 @@ Frames blobs_of(const graph::SketchSequence& sketch) {
       member[parts.of_vertex[i]] = static_cast<std::uint32_t>(i);
     }
     graph::detail::Paths paths(graph);
-    for (std::size_t k = 0; k < blobs.size(); ++k)
-      blobs[k].middle = graph::detail::component_middle(graph, paths, member[k]);
+    for (std::size_t k = 0; k < blobs.size(); ++k) {
+      Blob& blob = blobs[k];
+      blob.middle = graph::detail::component_middle(graph, paths, member[k]);
+      blob.low = blob.high = blob.patches.front();
+      for (const Point p : blob.patches) {
+        blob.low = {std::min(blob.low.x, p.x), std::min(blob.low.y, p.y)};
+        blob.high = {std::max(blob.high.x, p.x), std::max(blob.high.y, p.y)};
+      }
+    }
     frames.push_back(std::move(blobs));
   }
   return frames;
@@ -44,6 +51,9 @@ Frames blobs_of(const graph::SketchSequence& sketch) {
 
 /// How many of a's patches lie at one of b's.
 double inside(const Blob& a, const Blob& b) {
+  if (a.low.x > b.high.x + kSame || b.low.x > a.high.x + kSame || a.low.y > b.high.y + kSame ||
+      b.low.y > a.high.y + kSame)
+    return 0;
   return static_cast<double>(std::ranges::count_if(a.patches, [&](Point p) {
     return std::ranges::any_of(b.patches, [&](Point q) { return graph::distance(p, q) <= kSame; });
   }));
@@ -72,6 +82,28 @@ Point between(const Blob& a, const Blob& b) {
     for (const Point q : b.patches)
       if (const double d = squared(p, q); d < least) least = d, best = (p + q) * 0.5;
   return best;
+}
+
+double away(Point p, const Blob& blob) {
+  double least = std::numeric_limits<double>::max();
+  for (const Point q : blob.patches) least = std::min(least, graph::distance(p, q));
+  return least;
+}
+
+/// Where two strokes are one in the frame next to theirs: the middle of what of it lies on neither, on the
+/// way from one to the other; half way between them where there is no such thing.
+Point joint(const Blob& a, const Blob& b, const Blob& whole) {
+  std::vector<std::pair<double, Point>> bridge;
+  for (const Point p : whole.patches)
+    if (const double to_a = away(p, a), to_b = away(p, b); to_a > kSame && to_b > kSame)
+      bridge.emplace_back(to_a + to_b, p);
+  if (bridge.empty()) return between(a, b);
+  const double least = std::ranges::min_element(bridge, {}, [](const auto& p) { return p.first; })->first;
+  Point sum;
+  double count = 0;
+  for (const auto& [length, p] : bridge)
+    if (length <= least + kSame) sum = sum + p, ++count;
+  return sum * (1 / count);
 }
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -136,10 +168,10 @@ Tracks link_frames(Frames frames, const LapOptions& options) {
 std::vector<Cost> piece_costs(const Tracks& tracks, const LapOptions& options) {
   std::vector<Cost> costs;
   const auto count = static_cast<std::uint32_t>(tracks.pieces.size());
+  std::vector<std::size_t> first_point{count};  // of each frame
+  for (const auto& frame : tracks.frames) first_point.push_back(first_point.back() + frame.size());
   const auto index = [&](std::size_t t, std::size_t blob) {  // of a point that goes on
-    std::size_t at = count + blob;
-    for (std::size_t s = 0; s < t; ++s) at += tracks.frames[s].size();
-    return static_cast<std::uint32_t>(at);
+    return static_cast<std::uint32_t>(first_point[t] + blob);
   };
   for (std::uint32_t a = 0; a < count; ++a) {
     const Piece& piece = tracks.pieces[a];
@@ -217,14 +249,18 @@ std::vector<graph::Event> lap_strokes(const graph::SketchSequence& sketch, const
     const Piece& piece = tracks.pieces[a];
     if (piece.blobs.size() < options.least) continue;
     const Blob& first = tracks.at(piece, piece.first);
-    if (ends.parent[a] != kNone)
-      add(piece.first, split, between(first, tracks.at(tracks.pieces[ends.parent[a]], piece.first)));
-    else if (piece.first > 0 && !ends.gap_before[a])
+    if (ends.parent[a] != kNone) {
+      const Piece& parent = tracks.pieces[ends.parent[a]];
+      add(piece.first, split,
+          joint(first, tracks.at(parent, piece.first), tracks.at(parent, piece.first - 1)));
+    } else if (piece.first > 0 && !ends.gap_before[a])
       add(piece.first, birth, first.middle);
     const Blob& last = tracks.at(piece, piece.last());
-    if (ends.child[a] != kNone)
-      add(piece.last() + 1, merge, between(last, tracks.at(tracks.pieces[ends.child[a]], piece.last())));
-    else if (piece.last() + 1 < tracks.frames.size() && !ends.gap_after[a])
+    if (ends.child[a] != kNone) {
+      const Piece& child = tracks.pieces[ends.child[a]];
+      add(piece.last() + 1, merge,
+          joint(last, tracks.at(child, piece.last()), tracks.at(child, piece.last() + 1)));
+    } else if (piece.last() + 1 < tracks.frames.size() && !ends.gap_after[a])
       add(piece.last() + 1, death, last.middle);
   }
   graph::sort_events(events);

@@ -28,7 +28,8 @@ struct LapOptions {
 };
 
 /// Points are strokes: components of each frame's graph. Where a link is unlikely a track begins or ends: a
-/// birth or a death. A split or merge is put half way between what parts or meets, where these are nearest.
+/// birth or a death. A split or merge is put in the middle of what joined the pieces, or half way between
+/// them: trackers of points put it at one of the points, far from where long strokes meet.
 std::vector<graph::Event> lap_strokes(const graph::SketchSequence& sketch, const LapOptions& options);
 
 /// Points are patches, linked from frame to frame at the least sum of squared distances, none above

@@ -196,7 +196,7 @@ void run(const Arguments& arguments) {
   print_score_heading();
   for (const EventScene& scene : scenes) print_scores(scene, arguments.peers);
   std::printf("\n%-10s | %-8s | %-17s | %-18s | %-14s | %-14s | %s\n", "", "", "a1 (off by)", "a2 (off by)",
-              "backwards", "noise, sure", "seconds");
+              "backwards", "noise, sure", "CPU s");
   for (const EventScene& scene : scenes) print_all_own(scene.clip, scene.a1, scene.a2);
   for (const char* file : kClips) {
     const auto name = std::filesystem::path(file).stem().string();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/events/sampled.hpp"
 
-#include <chrono>
+#include <ctime>
 
 #include "graph/match.hpp"
 #include "mcmc/fit.hpp"
@@ -9,14 +9,14 @@
 namespace emberfold::figures {
 
 Found matched_events(const EventClip& clip, int flicker) {
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();
   graph::MatchOptions options;
   options.flicker = flicker;
   auto motion = graph::match(clip.sketch, options).motion;
   Found found{graph::stroke_events(motion), 0, 0, 0, {}};
   const auto sway = mcmc::fit(motion).model.sway;
   found.a1 = sway.a1, found.a2 = sway.a2;
-  found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  found.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   found.sketch = std::move(motion.sketch);
   return found;
 }

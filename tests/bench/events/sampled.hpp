@@ -13,7 +13,7 @@ namespace emberfold::figures {
 struct Found {
   std::vector<graph::Event> events;  ///< of whatever probability
   double a1 = 0, a2 = 0;             ///< of the sway
-  double seconds = 0;                ///< sketching left out
+  double seconds = 0;                ///< of processor time, all threads; sketching left out
   graph::SketchSequence sketch;      ///< the graphs that the events are of
 };
 
