@@ -163,7 +163,7 @@ TEST_CASE("the surer an event, the stronger its mark; below one half it has none
   double before = 0;
   for (const double probability : {0.5, 0.7, 0.9, 1.0}) {
     const double now = changed(drawn(probability), none);
-    CHECK(now > 1.2 * before);
+    CHECK(now > 1.1 * before);
     before = now;
   }
   CHECK(mark_opacity(1) == 1);
