@@ -8,6 +8,7 @@
 
 #include "apps/model_folder.hpp"
 #include "apps/pictures.hpp"
+#include "apps/rate_map.hpp"
 #include "apps/report.hpp"
 #include "apps/stream_frames.hpp"
 #include "apps/summary.hpp"
@@ -30,6 +31,7 @@ void write_data(OutputFolder& output, const graph::MotionGraph& motion,
   output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, all_events); });
   output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, events); });
   output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
+  output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion); });
 }
 
 Json per_frame_json(const graph::MotionGraph& motion, const std::vector<graph::Event>& events) {
@@ -95,6 +97,9 @@ Json files_json(bool reconstruction) {
                 {"sketch.jsonl", "the graphs alone"},
                 {"trajectories.csv", "every patch through time"},
                 {"model/", "what was learned: 'emberfold synth' draws new clips from it"},
+                {"strokes.csv", "every stroke through time"},
+                {"birth_map.png", "where strokes are born"},
+                {"death_map.png", "where they die"},
                 {"overlay.mp4", "the clip with its graph and events"},
                 {"matches/", "neighbouring frames, matched"},
                 {"summary.json", "all figures"}};
@@ -140,7 +145,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   if (matched.status == core::Status::cancelled) throw Interrupted{};
   made.motion = std::move(matched.motion);
   const auto& motion = made.motion;
-  const auto all_events = graph::stroke_events(motion);
+  made.all_events = graph::stroke_events(motion);
+  const auto& all_events = made.all_events;
   std::ranges::copy_if(all_events, std::back_inserter(made.events),
                        [](const auto& e) { return e.probability >= 0.5; });
   const auto& events = made.events;
@@ -155,6 +161,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   if (pictures.not_converged > 0)
     session.warn("the fill stopped before its tolerance in " + std::to_string(pictures.not_converged) +
                  " frames");
+  write_png(output, "birth_map.png", draw_rate_map(pictures.mean, birth_map(made.model), events));
+  write_png(output, "death_map.png", draw_rate_map(pictures.mean, death_map(made.model), events));
   stages.end();
 
   Json& summary = made.summary = begin_summary("analyze", session);
@@ -190,6 +198,12 @@ void finish_analysis(Analysis& made, OutputFolder& output, const Session& sessio
   made.report.motion = &made.motion;
   made.report.events = made.events;
   made.report.model = &made.model;
+  if (made.sampled) {
+    made.report.sampled = &*made.sampled;
+    made.report.all_events = made.all_events;
+    made.report.rates = made.rates;
+    summary["sampler"] = sampler_json(*made.sampled, made.moves);
+  }
   output.write("report.html", [&](std::ostream& out) { out << make_report(made.report, summary); });
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
   session.check_stop();

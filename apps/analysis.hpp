@@ -14,6 +14,7 @@
 #include "apps/sketch_clip.hpp"
 #include "graph/events.hpp"
 #include "graph/match.hpp"
+#include "mcmc/infer.hpp"
 #include "mcmc/motion_model.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/fill.hpp"
@@ -35,8 +36,12 @@ struct Analysis {
   std::string clip;       ///< as it is called
   SketchedClip sketched;  ///< empty unless asked for
   graph::MotionGraph motion;
-  std::vector<graph::Event> events;
+  std::vector<graph::Event> events;      ///< of probability 0.5 or more
+  std::vector<graph::Event> all_events;  ///< of whatever probability
   mcmc::MotionModel model;
+  std::optional<mcmc::InferResult> sampled;  ///< where there was a sampler, and what it tells besides:
+  std::vector<RateInterval> rates;
+  std::vector<MoveCount> moves;
   ReportInput report;  ///< its pictures
   nlohmann::ordered_json summary;
   Stages stages;

@@ -187,6 +187,10 @@ void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, doub
   cv::addWeighted(drawn, opacity, under, 1 - opacity, 0, under);
 }
 
+double mark_opacity(double probability) {
+  return 0.3 + 0.7 * std::clamp(2 * probability - 1, 0.0, 1.0);
+}
+
 double mark_radius(std::size_t shown) {
   constexpr double kMost = 13, kLeast = 6, kRoom = 25;  // so many marks of full size a picture holds
   return std::clamp(kMost * std::sqrt(kRoom / std::max(1.0, double(shown))), kLeast, kMost);

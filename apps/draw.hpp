@@ -60,6 +60,9 @@ void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Plac
 void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, double radius,
                double opacity = 1);
 
+/// Of the mark of an event, by its probability: 1 where that is 1, 0.3 at one half.
+double mark_opacity(double probability);
+
 /// The radius of marks, px, where so many of them are shown at once: the more, the smaller.
 double mark_radius(std::size_t shown);
 

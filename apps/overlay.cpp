@@ -69,9 +69,10 @@ cv::Mat draw_overlay(const cv::Mat& frame, const graph::AttributeGraph& graph, i
   const auto shown = events_between(events, frame_number - options.flash_frames + 1, frame_number);
   const double radius = mark_radius(shown.size());
   for (const auto& event : shown) {
+    if (event.probability < 0.5) continue;
     const double age = double(frame_number - event.frame) / options.flash_frames;
     draw_mark(picture, place(event.position), event.type, radius * (1 - 0.2 * age),
-              (1 - age) * (1 - age * 0.5));
+              (1 - age) * (1 - age * 0.5) * mark_opacity(event.probability));
   }
   const cv::Mat legend = draw_legend(picture.cols, frame_label(frame_number), event_legend());
   cv::Mat whole;

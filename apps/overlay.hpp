@@ -24,8 +24,8 @@ cv::Mat draw_sketch(const cv::Mat& frame, const graph::AttributeGraph& graph,
                     const OverlayOptions& options = {});
 
 /// One picture of the overlay video: draw_sketch, the marks of the events of `frame_number` and the frames
-/// just before it, and a legend below. `events` are those of the whole clip, ordered by frame. Size depends
-/// on the frame's size alone.
+/// just before it, of probability 0.5 or more and the surer the stronger, and a legend below. `events` are
+/// those of the whole clip, ordered by frame. Size depends on the frame's size alone.
 cv::Mat draw_overlay(const cv::Mat& frame, const graph::AttributeGraph& graph, int frame_number,
                      std::span<const graph::Event> events, const OverlayOptions& options = {});
 

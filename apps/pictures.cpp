@@ -7,6 +7,7 @@
 #include <set>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "apps/clip_writer.hpp"
 #include "apps/match_picture.hpp"
@@ -84,14 +85,6 @@ Drawn draw_frame(const cv::Mat& frame, int t, const core::ClipInfo& info, const 
   return drawn;
 }
 
-void write_png(OutputFolder& output, const std::string& name, const cv::Mat& picture) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", picture, png);
-  output.write(name, [&](std::ostream& out) {
-    for (const unsigned char byte : png) out.put(static_cast<char>(byte));
-  });
-}
-
 std::string match_name(int t) {
   const auto padded = [](int number) {
     const std::string digits = std::to_string(number);
@@ -113,6 +106,9 @@ class Collector {
     if (!overlay_)
       overlay_ = create_clip(output_.staged("overlay.mp4"), drawn.overlay.size(), info_.fps, true);
     overlay_->write(drawn.overlay);
+    if (sum_.empty()) sum_ = cv::Mat(drawn.bytes.size(), CV_32FC3, cv::Scalar::all(0));
+    cv::accumulate(drawn.bytes, sum_);
+    ++frames_;
     pictures_.gains.add(drawn.gains);
     if (drawn.reconstruction) take_reconstruction(*drawn.reconstruction);
     if (drawn.still) pictures_.report.stills.push_back(std::move(*drawn.still));
@@ -128,6 +124,7 @@ class Collector {
   Pictures finish() {
     if (overlay_) overlay_->finish();
     if (reconstruction_) reconstruction_->finish();
+    if (frames_ > 0) sum_.convertTo(pictures_.mean, CV_8U, 1.0 / frames_);
     return std::move(pictures_);
   }
 
@@ -150,11 +147,20 @@ class Collector {
   const core::ClipInfo& info_;
   OutputFolder& output_;
   std::unique_ptr<ClipWriter> overlay_, reconstruction_;
-  cv::Mat before_;
+  cv::Mat before_, sum_;
+  int frames_ = 0;
   Pictures pictures_;
 };
 
 }  // namespace
+
+void write_png(OutputFolder& output, const std::string& name, const cv::Mat& picture) {
+  std::vector<unsigned char> png;
+  cv::imencode(".png", picture, png);
+  output.write(name, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  });
+}
 
 Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
                        std::span<const graph::Event> events, const PictureOptions& options,

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
+
+#include <opencv2/core/mat.hpp>
 
 #include "apps/command.hpp"
 #include "apps/draw.hpp"
@@ -27,7 +30,11 @@ struct Pictures {
   std::vector<double> share, psnr;  ///< of the frames that were reconstructed
   GainTotals gains;                 ///< of these frames' patches
   int not_converged = 0;
+  cv::Mat mean;  ///< of all frames, CV_8UC3
 };
+
+/// A picture as PNG into the folder.
+void write_png(OutputFolder& output, const std::string& name, const cv::Mat& picture);
 
 /// Writes overlay.mp4, matches/ and, where asked for, reconstruction.avi, and makes the report's pictures.
 /// `events` are ordered by frame.

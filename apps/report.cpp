@@ -144,6 +144,10 @@ std::string make_report(const ReportInput& input, const Json& summary) {
   }
   if (input.clips) data["clips"] = report_clips(*input.clips);
   if (input.measures) data["measures"] = report_measures(*input.measures);
+  if (input.sampled != nullptr) {
+    data["sampler"] = report_sampler(*input.sampled, input.rates);
+    data["sampler"]["probabilities"] = report_probabilities(input.all_events);
+  }
   // the name may hold bytes that are no UTF-8: once through JSON they are replaced
   const auto title =
       Json::parse(Json(title_of(input.clip)).dump(-1, ' ', false, Json::error_handler_t::replace));

@@ -9,6 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "apps/report_model.hpp"
+#include "apps/report_sampler.hpp"
 #include "apps/still.hpp"
 #include "graph/events.hpp"
 #include "graph/motion_graph.hpp"
@@ -50,6 +51,9 @@ struct ReportInput {
   std::vector<std::complex<double>> eigenvalues;  ///< of the linear dynamic texture, where there is one
   std::optional<ReportClips> clips;               ///< drawn from the models, beside their source
   std::optional<ReportMeasures> measures;         ///< how close these come
+  const mcmc::InferResult* sampled = nullptr;     ///< where there was a sampler
+  std::span<const graph::Event> all_events;       ///< its events of whatever probability
+  std::vector<RateInterval> rates;                ///< and its rates
 };
 
 /// The report as one HTML page that needs nothing else. `summary` as in summary.json.

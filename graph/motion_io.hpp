@@ -32,4 +32,10 @@ std::vector<Event> read_events(std::istream& in, std::string_view name);
 /// blur, contrast.
 void write_trajectories(std::ostream& out, const MotionGraph& motion);
 
+/// strokes.csv: a row for each stroke and frame, stroke after stroke: stroke, frame, x, y (its middle, px,
+/// half way along the longest of its shortest paths), length (px, of all its edges), patches, width (px) and
+/// contrast (means over the patches), ends (patches with one neighbour), junctions (with three or more). A
+/// stroke that is not identified has the number 0. O(n log n).
+void write_strokes(std::ostream& out, const MotionGraph& motion);
+
 }  // namespace emberfold::graph

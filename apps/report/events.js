@@ -40,7 +40,7 @@ function drawCurves(svg, shown, unit) {
 }
 function drawEventMark(svg, i, unit, strong) {
   const d = markPath(events.type[i], events.x[i], events.y[i], (strong ? 11 : 7) * unit);
-  const common = {d, fill: "none", "stroke-linejoin": "round"};
+  const common = {d, fill: "none", "stroke-linejoin": "round", "stroke-opacity": strong ? 1 : .3 + .7 * Math.max(0, 2 * events.p[i] - 1)};
   svg.append(makeSvg("path", {...common, stroke: "#fff", "stroke-width": (strong ? 6 : 4) * unit}));
   svg.append(makeSvg("path", {...common, stroke: classes[events.type[i]].colour, "stroke-width": (strong ? 3 : 2) * unit}));
   if (!strong) return;
@@ -69,7 +69,8 @@ function drawViewer() {
   $("event-title").replaceChildren(glyph(events.type[selected]), ` ${type} at frame ${frame}, (${events.x[selected]}, ${events.y[selected]})`);
   $("event-caption").textContent =
     (shown.frame === frame ? `Frame ${frame}. ` : `Frame ${shown.frame} is shown, the nearest that this page carries to frame ${frame}. `) +
-    `Strokes before: ${strokeNames(events.before[selected])}; after: ${strokeNames(events.after[selected])}.`;
+    `Strokes before: ${strokeNames(events.before[selected])}; after: ${strokeNames(events.after[selected])}.` +
+    (events.p[selected] < 1 ? ` Probability ${number(events.p[selected], 2)}.` : "");
 }
 function select(i, reveal = false) {
   selected = i;

@@ -71,14 +71,15 @@ function buildMeasures(measures) {
   if (measures.note) $("measures").append(make("p", {class: "caption"}, measures.note));
 }
 
+/** A power's digits. */
+const raised = (power) => String(power).replace("-", "\u207b").replace(/\d/g, (d) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[d]);
 /** A number in three or four digits. */
 function figure(value) {
   const size = Math.abs(value);
   if (size === 0) return "0";
   if (size < 1e-3 || size >= 1e6) {
     const [mantissa, power] = value.toExponential(1).split("e");
-    const raised = String(+power).replace("-", "\u207b").replace(/\d/g, (d) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[d]);
-    return `${mantissa}\u00b710${raised}`;
+    return `${mantissa}\u00b710${raised(+power)}`;
   }
   return number(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : size >= .01 ? 3 : 4);
 }
@@ -95,10 +96,10 @@ function buildLearned() {
   if (m) {
     buildMotionTable(m);
     buildOperators(m);
-    heatMap($("birth-map"), m.birth, [200, 70, 20]);
-    $("birth-caption").textContent = `Births: the darkest cell has ${figure(most(m.birth.values) * m.birth.cell ** 2 * 1000)} in 1000 frames (cells of ${number(m.birth.cell)} px)`;
-    heatMap($("death-map"), m.death, [30, 90, 190]);
-    $("death-caption").textContent = `Deaths: from ${figure(Math.min(...m.death.values))} to ${figure(most(m.death.values))} times the usual rate`;
+    heatMap("birth", m.birth, 1e4, false);
+    $("birth-caption").textContent = "Births per frame and 100\u00d7100 px; dots are those found";
+    heatMap("death", m.death, 1, true);
+    $("death-caption").textContent = "Deaths, times what is usual for a stroke's size; dots are those found";
     driftMap($("drift-map"), m.drift);
     $("drift-caption").textContent = `Drift of the rest shapes: the longest arrow is ${figure(m.drift.most)} px a frame`;
     buildExemplars(m);
@@ -138,19 +139,51 @@ function buildOperators(m) {
 }
 
 const most = (list) => list.reduce((a, b) => Math.max(a, b), 0);
-function heatMap(canvas, map, colour) {
-  const shape = clip.height / clip.width, top = most(map.values), least = Math.min(...map.values);
-  const from = least > 0 && top < 1.05 * least ? top : least;  // where all are alike, none shall look like more
-  const draw = drawing(canvas, (context, width, height) => {
+/** A map of rates, smooth between the cells' middles, with the events of its class as dots and its scale below: from 0, or ratios on both sides of 1. */
+function heatMap(name, map, factor, relative) {
+  const canvas = $(name + "-map"), shape = clip.height / clip.width, bar = 30;
+  const top = relative ? Math.max(1.5, most(map.values), ...map.values.filter((v) => v > 0).map((v) => 1 / v)) : most(map.values);
+  const shareOf = (v) => (relative ? Math.max(-1, Math.min(1, Math.log(Math.max(v, 1e-9)) / Math.log(top))) : top > 0 ? v / top : 0);
+  const valueAt = (place) => (relative ? top ** (2 * place - 1) : top * place);
+  const colour = (share) => (share < 0 ? [30, 90, 190] : [200, 70, 20]);
+  const type = classes.findIndex((kind) => kind.name === name), strength = (share) => .82 * Math.abs(share) ** .7;
+  const small = make("canvas", {width: map.columns, height: map.rows}), pixels = new ImageData(map.columns, map.rows);
+  map.values.forEach((value, i) => pixels.data.set([...colour(shareOf(value)), 255 * strength(shareOf(value))], 4 * i));
+  small.getContext("2d").putImageData(pixels, 0, 0);
+  const draw = drawing(canvas, (context, width, whole) => {
+    const height = whole - bar, scale = width / clip.width;
     drawBackdrop(context, width, height, "rgba(255,255,255,.72)");
-    const edge = (i) => Math.round(i * map.cell * width / clip.width);
-    map.values.forEach((value, i) => {
-      if (!(value > 0)) return;
-      const share = from < top ? (value - from) / (top - from) : 0, x = i % map.columns, y = Math.floor(i / map.columns);
-      context.fillStyle = `rgba(${colour.join(",")},${(.08 + .7 * share).toFixed(3)})`;
-      context.fillRect(edge(x), edge(y), edge(x + 1) - edge(x), edge(y + 1) - edge(y));
+    context.save();
+    context.beginPath();
+    context.rect(0, 0, width, height);
+    context.clip();
+    context.imageSmoothingEnabled = true;
+    context.imageSmoothingQuality = "high";
+    context.drawImage(small, 0, 0, map.columns * map.cell * scale, map.rows * map.cell * height / clip.height);
+    const own = [];
+    for (let i = 0; i < eventCount; ++i) if (events.type[i] === type) own.push(i);
+    context.globalAlpha = Math.max(.25, Math.min(.9, 150 / own.length));
+    for (const i of own) {
+      context.beginPath();
+      context.arc((events.x[i] + .5) * scale, (events.y[i] + .5) * height / clip.height, own.length > 400 ? 1.2 : 1.8, 0, 7);
+      context.fillStyle = "#23262d";
+      context.fill();
+    }
+    context.restore();
+    const right = width * .98;
+    for (let x = 0; x < right; ++x) {
+      const share = shareOf(valueAt(x / right));
+      context.fillStyle = `rgba(${colour(share).join(",")},${strength(share).toFixed(3)})`;
+      context.fillRect(x, height + 5, 1, 8);
+    }
+    context.font = font;
+    context.fillStyle = "#5b6270";
+    context.textBaseline = "top";
+    [["left", 0], ["center", .5], ["right", 1]].forEach(([align, share]) => {
+      context.textAlign = align;
+      context.fillText(figure(factor * valueAt(share)), share * right, height + 16);
     });
-  }, Math.min(1.6, shape));
+  }, Math.min(1.6, shape) + .12);
   if (backdrop) backdrop.decode().then(draw, () => {});
 }
 

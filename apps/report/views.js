@@ -262,6 +262,7 @@ function buildContents() {
 buildHead();
 buildStills();
 buildEvents();
+buildSampler();
 buildPlaces();
 buildPaths();
 buildClips();

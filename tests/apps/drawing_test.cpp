@@ -151,6 +151,24 @@ TEST_CASE("every picture of an overlay has the same size, whatever happens in it
   CHECK(sizes.size() == 1);
 }
 
+TEST_CASE("the surer an event, the stronger its mark; below one half it has none") {
+  const cv::Mat frame(48, 64, CV_8UC3, cv::Scalar(40, 40, 40));
+  const auto drawn = [&](double probability) {
+    auto shown = event(3, graph::EventType::split, {30, 24});
+    shown.probability = probability;
+    return draw_overlay(frame, {}, 3, {&shown, 1});
+  };
+  const cv::Mat none = draw_overlay(frame, {}, 3, {});
+  CHECK(changed(drawn(0.49), none) == 0);
+  double before = 0;
+  for (const double probability : {0.5, 0.7, 0.9, 1.0}) {
+    const double now = changed(drawn(probability), none);
+    CHECK(now > 1.1 * before);
+    before = now;
+  }
+  CHECK(mark_opacity(1) == 1);
+}
+
 TEST_CASE("strokes tied by links share a cluster, those without have none") {
   // before: a line 0-1-2-3, alone 4; after: the line in two, a new 9
   graph::MotionGraph motion;

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "graph/events.hpp"
+#include "tests/bench/events/clips.hpp"
+
+namespace emberfold::figures {
+
+/// What a way from sketches to events finds.
+struct Found {
+  std::vector<graph::Event> events;  ///< of whatever probability
+  double a1 = 0, a2 = 0;             ///< of the sway
+  double seconds = 0;                ///< of processor time, all threads; sketching left out
+  graph::SketchSequence sketch;      ///< the graphs that the events are of
+};
+
+/// The bottom-up match; states that last no longer than `flicker` frames are noise.
+Found matched_events(const EventClip& clip, int flicker);
+
+/// The sampler with its default options, nothing where there is none.
+std::optional<Found> sampled_events(const EventClip& clip);
+
+}  // namespace emberfold::figures
