@@ -10,6 +10,7 @@
 #include "apps/pictures.hpp"
 #include "apps/rate_map.hpp"
 #include "apps/report.hpp"
+#include "apps/sampling.hpp"
 #include "apps/stream_frames.hpp"
 #include "apps/summary.hpp"
 #include "core/error.hpp"
@@ -113,16 +114,48 @@ void need_two_frames(const std::string& clip, std::int64_t frames) {
   throw core::IoError(clip + " holds one frame; motion needs at least two ('emberfold sketch' takes one)");
 }
 
-/// Learns the motion model and writes it; what was not taken as measured becomes warnings.
-mcmc::MotionModel learn_model(const graph::MotionGraph& motion, const Ground& ground, OutputFolder& output,
-                              Session& session) {
-  auto fitted = mcmc::fit(motion, {session.common.seed}, session.context);
-  if (fitted.status == core::Status::cancelled) throw Interrupted{};
+/// Writes the motion model; what was not taken as measured becomes warnings.
+void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, OutputFolder& output,
+                  Session& session) {
   for (const auto& note : fitted.notes) session.warn("model: " + note);
   auto archive = mcmc::to_archive(fitted.model);
   add_ground(archive, ground);
   write_model(output, "model", archive);
-  return std::move(fitted.model);
+}
+
+std::vector<RateInterval> rates_a_frame(const mcmc::FitResult& fitted) {
+  std::vector<RateInterval> rates;
+  for (const auto type : all_event_types()) {
+    const auto& found = fitted.a_frame[static_cast<std::size_t>(type)];
+    rates.push_back({std::string(graph::name(type)), found.rate, found.low, found.high, "a frame"});
+  }
+  return rates;
+}
+
+/// Graphs, events and what was learned, from the sketches of the clip.
+void infer_motion(const StartSketches& sketches, const AnalyzeOptions& options, Analysis& made,
+                  Session& session) {
+  made.stages.begin("match");
+  if (options.bottom_up) {
+    auto matched = graph::match(sketches.clip.sketch, options.match, session.context);
+    if (matched.status == core::Status::cancelled) throw Interrupted{};
+    made.motion = std::move(matched.motion);
+    made.all_events = graph::stroke_events(made.motion);
+    made.stages.begin("learn");
+    made.fitted = mcmc::fit(made.motion, {session.common.seed, true}, session.context);
+    if (made.fitted.status == core::Status::cancelled) throw Interrupted{};
+  } else {
+    const auto starts = match_starts(sketches, options.match, options.starts, session.context);
+    made.stages.begin("sample");
+    auto sampled = sample_motion(starts, options.infer, session.common.seed, session.context);
+    made.motion = std::move(sampled.motion);
+    made.all_events = std::move(sampled.events);
+    made.fitted = std::move(sampled.fitted);
+    made.sampled = std::move(sampled.sampler);
+    made.rates = rates_a_frame(made.fitted);
+  }
+  std::ranges::copy_if(made.all_events, std::back_inserter(made.events),
+                       [](const auto& e) { return e.probability >= 0.5; });
 }
 
 }  // namespace
@@ -136,24 +169,18 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   stages.begin("sketch");
   const auto source = open_clip(name, options.read, [&](const std::string& text) { session.warn(text); });
   if (source->info().frames) need_two_frames(made.clip, *source->info().frames);
-  auto sketched = sketch_clip(*source, options.sketch, session);
-  need_two_frames(made.clip, static_cast<std::int64_t>(sketched.sketch.frames.size()));
-
-  if (options.keep_sketch) made.sketched = sketched;
-  stages.begin("match");
-  auto matched = graph::match(std::move(sketched.sketch), options.match, session.context);
-  if (matched.status == core::Status::cancelled) throw Interrupted{};
-  made.motion = std::move(matched.motion);
+  StartOptions starts = options.starts;
+  if (options.bottom_up) starts.chains = 1;
+  auto sketches =
+      sketch_starts(*source, options.sketch, starts, session.common.seed, session.context);
+  need_two_frames(made.clip, static_cast<std::int64_t>(sketches.clip.sketch.frames.size()));
+  if (options.keep_sketch) made.sketched = sketches.clip;
+  infer_motion(sketches, options, made, session);
   const auto& motion = made.motion;
-  made.all_events = graph::stroke_events(motion);
-  const auto& all_events = made.all_events;
-  std::ranges::copy_if(all_events, std::back_inserter(made.events),
-                       [](const auto& e) { return e.probability >= 0.5; });
   const auto& events = made.events;
-  stages.begin("learn");
-  made.model = learn_model(motion, still_ground(sketched.grounds), output, session);
+  write_fitted(made.fitted, still_ground(sketches.clip.grounds), output, session);
   stages.begin("write");
-  write_data(output, motion, events, all_events);
+  write_data(output, motion, events, made.all_events);
 
   stages.begin("pictures");
   const PictureOptions picture_options{options.fill, options.reconstruction};
@@ -161,8 +188,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   if (pictures.not_converged > 0)
     session.warn("the fill stopped before its tolerance in " + std::to_string(pictures.not_converged) +
                  " frames");
-  write_png(output, "birth_map.png", draw_rate_map(pictures.mean, birth_map(made.model), events));
-  write_png(output, "death_map.png", draw_rate_map(pictures.mean, death_map(made.model), events));
+  write_png(output, "birth_map.png", draw_rate_map(pictures.mean, birth_map(made.fitted.model), events));
+  write_png(output, "death_map.png", draw_rate_map(pictures.mean, death_map(made.fitted.model), events));
   stages.end();
 
   Json& summary = made.summary = begin_summary("analyze", session);
@@ -170,12 +197,15 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   summary["options"] = {{"reading", reading_json(options.read)},
                         {"sketch", options_json(options.sketch)},
                         {"match", options_json(options.match)},
+                        {"starts", options_json(options.starts)},
+                        {"infer", options_json(options.infer)},
+                        {"bottom_up", options.bottom_up},
                         {"fill", options_json(options.fill)}};
   Json per_frame = per_frame_json(motion, events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(events, motion.sketch.frames.size());
-  summary["model"] = motion_model_figures(made.model);
+  summary["model"] = motion_model_figures(made.fitted.model);
   if (truth) {
     const graph::ScoreOptions tolerance;
     summary["score"] = score_json(graph::score_events(*truth, events, tolerance));
@@ -197,12 +227,12 @@ void finish_analysis(Analysis& made, OutputFolder& output, const Session& sessio
   made.report.version = kVersion;
   made.report.motion = &made.motion;
   made.report.events = made.events;
-  made.report.model = &made.model;
+  made.report.model = &made.fitted.model;
   if (made.sampled) {
     made.report.sampled = &*made.sampled;
     made.report.all_events = made.all_events;
     made.report.rates = made.rates;
-    summary["sampler"] = sampler_json(*made.sampled, made.moves);
+    summary["sampler"] = sampler_json(*made.sampled);
   }
   output.write("report.html", [&](std::ostream& out) { out << make_report(made.report, summary); });
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });

@@ -12,6 +12,7 @@
 #include "apps/output_folder.hpp"
 #include "apps/report.hpp"
 #include "apps/sketch_clip.hpp"
+#include "apps/starts.hpp"
 #include "graph/events.hpp"
 #include "graph/match.hpp"
 #include "mcmc/infer.hpp"
@@ -26,6 +27,9 @@ struct AnalyzeOptions {
   sketch::ExtractOptions sketch;
   graph::MatchOptions match;
   sketch::FillOptions fill;
+  StartOptions starts;
+  mcmc::InferOptions infer;
+  bool bottom_up = false;    ///< no sampler: the match as it is, each event of probability 1
   bool keep_sketch = false;  ///< in the analysis: sketches as extracted, and grounds
   bool reconstruction =
       false;  ///< write reconstruction.avi too: every frame is drawn again, not a choice of them
@@ -38,10 +42,9 @@ struct Analysis {
   graph::MotionGraph motion;
   std::vector<graph::Event> events;      ///< of probability 0.5 or more
   std::vector<graph::Event> all_events;  ///< of whatever probability
-  mcmc::MotionModel model;
+  mcmc::FitResult fitted;
   std::optional<mcmc::InferResult> sampled;  ///< where there was a sampler, and what it tells besides:
   std::vector<RateInterval> rates;
-  std::vector<MoveCount> moves;
   ReportInput report;  ///< its pictures
   nlohmann::ordered_json summary;
   Stages stages;

@@ -22,6 +22,8 @@ void run_analyze(const Analyze& asked, Session& session) {
   options.read = check_reading(asked.reading, session);
   check_options(options.sketch);
   check_options(options.match);
+  check_options(options.starts);
+  check_options(options.infer);
   check_options(options.fill);
   OutputFolder output(asked.output);
   auto analysis = analyze_clip(asked.reading.clip, options, output, session);
@@ -49,6 +51,10 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
                     "Write reconstruction.avi too, and measure every frame's PSNR");
   add_fields(*command, asked->options.sketch, "Sketching");
   add_fields(*command, asked->options.match, "Matching");
+  command->add_flag("--bottom-up", asked->options.bottom_up,
+                    "No sampler: the match as it is, every event of probability 1");
+  add_fields(*command, asked->options.starts, "Sampling");
+  add_fields(*command, asked->options.infer, "Sampling");
   add_fields(*command, asked->options.fill, "Filling");
   add_common(*command, chosen.common, "Print the content of summary.json");
   command->callback(

@@ -5,9 +5,11 @@
 #include <type_traits>
 
 #include "apps/clip_reader.hpp"
+#include "apps/starts.hpp"
 #include "dytex/learn.hpp"
 #include "graph/match.hpp"
 #include "graph/score.hpp"
+#include "mcmc/infer.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/fill.hpp"
 
@@ -46,6 +48,23 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("sigma_shape", o.sigma_shape, "PX", "Spread of a stroke's shape");
   visit("sigma_degree", o.sigma_degree, "N", "Spread of a stroke's degrees");
   visit("flicker", o.flicker, "FRAMES", "What comes and goes within so many frames is noise; 0 keeps all");
+}
+
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, StartOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("chains", o.chains, "N", "From how many readings of the clip, forwards, backwards and in noise, it is sampled");
+  visit("perturb", o.perturb, "LEVELS", "SD of the noise that some of them read it in");
+}
+
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, mcmc::InferOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("sweeps", o.sweeps, "N", "Sweeps of each chain after burn-in");
+  visit("burn_in", o.burn_in, "N", "Sweeps of each chain in which it learns and nothing is kept");
+  visit("samples", o.samples, "N", "How many states of each chain are kept");
+  visit("proposals", o.proposals, "N", "Moves for every patch in a sweep");
+  visit("rungs", o.rungs, "N", "Tempered chains beside each, evidence to the power 1, 1/2, 1/4 ...");
 }
 
 template <class Options, class Visit>

@@ -145,7 +145,7 @@ Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
   return result;
 }
 
-Json sampler_json(const mcmc::InferResult& result, std::span<const MoveCount> moves) {
+Json sampler_json(const mcmc::InferResult& result) {
   const auto traces = diagnose_traces(result);
   Json out = {
       {"chains", result.chains},
@@ -155,11 +155,9 @@ Json sampler_json(const mcmc::InferResult& result, std::span<const MoveCount> mo
       {"proposals", result.proposals},
       {"processor_seconds", rounded(result.seconds)},
       {"proposals_per_second", rounded(result.seconds > 0 ? result.proposals / result.seconds : kUnknown)}};
-  if (!moves.empty()) {
-    out["acceptance"] = Json::object();
-    for (const auto& move : moves)
-      out["acceptance"][move.name] = rounded(move.proposed > 0 ? move.accepted / move.proposed : kUnknown);
-  }
+  out["acceptance"] = Json::object();
+  for (const auto& move : result.moves)
+    out["acceptance"][move.name] = rounded(move.evaluated > 0 ? move.accepted / move.evaluated : kUnknown);
   const auto worst = [&](const char* name, const auto& value, const auto& worse) {
     const auto list = known(traces, value);
     const auto found = std::ranges::min_element(list, worse, value);

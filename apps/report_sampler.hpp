@@ -21,12 +21,6 @@ struct RateInterval {
   std::string unit;  ///< "in a frame", "a frame and pair of ends"
 };
 
-/// How often a move was proposed and how often it was accepted.
-struct MoveCount {
-  std::string name;
-  double proposed = 0, accepted = 0;
-};
-
 struct TraceDiagnosis {
   std::string name;
   mcmc::Diagnosis found;  ///< of the draws after burn-in
@@ -41,8 +35,8 @@ struct Assurance {
 };
 Assurance assurance(const std::vector<TraceDiagnosis>& traces);
 
-/// The object `sampler` of summary.json (docs/architecture.md). `moves` may be empty.
-nlohmann::ordered_json sampler_json(const mcmc::InferResult& result, std::span<const MoveCount> moves);
+/// The object `sampler` of summary.json (docs/architecture.md).
+nlohmann::ordered_json sampler_json(const mcmc::InferResult& result);
 
 /// What the report's section shows: traces thinned to some 20 000 numbers in all, their diagnoses, sentences,
 /// rates.

@@ -16,7 +16,7 @@
 namespace emberfold::apps {
 
 struct StartOptions {
-  int chains = 7;      ///< 1…64: how many readings of the clip; odd: no share is just a half
+  int chains = 3;      ///< 1…64: how many readings of the clip; odd: no share is just a half
   double perturb = 2;  ///< grey levels, 0…64: SD, in luma, of the noise in the copies of the clip
 
   void validate() const;

@@ -121,7 +121,7 @@ void tell_story(core::FrameSource& source, const AnalyzeOptions& options, Analys
   analysis.stages.begin("texture");
   const auto texture = learn_texture(source, compare.learn, analysis, output, session);
   analysis.stages.begin("compare");
-  const KnownModels known{&analysis.sketched, &analysis.motion, &analysis.model, &texture};
+  const KnownModels known{&analysis.sketched, &analysis.motion, &analysis.fitted.model, &texture};
   const auto comparison = compare_clip(source, analysis.clip, compare, known, output, session);
   analysis.stages.begin("clips");
   analysis.report.measures = measures_table(comparison.measures);

@@ -48,7 +48,11 @@ void Chain::set_theta(const Theta& theta) {
 double Chain::evidence() const {
   double sum = 0;
   for (int t = 0; t < state_.frames(); ++t)
-    for (const Index i : state_.on(t)) sum += state_[i].evidence;
+    for (const Index i : state_.on(t)) {
+      sum += state_[i].evidence;
+      for (const Beside& near : state_.beside(i))
+        if (i < near.node && state_[i].edges.has(near.node)) sum += Density::edge_evidence(near);
+    }
   return sum;
 }
 
@@ -76,9 +80,10 @@ Chain::Tally Chain::move_in(int frame, double proposals) {
     const auto ratio = moves()[which].propose(edit, draws, frame);
     if (!ratio) continue;
     ++seen.evaluated;
-    if (std::log1p(-draws.uniform()) < edit.gain() + *ratio) {
+    const double gain = edit.gain();
+    if (std::log1p(-draws.uniform()) < gain + *ratio) {
       ++seen.accepted;
-      tally.gain += edit.gain();
+      tally.gain += gain;
       edit.keep();
     } else {
       edit.undo();

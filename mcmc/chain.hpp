@@ -34,7 +34,8 @@ class Chain {
   /// Kept up by the moves' gains, and reckoned anew after sways or θ changed.
   [[nodiscard]] double log_density() const { return log_density_; }
   [[nodiscard]] const std::vector<MoveCount>& counts() const { return counts_; }  ///< by move
-  /// Of the state, untempered.
+  [[nodiscard]] double power() const { return power_; }
+  /// Of the state, patches and edges, untempered.
   [[nodiscard]] double evidence() const;
   /// Takes another chain's state and gives it this one's.
   void exchange(Chain& other);

@@ -35,6 +35,7 @@ class Density {
   /// `evidence`: its power, 0…1; below 1 it is tempered.
   explicit Density(const Theta& theta, double evidence = 1);
 
+  static constexpr double kEdge = 20;  ///< nats: how far the sketches are trusted with an edge
   [[nodiscard]] const Theta& theta() const { return theta_; }
   /// Of what becomes of v.
   [[nodiscard]] double of_outcome(const HiddenGraph& g, Index v) const;
@@ -45,7 +46,8 @@ class Density {
   /// That nothing more than what does grows from w; and its evidence.
   [[nodiscard]] double of_presence(const HiddenGraph& g, Index w) const;
   /// What the sketches say of two nodes being joined: that one has the edge, or none.
-  [[nodiscard]] double of_edge(const Beside& b) const { return evidence_ * (b.sketched ? kEdge : -kEdge); }
+  [[nodiscard]] static double edge_evidence(const Beside& b) { return b.sketched ? kEdge : -kEdge; }
+  [[nodiscard]] double of_edge(const Beside& b) const { return evidence_ * edge_evidence(b); }
   /// Of whether two nodes that both go on are joined. 0 where one of them is new.
   [[nodiscard]] double of_pair(const HiddenGraph& g, Index a, const Beside& b) const;
   /// All of it. O(nodes).
@@ -76,7 +78,6 @@ class Density {
   [[nodiscard]] double begun(const Node& w) const;
   [[nodiscard]] double grown(const Node& from, const Node& w) const;
 
-  static constexpr double kEdge = 20;  ///< nats
   Theta theta_;
   double evidence_;
   /// [place][config][outcome], without and with nodes that it could merge into.

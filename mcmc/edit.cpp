@@ -8,15 +8,16 @@
 namespace emberfold::mcmc {
 
 void Scratch::fit(std::size_t nodes) {
-  outcome.resize(nodes), arrival.resize(nodes), presence.resize(nodes);
+  outcome.resize(nodes), arrival.resize(nodes), presence.resize(nodes), pairs.resize(nodes);
 }
 
 Edit::Edit(HiddenGraph& g, const Density& density, Scratch& scratch, std::uint32_t who)
     : g_(g), density_(density), scratch_(scratch), stamp_((std::uint64_t{who} + 1) << 32U) {}
 
 void Edit::begin() {
+  if (!steps_.empty()) return;
   ++stamp_;
-  outcomes_.clear(), arrivals_.clear(), presences_.clear(), pairs_.clear();
+  outcomes_.clear(), arrivals_.clear(), presences_.clear(), paired_.clear(), pairs_.clear();
 }
 
 void Edit::note_outcome(Index v) {
@@ -39,8 +40,9 @@ void Edit::note_new_beside(Index w) {
     if (g_[near.node].on && g_[near.node].prev.empty()) note_arrival(near.node);
 }
 void Edit::note_pairs(Index w) {
-  for (const Beside& near : g_.beside(w))
-    if (g_[near.node].on && !g_[near.node].prev.empty()) pairs_.emplace_back(w, near);
+  if (scratch_.pairs[w] == stamp_) return;
+  scratch_.pairs[w] = stamp_;
+  paired_.push_back(w);
 }
 
 void Edit::note_link(Index v, Index w) {
@@ -75,10 +77,10 @@ void Edit::note_edge(Index a, Index b) {
     if (x == y) return;
     const auto near = std::ranges::find(g_.beside(x), y, &Beside::node);
     if (near == g_.beside(x).end()) return;
-    const bool known = std::ranges::any_of(pairs_, [&](const auto& p) {
-      return (p.first == x && p.second.node == y) || (p.first == y && p.second.node == x);
-    });
-    if (!known) pairs_.emplace_back(x, *near);
+    const Index first = std::min(x, y), second = std::max(x, y);
+    const bool known = std::ranges::any_of(
+        pairs_, [&](const auto& p) { return p.first == first && p.second.node == second; });
+    if (!known) pairs_.emplace_back(first, Beside{second, near->closeness, near->sketched});
   };
   const auto add_next = [&](Index x, Index y) {
     for (const Index c : g_[x].next)
@@ -107,63 +109,68 @@ double Edit::sum() const {
     if (g_[w].on) sum += density_.of_arrival(g_, w);
   for (const Index w : presences_)
     if (g_[w].on) sum += density_.of_presence(g_, w);
-  for (const auto& [a, b] : pairs_) sum += density_.of_pair(g_, a, b);
+  const auto paired = [&](Index i) { return scratch_.pairs[i] == stamp_; };
+  for (const Index w : paired_)
+    for (const Beside& near : g_.beside(w))
+      if (!paired(near.node) || w < near.node) sum += density_.of_pair(g_, w, near);
+  for (const auto& [a, b] : pairs_)
+    if (!paired(a) && !paired(b.node)) sum += density_.of_pair(g_, a, b);
   return sum;
 }
 
-template <class Note, class Change>
-void Edit::step(Note note, Change change) {
-  if (gain_ == -std::numeric_limits<double>::infinity()) {
-    steps_.push_back(change());
-    return;
-  }
-  begin();
-  note();
-  const double was = sum();
-  steps_.push_back(change());
+double Edit::gain() {
+  constexpr double kImpossible = -std::numeric_limits<double>::infinity();
+  if (steps_.empty()) return 0;
   const double is = sum();
-  gain_ = is == -std::numeric_limits<double>::infinity() ? is : gain_ + (is - was);
+  if (is == kImpossible) return kImpossible;
+  for (std::size_t k = steps_.size(); k-- > 0;) take_back(steps_[k]);
+  const double was = sum();
+  for (Step& step : steps_) take_again(step);
+  return is - was + edges_;
 }
 
-void Edit::link(Index v, Index w) {
-  step([&] { note_link(v, w); },
-       [&] {
-         g_.link(v, w);
-         return Step{What::link, v, w, {}, 0};
-       });
-}
-void Edit::unlink(Index v, Index w) {
-  step([&] { note_link(v, w); }, [&] { return Step{What::unlink, v, w, g_.unlink(v, w), 0}; });
-}
 double Edit::edge_evidence(Index a, Index b) const {
   const auto near = std::ranges::find(g_.beside(a), b, &Beside::node);
   return near == g_.beside(a).end() ? 0 : density_.of_edge(*near);
 }
 
-void Edit::join(Index a, Index b) {
-  gain_ += edge_evidence(a, b);
-  step([&] { note_edge(a, b); },
-       [&] {
-         g_.join(a, b);
-         return Step{What::join, a, b, {}, 0};
-       });
-}
-void Edit::cut(Index a, Index b) {
-  gain_ -= edge_evidence(a, b);
-  step([&] { note_edge(a, b); }, [&] { return Step{What::cut, a, b, g_.cut(a, b), 0}; });
-}
-void Edit::put(Index i) {
-  step([&] { note_lone(i); },
-       [&] {
-         const auto at = g_.off_place(i);
-         g_.put(i);
-         return Step{What::put, i, 0, at, 0};
-       });
-}
-void Edit::take(Index i) {
-  step([&] { note_lone(i); }, [&] { return Step{What::take, i, 0, g_.take(i), 0}; });
+void Edit::add(const Step& step) {
+  steps_.push_back(step);
+  take_again(steps_.back());
 }
 
+void Edit::link(Index v, Index w) {
+  begin();
+  note_link(v, w);
+  add({What::link, v, w, {}, 0});
+}
+void Edit::unlink(Index v, Index w) {
+  begin();
+  note_link(v, w);
+  add({What::unlink, v, w, {}, 0});
+}
+void Edit::join(Index a, Index b) {
+  begin();
+  note_edge(a, b);
+  edges_ += edge_evidence(a, b);
+  add({What::join, a, b, {}, 0});
+}
+void Edit::cut(Index a, Index b) {
+  begin();
+  note_edge(a, b);
+  edges_ -= edge_evidence(a, b);
+  add({What::cut, a, b, {}, 0});
+}
+void Edit::put(Index i) {
+  begin();
+  note_lone(i);
+  add({What::put, i, 0, {}, 0});
+}
+void Edit::take(Index i) {
+  begin();
+  note_lone(i);
+  add({What::take, i, 0, {}, 0});
+}
 void Edit::set_sway(Index i, double sway) {
   begin();
   note_arrival(i);
@@ -173,50 +180,73 @@ void Edit::set_sway(Index i, double sway) {
   }
   for (const Index x : g_[i].edges)
     for (const Index c : g_[x].next) note_arrival(c);
-  const auto sways = [&] {
-    double sum = 0;
-    for (const Index w : arrivals_) sum += density_.of_sway(g_, w);
-    return sum;
-  };
-  const double was = sways();
-  steps_.push_back({What::sway, i, 0, {}, g_[i].sway});
-  g_.set_sway(i, sway);
-  gain_ += sways() - was;
+  add({What::sway, i, 0, {}, sway});
+}
+
+void Edit::take_again(Step& s) {
+  switch (s.what) {
+    case What::link:
+      g_.link(s.a, s.b);
+      break;
+    case What::unlink:
+      s.at = g_.unlink(s.a, s.b);
+      break;
+    case What::join:
+      g_.join(s.a, s.b);
+      break;
+    case What::cut:
+      s.at = g_.cut(s.a, s.b);
+      break;
+    case What::put:
+      s.at = g_.off_place(s.a);
+      g_.put(s.a);
+      break;
+    case What::take:
+      s.at = g_.take(s.a);
+      break;
+    case What::sway: {
+      const double was = g_[s.a].sway;
+      g_.set_sway(s.a, s.sway);
+      s.sway = was;
+      break;
+    }
+  }
+}
+
+void Edit::take_back(Step& s) {
+  switch (s.what) {
+    case What::link:
+      g_.unlink(s.a, s.b);
+      break;
+    case What::unlink:
+      g_.undo_unlink(s.a, s.b, s.at);
+      break;
+    case What::join:
+      g_.cut(s.a, s.b);
+      break;
+    case What::cut:
+      g_.undo_cut(s.a, s.b, s.at);
+      break;
+    case What::put:
+      g_.undo_put(s.a, s.at);
+      break;
+    case What::take:
+      g_.undo_take(s.a, s.at);
+      break;
+    case What::sway:
+      take_again(s);  // changes places with what is there
+      break;
+  }
 }
 
 void Edit::keep() {
   steps_.clear();
-  gain_ = 0;
+  edges_ = 0;
 }
 
 void Edit::undo() {
-  for (; !steps_.empty(); steps_.pop_back()) {
-    const Step& s = steps_.back();
-    switch (s.what) {
-      case What::link:
-        g_.unlink(s.a, s.b);
-        break;
-      case What::unlink:
-        g_.undo_unlink(s.a, s.b, s.at);
-        break;
-      case What::join:
-        g_.cut(s.a, s.b);
-        break;
-      case What::cut:
-        g_.undo_cut(s.a, s.b, s.at);
-        break;
-      case What::put:
-        g_.undo_put(s.a, s.at);
-        break;
-      case What::take:
-        g_.undo_take(s.a, s.at);
-        break;
-      case What::sway:
-        g_.set_sway(s.a, s.sway);
-        break;
-    }
-  }
-  gain_ = 0;
+  for (; !steps_.empty(); steps_.pop_back()) take_back(steps_.back());
+  edges_ = 0;
 }
 
 }  // namespace emberfold::mcmc

@@ -12,13 +12,14 @@ namespace emberfold::mcmc {
 /// Marks of what an edit has noted, so that it counts it once. One serves all edits of a state, also at the
 /// same time if they lie six frames apart and their `who` differ.
 struct Scratch {
-  std::vector<std::uint64_t> outcome, arrival, presence;
+  std::vector<std::uint64_t> outcome, arrival, presence, pairs;
   void fit(std::size_t nodes);
 };
 
-/// A change of a state, step by step, with what it does to its density. Each step evaluates just the factors
-/// that it touches, before and after. Until keep(), undo() takes all steps back and leaves the state as it
-/// was, bit by bit. Steps ask nothing: whether they may be taken is the caller's to know.
+/// A change of a state, step by step, and what it does to its density. Each step notes the factors that it
+/// touches; gain() evaluates all of them before and after, each once. Until keep(), undo() takes all steps
+/// back and leaves the state as it was, bit by bit. Steps ask nothing: whether they may be taken is the
+/// caller's to know.
 class Edit {
  public:
   Edit(HiddenGraph& g, const Density& density, Scratch& scratch, std::uint32_t who = 0);
@@ -31,9 +32,8 @@ class Edit {
   void take(Index i);
   void set_sway(Index i, double sway);
 
-  /// Change of the log density since it began or was last kept; −∞ where a step led to a state that cannot
-  /// be.
-  [[nodiscard]] double gain() const { return gain_; }
+  /// Change of the log density since it began or was last kept; −∞ where the state that it led to cannot be.
+  [[nodiscard]] double gain();
   [[nodiscard]] const HiddenGraph& state() const { return g_; }
   [[nodiscard]] const Density& density() const { return density_; }
   [[nodiscard]] bool empty() const { return steps_.empty(); }
@@ -59,16 +59,17 @@ class Edit {
   void note_lone(Index i);
   [[nodiscard]] double sum() const;
   [[nodiscard]] double edge_evidence(Index a, Index b) const;
-  template <class Note, class Change>
-  void step(Note note, Change change);
+  void add(const Step& step);
+  void take_back(Step& step);
+  void take_again(Step& step);
 
   HiddenGraph& g_;
   const Density& density_;
   Scratch& scratch_;
   std::uint64_t stamp_;
-  double gain_ = 0;
+  double edges_ = 0;  ///< gain of evidence for edges
   std::vector<Step> steps_;
-  std::vector<Index> outcomes_, arrivals_, presences_;
+  std::vector<Index> outcomes_, arrivals_, presences_, paired_;
   std::vector<std::pair<Index, Beside>> pairs_;
 };
 

@@ -14,4 +14,10 @@ class Evidence {
   [[nodiscard]] virtual double gain(int frame, const graph::Patch& patch) const = 0;
 };
 
+/// What the sketch noted of its patches as it made them (graph::Patch::gain): needs no image.
+class NotedEvidence final : public Evidence {
+ public:
+  [[nodiscard]] double gain(int /*frame*/, const graph::Patch& patch) const override { return patch.gain; }
+};
+
 }  // namespace emberfold::mcmc

@@ -214,7 +214,7 @@ FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& opt
   model.first = at_rest(last.sketch.frames[usual], displacement[usual]);
 
   context.report("fit", 0.5);
-  append(result.notes, balance(model, born, result.counts, options.seed, context));
+  if (options.balance) append(result.notes, balance(model, born, result.counts, options.seed, context));
   if (context.cancelled()) result.status = core::Status::cancelled;
   return result;
 }

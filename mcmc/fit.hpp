@@ -16,6 +16,7 @@ namespace emberfold::mcmc {
 
 struct FitOptions {
   std::uint64_t seed = 1;  ///< of the simulated clips that balance births and deaths
+  bool balance = true;     ///< false: rates as they were seen, for whoever will not draw from the model
 };
 
 struct FitResult {
