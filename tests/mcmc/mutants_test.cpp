@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Six wrong ratios, as they are easily written (old-state counts, a forgotten factor): the checker must not let
-// any of them pass. Each is a right move, wrapped.
+// Six wrong ratios, as they are easily written (old-state counts, a forgotten factor): the checker must not
+// let any of them pass. Each is a right move, wrapped.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -83,8 +83,8 @@ std::size_t shares(const HiddenGraph& one, const HiddenGraph& two) {
     const bool whole = std::ranges::all_of(
         two[i].edges, [&](Index x) { return x == v || (one[v].edges.has(x) && !two[v].edges.has(x)); });
     if (!whole) continue;
-    auto count = static_cast<std::size_t>(
-        std::ranges::count_if(one[v].edges, [&](Index x) { return gated(i, x); }));
+    auto count =
+        static_cast<std::size_t>(std::ranges::count_if(one[v].edges, [&](Index x) { return gated(i, x); }));
     if (one[v].prev.size() == 1) {
       const auto ahead = one.ahead(one[v].prev[0]);
       count += std::ranges::find(ahead, i) != ahead.end();
@@ -149,7 +149,7 @@ void require_caught(const HiddenGraph& model, std::string_view name, const Fault
 
 }  // namespace
 
-TEST_CASE("the checker catches a split that forgets in how many ways edges are shared", "[mcmc][mutants]") {
+TEST_CASE("The checker catches a split that forgets in how many ways edges are shared", "[mcmc][mutants]") {
   require_caught(rows(), "split, merge", [](const HiddenGraph& was, const HiddenGraph& is, int) {
     const bool split = count_on(is) > count_on(was);
     const auto ways = static_cast<double>(split ? shares(was, is) : shares(is, was));
@@ -157,16 +157,17 @@ TEST_CASE("the checker catches a split that forgets in how many ways edges are s
   });
 }
 
-TEST_CASE("the checker catches a split twice as likely as it should be", "[mcmc][mutants]") {
+TEST_CASE("The checker catches a split twice as likely as it should be", "[mcmc][mutants]") {
   require_caught(rows(), "split, merge", [](const HiddenGraph& was, const HiddenGraph& is, int) {
     return (count_on(is) > count_on(was) ? 1 : -1) * std::numbers::ln2;
   });
 }
 
-TEST_CASE("the checker catches a connect that counts in the old state", "[mcmc][mutants]") {
+TEST_CASE("The checker catches a connect that counts in the old state", "[mcmc][mutants]") {
   require_caught(corner(), "connect, cut", [](const HiddenGraph& was, const HiddenGraph& is, int) {
-    const bool connect = was[0].edges.size() + was[1].edges.size() + was[2].edges.size() + was[3].edges.size() <
-                         is[0].edges.size() + is[1].edges.size() + is[2].edges.size() + is[3].edges.size();
+    const bool connect =
+        was[0].edges.size() + was[1].edges.size() + was[2].edges.size() + was[3].edges.size() <
+        is[0].edges.size() + is[1].edges.size() + is[2].edges.size() + is[3].edges.size();
     const Tie tie = connect ? new_edge(was, is) : new_edge(is, was);
     const auto back = [&](const HiddenGraph& g) {
       return connect ? log_either(g[tie.a].edges.size(), g[tie.b].edges.size())
@@ -176,7 +177,7 @@ TEST_CASE("the checker catches a connect that counts in the old state", "[mcmc][
   });
 }
 
-TEST_CASE("the checker catches a link that counts in the old state", "[mcmc][mutants]") {
+TEST_CASE("The checker catches a link that counts in the old state", "[mcmc][mutants]") {
   require_caught(crowd(), "link, unlink", [](const HiddenGraph& was, const HiddenGraph& is, int) {
     std::size_t before = 0, after = 0;
     for (Index i = 0; i < was.size(); ++i) before += was[i].next.size(), after += is[i].next.size();
@@ -189,7 +190,7 @@ TEST_CASE("the checker catches a link that counts in the old state", "[mcmc][mut
   });
 }
 
-TEST_CASE("the checker catches births and deaths that count in the old state", "[mcmc][mutants]") {
+TEST_CASE("The checker catches births and deaths that count in the old state", "[mcmc][mutants]") {
   require_caught(pairs(), "add, delete", [](const HiddenGraph& was, const HiddenGraph& is, int frame) {
     const bool add = count_on(is) > count_on(was);
     const auto back = [&](const HiddenGraph& g) {
@@ -199,7 +200,7 @@ TEST_CASE("the checker catches births and deaths that count in the old state", "
   });
 }
 
-TEST_CASE("the checker catches births and deaths that leave their chances out", "[mcmc][mutants]") {
+TEST_CASE("The checker catches births and deaths that leave their chances out", "[mcmc][mutants]") {
   const mcmc::Density density(made::even_theta());
   const auto right = made::checked(made::move_named("add, delete"));
   REQUIRE(check_ratios(pairs(), density, {right}).worst_ratio <= 1e-10);
@@ -213,7 +214,7 @@ TEST_CASE("the checker catches births and deaths that leave their chances out", 
   CHECK(caught.worst_balance > 1e-9);
 }
 
-TEST_CASE("the checker catches a way there that has no way back", "[mcmc][mutants]") {
+TEST_CASE("The checker catches a way there that has no way back", "[mcmc][mutants]") {
   const mcmc::Density density(made::even_theta());
   const auto right = made::checked(made::move_named("add, delete"));
   const CheckedMove only_add = [&](Edit& edit, Draws& draws, int frame) -> std::optional<double> {

@@ -174,44 +174,44 @@ HiddenGraph stirred(HiddenGraph g, const Density& density, const std::vector<Che
 
 }  // namespace
 
-TEST_CASE("ratios hold over three frames", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold over three frames", "[mcmc][ratios]") {
   require_right_together(three_frames(), Density(made::even_theta()), all_but(), 398);
 }
 
-TEST_CASE("ratios hold among ten thousand states", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold among ten thousand states", "[mcmc][ratios]") {
   require_right_together(three_and_three(), Density(made::even_theta()), all_but(), 10000);
 }
 
-TEST_CASE("ratios hold among all kinds at the border where patches overlap", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold among all kinds at the border where patches overlap", "[mcmc][ratios]") {
   require_right_together(mixed(), Density(made::even_theta()), all_but(), 500);
 }
 
-TEST_CASE("ratios hold where the evidence is tempered", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold where the evidence is tempered", "[mcmc][ratios]") {
   require_right_together(three_frames(), Density(made::even_theta(), 0.3), all_but(), 398);
 }
 
-TEST_CASE("ratios hold where a patch shares four edges with two candidates", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold where a patch shares four edges with two candidates", "[mcmc][ratios]") {
   const std::vector<CheckedMove> shares = {made::checked(made::move_named("split, merge"))};
   require_right_together(fan(), Density(made::even_theta()), shares, 100);
 }
 
-TEST_CASE("ratios hold for links among four and four", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold for links among four and four", "[mcmc][ratios]") {
   require_right_together(two_rows(4), Density(made::even_theta()), all_but(kAllButLinks), 350);
 }
 
-TEST_CASE("ratios hold on rings", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold on rings", "[mcmc][ratios]") {
   require_right_together(rings(), Density(made::even_theta()), all_but(kAllButLinks), 350);
 }
 
-TEST_CASE("ratios hold for strokes that inherit from one of two", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold for strokes that inherit from one of two", "[mcmc][ratios]") {
   require_right_together(heirs(), Density(made::even_theta()), all_but(kAllButLinks), 350);
 }
 
-TEST_CASE("ratios hold where some merges cannot be", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold where some merges cannot be", "[mcmc][ratios]") {
   require_right_together(apart(), Density(made::even_theta()), all_but(kAllButLinks), 100);
 }
 
-TEST_CASE("each move alone has the right ratios from wherever it starts", "[mcmc][ratios]") {
+TEST_CASE("Each move alone has the right ratios from wherever it starts", "[mcmc][ratios]") {
   const Density density(made::even_theta());
   for (const auto& move : mcmc::moves()) {
     INFO(move.name);
@@ -232,7 +232,7 @@ TEST_CASE("each move alone has the right ratios from wherever it starts", "[mcmc
   }
 }
 
-TEST_CASE("the models put every move to use", "[mcmc][ratios]") {
+TEST_CASE("The models put every move to use", "[mcmc][ratios]") {
   const Density density(made::even_theta());
   std::map<std::string_view, Use> uses;
   std::vector<CheckedMove> counting;
