@@ -92,30 +92,38 @@ void Edit::note_lone(Index i) {
   note_new_beside(i);
 }
 
-double Edit::sum() const {
-  double sum = 0;
+Edit::Sum Edit::sum() const {
+  Sum sum;
+  const auto add = [&](double term) {
+    if (term == -std::numeric_limits<double>::infinity())
+      ++sum.impossible;
+    else
+      sum.finite += term;
+  };
   for (const Index v : outcomes_)
-    if (g_[v].on) sum += density_.of_outcome(g_, v);
+    if (g_[v].on) add(density_.of_outcome(g_, v));
   for (const Index w : arrivals_)
-    if (g_[w].on) sum += density_.of_arrival(g_, w);
+    if (g_[w].on) add(density_.of_arrival(g_, w));
   for (const Index w : presences_)
-    if (g_[w].on) sum += density_.of_presence(g_, w);
-  for (const auto& [a, b] : pairs_) sum += density_.of_pair(g_, a, b);
+    if (g_[w].on) add(density_.of_presence(g_, w));
+  for (const auto& [a, b] : pairs_) add(density_.of_pair(g_, a, b));
   return sum;
+}
+
+double Edit::gain() const {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  return impossible_ == 0 ? gain_ : impossible_ > 0 ? -never : never;
 }
 
 template <class Note, class Change>
 void Edit::step(Note note, Change change) {
-  if (gain_ == -std::numeric_limits<double>::infinity()) {
-    steps_.push_back(change());
-    return;
-  }
   begin();
   note();
-  const double was = sum();
+  const Sum was = sum();
   steps_.push_back(change());
-  const double is = sum();
-  gain_ = is == -std::numeric_limits<double>::infinity() ? is : gain_ + (is - was);
+  const Sum is = sum();
+  gain_ += is.finite - was.finite;
+  impossible_ += is.impossible - was.impossible;
 }
 
 void Edit::link(Index v, Index w) {
@@ -172,7 +180,7 @@ void Edit::set_sway(Index i, double sway) {
 
 void Edit::keep() {
   steps_.clear();
-  gain_ = 0;
+  gain_ = 0, impossible_ = 0;
 }
 
 void Edit::undo() {
@@ -202,7 +210,7 @@ void Edit::undo() {
         break;
     }
   }
-  gain_ = 0;
+  gain_ = 0, impossible_ = 0;
 }
 
 }  // namespace emberfold::mcmc

@@ -31,9 +31,9 @@ class Edit {
   void take(Index i);
   void set_sway(Index i, double sway);
 
-  /// Change of the log density since it began or was last kept; −∞ where a step led to a state that cannot
-  /// be.
-  [[nodiscard]] double gain() const { return gain_; }
+  /// Change of the log density since it began or was last kept: −∞ where more factors are 0 than were, ∞
+  /// where fewer are. Steps between may lead through states that cannot be.
+  [[nodiscard]] double gain() const;
   [[nodiscard]] const HiddenGraph& state() const { return g_; }
   [[nodiscard]] const Density& density() const { return density_; }
   [[nodiscard]] bool empty() const { return steps_.empty(); }
@@ -48,6 +48,10 @@ class Edit {
     HiddenGraph::Places at;
     double sway = 0;
   };
+  struct Sum {
+    double finite = 0;
+    int impossible = 0;  ///< factors that are 0
+  };
   void begin();
   void note_outcome(Index v);
   void note_arrival(Index w);
@@ -57,7 +61,7 @@ class Edit {
   void note_link(Index v, Index w);
   void note_edge(Index a, Index b);
   void note_lone(Index i);
-  [[nodiscard]] double sum() const;
+  [[nodiscard]] Sum sum() const;
   template <class Note, class Change>
   void step(Note note, Change change);
 
@@ -66,6 +70,7 @@ class Edit {
   Scratch& scratch_;
   std::uint64_t stamp_;
   double gain_ = 0;
+  int impossible_ = 0;  ///< by how many more factors are 0 than were
   std::vector<Step> steps_;
   std::vector<Index> outcomes_, arrivals_, presences_;
   std::vector<std::pair<Index, Beside>> pairs_;
