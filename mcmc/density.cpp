@@ -37,6 +37,7 @@ double log_mixed(double narrow, double wide) {
 
 double log_sum(const double* terms, std::size_t n) {
   const double most = *std::max_element(terms, terms + n);
+  if (most == -std::numeric_limits<double>::infinity()) return most;
   double sum = 0;
   for (std::size_t i = 0; i < n; ++i) sum += std::exp(terms[i] - most);
   return most + std::log(sum);

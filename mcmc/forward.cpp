@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -69,6 +70,9 @@ class Forward {
 
   Index show(int t, const Patch& patch) {
     const Index i = g_.add_candidate(t, patch);
+    const Point p = patch.position;
+    if (!(p.x >= 0 && p.y >= 0 && p.x <= g_.width() && p.y <= g_.height()))
+      g_.set_place(i, -std::numeric_limits<double>::infinity(), kPlaces / 2, {});  // it can only have grown
     g_.put(i);
     return i;
   }

@@ -84,7 +84,7 @@ struct Node {
   double log_contrast = 0;  ///< of 1 + |contrast|
   double order = 0;         ///< nodes of a frame are passed in ascending order of this, then of index
   double evidence = 0;      ///< nats that showing it saves
-  double log_birth = 0;     ///< of the birth map here over its mean
+  double log_birth = 0;     ///< of the birth map here over its mean; −∞: nothing begins
   int frame = 0;
   Kind kind = Kind::bright;
   bool border = false;     ///< within kBorder of the frame's border, or outside
