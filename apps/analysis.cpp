@@ -127,7 +127,7 @@ std::vector<RateInterval> rates_a_frame(const mcmc::FitResult& fitted) {
   std::vector<RateInterval> rates;
   for (const auto type : all_event_types()) {
     const auto& found = fitted.a_frame[static_cast<std::size_t>(type)];
-    rates.push_back({std::string(graph::name(type)), found.rate, found.low, found.high, "a frame"});
+    rates.push_back({std::string(graph::name(type)), found.mean, found.low, found.high, "a frame"});
   }
   return rates;
 }

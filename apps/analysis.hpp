@@ -15,8 +15,8 @@
 #include "apps/starts.hpp"
 #include "graph/events.hpp"
 #include "graph/match.hpp"
+#include "mcmc/fit.hpp"
 #include "mcmc/infer.hpp"
-#include "mcmc/motion_model.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/fill.hpp"
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint32_t kNoiseStream = 0x73746172;  // apart from all other draws of the seed
 
-std::size_t copies(const std::vector<Reading>& readings) {
+std::size_t copies(const std::vector<StartReading>& readings) {
   return static_cast<std::size_t>(
       std::ranges::count_if(readings, [](const auto& r) { return r.copy.has_value(); }));
 }
@@ -49,9 +49,9 @@ void StartOptions::validate() const {
   }
 }
 
-std::vector<Reading> readings(const StartOptions& options) {
+std::vector<StartReading> readings(const StartOptions& options) {
   options.validate();
-  std::vector<Reading> result;
+  std::vector<StartReading> result;
   std::size_t copy = 0;
   for (int k = 0; k < options.chains; ++k) {
     result.push_back({k % 4 < 2 ? std::nullopt : std::optional(copy++), k % 2 == 1});
@@ -110,7 +110,7 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
   std::size_t done = 0;
   context.report("match", 0);
   const auto status = core::parallel_for(starts.size(), context, [&](std::size_t k) {
-    const Reading& reading = wanted[k];
+    const StartReading& reading = wanted[k];
     if (first_alike(k) == k) {
       const auto& sketch = reading.copy ? sketches.perturbed[*reading.copy] : sketches.clip.sketch;
       auto matched = graph::match(reading.backwards ? graph::reversed(sketch) : sketch, match, quiet);

@@ -23,13 +23,13 @@ struct StartOptions {
 };
 
 /// How a start reads the clip.
-struct Reading {
+struct StartReading {
   std::optional<std::size_t> copy;  ///< which copy in noise; none: the clip itself
   bool backwards = false;           ///< matched backwards in time and turned round
 };
 /// Of each chain: the clip forwards, the clip backwards, a new copy forwards, another one backwards, and so
 /// on in turns of four. So half of all starts, or more, have seen the clip as it is.
-std::vector<Reading> readings(const StartOptions& options);
+std::vector<StartReading> readings(const StartOptions& options);
 
 /// The clip's own sketch, and the sketches of its copies in noise, as many as the readings want.
 struct StartSketches {

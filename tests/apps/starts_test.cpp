@@ -60,7 +60,7 @@ TEST_CASE("at least half of the starts read the clip as it is") {
     const auto made = readings(with(chains, 2));
     REQUIRE(made.size() == static_cast<std::size_t>(chains));
     std::size_t copies = 0, backwards = 0;
-    for (const Reading& reading : made) {
+    for (const StartReading& reading : made) {
       if (reading.copy) CHECK(*reading.copy == copies++);
       backwards += reading.backwards;
     }

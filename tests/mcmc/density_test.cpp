@@ -303,20 +303,24 @@ TEST_CASE("Edges between patches that go on are kept or made", "[mcmc][density]"
     const auto near = std::ranges::find(g.beside(a), b, &mcmc::Beside::node);
     return density.of_pair(g, a, *near);
   };
-  CHECK_THAT(of(3, 4), WithinAbs(std::log(t.keep[0]), kTight));
-  CHECK_THAT(of(4, 5), WithinAbs(std::log(1 - t.connect[0]), kTight));
-  CHECK_THAT(of(3, 5), WithinAbs(std::log(1 - t.connect[4]), kTight));
+  CHECK_THAT(of(3, 4), WithinAbs(std::log(t.join[2][0]), kTight));
+  CHECK_THAT(of(4, 5), WithinAbs(std::log(1 - t.join[0][0]), kTight));
+  CHECK_THAT(of(3, 5), WithinAbs(std::log(1 - t.join[0][4]), kTight));
+  g.join(1, 2);  // and 0 and 2 now have a neighbour in common
+  CHECK_THAT(of(4, 5), WithinAbs(std::log(1 - t.join[2][0]), kTight));
+  CHECK_THAT(of(3, 5), WithinAbs(std::log(1 - t.join[1][4]), kTight));
+  g.cut(1, 2);
   g.cut(3, 4), g.join(3, 5);
-  CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.keep[0]), kTight));
-  CHECK_THAT(of(3, 5), WithinAbs(std::log(t.connect[4]), kTight));
+  CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.join[2][0]), kTight));
+  CHECK_THAT(of(3, 5), WithinAbs(std::log(t.join[0][4]), kTight));
   // In a first frame, and with one that is new, pairs say nothing: those are closed, not kept.
   CHECK(of(0, 1) == 0);
   g.unlink(1, 4);
   CHECK(of(3, 4) == 0);
   // What one patch became is as good as joined.
   g.link(0, 4);
-  CHECK(mcmc::were_joined(g, 3, 4));
-  CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.keep[0]), kTight));
+  CHECK(mcmc::were(g, 3, 4) == mcmc::Were::joined);
+  CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.join[2][0]), kTight));
 }
 
 TEST_CASE("A patch that goes on grows by the degree it had", "[mcmc][density]") {
@@ -393,8 +397,8 @@ TEST_CASE("Theta's numbers out of range are named", "[mcmc][density]") {
   };
   refuse([](Theta& t) { t.outcome[3][1] += 0.1; }, "outcome");
   refuse([](Theta& t) { t.outcome[3][1] = 0; }, "outcome");
-  refuse([](Theta& t) { t.keep[5] = 1; }, "keep");
-  refuse([](Theta& t) { t.connect[0] = 0; }, "connect");
+  refuse([](Theta& t) { t.join[2][5] = 1; }, "join");
+  refuse([](Theta& t) { t.join[0][0] = 0; }, "join");
   refuse([](Theta& t) { t.close[1][2] = -0.5; }, "close");
   refuse([](Theta& t) { t.split_more = 1; }, "split_more");
   refuse([](Theta& t) { t.branch = 0; }, "branch");

@@ -40,7 +40,7 @@ inline mcmc::Theta even_theta() {
   }
   for (std::size_t k = 0; k < mcmc::kCloseness; ++k) {
     const double by = 0.03 * static_cast<double>(k);
-    theta.keep[k] = 0.9 - by, theta.connect[k] = 0.3 - by;
+    theta.join[2][k] = 0.9 - by, theta.join[0][k] = 0.3 - by, theta.join[1][k] = 0.5 - by;
     theta.close[0][k] = 0.35 - by, theta.close[1][k] = 0.25 - by;
   }
   theta.birth = {0.002, 0.001};
@@ -70,7 +70,7 @@ inline mcmc::Theta lively_theta() {
   theta.other_kind = 0.05;
   for (std::size_t k = 0; k < mcmc::kCloseness; ++k) {
     const double by = 0.01 * static_cast<double>(k);
-    theta.keep[k] = 0.9 - 10 * by, theta.connect[k] = 0.2 - 3 * by;
+    theta.join[2][k] = 0.9 - 10 * by, theta.join[0][k] = 0.2 - 3 * by, theta.join[1][k] = 0.5 - 5 * by;
     theta.close[0][k] = 0.2 - 3 * by, theta.close[1][k] = 0.18 - 2 * by;
   }
   return theta;

@@ -3,10 +3,21 @@
 
 #include <ctime>
 
+#include "apps/sampling.hpp"
+#include "apps/starts.hpp"
+#include "core/clip.hpp"
 #include "graph/match.hpp"
 #include "mcmc/fit.hpp"
 
 namespace emberfold::figures {
+
+namespace {
+
+double since(std::clock_t begin) {
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+}  // namespace
 
 Found matched_events(const EventClip& clip, int flicker) {
   const std::clock_t begin = std::clock();
@@ -16,13 +27,27 @@ Found matched_events(const EventClip& clip, int flicker) {
   Found found{graph::stroke_events(motion), 0, 0, 0, {}};
   const auto sway = mcmc::fit(motion).model.sway;
   found.a1 = sway.a1, found.a2 = sway.a2;
-  found.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  found.seconds = since(begin);
   found.sketch = std::move(motion.sketch);
   return found;
 }
 
-std::optional<Found> sampled_events(const EventClip& /*clip*/) {
-  return std::nullopt;
+std::optional<Found> sampled_events(const EventClip& clip) {
+  core::Clip frames;
+  frames.info.width = clip.sketch.width, frames.info.height = clip.sketch.height;
+  frames.info.channels = 1, frames.info.depth = CV_32F, frames.info.white = 255;
+  frames.frames.assign(clip.frames.begin(), clip.frames.end());
+  core::ClipSource source(frames);
+  const apps::StartOptions options;
+  const auto sketches = apps::sketch_starts(source, {}, options, 1, {});
+  const std::clock_t begin = std::clock();
+  const auto starts = apps::match_starts(sketches, {}, options, {});
+  auto sampled = apps::sample_motion(starts, {}, 1, {});
+  Found found{std::move(sampled.events), 0, 0, 0, {}};
+  found.a1 = sampled.fitted.model.sway.a1, found.a2 = sampled.fitted.model.sway.a2;
+  found.seconds = since(begin);
+  found.sketch = std::move(sampled.motion.sketch);
+  return found;
 }
 
 }  // namespace emberfold::figures
