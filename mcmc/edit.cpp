@@ -169,7 +169,12 @@ void Edit::set_sway(Index i, double sway) {
     for (const Index c : g_[x].next) note_arrival(c);
   const auto sways = [&] {
     double sum = 0;
-    for (const Index w : arrivals_) sum += density_.of_sway(g_, w);
+    for (const Index w : arrivals_) {
+      // An arrival that cannot be is counted, and comes with its sway once it can.
+      const bool may_not = g_[w].log_birth == -std::numeric_limits<double>::infinity();
+      if (may_not && density_.of_arrival(g_, w) == -std::numeric_limits<double>::infinity()) continue;
+      sum += density_.of_sway(g_, w);
+    }
     return sum;
   };
   const double was = sways();
