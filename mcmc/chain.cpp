@@ -37,11 +37,15 @@ Chain::Chain(HiddenGraph state, const Theta& theta, std::uint64_t seed, std::uin
       number_(number),
       counts_(moves().size()) {
   scratch_.fit(state_.size());
+  scratch_.remembers = true;
+  density_.prepare(state_);
   log_density_ = density_.total(state_);
 }
 
 void Chain::set_theta(const Theta& theta) {
   density_ = Density(theta, power_);
+  density_.prepare(state_);
+  scratch_.forget();
   log_density_ = density_.total(state_);
 }
 
@@ -51,13 +55,15 @@ double Chain::evidence() const {
     for (const Index i : state_.on(t)) {
       sum += state_[i].evidence;
       for (const Beside& near : state_.beside(i))
-        if (i < near.node && state_[i].edges.has(near.node)) sum += Density::edge_evidence(near);
+        if (i < near.node && state_[i].edges.has(near.node)) sum += double{near.evidence};
     }
   return sum;
 }
 
 void Chain::exchange(Chain& other) {
   std::swap(state_, other.state_);
+  density_.prepare(state_), other.density_.prepare(other.state_);
+  scratch_.forget(), other.scratch_.forget();
   log_density_ = density_.total(state_);
   other.log_density_ = other.density_.total(other.state_);
 }
@@ -112,6 +118,7 @@ core::Status Chain::sweep(double proposals, const core::Context& context) {
     RandomDraws draws(core::Rng(seed_, {sweeps_, course[0], kSways | number_}));
     draw_sways(state_, theta(), course, draws);
   }
+  scratch_.forget();
   log_density_ = density_.total(state_);
   ++sweeps_;
   return core::Status::done;

@@ -30,7 +30,7 @@ double log_half_turn(double sd) {
 
 // Two normal densities mixed, one of them kErrsBy times wider: log of their sum, given both exponents.
 double log_mixed(double narrow, double wide) {
-  const double errs = std::log(kErrs), errs_not = std::log1p(-kErrs);
+  static const double errs = std::log(kErrs), errs_not = std::log1p(-kErrs);
   const double a = errs_not + narrow, b = errs + wide;
   return a > b ? a + std::log1p(std::exp(b - a)) : b + std::log1p(std::exp(a - b));
 }
@@ -130,6 +130,12 @@ Density::Density(const Theta& theta, double evidence) : theta_(theta), evidence_
     for (std::size_t e = 0; e < 2; ++e) closed_[e][k] = both(theta.close[e][k]);
   }
   for (std::size_t k = 0; k < kGrowers; ++k) log_growth_[k] = std::log(theta.growth[k]);
+  log_first_growth_ = std::log(theta.first_growth);
+  for (std::size_t e = 0; e < 2; ++e) log_birth_[e] = std::log(theta.birth[e]) - kLogTwoPi;
+  for (std::size_t k = 0; k < 3; ++k) log_kinds_[k] = std::log(theta.kinds[k]);
+  log_curve_ = std::log1p(-theta.branch) - std::numbers::ln2;
+  log_branch_ = std::log(theta.branch / (pi * theta.branch_reach * theta.branch_reach)) - kLogTwoPi;
+  log_same_kind_ = std::log1p(-theta.other_kind), log_other_kind_ = std::log(theta.other_kind / 2);
   const Autoregression& m = theta.sway;
   lag_one_ = m.a1 / (1 - m.a2);
   // Box & Jenkins 1976, eq. 3.2.28.
@@ -208,32 +214,41 @@ double Density::of_arrival(const HiddenGraph& g, Index w) const {
   if (node.prev.empty()) return sum + of_new(g, w);
   const Index v = parent(g, w);
   const Ahead& course = g.course(v, w);
+  const double looks = prepared_ ? course.look : look(course);
+  return sum + along_[g[v].next.size() > 1 ? 1 : 0].log_normal(double{course.along}) + looks;
+}
+
+double Density::look(const Ahead& course) const {
+  static const double wider = std::log(kErrsBy);
   const double turn = double{course.turn}, flicker = double{course.flicker};
-  return sum + along_[g[v].next.size() > 1 ? 1 : 0].log_normal(double{course.along}) +
-         log_mixed(turn_.log_normal(turn), wide_turn_.log_normal(turn)) +
-         log_mixed(flicker_.log_normal(flicker),
-                   flicker_.log_normal(flicker / kErrsBy) - std::log(kErrsBy));
+  return log_mixed(turn_.log_normal(turn), wide_turn_.log_normal(turn)) +
+         log_mixed(flicker_.log_normal(flicker), flicker_.log_normal(flicker / kErrsBy) - wider);
+}
+
+void Density::prepare(HiddenGraph& g) {
+  for (Index v = 0; v < g.size(); ++v)
+    for (Ahead& course : g.ahead(v)) course.look = look(course);
+  prepared_ = true;
 }
 
 double Density::begun(const Node& w) const {
-  const double rate = theta_.birth[w.frame == 0 ? 0 : 1];
-  return std::log(rate) + w.log_birth - kLogTwoPi +
+  return log_birth_[w.frame == 0 ? 0 : 1] + w.log_birth +
          new_contrast_.log_normal(w.log_contrast - theta_.new_contrast) +
-         std::log(theta_.kinds[static_cast<std::size_t>(w.kind)]);
+         log_kinds_[static_cast<std::size_t>(w.kind)];
 }
 
 double Density::grown(const Node& from, const Node& w) const {
   const Point apart = w.patch.position - from.patch.position;
   const double along = std::abs(graph::dot(apart, from.tangent));
   const double terms[2] = {
-      std::log1p(-theta_.branch) - std::numbers::ln2 + step_.log_normal(along - theta_.step) +
+      log_curve_ + step_.log_normal(along - theta_.step) +
           std::log1p(std::exp(-2 * along * theta_.step / (theta_.step_sd * theta_.step_sd))) +
           side_.log_normal(graph::dot(apart, from.normal())) + bend_.log_normal(turn_between(from, w)),
       graph::dot(apart, apart) <= theta_.branch_reach * theta_.branch_reach
-          ? std::log(theta_.branch / (pi * theta_.branch_reach * theta_.branch_reach)) - kLogTwoPi
+          ? log_branch_
           : -std::numeric_limits<double>::infinity()};
   return log_sum(terms, 2) + grown_contrast_.log_normal(w.log_contrast - from.log_contrast) +
-         (from.kind == w.kind ? std::log1p(-theta_.other_kind) : std::log(theta_.other_kind / 2));
+         (from.kind == w.kind ? log_same_kind_ : log_other_kind_);
 }
 
 /// The ways in which a new node can have come: its terms, in logarithms.
@@ -264,7 +279,7 @@ Density::Ways Density::ways(const HiddenGraph& g, Index w) const {
   }
   for (std::size_t k = 0; k < result.from.size(); ++k) {
     const Index u = result.from[k];
-    const double rate = node.frame == 0 ? std::log(theta_.first_growth) : log_growth_[grower(g, u)];
+    const double rate = node.frame == 0 ? log_first_growth_ : log_growth_[grower(g, u)];
     result.terms[k] = rate + grown(g[u], node) + all_joined - joined[k];
   }
   result.terms[result.from.size()] = begun(node) + all_joined;

@@ -35,7 +35,6 @@ class Density {
   /// `evidence`: its power, 0…1; below 1 it is tempered.
   explicit Density(const Theta& theta, double evidence = 1);
 
-  static constexpr double kEdge = 20;  ///< nats: how far the sketches are trusted with an edge
   [[nodiscard]] const Theta& theta() const { return theta_; }
   /// Of what becomes of v.
   [[nodiscard]] double of_outcome(const HiddenGraph& g, Index v) const;
@@ -45,11 +44,13 @@ class Density {
   [[nodiscard]] double of_sway(const HiddenGraph& g, Index w) const;
   /// That nothing more than what does grows from w; and its evidence.
   [[nodiscard]] double of_presence(const HiddenGraph& g, Index w) const;
-  /// What the sketches say of two nodes being joined: that one has the edge, or none.
-  [[nodiscard]] static double edge_evidence(const Beside& b) { return b.sketched ? kEdge : -kEdge; }
-  [[nodiscard]] double of_edge(const Beside& b) const { return evidence_ * edge_evidence(b); }
+  /// What the image says of two nodes being joined.
+  [[nodiscard]] double of_edge(const Beside& b) const { return evidence_ * double{b.evidence}; }
   /// Of whether two nodes that both go on are joined. 0 where one of them is new.
   [[nodiscard]] double of_pair(const HiddenGraph& g, Index a, const Beside& b) const;
+  /// Keeps in the graph what hangs on θ and on places alone, and from now on takes it from there: for many
+  /// looks at one graph. Candidates added later are not known.
+  void prepare(HiddenGraph& g);
   /// All of it. O(nodes).
   [[nodiscard]] double total(const HiddenGraph& g) const;
 
@@ -75,16 +76,21 @@ class Density {
   struct Ways;
   [[nodiscard]] Ways ways(const HiddenGraph& g, Index w) const;
   [[nodiscard]] double of_new(const HiddenGraph& g, Index w) const;
+  [[nodiscard]] double look(const Ahead& course) const;
   [[nodiscard]] double begun(const Node& w) const;
   [[nodiscard]] double grown(const Node& from, const Node& w) const;
 
   Theta theta_;
   double evidence_;
+  bool prepared_ = false;
   /// [place][config][outcome], without and with nodes that it could merge into.
   std::array<std::array<std::array<double, kOutcomes>, kConfigs>, kPlaces> alone_{}, beside_{};
   std::array<std::array<std::array<double, 2>, kCloseness>, 3> joined_{};  ///< [were][closeness][joined]
   std::array<std::array<std::array<double, 2>, kCloseness>, 2> closed_{};
   std::array<double, kGrowers> log_growth_{};
+  double log_first_growth_ = 0, log_branch_ = 0, log_curve_ = 0, log_same_kind_ = 0, log_other_kind_ = 0;
+  std::array<double, 2> log_birth_{};
+  std::array<double, 3> log_kinds_{};
   double stationary_ = 1, lag_one_ = 0;  ///< variance and autocorrelation of the sway
   /// Logarithms of the factors before the exponentials of normal densities.
   struct Scale {

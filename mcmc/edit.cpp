@@ -9,6 +9,12 @@ namespace emberfold::mcmc {
 
 void Scratch::fit(std::size_t nodes) {
   outcome.resize(nodes), arrival.resize(nodes), presence.resize(nodes), pairs.resize(nodes);
+  outcome_values.resize(nodes), arrival_values.resize(nodes), presence_values.resize(nodes);
+}
+
+void Scratch::forget() {
+  for (auto* values : {&outcome_values, &arrival_values, &presence_values})
+    for (Value& value : *values) value.known = false;
 }
 
 Edit::Edit(HiddenGraph& g, const Density& density, Scratch& scratch, std::uint32_t who)
@@ -80,7 +86,7 @@ void Edit::note_edge(Index a, Index b) {
     const Index first = std::min(x, y), second = std::max(x, y);
     const bool known = std::ranges::any_of(
         pairs_, [&](const auto& p) { return p.first == first && p.second.node == second; });
-    if (!known) pairs_.emplace_back(first, Beside{second, near->closeness, near->sketched});
+    if (!known) pairs_.emplace_back(first, Beside{second, near->closeness, near->evidence});
   };
   const auto add_next = [&](Index x, Index y) {
     for (const Index c : g_[x].next)
@@ -101,14 +107,8 @@ void Edit::note_lone(Index i) {
   note_new_beside(i);
 }
 
-double Edit::sum() const {
+double Edit::pairs_sum() const {
   double sum = 0;
-  for (const Index v : outcomes_)
-    if (g_[v].on) sum += density_.of_outcome(g_, v);
-  for (const Index w : arrivals_)
-    if (g_[w].on) sum += density_.of_arrival(g_, w);
-  for (const Index w : presences_)
-    if (g_[w].on) sum += density_.of_presence(g_, w);
   const auto paired = [&](Index i) { return scratch_.pairs[i] == stamp_; };
   for (const Index w : paired_)
     for (const Beside& near : g_.beside(w))
@@ -118,13 +118,40 @@ double Edit::sum() const {
   return sum;
 }
 
+double Edit::sum() {
+  double sum = 0;
+  for (const Index v : outcomes_)
+    if (g_[v].on) sum += density_.of_outcome(g_, v);
+  for (const Index w : arrivals_)
+    if (g_[w].on) sum += density_.of_arrival(g_, w);
+  for (const Index w : presences_)
+    if (g_[w].on) sum += density_.of_presence(g_, w);
+  return sum + pairs_sum();
+}
+
+// The same where nothing is changed: what is known of it is not evaluated again.
+double Edit::kept_sum() {
+  double sum = 0;
+  const auto add = [&](Scratch::Value& value, auto&& evaluate) {
+    if (!value.known || !scratch_.remembers) value = {evaluate(), true};
+    sum += value.value;
+  };
+  for (const Index v : outcomes_)
+    if (g_[v].on) add(scratch_.outcome_values[v], [&] { return density_.of_outcome(g_, v); });
+  for (const Index w : arrivals_)
+    if (g_[w].on) add(scratch_.arrival_values[w], [&] { return density_.of_arrival(g_, w); });
+  for (const Index w : presences_)
+    if (g_[w].on) add(scratch_.presence_values[w], [&] { return density_.of_presence(g_, w); });
+  return sum + pairs_sum();
+}
+
 double Edit::gain() {
   constexpr double kImpossible = -std::numeric_limits<double>::infinity();
   if (steps_.empty()) return 0;
   const double is = sum();
   if (is == kImpossible) return kImpossible;
   for (std::size_t k = steps_.size(); k-- > 0;) take_back(steps_[k]);
-  const double was = sum();
+  const double was = kept_sum();
   for (Step& step : steps_) take_again(step);
   return is - was + edges_;
 }
@@ -240,6 +267,11 @@ void Edit::take_back(Step& s) {
 }
 
 void Edit::keep() {
+  if (!steps_.empty()) {
+    for (const Index v : outcomes_) scratch_.outcome_values[v].known = false;
+    for (const Index w : arrivals_) scratch_.arrival_values[w].known = false;
+    for (const Index w : presences_) scratch_.presence_values[w].known = false;
+  }
   steps_.clear();
   edges_ = 0;
 }

@@ -12,8 +12,17 @@ namespace emberfold::mcmc {
 /// Marks of what an edit has noted, so that it counts it once. One serves all edits of a state, also at the
 /// same time if they lie six frames apart and their `who` differ.
 struct Scratch {
+  struct Value {
+    double value = 0;
+    bool known = false;
+  };
   std::vector<std::uint64_t> outcome, arrival, presence, pairs;
+  /// What factors were when last evaluated. Taken for true if it remembers: then whoever changes the state or
+  /// θ by other means than edits that are kept tells it to forget.
+  bool remembers = false;
+  std::vector<Value> outcome_values, arrival_values, presence_values;
   void fit(std::size_t nodes);
+  void forget();
 };
 
 /// A change of a state, step by step, and what it does to its density. Each step notes the factors that it
@@ -57,7 +66,9 @@ class Edit {
   void note_link(Index v, Index w);
   void note_edge(Index a, Index b);
   void note_lone(Index i);
-  [[nodiscard]] double sum() const;
+  [[nodiscard]] double sum();
+  double kept_sum();
+  [[nodiscard]] double pairs_sum() const;
   [[nodiscard]] double edge_evidence(Index a, Index b) const;
   void add(const Step& step);
   void take_back(Step& step);

@@ -118,8 +118,8 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
   };
   visit_near(frame, p, [&](Index j) {
     if (!within(j, gates_.edge)) return;
-    beside_[i].push_back({j, closeness(nodes_[i], nodes_[j]), false});
-    beside_[j].push_back({i, closeness(nodes_[j], nodes_[i]), false});
+    beside_[i].push_back({j, closeness(nodes_[i], nodes_[j]), 0});
+    beside_[j].push_back({i, closeness(nodes_[j], nodes_[i]), 0});
     if (nodes_[j].on && overlaps(i, j)) ++nodes_[i].overlapped;
   });
   const auto linkable = [&](Index j) {
@@ -176,15 +176,14 @@ void HiddenGraph::set_place(Index i, double log_birth, std::uint8_t place, Point
 
 void HiddenGraph::allow_edge(Index a, Index b) {
   if (std::ranges::find(beside_[a], b, &Beside::node) != beside_[a].end()) return;
-  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b]), false});
-  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a]), false});
+  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b]), 0});
+  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a]), 0});
 }
 
-void HiddenGraph::note_sketched(Index a, Index b) {
-  allow_edge(a, b);
+void HiddenGraph::set_edge_evidence(Index a, Index b, double nats) {
   for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
     for (Beside& near : beside_[from])
-      if (near.node == to) near.sketched = true;
+      if (near.node == to) near.evidence = static_cast<float>(nats);
 }
 
 void HiddenGraph::allow_link(Index before, Index after) {
@@ -314,7 +313,7 @@ void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int fram
   }
   for (const auto& edge : other.edges()) {
     const Index a = as[other.index_of(edge.a)], b = as[other.index_of(edge.b)];
-    if (a != b) state.note_sketched(a, b);
+    if (a != b) state.allow_edge(a, b);
   }
   for (const Index i : as)
     if (!state[i].on) nodes.push_back(i);
@@ -343,7 +342,7 @@ HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph:
     for (const Index i : now) state.put(i);
     for (const auto& edge : shown.edges()) {
       const Index a = now[shown.index_of(edge.a)], b = now[shown.index_of(edge.b)];
-      state.note_sketched(a, b);
+      state.allow_edge(a, b);
       if (state.can_join(a, b)) state.join(a, b);
     }
     for (const auto& link : start.links[t]) {

@@ -61,7 +61,7 @@ constexpr std::size_t kCloseness = 6;
 struct Beside {
   Index node = 0;
   std::uint8_t closeness = 0;  ///< below kCloseness
-  bool sketched = false;       ///< some sketch has them joined
+  float evidence = 0;          ///< nats that the image gives for an edge between them
 };
 
 /// A node of the next frame that this one may go on as, and how that one would have moved and changed.
@@ -71,6 +71,7 @@ struct Ahead {
   float turn = 0;               ///< rad, undirected, −π/2…π/2
   float flicker = 0;            ///< of the logarithm of the contrast
   float sense = 1;              ///< −1 where their normals point to opposite sides
+  double look = 0;              ///< what a Density keeps here (Density::prepare)
 };
 
 /// What a patch shows that its successor must show too.
@@ -137,6 +138,7 @@ class HiddenGraph {
     return list[k];
   }
   [[nodiscard]] bool linkable(Index v, Index w) const;
+  [[nodiscard]] std::span<Ahead> ahead(Index i) { return ahead_[i]; }
   [[nodiscard]] std::span<const Index> behind(Index i) const { return behind_[i]; }
   [[nodiscard]] bool before(Index a, Index b) const {
     return nodes_[a].order != nodes_[b].order ? nodes_[a].order < nodes_[b].order : a < b;
@@ -148,8 +150,7 @@ class HiddenGraph {
   void drop_newest_candidate();
   /// Lets two nodes of a frame be joined whatever their distance.
   void allow_edge(Index a, Index b);
-  /// The same, and notes that a sketch has it.
-  void note_sketched(Index a, Index b);
+  void set_edge_evidence(Index a, Index b, double nats);
   void allow_link(Index before, Index after);
   [[nodiscard]] bool overlaps(Index a, Index b) const;
   /// What the maps say of its place.

@@ -14,10 +14,10 @@
 namespace emberfold::mcmc {
 
 struct InferOptions {
-  int sweeps = 20;       ///< 1…100000: of each chain after burn-in
-  int burn_in = 15;      ///< 1…100000: sweeps of each chain in which θ is learned and nothing is kept
+  int sweeps = 10;       ///< 1…100000: of each chain after burn-in
+  int burn_in = 10;      ///< 1…100000: sweeps of each chain in which θ is learned and nothing is kept
   int samples = 5;       ///< 1…sweeps: kept of each chain, evenly spread
-  double proposals = 3;  ///< 0.01…1000: moves for every candidate patch in a sweep
+  double proposals = 8;  ///< 0.01…1000: moves for every candidate patch in a sweep
   int rungs = 1;         ///< 1…16: of each chain's ladder of tempered ones, evidence to the power 1, ½, ¼ …
 
   void validate() const;

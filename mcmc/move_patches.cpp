@@ -104,7 +104,7 @@ Guess guess_sway(const HiddenGraph& g, const Density& density, Index i, const Ti
   const auto& sway = density.theta().sway;
   if (count > 0) return {sum / count, 2 * sway.noise};
   for (const Index j : ties.edges) sum += sense(g[i], g[j]) * g[j].sway, count += 1;
-  return {count > 0 ? sum / count : 0, stationary_deviation({sway.a1, sway.a2, 0, sway.noise, 0, 0})};
+  return {count > 0 ? sum / count : 0, density.stationary_sd()};
 }
 double log_density(const Guess& guess, double sway) {
   const double z = (sway - guess.mean) / guess.sd;

@@ -68,9 +68,9 @@ using Pairs = std::vector<std::pair<Index, Index>>;
 Pairs laid(const HiddenGraph& g, const std::vector<Index>& before, const std::vector<Index>& after) {
   std::vector<std::tuple<double, Index, Index>> near;
   for (const Index v : before)
-    for (const auto& [w, across, along, turn, flicker, same] : g.ahead(v))
-      if (g[w].on && std::ranges::find(after, w) != after.end())
-        near.emplace_back(double{across * across + along * along}, v, w);
+    for (const Ahead& to : g.ahead(v))
+      if (g[to.node].on && std::ranges::find(after, to.node) != after.end())
+        near.emplace_back(double{to.across * to.across + to.along * to.along}, v, to.node);
   std::ranges::sort(near);
   Pairs pairs;
   for (const auto& [distance, v, w] : near)

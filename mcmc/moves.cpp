@@ -13,8 +13,8 @@ std::span<const Move> moves() {
                                                {"add, delete", add_or_delete, 2, false},
                                                {"split, merge", split_or_merge, 1, false},
                                                {"shift a run", shift_run, 0.5, true},
-                                               {"tie strokes", tie_strokes, 0.1, true},
-                                               {"hand over", hand_over, 0.1, true}}};
+                                               {"tie strokes", tie_strokes, 0.03, true},
+                                               {"hand over", hand_over, 0.03, true}}};
   return all;
 }
 

@@ -18,8 +18,11 @@ core::Status weigh(HiddenGraph& state, const Evidence& evidence, const core::Con
   std::vector<std::vector<Index>> nodes(frames);
   for (Index i = 0; i < state.size(); ++i) nodes[static_cast<std::size_t>(state[i].frame)].push_back(i);
   return core::parallel_for(frames, context, [&](std::size_t t) {
-    for (const Index i : nodes[t])
+    for (const Index i : nodes[t]) {
       state.set_evidence(i, std::max(0.0, evidence.gain(static_cast<int>(t), state[i].patch)));
+      for (const Beside& near : state.beside(i))
+        if (i < near.node) state.set_edge_evidence(i, near.node, state[i].edges.has(near.node) ? kEdge : -kEdge);
+    }
   });
 }
 

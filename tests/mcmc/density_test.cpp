@@ -75,7 +75,7 @@ TEST_CASE("An empty state has the chance that nothing begins", "[mcmc][density]"
   CHECK_THAT(Density(theta()).total(g), WithinAbs(empty_frames(theta(), 2400, 3), kTight));
 }
 
-TEST_CASE("A stroke begins, sways in its stationary law, and dies", "[mcmc][density]") {
+TEST_CASE("A stroke begins sways in its stationary law and dies", "[mcmc][density]") {
   const Theta t = theta();
   HiddenGraph g(60, 40, 2, {12, 12, 0});
   const Index v = shown(g, 0, patch(30, 20, 0.3, -25));
@@ -97,7 +97,7 @@ TEST_CASE("A stroke begins, sways in its stationary law, and dies", "[mcmc][dens
                        kTight));
 }
 
-TEST_CASE("The place on the death map scales a chance of death, up to a limit", "[mcmc][density]") {
+TEST_CASE("The place on the death map scales a chance of death up to a limit", "[mcmc][density]") {
   const Theta t = theta();
   const double at_rest = t.outcome[0][0];
   for (std::size_t place = 0; place < mcmc::kPlaces; ++place) {

@@ -88,7 +88,7 @@ TEST_CASE("Each step gains what the whole density gains", "[mcmc][edit]") {
   CHECK(impossible > 0);
 }
 
-TEST_CASE("Steps add up, and undone leave no trace", "[mcmc][edit]") {
+TEST_CASE("Steps add up and undone leave no trace", "[mcmc][edit]") {
   const Density density(made::lively_theta());
   int whole = 0;
   for (std::uint32_t number = 0; number < 30; ++number) {
@@ -104,7 +104,8 @@ TEST_CASE("Steps add up, and undone leave no trace", "[mcmc][edit]") {
       CHECK(edit.empty());
       for (int n = 0, kind = 0; n < 12; ++n) step(edit, rng, kind);
       const double after = density.total(g);
-      if (std::isfinite(after) && std::isfinite(edit.gain())) {
+      CHECK(std::isfinite(edit.gain()) == std::isfinite(after));
+      if (std::isfinite(after)) {
         REQUIRE(relative(edit.gain() - (after - before), after) <= 1e-9);
         ++whole;
       }

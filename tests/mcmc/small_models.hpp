@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -172,6 +174,10 @@ inline HiddenGraph drawn_state(std::uint32_t number, int frames = 3, double size
     g.add_candidate(frame, patch(at.x, at.y, rng.uniform(-3, 3), contrast));
   }
   furnish(g);
+  // Where some lie nothing begins: they must have grown.
+  for (int t = 0; t < frames; ++t)
+    for (const Index i : g.off(t))
+      if (i % 3 == 0) g.set_place(i, -std::numeric_limits<double>::infinity(), g[i].place, g[i].drift);
   return g;
 }
 
