@@ -171,8 +171,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   if (source->info().frames) need_two_frames(made.clip, *source->info().frames);
   StartOptions starts = options.starts;
   if (options.bottom_up) starts.chains = 1;
-  auto sketches =
-      sketch_starts(*source, options.sketch, starts, session.common.seed, session.context);
+  auto sketches = sketch_starts(*source, options.sketch, starts, session.common.seed, session.context);
   need_two_frames(made.clip, static_cast<std::int64_t>(sketches.clip.sketch.frames.size()));
   if (options.keep_sketch) made.sketched = sketches.clip;
   infer_motion(sketches, options, made, session);
@@ -194,12 +193,9 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
 
   Json& summary = made.summary = begin_summary("analyze", session);
   summary["clip"] = clip_json(made.clip, source->info(), static_cast<int>(motion.sketch.frames.size()));
-  summary["options"] = {{"reading", reading_json(options.read)},
-                        {"sketch", options_json(options.sketch)},
-                        {"match", options_json(options.match)},
-                        {"starts", options_json(options.starts)},
-                        {"infer", options_json(options.infer)},
-                        {"bottom_up", options.bottom_up},
+  summary["options"] = {{"reading", reading_json(options.read)}, {"sketch", options_json(options.sketch)},
+                        {"match", options_json(options.match)},  {"starts", options_json(options.starts)},
+                        {"infer", options_json(options.infer)},  {"bottom_up", options.bottom_up},
                         {"fill", options_json(options.fill)}};
   Json per_frame = per_frame_json(motion, events);
   summary["sketch"] = sketch_json(per_frame, pictures);

@@ -53,7 +53,8 @@ void visit_fields(Options& o, Visit&& visit) {
 template <class Options, class Visit>
 requires std::same_as<std::remove_const_t<Options>, StartOptions>
 void visit_fields(Options& o, Visit&& visit) {
-  visit("chains", o.chains, "N", "From how many readings of the clip, forwards, backwards and in noise, it is sampled");
+  visit("chains", o.chains, "N",
+        "From how many readings of the clip, forwards, backwards and in noise, it is sampled");
   visit("perturb", o.perturb, "LEVELS", "SD of the noise that some of them read it in");
 }
 

@@ -14,7 +14,7 @@ Sampled sample_motion(const std::vector<graph::MotionGraph>& starts, const mcmc:
   mcmc::FitOptions fit_options;
   fit_options.seed = seed;
   fit_options.balance = false;
-  const auto learned = mcmc::fit(starts.at(0), fit_options, context);
+  const auto learned = mcmc::fit(starts.at(0), fit_options, context.with_progress({}));
   Sampled result;
   result.sampler = mcmc::infer(starts, learned.model, mcmc::NotedEvidence{}, options, seed, context);
   if (context.cancelled()) throw Interrupted{};

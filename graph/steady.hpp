@@ -14,8 +14,8 @@ namespace emberfold::graph {
 /// - a stroke is in two pieces that are joined before and after: the nearest patches of the pieces are
 /// joined;
 /// - a piece parts from a stroke and dies: it is left out.
-/// Strokes whose patches gain less than usual have to last longer, up to twice. The same backwards in time. The motion graph has its strokes identified; vertices are numbered
-/// anew. O((vertices + links) log).
+/// Strokes whose patches gain less than usual have to last longer, up to twice. The same backwards in time.
+/// The motion graph has its strokes identified; vertices are numbered anew. O((vertices + links) log).
 SketchSequence steady(const MotionGraph& motion, int frames);
 
 }  // namespace emberfold::graph

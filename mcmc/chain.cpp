@@ -99,29 +99,37 @@ Chain::Tally Chain::move_in(int frame, double proposals) {
 }
 
 core::Status Chain::sweep(double proposals, const core::Context& context) {
+  const auto status = move(proposals, context);
+  if (status == core::Status::done) redraw_sways();
+  return status;
+}
+
+core::Status Chain::move(double proposals, const core::Context& context) {
   std::vector<Tally> tallies(static_cast<std::size_t>(state_.frames()));
   for (int colour = 0; colour < kApart; ++colour) {
     const int count = (state_.frames() - colour + kApart - 1) / kApart;
-    const auto status = core::parallel_for(static_cast<std::size_t>(std::max(0, count)), context,
-                                           [&](std::size_t k) {
-                                             const int frame = colour + static_cast<int>(k) * kApart;
-                                             tallies[static_cast<std::size_t>(frame)] =
-                                                 move_in(frame, proposals);
-                                           });
+    const auto status =
+        core::parallel_for(static_cast<std::size_t>(std::max(0, count)), context, [&](std::size_t k) {
+          const int frame = colour + static_cast<int>(k) * kApart;
+          tallies[static_cast<std::size_t>(frame)] = move_in(frame, proposals);
+        });
     if (status == core::Status::cancelled) return status;
   }
   for (const Tally& tally : tallies) {
     log_density_ += tally.gain;
     for (std::size_t m = 0; m < counts_.size(); ++m) counts_[m] += tally.counts[m];
   }
+  ++sweeps_;
+  return core::Status::done;
+}
+
+void Chain::redraw_sways() {
   for (const auto& course : courses(state_)) {
     RandomDraws draws(core::Rng(seed_, {sweeps_, course[0], kSways | number_}));
     draw_sways(state_, theta(), course, draws);
   }
   scratch_.forget();
   log_density_ = density_.total(state_);
-  ++sweeps_;
-  return core::Status::done;
 }
 
 }  // namespace emberfold::mcmc

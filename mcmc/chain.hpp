@@ -21,12 +21,14 @@ struct MoveCount {
 /// One Markov chain over a HiddenGraph. It depends on (seed, number), not on threads.
 class Chain {
  public:
-  Chain(HiddenGraph state, const Theta& theta, std::uint64_t seed, std::uint32_t number,
-        double evidence = 1);
+  Chain(HiddenGraph state, const Theta& theta, std::uint64_t seed, std::uint32_t number, double evidence = 1);
 
-  /// `proposals` moves for every candidate, in frames six apart at the same time; then all sways are drawn anew.
-  /// Cancelled: between two groups of frames.
+  /// `proposals` moves for every candidate, in frames six apart at the same time; then all sways are drawn
+  /// anew. Cancelled: between two groups of frames.
   core::Status sweep(double proposals, const core::Context& context);
+  /// Its two halves.
+  core::Status move(double proposals, const core::Context& context);
+  void redraw_sways();
 
   [[nodiscard]] const HiddenGraph& state() const { return state_; }
   [[nodiscard]] const Theta& theta() const { return density_.theta(); }

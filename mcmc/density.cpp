@@ -201,11 +201,11 @@ double Density::of_sway(const HiddenGraph& g, Index w) const {
   const Index v = parent(g, w);
   const Node& past = g[v];
   const Ahead& course = g.course(v, w);
-  const double same = double{course.sense};
+  const double same = course.sense;
   const double going = past.prev.size() == 1 ? noise_.log_normal(node.sway - sway_given_past(g, v, same).mean)
                                              : lag_.log_normal(node.sway - same * lag_one_ * past.sway);
-  return going + across_[past.next.size() > 1 ? 1 : 0].log_normal(double{course.across} -
-                                                                  (same * node.sway - past.sway));
+  return going +
+         across_[past.next.size() > 1 ? 1 : 0].log_normal(course.across - (same * node.sway - past.sway));
 }
 
 double Density::of_arrival(const HiddenGraph& g, Index w) const {
@@ -215,19 +215,19 @@ double Density::of_arrival(const HiddenGraph& g, Index w) const {
   const Index v = parent(g, w);
   const Ahead& course = g.course(v, w);
   const double looks = prepared_ ? course.look : look(course);
-  return sum + along_[g[v].next.size() > 1 ? 1 : 0].log_normal(double{course.along}) + looks;
+  return sum + along_[g[v].next.size() > 1 ? 1 : 0].log_normal(course.along) + looks;
 }
 
 double Density::look(const Ahead& course) const {
   static const double wider = std::log(kErrsBy);
-  const double turn = double{course.turn}, flicker = double{course.flicker};
+  const double turn = course.turn, flicker = course.flicker;
   return log_mixed(turn_.log_normal(turn), wide_turn_.log_normal(turn)) +
          log_mixed(flicker_.log_normal(flicker), flicker_.log_normal(flicker / kErrsBy) - wider);
 }
 
 void Density::prepare(HiddenGraph& g) {
   for (Index v = 0; v < g.size(); ++v)
-    for (Ahead& course : g.ahead(v)) course.look = look(course);
+    for (Ahead& course : g.looks(v)) course.look = look(course);
   prepared_ = true;
 }
 

@@ -99,8 +99,8 @@ class Density {
     explicit Scale(double sd);
     [[nodiscard]] double log_normal(double x) const { return peak - 0.5 * (x / sd) * (x / sd); }
   };
-  Scale begins_, lag_, noise_;                     ///< of the sway
-  std::array<Scale, 2> across_, along_;            ///< of one that goes on, of a split's parts
+  Scale begins_, lag_, noise_;           ///< of the sway
+  std::array<Scale, 2> across_, along_;  ///< of one that goes on, of a split's parts
   Scale turn_, wide_turn_, flicker_, new_contrast_, step_, side_, bend_, grown_contrast_;
 };
 

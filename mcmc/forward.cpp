@@ -97,7 +97,7 @@ class Forward {
               outcome(g_, near.node) == Outcome::going_on)
             into.push_back(near.node);
         const Index u = into[rng_.below(static_cast<std::uint32_t>(into.size()))];
-        if (!g_[g_[u].next[0]].prev.full()) g_.link(v, g_[u].next[0]);
+        link(v, g_[u].next[0]);
         continue;
       }
       int parts = 1;
@@ -112,7 +112,8 @@ class Forward {
     const double wider = split ? theta_.split_spread : 1;
     // Its sway is drawn in the sense of its own normal, which a turn of a half may reverse.
     const double theta = turned(rng_, past.patch.theta, erring(rng_) * theta_.turn);
-    Patch patch = shown({}, theta, past.log_contrast + erring(rng_) * theta_.flicker * rng_.normal(), past.kind);
+    Patch patch =
+        shown({}, theta, past.log_contrast + erring(rng_) * theta_.flicker * rng_.normal(), past.kind);
     const Point tangent{std::cos(theta), std::sin(theta)};
     const double same = graph::dot(tangent, past.tangent) < 0 ? -1 : 1;
     const auto sway = density_.sway_given_past(g_, v, same);
@@ -122,7 +123,13 @@ class Forward {
     patch.position = past.patch.position + past.drift + past.normal() * across + past.tangent * along;
     const Index w = show(past.frame + 1, patch);
     g_.set_sway(w, d);
-    if (!g_[v].next.full()) g_.link(v, w);
+    link(v, w);
+  }
+
+  void link(Index v, Index w) {
+    if (g_[v].next.full() || g_[w].prev.full()) return;
+    g_.allow_link(v, w);
+    g_.link(v, w);
   }
 
   void join_survivors(int t) {

@@ -122,9 +122,7 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
     beside_[j].push_back({i, closeness(nodes_[j], nodes_[i]), 0});
     if (nodes_[j].on && overlaps(i, j)) ++nodes_[i].overlapped;
   });
-  const auto linkable = [&](Index j) {
-    return nodes_[j].kind == nodes_[i].kind && within(j, gates_.link);
-  };
+  const auto linkable = [&](Index j) { return nodes_[j].kind == nodes_[i].kind && within(j, gates_.link); };
   if (t > 0)
     visit_near(frame - 1, p, [&](Index j) {
       if (linkable(j)) behind_[i].push_back(j), ahead_[j].push_back(make_ahead(j, i));
@@ -161,10 +159,10 @@ Ahead HiddenGraph::make_ahead(Index v, Index w) const {
   const double sine = past.tangent.x * node.tangent.y - past.tangent.y * node.tangent.x;
   Ahead result;
   result.node = w;
-  result.across = static_cast<float>(graph::dot(moved, past.normal()));
-  result.along = static_cast<float>(graph::dot(moved, past.tangent));
-  result.turn = static_cast<float>(cosine < 0 ? std::atan2(-sine, -cosine) : std::atan2(sine, cosine));
-  result.flicker = static_cast<float>(node.log_contrast - past.log_contrast);
+  result.across = graph::dot(moved, past.normal());
+  result.along = graph::dot(moved, past.tangent);
+  result.turn = cosine < 0 ? std::atan2(-sine, -cosine) : std::atan2(sine, cosine);
+  result.flicker = node.log_contrast - past.log_contrast;
   result.sense = cosine < 0 ? -1 : 1;
   return result;
 }
@@ -306,8 +304,8 @@ void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int fram
     Index nearest = kNone;
     for (const Index k : near.around(at))
       if (state[nodes[k]].kind == kind(vertex.patch) &&
-          (nearest == kNone || graph::distance(places[k], at) <
-                                   graph::distance(state[nearest].patch.position, at)))
+          (nearest == kNone ||
+           graph::distance(places[k], at) < graph::distance(state[nearest].patch.position, at)))
         nearest = nodes[k];
     as.push_back(nearest != kNone ? nearest : state.add_candidate(frame, vertex.patch));
   }

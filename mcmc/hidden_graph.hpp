@@ -67,11 +67,11 @@ struct Beside {
 /// A node of the next frame that this one may go on as, and how that one would have moved and changed.
 struct Ahead {
   Index node = 0;
-  float across = 0, along = 0;  ///< px, from where drift carries it: along the normal, along the curve
-  float turn = 0;               ///< rad, undirected, −π/2…π/2
-  float flicker = 0;            ///< of the logarithm of the contrast
-  float sense = 1;              ///< −1 where their normals point to opposite sides
-  double look = 0;              ///< what a Density keeps here (Density::prepare)
+  double across = 0, along = 0;  ///< px, from where drift carries it: along the normal, along the curve
+  double turn = 0;               ///< rad, undirected, −π/2…π/2
+  double flicker = 0;            ///< of the logarithm of the contrast
+  double sense = 1;              ///< −1 where their normals point to opposite sides
+  double look = 0;               ///< what a Density keeps here (Density::prepare)
 };
 
 /// What a patch shows that its successor must show too.
@@ -138,7 +138,7 @@ class HiddenGraph {
     return list[k];
   }
   [[nodiscard]] bool linkable(Index v, Index w) const;
-  [[nodiscard]] std::span<Ahead> ahead(Index i) { return ahead_[i]; }
+  [[nodiscard]] std::span<Ahead> looks(Index i) { return ahead_[i]; }
   [[nodiscard]] std::span<const Index> behind(Index i) const { return behind_[i]; }
   [[nodiscard]] bool before(Index a, Index b) const {
     return nodes_[a].order != nodes_[b].order ? nodes_[a].order < nodes_[b].order : a < b;

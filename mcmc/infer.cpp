@@ -84,8 +84,8 @@ class Run {
     for (std::size_t r = static_cast<std::size_t>(sweep % 2); r + 1 < ladder_.size(); r += 2) {
       Chain &low = ladder_[r], &high = ladder_[r + 1];
       const double gain = (low.power() - high.power()) * (high.evidence() - low.evidence());
-      core::Rng rng(seed_, {static_cast<std::uint32_t>(sweep), static_cast<std::uint32_t>(r),
-                            (3U << 24U) | number_});
+      core::Rng rng(
+          seed_, {static_cast<std::uint32_t>(sweep), static_cast<std::uint32_t>(r), (3U << 24U) | number_});
       if (std::log1p(-rng.uniform()) < gain) low.exchange(high);
     }
   }
@@ -99,8 +99,8 @@ class Run {
 };
 
 /// What is noted of a chain after each sweep.
-constexpr std::array<const char*, 8> kTraces = {"log posterior", "patches", "edges", "links",
-                                                "a1",            "a2",      "deaths", "births"};
+constexpr std::array<const char*, 8> kTraces = {"log posterior", "patches", "edges", "links", "a1", "a2",
+                                                "deaths",        "births"};
 std::array<double, kTraces.size()> noted(const Chain& chain) {
   const HiddenGraph& g = chain.state();
   double patches = 0, edges = 0, links = 0, deaths = 0, births = 0;
@@ -110,10 +110,8 @@ std::array<double, kTraces.size()> noted(const Chain& chain) {
       edges += static_cast<double>(g[i].edges.size()) / 2, links += static_cast<double>(g[i].next.size());
       deaths += t + 1 < g.frames() && g[i].next.empty(), births += t > 0 && g[i].prev.empty();
     }
-  return {chain.log_density(),   patches,
-          edges,                 links,
-          chain.theta().sway.a1, chain.theta().sway.a2,
-          deaths,                births};
+  return {chain.log_density(),   patches, edges, links, chain.theta().sway.a1,
+          chain.theta().sway.a2, deaths,  births};
 }
 
 Theta prior_for(const graph::MotionGraph& start, const MotionModel& learned) {

@@ -18,7 +18,7 @@ struct InferOptions {
   int burn_in = 10;      ///< 1…100000: sweeps of each chain in which θ is learned and nothing is kept
   int samples = 5;       ///< 1…sweeps: kept of each chain, evenly spread
   double proposals = 8;  ///< 0.01…1000: moves for every candidate patch in a sweep
-  int rungs = 1;         ///< 1…16: of each chain's ladder of tempered ones, evidence to the power 1, ½, ¼ …
+  int rungs = 1;  ///< 1…16: of each chain's ladder of tempered ones, evidence to the power 1, ½, ¼ …
 
   void validate() const;
 };

@@ -70,7 +70,7 @@ Pairs laid(const HiddenGraph& g, const std::vector<Index>& before, const std::ve
   for (const Index v : before)
     for (const Ahead& to : g.ahead(v))
       if (g[to.node].on && std::ranges::find(after, to.node) != after.end())
-        near.emplace_back(double{to.across * to.across + to.along * to.along}, v, to.node);
+        near.emplace_back(to.across * to.across + to.along * to.along, v, to.node);
   std::ranges::sort(near);
   Pairs pairs;
   for (const auto& [distance, v, w] : near)

@@ -46,7 +46,7 @@ std::array<Residual, 2> residuals(const HiddenGraph& g, const Theta& theta, Inde
   }
   const double sd = theta.across * (past.next.size() > 1 ? theta.split_spread : 1);
   seen.variance = sd * sd;
-  seen.rest = double{g.course(v, w).across};
+  seen.rest = g.course(v, w).across;
   seen.add(w, -same);
   seen.add(v, 1);
   return result;

@@ -18,7 +18,8 @@ struct SwayGaussian {
   std::vector<double> mean;
   std::vector<std::array<double, 3>> factor;
 };
-/// `course`: one of courses(g). Exact: the density is Gaussian in the sways (a block of Rue & Held 2005, §2.4).
+/// `course`: one of courses(g). Exact: the density is Gaussian in the sways (a block of Rue & Held 2005,
+/// §2.4).
 SwayGaussian sway_given_rest(const HiddenGraph& g, const Theta& theta, const std::vector<Index>& course);
 
 /// Draws the sways along a course anew, given everything else.

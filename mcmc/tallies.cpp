@@ -49,13 +49,12 @@ void tally_going_on(const HiddenGraph& g, Index w, const Theta& theta, Tallies& 
   const Index v = parent(g, w);
   const double wider = g[v].next.size() > 1 ? theta.split_spread : 1;
   const Ahead& course = g.course(v, w);
-  const double across =
-      (double{course.across} - (double{course.sense} * g[w].sway - g[v].sway)) / wider;
-  const double along = double{course.along} / wider;
+  const double across = (course.across - (course.sense * g[w].sway - g[v].sway)) / wider;
+  const double along = course.along / wider;
   t.going_on += 1;
   t.across2 += across * across, t.along2 += along * along;
-  t.turn2 += narrow_square(double{course.turn}, theta.turn);
-  t.flicker2 += narrow_square(double{course.flicker}, theta.flicker);
+  t.turn2 += narrow_square(course.turn, theta.turn);
+  t.flicker2 += narrow_square(course.flicker, theta.flicker);
 }
 
 double turn_between(const Node& a, const Node& b) {
@@ -158,9 +157,8 @@ void learn_births(const Tallies& t, const Theta& prior, double area, double weig
   const double begun = t.begun[0] + t.begun[1];
   const double mean = (t.contrast + weight * prior.new_contrast) / (begun + weight);
   theta.new_contrast = mean;
-  theta.new_contrast_sd =
-      spread(std::max(0.0, t.contrast2 - 2 * mean * t.contrast + begun * mean * mean), begun,
-             prior.new_contrast_sd, weight);
+  theta.new_contrast_sd = spread(std::max(0.0, t.contrast2 - 2 * mean * t.contrast + begun * mean * mean),
+                                 begun, prior.new_contrast_sd, weight);
   double kinds = 0;
   for (std::size_t k = 0; k < 3; ++k) kinds += theta.kinds[k] = t.kinds[k] + weight * prior.kinds[k];
   for (double& p : theta.kinds) p = std::clamp(p / kinds, 1e-3, 1 - 2e-3);
@@ -193,8 +191,8 @@ Autoregression learn_sway(const Tallies& t, const Autoregression& prior, double 
   Eigen::Vector3d a = sum.ldlt().solve(zy + ridge * mean);
   if (!(a[2] >= 0 && a[2] < 0.5)) {  // the coupling is no push apart
     a[2] = a[2] < 0 ? 0 : 0.5;
-    const Eigen::Vector2d rest = sum.topLeftCorner<2, 2>().ldlt().solve(
-        (zy + ridge * mean).head<2>() - a[2] * sum.block<2, 1>(0, 2));
+    const Eigen::Vector2d rest =
+        sum.topLeftCorner<2, 2>().ldlt().solve((zy + ridge * mean).head<2>() - a[2] * sum.block<2, 1>(0, 2));
     a[0] = rest[0], a[1] = rest[1];
   }
   Autoregression sway = prior;

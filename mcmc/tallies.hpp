@@ -9,7 +9,7 @@ namespace emberfold::mcmc {
 /// Where a new patch may have come in several ways each counts by its chance (Density::origins).
 struct Tallies {
   std::array<std::array<double, kOutcomes>, kConfigs> outcome{};  ///< how often each was
-  std::array<double, kConfigs> exposed{};    ///< Σ of the death map over the occasions
+  std::array<double, kConfigs> exposed{};                         ///< Σ of the death map over the occasions
   std::array<double, kConfigs> no_target{};  ///< occasions without anything to merge into
   double splits = 0, more_parts = 0;         ///< parts beyond two
   std::array<double, 2> begun{};             ///< strokes, in frame 0 and later
@@ -26,7 +26,8 @@ struct Tallies {
   std::array<double, 3> kinds{};
   double grown_along_curve = 0, grown_elsewhere = 0, step = 0, step2 = 0, side2 = 0, bend2 = 0,
          grown_contrast2 = 0, other_kind = 0;
-  /// Of sways with two of past, z = (d(t), d(t−1), n̄(t) − d(t)): Σ z zᵀ (lower triangle), Σ z y, Σ y², how many.
+  /// Of sways with two of past, z = (d(t), d(t−1), n̄(t) − d(t)): Σ z zᵀ (lower triangle), Σ z y, Σ y², how
+  /// many.
   std::array<double, 6> sway_zz{};
   std::array<double, 3> sway_zy{};
   double sway_yy = 0, sway_count = 0;

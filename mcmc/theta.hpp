@@ -27,8 +27,9 @@ constexpr std::size_t config(std::size_t degree, bool border, std::size_t told) 
 /// junction; or one that is new.
 constexpr std::size_t kGrowers = 4;
 
-/// How two patches lay in the frame before: neither joined nor joined to the same; joined to the same (patches
-/// are set down anew along a curve in every frame, and what was next but one may be next now); joined, or one.
+/// How two patches lay in the frame before: neither joined nor joined to the same; joined to the same
+/// (patches are set down anew along a curve in every frame, and what was next but one may be next now);
+/// joined, or one.
 enum class Were : std::uint8_t { apart, near, joined };
 
 /// What a patch looks like as it goes on is normal, but for this share, which spreads this many times wider:

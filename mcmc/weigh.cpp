@@ -9,9 +9,7 @@
 
 namespace emberfold::mcmc {
 
-namespace {
-
-}  // namespace
+namespace {}  // namespace
 
 core::Status weigh(HiddenGraph& state, const Evidence& evidence, const core::Context& context) {
   const auto frames = static_cast<std::size_t>(state.frames());
@@ -21,7 +19,8 @@ core::Status weigh(HiddenGraph& state, const Evidence& evidence, const core::Con
     for (const Index i : nodes[t]) {
       state.set_evidence(i, std::max(0.0, evidence.gain(static_cast<int>(t), state[i].patch)));
       for (const Beside& near : state.beside(i))
-        if (i < near.node) state.set_edge_evidence(i, near.node, state[i].edges.has(near.node) ? kEdge : -kEdge);
+        if (i < near.node)
+          state.set_edge_evidence(i, near.node, state[i].edges.has(near.node) ? kEdge : -kEdge);
     }
   });
 }

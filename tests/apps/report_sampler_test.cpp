@@ -115,14 +115,14 @@ TEST_CASE("the summary has the sampler's figures") {
 
 TEST_CASE("what cannot be told of a sampler is null, not missing, and no infinity is written") {
   mcmc::InferResult none;
-  const Json json = sampler_json(none, {});
+  const Json json = sampler_json(none);
   for (const char* name : {"rhat_max", "rhat_max_of", "ess_min", "ess_min_of", "proposals_per_second"})
     CHECK(json[name].is_null());
   CHECK(json["sweeps"] == 0);
   mcmc::InferResult apart;
   apart.chains = 2;
   apart.traces = {{"event", {std::vector<double>(20, 0.0), std::vector<double>(20, 1.0)}}};
-  CHECK(sampler_json(apart, {})["rhat_max"] == 1000);
+  CHECK(sampler_json(apart)["rhat_max"] == 1000);
   CHECK(contains(assurance(diagnose_traces(apart)).sentences[0], "event (1000.00)"));
   CHECK(report_sampler(none, {})["traces"].empty());
 }

@@ -32,6 +32,10 @@ double normal(double x, double sd) {
 double turned(double x, double sd) {
   return normal(x, sd) / (2 * std::erf(kPi / 2 / std::sqrt(2.0) / sd));
 }
+/// One time in twenty the sketch errs, and what it shows spreads four times wider.
+double erring(double (*density)(double, double), double x, double sd) {
+  return 0.95 * density(x, sd) + 0.05 * density(x, 4 * sd);
+}
 double log_contrast(double contrast) {
   return std::log(1 + std::abs(contrast));
 }
@@ -194,14 +198,15 @@ TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]"
                            std::log(normal(0.5 - (1.1 - 0.6), t.across)),
                        kTight));
   CHECK_THAT(density.of_arrival(g, v) - density.of_sway(g, v),
-             WithinAbs(std::log(normal(0.8, t.along) * turned(0, t.turn) *
-                                normal(log_contrast(24) - log_contrast(20), t.flicker)),
+             WithinAbs(std::log(normal(0.8, t.along) * erring(turned, 0, t.turn) *
+                                erring(normal, log_contrast(24) - log_contrast(20), t.flicker)),
                        kTight));
   const double mean = m.a1 * 1.1 + m.a2 * 0.6;
-  CHECK_THAT(density.of_arrival(g, w),
-             WithinAbs(std::log(normal(0.9 - mean, m.noise) * normal(0.9 - (0.9 - 1.1), t.across) *
-                                normal(-0.3, t.along) * turned(0.25, t.turn) * normal(0, t.flicker)),
-                       kTight));
+  CHECK_THAT(
+      density.of_arrival(g, w),
+      WithinAbs(std::log(normal(0.9 - mean, m.noise) * normal(0.9 - (0.9 - 1.1), t.across) *
+                         normal(-0.3, t.along) * erring(turned, 0.25, t.turn) * erring(normal, 0, t.flicker)),
+                kTight));
   // A neighbour of the one before draws it along, here one whose normal points to the other side.
   const Index x = shown(g, 1, at(second + along * 5, direction - kPi, 24));
   g.set_sway(x, 0.2);
@@ -231,7 +236,7 @@ TEST_CASE("A split has several heirs that spread wider", "[mcmc][density]") {
     CHECK_THAT(
         density.of_arrival(g, heirs[0]),
         WithinAbs(std::log(normal(-1, t.along * t.split_spread) * normal(1, t.across * t.split_spread) *
-                           normal(0, lag) * turned(0, t.turn) * normal(0, t.flicker)),
+                           normal(0, lag) * erring(turned, 0, t.turn) * erring(normal, 0, t.flicker)),
                   kTight));
   }
 }

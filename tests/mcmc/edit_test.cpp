@@ -36,8 +36,8 @@ bool step(Edit& edit, core::Rng& rng, int& kind) {
       if (node.edges.empty()) return false;
       return edit.cut(i, node.edges[rng.below(static_cast<std::uint32_t>(node.edges.size()))]), true;
     case 4:
-      for (const Index w : g.ahead(i))
-        if (rng.below(2) == 0 && g.can_link(i, w)) return edit.link(i, w), true;
+      for (const auto& to : g.ahead(i))
+        if (rng.below(2) == 0 && g.can_link(i, to.node)) return edit.link(i, to.node), true;
       return false;
     case 5:
       if (node.next.empty()) return false;

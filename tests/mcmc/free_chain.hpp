@@ -122,7 +122,10 @@ inline HiddenGraph compacted(const HiddenGraph& g, const mcmc::Gates& gates) {
     if (!g[i].on) continue;
     for (const Index j : g[i].edges)
       if (i < j) result.join(now[i], now[j]);
-    for (const Index j : g[i].next) result.link(now[i], now[j]);
+    for (const Index j : g[i].next) {
+      result.allow_link(now[i], now[j]);
+      result.link(now[i], now[j]);
+    }
   }
   return result;
 }

@@ -69,7 +69,7 @@ std::size_t joinable(const HiddenGraph& g, Index a) {
 }
 std::size_t linkable(const HiddenGraph& g, Index v) {
   return static_cast<std::size_t>(
-      std::ranges::count_if(g.ahead(v), [&](Index w) { return g.can_link(v, w); }));
+      std::ranges::count_if(g.ahead(v), [&](const auto& to) { return g.can_link(v, to.node); }));
 }
 
 /// How many edges, and pasts, the patch that one state has more could get from the one it is beside.
@@ -86,8 +86,7 @@ std::size_t shares(const HiddenGraph& one, const HiddenGraph& two) {
     auto count =
         static_cast<std::size_t>(std::ranges::count_if(one[v].edges, [&](Index x) { return gated(i, x); }));
     if (one[v].prev.size() == 1) {
-      const auto ahead = one.ahead(one[v].prev[0]);
-      count += std::ranges::find(ahead, i) != ahead.end();
+      count += one.linkable(one[v].prev[0], i);
     }
     return count;
   }
