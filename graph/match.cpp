@@ -202,32 +202,10 @@ IndexLinks with_rest(const Frames& frames, IndexLinks links, const std::vector<C
   return links;
 }
 
-/// Drops the links between components that too few of them hold together: a stroke that dies beside one that
-/// grows is not the same.
-std::vector<Link> supported(const Frames& frames, const IndexLinks& links) {
+std::vector<Link> named(const AttributeGraph& before, const AttributeGraph& after, const IndexLinks& links) {
   std::vector<Link> all;
-  for (const auto& [i, j] : links)
-    all.push_back({frames.before.vertices()[i].id, frames.after.vertices()[j].id});
-  const Components parts_before = components(frames.before), parts_after = components(frames.after);
-  std::vector<std::uint32_t> size_before(parts_before.count, 0), size_after(parts_after.count, 0);
-  for (const std::uint32_t part : parts_before.of_vertex) ++size_before[part];
-  for (const std::uint32_t part : parts_after.of_vertex) ++size_after[part];
-  const detail::Gap gap = detail::gap(frames.before, frames.after, all);
-  const auto pairs = detail::component_pairs(frames.before, frames.after, parts_before, parts_after, gap);
-  const auto holds = [&](std::uint32_t a, std::uint32_t b) {
-    const auto pair =
-        std::lower_bound(pairs.begin(), pairs.end(), std::pair(a, b),
-                         [](const auto& p, const auto& key) { return std::pair(p.before, p.after) < key; });
-    const std::uint32_t smaller = std::min(size_before[a], size_after[b]);
-    if (smaller <= 3) return 2 * pair->links >= smaller;
-    return pair->links >= 6 || (pair->links >= 2 && 3 * pair->links >= smaller);
-  };
-  std::vector<Link> result;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const auto& [i, j] = gap.links[k];
-    if (holds(parts_before.of_vertex[i], parts_after.of_vertex[j])) result.push_back(all[k]);
-  }
-  return result;
+  for (const auto& [i, j] : links) all.push_back({before.vertices()[i].id, after.vertices()[j].id});
+  return all;
 }
 
 /// The links and the motion of the patches before that they show.
@@ -249,7 +227,7 @@ Linked link_frames(const AttributeGraph& before, const AttributeGraph& after, st
   const auto found = candidates(frames, near, options, 1);
   const IndexLinks links = with_rest(frames, align(frames, aligner, found, options), found);
   Linked result;
-  result.links = supported(frames, links);
+  result.links = supported_links(before, after, named(before, after, links));
   result.motion = fitted(frames, links);
   for (std::size_t i = 0; i < before.size(); ++i)
     result.motion[i] = result.motion[i] - before.patch(i).position;
@@ -293,6 +271,30 @@ std::vector<Point> carried_motion(const AttributeGraph& before, const AttributeG
 }
 
 }  // namespace
+
+std::vector<Link> supported_links(const AttributeGraph& before, const AttributeGraph& after,
+                                  std::vector<Link> links) {
+  const Components parts_before = components(before), parts_after = components(after);
+  std::vector<std::uint32_t> size_before(parts_before.count, 0), size_after(parts_after.count, 0);
+  for (const std::uint32_t part : parts_before.of_vertex) ++size_before[part];
+  for (const std::uint32_t part : parts_after.of_vertex) ++size_after[part];
+  const detail::Gap gap = detail::gap(before, after, links);
+  const auto pairs = detail::component_pairs(before, after, parts_before, parts_after, gap);
+  const auto holds = [&](std::uint32_t a, std::uint32_t b) {
+    const auto pair =
+        std::lower_bound(pairs.begin(), pairs.end(), std::pair(a, b),
+                         [](const auto& p, const auto& key) { return std::pair(p.before, p.after) < key; });
+    const std::uint32_t smaller = std::min(size_before[a], size_after[b]);
+    if (smaller <= 3) return 2 * pair->links >= smaller;
+    return pair->links >= 6 || (pair->links >= 2 && 3 * pair->links >= smaller);
+  };
+  std::vector<Link> result;
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const auto& [i, j] = gap.links[k];
+    if (holds(parts_before.of_vertex[i], parts_after.of_vertex[j])) result.push_back(links[k]);
+  }
+  return result;
+}
 
 std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGraph& after,
                                std::span<const Point> velocity, const MatchOptions& options) {

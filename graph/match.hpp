@@ -29,6 +29,12 @@ struct MatchOptions {
 std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGraph& after,
                                std::span<const Point> velocity, const MatchOptions& options);
 
+/// The links without those between components that too few of them hold together: in the smaller one at least
+/// half of up to 3 vertices, else 6 links or a third of its vertices (at least 2). A stroke that dies beside
+/// one that grows is not the same. `links` are sorted.
+std::vector<Link> supported_links(const AttributeGraph& before, const AttributeGraph& after,
+                                  std::vector<Link> links);
+
 struct MatchResult {
   MotionGraph motion;  ///< with strokes identified
   core::Status status = core::Status::done;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/error.hpp"
+#include "graph/match.hpp"
 #include "graph/near.hpp"
 
 namespace emberfold::mcmc {
@@ -376,6 +377,10 @@ graph::MotionGraph motion_graph(const HiddenGraph& state, double fps) {
         if (i < j) edges.push_back({{id[i]}, {id[j]}});
     std::ranges::sort(links);
     motion.sketch.frames.emplace_back(std::move(vertices), std::move(edges));
+    if (t > 0) {
+      const auto& frames = motion.sketch.frames;
+      links = graph::supported_links(frames[frames.size() - 2], frames.back(), std::move(links));
+    }
     motion.links.push_back(std::move(links));
   }
   return graph::identify(std::move(motion));

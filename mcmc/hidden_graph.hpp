@@ -213,7 +213,8 @@ class HiddenGraph {
 HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph::SketchSequence> others,
                          const Gates& gates);
 
-/// What is on, as a motion graph with its strokes identified.
+/// What is on, as a motion graph with its strokes identified; without links between strokes that too few hold
+/// together, as the match leaves them out (graph::supported_links).
 graph::MotionGraph motion_graph(const HiddenGraph& state, double fps);
 
 }  // namespace emberfold::mcmc
