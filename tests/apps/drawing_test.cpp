@@ -151,7 +151,7 @@ TEST_CASE("every picture of an overlay has the same size, whatever happens in it
   CHECK(sizes.size() == 1);
 }
 
-TEST_CASE("the surer an event, the stronger its mark; below one half it has none") {
+TEST_CASE("the surer an event the stronger its mark and below one half it has none") {
   const cv::Mat frame(48, 64, CV_8UC3, cv::Scalar(40, 40, 40));
   const auto drawn = [&](double probability) {
     auto shown = event(3, graph::EventType::split, {30, 24});

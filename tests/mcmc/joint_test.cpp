@@ -229,10 +229,16 @@ HiddenGraph forward(const Theta& theta, core::Rng& rng) {
 void check_joint(std::uint32_t chains, int rounds, int moves) {
   std::vector<std::vector<double>> change;
   std::vector<std::string> names;
+  std::uint32_t cut_off = 0;  // a list of links was full: the simulator leaves the rest out
   for (std::uint32_t n = 0; n < chains; ++n) {
     core::Rng rng(41, {n, 0, 0});
     const Theta theta = Rates().draw(rng);
-    made::FreeChain chain(forward(theta, rng), theta, kGates, core::Rng(42, {n, 0, 0}));
+    const HiddenGraph drawn = forward(theta, rng);
+    if (!std::isfinite(Density(theta).total(drawn))) {
+      ++cut_off;
+      continue;
+    }
+    made::FreeChain chain(drawn, theta, kGates, core::Rng(42, {n, 0, 0}));
     const auto was = of_both(chain.state(), chain.density());
     for (int r = 0; r < rounds; ++r) {
       for (int k = 0; k < moves; ++k) chain.step(true);
@@ -246,6 +252,7 @@ void check_joint(std::uint32_t chains, int rounds, int moves) {
     }
   }
   CHECK(names.size() >= 40);
+  CHECK(cut_off * 2000 <= chains);
   for (std::size_t k = 0; k < names.size(); ++k) {
     const Mean mean = made::mean_of(change[k]);
     INFO(names[k] << " changes by " << mean.value << " +- " << mean.error);
