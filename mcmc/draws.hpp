@@ -14,7 +14,7 @@ class Draws {
   virtual ~Draws() = default;
   /// Uniform on {0, …, count − 1}; count ≥ 1.
   virtual std::size_t below(std::size_t count) = 0;
-  /// i with the chance weights[i]; they are above 0 and sum 1.
+  /// i with the chance weights[i]; they sum 1. What has the weight 0 is never picked.
   virtual std::size_t pick(std::span<const double> weights) = 0;
   virtual double normal(double mean, double sd) = 0;
 
@@ -29,6 +29,7 @@ class RandomDraws final : public Draws {
     double left = rng_.uniform();
     std::size_t i = 0;
     for (; i + 1 < weights.size() && left >= weights[i]; ++i) left -= weights[i];
+    while (i > 0 && weights[i] <= 0) --i;  // where rounding has left something over
     return i;
   }
   double normal(double mean, double sd) override { return mean + sd * rng_.normal(); }

@@ -35,7 +35,7 @@ struct Ties {
   Index prev = kNone, next = kNone;
 };
 
-/// Draws the ties of a patch that is off, or (draws = null) takes those given, and tells their log chance.
+/// Draws the ties of a patch that is off, or tells the log chance of given ones.
 class TieChance {
  public:
   TieChance(const HiddenGraph& g, Index i) : g_(g), i_(i) {}
