@@ -1,169 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <memory>
-#include <optional>
-#include <sstream>
+#include "apps/command_dytex.hpp"
 
-#include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-
-#include "apps/clip_writer.hpp"
-#include "apps/command_line.hpp"
-#include "apps/interrupt.hpp"
 #include "apps/model_folder.hpp"
-#include "apps/summary.hpp"
-#include "apps/texture_modes.hpp"
-#include "apps/texture_picture.hpp"
 #include "dytex/archive.hpp"
-#include "dytex/learn.hpp"
-#include "dytex/synthesize.hpp"
 
 namespace emberfold::apps {
 
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-struct Learn {
-  Reading reading;
-  std::string output;
-  dytex::LearnOptions options;
-  bool asked_components = false, asked_energy = false;
-  double energy = 0.95;
-};
-
-struct Synth {
-  std::string model, output, start = "stationary";
-  int frames = 300;
-  bool noise = false;
-};
-
-struct Info {
-  std::string model;
-};
-
-dytex::LinearDynamicTexture read_texture(const std::string& name) {
-  const auto archive = read_model(name, kTextureFormat);
+dytex::LinearDynamicTexture read_texture(const std::string& folder) {
+  const auto archive = read_model(folder, kTextureFormat);
   try {
     return dytex::linear_dynamic_texture(archive);
   } catch (const core::IoError& error) {
-    throw core::IoError(name + ": " + error.what());
+    throw core::IoError(folder + ": " + error.what());
   }
-}
-
-// Fifty components are the default for a long clip; a short one has fewer.
-void fit_to_length(Learn& asked, const core::ClipInfo& info, const Session& session) {
-  if (!info.frames || asked.asked_energy) return;
-  const auto most = *info.frames - 1;
-  if (most < 1)
-    throw core::IoError(asked.reading.clip + " holds one frame; a dynamic texture needs at least two");
-  if (asked.options.components <= most) return;
-  if (asked.asked_components)
-    throw Misuse("--components is " + std::to_string(asked.options.components) + "; " + asked.reading.clip +
-                 " has " + std::to_string(*info.frames) + " frames, so allowed is 1 to " +
-                 std::to_string(most));
-  asked.options.components = static_cast<int>(most);
-  session.console.say(asked.reading.clip + " has " + std::to_string(*info.frames) +
-                      " frames: " + std::to_string(most) + " components are learned");
-}
-
-Json learn_summary(const Learn& asked, const ReadOptions& read, const core::ClipInfo& info,
-                   const dytex::LearnResult& learned, const Session& session) {
-  Json summary = begin_summary("dytex learn", session);
-  const auto& texture = learned.texture;
-  summary["clip"] = clip_json(asked.reading.clip, info, static_cast<int>(texture.states.cols()));
-  Json options = {{"components", asked.options.components}};
-  options["energy"] = asked.options.energy ? Json(*asked.options.energy) : Json(nullptr);
-  summary["options"] = {{"reading", reading_json(read)}, {"learn", std::move(options)}};
-  summary["texture"] = texture_json(texture);
-  summary["learning"] = {
-      {"transition",
-       learned.transition == dytex::Transition::least_squares ? "least_squares" : "yule_walker"},
-      {"least_squares_radius", learned.least_squares_radius},
-      {"passes", learned.passes}};
-  summary["files"] = {{"model.json", "what the model is"},
-                      {"components.png", "its mean, first components and the courses of their states"},
-                      {"summary.json", "all figures"}};
-  summary["warnings"] = session.warnings;
-  return summary;
-}
-
-void write_picture(OutputFolder& output, const dytex::LinearDynamicTexture& texture) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", draw_components(texture), bytes))
-    throw core::IoError("cannot write " + (output.path() / "components.png").string() + " as PNG");
-  output.write("components.png", [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  });
-}
-
-void check_learning(const dytex::LearnOptions& options) {
-  try {
-    options.validate();
-  } catch (const core::InputError& error) {
-    const auto message = without_struct_name(error.what());
-    throw Misuse(with_option_name(with_option_name(message, "components"), "energy"));
-  }
-}
-
-dytex::LearnResult learn_texture(const Learn& asked, core::FrameSource& source, Session& session) {
-  try {
-    auto learned = dytex::learn(source, asked.options, session.context);
-    if (learned.status == core::Status::cancelled) throw Interrupted{};
-    return learned;
-  } catch (const core::InputError& error) {
-    throw Misuse(asked.reading.clip + ": " +
-                 with_option_name(without_struct_name(error.what()), "components"));
-  }
-}
-
-void run_learn(Learn asked, Session& session) {
-  if (asked.asked_energy) asked.options.energy = asked.energy;
-  const ReadOptions read = check_reading(asked.reading, session);
-  check_learning(asked.options);
-  ModelFolder folder(asked.output);
-  Stages stages;
-  stages.begin("learn");
-  const auto source =
-      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
-  fit_to_length(asked, source->info(), session);
-  const auto learned = learn_texture(asked, *source, session);
-  for (const auto& note : learned.notes) session.warn(note);
-  stages.begin("write");
-  write_model(folder.output(), "", dytex::to_archive(learned.texture));
-  write_picture(folder.output(), learned.texture);
-  stages.end();
-  Json summary = learn_summary(asked, read, source->info(), learned, session);
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
-  folder.output().write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
-  session.check_stop();
-  folder.commit();
-  std::ostringstream said;
-  said.precision(4);
-  said << learned.texture.order() << " components with "
-       << 100 * share_of_variance(learned.texture, learned.texture.order()) << " % of the variance of "
-       << learned.texture.states.cols() << " frames; the model is " << asked.output;
-  session.console.say(said.str());
-  if (session.common.json) session.print(json_text(summary));
-}
-
-std::optional<int> start_frame(const Synth& asked, const dytex::LinearDynamicTexture& texture) {
-  if (asked.start == "stationary") return std::nullopt;
-  const auto last = texture.states.cols() - 1;
-  const auto refuse = [&] {
-    throw Misuse("--start is " + one_line(asked.start) +
-                 "; allowed is stationary, or a frame of the clip that " + asked.model +
-                 " was learned from, 0 to " + std::to_string(last));
-  };
-  int frame = 0;
-  try {
-    parse_number("--start", asked.start, frame);
-  } catch (const CLI::ValidationError&) {
-    refuse();
-  }
-  if (frame < 0 || frame > last) refuse();
-  return frame;
 }
 
 std::unique_ptr<ClipWriter> create_output(const std::string& path, const core::ClipInfo& info) {
@@ -174,115 +23,11 @@ std::unique_ptr<ClipWriter> create_output(const std::string& path, const core::C
   }
 }
 
-void run_synth(const Synth& asked, Session& session) {
-  constexpr int kMostFrames = 1'000'000;
-  if (asked.frames < 1 || asked.frames > kMostFrames)
-    throw Misuse("--frames is " + std::to_string(asked.frames) + "; allowed is 1 to " +
-                 std::to_string(kMostFrames));
-  Stages stages;
-  stages.begin("read");
-  const auto texture = read_texture(asked.model);
-  dytex::SynthesisOptions options;
-  options.seed = session.common.seed;
-  options.first_frame = start_frame(asked, texture);
-  options.pixel_noise = asked.noise;
-  stages.begin("synthesize");
-  const auto& info = texture.info;
-  const auto writer = create_output(asked.output, info);
-  dytex::Synthesis synthesis(texture, options);
-  for (int t = 0; t < asked.frames; ++t) {
-    session.context.report("synthesize", double(t) / asked.frames);
-    writer->write(synthesis.next());
-    session.check_stop();
-  }
-  writer->finish();
-  stages.end();
-  session.console.say(std::to_string(asked.frames) + " frames drawn into " + asked.output);
-  if (!session.common.json) return;
-  Json summary = begin_summary("dytex synth", session);
-  summary["model"] = asked.model;
-  summary["output"] = asked.output;
-  summary["clip"] = clip_json(asked.output, info, asked.frames);
-  summary["options"] = {{"start", asked.start}, {"noise", asked.noise}};
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
-  session.print(json_text(summary));
-}
-
-void run_info(const Info& asked, const Session& session) {
-  constexpr std::size_t kSlowest = 10;
-  const auto texture = read_texture(asked.model);
-  session.print(session.common.json ? json_text(texture_json(texture)) : texture_table(texture, kSlowest));
-}
-
-void add_learn(CLI::App& dytex, Chosen& chosen) {
-  auto* command = dytex.add_subcommand("learn", "Learn a linear dynamic texture from a clip");
-  command->footer(
-      "  emberfold dytex learn flag.avi -o out/flag\n"
-      "  emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100\n"
-      "  emberfold dytex learn flag.avi -o out/flag --energy 0.95");
-  const auto asked = std::make_shared<Learn>();
-  add_reading(*command, asked->reading);
-  add_output(*command, asked->output);
-  auto* components =
-      add_number(*command, "-n,--components", asked->options.components, "N", "Order: how many components");
-  auto* energy = add_number(*command, "--energy", asked->energy, "SHARE",
-                            "Instead: the fewest components with this share of the variance");
-  energy->default_str("");
-  energy->excludes(components);
-  for (auto* option : {components, energy}) option->group("Learning");
-  add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback([asked, components, energy, &chosen] {
-    asked->asked_components = components->count() > 0;
-    asked->asked_energy = energy->count() > 0;
-    chosen.run = [asked](Session& session) { run_learn(*asked, session); };
-  });
-}
-
-void add_model(CLI::App& command, std::string& model) {
+void add_texture_model(CLI::App& command, std::string& model) {
   command.add_option("MODEL", model, "The folder that 'emberfold dytex learn' wrote")
       ->required()
       ->type_name("");
 }
-
-void add_synth(CLI::App& dytex, Chosen& chosen) {
-  auto* command = dytex.add_subcommand("synth", "Draw a new clip from a linear dynamic texture");
-  command->footer(
-      "  emberfold dytex synth out/flag -o flag.mp4\n"
-      "  emberfold dytex synth out/flag -o frames --frames 1000 --seed 7\n"
-      "  emberfold dytex synth out/flag -o flag.avi --start 0 --noise");
-  const auto asked = std::make_shared<Synth>();
-  add_model(*command, asked->model);
-  command
-      ->add_option("-o,--output", asked->output, "Clip to write: .mp4, .avi (lossless), or a folder of PNG")
-      ->type_name("OUT")
-      ->required();
-  const char* group = "Synthesis";
-  add_number(*command, "--frames", asked->frames, "N", "How many frames")->group(group);
-  command->add_option("--start", asked->start, "The first state: drawn by chance, or that of a learned frame")
-      ->type_name("stationary|N")
-      ->default_str(asked->start)
-      ->group(group);
-  command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out")->group(group);
-  add_common(*command, chosen.common, "Print figures as JSON");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_synth(*asked, session); }; });
-}
-
-void add_info(CLI::App& dytex, Chosen& chosen) {
-  auto* command = dytex.add_subcommand("info", "Tell what a linear dynamic texture is like");
-  command->footer(
-      "  emberfold dytex info out/flag\n"
-      "  emberfold dytex info out/flag --json | jq .modes");
-  const auto asked = std::make_shared<Info>();
-  add_model(*command, asked->model);
-  add_common(*command, chosen.common, "Print JSON instead of a table");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_info(*asked, session); }; });
-}
-
-}  // namespace
 
 void add_dytex(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand("dytex", "Linear dynamic textures: learn, synthesize, look into");
@@ -291,9 +36,9 @@ void add_dytex(CLI::App& app, Chosen& chosen) {
       "  emberfold dytex synth out/flag -o flag.mp4\n"
       "  emberfold dytex info out/flag");
   command->require_subcommand(0, 1);
-  add_learn(*command, chosen);
-  add_synth(*command, chosen);
-  add_info(*command, chosen);
+  add_dytex_learn(*command, chosen);
+  add_dytex_synth(*command, chosen);
+  add_dytex_info(*command, chosen);
   for (auto* one : command->get_subcommands([](CLI::App*) { return true; })) one->group("Commands");
 }
 

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "apps/clip_writer.hpp"
+#include "apps/command_line.hpp"
+#include "dytex/linear_dynamic_texture.hpp"
+
+namespace emberfold::apps {
+
+/// The commands under `emberfold dytex`, a file each.
+void add_dytex_learn(CLI::App& dytex, Chosen& chosen);
+void add_dytex_synth(CLI::App& dytex, Chosen& chosen);
+void add_dytex_info(CLI::App& dytex, Chosen& chosen);
+
+/// The argument MODEL.
+void add_texture_model(CLI::App& command, std::string& model);
+
+/// The model in a folder; IoError that names the folder.
+dytex::LinearDynamicTexture read_texture(const std::string& folder);
+
+/// A writer for the clip `path`, the value of --output; Misuse where it cannot be one.
+std::unique_ptr<ClipWriter> create_output(const std::string& path, const core::ClipInfo& info);
+
+}  // namespace emberfold::apps
