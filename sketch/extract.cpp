@@ -17,6 +17,7 @@
 #include "sketch/crossings.hpp"
 #include "sketch/cut.hpp"
 #include "sketch/fades.hpp"
+#include "sketch/flanks.hpp"
 #include "sketch/join.hpp"
 #include "sketch/link.hpp"
 #include "sketch/lobes.hpp"
@@ -142,8 +143,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     for (cv::Mat1f& colour : opponent_colours(levels))
       axes.push_back(prepare_gain(std::move(colour), kColourAxes[axes.size()]));
   const graph::AttributeGraph strokes =
-      refine(smoothed(cut_into_patches(network, space, levels, options.spacing, noise), noise), levels, axes,
-             {options.spacing, options.blobs, previous});
+      without_flanks(refine(smoothed(cut_into_patches(network, space, levels, options.spacing, noise), noise),
+                            levels, axes, {options.spacing, options.blobs, previous}));
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;
