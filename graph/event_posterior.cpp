@@ -95,12 +95,15 @@ class Doubt {
   [[nodiscard]] double probability(double share) const {
     if (readings_ < 2) return share;
     // As if so many sightings had been seen before in this clip, of which so many came again.
-    constexpr double kBefore = 5, kAgain = 4, kMost = 50;
+    constexpr double kBefore = 5, kAgain = 4;
+    // Pooling is strict about time and place: clips with less agreement than this still find two thirds of
+    // what all readings have again in other noise (docs/method.md, §4).
+    constexpr double kLeast = 0.6;
     const auto each = static_cast<double>(samples_ / readings_);
     const double weight = each * each * static_cast<double>(readings_ - 1);
-    const double again =
-        (static_cast<double>(again_) + kAgain * weight) / (static_cast<double>(seen_) + kBefore * weight);
-    const double a = again > 0.5 ? std::min(kMost, (1 - again) / (2 * again - 1)) : kMost;
+    const double again = std::max(kLeast, (static_cast<double>(again_) + kAgain * weight) /
+                                              (static_cast<double>(seen_) + kBefore * weight));
+    const double a = (1 - again) / (2 * again - 1);
     const auto n = static_cast<double>(readings_);
     return 0.5 + (share - 0.5) * n / (n + 2 * a);
   }
