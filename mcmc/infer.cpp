@@ -52,7 +52,7 @@ class Run {
     return core::Status::done;
   }
   [[nodiscard]] const HiddenGraph& state() const { return ladder_[0].state(); }
-  [[nodiscard]] const Chain& chain() const { return ladder_[0]; }
+  Chain& chain() { return ladder_[0]; }
   void add_counts(std::vector<MoveSum>& sums) const {
     for (const Chain& chain : ladder_)
       for (std::size_t m = 0; m < sums.size(); ++m) {
@@ -88,7 +88,7 @@ class Run {
 /// What is noted of a chain after each sweep.
 constexpr std::array<const char*, 8> kTraces = {"log posterior", "patches", "edges", "links", "a1", "a2",
                                                 "deaths",        "births"};
-std::array<double, kTraces.size()> noted(const Chain& chain) {
+std::array<double, kTraces.size()> noted(Chain& chain) {
   const HiddenGraph& g = chain.state();
   double patches = 0, edges = 0, links = 0, deaths = 0, births = 0;
   for (int t = 0; t < g.frames(); ++t)
