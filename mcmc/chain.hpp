@@ -34,7 +34,8 @@ class Chain {
   [[nodiscard]] const HiddenGraph& state() const { return state_; }
   [[nodiscard]] const Theta& theta() const { return density_.theta(); }
   void set_theta(const Theta& theta);
-  /// Kept up by the moves' gains; reckoned anew, in O(nodes), where sways or θ changed since it was asked for.
+  /// Kept up by the moves' gains; reckoned anew, in O(nodes), where sways or θ changed since it was asked
+  /// for.
   double log_density();
   [[nodiscard]] const std::vector<MoveCount>& counts() const { return counts_; }  ///< by move
   [[nodiscard]] double power() const { return power_; }

@@ -84,7 +84,8 @@ double neighbours_sway(const HiddenGraph& g, Index v) {
   return sum / static_cast<double>(node.edges.size());
 }
 
-Density::Scale::Scale(double sd_) : sd(sd_), peak(-0.5 * kLogTwoPi - std::log(sd_)) {}
+Density::Scale::Scale(double sd_)
+    : sd(sd_), peak(-0.5 * kLogTwoPi - std::log(sd_)), half_precision(0.5 / (sd_ * sd_)) {}
 
 double Density::erred(double z) {
   const double wide = kErrs / kErrsBy * std::exp(-0.5 * z * z / (kErrsBy * kErrsBy));

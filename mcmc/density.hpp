@@ -109,10 +109,10 @@ class Density {
   double stationary_ = 1, lag_one_ = 0;  ///< variance and autocorrelation of the sway
   /// Logarithms of the factors before the exponentials of normal densities.
   struct Scale {
-    double sd = 1, peak = 0;
+    double sd = 1, peak = 0, half_precision = 0.5;
     Scale() = default;
     explicit Scale(double sd);
-    [[nodiscard]] double log_normal(double x) const { return peak - 0.5 * (x / sd) * (x / sd); }
+    [[nodiscard]] double log_normal(double x) const { return peak - half_precision * x * x; }
   };
   Scale begins_, lag_, noise_;           ///< of the sway
   std::array<Scale, 2> across_, along_;  ///< of one that goes on, of a split's parts

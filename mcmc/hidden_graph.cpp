@@ -208,22 +208,22 @@ bool HiddenGraph::can_link(Index v, Index w) const {
          std::ranges::all_of(b.prev, [&](Index x) { return nodes_[x].next.size() == 1; });
 }
 
-void HiddenGraph::flag(Index i) {
-  const Node& node = nodes_[i];
-  unsigned flags = node.on ? kOn : 0;
-  if (!node.prev.empty()) flags |= kPast;
-  if (!node.next.empty()) flags |= kFuture;
-  if (node.edges.full()) flags |= kCrowded;
-  if (node.next.size() == 1) {
-    const auto& together = nodes_[node.next[0]].prev;
-    if (std::ranges::all_of(together, [&](Index x) { return x == i || before(i, x); })) flags |= kGoesOn;
-  }
-  flags_[i] = static_cast<std::uint8_t>(flags);
+void HiddenGraph::flag(Index i, Flag which, bool holds) {
+  flags_[i] = static_cast<std::uint8_t>(holds ? flags_[i] | which : flags_[i] & ~which);
 }
+// After a link between them came or went.
 void HiddenGraph::flag_links(Index v, Index w) {
-  flag(v), flag(w);
-  for (const Index x : nodes_[w].prev)
-    if (x != v) flag(x);
+  const auto& next = nodes_[v].next;
+  const auto& prev = nodes_[w].prev;
+  flag(w, kPast, !prev.empty());
+  flag(v, kFuture, !next.empty());
+  flag(v, kGoesOn, next.size() == 1 && is_parent(v, next[0]));
+  for (const Index x : prev)
+    if (x != v) flag(x, kGoesOn, nodes_[x].next.size() == 1 && is_parent(x, w));
+}
+void HiddenGraph::flag_edges(Index a, Index b) {
+  flag(a, kCrowded, nodes_[a].edges.full());
+  flag(b, kCrowded, nodes_[b].edges.full());
 }
 
 void HiddenGraph::link(Index v, Index w) {
@@ -244,51 +244,51 @@ void HiddenGraph::undo_unlink(Index v, Index w, Places at) {
 void HiddenGraph::join(Index a, Index b) {
   nodes_[a].edges.push(b);
   nodes_[b].edges.push(a);
-  flag(a), flag(b);
+  flag_edges(a, b);
 }
 HiddenGraph::Places HiddenGraph::cut(Index a, Index b) {
   const Places at{nodes_[a].edges.erase(b), nodes_[b].edges.erase(a)};
-  flag(a), flag(b);
+  flag_edges(a, b);
   return at;
 }
 void HiddenGraph::undo_cut(Index a, Index b, Places at) {
   nodes_[a].edges.insert(at.first, b);
   nodes_[b].edges.insert(at.second, a);
-  flag(a), flag(b);
+  flag_edges(a, b);
 }
 
 void HiddenGraph::count_overlaps(Index i, int change) {
   if (gates_.overlap <= 0) return;
   for (const Beside& near : beside_[i])
-    if (overlaps(i, near.node))
+    if (near.alike && overlaps(i, near.node))
       nodes_[near.node].overlapped = static_cast<std::uint8_t>(nodes_[near.node].overlapped + change);
+}
+
+void HiddenGraph::show(Index i, bool on) {
+  nodes_[i].on = on;
+  flag(i, kOn, on);
+  count_overlaps(i, on ? 1 : -1);
 }
 
 void HiddenGraph::put(Index i) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   erase_from(off_[t], at_, i);
   append_to(on_[t], at_, i);
-  nodes_[i].on = true;
-  flag(i);
-  count_overlaps(i, 1);
+  show(i, true);
 }
 HiddenGraph::Places HiddenGraph::take(Index i) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   const std::size_t place = at_[i];
   erase_from(on_[t], at_, i);
   append_to(off_[t], at_, i);
-  nodes_[i].on = false;
-  flag(i);
-  count_overlaps(i, -1);
+  show(i, false);
   return {place, 0};
 }
 void HiddenGraph::undo_take(Index i, Places at) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   off_[t].pop_back();
   put_back(on_[t], at_, i, at.first);
-  nodes_[i].on = true;
-  flag(i);
-  count_overlaps(i, 1);
+  show(i, true);
 }
 HiddenGraph::Places HiddenGraph::off_place(Index i) const {
   return {at_[i], 0};
@@ -297,9 +297,7 @@ void HiddenGraph::undo_put(Index i, Places at) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   on_[t].pop_back();
   put_back(off_[t], at_, i, at.first);
-  nodes_[i].on = false;
-  flag(i);
-  count_overlaps(i, -1);
+  show(i, false);
 }
 
 std::uint64_t HiddenGraph::hash() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -204,8 +205,14 @@ class HiddenGraph {
 
  private:
   enum Flag : std::uint8_t { kOn = 1, kPast = 2, kFuture = 4, kGoesOn = 8, kCrowded = 16 };
-  void flag(Index i);
+  void flag(Index i, Flag which, bool holds);
   void flag_links(Index v, Index w);
+  void flag_edges(Index a, Index b);
+  void show(Index i, bool on);
+  [[nodiscard]] bool is_parent(Index v, Index w) const {
+    const auto& prev = nodes_[w].prev;
+    return std::all_of(prev.begin(), prev.end(), [&](Index x) { return x == v || before(v, x); });
+  }
   void lay_beside(Index a, Index b);
   void lay_ahead(Index v, Index w);
   void count_overlaps(Index i, int change);
