@@ -47,8 +47,8 @@ Eigen::MatrixXd divide_right(const Eigen::MatrixXd& N, const Eigen::MatrixXd& M)
   const SymmetricEigen eigen = symmetric_eigen(M);
   const double least =
       static_cast<double>(M.rows()) * std::numeric_limits<double>::epsilon() * eigen.values[0];
-  const Eigen::VectorXd inverse = (eigen.values.array() > least)
-                                      .select(eigen.values.cwiseInverse(), Eigen::VectorXd::Zero(M.rows()));
+  const Eigen::VectorXd inverse =
+      (eigen.values.array() > least).select(eigen.values.cwiseInverse(), Eigen::VectorXd::Zero(M.rows()));
   return N * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 

@@ -90,7 +90,8 @@ class GramAppearance final : public Appearance {
   [[nodiscard]] double r() const override { return model_.r; }
 
   [[nodiscard]] double r_correction() const override {
-    const auto seen = static_cast<double>(seen_.size()), left = seen - 1 - static_cast<double>(products_.rows());
+    const auto seen = static_cast<double>(seen_.size()),
+               left = seen - 1 - static_cast<double>(products_.rows());
     return left > 0 ? seen / left : 1;
   }
 
@@ -104,8 +105,8 @@ class GramAppearance final : public Appearance {
 
   [[nodiscard]] Centred centred_block(const FrameValues& values, std::size_t first, Eigen::Index row,
                                       Eigen::Index rows) const {
-    const Eigen::MatrixXd all = level_block(values, first, static_cast<std::size_t>(row), rows, 0, input_.scale,
-                                            input_.missing, Eigen::VectorXd::Zero(rows));
+    const Eigen::MatrixXd all = level_block(values, first, static_cast<std::size_t>(row), rows, 0,
+                                            input_.scale, input_.missing, Eigen::VectorXd::Zero(rows));
     Centred block;
     block.Y = all(Eigen::all, seen_);
     block.mean = block.Y.rowwise().mean();
@@ -126,7 +127,8 @@ class GramAppearance final : public Appearance {
                             [&](std::size_t slab, Eigen::Index row, Eigen::Index rows) {
                               const auto at = static_cast<Eigen::Index>(first) + row;
                               const Eigen::MatrixXd block = C.middleRows(at, rows).cast<double>();
-                              projections[slab] += block.transpose() * centred_block(values, first, row, rows).Y;
+                              projections[slab] +=
+                                  block.transpose() * centred_block(values, first, row, rows).Y;
                               products[slab] += block.transpose() * block;
                             });
     };

@@ -125,7 +125,8 @@ Eigen::MatrixXd smoother_gain(const StateSpace& space, const Eigen::MatrixXd& fi
   const detail::SymmetricEigen eigen = detail::symmetric_eigen(predicted * predicted.transpose());
   const double smallest = eigen.values.size() > 0 ? least * eigen.values[0] : 0;
   const Eigen::VectorXd inverse =
-      (eigen.values.array() > smallest).select(eigen.values.cwiseInverse(), Eigen::VectorXd::Zero(eigen.values.size()));
+      (eigen.values.array() > smallest)
+          .select(eigen.values.cwiseInverse(), Eigen::VectorXd::Zero(eigen.values.size()));
   return (eigen.vectors * (inverse.asDiagonal() * (eigen.vectors.transpose() * cross))).transpose();
 }
 

@@ -62,15 +62,16 @@ void add_pixels_of(const Missing& missing, std::size_t frame, Eigen::Index row, 
   const bool hidden = sums_hidden(missing, frame);
   std::vector<Eigen::Index> taken;
   for (Eigen::Index i = 0; i < rows.C.rows(); ++i)
-    if (missing.hidden(static_cast<std::size_t>(row + i) / scale.channels, frame) == hidden) taken.push_back(i);
+    if (missing.hidden(static_cast<std::size_t>(row + i) / scale.channels, frame) == hidden)
+      taken.push_back(i);
   if (!taken.empty()) sums.add(rows, taken);
 }
 
 }  // namespace
 
-Eigen::MatrixXd level_block(const FrameValues& values, std::size_t first, std::size_t begin, Eigen::Index rows,
-                            std::size_t first_frame, const LevelScale& scale, const Missing& missing,
-                            const Eigen::Ref<const Eigen::VectorXd>& mean) {
+Eigen::MatrixXd level_block(const FrameValues& values, std::size_t first, std::size_t begin,
+                            Eigen::Index rows, std::size_t first_frame, const LevelScale& scale,
+                            const Missing& missing, const Eigen::Ref<const Eigen::VectorXd>& mean) {
   const auto frames = static_cast<Eigen::Index>(values.frames.size());
   Eigen::MatrixXd block(rows, frames);
   for (Eigen::Index t = 0; t < frames; ++t) {
@@ -122,7 +123,8 @@ core::Status add_information(Eigen::Index m, Eigen::Index n, std::size_t frames,
   const std::vector<std::size_t> partly = partly_hidden_frames(missing);
   std::vector<RowSums> sums(partly.size(), none);
   core::parallel_for(kSumSlabs, context, [&](std::size_t chunk) {
-    const std::size_t begin = partly.size() * chunk / kSumSlabs, end = partly.size() * (chunk + 1) / kSumSlabs;
+    const std::size_t begin = partly.size() * chunk / kSumSlabs,
+                      end = partly.size() * (chunk + 1) / kSumSlabs;
     const auto step = static_cast<Eigen::Index>(kBlock);
     for (Eigen::Index row = 0; begin < end && row < m && !context.cancelled(); row += step) {
       const WeightedRows rows = rows_of(row, std::min(step, m - row));

@@ -14,7 +14,8 @@ namespace emberfold::dytex {
 namespace {
 
 std::size_t pixel_count(const core::ClipInfo& info) {
-  return static_cast<std::size_t>(std::max(info.width, 0)) * static_cast<std::size_t>(std::max(info.height, 0));
+  return static_cast<std::size_t>(std::max(info.width, 0)) *
+         static_cast<std::size_t>(std::max(info.height, 0));
 }
 
 std::string size_text(int width, int height) {
@@ -78,7 +79,7 @@ Missing::Missing(core::FrameSource& mask, const core::ClipInfo& clip, const core
     groups_.push_back(counts_.back() == pixels_ ? -1 : group);
     before_ = bright;
   }
-  before_ = {};
+  before_.release();
   if (frames == 0) throw core::InputError("the mask has no frames");
   const auto gone = static_cast<std::size_t>(std::count(groups_.begin(), groups_.end(), -1));
   if (gone == frames) throw core::InputError("the mask hides every pixel of every frame");
@@ -108,8 +109,8 @@ FilledSource::FilledSource(core::FrameSource& source, const Missing& missing,
   const core::ClipInfo &a = source.info(), &b = texture.info;
   if (a.width != b.width || a.height != b.height || a.channels != b.channels)
     throw core::InputError("the texture is " + size_text(b.width, b.height) + " of " +
-                           std::to_string(b.channels) + " channels, the clip " + size_text(a.width, a.height) +
-                           " of " + std::to_string(a.channels));
+                           std::to_string(b.channels) + " channels, the clip " +
+                           size_text(a.width, a.height) + " of " + std::to_string(a.channels));
   missing.check_frames(static_cast<std::size_t>(texture.states.cols()));
 }
 
@@ -175,8 +176,7 @@ cv::Mat HeldSource::next() {
   if (frame.empty()) return frame;
   if (!frame.isContinuous()) frame = frame.clone();
   const std::size_t t = position_++;
-  if (t < missing_.frames())
-    for_hidden(missing_, t, [&](std::size_t p) { copy_pixel(held_, frame, p); });
+  if (t < missing_.frames()) for_hidden(missing_, t, [&](std::size_t p) { copy_pixel(held_, frame, p); });
   frame.copyTo(held_);
   return frame;
 }

@@ -14,8 +14,8 @@
 
 namespace emberfold::dytex {
 
-/// Which pixels of a clip's frames are not known; a bit for every pixel and frame. All channels of a pixel are
-/// hidden together. Without frames nothing is hidden in any.
+/// Which pixels of a clip's frames are not known; a bit for every pixel and frame. All channels of a pixel
+/// are hidden together. Without frames nothing is hidden in any.
 class Missing {
  public:
   Missing() = default;
