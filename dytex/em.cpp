@@ -12,6 +12,7 @@
 #include "dytex/em_appearance.hpp"
 #include "dytex/em_dynamics.hpp"
 #include "dytex/frame_bands.hpp"
+#include "dytex/observe.hpp"
 
 namespace emberfold::dytex {
 
@@ -38,11 +39,6 @@ void check_start(const LinearDynamicTexture& start, const core::ClipInfo& info) 
          std::to_string(start.components()) + " components; models of lag 1 alone can be improved");
   if (start.channels.size() > 0) fail("the start is a model per channel; one of all channels is needed");
   if ((start.weights.array() != 1).any()) fail("the start was edited; a model as it was learned is needed");
-}
-
-StateSpace start_space(const LinearDynamicTexture& start) {
-  return {start.A, start.B, Eigen::VectorXd::Zero(start.order()),
-          detail::symmetric_factor(stationary_covariance(start.A, start.B))};
 }
 
 /// Where EM stands.
@@ -193,7 +189,7 @@ EmResult maximise_likelihood(core::FrameSource& source, const LinearDynamicTextu
       options, context, {255 / source.info().white, static_cast<std::size_t>(source.info().channels)}};
   const bool by_gram = !options.noise_per_value && missing.by_frames();
   const auto appearance = by_gram ? detail::gram_appearance(input) : detail::value_appearance(input);
-  Fit fit{start_space(start), {}};
+  Fit fit{state_space(start), {}};
   if (iterate(*appearance, options, context, fit, result) == core::Status::cancelled ||
       finish(*appearance, fit, source.info(), result) == core::Status::cancelled)
     return cancelled(bands.passes());
