@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/command_dytex.hpp"
+#include "apps/command_dytex_em.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/summary.hpp"
@@ -27,6 +28,7 @@ struct Learn {
   dytex::LearnOptions options;
   bool asked_components = false, asked_energy = false;
   double energy = 0.95;
+  EmAsked em;
 };
 
 // Fifty components are the default for a long clip; a short one has fewer.
@@ -99,19 +101,24 @@ void run_learn(Learn asked, Session& session) {
   if (asked.asked_energy) asked.options.energy = asked.energy;
   const ReadOptions read = check_reading(asked.reading, session);
   check_learning(asked.options);
+  check_em(asked.em);
   ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("learn");
   const auto source =
       open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
   fit_to_length(asked, source->info(), session);
-  const auto learned = learn_texture(asked, *source, session);
+  EmStage em(asked.em, *source, read, session);
+  auto learned = learn_texture(asked, em.source(), session);
   for (const auto& note : learned.notes) session.warn(note);
+  em.improve(learned.texture);
   stages.begin("write");
   write_model(folder.output(), "", dytex::archive_view(learned.texture));
   write_picture(folder.output(), learned.texture);
   stages.end();
+  em.write_filled(learned.texture);
   Json summary = learn_summary(asked, read, source->info(), learned, session);
+  summary["learning"]["em"] = em.figures();
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   folder.output().write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
@@ -133,7 +140,8 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
   command->footer(
       "  emberfold dytex learn flag.avi -o out/flag\n"
       "  emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100\n"
-      "  emberfold dytex learn flag.avi -o out/flag --energy 0.95");
+      "  emberfold dytex learn flag.avi -o out/flag --energy 0.95\n"
+      "  emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4");
   const auto asked = std::make_shared<Learn>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
@@ -144,6 +152,7 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
   energy->default_str("");
   energy->excludes(components);
   for (auto* option : {components, energy}) option->group("Learning");
+  add_em_options(*command, asked->em);
   add_common(*command, chosen.common, "Print the content of summary.json");
   command->callback([asked, components, energy, &chosen] {
     asked->asked_components = components->count() > 0;

@@ -206,7 +206,7 @@ EmResult learn_missing(core::FrameSource& source, const Missing& missing, const 
                        const EmOptions& options, const core::Context& context) {
   learning.validate();
   options.validate();
-  detail::HeldSource held(source, missing, context);
+  HeldSource held(source, missing, context);
   if (context.cancelled()) return cancelled(1);
   LearnResult start = learn(held, learning, context);
   if (start.status == core::Status::cancelled) return cancelled(start.passes + 1);

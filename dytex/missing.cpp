@@ -135,8 +135,6 @@ void FilledSource::rewind() {
   position_ = 0;
 }
 
-namespace detail {
-
 HeldSource::HeldSource(core::FrameSource& source, const Missing& missing, const core::Context& context)
     : source_(source), missing_(missing) {
   const core::ClipInfo& info = source.info();
@@ -186,7 +184,5 @@ void HeldSource::rewind() {
   position_ = 0;
   held_ = mean_.clone();
 }
-
-}  // namespace detail
 
 }  // namespace emberfold::dytex

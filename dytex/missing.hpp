@@ -74,8 +74,6 @@ class FilledSource final : public core::FrameSource {
   std::size_t position_ = 0;
 };
 
-namespace detail {
-
 /// A clip whose hidden values are what was last seen of the pixel, before that the mean of all that is seen
 /// of it; of a pixel that is never seen, the mean of all pixels. Reads the source once when made.
 class HeldSource final : public core::FrameSource {
@@ -92,7 +90,5 @@ class HeldSource final : public core::FrameSource {
   cv::Mat mean_, held_;
   std::size_t position_ = 0, never_seen_ = 0;
 };
-
-}  // namespace detail
 
 }  // namespace emberfold::dytex

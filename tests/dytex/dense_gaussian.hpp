@@ -36,9 +36,10 @@ struct DenseGaussian {
 };
 
 /// Of what `seen` (m × τ, 1 or 0) leaves of the frames Y (m × τ).
-inline DenseGaussian dense_gaussian(const dytex::StateSpace& space, const Look& look, const Eigen::MatrixXd& Y,
-                                    const Eigen::MatrixXd& seen) {
-  const Eigen::Index n = space.A.rows(), frames = Y.cols(), k = space.B.cols(), k0 = space.first_factor.cols();
+inline DenseGaussian dense_gaussian(const dytex::StateSpace& space, const Look& look,
+                                    const Eigen::MatrixXd& Y, const Eigen::MatrixXd& seen) {
+  const Eigen::Index n = space.A.rows(), frames = Y.cols(), k = space.B.cols(),
+                     k0 = space.first_factor.cols();
   // All states as a linear map of x(0)'s and the driving noises.
   Eigen::MatrixXd map = Eigen::MatrixXd::Zero(n * frames, k0 + k * (frames - 1));
   Eigen::VectorXd prior(n * frames);

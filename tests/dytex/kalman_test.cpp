@@ -58,7 +58,8 @@ void check_against_dense(const Case& made) {
   const double size = dense.covariance.norm();
   for (Eigen::Index t = 0; t < made.Y.cols(); ++t) {
     CHECK((smoothed.at(t).covariance - dense.block(t, t)).norm() <= 1e-9 * size);
-    if (t + 1 < made.Y.cols()) CHECK((smoothed.at(t).with_next - dense.block(t + 1, t)).norm() <= 1e-9 * size);
+    if (t + 1 < made.Y.cols())
+      CHECK((smoothed.at(t).with_next - dense.block(t + 1, t)).norm() <= 1e-9 * size);
   }
   // The filter is the smoother of a clip that ends here.
   const Eigen::Index middle = made.Y.cols() / 2;
@@ -127,7 +128,8 @@ TEST_CASE("What is seen of a clip follows the definition", "[dytex][kalman]") {
   texture.states = Eigen::MatrixXd::Zero(6, frames);
   texture.singular = Eigen::VectorXd::Zero(frames);
   texture.r = 2;
-  const core::Clip clip = test::clip_of((30 * test::normals(m, frames, 4).array() + 120).matrix(), 20, 17, 3, CV_32F);
+  const core::Clip clip =
+      test::clip_of((30 * test::normals(m, frames, 4).array() + 120).matrix(), 20, 17, 3, CV_32F);
   core::Clip mask{{20, 17, 1, CV_8U, 25, 255, frames}, {}};
   Eigen::MatrixXd seen = Eigen::MatrixXd::Ones(m, frames);
   core::Rng rng(5);
@@ -145,9 +147,10 @@ TEST_CASE("What is seen of a clip follows the definition", "[dytex][kalman]") {
   const dytex::Missing missing(mask_source, clip.info);
   for (const bool per_value : {false, true}) {
     if (per_value) texture.noise = (test::normals(m, 1, 6).array().square() + 0.2).matrix().cast<float>();
-    const Eigen::VectorXd noise = per_value ? texture.noise.cast<double>().eval() : Eigen::VectorXd::Constant(m, 2);
-    const test::Look look{texture.C.cast<double>() * texture.weights.asDiagonal(), texture.mean.cast<double>(),
-                          noise};
+    const Eigen::VectorXd noise =
+        per_value ? texture.noise.cast<double>().eval() : Eigen::VectorXd::Constant(m, 2);
+    const test::Look look{texture.C.cast<double>() * texture.weights.asDiagonal(),
+                          texture.mean.cast<double>(), noise};
     const auto plain = test::plain_observations(look, test::levels_of(clip), seen);
     core::ClipSource source(clip);
     const auto found = dytex::observe(texture, source, missing);
