@@ -123,6 +123,20 @@ void tell_start(const LinearDynamicTexture& start, EmResult& result) {
     result.notes.emplace_back("likelihood is of Gaussian noise: the start's residuals are left out");
 }
 
+/// Says where clips drawn from the model vary much more or less than the smoothed states.
+void compare_variance(EmResult& result) {
+  constexpr double kMuch = 1.5;
+  const LinearDynamicTexture& texture = result.texture;
+  const double drawn = stationary_covariance(texture.A, texture.B).trace();
+  const double seen = texture.states.squaredNorm() / static_cast<double>(texture.states.cols());
+  if (drawn <= kMuch * seen && seen <= kMuch * drawn) return;
+  std::ostringstream text;
+  text.precision(2);
+  text << "clips drawn from the model have " << drawn / seen
+       << " times the variance of the clip it was learned from";
+  result.notes.push_back(text.str());
+}
+
 core::Status finish(detail::Appearance& appearance, const Fit& fit, const core::ClipInfo& info,
                     EmResult& result) {
   LinearDynamicTexture& texture = result.texture;
@@ -137,6 +151,7 @@ core::Status finish(detail::Appearance& appearance, const Fit& fit, const core::
   const double correction = appearance.r_correction();
   texture.r *= correction;
   texture.noise *= static_cast<float>(correction);
+  compare_variance(result);
   for (std::string& note : appearance.notes()) result.notes.push_back(std::move(note));
   return core::Status::done;
 }
@@ -208,16 +223,20 @@ EmResult learn_missing(core::FrameSource& source, const Missing& missing, const 
   options.validate();
   HeldSource held(source, missing, context);
   if (context.cancelled()) return cancelled(1);
-  LearnResult start = learn(held, learning, context);
+  const LearnResult start = learn(held, learning, context);
   if (start.status == core::Status::cancelled) return cancelled(start.passes + 1);
   EmResult result = maximise_likelihood(source, start.texture, options, missing, context);
   result.passes += start.passes + 1;
   if (result.status == core::Status::cancelled) return result;
+  std::vector<std::string> notes;  // the start's own are of a model that is no more
+  if (start.texture.components() < learning.components && !learning.energy)
+    notes.push_back("what is seen changes in " + std::to_string(start.texture.components()) +
+                    " directions only: the model has as many components");
   if (held.never_seen() > 0)
-    start.notes.push_back(
+    notes.push_back(
         std::to_string(held.never_seen()) + (held.never_seen() == 1 ? " pixel is" : " pixels are") +
         " hidden in every frame: nothing is known of " + (held.never_seen() == 1 ? "it" : "them"));
-  result.notes.insert(result.notes.begin(), start.notes.begin(), start.notes.end());
+  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   return result;
 }
 

@@ -57,7 +57,7 @@ EmResult maximise_likelihood(core::FrameSource& source, const LinearDynamicTextu
                              const core::Context& context = {});
 
 /// Learns from a clip of which part is hidden: in closed form, with what was last seen of each pixel in the
-/// place of what is hidden, then by maximise_likelihood(). The notes are of both.
+/// place of what is hidden, then by maximise_likelihood().
 EmResult learn_missing(core::FrameSource& source, const Missing& missing, const LearnOptions& learning = {},
                        const EmOptions& options = {}, const core::Context& context = {});
 

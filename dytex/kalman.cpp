@@ -75,6 +75,10 @@ Eigen::MatrixXd advance(const StateSpace& space, const Eigen::MatrixXd& factor) 
   return detail::triangular_factor(rows).transpose();
 }
 
+Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix) {
+  return (matrix + matrix.transpose()) / 2;
+}
+
 bool nearly_same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return (a - b).norm() <= kSame * a.norm();
 }
@@ -173,7 +177,7 @@ Smoothed smooth(const StateSpace& space, const Filtered& filtered) {
   result.step.resize(static_cast<std::size_t>(frames));
   const Eigen::MatrixXd Q = space.B * space.B.transpose();
   const Eigen::MatrixXd& last = factors(frames - 1).filtered;
-  result.steps.push_back({last * last.transpose(), {}});
+  result.steps.push_back({symmetric(last * last.transpose()), {}});
   result.step.back() = 0;
   Eigen::MatrixXd J, rest;  // rest: what is left of the filtered covariance with x(t+1) known
   std::pair<int, int> of{-1, -1};
@@ -191,8 +195,7 @@ Smoothed smooth(const StateSpace& space, const Filtered& filtered) {
     if (!(steady && like_next)) {
       const Eigen::MatrixXd& next = result.steps.back().covariance;
       SmootherStep step{{}, next * J.transpose()};
-      step.covariance = rest + J * step.with_next;
-      step.covariance = ((step.covariance + step.covariance.transpose()) / 2).eval();
+      step.covariance = symmetric(rest + J * step.with_next);
       steady = like_next && nearly_same(step.covariance, next);
       if (!steady) result.steps.push_back(std::move(step));
     }

@@ -259,9 +259,9 @@ TEST_CASE("Noise by place finds where the noise is", "[dytex][em]") {
   const auto miss = [&](const dytex::LinearDynamicTexture& texture) {
     const Eigen::MatrixXd shown =
         (texture.C.cast<double>() * texture.states).colwise() + texture.mean.cast<double>();
-    return (shown - known.clean).norm();
+    return (shown - known.clean).topRows(300).norm();
   };
-  CHECK(miss(result.texture) < 0.8 * miss(plain.texture));
+  CHECK(miss(result.texture) < 0.7 * miss(plain.texture));  // where there is little noise
 }
 
 TEST_CASE("An unstable A becomes a stable one and a note", "[dytex][em]") {

@@ -161,17 +161,17 @@ TEST_CASE("The learning curve's errors are those of models that are learned", "[
 }
 
 TEST_CASE("The learning curve falls and comes to rest where the clip is long enough", "[dytex][forecast]") {
-  const auto known = test::known_clip(400, 300, 1, 6);
+  const auto known = test::known_clip(400, 200, 1, 6);
   const core::Clip clip = test::clip_of(known.levels, 20, 20, 1, CV_32F);
   core::ClipSource long_source(clip);
   dytex::CurveOptions options;
   options.components = 4;
-  options.lengths = 20;
-  options.targets = 20;
+  options.lengths = 16;
+  options.targets = 16;
   const auto curve = dytex::learning_curve(long_source, options);
   CHECK(curve.points.front().error > 1.1 * curve.plateau);
   REQUIRE(curve.critical.has_value());
-  CHECK(*curve.critical < 200);
+  CHECK(*curve.critical < 130);
   CHECK(curve.plateau < curve.frame_before);
 }
 

@@ -107,7 +107,7 @@ TEST_CASE("Singular noise and a known first state and one frame are no trouble",
 
 TEST_CASE("Kept covariances change nothing", "[dytex][kalman]") {
   // Long enough to become steady, then a gap, then steady again.
-  Case made = random_case(3, 2, 2, 150, 0, 20);
+  Case made = random_case(8, 2, 2, 150, 0, 20);
   made.seen.middleCols(80, 3).setZero();
   const auto seen = test::plain_observations(made.look, made.Y, made.seen);
   const auto filtered = dytex::filter(made.space, seen);
