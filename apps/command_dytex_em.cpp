@@ -43,7 +43,15 @@ void add_em_options(CLI::App& command, EmAsked& asked) {
       ->group(group);
 }
 
-void check_em(const EmAsked& asked) {
+void check_em(const EmAsked& asked, const dytex::LearnOptions& learning) {
+  if (asked.wanted()) {
+    const auto refuse = [](const std::string& option) {
+      throw Misuse("EM goes on from a closed form of " + option + " alone");
+    };
+    if (learning.lags != 1) refuse("--lags 1");
+    if (learning.channels != dytex::Channels::joint) refuse("--channels joint");
+    if (learning.method != dytex::Method::closed_form) refuse("--method closed-form");
+  }
   if (!asked.filled.empty() && asked.missing.empty())
     throw Misuse("--filled is what --missing hides, filled in; there is no --missing");
   try {

@@ -8,6 +8,7 @@
 
 #include "apps/command_line.hpp"
 #include "dytex/em.hpp"
+#include "dytex/learn.hpp"
 #include "dytex/missing.hpp"
 
 namespace emberfold::apps {
@@ -22,8 +23,8 @@ struct EmAsked {
 
 /// --em, --em-iterations, --em-tolerance, --noise-per-value, --missing, --filled.
 void add_em_options(CLI::App& command, EmAsked& asked);
-/// Misuse where they cannot be.
-void check_em(const EmAsked& asked);
+/// Misuse where they cannot be, or not with what the closed form is asked for.
+void check_em(const EmAsked& asked, const dytex::LearnOptions& learning);
 
 /// Maximum likelihood on top of what `dytex learn` learns in closed form; nothing where it is not asked for.
 class EmStage {

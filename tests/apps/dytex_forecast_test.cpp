@@ -185,6 +185,7 @@ TEST_CASE("what forecast and curve and EM cannot take is refused in one line") {
   refused({"curve", model}, 1, {"is no clip"});
   refused({"learn", clip, "--em", "--em-iterations", "0"}, 2, {"--em-iterations is 0"});
   refused({"learn", clip, "--em", "--em-tolerance", "2"}, 2, {"--em-tolerance is 2"});
+  refused({"learn", clip, "--em", "--lags", "2"}, 2, {"EM", "--lags 1"});
   refused({"learn", clip, "--filled", "x.avi"}, 2, {"--filled", "--missing"});
   refused({"learn", clip, "--missing", mask}, 2, {"--missing", "29 frames", "30"});
   refused({"learn", clip, "--missing", other}, 2, {"--missing", "40x30", "48x36"});
