@@ -30,7 +30,8 @@ void add_texture_model(CLI::App& command, std::string& model) {
 }
 
 void add_dytex(CLI::App& app, Chosen& chosen) {
-  auto* command = app.add_subcommand("dytex", "Linear dynamic textures: learn, synthesize, look into");
+  auto* command =
+      app.add_subcommand("dytex", "Linear dynamic textures: learn, synthesize, foretell, look into");
   command->footer(
       "  emberfold dytex learn flag.avi -o out/flag\n"
       "  emberfold dytex synth out/flag -o flag.mp4\n"
@@ -39,6 +40,8 @@ void add_dytex(CLI::App& app, Chosen& chosen) {
   add_dytex_learn(*command, chosen);
   add_dytex_synth(*command, chosen);
   add_dytex_info(*command, chosen);
+  add_dytex_forecast(*command, chosen);
+  add_dytex_curve(*command, chosen);
   for (auto* one : command->get_subcommands([](CLI::App*) { return true; })) one->group("Commands");
 }
 

@@ -14,6 +14,8 @@ namespace emberfold::apps {
 void add_dytex_learn(CLI::App& dytex, Chosen& chosen);
 void add_dytex_synth(CLI::App& dytex, Chosen& chosen);
 void add_dytex_info(CLI::App& dytex, Chosen& chosen);
+void add_dytex_forecast(CLI::App& dytex, Chosen& chosen);
+void add_dytex_curve(CLI::App& dytex, Chosen& chosen);
 
 /// The argument MODEL.
 void add_texture_model(CLI::App& command, std::string& model);

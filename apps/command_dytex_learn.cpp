@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/command_dytex.hpp"
+#include "apps/command_dytex_em.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/summary.hpp"
@@ -47,6 +48,7 @@ struct Learn {
   dytex::LearnOptions options;
   bool asked_components = false, asked_energy = false, asked_order = false;
   double energy = 0.95;
+  EmAsked em;
   int memory = static_cast<int>(dytex::LearnOptions{}.memory >> 20);  // MiB
   std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
 };
@@ -159,19 +161,25 @@ void run_learn(Learn asked, Session& session) {
   take_words(asked);
   const ReadOptions read = check_reading(asked.reading, session);
   check_learning(asked.options);
+  asked.em.options.memory = asked.options.memory;
+  check_em(asked.em, asked.options);
   ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("learn");
   const auto source =
       open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
   fit_to_length(asked, source->info(), session);
-  const auto learned = learn_texture(asked, *source, session);
-  for (const auto& note : learned.notes) session.warn(note);
+  EmStage em(asked.em, *source, read, session);
+  auto learned = learn_texture(asked, em.source(), session);
+  for (const auto& note : learned.notes) session.warn(asked.em.wanted() ? "closed form: " + note : note);
+  em.improve(learned.texture);
   stages.begin("write");
   write_model(folder.output(), "", dytex::archive_view(learned.texture));
   write_picture(folder.output(), learned.texture);
   stages.end();
+  em.write_filled(learned.texture);
   Json summary = learn_summary(asked, read, source->info(), learned, session);
+  summary["learning"]["em"] = em.figures();
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   folder.output().write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
@@ -227,7 +235,8 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
       "  emberfold dytex learn flag.avi -o out/flag\n"
       "  emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100\n"
       "  emberfold dytex learn flag.avi -o out/flag --energy 0.95\n"
-      "  emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2 --noise resampled");
+      "  emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2 --noise resampled\n"
+      "  emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4");
   const auto asked = std::make_shared<Learn>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
@@ -246,6 +255,7 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
                             "For frames held at a time; more passes over the clip where they do not fit");
   for (auto* option : {components, energy, order, memory}) option->group("Learning");
   add_model_options(*command, *asked);
+  add_em_options(*command, asked->em);
   add_common(*command, chosen.common, "Print the content of summary.json");
   command->callback([asked, components, energy, order, &chosen] {
     asked->asked_components = components->count() > 0;

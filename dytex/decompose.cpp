@@ -50,6 +50,21 @@ Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix) {
   return svd.matrixU().leftCols(kept) * s.head(kept).asDiagonal();
 }
 
+Eigen::MatrixXd triangular_factor(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return Eigen::MatrixXd(0, matrix.cols());
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
+  return qr.matrixQR().topRows(std::min(matrix.rows(), matrix.cols())).triangularView<Eigen::Upper>();
+}
+
+Eigen::MatrixXd symmetric_factor(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return Eigen::MatrixXd(matrix.rows(), 0);
+  const SymmetricEigen eigen = symmetric_eigen(matrix);
+  const double least = std::max(eigen.values[0], 0.0) * static_cast<double>(matrix.rows()) *
+                       std::numeric_limits<double>::epsilon();
+  const Eigen::Index kept = (eigen.values.array() > least).count();
+  return eigen.vectors.leftCols(kept) * eigen.values.head(kept).cwiseSqrt().asDiagonal();
+}
+
 Eigen::MatrixXd nearest_orthogonal(const Eigen::MatrixXd& matrix) {
   const ThinSvd svd = thin_svd(matrix);
   return svd.U * svd.V.transpose();

@@ -20,6 +20,13 @@ double largest_absolute_eigenvalue(const Eigen::MatrixXd& matrix);
 /// max(rows, columns) · ε times the largest: F with F Fᵀ = M Mᵀ, at most as many columns as rows.
 Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix);
 
+/// R of M = Q R, Q with orthonormal columns: min(rows, columns) × columns, upper triangular, Rᵀ R = Mᵀ M.
+Eigen::MatrixXd triangular_factor(const Eigen::MatrixXd& matrix);
+
+/// F with F Fᵀ = M for a symmetric M, of which the lower half is read; what rounding made negative is 0.
+/// Without columns of an eigenvalue below rows · ε times the largest.
+Eigen::MatrixXd symmetric_factor(const Eigen::MatrixXd& matrix);
+
 /// U Vᵀ of the singular value decomposition of a square matrix: the orthogonal matrix nearest to it.
 Eigen::MatrixXd nearest_orthogonal(const Eigen::MatrixXd& matrix);
 
