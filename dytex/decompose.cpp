@@ -48,4 +48,9 @@ Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix) {
   return svd.matrixU().leftCols(kept) * s.head(kept).asDiagonal();
 }
 
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {};
+  return Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues();
+}
+
 }  // namespace emberfold::dytex::detail

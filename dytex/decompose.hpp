@@ -20,4 +20,7 @@ double largest_absolute_eigenvalue(const Eigen::MatrixXd& matrix);
 /// max(rows, columns) · ε times the largest: F with F Fᵀ = M Mᵀ, at most as many columns as rows.
 Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix);
 
+/// Falling; none of an empty matrix.
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix);
+
 }  // namespace emberfold::dytex::detail
