@@ -108,7 +108,7 @@ void run_learn(Learn asked, Session& session) {
   const auto learned = learn_texture(asked, *source, session);
   for (const auto& note : learned.notes) session.warn(note);
   stages.begin("write");
-  write_model(folder.output(), "", dytex::to_archive(learned.texture));
+  write_model(folder.output(), "", dytex::archive_view(learned.texture));
   write_picture(folder.output(), learned.texture);
   stages.end();
   Json summary = learn_summary(asked, read, source->info(), learned, session);
@@ -119,8 +119,8 @@ void run_learn(Learn asked, Session& session) {
   folder.commit();
   std::ostringstream said;
   said.precision(4);
-  said << learned.texture.order() << " components with "
-       << 100 * share_of_variance(learned.texture, learned.texture.order()) << " % of the variance of "
+  said << learned.texture.components() << " components with "
+       << 100 * share_of_variance(learned.texture, learned.texture.components()) << " % of the variance of "
        << learned.texture.states.cols() << " frames; the model is " << asked.output;
   session.console.say(said.str());
   if (session.common.json) session.print(json_text(summary));

@@ -141,13 +141,19 @@ core::NpyArray read_array(const fs::path& file, std::size_t limit) {
 }  // namespace
 
 void write_model(OutputFolder& output, const std::string& name, const core::ModelArchive& archive) {
+  core::ModelView model{archive.text, {}};
+  for (const auto& [array, values] : archive.arrays) model.arrays.emplace(array, core::view(values));
+  write_model(output, name, model);
+}
+
+void write_model(OutputFolder& output, const std::string& name, const core::ModelView& archive) {
   if (!name.empty()) output.make_subfolder(name);
   const std::string prefix = name.empty() ? "" : name + "/";
   output.write(prefix + kText, [&](std::ostream& out) { out << archive.text; });
   for (const auto& [array, values] : archive.arrays)
     output.write(prefix + array + ".npy", [&](std::ostream& out) {
       try {
-        core::write_npy(out, values);
+        core::write_npy_view(out, values);
       } catch (const core::IoError&) {
         out.setstate(std::ios::failbit);  // told with the file's name and the system's reason
       }

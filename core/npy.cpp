@@ -246,13 +246,13 @@ NpyArray::Data empty_data(std::string_view type) {
 }
 
 struct TypeCode {
-  std::string_view operator()(const std::vector<Half>&) const { return "<f2"; }
-  std::string_view operator()(const std::vector<float>&) const { return "<f4"; }
-  std::string_view operator()(const std::vector<double>&) const { return "<f8"; }
-  std::string_view operator()(const std::vector<std::uint8_t>&) const { return "|u1"; }
-  std::string_view operator()(const std::vector<std::uint16_t>&) const { return "<u2"; }
-  std::string_view operator()(const std::vector<std::int32_t>&) const { return "<i4"; }
-  std::string_view operator()(const std::vector<std::int64_t>&) const { return "<i8"; }
+  std::string_view operator()(std::span<const Half>) const { return "<f2"; }
+  std::string_view operator()(std::span<const float>) const { return "<f4"; }
+  std::string_view operator()(std::span<const double>) const { return "<f8"; }
+  std::string_view operator()(std::span<const std::uint8_t>) const { return "|u1"; }
+  std::string_view operator()(std::span<const std::uint16_t>) const { return "<u2"; }
+  std::string_view operator()(std::span<const std::int32_t>) const { return "<i4"; }
+  std::string_view operator()(std::span<const std::int64_t>) const { return "<i8"; }
 };
 
 template <typename T>
@@ -306,7 +306,7 @@ Header read_header(std::istream& in) {
   return HeaderParser(text).parse();
 }
 
-std::string header_text(const NpyArray& array) {
+std::string header_text(const NpyView& array) {
   std::string text = "{'descr': '";
   text += std::visit(TypeCode{}, array.data);
   text += std::string("', 'fortran_order': ") + (array.fortran_order ? "True" : "False");
@@ -360,7 +360,16 @@ NpyArray read_npy(std::istream& in, std::size_t size_limit) {
   return array;
 }
 
+NpyView view(const NpyArray& array) {
+  return {array.shape, array.fortran_order,
+          std::visit([](const auto& values) -> NpyView::Data { return std::span(values); }, array.data)};
+}
+
 void write_npy(std::ostream& out, const NpyArray& array) {
+  write_npy_view(out, view(array));
+}
+
+void write_npy_view(std::ostream& out, const NpyView& array) {
   if (array.shape.size() > kMaxDimensions)
     throw InputError("write_npy: the array has " + std::to_string(array.shape.size()) +
                      " dimensions, at most " + std::to_string(kMaxDimensions) + " are allowed");
@@ -375,14 +384,13 @@ void write_npy(std::ostream& out, const NpyArray& array) {
     out << kMagic;
     out.write(prefix, sizeof prefix) << text;
     std::visit(
-        [&](const auto& values) {
-          using T = typename std::decay_t<decltype(values)>::value_type;
+        [&]<class T>(std::span<const T> values) {
           const auto write = [&](std::span<const T> part) {
             out.write(reinterpret_cast<const char*>(part.data()),
                       static_cast<std::streamsize>(part.size_bytes()));
           };
           if constexpr (std::endian::native == std::endian::little) return write(values);
-          std::vector<T> copy = values;
+          std::vector<T> copy(values.begin(), values.end());
           reverse_bytes(std::span<T>(copy));
           write(copy);
         },

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iosfwd>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -34,6 +35,17 @@ struct NpyArray {
   bool operator==(const NpyArray&) const = default;
 };
 
+/// An array that lies elsewhere, in the order that NpyArray tells.
+struct NpyView {
+  using Data = std::variant<std::span<const float>, std::span<const double>, std::span<const std::uint8_t>,
+                            std::span<const std::uint16_t>, std::span<const std::int32_t>,
+                            std::span<const std::int64_t>, std::span<const Half>>;
+  std::vector<std::size_t> shape;
+  bool fortran_order = false;
+  Data data;
+};
+NpyView view(const NpyArray& array);
+
 /// Reads one array: format versions 1 to 3, little- or big-endian f2, f4, f8, u1, u2, i4, i8. The length
 /// promised by the header is held against `size_limit` bytes and against what the stream holds before memory
 /// is taken; a stream that ends early or holds anything else is an IoError. Leaves the stream behind the
@@ -43,5 +55,6 @@ NpyArray read_npy(std::istream& in, std::size_t size_limit = std::size_t{1} << 3
 /// Writes version 1.0, little-endian, the data beginning at a multiple of 64 bytes, as NumPy does. Throws
 /// InputError where shape and data disagree, IoError where the stream fails.
 void write_npy(std::ostream& out, const NpyArray& array);
+void write_npy_view(std::ostream& out, const NpyView& array);
 
 }  // namespace emberfold::core

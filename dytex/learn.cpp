@@ -249,6 +249,7 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
   texture.info.frames = frames;
   texture.r = left_variance(found.singular, n, m);
   texture.states = s.asDiagonal() * V.transpose();
+  texture.weights = Eigen::VectorXd::Ones(n);
   texture.singular = std::move(found.singular);
   compare_variance(result);
   result.passes = bands.passes();

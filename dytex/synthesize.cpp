@@ -51,6 +51,17 @@ Eigen::VectorXd stationary_state(const LinearDynamicTexture& texture, std::uint6
   return eigen.vectors * scale.cwiseProduct(normals(core::Rng(seed, stream(0, 0, kFirst)), texture.order()));
 }
 
+/// The weights of C's columns for a state.
+Eigen::VectorXf shown(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state) {
+  return texture.weights.cwiseProduct(state.head(texture.components())).cast<float>();
+}
+
+/// v(t) of frame t.
+Eigen::VectorXd driving(const LinearDynamicTexture& texture, core::Rng rng) {
+  if (texture.residuals.size() == 0) return normals(rng, texture.B.cols());
+  return texture.residuals.col(rng.below(static_cast<std::uint32_t>(texture.residuals.cols())));
+}
+
 /// A row vector of the frame's values.
 cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) {
   const core::ClipInfo& info = texture.info;
@@ -82,7 +93,7 @@ Synthesis::Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions
 
 void Synthesis::step() {
   const core::Rng rng(options_.seed, stream(++frame_, 0, kDriving));
-  state_ = texture_.A * state_ + texture_.B * normals(rng, texture_.B.cols());
+  state_ = texture_.A * state_ + texture_.B * driving(texture_, rng);
 }
 
 cv::Mat Synthesis::next() {
@@ -93,12 +104,12 @@ cv::Mat Synthesis::next() {
 
 void Synthesis::render() {
   const core::ClipInfo& info = texture_.info;
-  Eigen::MatrixXf states(texture_.order(), static_cast<Eigen::Index>(kBatch));
+  Eigen::MatrixXf states(texture_.components(), static_cast<Eigen::Index>(kBatch));
   states_.clear();
   ready_.clear();
   position_ = 0;
   for (std::size_t i = 0; i < kBatch; ++i) {
-    states.col(static_cast<Eigen::Index>(i)) = state_.cast<float>();
+    states.col(static_cast<Eigen::Index>(i)) = shown(texture_, state_);
     states_.push_back(state_);
     ready_.emplace_back(info.height, info.width, CV_MAKETYPE(CV_8U, info.channels));
     step();
@@ -110,13 +121,16 @@ void Synthesis::render_block(const Eigen::MatrixXf& states, std::size_t block) {
   const Eigen::Index row = first_row(block), rows = row_count(texture_, block);
   Eigen::MatrixXf levels = texture_.mean.segment(row, rows).replicate(1, states.cols());
   levels.noalias() += texture_.C.middleRows(row, rows) * states;
-  const double deviation = std::sqrt(texture_.r);
+  const bool each = texture_.noise.size() > 0;  // value has its own deviation
+  const Eigen::ArrayXd deviations =
+      each ? texture_.noise.segment(row, rows).cast<double>().array().sqrt().eval()
+           : Eigen::ArrayXd::Constant(rows, std::sqrt(texture_.r));
   for (std::size_t i = 0; i < kBatch; ++i) {
     auto column = levels.col(static_cast<Eigen::Index>(i));
     if (options_.pixel_noise) {
       const std::uint64_t frame = frame_ - kBatch + i;
       core::Rng rng(options_.seed, stream(frame, static_cast<std::uint32_t>(block), kPixels));
-      for (float& x : column) x += static_cast<float>(deviation * rng.normal());
+      for (Eigen::Index p = 0; p < rows; ++p) column[p] += static_cast<float>(deviations[p] * rng.normal());
     }
     const cv::Mat from(1, static_cast<int>(rows), CV_32F, column.data());
     cv::Mat to(1, static_cast<int>(rows), CV_8U, ready_[i].data + row);
@@ -128,7 +142,7 @@ Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& leve
   const cv::Mat flat = flat_levels(texture, levels);
   constexpr std::size_t kParts = 16;
   const std::size_t blocks = block_count(texture);
-  std::vector<Eigen::VectorXd> parts(kParts, Eigen::VectorXd::Zero(texture.order()));
+  std::vector<Eigen::VectorXd> parts(kParts, Eigen::VectorXd::Zero(texture.components()));
   core::parallel_for(kParts, {}, [&](std::size_t part) {
     for (std::size_t b = blocks * part / kParts; b < blocks * (part + 1) / kParts; ++b) {
       const Eigen::Index row = first_row(b), rows = row_count(texture, b);
@@ -142,12 +156,12 @@ Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& leve
 }
 
 cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state) {
-  if (state.size() != texture.order())
+  if (state.size() != texture.order() && state.size() != texture.components())
     throw core::InputError("the state has " + std::to_string(state.size()) + " numbers, the texture needs " +
                            std::to_string(texture.order()));
   const core::ClipInfo& info = texture.info;
   cv::Mat levels(info.height, info.width, CV_MAKETYPE(CV_32F, info.channels));
-  const Eigen::VectorXf x = state.cast<float>();
+  const Eigen::VectorXf x = shown(texture, state);
   core::parallel_for(block_count(texture), {}, [&](std::size_t block) {
     const Eigen::Index row = first_row(block), rows = row_count(texture, block);
     Eigen::Map<Eigen::VectorXf> to(levels.ptr<float>() + row, rows);
@@ -158,7 +172,7 @@ cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::
 }
 
 cv::Mat predict(const LinearDynamicTexture& texture, const cv::Mat& levels) {
-  return draw(texture, texture.A * project(texture, levels));
+  return draw(texture, texture.A * expected_state(texture, project(texture, levels)));
 }
 
 }  // namespace emberfold::dytex

@@ -17,7 +17,7 @@ struct SynthesisOptions {
   std::uint64_t seed = 1;
   /// Where x(0) comes from: drawn from the stationary distribution, or a training frame's state, 0 … τ − 1.
   std::optional<int> first_frame;
-  bool pixel_noise = false;  ///< adds w(t), of variance r, to every value
+  bool pixel_noise = false;  ///< adds w(t) to every value
 };
 
 /// An endless clip drawn from a model. Frame t depends on the model, the options and t alone, whatever the
@@ -30,7 +30,7 @@ class Synthesis {
 
   /// The next frame, its own memory: CV_8U, of the texture's size and channels, white = 255.
   cv::Mat next();
-  /// The state of the frame that next() gave last, n; of x(0) before the first.
+  /// The state of the frame that next() gave last, N; of x(0) before the first.
   [[nodiscard]] const Eigen::VectorXd& state() const { return shown_; }
 
  private:
@@ -47,15 +47,16 @@ class Synthesis {
   std::size_t position_ = 0;
 };
 
-/// x = Cᵀ (y − mean), n: the state that shows `levels` best. `levels`: CV_32F of the texture's size and
-/// channels, white = 255, else InputError. O(m n).
+/// Cᵀ (y − mean), n: the states' first numbers that show `levels` best, for weights of 1. `levels`: CV_32F of
+/// the texture's size and channels, white = 255, else InputError. O(m n).
 Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& levels);
 
-/// y = mean + C x: CV_32F of the texture's size and channels, not clipped. `state`: n, else InputError. O(m
-/// n).
+/// y = mean + C diag(weights) x: CV_32F of the texture's size and channels, not clipped. `state`: N numbers,
+/// or the n that show; else InputError. O(m n).
 cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state);
 
-/// The best guess at the frame after `levels`: mean + C A Cᵀ (y − mean). As project() and draw().
+/// The best guess at the frame after `levels`: the projection of `levels`, the rest of the state as it is
+/// expected beside it, times A, drawn. As project(), expected_state() and draw().
 cv::Mat predict(const LinearDynamicTexture& texture, const cv::Mat& levels);
 
 }  // namespace emberfold::dytex

@@ -35,6 +35,7 @@ dytex::LinearDynamicTexture known_texture() {
   const double c = 0.9 * std::cos(std::numbers::pi / 6), s = 0.9 * std::sin(std::numbers::pi / 6);
   texture.A = Eigen::Matrix3d{{0.8, 0, 0}, {0, c, -s}, {0, s, c}};
   texture.B = Eigen::Matrix3d::Identity();
+  texture.weights = Eigen::VectorXd::Ones(3);
   texture.states = Eigen::MatrixXd::Ones(3, 4);
   texture.singular = Eigen::Vector4d(6, 2, 1, 0.5);
   return texture;

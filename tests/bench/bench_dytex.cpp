@@ -95,6 +95,7 @@ dytex::LinearDynamicTexture make_texture(int width, int height, int channels) {
     c = static_cast<float>(rng.uniform(-1, 1) / std::sqrt(static_cast<double>(m) / 3));
   texture.A = 0.9 * Eigen::MatrixXd::Identity(n, n);
   texture.B = 20 * std::sqrt(static_cast<double>(m) / n) * Eigen::MatrixXd::Identity(n, n);
+  texture.weights = Eigen::VectorXd::Ones(n);
   texture.states = Eigen::MatrixXd::Zero(n, n);
   texture.singular = Eigen::VectorXd::Zero(n);
   return texture;

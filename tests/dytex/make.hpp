@@ -76,7 +76,9 @@ inline bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynami
     return x.rows() == y.rows() && x.cols() == y.cols() && (x.array() == y.array()).all();
   };
   return a.info == b.info && a.r == b.r && equal(a.mean, b.mean) && equal(a.C, b.C) && equal(a.A, b.A) &&
-         equal(a.B, b.B) && equal(a.states, b.states) && equal(a.singular, b.singular);
+         equal(a.B, b.B) && equal(a.states, b.states) && equal(a.singular, b.singular) &&
+         equal(a.weights, b.weights) && equal(a.noise, b.noise) && equal(a.residuals, b.residuals) &&
+         equal(a.channels, b.channels);
 }
 
 /// What an exception of the given type says; empty where none is thrown.
