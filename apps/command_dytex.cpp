@@ -34,11 +34,17 @@ void add_dytex(CLI::App& app, Chosen& chosen) {
   command->footer(
       "  emberfold dytex learn flag.avi -o out/flag\n"
       "  emberfold dytex synth out/flag -o flag.mp4\n"
-      "  emberfold dytex info out/flag");
+      "  emberfold dytex info out/flag\n"
+      "  emberfold dytex distance out/flag out/river\n"
+      "  emberfold dytex classify clips -o out/classes\n"
+      "  emberfold dytex compress out/flag -o out/small --precision f16");
   command->require_subcommand(0, 1);
   add_dytex_learn(*command, chosen);
   add_dytex_synth(*command, chosen);
   add_dytex_info(*command, chosen);
+  add_dytex_distance(*command, chosen);
+  add_dytex_classify(*command, chosen);
+  add_dytex_compress(*command, chosen);
   for (auto* one : command->get_subcommands([](CLI::App*) { return true; })) one->group("Commands");
 }
 

@@ -14,6 +14,9 @@ namespace emberfold::apps {
 void add_dytex_learn(CLI::App& dytex, Chosen& chosen);
 void add_dytex_synth(CLI::App& dytex, Chosen& chosen);
 void add_dytex_info(CLI::App& dytex, Chosen& chosen);
+void add_dytex_distance(CLI::App& dytex, Chosen& chosen);
+void add_dytex_classify(CLI::App& dytex, Chosen& chosen);
+void add_dytex_compress(CLI::App& dytex, Chosen& chosen);
 
 /// The argument MODEL.
 void add_texture_model(CLI::App& command, std::string& model);
