@@ -1,19 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/command_dytex.hpp"
 
-#include "apps/model_folder.hpp"
-#include "dytex/archive.hpp"
-
 namespace emberfold::apps {
-
-dytex::LinearDynamicTexture read_texture(const std::string& folder) {
-  const auto archive = read_model(folder, kTextureFormat);
-  try {
-    return dytex::linear_dynamic_texture(archive);
-  } catch (const core::IoError& error) {
-    throw core::IoError(folder + ": " + error.what());
-  }
-}
 
 std::unique_ptr<ClipWriter> create_output(const std::string& path, const core::ClipInfo& info) {
   try {

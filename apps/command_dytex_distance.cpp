@@ -29,14 +29,13 @@ struct Distance {
 Measure check(const Distance& asked) {
   constexpr int kLongest = 100'000;
   const auto measure = measure_of(asked.measure);
-  if (!measure)
-    throw Misuse("--measure is " + one_line(asked.measure) + "; allowed is " + measure_names());
+  if (!measure) throw Misuse("--measure is " + one_line(asked.measure) + "; allowed is " + measure_names());
   if (asked.asked_growth && (asked.growth < 1 || asked.growth > kLongest))
-    throw Misuse("--growth is " + std::to_string(asked.growth) + "; allowed is 1 to " + std::to_string(kLongest));
+    throw Misuse("--growth is " + std::to_string(asked.growth) + "; allowed is 1 to " +
+                 std::to_string(kLongest));
   if (asked.asked_growth && asked.output.empty())
     throw Misuse("--growth writes growth.json and growth.png: name a folder for them with --output");
-  if (asked.models.size() < 2)
-    throw Misuse("one model has no distance; name two models or more");
+  if (asked.models.size() < 2) throw Misuse("one model has no distance; name two models or more");
   try {
     asked.kernel.validate();
   } catch (const core::InputError& error) {
@@ -67,12 +66,15 @@ void tell_missing(const Distance& asked, const std::vector<dytex::LinearDynamicT
   for (std::size_t i = 0; i < models.size(); ++i) {
     const bool noisy = models[i].noise.size() > 0 ? models[i].noise.minCoeff() > 0 : models[i].r > 0;
     if (!noisy && (asked.asked_growth || (asked.asked_measure && asked.measure == "kl")))
-      throw core::IoError(asked.models[i] + ": its noise r is 0, so the KL rate is infinite; learn it with fewer "
+      throw core::IoError(asked.models[i] +
+                          ": its noise r is 0, so the KL rate is infinite; learn it with fewer "
                           "components, so that r is estimated");
     if (!noisy)
-      session.warn(asked.models[i] + ": its noise r is 0, so there is no KL rate; learn it with fewer components, "
+      session.warn(asked.models[i] +
+                   ": its noise r is 0, so there is no KL rate; learn it with fewer components, "
                    "so that r is estimated");
-    if (models[i].order() == 0) session.warn(asked.models[i] + ": it has no components, so there are no angles");
+    if (models[i].order() == 0)
+      session.warn(asked.models[i] + ": it has no components, so there are no angles");
   }
 }
 
@@ -153,10 +155,11 @@ void add_dytex_distance(CLI::App& dytex, Chosen& chosen) {
                    "Folder for matrix.json, matrix.csv and matrix.png; made where it is not there")
       ->type_name("DIR");
   const char* group = "Distances";
-  auto* measure = command->add_option("--measure", asked->measure, "What the table, the CSV and the picture show")
-                      ->type_name("kl|martin|binet-cauchy|angles")
-                      ->default_str(asked->measure)
-                      ->group(group);
+  auto* measure =
+      command->add_option("--measure", asked->measure, "What the table, the CSV and the picture show")
+          ->type_name("kl|martin|binet-cauchy|angles")
+          ->default_str(asked->measure)
+          ->group(group);
   auto* growth = add_number(*command, "--growth", asked->growth, "FRAMES",
                             "Also how the KL divergence grows up to so many frames: growth.json, growth.png")
                      ->default_str("")

@@ -16,9 +16,9 @@ namespace {
 
 const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(226, 222, 218);
 // Blue, vermilion, green, purple, orange, sky: told apart by the colour-blind too (Okabe, Ito 2008).
-const std::array<cv::Scalar, 6> kColours = {cv::Scalar(178, 114, 0),   cv::Scalar(0, 94, 213),
-                                            cv::Scalar(115, 158, 0),   cv::Scalar(167, 121, 204),
-                                            cv::Scalar(0, 159, 230),   cv::Scalar(233, 180, 86)};
+const std::array<cv::Scalar, 6> kColours = {cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213),
+                                            cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
+                                            cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86)};
 const cv::Rect kBox(86, 44, 900 - 86 - 24, 540 - 44 - 62);
 
 void write(cv::Mat& picture, const std::string& text, cv::Point at, double size = 0.42,
@@ -114,7 +114,8 @@ void draw_axes(cv::Mat& picture, const CurvePlot& plot, const Axis& x, const Axi
   upright(cv::Rect({0, 0}, (there & all).size())).copyTo(picture(there & all));
 }
 
-void draw_curve(cv::Mat& picture, const Curve& curve, const cv::Scalar& colour, const Axis& x, const Axis& y) {
+void draw_curve(cv::Mat& picture, const Curve& curve, const cv::Scalar& colour, const Axis& x,
+                const Axis& y) {
   constexpr int kShift = 4;
   std::vector<cv::Point> run;
   const auto end_run = [&] {
@@ -138,8 +139,8 @@ void draw_curve(cv::Mat& picture, const Curve& curve, const cv::Scalar& colour, 
 void draw_names(cv::Mat& picture, const CurvePlot& plot) {
   int width = 0;
   for (const auto& curve : plot.curves) width = std::max(width, text_width(curve.name));
-  const cv::Rect place(kBox.x + kBox.width - width - 52, kBox.y + kBox.height - 14 -
-                       20 * static_cast<int>(plot.curves.size()), width + 44,
+  const cv::Rect place(kBox.x + kBox.width - width - 52,
+                       kBox.y + kBox.height - 14 - 20 * static_cast<int>(plot.curves.size()), width + 44,
                        8 + 20 * static_cast<int>(plot.curves.size()));
   const cv::Rect shown = place & kBox;
   if (shown.empty()) return;

@@ -10,8 +10,9 @@ namespace emberfold::apps {
 
 struct Curve {
   std::string name;
-  std::vector<double> x, y;  ///< of one length; points that are not finite, or ≤ 0 on a log axis, are left out
-  bool points = false;       ///< a dot at every point besides
+  std::vector<double> x,
+      y;                ///< of one length; points that are not finite, or ≤ 0 on a log axis, are left out
+  bool points = false;  ///< a dot at every point besides
 };
 
 struct CurvePlot {

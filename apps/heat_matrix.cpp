@@ -14,10 +14,11 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr int kMargin = 16, kHead = 40, kWidest = 1400, kLongestName = 24;
+constexpr int kMargin = 16, kHead = 40, kLongestName = 24;
 const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(215, 212, 208);
 
-void write(cv::Mat& picture, const std::string& text, cv::Point at, double size, const cv::Scalar& ink = kInk) {
+void write(cv::Mat& picture, const std::string& text, cv::Point at, double size,
+           const cv::Scalar& ink = kInk) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
 }
 
@@ -87,7 +88,7 @@ void draw_cell(cv::Mat& picture, const cv::Rect& box, double value, const Colour
 
 cv::Mat draw_heat_matrix(const HeatMatrix& matrix) {
   const int count = std::max(1, matrix.values.rows);
-  const int cell = std::clamp(kWidest / count, 4, 56);
+  const int cell = std::clamp(matrix.widest / count, 4, 56);
   const bool named = cell >= 12;
   std::vector<std::string> names;
   int longest = 0;
@@ -103,8 +104,8 @@ cv::Mat draw_heat_matrix(const HeatMatrix& matrix) {
   const Colours colours(matrix);
   for (int i = 0; i < matrix.values.rows; ++i)
     for (int j = 0; j < matrix.values.cols; ++j)
-      draw_cell(picture, {corner.x + j * cell, corner.y + i * cell, cell, cell}, matrix.values.at<double>(i, j),
-                colours, matrix.whole);
+      draw_cell(picture, {corner.x + j * cell, corner.y + i * cell, cell, cell},
+                matrix.values.at<double>(i, j), colours, matrix.whole);
   cv::rectangle(picture, cv::Rect(corner, cv::Size(side, side)), kFaint);
   if (!named) return picture;
   for (int i = 0; i < std::min(count, static_cast<int>(names.size())); ++i) {

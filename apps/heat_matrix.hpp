@@ -16,10 +16,11 @@ struct HeatMatrix {
   cv::Mat values;
   bool log_colours = false;  ///< colours by the logarithm of what is above 0
   bool whole = false;        ///< numbers without decimals
+  int widest = 1400;         ///< px, of the cells together
 };
 
 /// Dark is large. Numbers stand in the cells where they have room; names beside the rows and, turned, above
-/// the columns. CV_8UC3, at most some 1600 px wide.
+/// the columns. CV_8UC3.
 cv::Mat draw_heat_matrix(const HeatMatrix& matrix);
 
 }  // namespace emberfold::apps

@@ -60,10 +60,14 @@ std::string field(const std::string& text) {
 
 const char* about(dytex::Measure measure) {
   switch (measure) {
-    case dytex::Measure::kl: return "KL rate of the row's model from the column's, nats a frame";
-    case dytex::Measure::martin: return "Martin distance";
-    case dytex::Measure::binet_cauchy: return "distance by the Binet-Cauchy trace kernel, 0 to 2";
-    case dytex::Measure::angles: break;
+    case dytex::Measure::kl:
+      return "KL rate of the row's model from the column's, nats a frame";
+    case dytex::Measure::martin:
+      return "Martin distance";
+    case dytex::Measure::binet_cauchy:
+      return "distance by the Binet-Cauchy trace kernel, 0 to 2";
+    case dytex::Measure::angles:
+      break;
   }
   return "Grassmann distance, rad: root of the sum of squared subspace angles";
 }
@@ -78,7 +82,8 @@ std::optional<dytex::Measure> measure_of(const std::string& text) {
 
 std::string measure_names() {
   std::string names;
-  for (const auto measure : dytex::kMeasures) names += (names.empty() ? "" : ", ") + std::string(name(measure));
+  for (const auto measure : dytex::kMeasures)
+    names += (names.empty() ? "" : ", ") + std::string(name(measure));
   return names;
 }
 
@@ -110,9 +115,9 @@ cv::Mat measure_matrix(std::span<const dytex::Distances> pairs, dytex::Measure m
   for (int i = 0; i < models; ++i)
     for (int j = i; j < models; ++j, ++k) {
       const auto& pair = pairs[k];
-      const bool there = measure == dytex::Measure::kl ? pair.kl.has_value()
-                                                       : measure == dytex::Measure::binet_cauchy ||
-                                                             pair.angles.size() > 0;
+      const bool there = measure == dytex::Measure::kl
+                             ? pair.kl.has_value()
+                             : measure == dytex::Measure::binet_cauchy || pair.angles.size() > 0;
       const double value = there ? distance(pair, measure) : kNone;
       values.at<double>(i, j) = value;
       values.at<double>(j, i) = there && measure == dytex::Measure::kl ? *pair.kl_back : value;
@@ -160,7 +165,8 @@ std::string pair_table(const std::vector<std::string>& names, const dytex::Dista
   return out;
 }
 
-std::string matrix_table(const std::vector<std::string>& names, const cv::Mat& values, dytex::Measure measure) {
+std::string matrix_table(const std::vector<std::string>& names, const cv::Mat& values,
+                         dytex::Measure measure) {
   std::size_t first = 0;
   for (const auto& name : names) first = std::max(first, length(name));
   std::string out = std::string(about(measure)) + "\n" + std::string(first, ' ');
@@ -195,7 +201,7 @@ std::string matrix_csv(const std::vector<std::string>& names, const cv::Mat& val
 }
 
 cv::Mat draw_distances(const std::vector<std::string>& names, const cv::Mat& values, dytex::Measure measure) {
-  return draw_heat_matrix({about(measure), names, values, measure == dytex::Measure::kl, false});
+  return draw_heat_matrix({about(measure), names, values, measure == dytex::Measure::kl});
 }
 
 Json growth_json(const std::vector<Growth>& curves) {

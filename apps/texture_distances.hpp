@@ -32,7 +32,8 @@ nlohmann::ordered_json distances_json(const std::vector<std::string>& models,
 /// All distances of the first from the second, and back where that differs.
 std::string pair_table(const std::vector<std::string>& names, const dytex::Distances& pair);
 /// One measure of all models, a row each.
-std::string matrix_table(const std::vector<std::string>& names, const cv::Mat& values, dytex::Measure measure);
+std::string matrix_table(const std::vector<std::string>& names, const cv::Mat& values,
+                         dytex::Measure measure);
 /// The same as CSV, a head line first; empty fields where there is no number.
 std::string matrix_csv(const std::vector<std::string>& names, const cv::Mat& values);
 cv::Mat draw_distances(const std::vector<std::string>& names, const cv::Mat& values, dytex::Measure measure);
