@@ -24,7 +24,8 @@ constexpr std::string_view kFamily = "emberfold.";
 // The files of a model and those that stand with it.
 bool belongs_to_model(const fs::path& file) {
   const auto name = file.filename().string();
-  return name == kText || name == "summary.json" || name == "components.png" || file.extension() == ".npy";
+  return name == kText || name == "summary.json" || name == "components.png" ||
+         name == "compression.png" || file.extension() == ".npy";
 }
 
 std::vector<fs::path> entries(const fs::path& folder) {

@@ -50,7 +50,7 @@ void put_in_steps(const Eigen::MatrixXf& C, core::ModelArchive& archive) {
   archive.arrays["C_offset"] = {{n}, false, std::move(offsets)};
 }
 
-/// The whole of it as the pair's second half would show it: D = C'ᵀ C, G = C'ᵀ C', g = C'ᵀ (mean − mean').
+/// Of a texture and what is kept of it (marked '): D = C'ᵀ C, G = C'ᵀ C', g = C'ᵀ (mean − mean').
 struct Products {
   Eigen::MatrixXd G, D;
   Eigen::VectorXd g;
@@ -115,7 +115,7 @@ double batch_error(const LinearDynamicTexture& texture, const Eigen::LLT<Eigen::
     Eigen::MatrixXf drawn = texture.C.middleRows(row, rows) * states;
     drawn.colwise() += texture.mean.segment(row, rows);
     const auto bytes = drawn.array().max(0.0F).min(255.0F).round();
-    sum += static_cast<double>((bytes - frames.middleRows(row, rows).array()).square().sum());
+    sum += (bytes - frames.middleRows(row, rows).array()).cast<double>().square().sum();
   });
 }
 
