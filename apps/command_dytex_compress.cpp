@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
-#include <cstdio>
 #include <filesystem>
+#include <iomanip>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -112,24 +112,22 @@ ClipSize clip_size(const Compress& asked, const dytex::LinearDynamicTexture& tex
 
 std::string table(const dytex::LinearDynamicTexture& texture, const std::vector<Kept>& all,
                   const ClipSize& clip, bool measured) {
-  std::array<char, 160> line{};
-  std::string out;
-  const auto add = [&](const auto&... values) {
-    std::snprintf(line.data(), line.size(), values...);
-    out += line.data();
-  };
-  add("the clip, uncompressed   %14zu bytes\n", clip.raw);
-  if (clip.file) add("its file                 %14zu bytes\n", *clip.file);
-  add("\ncomponents  kept in         bytes   of the clip   PSNR, dB%s\n", measured ? "   measured" : "");
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(2);
+  out << "the clip, uncompressed " << std::setw(14) << clip.raw << " bytes\n";
+  if (clip.file) out << "its file               " << std::setw(14) << *clip.file << " bytes\n";
+  out << "\ncomponents  kept in         bytes   of the clip    PSNR, dB" << (measured ? "    measured" : "")
+      << '\n';
   for (const auto& kept : all) {
-    add("%10td  %-7s %13zu %12.2f %% %10.2f", static_cast<std::ptrdiff_t>(kept.components),
-        name(kept.precision), kept.bytes,
-        100 * static_cast<double>(kept.bytes) / static_cast<double>(clip.raw), kept.psnr);
-    if (kept.measured) add(" %10.2f", *kept.measured);
-    out += "\n";
-    if (kept.components == texture.components() && kept.precision != Precision::u8) out += "\n";
+    const double share = static_cast<double>(kept.bytes) / static_cast<double>(clip.raw);
+    out << std::setw(10) << kept.components << "  " << std::left << std::setw(7) << name(kept.precision)
+        << std::right << std::setw(14) << kept.bytes << std::setw(12) << 100 * share << " %" << std::setw(12)
+        << kept.psnr;
+    if (kept.measured) out << std::setw(12) << *kept.measured;
+    out << '\n';
+    if (kept.components == texture.components() && kept.precision != Precision::u8) out << '\n';
   }
-  return out;
+  return out.str();
 }
 
 Json compression_json(const std::vector<Kept>& all, const ClipSize& clip) {
