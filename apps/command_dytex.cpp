@@ -1,19 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/command_dytex.hpp"
 
-#include "apps/model_folder.hpp"
-#include "dytex/archive.hpp"
-
 namespace emberfold::apps {
-
-dytex::LinearDynamicTexture read_texture(const std::string& folder) {
-  const auto archive = read_model(folder, kTextureFormat);
-  try {
-    return dytex::linear_dynamic_texture(archive);
-  } catch (const core::IoError& error) {
-    throw core::IoError(folder + ": " + error.what());
-  }
-}
 
 std::unique_ptr<ClipWriter> create_output(const std::string& path, const core::ClipInfo& info) {
   try {
@@ -35,13 +23,19 @@ void add_dytex(CLI::App& app, Chosen& chosen) {
   command->footer(
       "  emberfold dytex learn flag.avi -o out/flag\n"
       "  emberfold dytex synth out/flag -o flag.mp4\n"
-      "  emberfold dytex info out/flag");
+      "  emberfold dytex info out/flag\n"
+      "  emberfold dytex distance out/flag out/river\n"
+      "  emberfold dytex classify clips -o out/classes\n"
+      "  emberfold dytex compress out/flag -o out/small --precision f16");
   command->require_subcommand(0, 1);
   add_dytex_learn(*command, chosen);
   add_dytex_synth(*command, chosen);
   add_dytex_info(*command, chosen);
   add_dytex_forecast(*command, chosen);
   add_dytex_curve(*command, chosen);
+  add_dytex_distance(*command, chosen);
+  add_dytex_classify(*command, chosen);
+  add_dytex_compress(*command, chosen);
   for (auto* one : command->get_subcommands([](CLI::App*) { return true; })) one->group("Commands");
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/files.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 
@@ -29,6 +31,16 @@ std::ifstream open_file(const fs::path& path) {
   if (!in || fs::is_directory(path))
     fail("read", path, fs::is_directory(path) ? "it is a folder" : std::strerror(errno));
   return in;
+}
+
+bool is_video_name(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* known : {".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".wmv", ".flv",
+                            ".y4m", ".ogv", ".ts", ".3gp"})
+    if (extension == known) return true;
+  return false;
 }
 
 }  // namespace emberfold::apps

@@ -22,8 +22,8 @@ constexpr std::string_view kMotionFormat = "emberfold.motion_model";
 void write_model(OutputFolder& output, const std::string& name, const core::ModelArchive& archive);
 void write_model(OutputFolder& output, const std::string& name, const core::ModelView& model);
 
-/// A model's own folder while it is written. Beside the model it may hold a summary.json and a
-/// components.png.
+/// A model's own folder while it is written. Beside the model it may hold a summary.json, a
+/// components.png and a compression.png.
 class ModelFolder {
  public:
   /// core::IoError where the folder can be none, or already holds other things than a model.

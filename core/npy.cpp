@@ -97,7 +97,7 @@ class HeaderParser {
     if (type.size() != 3) refuse_type(type);
     const char order = type[0];
     const std::string_view code = type.substr(1);
-    constexpr std::array<std::string_view, 6> kCodes{"f4", "f8", "u1", "u2", "i4", "i8"};
+    constexpr std::array<std::string_view, 7> kCodes{"f2", "f4", "f8", "u1", "u2", "i4", "i8"};
     const bool one_byte = code == "u1";
     if (std::find(kCodes.begin(), kCodes.end(), code) == kCodes.end()) refuse_type(type);
     if (order != '<' && order != '>' && !(order == '|' && one_byte)) refuse_type(type);
@@ -107,7 +107,7 @@ class HeaderParser {
 
   [[noreturn]] static void refuse_type(std::string_view type) {
     fail("the dtype " + quoted(type) +
-         " cannot be read, only f4, f8, u1, u2, i4, i8 after '<' or '>' ('|' for u1)");
+         " cannot be read, only f2, f4, f8, u1, u2, i4, i8 after '<' or '>' ('|' for u1)");
   }
 
   bool boolean() {
@@ -236,6 +236,7 @@ std::string shape_text(std::span<const std::size_t> shape) {
 }
 
 NpyArray::Data empty_data(std::string_view type) {
+  if (type == "f2") return std::vector<Half>();
   if (type == "f4") return std::vector<float>();
   if (type == "f8") return std::vector<double>();
   if (type == "u1") return std::vector<std::uint8_t>();
@@ -245,6 +246,7 @@ NpyArray::Data empty_data(std::string_view type) {
 }
 
 struct TypeCode {
+  std::string_view operator()(std::span<const Half>) const { return "<f2"; }
   std::string_view operator()(std::span<const float>) const { return "<f4"; }
   std::string_view operator()(std::span<const double>) const { return "<f8"; }
   std::string_view operator()(std::span<const std::uint8_t>) const { return "|u1"; }
@@ -320,6 +322,34 @@ std::string header_text(const NpyView& array) {
 }
 
 }  // namespace
+
+Half to_half(float value) {
+  constexpr std::uint32_t kInfinite = 0x7f800000, kTooLarge = 0x477ff000;  // 65520
+  constexpr std::uint32_t kLeastNormal = 0x38800000;                       // 2^-14
+  const auto all = std::bit_cast<std::uint32_t>(value);
+  const std::uint32_t sign = all >> 16 & 0x8000, size = all & 0x7fffffff;
+  if (size > kInfinite) return {static_cast<std::uint16_t>(sign | 0x7e00 | (size >> 13 & 0x3ff))};
+  if (size >= kTooLarge) return {static_cast<std::uint16_t>(sign | 0x7c00)};
+  if (size < kLeastNormal) {
+    // Added to 1/2 the least bit of the sum is worth 2^-24, as that of a small Half: the sum rounds as
+    // needed.
+    const auto sum = std::bit_cast<std::uint32_t>(std::bit_cast<float>(size) + 0.5F);
+    return {static_cast<std::uint16_t>(sign | (sum - std::bit_cast<std::uint32_t>(0.5F)))};
+  }
+  const std::uint32_t rounded = size + 0xfff + (size >> 13 & 1);
+  return {static_cast<std::uint16_t>(sign | ((rounded >> 13) - (112U << 10)))};
+}
+
+float to_float(Half half) {
+  const std::uint32_t sign = std::uint32_t{half.bits} >> 15 << 31;
+  const std::uint32_t exponent = half.bits >> 10 & 0x1f, fraction = half.bits & 0x3ff;
+  if (exponent == 0) {
+    const float size = static_cast<float>(fraction) * 0x1p-24F;
+    return std::bit_cast<float>(sign | std::bit_cast<std::uint32_t>(size));
+  }
+  const std::uint32_t wide = exponent == 0x1f ? 0xff : exponent + 112;
+  return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
+}
 
 NpyArray read_npy(std::istream& in, std::size_t size_limit) {
   if (!in) fail("the stream cannot be read");

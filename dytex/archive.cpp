@@ -127,30 +127,71 @@ std::string shape_text(const std::vector<std::size_t>& shape) {
   return text + (shape.size() == 1 ? ",)" : ")");
 }
 
-/// The array's numbers in columns. `shape` is of one or two extents.
 template <class Scalar>
-Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> read_matrix(const core::ModelArchive& archive,
-                                                                  const char* name,
-                                                                  const std::vector<std::size_t>& shape) {
+using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+const core::NpyArray& array_named(const core::ModelArchive& archive, const char* name) {
   const auto found = archive.arrays.find(name);
   if (found == archive.arrays.end()) fail("the array " + std::string(name) + " is missing");
-  const core::NpyArray& array = found->second;
-  const auto* data = std::get_if<std::vector<Scalar>>(&array.data);
-  if (data == nullptr)
-    fail("the array " + std::string(name) + " must hold " +
-         (std::is_same_v<Scalar, float> ? "float32" : "float64"));
+  return found->second;
+}
+
+/// The numbers of an array whose shape is held against `shape`, of one or two extents.
+template <class Stored>
+const std::vector<Stored>& numbers(const core::NpyArray& array, const char* name, const char* types,
+                                   const std::vector<std::size_t>& shape) {
+  const auto* data = std::get_if<std::vector<Stored>>(&array.data);
+  if (data == nullptr) fail("the array " + std::string(name) + " must hold " + types);
   if (array.shape != shape)
     fail("the array " + std::string(name) + " has the shape " + shape_text(array.shape) + ", must have " +
          shape_text(shape));
-  const auto rows = static_cast<Eigen::Index>(shape[0]);
-  const auto columns = static_cast<Eigen::Index>(shape.size() > 1 ? shape[1] : 1);
-  if (data->size() != static_cast<std::size_t>(rows * columns))
+  if (data->size() != shape[0] * (shape.size() > 1 ? shape[1] : 1))
     fail("the array " + std::string(name) + " has " + std::to_string(data->size()) + " numbers, its shape " +
          shape_text(shape) + " another number");
-  using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  return *data;
+}
+
+/// Numbers that lie as their array tells, in columns.
+template <class Scalar>
+Columns<Scalar> arranged(const std::vector<Scalar>& data, const core::NpyArray& array) {
+  const auto rows = static_cast<Eigen::Index>(array.shape[0]);
+  const auto columns = static_cast<Eigen::Index>(array.shape.size() > 1 ? array.shape[1] : 1);
   using Rows = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  if (array.fortran_order || shape.size() == 1) return Eigen::Map<const Columns>(data->data(), rows, columns);
-  return Eigen::Map<const Rows>(data->data(), rows, columns);
+  if (array.fortran_order || array.shape.size() == 1)
+    return Eigen::Map<const Columns<Scalar>>(data.data(), rows, columns);
+  return Eigen::Map<const Rows>(data.data(), rows, columns);
+}
+
+template <class Scalar>
+Columns<Scalar> read_matrix(const core::ModelArchive& archive, const char* name,
+                            const std::vector<std::size_t>& shape) {
+  const core::NpyArray& array = array_named(archive, name);
+  return arranged(numbers<Scalar>(array, name, std::is_same_v<Scalar, float> ? "float32" : "float64", shape),
+                  array);
+}
+
+/// The mean, or C: float32, float16, or uint8 with its columns' scales and offsets.
+Columns<float> read_levels(const core::ModelArchive& archive, const std::string& name,
+                           const std::vector<std::size_t>& shape) {
+  constexpr const char* kTypes = "float32, float16 or uint8";
+  const core::NpyArray& array = array_named(archive, name.c_str());
+  if (std::holds_alternative<std::vector<core::Half>>(array.data)) {
+    const auto& halves = numbers<core::Half>(array, name.c_str(), kTypes, shape);
+    std::vector<float> wide(halves.size());
+    std::ranges::transform(halves, wide.begin(), core::to_float);
+    return arranged(wide, array);
+  }
+  if (std::holds_alternative<std::vector<std::uint8_t>>(array.data)) {
+    const Columns<std::uint8_t> steps =
+        arranged(numbers<std::uint8_t>(array, name.c_str(), kTypes, shape), array);
+    const std::vector<std::size_t> each{shape.size() > 1 ? shape[1] : 1};
+    const Eigen::VectorXf scale = read_matrix<float>(archive, (name + "_scale").c_str(), each);
+    const Eigen::VectorXf offset = read_matrix<float>(archive, (name + "_offset").c_str(), each);
+    Columns<float> levels = steps.cast<float>() * scale.asDiagonal();
+    levels.rowwise() += offset.transpose();
+    return levels;
+  }
+  return arranged(numbers<float>(array, name.c_str(), kTypes, shape), array);
 }
 
 struct Extents {
@@ -242,8 +283,8 @@ LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive) {
                  static_cast<std::size_t>(texture.info.height) *
                  static_cast<std::size_t>(texture.info.channels);
   const auto frames = static_cast<std::size_t>(*texture.info.frames);
-  texture.mean = read_matrix<float>(archive, "mean", {m});
-  texture.C = read_matrix<float>(archive, "C", {m, n});
+  texture.mean = read_levels(archive, "mean", {m});
+  texture.C = read_levels(archive, "C", {m, n});
   texture.A = read_matrix<double>(archive, "A", {order, order});
   texture.B = read_matrix<double>(archive, "B", {order, k});
   texture.states = read_matrix<double>(archive, "states", {order, frames});

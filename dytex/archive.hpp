@@ -17,8 +17,9 @@ core::ModelView archive_view(LinearDynamicTexture&&) = delete;
 
 /// Throws core::IoError, naming the key or array, its value and what is expected, for a text that is no JSON,
 /// another format, a newer version, a missing key or array, an array of another type or shape, and anything
-/// that validate() refuses. Version 1 had neither weights (ones) nor what may be missing. Sizes are checked
-/// before memory is taken. Arrays may lie in either order.
+/// that validate() refuses. Version 1 had neither weights (ones) nor what may be missing. mean and C may
+/// be in float16 or uint8 too (compression.hpp). Sizes are checked before memory is taken. Arrays may lie in
+/// either order.
 LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive);
 
 }  // namespace emberfold::dytex

@@ -95,4 +95,9 @@ Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix) {
   return matrix.partialPivLu().inverse();
 }
 
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {};
+  return Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues();
+}
+
 }  // namespace emberfold::dytex::detail

@@ -47,5 +47,7 @@ Eigen::MatrixXd thin_q(const Eigen::MatrixXd& matrix);
 
 /// M⁻¹ of a square matrix, by LU.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix);
+/// Falling; none of an empty matrix.
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix);
 
 }  // namespace emberfold::dytex::detail

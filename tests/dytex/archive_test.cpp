@@ -163,7 +163,7 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
        [](auto& a) { replace(a, "\"components\": 4", "\"components\": 16777216"); }},
       {"model: the array mean is missing", [](auto& a) { a.arrays.erase("mean"); }},
       {"model: the array states is missing", [](auto& a) { a.arrays.erase("states"); }},
-      {"model: the array C must hold float32",
+      {"model: the array C must hold float32, float16 or uint8",
        [](auto& a) { a.arrays["C"].data = std::vector<double>(63 * 4); }},
       {"model: the array A must hold float64", [](auto& a) { a.arrays["A"].data = std::vector<float>(16); }},
       {"model: the array A has the shape (16,), must have (4, 4)",
