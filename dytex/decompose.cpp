@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "core/error.hpp"
 
@@ -46,6 +47,23 @@ Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix) {
       s[0] * static_cast<double>(std::max(rows, columns)) * std::numeric_limits<double>::epsilon();
   const Eigen::Index kept = (s.array() > least).count();
   return svd.matrixU().leftCols(kept) * s.head(kept).asDiagonal();
+}
+
+RealSchur real_schur(const Eigen::MatrixXd& matrix) {
+  const Eigen::RealSchur<Eigen::MatrixXd> solver(matrix);
+  if (solver.info() != Eigen::Success) throw core::NumericalError("the Schur form of A was not found");
+  return {solver.matrixT(), solver.matrixU()};
+}
+
+Eigen::MatrixXd matrix_power(const Eigen::MatrixXd& matrix, double exponent) {
+  return matrix.pow(exponent);
+}
+
+SingularVectors singular_vectors(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0)
+    return {Eigen::MatrixXd::Identity(matrix.rows(), matrix.rows()), Eigen::MatrixXd(matrix.cols(), 0)};
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeThinV);
+  return {svd.matrixU(), svd.matrixV()};
 }
 
 }  // namespace emberfold::dytex::detail

@@ -20,4 +20,21 @@ double largest_absolute_eigenvalue(const Eigen::MatrixXd& matrix);
 /// max(rows, columns) · ε times the largest: F with F Fᵀ = M Mᵀ, at most as many columns as rows.
 Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix);
 
+/// A = vectors · form · vectorsᵀ: `vectors` orthogonal, `form` block upper triangular with blocks of one row
+/// (a real eigenvalue) or two (a pair).
+struct RealSchur {
+  Eigen::MatrixXd form, vectors;
+};
+/// Of a square, finite matrix. NumericalError where it does not converge.
+RealSchur real_schur(const Eigen::MatrixXd& matrix);
+
+/// The principal power of a square matrix without eigenvalues on the closed negative real axis.
+Eigen::MatrixXd matrix_power(const Eigen::MatrixXd& matrix, double exponent);
+
+/// The singular vectors of a p × k matrix: all p left ones, min(p, k) right ones.
+struct SingularVectors {
+  Eigen::MatrixXd left, right;
+};
+SingularVectors singular_vectors(const Eigen::MatrixXd& matrix);
+
 }  // namespace emberfold::dytex::detail
