@@ -8,11 +8,13 @@
 
 #include "apps/command_dytex.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/mask_file.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/summary.hpp"
 #include "apps/texture_modes.hpp"
 #include "apps/texture_picture.hpp"
 #include "dytex/archive.hpp"
+#include "dytex/layers.hpp"
 #include "dytex/learn.hpp"
 
 namespace emberfold::apps {
@@ -23,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 struct Learn {
   Reading reading;
-  std::string output;
+  std::string output, mask;
   dytex::LearnOptions options;
   bool asked_components = false, asked_energy = false;
   double energy = 0.95;
@@ -52,6 +54,7 @@ Json learn_summary(const Learn& asked, const ReadOptions& read, const core::Clip
   summary["clip"] = clip_json(asked.reading.clip, info, static_cast<int>(texture.states.cols()));
   Json options = {{"components", asked.options.components}};
   options["energy"] = asked.options.energy ? Json(*asked.options.energy) : Json(nullptr);
+  options["mask"] = asked.mask.empty() ? Json(nullptr) : Json(asked.mask);
   summary["options"] = {{"reading", reading_json(read)}, {"learn", std::move(options)}};
   summary["texture"] = texture_json(texture);
   summary["learning"] = {
@@ -84,11 +87,28 @@ void check_learning(const dytex::LearnOptions& options) {
   }
 }
 
+/// Learns from the region inside the mask alone, where there is one.
+dytex::LearnResult learn_region(const Learn& asked, core::FrameSource& source, const core::Context& context) {
+  if (asked.mask.empty()) return dytex::learn(source, asked.options, context);
+  const cv::Mat mask = read_mask(asked.mask);
+  std::unique_ptr<dytex::RegionSource> region;
+  try {
+    region = std::make_unique<dytex::RegionSource>(source, mask);
+  } catch (const core::InputError& error) {
+    throw Misuse("--mask: " + asked.mask + ": " + error.what());
+  }
+  auto learned = dytex::learn(*region, asked.options, context);
+  if (learned.status == core::Status::done) dytex::confine(learned.texture, mask);
+  return learned;
+}
+
 dytex::LearnResult learn_texture(const Learn& asked, core::FrameSource& source, Session& session) {
   try {
-    auto learned = dytex::learn(source, asked.options, session.context);
+    auto learned = learn_region(asked, source, session.context);
     if (learned.status == core::Status::cancelled) throw Interrupted{};
     return learned;
+  } catch (const Misuse&) {
+    throw;
   } catch (const core::InputError& error) {
     throw Misuse(asked.reading.clip + ": " +
                  with_option_name(without_struct_name(error.what()), "components"));
@@ -143,7 +163,9 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
                             "Instead: the fewest components with this share of the variance");
   energy->default_str("");
   energy->excludes(components);
-  for (auto* option : {components, energy}) option->group("Learning");
+  auto* mask = command->add_option("--mask", asked->mask, "Learn the part inside alone: an image, white inside");
+  mask->type_name("MASK");
+  for (auto* option : {components, energy, mask}) option->group("Learning");
   add_common(*command, chosen.common, "Print the content of summary.json");
   command->callback([asked, components, energy, &chosen] {
     asked->asked_components = components->count() > 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dytex/draw_frames.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 namespace emberfold::dytex::detail {
@@ -20,18 +21,21 @@ template <>
 struct Lanes<4> {
   using Float = float __attribute__((vector_size(16)));
   using Int = std::int32_t __attribute__((vector_size(16)));
+  using Short = std::int16_t __attribute__((vector_size(8)));
   using Byte = std::uint8_t __attribute__((vector_size(4)));
 };
 template <>
 struct Lanes<8> {
   using Float = float __attribute__((vector_size(32)));
   using Int = std::int32_t __attribute__((vector_size(32)));
+  using Short = std::int16_t __attribute__((vector_size(16)));
   using Byte = std::uint8_t __attribute__((vector_size(8)));
 };
 template <>
 struct Lanes<16> {
   using Float = float __attribute__((vector_size(64)));
   using Int = std::int32_t __attribute__((vector_size(64)));
+  using Short = std::int16_t __attribute__((vector_size(32)));
   using Byte = std::uint8_t __attribute__((vector_size(16)));
 };
 
@@ -39,8 +43,12 @@ struct Lanes<16> {
 // value, whose way of passing depends on that.
 #define EMBERFOLD_INLINE [[gnu::always_inline]] inline
 
-/// `kFrames` frames from `frame` on of kVectors · kLanes values from `row` on. The sums stay in registers: as
-/// many of them as the processor has, less what holds a column's values and a state.
+// Columns of C lie so far apart that a walk across all of them misses every cache, and where their distance
+// is a power of two they push each other out. So a few of them are gone along at a time, for a stretch of
+// rows whose sums stay in the first cache.
+constexpr Index kColumns = 8, kStretch = 512;
+
+/// The sums of `kFrames` frames of kVectors · kLanes values, in registers.
 template <int kLanes, int kVectors, int kFrames>
 struct Tile {
   using Float = typename Lanes<kLanes>::Float;
@@ -52,21 +60,27 @@ struct Tile {
     for (int v = 0; v < kVectors; ++v) std::memcpy(&to[v], from + v * kLanes, sizeof to[v]);
   }
 
-  EMBERFOLD_INLINE void draw(const Batch& batch, Index row, Index frame) {
-    constexpr Index kAhead =
-        256;  // values, that is 1 KiB of each column, of which there are too many to guess
-    Float column[kVectors];
-    load(batch.mean + row, column);
+  EMBERFOLD_INLINE void start(const float* mean) {
+#pragma GCC unroll 8
+    for (int f = 0; f < kFrames; ++f) load(mean, sums[f]);
+  }
+  EMBERFOLD_INLINE void take_up(const float* from) {
+#pragma GCC unroll 8
+    for (int f = 0; f < kFrames; ++f) load(from + f * kRows, sums[f]);
+  }
+  EMBERFOLD_INLINE void put_down(float* to) const {
 #pragma GCC unroll 8
     for (int f = 0; f < kFrames; ++f)
 #pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) sums[f][v] = column[v];
-    const float* values = batch.C + row;
-    const float* states = batch.states + frame;
-    for (Index k = 0; k < batch.components; ++k, values += batch.values, states += kBatch) {
+      for (int v = 0; v < kVectors; ++v)
+        std::memcpy(to + f * kRows + v * kLanes, &sums[f][v], sizeof sums[f][v]);
+  }
+
+  /// Adds columns from `values` on, `distance` apart, each times its states.
+  EMBERFOLD_INLINE void add(const float* values, Index distance, const float* states, Index columns) {
+    for (Index k = 0; k < columns; ++k, values += distance, states += kBatch) {
+      Float column[kVectors];
       load(values, column);
-      if (frame == 0)
-        for (Index ahead = 0; ahead < kRows; ahead += 16) __builtin_prefetch(values + kAhead + ahead);
 #pragma GCC unroll 8
       for (int f = 0; f < kFrames; ++f)
 #pragma GCC unroll 4
@@ -88,7 +102,8 @@ struct Tile {
       level += kRounder;
       typename Lanes<kLanes>::Int bits;
       std::memcpy(&bits, &level, sizeof bits);
-      const auto bytes = __builtin_convertvector(bits, typename Lanes<kLanes>::Byte);
+      const auto bytes = __builtin_convertvector(__builtin_convertvector(bits, typename Lanes<kLanes>::Short),
+                                                 typename Lanes<kLanes>::Byte);
       std::memcpy(to + v * kLanes, &bytes, kLanes);
     }
   }
@@ -105,26 +120,50 @@ EMBERFOLD_INLINE void put(float level, std::uint8_t& to) {
   to = static_cast<std::uint8_t>(bits);
 }
 
+/// A stretch of whole tiles: count is a multiple of their rows. frames[i] + offset gets the values.
+template <class Rows, int kFrames, class Value>
+EMBERFOLD_INLINE void draw_stretch(const Batch& batch, Index first, Index count,
+                                   const std::array<Value*, kBatch>& frames, Index offset) {
+  alignas(64) float sums[kStretch * kBatch];
+  Index k = 0;
+  do {
+    const Index columns = std::min(kColumns, batch.components - k);
+    const bool last = k + columns >= batch.components;
+    const float* values = batch.C + k * batch.values + first;
+    for (Index row = 0; row < count; row += Rows::kRows)
+      for (Index frame = 0; frame < kBatch; frame += kFrames) {
+        Rows tile;
+        float* const kept = sums + row * kBatch + frame * Rows::kRows;
+        if (k == 0)
+          tile.start(batch.mean + first + row);
+        else
+          tile.take_up(kept);
+        tile.add(values + row, batch.values, batch.states + k * kBatch + frame, columns);
+        if (!last)
+          tile.put_down(kept);
+        else
+#pragma GCC unroll 8
+          for (int f = 0; f < kFrames; ++f)
+            tile.store(f, frames[static_cast<std::size_t>(frame + f)] + offset + row);
+      }
+    k += columns;
+  } while (k < batch.components);
+}
+
 /// frames[i] + offset gets the values.
 template <int kLanes, int kVectors, int kFrames, class Value>
 EMBERFOLD_INLINE void draw(const Batch& batch, Index first, Index count,
                            const std::array<Value*, kBatch>& frames, Index offset) {
   using Rows = Tile<kLanes, kVectors, kFrames>;
-  Index done = 0;
-  for (; done + Rows::kRows <= count; done += Rows::kRows)
-    for (Index frame = 0; frame < kBatch; frame += kFrames) {
-      Rows tile;
-      tile.draw(batch, first + done, frame);
-#pragma GCC unroll 8
-      for (int f = 0; f < kFrames; ++f)
-        tile.store(f, frames[static_cast<std::size_t>(frame + f)] + offset + done);
-    }
-  for (; done < count; ++done)
+  const Index whole = count - count % Rows::kRows;
+  for (Index done = 0; done < whole; done += kStretch)
+    draw_stretch<Rows, kFrames>(batch, first + done, std::min(kStretch, whole - done), frames, offset + done);
+  for (Index row = whole; row < count; ++row)
     for (Index frame = 0; frame < kBatch; ++frame) {
-      float level = batch.mean[first + done];
+      float level = batch.mean[first + row];
       for (Index k = 0; k < batch.components; ++k)
-        level = level + batch.C[k * batch.values + first + done] * batch.states[k * kBatch + frame];
-      put(level, frames[static_cast<std::size_t>(frame)][offset + done]);
+        level = level + batch.C[k * batch.values + first + row] * batch.states[k * kBatch + frame];
+      put(level, frames[static_cast<std::size_t>(frame)][offset + row]);
     }
 }
 

@@ -12,7 +12,8 @@ Eigen::MatrixXd loop_covariance(const Eigen::MatrixXd& A, const Eigen::MatrixXd&
 
 /// States that repeat after as many frames as `noise` has columns, v(0) … v(L − 1): N × L. They are those of
 /// the circle, x(0) = (I − A^L)⁻¹ Σ A^(L−1−j) B v(j), times the symmetric matrix that brings their covariance
-/// back to P: a short circle magnifies what lasts longer than it. O(L N²) + O(N³).
+/// back to P (in the directions that so much noise reaches): a short
+/// circle magnifies what lasts longer than it. O(L N²) + O(N³).
 Eigen::MatrixXd loop_states(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& noise);
 
 /// The symmetric M ⪰ 0 with M from M = to, on the range of `from`; 0 across it. O(N³).
