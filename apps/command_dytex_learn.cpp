@@ -9,11 +9,13 @@
 #include "apps/command_dytex.hpp"
 #include "apps/command_dytex_em.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/mask_file.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/summary.hpp"
 #include "apps/texture_modes.hpp"
 #include "apps/texture_picture.hpp"
 #include "dytex/archive.hpp"
+#include "dytex/layers.hpp"
 #include "dytex/learn.hpp"
 
 namespace emberfold::apps {
@@ -44,7 +46,7 @@ Value value_of(const Words<Value>& words, const std::string& word) {
 
 struct Learn {
   Reading reading;
-  std::string output;
+  std::string output, mask;
   dytex::LearnOptions options;
   bool asked_components = false, asked_energy = false, asked_order = false;
   double energy = 0.95;
@@ -99,6 +101,7 @@ Json learn_summary(const Learn& asked, const ReadOptions& read, const core::Clip
                   {"stable", asked.stable},
                   {"noise", asked.noise},
                   {"memory_mb", asked.memory}});
+  options["mask"] = asked.mask.empty() ? Json(nullptr) : Json(asked.mask);
   summary["options"] = {{"reading", reading_json(read)}, {"learn", std::move(options)}};
   summary["texture"] = texture_json(texture);
   Json held_out = Json::array();
@@ -133,11 +136,28 @@ void check_learning(const dytex::LearnOptions& options) {
   }
 }
 
+/// Learns from the region inside the mask alone, where there is one.
+dytex::LearnResult learn_region(const Learn& asked, core::FrameSource& source, const core::Context& context) {
+  if (asked.mask.empty()) return dytex::learn(source, asked.options, context);
+  const cv::Mat mask = read_mask(asked.mask);
+  std::unique_ptr<dytex::RegionSource> region;
+  try {
+    region = std::make_unique<dytex::RegionSource>(source, mask);
+  } catch (const core::InputError& error) {
+    throw Misuse("--mask: " + asked.mask + ": " + error.what());
+  }
+  auto learned = dytex::learn(*region, asked.options, context);
+  if (learned.status == core::Status::done) dytex::confine(learned.texture, mask);
+  return learned;
+}
+
 dytex::LearnResult learn_texture(const Learn& asked, core::FrameSource& source, Session& session) {
   try {
-    auto learned = dytex::learn(source, asked.options, session.context);
+    auto learned = learn_region(asked, source, session.context);
     if (learned.status == core::Status::cancelled) throw Interrupted{};
     return learned;
+  } catch (const Misuse&) {
+    throw;
   } catch (const core::InputError& error) {
     // "lags: …" keeps its beginning: it is the option's name.
     throw Misuse(asked.reading.clip + ": " + with_option_name(error.what(), "components"));
@@ -253,7 +273,10 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
   order->excludes(components)->excludes(energy);
   auto* memory = add_number(*command, "--memory", asked->memory, "MIB",
                             "For frames held at a time; more passes over the clip where they do not fit");
-  for (auto* option : {components, energy, order, memory}) option->group("Learning");
+  auto* mask =
+      command->add_option("--mask", asked->mask, "Learn the part inside alone: an image, white inside");
+  mask->type_name("MASK");
+  for (auto* option : {components, energy, order, memory, mask}) option->group("Learning");
   add_model_options(*command, *asked);
   add_em_options(*command, asked->em);
   add_common(*command, chosen.common, "Print the content of summary.json");

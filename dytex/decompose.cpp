@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "core/error.hpp"
 
@@ -98,6 +99,23 @@ Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix) {
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix) {
   if (matrix.size() == 0) return {};
   return Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues();
+}
+
+RealSchur real_schur(const Eigen::MatrixXd& matrix) {
+  const Eigen::RealSchur<Eigen::MatrixXd> solver(matrix);
+  if (solver.info() != Eigen::Success) throw core::NumericalError("the Schur form of A was not found");
+  return {solver.matrixT(), solver.matrixU()};
+}
+
+Eigen::MatrixXd matrix_power(const Eigen::MatrixXd& matrix, double exponent) {
+  return matrix.pow(exponent);
+}
+
+SingularVectors singular_vectors(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0)
+    return {Eigen::MatrixXd::Identity(matrix.rows(), matrix.rows()), Eigen::MatrixXd(matrix.cols(), 0)};
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeThinV);
+  return {svd.matrixU(), svd.matrixV()};
 }
 
 }  // namespace emberfold::dytex::detail

@@ -49,5 +49,21 @@ Eigen::MatrixXd thin_q(const Eigen::MatrixXd& matrix);
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix);
 /// Falling; none of an empty matrix.
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix);
+/// A = vectors · form · vectorsᵀ: `vectors` orthogonal, `form` block upper triangular with blocks of one row
+/// (a real eigenvalue) or two (a pair).
+struct RealSchur {
+  Eigen::MatrixXd form, vectors;
+};
+/// Of a square, finite matrix. NumericalError where it does not converge.
+RealSchur real_schur(const Eigen::MatrixXd& matrix);
+
+/// The principal power of a square matrix without eigenvalues on the closed negative real axis.
+Eigen::MatrixXd matrix_power(const Eigen::MatrixXd& matrix, double exponent);
+
+/// The singular vectors of a p × k matrix: all p left ones, min(p, k) right ones.
+struct SingularVectors {
+  Eigen::MatrixXd left, right;
+};
+SingularVectors singular_vectors(const Eigen::MatrixXd& matrix);
 
 }  // namespace emberfold::dytex::detail

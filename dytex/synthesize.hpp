@@ -18,13 +18,24 @@ struct SynthesisOptions {
   /// Where x(0) comes from: drawn from the stationary distribution, or a training frame's state, 0 … τ − 1.
   std::optional<int> first_frame;
   bool pixel_noise = false;  ///< adds w(t) to every value
+  bool from_mean = false;    ///< x(0) = 0: the clip sets out from the mean frame. Not with first_frame
+  /// Frames after which the clip begins again, 1 … 10⁶, without a seam: frame `loop` is frame 0 to the byte,
+  /// and the step to it a step like any other. States are drawn from the model on a circle of that length
+  /// (the noise's v(0) … v(loop − 1) go round) and scaled so that their covariance is the endless clip's. 0:
+  /// never. Not with first_frame or from_mean.
+  int loop = 0;
+
+  /// InputError naming the field, its value and what is allowed.
+  void validate() const;
 };
 
-/// An endless clip drawn from a model. Frame t depends on the model, the options and t alone, whatever the
-/// number of threads. Frames are made eight at a time, O(m n) each.
+/// An endless clip drawn from a model. Frame t depends on the model, the options and t alone: not on the
+/// number of threads, nor on which vectors the processor has. Frames are made eight at a time, O(m n) each; C
+/// is read once for the eight.
 class Synthesis {
  public:
-  /// `texture` must outlive the synthesis. InputError where it is not valid or first_frame is none of it.
+  /// `texture` must outlive the synthesis. InputError where it is not valid or the options are not;
+  /// NumericalError where a loop cannot be closed.
   Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions& options);
   Synthesis(LinearDynamicTexture&&, const SynthesisOptions&) = delete;
 
@@ -36,12 +47,12 @@ class Synthesis {
  private:
   void step();
   void render();
-  void render_block(const Eigen::MatrixXf& states, std::size_t block);
 
   const LinearDynamicTexture& texture_;
   SynthesisOptions options_;
   std::uint64_t frame_ = 0;  // of state_
   Eigen::VectorXd state_, shown_;
+  Eigen::MatrixXd circle_;               // the states of a loop, a column each
   std::vector<Eigen::VectorXd> states_;  // of the frames in ready_
   std::vector<cv::Mat> ready_;
   std::size_t position_ = 0;

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Learning a linear dynamic texture of 320 × 240 grey, 300 frames, n = 50, and drawing frames from one; and
 // what else could do it. On as many threads as there are, the peers as they come.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/SVD>
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
 
+#include "core/parallel.hpp"
 #include "core/rng.hpp"
+#include "dytex/draw_frames.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/synthesize.hpp"
 
@@ -101,19 +106,56 @@ dytex::LinearDynamicTexture make_texture(int width, int height, int channels) {
   return texture;
 }
 
+/// As read from memory once for the eight frames.
+void count_components(benchmark::State& state, const dytex::LinearDynamicTexture& texture) {
+  state.SetItemsProcessed(state.iterations() * 8);
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(sizeof(float)) * texture.C.size());
+}
+
 void synthesize(benchmark::State& state, int width, int height, int channels) {
   const dytex::LinearDynamicTexture texture = make_texture(width, height, channels);
   dytex::Synthesis synthesis(texture, {});
   for (auto _ : state)
     for (int i = 0; i < 8; ++i) benchmark::DoNotOptimize(synthesis.next().data);
-  state.SetItemsProcessed(state.iterations() * 8);
+  count_components(state, texture);
 }
-BENCHMARK_CAPTURE(synthesize, grey_320x240_8_frames, 320, 240, 1)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(synthesize, colour_1280x720_8_frames, 1280, 720, 3)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+
+/// Reading the components once: what no way of drawing eight frames from them can beat.
+void read_components(benchmark::State& state, int width, int height, int channels) {
+  const dytex::LinearDynamicTexture texture = make_texture(width, height, channels);
+  constexpr Eigen::Index kBlock = 1 << 16;
+  const auto* const bits = reinterpret_cast<const std::uint32_t*>(texture.C.data());
+  for (auto _ : state)
+    core::parallel_for(static_cast<std::size_t>(texture.C.size() / kBlock), {}, [&](std::size_t block) {
+      const std::uint32_t* from = bits + static_cast<Eigen::Index>(block) * kBlock;
+      std::uint32_t sum = 0;
+      for (Eigen::Index i = 0; i < kBlock; ++i) sum += from[i];
+      benchmark::DoNotOptimize(sum);
+    });
+  count_components(state, texture);
+}
+
+/// The drawing alone, on one thread, by each kind of vectors.
+void draw_with_vectors(benchmark::State& state) {
+  const auto all = dytex::detail::available_vectors();
+  const auto kind = static_cast<std::size_t>(state.range(0));
+  if (kind >= all.size()) return state.SkipWithError("this processor has no such vectors");
+  const dytex::LinearDynamicTexture texture = make_texture(320, 220, 1);
+  const Eigen::MatrixXf states = Eigen::MatrixXf::Random(8, kComponents);
+  std::vector<std::vector<std::uint8_t>> frames(8, std::vector<std::uint8_t>(320 * 220));
+  std::array<std::uint8_t*, 8> to{};
+  for (std::size_t i = 0; i < 8; ++i) to[i] = frames[i].data();
+  const dytex::detail::Batch batch{texture.mean.data(), texture.C.data(), texture.pixels(), kComponents,
+                                   states.data()};
+  for (auto _ : state) {
+    for (Eigen::Index row = 0; row < texture.pixels(); row += 1024)
+      dytex::detail::draw_bytes(batch, row, std::min<Eigen::Index>(1024, texture.pixels() - row), to,
+                                all[kind]);
+    benchmark::ClobberMemory();
+  }
+  count_components(state, texture);
+}
+BENCHMARK(draw_with_vectors)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
 /// Frame by frame as the formula says it.
 void peer_synthesize(benchmark::State& state, int width, int height, int channels) {
@@ -130,11 +172,16 @@ void peer_synthesize(benchmark::State& state, int width, int height, int channel
     }
   state.SetItemsProcessed(state.iterations() * 8);
 }
-BENCHMARK_CAPTURE(peer_synthesize, grey_320x240_8_frames, 320, 240, 1)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(peer_synthesize, colour_1280x720_8_frames, 1280, 720, 3)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+#define EMBERFOLD_DRAWN(run)                                                                                \
+  BENCHMARK_CAPTURE(run, grey_320x220_8_frames, 320, 220, 1)->Unit(benchmark::kMillisecond)->UseRealTime(); \
+  BENCHMARK_CAPTURE(run, colour_1280x720_8_frames, 1280, 720, 3)                                            \
+      ->Unit(benchmark::kMillisecond)                                                                       \
+      ->UseRealTime();                                                                                      \
+  BENCHMARK_CAPTURE(run, colour_1920x1080_8_frames, 1920, 1080, 3)                                          \
+      ->Unit(benchmark::kMillisecond)                                                                       \
+      ->UseRealTime()
+EMBERFOLD_DRAWN(synthesize);
+EMBERFOLD_DRAWN(read_components);
+EMBERFOLD_DRAWN(peer_synthesize);
 
 }  // namespace

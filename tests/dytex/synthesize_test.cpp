@@ -2,11 +2,14 @@
 #include "dytex/synthesize.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include <Eigen/LU>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "dytex/draw_frames.hpp"
 #include "dytex/learn.hpp"
 #include "tests/catch.hpp"
 #include "tests/dytex/make.hpp"
@@ -293,4 +296,73 @@ TEST_CASE("Noise may differ from value to value", "[dytex][synthesize]") {
     const double variance = static_cast<double>(texture.noise[p]) + 1 / 12.0;  // and rounding
     CHECK(std::abs(squares[p] - variance) < 0.1 * variance);
   }
+}
+
+TEST_CASE("Levels become bytes as they are rounded elsewhere", "[dytex][synthesize]") {
+  using dytex::detail::byte_of;
+  for (const auto& [level, byte] : {std::pair{0.5F, 0},
+                                    {1.5F, 2},
+                                    {2.5F, 2},
+                                    {-0.4F, 0},
+                                    {-3.0F, 0},
+                                    {254.5F, 254},
+                                    {254.51F, 255},
+                                    {300.0F, 255},
+                                    {1e30F, 255},
+                                    {-1e30F, 0}})
+    CHECK(int{byte_of(level)} == byte);
+  CHECK(byte_of(std::numeric_limits<float>::quiet_NaN()) == 0);
+  for (int i = -20; i < 2600; ++i)
+    CHECK(byte_of(static_cast<float>(i) / 10) == cv::saturate_cast<std::uint8_t>(static_cast<float>(i) / 10));
+}
+
+TEST_CASE("All vectors draw the same bits as the formula one by one", "[dytex][synthesize]") {
+  for (const Eigen::Index m : {1, 15, 64, 333})
+    for (const Eigen::Index n : {0, 1, 7, 50}) {
+      const Eigen::VectorXf mean =
+          100 * test::normals(m, 1, 1).cast<float>() + Eigen::VectorXf::Constant(m, 128);
+      const Eigen::MatrixXf C = test::normals(m, n, 2).cast<float>();
+      const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> states =
+          20 * test::normals(n, 8, 3).cast<float>();
+      const dytex::detail::Batch batch{mean.data(), C.data(), m, n, states.data()};
+      const Eigen::Index first = m / 5, count = m - first;
+      for (const dytex::detail::Vectors vectors : dytex::detail::available_vectors()) {
+        Eigen::MatrixXf levels = Eigen::MatrixXf::Constant(count, 8, -1);
+        Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> bytes(m, 8);
+        bytes.setConstant(77);
+        std::array<float*, 8> to_levels{};
+        std::array<std::uint8_t*, 8> to_bytes{};
+        for (std::size_t i = 0; i < 8; ++i) {
+          to_levels[i] = levels.col(static_cast<Eigen::Index>(i)).data();
+          to_bytes[i] = bytes.col(static_cast<Eigen::Index>(i)).data();
+        }
+        dytex::detail::draw_levels(batch, first, count, to_levels, vectors);
+        dytex::detail::draw_bytes(batch, first, count, to_bytes, vectors);
+        int wrong = 0;
+        for (Eigen::Index f = 0; f < 8; ++f)
+          for (Eigen::Index p = 0; p < m; ++p) {
+            float level = mean[p];
+            for (Eigen::Index k = 0; k < n; ++k) {
+              const volatile float product = C(p, k) * states(k, f);
+              level += product;
+            }
+            if (p < first) {
+              wrong += bytes(p, f) != 77 ? 1 : 0;
+            } else {
+              wrong += levels(p - first, f) != level ? 1 : 0;
+              wrong += bytes(p, f) != cv::saturate_cast<std::uint8_t>(level) ? 1 : 0;
+            }
+          }
+        CHECK(wrong == 0);
+      }
+    }
+}
+
+TEST_CASE("A clip may set out from the mean", "[dytex][synthesize]") {
+  const dytex::LinearDynamicTexture texture = learned();
+  dytex::Synthesis synthesis(texture, {.seed = 1, .first_frame = {}, .from_mean = true});
+  CHECK(equal(synthesis.next(), core::to_bytes(dytex::draw(texture, Eigen::VectorXd::Zero(6)))));
+  CHECK(synthesis.state().norm() == 0);
+  synthesis.next();
+  CHECK(synthesis.state().norm() > 0);
 }
