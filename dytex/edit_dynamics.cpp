@@ -78,8 +78,8 @@ MatrixXd by_blocks(const MatrixXd& A, const MatrixXd& covariance, EditedDynamics
   for (const PoleBlock& block : poles.blocks) {
     auto diagonal = poles.diagonal.block(block.first, block.first, block.size, block.size);
     diagonal = change(block, MatrixXd(diagonal));
-    if (block.size > 2 || (block.size == 2 && block.pairs == 0))
-      result.together += static_cast<int>(block.size);
+    const bool alone = block.size == 1 || (block.size == 2 && block.pairs == 1);
+    if (!alone && block.zero < block.size) result.together += static_cast<int>(block.size);
   }
   MatrixXd changed = whitening.back(poles.basis * poles.diagonal * poles.inverse);
   // Poles keep their moduli, or get smaller: only rounding can bring the largest to 1.
