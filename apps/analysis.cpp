@@ -147,7 +147,8 @@ void infer_motion(const StartSketches& sketches, const AnalyzeOptions& options, 
   } else {
     const auto starts = match_starts(sketches, options.match, options.starts, session.context);
     made.stages.begin("sample");
-    auto sampled = sample_motion(starts, options.infer, session.common.seed, session.context);
+    auto sampled =
+        sample_motion(starts, readings(options.starts), options.infer, session.common.seed, session.context);
     made.motion = std::move(sampled.motion);
     made.all_events = std::move(sampled.events);
     made.fitted = std::move(sampled.fitted);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/starts.hpp"
 #include "core/context.hpp"
 #include "graph/events.hpp"
 #include "graph/motion_graph.hpp"
@@ -22,8 +23,11 @@ struct Sampled {
 };
 
 /// From matched readings of a clip (apps/starts.hpp) to graphs, events and the motion model: a chain from
-/// each start, their samples pooled. Throws Interrupted.
-Sampled sample_motion(const std::vector<graph::MotionGraph>& starts, const mcmc::InferOptions& options,
-                      std::uint64_t seed, const core::Context& context);
+/// each start, run in the sense of time in which the start was matched, and their samples, all told forwards,
+/// pooled. So the clip run backwards has the same two chains from its own readings: the density is one of
+/// graphs drawn forwards and its two senses differ where it is in doubt. `read`: how each start reads the
+/// clip. Throws Interrupted; InputError for no start, or another number of readings.
+Sampled sample_motion(const std::vector<graph::MotionGraph>& starts, const std::vector<StartReading>& read,
+                      const mcmc::InferOptions& options, std::uint64_t seed, const core::Context& context);
 
 }  // namespace emberfold::apps

@@ -47,8 +47,10 @@ Eigen::MatrixXd thin_q(const Eigen::MatrixXd& matrix);
 
 /// M⁻¹ of a square matrix, by LU.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix);
+
 /// Falling; none of an empty matrix.
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix);
+
 /// A = vectors · form · vectorsᵀ: `vectors` orthogonal, `form` block upper triangular with blocks of one row
 /// (a real eigenvalue) or two (a pair).
 struct RealSchur {

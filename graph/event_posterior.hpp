@@ -12,6 +12,9 @@ namespace emberfold::graph {
 struct PoolOptions {
   int frames = 1;      ///< 0…100: events of two samples at most so many frames apart may be the same
   double radius = 10;  ///< px, > 0: and at most so far
+  /// The samples are of so many independent readings of the clip, as many of each, one reading after the
+  /// other: 0…samples, a divisor of their number. 0: probabilities are the shares themselves.
+  std::size_t readings = 0;
   void validate() const;
 };
 
@@ -24,9 +27,14 @@ struct PoolOptions {
 /// where it is below ½ and that of either is not, it is the probability of either. `before` and `after` name
 /// the strokes of samples[representative], where that sample has the event; else they are empty.
 ///
-/// Pooling is the same for samples in any order, and reversed samples give the reversed events. Ordered as
-/// sort_events orders. InputError: no samples, no sample `representative`, a place that is not finite.
-/// O(n log n) in the events of all samples, times how many of them lie near each other.
+/// With `readings`, N of them, a share is drawn towards ½ by as much as readings of this clip differ: p = (a
+/// + N share) / (2a + N), a by the method of moments from how often what one reading has another has too. So
+/// p tells how often a further reading would have the event; p ≥ ½ where the share is.
+///
+/// Pooling is the same for samples in any order (of readings, and inside of each), and reversed samples give
+/// the reversed events. Ordered as sort_events orders. InputError: no samples, no sample `representative`, a
+/// place that is not finite. O(n log n) in the events of all samples, times how many of them lie near each
+/// other.
 std::vector<Event> pool_events(std::span<const std::vector<Event>> samples, std::size_t representative = 0,
                                const PoolOptions& options = {});
 

@@ -256,6 +256,65 @@ TEST_CASE("probabilities of well separated events are the shares of samples that
   for (std::size_t n = 0; n < seen.size(); ++n) CHECK(pooled[n].probability == seen[n] / 40.0);
 }
 
+TEST_CASE("with readings a probability tells how often a further one has the event") {
+  // Events far apart, each with a probability of its own that is uniform: Beta(1, 1).
+  constexpr std::size_t kReadings = 3, kEach = 4;
+  core::Rng rng(21);
+  Samples samples(kReadings * kEach), further(1);
+  for (int n = 0; n < 3000; ++n) {
+    const double own = rng.uniform();
+    const Event event = at(5 + n / 50, {30.0 * (n % 50), 40}, kTypes[static_cast<std::size_t>(n / 50 % 2)]);
+    for (std::size_t r = 0; r < kReadings; ++r)
+      if (rng.uniform() < own)
+        for (std::size_t k = 0; k < kEach; ++k) samples[r * kEach + k].push_back(event);
+    if (rng.uniform() < own) further[0].push_back(event);
+  }
+  graph::PoolOptions options;
+  options.readings = kReadings;
+  std::map<double, std::pair<double, double>> found;  // by probability: events, and those seen again
+  for (const Event& event : graph::pool_events(samples, 0, options)) {
+    auto& [events, again] = found[std::round(100 * event.probability)];
+    events += 1;
+    again += std::ranges::any_of(
+        further[0], [&](const Event& e) { return e.frame == event.frame && e.position == event.position; });
+  }
+  REQUIRE(found.size() == kReadings);  // of one, two and three readings
+  double readings = 0;
+  for (const auto& [percent, counted] : found) {
+    ++readings;
+    const auto& [events, again] = counted;
+    const double p = percent / 100;
+    CHECK_THAT(p, WithinAbs((1 + readings) / (2 + kReadings), 0.02));  // Laplace's rule of succession
+    INFO(p << " of " << events << " events, " << again << " again");
+    CHECK(std::abs(again - p * events) < 3 * std::sqrt(events * p * (1 - p)));
+  }
+}
+
+TEST_CASE("readings that agree are believed, and no reading turns the majority") {
+  const Samples same(12, world(5, 1, 200, 600)[0]);
+  graph::PoolOptions options;
+  options.readings = 3;
+  for (const Event& event : graph::pool_events(same, 0, options)) {
+    CHECK(event.probability > 0.97);
+    CHECK(event.probability < 1);
+  }
+  const Samples samples = world(9, 12, 120, 400);
+  const auto shares = graph::pool_events(samples), doubted = graph::pool_events(samples, 0, options);
+  REQUIRE(shares.size() == doubted.size());
+  for (std::size_t n = 0; n < shares.size(); ++n) {
+    const double share = shares[n].probability, p = doubted[n].probability;
+    CHECK((p >= 0.5) == (share >= 0.5));
+    CHECK(std::abs(p - 0.5) <= std::abs(share - 0.5));
+  }
+  Samples backwards;  // and the readings in another order
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    backwards.push_back(graph::reversed(samples[(k + 4) % samples.size()], 31));
+  auto again = graph::reversed(graph::pool_events(backwards, 8, options), 31);
+  CHECK(again == doubted);
+  options.readings = 1;
+  CHECK(graph::pool_events(samples, 0, options) == shares);
+}
+
 TEST_CASE("the representative is the sample that agrees most") {
   const Event a = at(3, {10, 10}), b = at(5, {80, 10}), c = at(7, {150, 10}), odd = at(9, {300, 10});
   // c and `odd` are in one sample in four, a and b in most.
@@ -273,8 +332,9 @@ TEST_CASE("what cannot be pooled is refused") {
   };
   CHECK(make::has(complaint({}, 0, {}), "no samples"));
   CHECK(make::has(complaint({{}, {}}, 2, {}), "sample 2 of 2"));
-  CHECK(make::has(complaint({{}}, 0, {-1, 10}), "frames is -1"));
-  CHECK(make::has(complaint({{}}, 0, {1, 0}), "radius is 0"));
+  CHECK(make::has(complaint({{}, {}, {}}, 0, {1, 10, 2}), "3 samples of 2 readings"));
+  CHECK(make::has(complaint({{}}, 0, {-1, 10, 0}), "frames is -1"));
+  CHECK(make::has(complaint({{}}, 0, {1, 0, 0}), "radius is 0"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(make::has(complaint({{at(4, {nan, 0})}}, 0, {}), "sample 0 in frame 4"));
   CHECK(graph::pool_events(Samples(1)).empty());

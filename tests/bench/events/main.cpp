@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures events and learned motion and prints two tables; docs/benchmarks.md tells how to run it.
+// Measures events and learned motion and prints three tables; docs/benchmarks.md tells how to run it.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +15,7 @@
 #include "graph/score.hpp"
 #include "tests/bench/events/clips.hpp"
 #include "tests/bench/events/lap.hpp"
+#include "tests/bench/events/reliability.hpp"
 #include "tests/bench/events/sampled.hpp"
 #include "tests/bench/figures/inputs.hpp"
 
@@ -29,9 +30,10 @@ constexpr double kNoise = 2, kSure = 0.9;
 
 struct Arguments {
   std::filesystem::path scenes, clips;
-  int frames = 100;   // of a clip
-  bool peers = true;  // assignment
-  std::string only;   // a scene or clip
+  int frames = 100;               // of a clip
+  bool peers = true;              // assignment
+  std::string only;               // a scene or clip
+  std::filesystem::path picture;  // of reliability, PNG; none where empty
 };
 
 std::string from_environment(const char* name) {
@@ -40,21 +42,23 @@ std::string from_environment(const char* name) {
 }
 
 Arguments parse(const std::vector<std::string>& words) {
-  Arguments a{from_environment("EMBERFOLD_SCENES"), from_environment("EMBERFOLD_CLIPS"), 100, true, {}};
+  Arguments a{from_environment("EMBERFOLD_SCENES"), from_environment("EMBERFOLD_CLIPS"), 100, true, {}, {}};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& option = words[i];
     if (option == "--no-peers") {
       a.peers = false;
       continue;
     }
-    if (option != "--clips" && option != "--scenes" && option != "--frames" && option != "--only")
+    if (option != "--clips" && option != "--scenes" && option != "--frames" && option != "--only" &&
+        option != "--picture")
       throw std::runtime_error("no option " + option +
                                "; usage: event_figures [--scenes DIR] [--clips DIR] [--frames N] [--only "
-                               "NAME] [--no-peers]");
+                               "NAME] [--picture PNG] [--no-peers]");
     if (++i == words.size()) throw std::runtime_error(option + " needs a value");
     if (option == "--clips") a.clips = words[i];
     if (option == "--scenes") a.scenes = words[i];
     if (option == "--only") a.only = words[i];
+    if (option == "--picture") a.picture = words[i];
     if (option == "--frames") a.frames = std::atoi(words[i].c_str());
   }
   if (a.frames < 10) throw std::runtime_error("--frames must be a number from 10");
@@ -157,18 +161,20 @@ void print_all_own(const EventClip& clip, double a1, double a2) {
   print_own("sampler", clip, sampled_events, a1, a2);
 }
 
-void print_scores(const EventScene& scene, bool peers) {
+/// Returns what the sampler found, nothing where there is none.
+std::optional<Found> print_scores(const EventScene& scene, bool peers) {
   const Found raw = matched_events(scene.clip, 0), steadied = matched_events(scene.clip, kFlicker);
   std::vector<F1> row{f1(scene.truth, raw.events), f1(scene.truth, steadied.events)};
   for (const auto& settings : {stroke_settings, patch_settings})
     for (const auto* sketch : {&scene.clip.sketch, &steadied.sketch})
       row.push_back(peers ? best_of(settings(*sketch), scene.truth) : F1{});
-  const auto sampled = sampled_events(scene.clip);
+  auto sampled = sampled_events(scene.clip);
   row.push_back(sampled ? f1(scene.truth, likely(sampled->events, 0.5)) : F1{});
   std::printf("%-10s", scene.clip.name.c_str());
   for (const F1 f : row) std::printf(" | %11s", shown(f).c_str());
   std::printf("\n");
   std::fflush(stdout);
+  return sampled;
 }
 
 void print_score_heading() {
@@ -177,6 +183,15 @@ void print_score_heading() {
        {"raw match", "match", "LAP strokes", "- steadied", "LAP patches", "- steadied", "sampler"})
     std::printf(" | %-11s", column);
   std::printf("\n");
+}
+
+/// How probable the sampler's events were said to be, and how many of them were true.
+void print_reliability(const std::vector<std::pair<std::string, Reliability>>& all,
+                       const std::filesystem::path& picture) {
+  std::printf(
+      "\nsampler    |     n |  Brier expected | by probability, from 0 in tenths: events, share true\n");
+  for (const auto& [name, reliability] : all) print(name, reliability);
+  if (!picture.empty()) draw(all.back().second, picture);
 }
 
 std::vector<EventScene> read_scenes_of(const Arguments& arguments) {
@@ -194,7 +209,19 @@ std::vector<EventScene> read_scenes_of(const Arguments& arguments) {
 void run(const Arguments& arguments) {
   const auto scenes = read_scenes_of(arguments);
   print_score_heading();
-  for (const EventScene& scene : scenes) print_scores(scene, arguments.peers);
+  std::vector<std::pair<std::string, Reliability>> reliability;
+  Reliability together;
+  for (const EventScene& scene : scenes) {
+    const auto sampled = print_scores(scene, arguments.peers);
+    if (!sampled) continue;
+    Reliability own;
+    for (Reliability* sum : {&own, &together}) sum->add(scene.truth, sampled->events);
+    reliability.emplace_back(scene.clip.name, own);
+  }
+  if (!reliability.empty()) {
+    reliability.emplace_back("all", together);
+    print_reliability(reliability, arguments.picture);
+  }
   std::printf("\n%-10s | %-8s | %-17s | %-18s | %-14s | %-14s | %s\n", "", "", "a1 (off by)", "a2 (off by)",
               "backwards", "noise, sure", "CPU s");
   for (const EventScene& scene : scenes) print_all_own(scene.clip, scene.a1, scene.a2);

@@ -42,7 +42,7 @@ std::optional<Found> sampled_events(const EventClip& clip) {
   const auto sketches = apps::sketch_starts(source, {}, options, 1, {});
   const std::clock_t begin = std::clock();
   const auto starts = apps::match_starts(sketches, {}, options, {});
-  auto sampled = apps::sample_motion(starts, {}, 1, {});
+  auto sampled = apps::sample_motion(starts, apps::readings(options), {}, 1, {});
   Found found{std::move(sampled.events), 0, 0, 0, {}};
   found.a1 = sampled.fitted.model.sway.a1, found.a2 = sampled.fitted.model.sway.a2;
   found.seconds = since(begin);
