@@ -27,28 +27,23 @@ Rng::Rng(std::uint64_t seed, Stream stream)
     : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
       counter_{0, stream.a, stream.b, stream.c} {}
 
-std::uint32_t Rng::bits() {
-  if (used_ == 4) {
-    block_ = philox4x32(counter_, key_);
-    ++counter_[0];
-    used_ = 0;
-  }
-  return block_[static_cast<std::size_t>(used_++)];
-}
-
-double Rng::uniform() {
-  const std::uint64_t high = bits() >> 5, low = bits() >> 6;
-  return static_cast<double>((high << 26) | low) * 0x1p-53;
+void Rng::refill() {
+  block_ = philox4x32(counter_, key_);
+  ++counter_[0];
+  used_ = 0;
 }
 
 std::uint32_t Rng::below(std::uint32_t count) {
   if (count == 0) throw InputError("Rng::below: count is 0, must be at least 1");
-  // Lemire's multiply-and-reject: the low half tells whether the draw fell into the uneven remainder.
-  const std::uint32_t remainder = static_cast<std::uint32_t>(-count) % count;
-  for (;;) {
-    const std::uint64_t product = static_cast<std::uint64_t>(bits()) * count;
-    if (static_cast<std::uint32_t>(product) >= remainder) return static_cast<std::uint32_t>(product >> 32);
+  // Lemire's multiply-and-reject: the low half tells whether the draw fell into the uneven remainder, which
+  // is below `count`.
+  std::uint64_t product = static_cast<std::uint64_t>(bits()) * count;
+  if (static_cast<std::uint32_t>(product) < count) {
+    const std::uint32_t remainder = static_cast<std::uint32_t>(-count) % count;
+    while (static_cast<std::uint32_t>(product) < remainder)
+      product = static_cast<std::uint64_t>(bits()) * count;
   }
+  return static_cast<std::uint32_t>(product >> 32);
 }
 
 double Rng::normal() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -23,9 +24,15 @@ class Rng {
  public:
   explicit Rng(std::uint64_t seed, Stream stream = {});
 
-  std::uint32_t bits();
+  std::uint32_t bits() {
+    if (used_ == block_.size()) refill();
+    return block_[used_++];
+  }
   /// Uniform on [0, 1), a multiple of 2^-53.
-  double uniform();
+  double uniform() {
+    const std::uint64_t high = bits() >> 5, low = bits() >> 6;
+    return static_cast<double>((high << 26) | low) * 0x1p-53;
+  }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /// Uniform on {0, …, count − 1}, without bias. count ≥ 1.
   std::uint32_t below(std::uint32_t count);
@@ -35,10 +42,12 @@ class Rng {
   std::size_t categorical(std::span<const double> weights);
 
  private:
+  void refill();
+
   std::array<std::uint32_t, 2> key_;
   std::array<std::uint32_t, 4> counter_;
   std::array<std::uint32_t, 4> block_{};
-  int used_ = 4;
+  std::size_t used_ = 4;
   double spare_normal_ = 0;
   bool has_spare_ = false;
 };

@@ -13,9 +13,6 @@ constexpr std::array<std::string_view, 12> kNames = {"ridge",        "valley",  
                                                      "t_junction",   "y_junction", "crossing",   "blob"};
 }
 
-double dot(Point a, Point b) {
-  return a.x * b.x + a.y * b.y;
-}
 double norm(Point a) {
   return std::hypot(a.x, a.y);
 }

@@ -17,7 +17,9 @@ struct Point {
   Point operator*(double s) const { return {x * s, y * s}; }
 };
 
-double dot(Point a, Point b);
+inline double dot(Point a, Point b) {
+  return a.x * b.x + a.y * b.y;
+}
 double norm(Point a);
 double distance(Point a, Point b);
 

@@ -36,8 +36,7 @@ Chain::Chain(HiddenGraph state, const Theta& theta, std::uint64_t seed, std::uin
       seed_(seed),
       number_(number),
       counts_(moves().size()) {
-  scratch_.fit(state_.size());
-  scratch_.remembers = true;
+  scratch_.remember(state_);
   density_.prepare(state_);
   log_density_ = density_.total(state_);
 }
@@ -46,7 +45,12 @@ void Chain::set_theta(const Theta& theta) {
   density_ = Density(theta, power_);
   density_.prepare(state_);
   scratch_.forget();
-  log_density_ = density_.total(state_);
+  log_density_.reset();
+}
+
+double Chain::log_density() {
+  if (!log_density_) log_density_ = density_.total(state_);
+  return *log_density_;
 }
 
 double Chain::evidence() const {
@@ -64,8 +68,7 @@ void Chain::exchange(Chain& other) {
   std::swap(state_, other.state_);
   density_.prepare(state_), other.density_.prepare(other.state_);
   scratch_.forget(), other.scratch_.forget();
-  log_density_ = density_.total(state_);
-  other.log_density_ = other.density_.total(other.state_);
+  log_density_.reset(), other.log_density_.reset();
 }
 
 Chain::Tally Chain::move_in(int frame, double proposals) {
@@ -86,8 +89,9 @@ Chain::Tally Chain::move_in(int frame, double proposals) {
     const auto ratio = moves()[which].propose(edit, draws, frame);
     if (!ratio) continue;
     ++seen.evaluated;
-    const double gain = edit.gain();
-    if (std::log1p(-draws.uniform()) < gain + *ratio) {
+    const double level = std::log1p(-draws.uniform());
+    const double gain = edit.gain(level - *ratio);
+    if (level < gain + *ratio) {
       ++seen.accepted;
       tally.gain += gain;
       edit.keep();
@@ -116,7 +120,7 @@ core::Status Chain::move(double proposals, const core::Context& context) {
     if (status == core::Status::cancelled) return status;
   }
   for (const Tally& tally : tallies) {
-    log_density_ += tally.gain;
+    if (log_density_) *log_density_ += tally.gain;
     for (std::size_t m = 0; m < counts_.size(); ++m) counts_[m] += tally.counts[m];
   }
   ++sweeps_;
@@ -126,10 +130,10 @@ core::Status Chain::move(double proposals, const core::Context& context) {
 void Chain::redraw_sways() {
   for (const auto& course : courses(state_)) {
     RandomDraws draws(core::Rng(seed_, {sweeps_, course[0], kSways | number_}));
-    draw_sways(state_, theta(), course, draws);
+    draw_sways(state_, density_, course, draws);
   }
-  scratch_.forget();
-  log_density_ = density_.total(state_);
+  scratch_.forget_arrivals();
+  log_density_.reset();
 }
 
 }  // namespace emberfold::mcmc

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/context.hpp"
@@ -33,8 +34,9 @@ class Chain {
   [[nodiscard]] const HiddenGraph& state() const { return state_; }
   [[nodiscard]] const Theta& theta() const { return density_.theta(); }
   void set_theta(const Theta& theta);
-  /// Kept up by the moves' gains, and reckoned anew after sways or θ changed.
-  [[nodiscard]] double log_density() const { return log_density_; }
+  /// Kept up by the moves' gains; reckoned anew, in O(nodes), where sways or θ changed since it was asked
+  /// for.
+  double log_density();
   [[nodiscard]] const std::vector<MoveCount>& counts() const { return counts_; }  ///< by move
   [[nodiscard]] double power() const { return power_; }
   /// Of the state, patches and edges, untempered.
@@ -55,7 +57,7 @@ class Chain {
   Scratch scratch_;
   std::uint64_t seed_;
   std::uint32_t number_, sweeps_ = 0;
-  double log_density_ = 0;
+  std::optional<double> log_density_;
   std::vector<MoveCount> counts_;
 };
 

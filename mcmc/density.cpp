@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/parallel.hpp"
+
 namespace emberfold::mcmc {
 
 namespace {
@@ -15,13 +17,6 @@ using std::numbers::pi;
 
 constexpr double kLogTwoPi = 1.8378770664093453;
 constexpr double kMostDeath = 0.95;  // the death map raises no chance above this
-
-// The turn between two undirected directions, −π/2…π/2.
-double turn_between(const Node& a, const Node& b) {
-  const double cosine = graph::dot(a.tangent, b.tangent);
-  const double sine = a.tangent.x * b.tangent.y - a.tangent.y * b.tangent.x;
-  return cosine < 0 ? std::atan2(-sine, -cosine) : std::atan2(sine, cosine);
-}
 
 // The log of the share of a normal turn within ±π/2, and of the choice between two directions.
 double log_half_turn(double sd) {
@@ -43,38 +38,25 @@ double log_sum(const double* terms, std::size_t n) {
   return most + std::log(sum);
 }
 
-bool goes_on(const HiddenGraph& g, Index v) {
-  return g[v].next.size() == 1 && parent(g, g[v].next[0]) == v;
-}
-
 }  // namespace
 
-Index parent(const HiddenGraph& g, Index w) {
-  Index first = g[w].prev[0];
-  for (const Index v : g[w].prev)
-    if (g.before(v, first)) first = v;
-  return first;
-}
-
 Outcome outcome(const HiddenGraph& g, Index v) {
-  const auto& next = g[v].next;
-  if (next.empty()) return Outcome::death;
-  if (next.size() > 1) return Outcome::split;
-  return parent(g, next[0]) == v ? Outcome::going_on : Outcome::merge;
+  if (g.goes_on(v)) return Outcome::going_on;
+  const std::size_t next = g[v].next.size();
+  return next == 0 ? Outcome::death : next == 1 ? Outcome::merge : Outcome::split;
 }
 
 std::size_t merge_targets(const HiddenGraph& g, Index v) {
   std::size_t count = 0;
   for (const Beside& near : g.beside(v))
-    count += near.closeness < 2 && g[near.node].on && g.before(near.node, v) &&
-             g[near.node].kind == g[v].kind && goes_on(g, near.node);
+    count += near.closeness < 2 && near.earlier && near.alike && g.goes_on(near.node);
   return count;
 }
 
 std::size_t config_of(const HiddenGraph& g, Index v) {
   std::size_t told = 0;
   for (const Index u : g[v].edges)
-    if (g.before(u, v)) told = std::max<std::size_t>(told, g[u].next.empty() ? 2 : 1);
+    if (g.before(u, v)) told = std::max<std::size_t>(told, g.has_future(u) ? 1 : 2);
   return config(g[v].edges.size(), g[v].border, told);
 }
 
@@ -102,7 +84,8 @@ double neighbours_sway(const HiddenGraph& g, Index v) {
   return sum / static_cast<double>(node.edges.size());
 }
 
-Density::Scale::Scale(double sd_) : sd(sd_), peak(-0.5 * kLogTwoPi - std::log(sd_)) {}
+Density::Scale::Scale(double sd_)
+    : sd(sd_), peak(-0.5 * kLogTwoPi - std::log(sd_)), half_precision(0.5 / (sd_ * sd_)) {}
 
 double Density::erred(double z) {
   const double wide = kErrs / kErrsBy * std::exp(-0.5 * z * z / (kErrsBy * kErrsBy));
@@ -150,6 +133,38 @@ Density::Density(const Theta& theta, double evidence) : theta_(theta), evidence_
   step_ = Scale(theta.step_sd), side_ = Scale(theta.side_sd), bend_ = Scale(theta.bend_sd);
   bend_.peak -= log_half_turn(theta.bend_sd);
   grown_contrast_ = Scale(theta.grown_contrast_sd);
+  bound();
+}
+
+// What factors can be at most: that of every normal density at its peak, all chances of edges 1.
+void Density::bound() {
+  const auto at_peak = [](const Scale& a, const Scale& b) { return std::max(a.peak, b.peak); };
+  double most_split = -std::numeric_limits<double>::infinity();
+  for (std::size_t m = 2; m <= kMostLinks; ++m) most_split = std::max(most_split, log_parts(m));
+  for (const auto* table : {&alone_, &beside_})
+    for (const auto& place : *table)
+      for (const auto& chances : place)
+        for (std::size_t o = 0; o < kOutcomes; ++o)
+          most_outcome_ = std::max(
+              most_outcome_,
+              chances[o] + (o == static_cast<std::size_t>(Outcome::split) ? std::max(0.0, most_split) : 0));
+  most_survival_ = at_peak(noise_, lag_) + at_peak(across_[0], across_[1]) + at_peak(along_[0], along_[1]) +
+                   log_mixed(turn_.peak, wide_turn_.peak) +
+                   log_mixed(flicker_.peak, flicker_.peak - std::log(kErrsBy));
+  const double begun =
+      std::max(log_birth_[0], log_birth_[1]) + new_contrast_.peak + *std::ranges::max_element(log_kinds_);
+  const double rate = std::max(log_first_growth_, *std::ranges::max_element(log_growth_));
+  const std::array kernel{log_curve_ + step_.peak + std::numbers::ln2 + side_.peak + bend_.peak, log_branch_};
+  const double grown =
+      rate + log_sum(kernel.data(), 2) + grown_contrast_.peak + std::max(log_same_kind_, log_other_kind_);
+  most_birth_ = begins_.peak + std::max(begun, grown) + std::log(static_cast<double>(kMostEdges + 1));
+}
+
+// Of the number of parts of a split, which come in any order: geometric from two on, cut off at kMostLinks.
+double Density::log_parts(std::size_t parts) const {
+  const double more = theta_.split_more, m = static_cast<double>(parts);
+  return std::log1p(-more) + (m - 2) * std::log(more) - std::log1p(-std::pow(more, kMostLinks - 1)) +
+         std::lgamma(m + 1);
 }
 
 double Density::of_outcome(const HiddenGraph& g, Index v) const {
@@ -167,10 +182,7 @@ double Density::of_outcome(const HiddenGraph& g, Index v) const {
     if (!near) return -std::numeric_limits<double>::infinity();
     sum -= std::log(static_cast<double>(targets));
   }
-  if (what == Outcome::split) {
-    const auto m = static_cast<double>(node.next.size());
-    sum += std::log1p(-theta_.split_more) + (m - 2) * std::log(theta_.split_more) + std::lgamma(m + 1);
-  }
+  if (what == Outcome::split) sum += log_parts(node.next.size());
   return sum;
 }
 
@@ -200,7 +212,7 @@ double Density::of_sway(const HiddenGraph& g, Index w) const {
   if (node.prev.empty()) return begins_.log_normal(node.sway);
   const Index v = parent(g, w);
   const Node& past = g[v];
-  const Ahead& course = g.course(v, w);
+  const Course& course = g.course(v, w);
   const double same = course.sense;
   const double going = past.prev.size() == 1 ? noise_.log_normal(node.sway - sway_given_past(g, v, same).mean)
                                              : lag_.log_normal(node.sway - same * lag_one_ * past.sway);
@@ -213,12 +225,12 @@ double Density::of_arrival(const HiddenGraph& g, Index w) const {
   const Node& node = g[w];
   if (node.prev.empty()) return sum + of_new(g, w);
   const Index v = parent(g, w);
-  const Ahead& course = g.course(v, w);
+  const Course& course = g.course(v, w);
   const double looks = prepared_ ? course.look : look(course);
   return sum + along_[g[v].next.size() > 1 ? 1 : 0].log_normal(course.along) + looks;
 }
 
-double Density::look(const Ahead& course) const {
+double Density::look(const Course& course) const {
   static const double wider = std::log(kErrsBy);
   const double turn = course.turn, flicker = course.flicker;
   return log_mixed(turn_.log_normal(turn), wide_turn_.log_normal(turn)) +
@@ -226,9 +238,12 @@ double Density::look(const Ahead& course) const {
 }
 
 void Density::prepare(HiddenGraph& g) {
-  for (Index v = 0; v < g.size(); ++v)
-    for (Ahead& course : g.looks(v)) course.look = look(course);
-  prepared_ = true;
+  constexpr std::size_t kBlock = 512;
+  const auto status = core::parallel_for((g.size() + kBlock - 1) / kBlock, {}, [&](std::size_t block) {
+    for (std::size_t v = block * kBlock; v < std::min(g.size(), (block + 1) * kBlock); ++v)
+      for (Course& course : g.courses(static_cast<Index>(v))) course.look = look(course);
+  });
+  prepared_ = status == core::Status::done;
 }
 
 double Density::begun(const Node& w) const {
@@ -267,8 +282,7 @@ Density::Ways Density::ways(const HiddenGraph& g, Index w) const {
   std::array<double, kMostEdges> joined{};
   double all_joined = 0;
   for (const Beside& near : g.beside(w)) {
-    const Node& other = g[near.node];
-    if (!other.on || (other.prev.empty() && !g.before(near.node, w))) continue;
+    if (!g.is_on(near.node) || (!g.has_past(near.node) && !near.earlier)) continue;
     if (node.edges.has(near.node)) {
       joined[result.from.size()] = closed[near.closeness][1];
       all_joined += closed[near.closeness][1];
@@ -309,16 +323,15 @@ double Density::of_presence(const HiddenGraph& g, Index w) const {
 }
 
 double Density::of_pair(const HiddenGraph& g, Index a, const Beside& b) const {
-  const Node &one = g[a], &other = g[b.node];
-  if (!one.on || !other.on || one.prev.empty() || other.prev.empty()) return 0;
+  if (!g.has_past(a) || !g.has_past(b.node)) return 0;
   const auto& table = joined_[static_cast<std::size_t>(were(g, a, b.node))];
-  return table[b.closeness][one.edges.has(b.node) ? 1 : 0];
+  return table[b.closeness][g[a].edges.has(b.node) ? 1 : 0];
 }
 
 double Density::total(const HiddenGraph& g) const {
-  double sum = 0;
   const double area = double(g.width()) * g.height();
-  for (int t = 0; t < g.frames(); ++t) {
+  return core::deterministic_sum(static_cast<std::size_t>(g.frames()), 4, [&](std::size_t k) {
+    const int t = static_cast<int>(k);
     double frame = -theta_.birth[t == 0 ? 0 : 1] * area;
     std::vector<Index> shown(g.on(t).begin(), g.on(t).end());
     std::ranges::sort(shown);
@@ -327,9 +340,8 @@ double Density::total(const HiddenGraph& g) const {
       for (const Beside& near : g.beside(v))
         if (v < near.node) frame += of_pair(g, v, near) + (g[v].edges.has(near.node) ? of_edge(near) : 0);
     }
-    sum += frame;
-  }
-  return sum;
+    return frame;
+  });
 }
 
 }  // namespace emberfold::mcmc

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -12,7 +13,13 @@ namespace emberfold::mcmc {
 /// What becomes of a node; the last frame's nodes have no outcome.
 Outcome outcome(const HiddenGraph& g, Index v);
 /// The predecessor that a node goes on from: the earliest in order; others merge into it.
-Index parent(const HiddenGraph& g, Index w);
+inline Index parent(const HiddenGraph& g, Index w) {
+  const auto& prev = g[w].prev;
+  Index first = prev[0];
+  for (std::size_t k = 1; k < prev.size(); ++k)
+    if (g.before(prev[k], first)) first = prev[k];
+  return first;
+}
 /// How many earlier nodes nearby go on as one, so that v could merge into them.
 std::size_t merge_targets(const HiddenGraph& g, Index v);
 /// What became of the neighbours that come before it: the index of Theta::outcome.
@@ -46,6 +53,11 @@ class Density {
   [[nodiscard]] double of_presence(const HiddenGraph& g, Index w) const;
   /// What the image says of two nodes being joined.
   [[nodiscard]] double of_edge(const Beside& b) const { return evidence_ * double{b.evidence}; }
+  /// What no outcome exceeds; and no arrival of a node that has a past, or none, as w.
+  [[nodiscard]] double most_of_outcome() const { return most_outcome_; }
+  [[nodiscard]] double most_of_arrival(const HiddenGraph& g, Index w) const {
+    return g.has_past(w) ? most_survival_ : most_birth_ + std::max(0.0, g[w].log_birth);
+  }
   /// Of whether two nodes that both go on are joined. 0 where one of them is new.
   [[nodiscard]] double of_pair(const HiddenGraph& g, Index a, const Beside& b) const;
   /// Keeps in the graph what hangs on θ and on places alone, and from now on takes it from there: for many
@@ -74,15 +86,18 @@ class Density {
 
  private:
   struct Ways;
+  void bound();
+  [[nodiscard]] double log_parts(std::size_t parts) const;
   [[nodiscard]] Ways ways(const HiddenGraph& g, Index w) const;
   [[nodiscard]] double of_new(const HiddenGraph& g, Index w) const;
-  [[nodiscard]] double look(const Ahead& course) const;
+  [[nodiscard]] double look(const Course& course) const;
   [[nodiscard]] double begun(const Node& w) const;
   [[nodiscard]] double grown(const Node& from, const Node& w) const;
 
   Theta theta_;
   double evidence_;
   bool prepared_ = false;
+  double most_outcome_ = 0, most_survival_ = 0, most_birth_ = 0;
   /// [place][config][outcome], without and with nodes that it could merge into.
   std::array<std::array<std::array<double, kOutcomes>, kConfigs>, kPlaces> alone_{}, beside_{};
   std::array<std::array<std::array<double, 2>, kCloseness>, 3> joined_{};  ///< [were][closeness][joined]
@@ -94,10 +109,10 @@ class Density {
   double stationary_ = 1, lag_one_ = 0;  ///< variance and autocorrelation of the sway
   /// Logarithms of the factors before the exponentials of normal densities.
   struct Scale {
-    double sd = 1, peak = 0;
+    double sd = 1, peak = 0, half_precision = 0.5;
     Scale() = default;
     explicit Scale(double sd);
-    [[nodiscard]] double log_normal(double x) const { return peak - 0.5 * (x / sd) * (x / sd); }
+    [[nodiscard]] double log_normal(double x) const { return peak - half_precision * x * x; }
   };
   Scale begins_, lag_, noise_;           ///< of the sway
   std::array<Scale, 2> across_, along_;  ///< of one that goes on, of a split's parts

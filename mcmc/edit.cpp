@@ -7,18 +7,38 @@
 
 namespace emberfold::mcmc {
 
-void Scratch::fit(std::size_t nodes) {
-  outcome.resize(nodes), arrival.resize(nodes), presence.resize(nodes), pairs.resize(nodes);
-  outcome_values.resize(nodes), arrival_values.resize(nodes), presence_values.resize(nodes);
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+void Scratch::remember(const HiddenGraph& g) {
+  fit(g.size());
+  remembers_ = true;
+  first_.clear();
+  std::size_t pairs = 0;
+  for (Index i = 0; i < g.size(); ++i) {
+    first_.push_back(pairs);
+    pairs += g.beside(i).size();
+  }
+  pairs_.assign(pairs, kUnknown);
+  forget();
 }
 
 void Scratch::forget() {
-  for (auto* values : {&outcome_values, &arrival_values, &presence_values})
-    for (Value& value : *values) value.known = false;
+  for (Mark& mark : marks_) mark.known = 0;
+  std::ranges::fill(pairs_, kUnknown);
+}
+
+void Scratch::forget_arrivals() {
+  for (Mark& mark : marks_) mark.known = static_cast<std::uint8_t>(mark.known & ~kArrival);
 }
 
 Edit::Edit(HiddenGraph& g, const Density& density, Scratch& scratch, std::uint32_t who)
     : g_(g), density_(density), scratch_(scratch), stamp_((std::uint64_t{who} + 1) << 32U) {}
+
+// ---- what each step touches ----
 
 void Edit::begin() {
   if (!steps_.empty()) return;
@@ -26,134 +46,212 @@ void Edit::begin() {
   outcomes_.clear(), arrivals_.clear(), presences_.clear(), paired_.clear(), pairs_.clear();
 }
 
+bool Edit::note(Index i, Factor factor) {
+  auto& mark = scratch_.marks_[i];
+  if (mark.stamp != stamp_) mark.stamp = stamp_, mark.noted = 0;
+  if ((mark.noted & factor) != 0) return false;
+  mark.noted = static_cast<std::uint8_t>(mark.noted | factor);
+  return true;
+}
 void Edit::note_outcome(Index v) {
-  if (scratch_.outcome[v] == stamp_) return;
-  scratch_.outcome[v] = stamp_;
-  outcomes_.push_back(v);
+  if (note(v, Scratch::kOutcome)) outcomes_.push_back(v);
 }
 void Edit::note_arrival(Index w) {
-  if (scratch_.arrival[w] == stamp_) return;
-  scratch_.arrival[w] = stamp_;
-  arrivals_.push_back(w);
+  if (note(w, Scratch::kArrival)) arrivals_.push_back(w);
 }
 void Edit::note_presence(Index w) {
-  if (scratch_.presence[w] == stamp_) return;
-  scratch_.presence[w] = stamp_;
-  presences_.push_back(w);
-}
-void Edit::note_new_beside(Index w) {
-  for (const Beside& near : g_.beside(w))
-    if (g_[near.node].on && g_[near.node].prev.empty()) note_arrival(near.node);
-}
-void Edit::note_pairs(Index w) {
-  if (scratch_.pairs[w] == stamp_) return;
-  scratch_.pairs[w] = stamp_;
-  paired_.push_back(w);
+  if (note(w, Scratch::kPresence)) presences_.push_back(w);
 }
 
-void Edit::note_link(Index v, Index w) {
-  const auto noted = [&](Index x) {
-    note_outcome(x);
-    // What could merge into x, and whoever is told what became of it.
-    for (const Beside& near : g_.beside(x))
-      if (near.closeness < 2 && g_[near.node].on && g_.before(x, near.node)) note_outcome(near.node);
+// What becomes of x changes; `dies`: whether it dies does.
+void Edit::note_outcomes_about(Index x, bool dies) {
+  note_outcome(x);
+  for (const Beside& near : g_.beside(x))  // what could merge into it
+    if (near.closeness < 2 && near.alike && !near.earlier && g_.is_on(near.node)) note_outcome(near.node);
+  if (dies)
     for (const Index y : g_[x].edges) note_outcome(y);
-  };
-  noted(v);
-  for (const Index x : g_[w].prev) noted(x);
-  note_arrival(w);
-  for (const Index c : g_[v].next) note_arrival(c);
-  for (const Index c : g_[w].next) note_arrival(c);
-  note_new_beside(w);
+}
+
+// The rate at which others grow from w changes.
+void Edit::note_grown_from(Index w) {
   note_presence(w);
-  note_pairs(w);
+  for (const Index x : g_[w].edges)
+    if (!g_.has_past(x)) note_arrival(x);
+}
+
+// `last`: v has no other link, so that it dies with this or without it.
+void Edit::note_link(Index v, Index w, bool last) {
+  const Node &from = g_[v], &to = g_[w];
+  note_outcomes_about(v, last);
+  note_arrival(w);
+  for (const Index x : to.prev)
+    if (x != v) note_outcomes_about(x, false);
+  for (const Index c : from.next) note_arrival(c);
+  for (const Index c : to.next) note_arrival(c);
+  note_grown_from(w);
+  // Whether w is new, or not, is for those to know that come before it.
+  if (to.prev.size() <= 1)
+    for (const Beside& near : g_.beside(w))
+      if (near.earlier && g_.is_on(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
+  if (note(w, Scratch::kPairs)) paired_.push_back(w);
+}
+
+void Edit::note_pair(Index a, Index b) {
+  if (a == b || !g_.has_past(a) || !g_.has_past(b)) return;
+  const Index first = std::min(a, b), second = std::max(a, b);
+  const auto beside = g_.beside(first);
+  const auto near = std::ranges::find(beside, second, &Beside::node);
+  if (near == beside.end()) return;
+  const auto place = static_cast<std::size_t>(near - beside.begin());
+  if (std::ranges::none_of(pairs_, [&](const Pair& p) { return p.node == first && p.beside == place; }))
+    pairs_.push_back({first, place});
 }
 
 void Edit::note_edge(Index a, Index b) {
+  const bool coupled = density_.theta().sway.coupling != 0;
   for (const Index i : {a, b}) {
     note_outcome(i);
-    if (g_[i].prev.empty()) note_arrival(i);
+    if (!g_.has_past(i)) note_arrival(i);
     for (const Index c : g_[i].next) {
-      note_arrival(c);
-      note_presence(c);
-      note_new_beside(c);
+      if (coupled) note_arrival(c);
+      note_grown_from(c);
     }
   }
-  const auto add = [&](Index x, Index y) {
-    if (x == y) return;
-    const auto near = std::ranges::find(g_.beside(x), y, &Beside::node);
-    if (near == g_.beside(x).end()) return;
-    const Index first = std::min(x, y), second = std::max(x, y);
-    const bool known = std::ranges::any_of(
-        pairs_, [&](const auto& p) { return p.first == first && p.second.node == second; });
-    if (!known) pairs_.emplace_back(first, Beside{second, near->closeness, near->evidence});
-  };
-  const auto add_next = [&](Index x, Index y) {
+  const auto note_next = [&](Index x, Index y) {
     for (const Index c : g_[x].next)
-      for (const Index d : g_[y].next) add(c, d);
+      for (const Index d : g_[y].next) note_pair(c, d);
   };
-  add(a, b);
-  add_next(a, b);
+  note_pair(a, b);
+  note_next(a, b);
   for (const Index x : g_[a].edges)
-    if (x != b) add_next(x, b);
+    if (x != b) note_next(x, b);
   for (const Index y : g_[b].edges)
-    if (y != a) add_next(a, y);
+    if (y != a) note_next(a, y);
 }
 
 void Edit::note_lone(Index i) {
   note_outcome(i);
   note_arrival(i);
   note_presence(i);
-  note_new_beside(i);
+  for (const Beside& near : g_.beside(i))
+    if (!near.earlier && g_.is_on(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
 }
 
-double Edit::pairs_sum() const {
+// ---- what the factors are ----
+
+// All noted pairs, each once.
+template <class Visit>
+void Edit::visit_pairs(Visit visit) const {
+  for (const Index w : paired_) {
+    const auto beside = g_.beside(w);
+    for (std::size_t k = 0; k < beside.size(); ++k)
+      if (w < beside[k].node || !noted(beside[k].node, Scratch::kPairs)) visit(w, k);
+  }
+  for (const Pair& p : pairs_)
+    if (!noted(p.node, Scratch::kPairs) && !noted(g_.beside(p.node)[p.beside].node, Scratch::kPairs))
+      visit(p.node, p.beside);
+}
+
+double Edit::sum() const {
   double sum = 0;
-  const auto paired = [&](Index i) { return scratch_.pairs[i] == stamp_; };
-  for (const Index w : paired_)
-    for (const Beside& near : g_.beside(w))
-      if (!paired(near.node) || w < near.node) sum += density_.of_pair(g_, w, near);
-  for (const auto& [a, b] : pairs_)
-    if (!paired(a) && !paired(b.node)) sum += density_.of_pair(g_, a, b);
+  for (const Index v : outcomes_)
+    if (g_.is_on(v)) sum += density_.of_outcome(g_, v);
+  for (const Index w : arrivals_)
+    if (g_.is_on(w)) sum += density_.of_arrival(g_, w);
+  for (const Index w : presences_)
+    if (g_.is_on(w)) sum += density_.of_presence(g_, w);
+  visit_pairs([&](Index w, std::size_t k) { sum += density_.of_pair(g_, w, g_.beside(w)[k]); });
   return sum;
 }
 
-double Edit::sum() {
+// The sum in the state before, of which all factors must be known.
+std::optional<double> Edit::known_sum() const {
+  if (!scratch_.remembers_) return std::nullopt;
   double sum = 0;
-  for (const Index v : outcomes_)
-    if (g_[v].on) sum += density_.of_outcome(g_, v);
-  for (const Index w : arrivals_)
-    if (g_[w].on) sum += density_.of_arrival(g_, w);
-  for (const Index w : presences_)
-    if (g_[w].on) sum += density_.of_presence(g_, w);
-  return sum + pairs_sum();
-}
-
-// The same where nothing is changed: what is known of it is not evaluated again.
-double Edit::kept_sum() {
-  double sum = 0;
-  const auto add = [&](Scratch::Value& value, auto&& evaluate) {
-    if (!value.known || !scratch_.remembers) value = {evaluate(), true};
-    sum += value.value;
+  bool known = true;
+  const auto add = [&](const std::vector<Index>& list, Factor factor, double Scratch::Mark::*value) {
+    for (const Index i : list) {
+      const auto& mark = scratch_.marks_[i];
+      known = known && (mark.known & factor) != 0;
+      sum += mark.*value;
+    }
   };
-  for (const Index v : outcomes_)
-    if (g_[v].on) add(scratch_.outcome_values[v], [&] { return density_.of_outcome(g_, v); });
-  for (const Index w : arrivals_)
-    if (g_[w].on) add(scratch_.arrival_values[w], [&] { return density_.of_arrival(g_, w); });
-  for (const Index w : presences_)
-    if (g_[w].on) add(scratch_.presence_values[w], [&] { return density_.of_presence(g_, w); });
-  return sum + pairs_sum();
+  add(outcomes_, Scratch::kOutcome, &Scratch::Mark::outcome);
+  add(arrivals_, Scratch::kArrival, &Scratch::Mark::arrival);
+  add(presences_, Scratch::kPresence, &Scratch::Mark::presence);
+  if (!known) return std::nullopt;
+  visit_pairs([&](Index w, std::size_t k) { sum += scratch_.pairs_[scratch_.first_[w] + k]; });
+  if (std::isnan(sum)) return std::nullopt;
+  return sum;
 }
 
-double Edit::gain() {
+// The same once the state before is there again. What is not known is evaluated, and kept.
+double Edit::former_sum() {
+  double sum = 0;
+  const auto add = [&](const std::vector<Index>& list, Factor factor, double Scratch::Mark::*value,
+                       auto&& evaluate) {
+    for (const Index i : list) {
+      auto& mark = scratch_.marks_[i];
+      if (!scratch_.remembers_ || (mark.known & factor) == 0) {
+        mark.*value = g_.is_on(i) ? evaluate(i) : 0;
+        mark.known = static_cast<std::uint8_t>(mark.known | factor);
+      }
+      sum += mark.*value;
+    }
+  };
+  add(outcomes_, Scratch::kOutcome, &Scratch::Mark::outcome,
+      [&](Index v) { return density_.of_outcome(g_, v); });
+  add(arrivals_, Scratch::kArrival, &Scratch::Mark::arrival,
+      [&](Index w) { return density_.of_arrival(g_, w); });
+  add(presences_, Scratch::kPresence, &Scratch::Mark::presence,
+      [&](Index w) { return density_.of_presence(g_, w); });
+  visit_pairs([&](Index w, std::size_t k) {
+    double* kept = scratch_.remembers_ ? &scratch_.pairs_[scratch_.first_[w] + k] : nullptr;
+    const double value =
+        kept != nullptr && !std::isnan(*kept) ? *kept : density_.of_pair(g_, w, g_.beside(w)[k]);
+    if (kept != nullptr) *kept = value;
+    sum += value;
+  });
+  return sum;
+}
+
+// Whether the factors as they are now may sum to `need`: they are evaluated as long as those that are left
+// could still make up for what is missing.
+bool Edit::may_reach(double need) const {
+  const double enough = need - 1e-9 * (1 + std::abs(need));  // rounding decides nothing
+  double most = 0;
+  for (const Index w : presences_)
+    if (g_.is_on(w)) most += density_.of_presence(g_, w);
+  for (const Index v : outcomes_)
+    if (g_.is_on(v)) most += density_.most_of_outcome();
+  for (const Index w : arrivals_)
+    if (g_.is_on(w)) most += density_.most_of_arrival(g_, w);
+  if (most < enough) return false;
+  for (std::size_t k = 0; k < std::max(arrivals_.size(), outcomes_.size()); ++k) {
+    if (k < arrivals_.size() && g_.is_on(arrivals_[k]))
+      most += density_.of_arrival(g_, arrivals_[k]) - density_.most_of_arrival(g_, arrivals_[k]);
+    if (k < outcomes_.size() && g_.is_on(outcomes_[k]))
+      most += density_.of_outcome(g_, outcomes_[k]) - density_.most_of_outcome();
+    if (most < enough) return false;
+  }
+  visit_pairs([&](Index w, std::size_t k) {
+    if (most >= enough) most += density_.of_pair(g_, w, g_.beside(w)[k]);
+  });
+  return most >= enough;
+}
+
+double Edit::gain(double least) {
   constexpr double kImpossible = -std::numeric_limits<double>::infinity();
   if (steps_.empty()) return 0;
+  auto was = known_sum();
+  if (!was) {
+    for (std::size_t k = steps_.size(); k-- > 0;) take_back(steps_[k]);
+    was = former_sum();
+    for (Step& step : steps_) take_again(step);
+  }
+  if (least > kImpossible && !may_reach(least + *was - edges_)) return kImpossible;
   const double is = sum();
-  if (is == kImpossible) return kImpossible;
-  for (std::size_t k = steps_.size(); k-- > 0;) take_back(steps_[k]);
-  const double was = kept_sum();
-  for (Step& step : steps_) take_again(step);
-  return is - was + edges_;
+  return is == kImpossible ? kImpossible : is - *was + edges_;
 }
 
 double Edit::edge_evidence(Index a, Index b) const {
@@ -168,12 +266,12 @@ void Edit::add(const Step& step) {
 
 void Edit::link(Index v, Index w) {
   begin();
-  note_link(v, w);
+  note_link(v, w, g_[v].next.empty());
   add({What::link, v, w, {}, 0});
 }
 void Edit::unlink(Index v, Index w) {
   begin();
-  note_link(v, w);
+  note_link(v, w, g_[v].next.size() == 1);
   add({What::unlink, v, w, {}, 0});
 }
 void Edit::join(Index a, Index b) {
@@ -205,8 +303,9 @@ void Edit::set_sway(Index i, double sway) {
     note_arrival(c);
     for (const Index d : g_[c].next) note_arrival(d);
   }
-  for (const Index x : g_[i].edges)
-    for (const Index c : g_[x].next) note_arrival(c);
+  if (density_.theta().sway.coupling != 0)
+    for (const Index x : g_[i].edges)
+      for (const Index c : g_[x].next) note_arrival(c);
   add({What::sway, i, 0, {}, sway});
 }
 
@@ -266,12 +365,26 @@ void Edit::take_back(Step& s) {
   }
 }
 
+void Edit::forget_noted() {
+  const auto forget = [&](const std::vector<Index>& list, Factor factor) {
+    for (const Index i : list) {
+      auto& mark = scratch_.marks_[i];
+      mark.known = static_cast<std::uint8_t>(mark.known & ~factor);
+    }
+  };
+  forget(outcomes_, Scratch::kOutcome);
+  forget(arrivals_, Scratch::kArrival);
+  forget(presences_, Scratch::kPresence);
+  visit_pairs([&](Index w, std::size_t k) {
+    const Index x = g_.beside(w)[k].node;
+    const auto back = std::ranges::find(g_.beside(x), w, &Beside::node) - g_.beside(x).begin();
+    scratch_.pairs_[scratch_.first_[w] + k] = kUnknown;
+    scratch_.pairs_[scratch_.first_[x] + static_cast<std::size_t>(back)] = kUnknown;
+  });
+}
+
 void Edit::keep() {
-  if (!steps_.empty()) {
-    for (const Index v : outcomes_) scratch_.outcome_values[v].known = false;
-    for (const Index w : arrivals_) scratch_.arrival_values[w].known = false;
-    for (const Index w : presences_) scratch_.presence_values[w].known = false;
-  }
+  if (!steps_.empty() && scratch_.remembers_) forget_noted();
   steps_.clear();
   edges_ = 0;
 }

@@ -101,8 +101,9 @@ class Forward {
         continue;
       }
       int parts = 1;
-      if (what == Outcome::split)
-        for (parts = 2; rng_.uniform() < theta_.split_more;) ++parts;
+      if (what == Outcome::split) do
+          for (parts = 2; rng_.uniform() < theta_.split_more;) ++parts;
+        while (parts > static_cast<int>(kMostLinks));
       for (int k = 0; k < parts; ++k) successor(v, parts > 1);
     }
   }

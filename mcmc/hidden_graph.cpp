@@ -4,11 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <string>
-
-#include "core/error.hpp"
-#include "graph/match.hpp"
-#include "graph/near.hpp"
 
 namespace emberfold::mcmc {
 
@@ -60,6 +55,12 @@ bool same_set(const ShortList<Most>& a, const ShortList<Most>& b) {
 
 }  // namespace
 
+double turn_between(const Node& a, const Node& b) {
+  const double cosine = graph::dot(a.tangent, b.tangent);
+  const double sine = a.tangent.x * b.tangent.y - a.tangent.y * b.tangent.x;
+  return cosine < 0 ? std::atan2(-sine, -cosine) : std::atan2(sine, cosine);
+}
+
 Kind kind(const graph::Patch& patch) {
   if (graph::on_step(patch)) return Kind::step;
   return patch.contrast < 0 ? Kind::dark : Kind::bright;
@@ -110,7 +111,8 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
   node.border = p.x < kBorder || p.y < kBorder || p.x > width_ - 1 - kBorder || p.y > height_ - 1 - kBorder;
   node.place = kPlaces / 2;
   nodes_.push_back(node);
-  beside_.emplace_back(), ahead_.emplace_back(), behind_.emplace_back();
+  flags_.push_back(0);
+  beside_.emplace_back(), ahead_.emplace_back(), behind_.emplace_back(), courses_.emplace_back();
   at_.push_back(0);
   const auto t = static_cast<std::size_t>(frame);
   const auto within = [&](Index j, double gate) {
@@ -119,18 +121,17 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
   };
   visit_near(frame, p, [&](Index j) {
     if (!within(j, gates_.edge)) return;
-    beside_[i].push_back({j, closeness(nodes_[i], nodes_[j]), 0});
-    beside_[j].push_back({i, closeness(nodes_[j], nodes_[i]), 0});
+    lay_beside(i, j);
     if (nodes_[j].on && overlaps(i, j)) ++nodes_[i].overlapped;
   });
   const auto linkable = [&](Index j) { return nodes_[j].kind == nodes_[i].kind && within(j, gates_.link); };
   if (t > 0)
     visit_near(frame - 1, p, [&](Index j) {
-      if (linkable(j)) behind_[i].push_back(j), ahead_[j].push_back(make_ahead(j, i));
+      if (linkable(j)) lay_ahead(j, i);
     });
   if (t + 1 < on_.size())
     visit_near(frame + 1, p, [&](Index j) {
-      if (linkable(j)) ahead_[i].push_back(make_ahead(i, j)), behind_[j].push_back(i);
+      if (linkable(j)) lay_ahead(i, j);
     });
   cells_[cell(frame, p)].push_back(i);
   append_to(off_[t], at_, i);
@@ -142,41 +143,49 @@ void HiddenGraph::drop_newest_candidate() {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   // The newest is the last in every list that it is in.
   for (const Beside& near : beside_[i]) beside_[near.node].pop_back();
-  for (const Index j : behind_[i]) ahead_[j].pop_back();
-  for (const Ahead& j : ahead_[i]) behind_[j.node].pop_back();
+  for (const Index j : behind_[i]) ahead_[j].pop_back(), courses_[j].pop_back();
+  for (const Index j : ahead_[i]) behind_[j].pop_back();
   cells_[cell(nodes_[i].frame, nodes_[i].patch.position)].pop_back();
   erase_from(off_[t], at_, i);
-  nodes_.pop_back(), beside_.pop_back(), ahead_.pop_back(), behind_.pop_back(), at_.pop_back();
+  nodes_.pop_back(), flags_.pop_back(), at_.pop_back();
+  beside_.pop_back(), ahead_.pop_back(), behind_.pop_back(), courses_.pop_back();
+}
+
+void HiddenGraph::lay_beside(Index a, Index b) {
+  const bool alike = nodes_[a].kind == nodes_[b].kind;
+  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b]), before(b, a), alike, 0});
+  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a]), before(a, b), alike, 0});
+}
+void HiddenGraph::lay_ahead(Index v, Index w) {
+  ahead_[v].push_back(w);
+  courses_[v].push_back(make_course(v, w));
+  behind_[w].push_back(v);
 }
 
 bool HiddenGraph::linkable(Index v, Index w) const {
-  return std::ranges::find(ahead_[v], w, &Ahead::node) != ahead_[v].end();
+  return std::ranges::find(ahead_[v], w) != ahead_[v].end();
 }
 
-Ahead HiddenGraph::make_ahead(Index v, Index w) const {
+Course HiddenGraph::make_course(Index v, Index w) const {
   const Node &past = nodes_[v], &node = nodes_[w];
   const Point moved = node.patch.position - past.patch.position - past.drift;
-  const double cosine = graph::dot(past.tangent, node.tangent);
-  const double sine = past.tangent.x * node.tangent.y - past.tangent.y * node.tangent.x;
-  Ahead result;
-  result.node = w;
+  Course result;
   result.across = graph::dot(moved, past.normal());
   result.along = graph::dot(moved, past.tangent);
-  result.turn = cosine < 0 ? std::atan2(-sine, -cosine) : std::atan2(sine, cosine);
+  result.turn = turn_between(past, node);
   result.flicker = node.log_contrast - past.log_contrast;
-  result.sense = cosine < 0 ? -1 : 1;
+  result.sense = graph::dot(past.tangent, node.tangent) < 0 ? -1 : 1;
   return result;
 }
 
 void HiddenGraph::set_place(Index i, double log_birth, std::uint8_t place, Point drift) {
   nodes_[i].log_birth = log_birth, nodes_[i].place = place, nodes_[i].drift = drift;
-  for (Ahead& ahead : ahead_[i]) ahead = make_ahead(i, ahead.node);
+  for (std::size_t k = 0; k < ahead_[i].size(); ++k) courses_[i][k] = make_course(i, ahead_[i][k]);
 }
 
 void HiddenGraph::allow_edge(Index a, Index b) {
   if (std::ranges::find(beside_[a], b, &Beside::node) != beside_[a].end()) return;
-  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b]), 0});
-  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a]), 0});
+  lay_beside(a, b);
 }
 
 void HiddenGraph::set_edge_evidence(Index a, Index b, double nats) {
@@ -187,75 +196,99 @@ void HiddenGraph::set_edge_evidence(Index a, Index b, double nats) {
 
 void HiddenGraph::allow_link(Index before, Index after) {
   if (linkable(before, after)) return;
-  ahead_[before].push_back(make_ahead(before, after));
-  behind_[after].push_back(before);
+  lay_ahead(before, after);
 }
 
 bool HiddenGraph::can_link(Index v, Index w) const {
-  const Node &a = nodes_[v], &b = nodes_[w];
-  if (!a.on || !b.on || b.frame != a.frame + 1 || a.next.full() || b.prev.full() || a.next.has(w))
-    return false;
   // A star: at most one of both ends has partners, and these have no other.
-  if (!a.next.empty() && !b.prev.empty()) return false;
-  const auto single = [&](Index x, bool forward) {
-    return (forward ? nodes_[x].next : nodes_[x].prev).size() == 1;
-  };
-  return std::ranges::all_of(a.next, [&](Index x) { return single(x, false); }) &&
-         std::ranges::all_of(b.prev, [&](Index x) { return single(x, true); });
+  if (!is_on(v) || !is_on(w) || (has_future(v) && has_past(w))) return false;
+  const Node &a = nodes_[v], &b = nodes_[w];
+  if (b.frame != a.frame + 1 || a.next.full() || b.prev.full() || a.next.has(w)) return false;
+  return std::ranges::all_of(a.next, [&](Index x) { return nodes_[x].prev.size() == 1; }) &&
+         std::ranges::all_of(b.prev, [&](Index x) { return nodes_[x].next.size() == 1; });
+}
+
+void HiddenGraph::flag(Index i, Flag which, bool holds) {
+  flags_[i] = static_cast<std::uint8_t>(holds ? flags_[i] | which : flags_[i] & ~which);
+}
+// After a link between them came or went.
+void HiddenGraph::flag_links(Index v, Index w) {
+  const auto& next = nodes_[v].next;
+  const auto& prev = nodes_[w].prev;
+  flag(w, kPast, !prev.empty());
+  flag(v, kFuture, !next.empty());
+  flag(v, kGoesOn, next.size() == 1 && is_parent(v, next[0]));
+  for (const Index x : prev)
+    if (x != v) flag(x, kGoesOn, nodes_[x].next.size() == 1 && is_parent(x, w));
+}
+void HiddenGraph::flag_edges(Index a, Index b) {
+  flag(a, kCrowded, nodes_[a].edges.full());
+  flag(b, kCrowded, nodes_[b].edges.full());
 }
 
 void HiddenGraph::link(Index v, Index w) {
   nodes_[v].next.push(w);
   nodes_[w].prev.push(v);
+  flag_links(v, w);
 }
 HiddenGraph::Places HiddenGraph::unlink(Index v, Index w) {
-  return {nodes_[v].next.erase(w), nodes_[w].prev.erase(v)};
+  const Places at{nodes_[v].next.erase(w), nodes_[w].prev.erase(v)};
+  flag_links(v, w);
+  return at;
 }
 void HiddenGraph::undo_unlink(Index v, Index w, Places at) {
   nodes_[v].next.insert(at.first, w);
   nodes_[w].prev.insert(at.second, v);
+  flag_links(v, w);
 }
 void HiddenGraph::join(Index a, Index b) {
   nodes_[a].edges.push(b);
   nodes_[b].edges.push(a);
+  flag_edges(a, b);
 }
 HiddenGraph::Places HiddenGraph::cut(Index a, Index b) {
-  return {nodes_[a].edges.erase(b), nodes_[b].edges.erase(a)};
+  const Places at{nodes_[a].edges.erase(b), nodes_[b].edges.erase(a)};
+  flag_edges(a, b);
+  return at;
 }
 void HiddenGraph::undo_cut(Index a, Index b, Places at) {
   nodes_[a].edges.insert(at.first, b);
   nodes_[b].edges.insert(at.second, a);
+  flag_edges(a, b);
 }
 
 void HiddenGraph::count_overlaps(Index i, int change) {
   if (gates_.overlap <= 0) return;
   for (const Beside& near : beside_[i])
-    if (overlaps(i, near.node))
+    if (near.alike && overlaps(i, near.node))
       nodes_[near.node].overlapped = static_cast<std::uint8_t>(nodes_[near.node].overlapped + change);
+}
+
+void HiddenGraph::show(Index i, bool on) {
+  nodes_[i].on = on;
+  flag(i, kOn, on);
+  count_overlaps(i, on ? 1 : -1);
 }
 
 void HiddenGraph::put(Index i) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   erase_from(off_[t], at_, i);
   append_to(on_[t], at_, i);
-  nodes_[i].on = true;
-  count_overlaps(i, 1);
+  show(i, true);
 }
 HiddenGraph::Places HiddenGraph::take(Index i) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   const std::size_t place = at_[i];
   erase_from(on_[t], at_, i);
   append_to(off_[t], at_, i);
-  nodes_[i].on = false;
-  count_overlaps(i, -1);
+  show(i, false);
   return {place, 0};
 }
 void HiddenGraph::undo_take(Index i, Places at) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   off_[t].pop_back();
   put_back(on_[t], at_, i, at.first);
-  nodes_[i].on = true;
-  count_overlaps(i, 1);
+  show(i, true);
 }
 HiddenGraph::Places HiddenGraph::off_place(Index i) const {
   return {at_[i], 0};
@@ -264,8 +297,7 @@ void HiddenGraph::undo_put(Index i, Places at) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   on_[t].pop_back();
   put_back(off_[t], at_, i, at.first);
-  nodes_[i].on = false;
-  count_overlaps(i, -1);
+  show(i, false);
 }
 
 std::uint64_t HiddenGraph::hash() const {
@@ -289,101 +321,6 @@ bool HiddenGraph::operator==(const HiddenGraph& o) const {
     if (a.on && (a.sway != b.sway || !same_set(a.edges, b.edges) || !same_set(a.next, b.next))) return false;
   }
   return true;
-}
-
-namespace {
-
-// The patches of another sketch of the frame that overlap none of `nodes` (which they join), and its edges.
-void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int frame, std::vector<Index>& nodes,
-                const Gates& gates) {
-  std::vector<Point> places;
-  for (const Index i : nodes) places.push_back(state[i].patch.position);
-  const graph::detail::Near near(places, std::max(gates.overlap, 0.5));
-  std::vector<Index> as;
-  for (const auto& vertex : other.vertices()) {
-    const Point at = vertex.patch.position;
-    Index nearest = kNone;
-    for (const Index k : near.around(at))
-      if (state[nodes[k]].kind == kind(vertex.patch) &&
-          (nearest == kNone ||
-           graph::distance(places[k], at) < graph::distance(state[nearest].patch.position, at)))
-        nearest = nodes[k];
-    as.push_back(nearest != kNone ? nearest : state.add_candidate(frame, vertex.patch));
-  }
-  for (const auto& edge : other.edges()) {
-    const Index a = as[other.index_of(edge.a)], b = as[other.index_of(edge.b)];
-    if (a != b) state.allow_edge(a, b);
-  }
-  for (const Index i : as)
-    if (!state[i].on) nodes.push_back(i);
-  std::ranges::sort(nodes);
-  const auto repeated = std::ranges::unique(nodes);
-  nodes.erase(repeated.begin(), repeated.end());
-}
-
-}  // namespace
-
-HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph::SketchSequence> others,
-                         const Gates& gates) {
-  const auto& sketch = start.sketch;
-  for (const auto& other : others)
-    if (other.width != sketch.width || other.height != sketch.height ||
-        other.frames.size() != sketch.frames.size())
-      throw core::InputError("hidden graph: the starts are of different clips");
-  HiddenGraph state(sketch.width, sketch.height, static_cast<int>(sketch.frames.size()), gates);
-  std::vector<Index> before;
-  for (std::size_t t = 0; t < sketch.frames.size(); ++t) {
-    const auto frame = static_cast<int>(t);
-    const auto& shown = sketch.frames[t];
-    std::vector<Index> now;
-    for (const auto& vertex : shown.vertices()) now.push_back(state.add_candidate(frame, vertex.patch));
-    std::vector<Index> nodes = now;
-    for (const Index i : now) state.put(i);
-    for (const auto& edge : shown.edges()) {
-      const Index a = now[shown.index_of(edge.a)], b = now[shown.index_of(edge.b)];
-      state.allow_edge(a, b);
-      if (state.can_join(a, b)) state.join(a, b);
-    }
-    for (const auto& link : start.links[t]) {
-      const auto& past = sketch.frames[t - 1];
-      const Index v = before[past.index_of(link.before)], w = now[shown.index_of(link.after)];
-      state.allow_link(v, w);
-      if (state.can_link(v, w)) state.link(v, w);
-    }
-    for (const auto& other : others) add_others(state, other.frames[t], frame, nodes, gates);
-    before = std::move(now);
-  }
-  return state;
-}
-
-graph::MotionGraph motion_graph(const HiddenGraph& state, double fps) {
-  graph::MotionGraph motion;
-  motion.sketch.width = state.width(), motion.sketch.height = state.height(), motion.sketch.fps = fps;
-  std::vector<std::uint32_t> id(state.size());
-  std::uint32_t next_id = 0;
-  for (int t = 0; t < state.frames(); ++t) {
-    std::vector<Index> shown(state.on(t).begin(), state.on(t).end());
-    std::ranges::sort(shown);
-    std::vector<graph::Vertex> vertices;
-    std::vector<graph::Edge> edges;
-    std::vector<graph::Link> links;
-    for (const Index i : shown) {
-      id[i] = next_id++;
-      vertices.push_back({{id[i]}, {}, state[i].patch});
-      for (const Index j : state[i].prev) links.push_back({{id[j]}, {id[i]}});
-    }
-    for (const Index i : shown)
-      for (const Index j : state[i].edges)
-        if (i < j) edges.push_back({{id[i]}, {id[j]}});
-    std::ranges::sort(links);
-    motion.sketch.frames.emplace_back(std::move(vertices), std::move(edges));
-    if (t > 0) {
-      const auto& frames = motion.sketch.frames;
-      links = graph::supported_links(frames[frames.size() - 2], frames.back(), std::move(links));
-    }
-    motion.links.push_back(std::move(links));
-  }
-  return graph::identify(std::move(motion));
 }
 
 }  // namespace emberfold::mcmc

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -61,12 +62,13 @@ constexpr std::size_t kCloseness = 6;
 struct Beside {
   Index node = 0;
   std::uint8_t closeness = 0;  ///< below kCloseness
+  bool earlier = false;        ///< it comes before the one that it lies beside (HiddenGraph::before)
+  bool alike = false;          ///< both are of one kind
   float evidence = 0;          ///< nats that the image gives for an edge between them
 };
 
-/// A node of the next frame that this one may go on as, and how that one would have moved and changed.
-struct Ahead {
-  Index node = 0;
+/// How a node would have moved and changed as one of the next frame.
+struct Course {
   double across = 0, along = 0;  ///< px, from where drift carries it: along the normal, along the curve
   double turn = 0;               ///< rad, undirected, −π/2…π/2
   double flicker = 0;            ///< of the logarithm of the contrast
@@ -78,25 +80,29 @@ struct Ahead {
 enum class Kind : std::uint8_t { bright, dark, step };
 Kind kind(const graph::Patch& patch);
 
-/// A patch that may be in the graph of its frame. What does not change:
-struct Node {
-  graph::Patch patch;
+/// A patch that may be in the graph of its frame. What is asked most often comes first: a sampler goes
+/// through nodes at random, and memory is what it waits for.
+struct alignas(64) Node {
+  // What changes while it is `on`:
+  ShortList<kMostLinks> next, prev;  ///< links to nodes of the frame after and before
+  bool on = false;
+  std::uint8_t overlapped = 0;  ///< by how many nodes that are on
+  // What does not:
+  std::uint8_t place = 0;  ///< level of the death map here, below kPlaces
+  bool border = false;     ///< within kBorder of the frame's border, or outside
+  Kind kind = Kind::bright;
+  // Again what does:
+  ShortList<kMostEdges> edges;
+  double sway = 0;  ///< px, latent: displacement from rest along the normal (−sin θ, cos θ)
+  // And what does not:
+  double evidence = 0;      ///< nats that showing it saves
   graph::Point tangent;     ///< unit, of the patch's direction
   double log_contrast = 0;  ///< of 1 + |contrast|
   double order = 0;         ///< nodes of a frame are passed in ascending order of this, then of index
-  double evidence = 0;      ///< nats that showing it saves
   double log_birth = 0;     ///< of the birth map here over its mean; −∞: nothing begins
   int frame = 0;
-  Kind kind = Kind::bright;
-  bool border = false;     ///< within kBorder of the frame's border, or outside
-  std::uint8_t place = 0;  ///< level of the death map here, below kPlaces
-  graph::Point drift;      ///< px a frame: how rest travels here
-  // What does, while it is `on`:
-  bool on = false;
-  std::uint8_t overlapped = 0;  ///< by how many nodes that are on
-  double sway = 0;              ///< px, latent: displacement from rest along the normal (−sin θ, cos θ)
-  ShortList<kMostEdges> edges;
-  ShortList<kMostLinks> next, prev;  ///< links to nodes of the frame after and before
+  graph::Point drift;  ///< px a frame: how rest travels here
+  graph::Patch patch;
 
   [[nodiscard]] graph::Point normal() const { return {-tangent.y, tangent.x}; }
 };
@@ -109,6 +115,9 @@ struct Gates {
   double link = 12;    ///< nodes of neighbouring frames farther apart are not linked
   double overlap = 3;  ///< nodes of a frame and kind nearer to each other are not both on; 0: they may
 };
+
+/// The turn from a to b, undirected: −π/2…π/2.
+double turn_between(const Node& a, const Node& b);
 
 /// The state of the sampler: of a fixed set of candidate patches in every frame those that are in the graph,
 /// their edges, the links between frames (a star forest in each gap), and how far each patch sways. What
@@ -129,20 +138,29 @@ class HiddenGraph {
   /// Nodes, on or off, within the edge's gate in the same frame; symmetric.
   [[nodiscard]] std::span<const Beside> beside(Index i) const { return beside_[i]; }
   /// Nodes of the same kind, on or off, within the link's gate one frame on, and one back.
-  [[nodiscard]] std::span<const Ahead> ahead(Index i) const { return ahead_[i]; }
-  /// Of two linked nodes.
-  [[nodiscard]] const Ahead& course(Index v, Index w) const {
+  [[nodiscard]] std::span<const Index> ahead(Index i) const { return ahead_[i]; }
+  [[nodiscard]] std::span<const Index> behind(Index i) const { return behind_[i]; }
+  /// How it would go on as each of those ahead.
+  [[nodiscard]] std::span<const Course> courses(Index i) const { return courses_[i]; }
+  [[nodiscard]] std::span<Course> courses(Index i) { return courses_[i]; }
+  /// Of two nodes that can be linked.
+  [[nodiscard]] const Course& course(Index v, Index w) const {
     const auto& list = ahead_[v];
     std::size_t k = 0;
-    while (list[k].node != w) ++k;
-    return list[k];
+    while (list[k] != w) ++k;
+    return courses_[v][k];
   }
   [[nodiscard]] bool linkable(Index v, Index w) const;
-  [[nodiscard]] std::span<Ahead> looks(Index i) { return ahead_[i]; }
-  [[nodiscard]] std::span<const Index> behind(Index i) const { return behind_[i]; }
   [[nodiscard]] bool before(Index a, Index b) const {
     return nodes_[a].order != nodes_[b].order ? nodes_[a].order < nodes_[b].order : a < b;
   }
+  // What Node tells too, a byte a node.
+  [[nodiscard]] bool is_on(Index i) const { return (flags_[i] & kOn) != 0; }
+  [[nodiscard]] bool has_past(Index i) const { return (flags_[i] & kPast) != 0; }
+  [[nodiscard]] bool has_future(Index i) const { return (flags_[i] & kFuture) != 0; }
+  [[nodiscard]] bool has_room(Index i) const { return (flags_[i] & kCrowded) == 0; }  ///< for an edge
+  /// On, and its only link leads to a node whose parent it is.
+  [[nodiscard]] bool goes_on(Index i) const { return (flags_[i] & kGoesOn) != 0; }
 
   /// A new candidate, off. O(candidates nearby).
   Index add_candidate(int frame, const graph::Patch& patch);
@@ -161,8 +179,7 @@ class HiddenGraph {
   /// Both on, of neighbouring frames, not linked, and the links stay a star forest.
   [[nodiscard]] bool can_link(Index v, Index w) const;
   [[nodiscard]] bool can_join(Index a, Index b) const {
-    return a != b && nodes_[a].on && nodes_[b].on && !nodes_[a].edges.full() && !nodes_[b].edges.full() &&
-           !nodes_[a].edges.has(b);
+    return a != b && is_on(a) && is_on(b) && has_room(a) && has_room(b) && !nodes_[a].edges.has(b);
   }
 
   void link(Index v, Index w);
@@ -187,8 +204,19 @@ class HiddenGraph {
   bool operator==(const HiddenGraph& o) const;
 
  private:
+  enum Flag : std::uint8_t { kOn = 1, kPast = 2, kFuture = 4, kGoesOn = 8, kCrowded = 16 };
+  void flag(Index i, Flag which, bool holds);
+  void flag_links(Index v, Index w);
+  void flag_edges(Index a, Index b);
+  void show(Index i, bool on);
+  [[nodiscard]] bool is_parent(Index v, Index w) const {
+    const auto& prev = nodes_[w].prev;
+    return std::all_of(prev.begin(), prev.end(), [&](Index x) { return x == v || before(v, x); });
+  }
+  void lay_beside(Index a, Index b);
+  void lay_ahead(Index v, Index w);
   void count_overlaps(Index i, int change);
-  [[nodiscard]] Ahead make_ahead(Index v, Index w) const;
+  [[nodiscard]] Course make_course(Index v, Index w) const;
   [[nodiscard]] std::size_t cell(int frame, int column, int row) const;
   [[nodiscard]] std::size_t cell(int frame, graph::Point p) const;
   template <class Visit>
@@ -197,9 +225,10 @@ class HiddenGraph {
   int width_, height_;
   Gates gates_;
   std::vector<Node> nodes_;
+  std::vector<std::uint8_t> flags_;
   std::vector<std::vector<Beside>> beside_;
-  std::vector<std::vector<Ahead>> ahead_;
-  std::vector<std::vector<Index>> behind_;
+  std::vector<std::vector<Index>> ahead_, behind_;
+  std::vector<std::vector<Course>> courses_;
   std::vector<std::vector<Index>> on_, off_;  ///< by frame
   std::vector<std::vector<Index>> cells_;     ///< all nodes, by frame, row and column
   int columns_ = 1, rows_ = 1;

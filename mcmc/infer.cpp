@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "mcmc/chain.hpp"
+#include "mcmc/prior.hpp"
 #include "mcmc/tallies.hpp"
 #include "mcmc/weigh.hpp"
 
@@ -19,20 +20,6 @@ void check(bool holds, const char* name, double value, const std::string& allowe
   if (!holds)
     throw core::InputError(std::string("infer: ") + name + " is " + std::to_string(value) + ", allowed is " +
                            allowed);
-}
-
-/// The patches of a stroke move, turn and flicker together, which the density does not know: taken as
-/// independent, a stroke that jumps would rather be dead and another one born. So what spreads they have are
-/// learned, and then taken wider.
-Theta widened(Theta theta) {
-  constexpr double kLook = 3, kGrowth = 10, kLeastAcross = 1;
-  theta.turn = std::min(0.5, kLook * theta.turn);
-  theta.flicker *= kLook;
-  theta.across = std::max(theta.across, kLeastAcross);
-  theta.step_sd *= kGrowth, theta.side_sd *= kGrowth;
-  theta.bend_sd = std::min(1.0, kGrowth * theta.bend_sd);
-  theta.grown_contrast_sd *= kGrowth;
-  return theta;
 }
 
 /// Step sizes of the stochastic approximation: whole steps, then ever smaller ones (Delyon, Lavielle,
@@ -65,7 +52,7 @@ class Run {
     return core::Status::done;
   }
   [[nodiscard]] const HiddenGraph& state() const { return ladder_[0].state(); }
-  [[nodiscard]] const Chain& chain() const { return ladder_[0]; }
+  Chain& chain() { return ladder_[0]; }
   void add_counts(std::vector<MoveSum>& sums) const {
     for (const Chain& chain : ladder_)
       for (std::size_t m = 0; m < sums.size(); ++m) {
@@ -101,7 +88,7 @@ class Run {
 /// What is noted of a chain after each sweep.
 constexpr std::array<const char*, 8> kTraces = {"log posterior", "patches", "edges", "links", "a1", "a2",
                                                 "deaths",        "births"};
-std::array<double, kTraces.size()> noted(const Chain& chain) {
+std::array<double, kTraces.size()> noted(Chain& chain) {
   const HiddenGraph& g = chain.state();
   double patches = 0, edges = 0, links = 0, deaths = 0, births = 0;
   for (int t = 0; t < g.frames(); ++t)
@@ -112,17 +99,6 @@ std::array<double, kTraces.size()> noted(const Chain& chain) {
     }
   return {chain.log_density(),   patches, edges, links, chain.theta().sway.a1,
           chain.theta().sway.a2, deaths,  births};
-}
-
-Theta prior_for(const graph::MotionGraph& start, const MotionModel& learned) {
-  double patches = 0;
-  for (const auto& frame : start.sketch.frames) patches += static_cast<double>(frame.size());
-  patches /= static_cast<double>(std::max<std::size_t>(1, start.sketch.frames.size()));
-  Theta prior = usual_theta(patches, double(start.sketch.width) * start.sketch.height);
-  Autoregression sway = learned.sway;
-  sway.noise = std::max(0.02, sway.noise), sway.range = sway.measurement = 0, sway.coupling = 0;
-  if (spectral_radius(sway) <= 0.995) prior.sway = sway;
-  return prior;
 }
 
 }  // namespace

@@ -1,36 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cmath>
-
+#include "mcmc/choose.hpp"
 #include "mcmc/moves.hpp"
 
 namespace emberfold::mcmc {
 
 namespace {
-
-double log_count(std::size_t n) {
-  return std::log(static_cast<double>(n));
-}
-
-Index node(Index i) {
-  return i;
-}
-Index node(const Ahead& ahead) {
-  return ahead.node;
-}
-template <class List, class Keep>
-std::size_t count_if(const List& list, Keep keep) {
-  std::size_t count = 0;
-  for (const auto& item : list) count += keep(node(item));
-  return count;
-}
-/// The n-th of those to keep.
-template <class List, class Keep>
-Index nth(const List& list, std::size_t n, Keep keep) {
-  for (const auto& item : list)
-    if (keep(node(item)) && n-- == 0) return node(item);
-  return kNone;
-}
 
 Index any_of(std::span<const Index> list, Draws& draws) {
   return list.empty() ? kNone : list[draws.below(list.size())];

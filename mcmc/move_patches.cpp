@@ -4,19 +4,18 @@
 #include <cmath>
 #include <vector>
 
+#include "mcmc/choose.hpp"
 #include "mcmc/moves.hpp"
 
 namespace emberfold::mcmc {
 
 namespace {
 
-double log_count(std::size_t n) {
-  return std::log(static_cast<double>(n));
-}
-
 std::size_t joinable(const HiddenGraph& g, Index a) {
   std::size_t count = 0;
-  for (const Beside& b : g.beside(a)) count += g.can_join(a, b.node);
+  if (g.is_on(a) && g.has_room(a))
+    for (const Beside& b : g.beside(a))
+      count += g.is_on(b.node) && g.has_room(b.node) && !g[a].edges.has(b.node);
   return count;
 }
 
@@ -31,7 +30,8 @@ constexpr std::array<double, kCloseness> kJoin = {0.8, 0.4, 0.4, 0.1, 0.1, 0.05}
 constexpr double kUntied = 0.15;  // by which it has no predecessor although there could be one
 
 struct Ties {
-  std::vector<Index> edges;
+  ShortList<kMostEdges> edges;
+  bool too_many = false;  ///< edges were drawn that it has no room for
   Index prev = kNone, next = kNone;
 };
 
@@ -46,47 +46,52 @@ class TieChance {
       if (!can_join(b.node)) continue;
       const double p = kJoin[b.closeness];
       const bool join = draws.pick(std::array{1 - p, p}) == 1;
-      sum += std::log(join ? p : 1 - p);
-      if (join) ties.edges.push_back(b.node);
+      sum += log_join(b.closeness, join);
+      if (!join) continue;
+      if (ties.edges.full())
+        ties.too_many = true;
+      else
+        ties.edges.push(b.node);
     }
-    ties.prev = draw_one(draws, free_behind(), sum);
-    ties.next = draw_one(draws, free_ahead(), sum);
+    ties.prev = draw_one(
+        draws, g_.behind(i_), [&](Index j) { return is_free_before(j); }, sum);
+    ties.next = draw_one(
+        draws, g_.ahead(i_), [&](Index j) { return is_free_after(j); }, sum);
     return sum;
   }
   [[nodiscard]] double of(const Ties& ties) const {
     double sum = 0;
-    for (const Beside& b : g_.beside(i_)) {
-      if (!can_join(b.node)) continue;
-      const double p = kJoin[b.closeness];
-      sum += std::log(std::ranges::find(ties.edges, b.node) != ties.edges.end() ? p : 1 - p);
-    }
-    const std::size_t before = free_behind().size(), after = free_ahead().size();
+    for (const Beside& b : g_.beside(i_))
+      if (can_join(b.node)) sum += log_join(b.closeness, ties.edges.has(b.node));
+    const std::size_t before = count_if(g_.behind(i_), [&](Index j) { return is_free_before(j); });
+    const std::size_t after = count_if(g_.ahead(i_), [&](Index j) { return is_free_after(j); });
     return sum + of_one(before, ties.prev != kNone) + of_one(after, ties.next != kNone);
   }
 
  private:
-  [[nodiscard]] bool can_join(Index j) const { return g_[j].on && !g_[j].edges.full(); }
-  [[nodiscard]] std::vector<Index> free_behind() const {
-    std::vector<Index> list;
-    for (const Index j : g_.behind(i_))
-      if (g_[j].on && g_[j].next.empty()) list.push_back(j);
-    return list;
-  }
-  [[nodiscard]] std::vector<Index> free_ahead() const {
-    std::vector<Index> list;
-    for (const Ahead& ahead : g_.ahead(i_))
-      if (g_[ahead.node].on && g_[ahead.node].prev.empty()) list.push_back(ahead.node);
-    return list;
+  [[nodiscard]] bool can_join(Index j) const { return g_.is_on(j) && g_.has_room(j); }
+  [[nodiscard]] bool is_free_before(Index j) const { return g_.is_on(j) && !g_.has_future(j); }
+  [[nodiscard]] bool is_free_after(Index j) const { return g_.is_on(j) && !g_.has_past(j); }
+  static double log_join(std::size_t closeness, bool join) {
+    static const auto logs = [] {
+      std::array<std::array<double, 2>, kCloseness> table{};
+      for (std::size_t k = 0; k < kCloseness; ++k) table[k] = {std::log(1 - kJoin[k]), std::log(kJoin[k])};
+      return table;
+    }();
+    return logs[closeness][join ? 1 : 0];
   }
   [[nodiscard]] static double of_one(std::size_t choices, bool tied) {
+    static const double untied = std::log(kUntied), not_untied = std::log1p(-kUntied);
     if (choices == 0) return 0;
-    return tied ? std::log1p(-kUntied) - log_count(choices) : std::log(kUntied);
+    return tied ? not_untied - log_count(choices) : untied;
   }
-  static Index draw_one(Draws& draws, const std::vector<Index>& choices, double& sum) {
-    if (choices.empty()) return kNone;
+  template <class Keep>
+  static Index draw_one(Draws& draws, std::span<const Index> list, Keep keep, double& sum) {
+    const std::size_t choices = count_if(list, keep);
+    if (choices == 0) return kNone;
     const bool tied = draws.pick(std::array{kUntied, 1 - kUntied}) == 1;
-    sum += of_one(choices.size(), tied);
-    return tied ? choices[draws.below(choices.size())] : kNone;
+    sum += of_one(choices, tied);
+    return tied ? nth(list, draws.below(choices), keep) : kNone;
   }
 
   const HiddenGraph& g_;
@@ -119,7 +124,7 @@ std::optional<double> add(Edit& edit, Draws& draws, int frame) {
   if (!g.can_put(i)) return std::nullopt;
   Ties ties;
   const double chance = TieChance(g, i).draw(draws, ties);
-  if (ties.edges.size() > kMostEdges) return std::nullopt;
+  if (ties.too_many) return std::nullopt;
   const Guess guess = guess_sway(g, edit.density(), i, ties);
   const double sway = draws.normal(guess.mean, guess.sd);
   edit.put(i);
@@ -142,7 +147,7 @@ std::optional<double> take(Edit& edit, Draws& draws, int frame) {
     if (links->size() > 1 || (links == &g[i].prev ? g[j].next : g[j].prev).size() > 1) return std::nullopt;
     (links == &g[i].prev ? ties.prev : ties.next) = j;
   }
-  ties.edges.assign(g[i].edges.begin(), g[i].edges.end());
+  ties.edges = g[i].edges;
   const double sway = g[i].sway;
   if (ties.prev != kNone) edit.unlink(ties.prev, i);
   if (ties.next != kNone) edit.unlink(i, ties.next);
@@ -287,7 +292,7 @@ std::optional<double> connect_or_cut(Edit& edit, Draws& draws, int frame) {
   const Index a = g.on(frame)[draws.below(g.on(frame).size())];
   // Either end may be the one that is drawn first.
   const auto either = [](std::size_t m, std::size_t n) {
-    return std::log(1 / static_cast<double>(m) + 1 / static_cast<double>(n));
+    return log_count(m + n) - log_count(m) - log_count(n);
   };
   if (connect) {
     const std::size_t choices = joinable(g, a);

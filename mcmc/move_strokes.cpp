@@ -68,9 +68,12 @@ using Pairs = std::vector<std::pair<Index, Index>>;
 Pairs laid(const HiddenGraph& g, const std::vector<Index>& before, const std::vector<Index>& after) {
   std::vector<std::tuple<double, Index, Index>> near;
   for (const Index v : before)
-    for (const Ahead& to : g.ahead(v))
-      if (g[to.node].on && std::ranges::find(after, to.node) != after.end())
-        near.emplace_back(to.across * to.across + to.along * to.along, v, to.node);
+    for (std::size_t k = 0; k < g.ahead(v).size(); ++k) {
+      const Index w = g.ahead(v)[k];
+      if (!g.is_on(w) || std::ranges::find(after, w) == after.end()) continue;
+      const Course& course = g.courses(v)[k];
+      near.emplace_back(course.across * course.across + course.along * course.along, v, w);
+    }
   std::ranges::sort(near);
   Pairs pairs;
   for (const auto& [distance, v, w] : near)
@@ -121,8 +124,8 @@ std::optional<double> tie_strokes(Edit& edit, Draws& draws, int frame) {
   if (g.on(frame).empty()) return std::nullopt;
   const Index v = g.on(frame)[draws.below(g.on(frame).size())];
   if (g.ahead(v).empty()) return std::nullopt;
-  const Index w = g.ahead(v)[draws.below(g.ahead(v).size())].node;
-  if (!g[w].on) return std::nullopt;
+  const Index w = g.ahead(v)[draws.below(g.ahead(v).size())];
+  if (!g.is_on(w)) return std::nullopt;
   const Pairs pairs = laid(g, component(g, v), component(g, w));
   if (pairs.empty()) return std::nullopt;
   if (tied(g, pairs)) {

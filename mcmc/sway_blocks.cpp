@@ -10,8 +10,12 @@ namespace {
 
 /// A residual that is linear in the sways, and its variance.
 struct Residual {
+  struct Term {
+    Index node;
+    double factor;
+  };
   double rest = 0, variance = 1;
-  std::array<std::pair<Index, double>, kMostEdges + 3> terms{};
+  std::array<Term, kMostEdges + 3> terms;
   std::size_t count = 0;
 
   void add(Index node, double factor) { terms[count++] = {node, factor}; }
@@ -83,14 +87,15 @@ std::vector<std::vector<Index>> courses(const HiddenGraph& g) {
   return result;
 }
 
-SwayGaussian sway_given_rest(const HiddenGraph& g, const Theta& theta, const std::vector<Index>& course) {
+SwayGaussian sway_given_rest(const HiddenGraph& g, const Density& density, const std::vector<Index>& course) {
+  const Theta& theta = density.theta();
   const std::size_t n = course.size();
   const int first = g[course[0]].frame;
   const auto at = [&](Index i) {
     const int k = g[i].frame - first;
     return k >= 0 && k < static_cast<int>(n) && course[static_cast<std::size_t>(k)] == i ? k : -1;
   };
-  const double sd = stationary_deviation({theta.sway.a1, theta.sway.a2, 0, theta.sway.noise, 0, 0});
+  const double sd = density.stationary_sd();
   SwayGaussian result;
   auto& band = result.factor;  // of the precision, then of its factor
   band.assign(n, {0, 0, 0});
@@ -138,8 +143,8 @@ SwayGaussian sway_given_rest(const HiddenGraph& g, const Theta& theta, const std
   return result;
 }
 
-void draw_sways(HiddenGraph& g, const Theta& theta, const std::vector<Index>& course, Draws& draws) {
-  const SwayGaussian given = sway_given_rest(g, theta, course);
+void draw_sways(HiddenGraph& g, const Density& density, const std::vector<Index>& course, Draws& draws) {
+  const SwayGaussian given = sway_given_rest(g, density, course);
   const auto& band = given.factor;
   const std::size_t n = course.size();
   std::vector<double> x(n);

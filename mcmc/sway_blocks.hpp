@@ -20,9 +20,9 @@ struct SwayGaussian {
 };
 /// `course`: one of courses(g). Exact: the density is Gaussian in the sways (a block of Rue & Held 2005,
 /// §2.4).
-SwayGaussian sway_given_rest(const HiddenGraph& g, const Theta& theta, const std::vector<Index>& course);
+SwayGaussian sway_given_rest(const HiddenGraph& g, const Density& density, const std::vector<Index>& course);
 
 /// Draws the sways along a course anew, given everything else.
-void draw_sways(HiddenGraph& g, const Theta& theta, const std::vector<Index>& course, Draws& draws);
+void draw_sways(HiddenGraph& g, const Density& density, const std::vector<Index>& course, Draws& draws);
 
 }  // namespace emberfold::mcmc

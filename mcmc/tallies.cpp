@@ -48,18 +48,13 @@ double narrow_square(double x, double sd) {
 void tally_going_on(const HiddenGraph& g, Index w, const Theta& theta, Tallies& t) {
   const Index v = parent(g, w);
   const double wider = g[v].next.size() > 1 ? theta.split_spread : 1;
-  const Ahead& course = g.course(v, w);
+  const Course& course = g.course(v, w);
   const double across = (course.across - (course.sense * g[w].sway - g[v].sway)) / wider;
   const double along = course.along / wider;
   t.going_on += 1;
   t.across2 += across * across, t.along2 += along * along;
   t.turn2 += narrow_square(course.turn, theta.turn);
   t.flicker2 += narrow_square(course.flicker, theta.flicker);
-}
-
-double turn_between(const Node& a, const Node& b) {
-  const double sine = std::abs(a.tangent.x * b.tangent.y - a.tangent.y * b.tangent.x);
-  return std::asin(std::min(1.0, sine));
 }
 
 void tally_grown(const Node& from, const Node& w, double share, const Theta& theta, Tallies& t) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <tuple>
 
+#include "graph/reversed.hpp"
 #include "tests/catch.hpp"
 #include "tests/graph/make.hpp"
 
@@ -58,20 +59,6 @@ make::Frame lines(const std::vector<std::vector<graph::Point>>& all) {
   make::Frame frame;
   for (const auto& points : all) frame.line(points);
   return frame;
-}
-
-/// The same motion graph played backwards.
-graph::MotionGraph backwards(const graph::MotionGraph& motion) {
-  const auto& frames = motion.sketch.frames;
-  std::vector<graph::AttributeGraph> reversed(frames.rbegin(), frames.rend());
-  std::vector<Pairs> links;
-  for (std::size_t t = frames.size(); t-- > 1;) {
-    links.emplace_back();
-    for (const auto& link : motion.links[t]) {
-      links.back().emplace_back(frames[t].index_of(link.after), frames[t - 1].index_of(link.before));
-    }
-  }
-  return make::motion(reversed, links);
 }
 
 EventType opposite(EventType type) {
@@ -282,7 +269,7 @@ TEST_CASE("A clip played backwards has the opposite events at the same places", 
   std::map<EventType, int> seen;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     const auto motion = graph::identify(make::random_motion(seed, 4, static_cast<int>(seed % 17)));
-    const auto mirror = graph::identify(backwards(motion));
+    const auto mirror = graph::reversed(motion);
     const auto there = graph::stroke_events(motion);
     CHECK(turned(there, 4) == facts(graph::stroke_events(mirror)));
     CHECK(turned(graph::patch_events(motion), 4) == facts(graph::patch_events(mirror)));

@@ -36,8 +36,8 @@ bool step(Edit& edit, core::Rng& rng, int& kind) {
       if (node.edges.empty()) return false;
       return edit.cut(i, node.edges[rng.below(static_cast<std::uint32_t>(node.edges.size()))]), true;
     case 4:
-      for (const auto& to : g.ahead(i))
-        if (rng.below(2) == 0 && g.can_link(i, to.node)) return edit.link(i, to.node), true;
+      for (const Index to : g.ahead(i))
+        if (rng.below(2) == 0 && g.can_link(i, to)) return edit.link(i, to), true;
       return false;
     case 5:
       if (node.next.empty()) return false;
@@ -184,4 +184,44 @@ TEST_CASE("After ten thousand moves gains add up to the density", "[mcmc][edit]"
   }
   CHECK(accepted > 300);
   CHECK(rejected > 1000);
+}
+
+TEST_CASE("A gain that is asked for from a level on is the gain or lies below it", "[mcmc][edit]") {
+  int hidden = 0, told = 0;
+  for (std::uint32_t number = 0; number < 12; ++number) {
+    auto theta = number % 2 == 0 ? made::lively_theta() : made::even_theta();
+    theta.sway.coupling = number % 3 == 0 ? 0.1 : 0;
+    Density density(theta, number % 4 == 3 ? 0.5 : 1);
+    HiddenGraph g = made::drawn_state(200 + number, 5, 50, 30, 1.5);
+    if (number < 6) density.prepare(g);
+    mcmc::Scratch scratch;
+    scratch.remember(g);
+    Edit edit(g, density, scratch);
+    mcmc::RandomDraws draws(core::Rng(26, {number, 0, 0}));
+    core::Rng rng(27, {number, 0, 0});
+    for (int n = 0; n < 1500; ++n) {
+      const auto& move = mcmc::moves()[rng.below(static_cast<std::uint32_t>(mcmc::moves().size()))];
+      const auto ratio = move.propose(edit, draws, static_cast<int>(rng.below(move.between_frames ? 4 : 5)));
+      if (!ratio) continue;
+      const double gain = edit.gain();
+      INFO(move.name << ", gain " << gain);
+      for (const double above : {-5.0, -1e-3, 1e-3, 3.0, 50.0}) {
+        const double bounded = edit.gain(gain + above);
+        if (above < 0)
+          REQUIRE(bounded == gain);
+        else
+          REQUIRE((bounded == gain || bounded == -std::numeric_limits<double>::infinity()));
+        (bounded == gain ? told : hidden) += 1;
+      }
+      const double before = density.total(g);
+      if (std::log1p(-rng.uniform()) < gain + *ratio) {
+        edit.keep();
+        continue;
+      }
+      edit.undo();
+      // What is remembered of factors is what they are.
+      if (std::isfinite(gain)) REQUIRE(relative(gain - (before - density.total(g)), before) <= 1e-9);
+    }
+  }
+  CHECK(hidden > told / 4);
 }

@@ -40,7 +40,7 @@ std::vector<std::uint64_t> image(const HiddenGraph& g) {
     add(node.edges), add(node.next), add(node.prev);
     all.push_back(g.beside(i).size());
     for (const auto& near : g.beside(i)) all.push_back(near.node), all.push_back(near.closeness);
-    for (const auto& to : g.ahead(i)) all.push_back(to.node);
+    for (const Index to : g.ahead(i)) all.push_back(to);
     add(g.behind(i));
   }
   return all;
@@ -83,8 +83,8 @@ std::function<void()> operate(HiddenGraph& g, core::Rng& rng) {
       return [&g, i, j, at = g.cut(i, j)] { g.undo_cut(i, j, at); };
     }
     case 4:
-      for (const auto& to : g.ahead(i))
-        if (const Index w = to.node; rng.below(2) == 0 && g.can_link(i, w))
+      for (const Index to : g.ahead(i))
+        if (const Index w = to; rng.below(2) == 0 && g.can_link(i, w))
           return [&g, i, w, done = (g.link(i, w), true)] { g.unlink(i, w); };
       return {};
     default: {
@@ -187,7 +187,7 @@ TEST_CASE("What lies near is what brute force finds", "[mcmc][hidden_graph]") {
       CHECK(found == beside);
       CHECK(found.size() == g.beside(i).size());
       std::set<Index> reached;
-      for (const auto& to : g.ahead(i)) reached.insert(to.node);
+      for (const Index to : g.ahead(i)) reached.insert(to);
       CHECK(reached == ahead);
       CHECK(std::set<Index>(g.behind(i).begin(), g.behind(i).end()) == behind);
     }

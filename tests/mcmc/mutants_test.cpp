@@ -69,7 +69,7 @@ std::size_t joinable(const HiddenGraph& g, Index a) {
 }
 std::size_t linkable(const HiddenGraph& g, Index v) {
   return static_cast<std::size_t>(
-      std::ranges::count_if(g.ahead(v), [&](const auto& to) { return g.can_link(v, to.node); }));
+      std::ranges::count_if(g.ahead(v), [&](Index to) { return g.can_link(v, to); }));
 }
 
 /// How many edges, and pasts, the patch that one state has more could get from the one it is beside.
