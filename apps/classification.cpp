@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -126,12 +127,12 @@ Predict svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
     const auto label_of = [&](std::size_t i) { return static_cast<int>(samples.label[i]); };
     cv::Mat1f numbers(static_cast<int>(training.size()), 1);
     cv::Mat1i labels(static_cast<int>(training.size()), 1);
-    std::set<int> seen;
+    std::map<int, int> seen;  // how often each label
     for (int k = 0; k < numbers.rows; ++k) {
       const std::size_t i = training[static_cast<std::size_t>(k)];
       numbers(k, 0) = static_cast<float>(i);
       labels(k, 0) = label_of(i);
-      seen.insert(labels(k, 0));
+      ++seen[labels(k, 0)];
     }
     if (seen.size() < 2) {  // nothing to tell apart
       for (const std::size_t i : asked) predicted[i] = samples.label[training.front()];
@@ -140,6 +141,10 @@ Predict svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
     const auto machine = cv::ml::SVM::create();
     machine->setType(cv::ml::SVM::C_SVC);
     machine->setC(kCost);
+    cv::Mat1d weights(static_cast<int>(seen.size()), 1);  // classes of few samples count as much as others
+    for (auto weight = weights.begin(); const auto& [label, count] : seen)
+      *weight++ = double(numbers.rows) / (double(seen.size()) * count);
+    machine->setClassWeights(weights);
     machine->setTermCriteria({cv::TermCriteria::MAX_ITER + cv::TermCriteria::EPS, 100'000, 1e-6});
     machine->setCustomKernel(
         cv::makePtr<TableKernel>(kernel_table(pairs, samples.label.size(), training, measure)));

@@ -79,7 +79,8 @@ class Axis {
         break;
       }
     std::vector<double> values;
-    for (double i = std::ceil(low / step); i * step <= high; i += 1) values.push_back(i * step);
+    for (double i = std::ceil(low / step); i * step <= high; i += 1)
+      values.push_back(i * step + 0.0);  // no −0
     return values;
   }
 

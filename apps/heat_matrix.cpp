@@ -45,10 +45,14 @@ cv::Vec3b shade(double share) {
   return kStops[below] + (kStops[below + 1] - kStops[below]) * (at - static_cast<double>(below));
 }
 
-std::string number(double value, bool whole) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), whole || std::abs(value) >= 1000 ? "%.0f" : "%.3g", value);
-  return text.data();
+// As much of the number as has room; nothing where none has.
+std::string number(double value, bool whole, int room) {
+  for (const char* format : {whole || std::abs(value) >= 1000 ? "%.0f" : "%.3g", "%.1e", "%.0e"}) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), format, value);
+    if (text_width(text.data(), 0.38) + 4 <= room) return text.data();
+  }
+  return {};
 }
 
 struct Colours {
@@ -77,9 +81,9 @@ void draw_cell(cv::Mat& picture, const cv::Rect& box, double value, const Colour
   const double share = colours.share(value);
   const cv::Vec3b fill = shade(share);
   cv::rectangle(picture, box, cv::Scalar(fill), cv::FILLED);
-  const std::string text = number(value, whole);
+  if (box.height < 16) return;
+  const std::string text = number(value, whole, box.width);
   const int width = text_width(text, 0.38);
-  if (width + 6 > box.width || box.height < 16) return;
   write(picture, text, {box.x + (box.width - width) / 2, box.y + box.height / 2 + 4}, 0.38,
         share > 0.5 ? kPaper : kInk);
 }

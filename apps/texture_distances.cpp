@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
-#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -88,17 +87,25 @@ std::string measure_names() {
 }
 
 std::vector<std::string> short_names(const std::vector<std::string>& paths) {
-  std::vector<std::filesystem::path> rest;
+  std::vector<std::filesystem::path> whole, rest;
   std::vector<std::string> names;
   for (const auto& path : paths) {
-    rest.push_back(std::filesystem::path(path).lexically_normal());
-    if (!rest.back().has_filename()) rest.back() = rest.back().parent_path();
-    names.push_back(rest.back().filename().string());
+    whole.push_back(std::filesystem::path(path).lexically_normal());
+    if (!whole.back().has_filename()) whole.back() = whole.back().parent_path();
+    names.push_back(whole.back().filename().string());
   }
-  const auto all_differ = [&] { return std::set(names.begin(), names.end()).size() == names.size(); };
-  for (bool longer = true; longer && !all_differ();) {
+  rest = whole;
+  // A name that stands for two paths gets the folder above in front, until none does.
+  for (bool longer = true; longer;) {
     longer = false;
-    for (std::size_t i = 0; i < names.size(); ++i) {
+    std::vector<std::size_t> alike;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      for (std::size_t j = 0; j < names.size(); ++j)
+        if (names[i] == names[j] && whole[i] != whole[j]) {
+          alike.push_back(i);
+          break;
+        }
+    for (const std::size_t i : alike) {
       rest[i] = rest[i].parent_path();
       if (!rest[i].has_filename()) continue;
       names[i] = rest[i].filename().string() + "/" + names[i];
@@ -172,7 +179,7 @@ std::string matrix_table(const std::vector<std::string>& names, const cv::Mat& v
   std::string out = std::string(about(measure)) + "\n" + std::string(first, ' ');
   std::vector<std::size_t> widths;
   for (const auto& name : names) {
-    widths.push_back(std::max<std::size_t>(11, length(name) + 2));
+    widths.push_back(std::max<std::size_t>(13, length(name) + 2));
     out += right(name, widths.back());
   }
   out += "\n";

@@ -13,6 +13,7 @@
 #include "apps/clip_reader.hpp"
 #include "apps/texture_distances.hpp"
 #include "apps/texture_folder.hpp"
+#include "core/error.hpp"
 #include "core/rng.hpp"
 #include "dytex/compression.hpp"
 #include "tests/apps/command_check.hpp"
