@@ -71,12 +71,14 @@ void add_dytex(CLI::App& app, Chosen& chosen) {
       "  emberfold dytex learn flag.avi -o out/flag\n"
       "  emberfold dytex edit out/flag -o out/storm --speed 1.5 --intensity 2\n"
       "  emberfold dytex synth out/storm -o storm.mp4\n"
+      "  emberfold dytex page out/flag -o flag.html\n"
       "  emberfold dytex info out/flag");
   command->require_subcommand(0, 1);
   add_dytex_learn(*command, chosen);
   add_dytex_edit(*command, chosen);
   add_dytex_synth(*command, chosen);
   add_dytex_compose(*command, chosen);
+  add_dytex_page(*command, chosen);
   add_dytex_info(*command, chosen);
   for (auto* one : command->get_subcommands([](CLI::App*) { return true; })) one->group("Commands");
 }

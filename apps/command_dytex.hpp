@@ -17,6 +17,7 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen);
 void add_dytex_edit(CLI::App& dytex, Chosen& chosen);
 void add_dytex_synth(CLI::App& dytex, Chosen& chosen);
 void add_dytex_compose(CLI::App& dytex, Chosen& chosen);
+void add_dytex_page(CLI::App& dytex, Chosen& chosen);
 void add_dytex_info(CLI::App& dytex, Chosen& chosen);
 
 /// The argument MODEL.
