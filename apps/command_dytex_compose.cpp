@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
 #include "apps/command_dytex.hpp"
 #include "apps/interrupt.hpp"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <sstream>
@@ -38,6 +39,10 @@ struct Editing {
   }
 };
 
+bool has_channel(const dytex::Edit& edit) {
+  return edit.channel.has_value();
+}
+
 /// "speed is 4, allowed …" names a field; the user knows the option.
 Misuse option_misuse(const std::string& message) {
   constexpr std::array kOptions{"speed",  "flow", "intensity", "directions", "coarse",
@@ -48,6 +53,10 @@ Misuse option_misuse(const std::string& message) {
 }
 
 dytex::EditResult edited(const Editing& asked, dytex::LinearDynamicTexture texture) {
+  if (texture.channels.size() == 0 && std::ranges::any_of(asked.edits, &has_channel))
+    throw Misuse(
+        "--channel needs a model per channel, and " + asked.model +
+        " shows all by the same components; learn one with 'emberfold dytex learn --channels separate'");
   try {
     return dytex::edit(std::move(texture), asked.edits);
   } catch (const core::InputError& error) {

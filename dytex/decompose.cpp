@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <limits>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <unsupported/Eigen/MatrixFunctions>
@@ -64,6 +66,36 @@ SingularVectors singular_vectors(const Eigen::MatrixXd& matrix) {
     return {Eigen::MatrixXd::Identity(matrix.rows(), matrix.rows()), Eigen::MatrixXd(matrix.cols(), 0)};
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeThinV);
   return {svd.matrixU(), svd.matrixV()};
+}
+
+Eigen::MatrixXd nearest_orthogonal(const Eigen::MatrixXd& matrix) {
+  const ThinSvd svd = thin_svd(matrix);
+  return svd.U * svd.V.transpose();
+}
+
+Eigen::MatrixXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
+  return matrix.completeOrthogonalDecomposition().solve(right);
+}
+
+Eigen::MatrixXd right_divide(const Eigen::MatrixXd& left, const Eigen::MatrixXd& matrix) {
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(matrix);
+  if (cholesky.info() != Eigen::Success) throw core::NumericalError("a covariance is singular");
+  return cholesky.solve(left.transpose()).transpose();
+}
+
+ThinSvd thin_svd(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {Eigen::MatrixXd(matrix.rows(), 0), Eigen::MatrixXd(matrix.cols(), 0), {}};
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  return {svd.matrixU(), svd.matrixV(), svd.singularValues()};
+}
+
+Eigen::MatrixXd thin_q(const Eigen::MatrixXd& matrix) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
+}
+
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix) {
+  return matrix.partialPivLu().inverse();
 }
 
 }  // namespace emberfold::dytex::detail

@@ -37,4 +37,25 @@ struct SingularVectors {
 };
 SingularVectors singular_vectors(const Eigen::MatrixXd& matrix);
 
+/// U Vᵀ of the singular value decomposition of a square matrix: the orthogonal matrix nearest to it.
+Eigen::MatrixXd nearest_orthogonal(const Eigen::MatrixXd& matrix);
+
+/// The smallest X with the least ‖M X − Y‖: a complete orthogonal decomposition.
+Eigen::MatrixXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
+
+/// X with X M = Y, M symmetric and positive definite; NumericalError where it is not.
+Eigen::MatrixXd right_divide(const Eigen::MatrixXd& left, const Eigen::MatrixXd& matrix);
+
+struct ThinSvd {
+  Eigen::MatrixXd U, V;
+  Eigen::VectorXd s;  ///< falling
+};
+ThinSvd thin_svd(const Eigen::MatrixXd& matrix);
+
+/// Orthonormal columns that span those of a matrix with at least as many rows as columns (Householder).
+Eigen::MatrixXd thin_q(const Eigen::MatrixXd& matrix);
+
+/// M⁻¹ of a square matrix, by LU.
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix);
+
 }  // namespace emberfold::dytex::detail

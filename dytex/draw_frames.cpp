@@ -190,36 +190,23 @@ __attribute__((target("avx512f"))) void draw_avx512(const Batch& batch, Index fi
 #endif
 
 template <class Value>
-void draw_with(Vectors vectors, const Batch& batch, Index first, Index count, const Frames<Value>& frames,
+void draw_with(Isa isa, const Batch& batch, Index first, Index count, const Frames<Value>& frames,
                Index offset) {
 #if defined(__x86_64__)
-  if (vectors == Vectors::avx512) return draw_avx512(batch, first, count, frames, offset);
-  if (vectors == Vectors::avx2) return draw_avx2(batch, first, count, frames, offset);
+  if (isa == Isa::avx512) return draw_avx512(batch, first, count, frames, offset);
+  if (isa == Isa::avx2) return draw_avx2(batch, first, count, frames, offset);
 #endif
   draw_plain(batch, first, count, frames, offset);
 }
 
 }  // namespace
 
-std::span<const Vectors> available_vectors() {
-  static constexpr std::array kAll{Vectors::plain, Vectors::avx2, Vectors::avx512};
-#if defined(__x86_64__)
-  static const std::size_t count = __builtin_cpu_supports("avx2") == 0      ? 1
-                                   : __builtin_cpu_supports("avx512f") == 0 ? 2
-                                                                            : 3;
-#else
-  static const std::size_t count = 1;
-#endif
-  return std::span(kAll).first(count);
+void draw_bytes(const Batch& batch, Index first, Index count, const Frames<std::uint8_t>& frames, Isa isa) {
+  draw_with(isa, batch, first, count, frames, first);
 }
 
-void draw_bytes(const Batch& batch, Index first, Index count, const Frames<std::uint8_t>& frames,
-                Vectors vectors) {
-  draw_with(vectors, batch, first, count, frames, first);
-}
-
-void draw_levels(const Batch& batch, Index first, Index count, const Frames<float>& frames, Vectors vectors) {
-  draw_with(vectors, batch, first, count, frames, 0);
+void draw_levels(const Batch& batch, Index first, Index count, const Frames<float>& frames, Isa isa) {
+  draw_with(isa, batch, first, count, frames, 0);
 }
 
 std::uint8_t byte_of(float level) {

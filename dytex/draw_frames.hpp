@@ -4,9 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include <Eigen/Core>
+
+#include "dytex/kernels.hpp"
 
 namespace emberfold::dytex::detail {
 
@@ -22,19 +23,15 @@ struct Batch {
   const float* states = nullptr;
 };
 
-/// What the vectors of the processor are like. Each gives the same bits: a value is a sum in the order of the
-/// components, products and sums rounded one by one.
-enum class Vectors { plain, avx2, avx512 };
-/// Those that this processor has, the widest last.
-std::span<const Vectors> available_vectors();
-
 /// Draws values first … first + count − 1 of the eight frames, rounded (ties to even) and saturated to 0 …
-/// 255, into frames[i] + first. Vectors that the processor lacks end the process. O(8 count n).
+/// 255, into frames[i] + first. With every instruction set the same bits: a value is a sum in the order of
+/// the components, products and sums rounded one by one. A set that the machine lacks ends the process. O(8
+/// count n).
 void draw_bytes(const Batch& batch, Eigen::Index first, Eigen::Index count,
-                const std::array<std::uint8_t*, kBatch>& frames, Vectors vectors);
+                const std::array<std::uint8_t*, kBatch>& frames, Isa isa);
 /// The same unrounded, into frames[i] (no offset).
 void draw_levels(const Batch& batch, Eigen::Index first, Eigen::Index count,
-                 const std::array<float*, kBatch>& frames, Vectors vectors);
+                 const std::array<float*, kBatch>& frames, Isa isa);
 
 /// A level as an 8-bit value: to the nearest, ties to even, saturated; 0 for what is no number.
 std::uint8_t byte_of(float level);

@@ -87,8 +87,8 @@ MatrixXd assembled(const MatrixXd& basis, MatrixXd diagonal, const MatrixXd& inv
   for (const PoleBlock& block : blocks) {
     auto part = diagonal.block(block.first, block.first, block.size, block.size);
     part = change(block, MatrixXd(part));
-    if (block.size > 2 || (block.size == 2 && block.pairs == 0))
-      result.together += static_cast<int>(block.size);
+    const bool alone = block.size == 1 || (block.size == 2 && block.pairs == 1);
+    if (!alone && block.zero < block.size) result.together += static_cast<int>(block.size);
   }
   MatrixXd changed = basis * diagonal * inverse;
   // Poles keep their moduli, or get smaller: only rounding can bring the largest to 1.

@@ -173,14 +173,14 @@ void Synthesis::render() {
   }
   const detail::Batch batch{texture_.mean.data(), texture_.C.data(), texture_.pixels(), texture_.components(),
                             states.data()};
-  const detail::Vectors vectors = detail::available_vectors().back();
+  const detail::Isa isa = detail::best_isa();
   core::parallel_for(block_count(texture_), {}, [&](std::size_t block) {
     const Eigen::Index row = first_row(block), rows = row_count(texture_, block);
-    if (!options_.pixel_noise) return detail::draw_bytes(batch, row, rows, bytes, vectors);
+    if (!options_.pixel_noise) return detail::draw_bytes(batch, row, rows, bytes, isa);
     Eigen::MatrixXf levels(rows, static_cast<Eigen::Index>(kBatch));
     std::array<float*, kBatch> columns{};
     for (std::size_t i = 0; i < kBatch; ++i) columns[i] = levels.col(static_cast<Eigen::Index>(i)).data();
-    detail::draw_levels(batch, row, rows, columns, vectors);
+    detail::draw_levels(batch, row, rows, columns, isa);
     const PixelNoise noise(texture_, row, rows);
     for (std::size_t i = 0; i < kBatch; ++i) {
       noise.add(core::Rng(options_.seed, stream(times[i], static_cast<std::uint32_t>(block), kPixels)),

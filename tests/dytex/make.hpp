@@ -8,10 +8,12 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <opencv2/core.hpp>
 
 #include "core/clip.hpp"
 #include "core/rng.hpp"
+#include "dytex/dynamics.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
 namespace emberfold::test {
@@ -69,6 +71,24 @@ inline core::Clip wavy_clip(int width, int height, int channels, int depth, int 
     levels.col(t) = (shapes * weights + 3 * grain.col(t)).array() + 128;
   }
   return clip_of(levels, width, height, channels, depth);
+}
+
+/// All components in one block.
+inline dytex::detail::Block block(const Eigen::VectorXd& s, const Eigen::MatrixXd& V) {
+  dytex::detail::Block result{s, V, {}};
+  for (Eigen::Index i = 0; i < s.size(); ++i) result.places.push_back(i);
+  return result;
+}
+
+/// The columns of `states` (n × τ) less their mean, as diag(s) Vᵀ up to a rotation: `turn` · states.
+struct Principal {
+  dytex::detail::Block block;
+  Eigen::MatrixXd turn;
+};
+inline Principal principal(const Eigen::MatrixXd& states) {
+  const Eigen::MatrixXd centred = states.colwise() - states.rowwise().mean();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  return {block(svd.singularValues(), svd.matrixV()), svd.matrixU().transpose()};
 }
 
 inline bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynamicTexture& b) {
