@@ -58,12 +58,14 @@ void add_dytex(CLI::App& app, Chosen& chosen) {
       "  emberfold dytex info out/flag\n"
       "  emberfold dytex distance out/flag out/river\n"
       "  emberfold dytex classify clips -o out/classes\n"
-      "  emberfold dytex compress out/flag -o out/small --precision f16");
+      "  emberfold dytex compress out/flag -o out/small --precision f16\n"
+      "  emberfold dytex page out/flag -o flag.html");
   command->require_subcommand(0, 1);
   add_dytex_learn(*command, chosen);
   add_dytex_edit(*command, chosen);
   add_dytex_synth(*command, chosen);
   add_dytex_compose(*command, chosen);
+  add_dytex_page(*command, chosen);
   add_dytex_info(*command, chosen);
   add_dytex_forecast(*command, chosen);
   add_dytex_curve(*command, chosen);

@@ -18,6 +18,7 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen);
 void add_dytex_edit(CLI::App& dytex, Chosen& chosen);
 void add_dytex_synth(CLI::App& dytex, Chosen& chosen);
 void add_dytex_compose(CLI::App& dytex, Chosen& chosen);
+void add_dytex_page(CLI::App& dytex, Chosen& chosen);
 void add_dytex_info(CLI::App& dytex, Chosen& chosen);
 void add_dytex_forecast(CLI::App& dytex, Chosen& chosen);
 void add_dytex_curve(CLI::App& dytex, Chosen& chosen);

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "core/error.hpp"
 
@@ -41,6 +42,31 @@ bool is_video_name(const fs::path& path) {
                             ".y4m", ".ogv", ".ts", ".3gp"})
     if (extension == known) return true;
   return false;
+}
+
+BesideFile::BesideFile(fs::path path) : path_(std::move(path)), part_(path_.string() + ".part") {
+  if (fs::is_directory(path_)) fail("write", path_, "a folder has this name");
+  errno = 0;
+  if (!std::ofstream(part_, std::ios::binary | std::ios::trunc)) fail("write", path_, std::strerror(errno));
+}
+
+BesideFile::~BesideFile() {
+  std::error_code ignored;
+  fs::remove(part_, ignored);
+}
+
+void BesideFile::write(const std::function<void(std::ostream&)>& body) const {
+  errno = 0;
+  std::ofstream stream(part_, std::ios::binary | std::ios::trunc);
+  body(stream);
+  stream.close();
+  if (!stream) fail("write", path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
+}
+
+void BesideFile::finish() const {
+  std::error_code error;
+  fs::rename(part_, path_, error);
+  if (error) fail("write", path_, error.message());
 }
 
 }  // namespace emberfold::apps

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -24,7 +25,6 @@ using Eigen::VectorXd;
 struct Whitening {
   MatrixXd L, inverse;
   [[nodiscard]] MatrixXd white(const MatrixXd& A) const { return inverse * A * L; }
-  [[nodiscard]] MatrixXd back(const MatrixXd& A) const { return L * A * inverse; }
 };
 
 Whitening whitening(const MatrixXd& covariance) {
@@ -70,18 +70,27 @@ MatrixXd quarter_turn(const MatrixXd& block) {
   return J;
 }
 
-/// A function of A by its blocks: `change` gives each block's new diagonal.
-MatrixXd by_blocks(const MatrixXd& A, const MatrixXd& covariance, EditedDynamics& result,
-                   const std::function<MatrixXd(const PoleBlock&, const MatrixXd&)>& change) {
+/// A by its blocks, the basis that of states in levels.
+PoleBlocks blocks_of(const MatrixXd& A, const MatrixXd& covariance) {
   const Whitening whitening = detail::whitening(covariance);
   PoleBlocks poles = pole_blocks(whitening.white(A));
-  for (const PoleBlock& block : poles.blocks) {
-    auto diagonal = poles.diagonal.block(block.first, block.first, block.size, block.size);
-    diagonal = change(block, MatrixXd(diagonal));
+  poles.basis = whitening.L * poles.basis;
+  poles.inverse = poles.inverse * whitening.inverse;
+  return poles;
+}
+
+using BlockChange = std::function<MatrixXd(const PoleBlock&, const MatrixXd&)>;
+
+/// basis · diagonal · inverse with what `change` makes of each block of the diagonal.
+MatrixXd assembled(const MatrixXd& basis, MatrixXd diagonal, const MatrixXd& inverse,
+                   const std::vector<PoleBlock>& blocks, EditedDynamics& result, const BlockChange& change) {
+  for (const PoleBlock& block : blocks) {
+    auto part = diagonal.block(block.first, block.first, block.size, block.size);
+    part = change(block, MatrixXd(part));
     const bool alone = block.size == 1 || (block.size == 2 && block.pairs == 1);
     if (!alone && block.zero < block.size) result.together += static_cast<int>(block.size);
   }
-  MatrixXd changed = whitening.back(poles.basis * poles.diagonal * poles.inverse);
+  MatrixXd changed = basis * diagonal * inverse;
   // Poles keep their moduli, or get smaller: only rounding can bring the largest to 1.
   if (const double radius = spectral_radius(changed); !(radius < 1)) changed *= (1 - 1e-12) / radius;
   return changed;
@@ -117,27 +126,48 @@ MatrixXd aligned_factor(const MatrixXd& F, const MatrixXd& like) {
   return result;
 }
 
+bool turns(const PoleBlock& block) {
+  return block.pairs > 0 && 2 * block.pairs >= block.size;
+}
+
+bool passes_half_turn(const PoleBlock& block, double factor) {
+  constexpr double kRounding = 1e-12;
+  return std::abs(factor) * block.phase > std::numbers::pi * (1 + kRounding);
+}
+
+SpeedForm speed_form(const MatrixXd& A, const MatrixXd& covariance) {
+  PoleBlocks poles = blocks_of(A, covariance);
+  SpeedForm form{std::move(poles.basis), std::move(poles.inverse), std::move(poles.diagonal),
+                 MatrixXd::Zero(A.rows(), A.cols()), std::move(poles.blocks)};
+  for (const PoleBlock& block : form.blocks)
+    if (turns(block))
+      form.quarter_turn.block(block.first, block.first, block.size, block.size) =
+          quarter_turn(form.diagonal.block(block.first, block.first, block.size, block.size));
+  return form;
+}
+
 EditedDynamics at_speed(const MatrixXd& A, const MatrixXd& B, double factor) {
   EditedDynamics result{A, B};
-  result.A =
-      by_blocks(A, stationary_covariance(A, B), result, [&](const PoleBlock& block, const MatrixXd& T) {
-        if (2 * block.pairs < block.size)
-          return T;  // real poles stay; and a pair that cannot be told from one
-        constexpr double kRounding = 1e-12;
-        if (std::abs(factor) * block.phase > std::numbers::pi * (1 + kRounding)) return zero(block, result);
-        const double turn = (factor - 1) * block.phase;
-        return MatrixXd(T * (std::cos(turn) * MatrixXd::Identity(block.size, block.size) +
-                             std::sin(turn) * quarter_turn(T)));
-      });
+  const SpeedForm form = speed_form(A, stationary_covariance(A, B));
+  result.A = assembled(form.basis, form.diagonal, form.inverse, form.blocks, result,
+                       [&](const PoleBlock& block, const MatrixXd& T) {
+                         if (!turns(block)) return T;
+                         if (passes_half_turn(block, factor)) return zero(block, result);
+                         const double turn = (factor - 1) * block.phase;
+                         const MatrixXd J =
+                             form.quarter_turn.block(block.first, block.first, block.size, block.size);
+                         return MatrixXd(std::cos(turn) * T + std::sin(turn) * T * J);
+                       });
   return result;
 }
 
 EditedDynamics at_flow(const MatrixXd& A, const MatrixXd& B, double factor) {
   EditedDynamics result{A, B};
   const MatrixXd P = stationary_covariance(A, B);
-  result.A = by_blocks(A, P, result, [&](const PoleBlock& block, const MatrixXd& T) {
-    return power_of_block(block, T, factor, result);
-  });
+  const PoleBlocks poles = blocks_of(A, P);
+  result.A = assembled(
+      poles.basis, poles.diagonal, poles.inverse, poles.blocks, result,
+      [&](const PoleBlock& block, const MatrixXd& T) { return power_of_block(block, T, factor, result); });
   const Whitening whitening = detail::whitening(P);
   const MatrixXd left = whitening.inverse * result.A;
   const MatrixXd white = whitening.inverse * P * whitening.inverse.transpose();

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
+
+#include "dytex/pole_blocks.hpp"
 
 namespace emberfold::dytex::detail {
 
@@ -13,6 +17,22 @@ struct EditedDynamics {
   int wrapped = 0;   ///< poles whose phase went beyond π and wrapped around
   double cut = 0;    ///< share of the new noise's variance that was negative and was cut
 };
+
+/// What Speed makes its A of: A = basis · diagonal · inverse, found in white states. At the speed Ω a block T
+/// of pairs that turn becomes T (cos θ I + sin θ J), θ = (Ω − 1) times its mean phase, or 0 where |Ω| times
+/// that passes π; the others stay.
+struct SpeedForm {
+  Eigen::MatrixXd basis, inverse, diagonal;
+  Eigen::MatrixXd quarter_turn;  ///< J of every block that turns, J² = −I; 0 elsewhere
+  std::vector<PoleBlock> blocks;
+};
+/// `covariance`: the stationary one. O(N³).
+SpeedForm speed_form(const Eigen::MatrixXd& A, const Eigen::MatrixXd& covariance);
+/// Whether the block's poles are pairs that Speed turns: real poles stay, and a pair that cannot be told from
+/// one.
+bool turns(const PoleBlock& block);
+/// Whether its phase, times the factor, would pass π.
+bool passes_half_turn(const PoleBlock& block, double factor);
 
 /// Speed's A, and B as it was.
 EditedDynamics at_speed(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double factor);
