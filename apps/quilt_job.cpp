@@ -3,21 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "apps/clip_writer.hpp"
 #include "apps/draw.hpp"
 #include "apps/files.hpp"
 #include "apps/interrupt.hpp"
-#include "apps/output_folder.hpp"
+#include "apps/quilt_output.hpp"
 #include "apps/quilt_picture.hpp"
 #include "apps/quilt_report.hpp"
 #include "apps/quilt_resume.hpp"
-#include "apps/quilt_write.hpp"
 #include "apps/summary.hpp"
 #include "dytex/quilt_measures.hpp"
 
@@ -28,79 +26,31 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Where things go: a folder with everything, or a clip with its map beside it.
-struct Target {
-  bool whole = true;  ///< a folder with pictures and report
-  fs::path folder;
-  std::string clip;     ///< name of the clip in it
-  bool single = false;  ///< the clip is one PNG
-  fs::path checkpoint;
-};
-
-Target target_of(const QuiltRequest& request) {
-  const fs::path output = request.output;
-  Target target;
-  target.whole = output.extension().empty();
-  target.folder = target.whole ? output : output.parent_path().empty() ? fs::path(".") : output.parent_path();
-  if (!target.whole) target.clip = output.filename().string();
-  target.checkpoint =
-      target.whole ? target.folder / "quilt.part.json" : fs::path(output.string() + ".part.json");
-  if (!target.whole && !fs::is_directory(target.folder))
-    throw core::IoError("cannot write " + request.output + ": there is no folder " + target.folder.string());
-  return target;
-}
-
-// The clip's name in a folder, and whether what is asked for can be what the name says.
-void name_clip(Target& target, const QuiltRequest& request, const core::ClipInfo& info, std::int64_t frames) {
-  const bool deep = info.depth != CV_8U;
-  if (!target.whole) {
-    const std::string extension = fs::path(target.clip).extension().string();
-    target.single = extension == ".png";
-    if (target.single && frames != 1)
-      throw Misuse("-o " + request.output + " is one image, but there are " + std::to_string(frames) +
-                   " frames; --frame N draws one of them");
-    if (!target.single && deep)
-      throw Misuse("-o " + request.output + ": videos hold 8 bits, but " + request.clips.front() +
-                   " has 16; give a folder, where PNG holds them");
-    return;
-  }
-  const std::string format = !request.format.empty() ? request.format : deep ? "png" : "mp4";
-  if (format != "png" && deep)
-    throw Misuse("--format is " + format + ", which holds 8 bits, but " + request.clips.front() +
-                 " has 16; allowed is png");
-  target.single = frames == 1;
-  if (request.frame)
-    target.clip = "frame_" + std::to_string(*request.frame) + ".png";
-  else
-    target.clip = target.single ? "quilt.png" : format == "png" ? "frames" : "quilt." + format;
-}
-
 struct Found {
   dytex::QuiltMap map;
   std::optional<dytex::QuiltResult> result;  ///< where it was sought
 };
 
-Found find_map(const QuiltClips& clips, QuiltRequest& request, const Target& target, Session& session) {
+Found seek_map(const QuiltClips& clips, const QuiltRequest& request, const QuiltTarget& target,
+               Session& session) {
   cv::Mat guide;
   const auto sources = quilt_sources(clips, request, guide);
   const auto held = clips.held();
   QuiltCheckpoint checkpoint(target.checkpoint, request, held);
   const auto placed = request.resume ? checkpoint.read() : std::vector<dytex::QuiltChoice>{};
   if (!placed.empty())
-    session.console.say(std::to_string(placed.size()) + " blocks were placed before, in " +
-                        checkpoint.file().string());
+    session.console.say(std::to_string(placed.size()) +
+                        " blocks were placed before: " + checkpoint.file().string());
   dytex::QuiltRun run;
   run.guide = guide;
   run.placed = placed;
   run.keep = [&](auto so_far) { checkpoint.keep(so_far); };
-  Found found;
-  found.result = dytex::quilt(sources, request.quilt, session.context, run);
-  checkpoint.keep(found.result->choices, true);
-  if (found.result->status == core::Status::cancelled)
-    throw Interrupted{std::to_string(found.result->choices.size()) + " blocks are kept in " +
+  auto result = dytex::quilt(sources, request.quilt, session.context, run);
+  checkpoint.keep(result.choices, true);
+  if (result.status == core::Status::cancelled)
+    throw Interrupted{std::to_string(result.choices.size()) + " blocks are kept in " +
                       checkpoint.file().string() + "; --resume goes on"};
-  found.map = found.result->map;
-  return found;
+  return {result.map, std::move(result)};
 }
 
 dytex::QuiltMap read_map(const std::string& name, const std::vector<cv::Size>& sizes) {
@@ -114,70 +64,31 @@ dytex::QuiltMap read_map(const std::string& name, const std::vector<cv::Size>& s
   }
 }
 
-// How many frames the output has.
-std::int64_t frames_of(const QuiltRequest& request, const QuiltClips& clips) {
-  if (request.frame) return 1;
-  if (request.frames) return *request.frames;
-  if (clips.is_held()) return clips.held().front()->frames();
-  return clips.info().frames.value_or(0);
+// A single frame of a plain map shows one frame of the clip: no other one is read.
+bool reads_one_frame(const QuiltRequest& request) {
+  return !request.apply.empty() && request.frame && request.control.plain();
 }
 
-void write_map(OutputFolder& output, const QuiltRequest& request, const dytex::QuiltMap& map,
-               const dytex::TimeControl& control) {
-  const auto array = dytex::to_array(map);
-  if (request.map.empty()) {
-    output.write("map.npy", [&](std::ostream& out) { core::write_npy(out, array); });
-  } else {
-    const fs::path part = request.map + ".part";
-    std::ofstream out(part, std::ios::binary | std::ios::trunc);
-    std::error_code error;
-    if (out) core::write_npy(out, array);
-    out.close();
-    if (out) fs::rename(part, request.map, error);
-    if (!out || error) throw core::IoError("cannot write " + request.map);
-  }
-  if (control.plain()) return;
-  core::NpyArray times{
-      {static_cast<std::size_t>(map.size.height), static_cast<std::size_t>(map.size.width), 2}, false, {}};
-  std::vector<float> values;
-  for (int y = 0; y < map.size.height; ++y)
-    for (int x = 0; x < map.size.width; ++x) {
-      values.push_back(control.rate.empty() ? 1.0F : control.rate.at<float>(y, x));
-      values.push_back(control.offset.empty() ? 0.0F : control.offset.at<float>(y, x));
-    }
-  times.data = std::move(values);
-  output.write("time.npy", [&](std::ostream& out) { core::write_npy(out, times); });
+ReadOptions reading_of(const QuiltRequest& request) {
+  ReadOptions read = request.read;
+  if (!reads_one_frame(request)) return read;
+  read.first += *request.frame;
+  if (read.last && read.first >= *read.last)
+    throw Misuse("--frame is " + std::to_string(*request.frame) + ", but --range holds only " +
+                 std::to_string(*request.read.last - request.read.first) + " frames");
+  read.last = read.first + 1;
+  return read;
 }
 
-// Draws the clip; returns some of its frames for the report.
-std::vector<std::pair<int, cv::Mat>> write_clip(OutputFolder& output, const Target& target,
-                                                const QuiltRequest& request, const Found& found,
-                                                const QuiltClips& clips, const dytex::TimeControl& control,
-                                                std::int64_t& frames, Session& session) {
-  const auto& info = clips.info();
-  std::vector<std::pair<int, cv::Mat>> kept;
-  std::unique_ptr<ClipWriter> writer;
-  if (!target.single)
-    writer = create_clip(output.staged(target.clip), found.map.size, info.fps, info.channels == 3);
-  std::int64_t t = 0;
-  render_frames(
-      found.map, clips, control, request.frame.value_or(0), frames,
-      [&](const cv::Mat& frame) {
-        if (writer)
-          writer->write(frame);
-        else
-          write_png(output.staged(target.clip), output.path() / target.clip, frame);
-        if (t == 0 || t == frames / 2 || t == frames - 1)
-          kept.emplace_back(static_cast<int>(t), to_colour_bytes(frame, info));
-        ++t;
-      },
-      session);
-  if (writer) writer->finish();
-  frames = t;
-  return kept;
+FramePlan plan_of(const QuiltRequest& request, const QuiltClips& clips) {
+  if (reads_one_frame(request)) return {0, 1, false};
+  if (request.frame) return {*request.frame, 1, false};
+  if (request.frames) return {0, *request.frames, false};
+  if (clips.is_held()) return {0, clips.held().front()->frames(), false};
+  return {0, clips.info().frames.value_or(0), true};
 }
 
-Json quilt_json(const Found& found, const QuiltClips& clips) {
+Json found_json(const Found& found, const QuiltClips& clips) {
   Json out = Json::object();
   std::span<const dytex::QuiltChoice> choices;
   if (found.result) {
@@ -185,13 +96,12 @@ Json quilt_json(const Found& found, const QuiltClips& clips) {
     double compared = 0, equals = 0;
     for (const auto& choice : choices)
       compared += static_cast<double>(choice.compared), equals += static_cast<double>(choice.equals);
-    const double blocks = static_cast<double>(choices.size());
-    out = {{"blocks", choices.size()},
-           {"columns", found.result->columns},
-           {"rows", found.result->rows},
-           {"components", found.result->components},
-           {"compared_mean", std::round(10 * compared / blocks) / 10},
-           {"equals_mean", std::round(10 * equals / blocks) / 10}};
+    const auto mean = [&](double sum) {
+      return std::round(10 * sum / static_cast<double>(choices.size())) / 10;
+    };
+    out = {{"blocks", choices.size()},        {"columns", found.result->columns},
+           {"rows", found.result->rows},      {"components", found.result->components},
+           {"compared_mean", mean(compared)}, {"equals_mean", mean(equals)}};
   }
   if (!clips.is_held()) return out;
   const auto held = clips.held();
@@ -206,68 +116,76 @@ Json quilt_json(const Found& found, const QuiltClips& clips) {
   return out;
 }
 
-QuiltPictures pictures_of(const Found& found, const QuiltClips& clips,
-                          std::vector<std::pair<int, cv::Mat>> drawn) {
+Json summarise(const QuiltRequest& request, const QuiltTarget& target, const Found& found,
+               const QuiltClips& clips, std::int64_t frames, const Session& session) {
+  Json summary = begin_summary("quilt", session);
+  const auto known = clips.info().frames.value_or(0);
+  summary["clip"] = clip_json(request.clips.front(), clips.info(),
+                              clips.is_held() ? clips.held().front()->frames() : static_cast<int>(known));
+  summary["clips"] = request.clips;
+  summary["options"] = request_json(request);
+  summary["options"]["reading"] = reading_json(request.read);
+  summary["quilt"] = found_json(found, clips);
+  summary["output"] = {{"name", target.path().string()},
+                       {"width", found.map.size.width},
+                       {"height", found.map.size.height},
+                       {"frames", frames}};
+  summary["warnings"] = session.warnings;
+  return summary;
+}
+
+void write_pictures(OutputFolder& output, const QuiltRequest& request, const Found& found,
+                    const QuiltClips& clips, const std::vector<DrawnFrame>& drawn, const Json& summary) {
   QuiltPictures pictures;
   const auto sizes = clips.sizes();
+  const auto& source = *clips.held().front();
   pictures.map = draw_quilt_map(found.map, sizes);
-  pictures.seams = draw_seams(drawn[drawn.size() / 2].second, found.map);
-  for (auto& [t, frame] : drawn) {
-    const auto held = clips.held();
-    const int shown = std::min(t, held.front()->frames() - 1);
-    pictures.pairs.push_back({t, to_colour_bytes(frame_of(*held.front(), shown), clips.info()), frame});
-  }
-  return pictures;
+  pictures.seams = draw_seams(drawn[drawn.size() / 2].picture, found.map);
+  for (const auto& [frame, picture] : drawn)
+    pictures.pairs.push_back(
+        {frame, to_colour_bytes(frame_of(source, std::min(frame, source.frames() - 1)), clips.info()),
+         picture});
+  write_png(output.staged("map.png"), output.path() / "map.png", pictures.map);
+  write_png(output.staged("seams.png"), output.path() / "seams.png", pictures.seams);
+  const auto page = make_quilt_report(request.clips.front(), pictures, summary);
+  output.write("report.html", [&](std::ostream& out) { out << page; });
+}
+
+// Whether the frames can be drawn as the clip is read, and nothing but the clip is wanted.
+bool streams(const QuiltRequest& request, const QuiltTarget& target, const QuiltClips& clips,
+             const dytex::TimeControl& control) {
+  const FramePlan plan = plan_of(request, clips);
+  return !request.apply.empty() && !target.whole && plan.count > 0 &&
+         is_streamable(control, plan.first + plan.count, clips.info(),
+                       static_cast<std::size_t>(request.memory) * 1'000'000);
 }
 
 }  // namespace
 
 void run_quilt(QuiltRequest& request, Session& session) {
-  Target target = target_of(request);
+  QuiltTarget target = quilt_target(request);
   Stages stages;
   stages.begin("read");
-  QuiltClips clips(request, request.read, session);
+  QuiltClips clips(request, reading_of(request), session);
   complete_request(request, clips.sizes().front());
-  std::optional<Found> found;
-  if (!request.apply.empty()) found = Found{read_map(request.apply, clips.sizes()), {}};
-  const cv::Size size = found ? found->map.size : request.quilt.size;
+  Found found;
+  if (!request.apply.empty()) found.map = read_map(request.apply, clips.sizes());
+  const cv::Size size = request.apply.empty() ? request.quilt.size : found.map.size;
   const auto control = make_control(request.control, size, request.quilt.block, request.quilt.seed);
   OutputFolder output(target.folder);
-  const auto memory = static_cast<std::size_t>(request.memory) * 1'000'000;
-  const bool streams =
-      found && !target.whole && clips.info().frames.value_or(0) > 0 &&
-      is_streamable(control, frames_of(request, clips) + request.frame.value_or(0), clips.info(), memory);
-  if (!streams) clips.hold(target.folder, session);
-  std::int64_t frames = frames_of(request, clips);
-  name_clip(target, request, clips.info(), frames);
-  if (!found) {
+  if (!streams(request, target, clips, control)) clips.hold(target.folder, session);
+  const FramePlan plan = plan_of(request, clips);
+  name_clip(target, request, clips.info(), plan.count);
+  if (request.apply.empty()) {
     stages.begin("quilt");
-    found = find_map(clips, request, target, session);
+    found = seek_map(clips, request, target, session);
   }
   stages.begin("render");
-  write_map(output, request, found->map, control);
-  auto drawn = write_clip(output, target, request, *found, clips, control, frames, session);
+  write_quilt_map(output, request, found.map, control);
+  const auto written = write_quilt_clip(output, target, found.map, clips, control, plan, session);
   stages.begin("write");
-  Json summary = begin_summary("quilt", session);
-  summary["clip"] =
-      clip_json(request.clips.front(), clips.info(), static_cast<int>(clips.info().frames.value_or(0)));
-  summary["clips"] = request.clips;
-  summary["options"] = request_json(request);
-  summary["options"]["reading"] = reading_json(request.read);
-  summary["quilt"] = quilt_json(*found, clips);
-  summary["output"] = {{"name", (target.folder / target.clip).string()},
-                       {"width", size.width},
-                       {"height", size.height},
-                       {"frames", frames}};
-  summary["warnings"] = session.warnings;
-  if (target.whole) {
-    const auto pictures = pictures_of(*found, clips, std::move(drawn));
-    write_png(output.staged("map.png"), target.folder / "map.png", pictures.map);
-    write_png(output.staged("seams.png"), target.folder / "seams.png", pictures.seams);
-    output.write("report.html", [&](std::ostream& out) {
-      out << make_quilt_report(request.clips.front(), pictures, summary);
-    });
-  }
+  Json summary = summarise(request, target, found, clips, written.frames, session);
+  if (target.whole) write_pictures(output, request, found, clips, written.some, summary);
   stages.end();
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
@@ -275,13 +193,11 @@ void run_quilt(QuiltRequest& request, Session& session) {
   if (target.whole) output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
   session.check_stop();
   output.commit();
-  if (request.apply.empty()) {
-    std::error_code ignored;
-    fs::remove(target.checkpoint, ignored);
-  }
-  session.console.say(std::to_string(frames) + (frames == 1 ? " frame" : " frames") + " of " +
+  std::error_code ignored;
+  if (request.apply.empty()) fs::remove(target.checkpoint, ignored);
+  session.console.say(std::to_string(written.frames) + (written.frames == 1 ? " frame" : " frames") + " of " +
                       std::to_string(size.width) + "x" + std::to_string(size.height) + " quilted into " +
-                      (target.folder / target.clip).string());
+                      target.path().string());
   if (session.common.json) session.print(json_text(summary));
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/quilt_report.hpp"
 
-#include <cstdio>
+#include <iomanip>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -15,10 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string text_of(double value, const char* format) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
+std::string text_of(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
 }
 
 std::string tile(const std::string& name, const std::string& value, const std::string& more) {
@@ -38,16 +39,16 @@ std::string side_by_side(const std::string& left, const std::string& right) {
 
 std::string tiles(const Json& quilt) {
   std::string out = "<dl class=\"tiles\">\n";
-  const auto percent = [&](const char* field) { return text_of(100 * quilt.value(field, 0.0), "%.1f %%"); };
+  const auto percent = [&](const char* field) { return text_of(100 * quilt.value(field, 0.0), 1) + " %"; };
   if (quilt.contains("blocks"))
     out += tile("Blocks", std::to_string(quilt["blocks"].get<long>()),
                 std::to_string(quilt["columns"].get<int>()) + " across, " +
                     std::to_string(quilt["rows"].get<int>()) + " down") +
            tile("Verbatim blocks", percent("verbatim_blocks"), "only go on where a neighbour ends") +
-           tile("Compared exactly", text_of(quilt.value("compared_mean", 0.0), "%.0f"),
-                "places a block, on average; " + text_of(quilt.value("equals_mean", 0.0), "%.0f") +
+           tile("Compared exactly", text_of(quilt.value("compared_mean", 0.0), 0),
+                "places a block, on average; " + text_of(quilt.value("equals_mean", 0.0), 0) +
                     " of them equally good");
-  out += tile("Seam gradient ratio", text_of(quilt.value("seam_ratio", 0.0), "%.3f"),
+  out += tile("Seam gradient ratio", text_of(quilt.value("seam_ratio", 0.0), 3),
               "steps across seams over steps elsewhere") +
          tile("Largest piece", percent("largest_piece"), "of the output, copied as it is") +
          tile("Source shown", percent("source_share"), "of its pixels");

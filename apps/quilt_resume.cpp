@@ -85,9 +85,4 @@ void QuiltCheckpoint::keep(std::span<const dytex::QuiltChoice> placed, bool now)
   written_ = std::chrono::steady_clock::now();
 }
 
-void QuiltCheckpoint::forget() const {
-  std::error_code ignored;
-  fs::remove(file_, ignored);
-}
-
 }  // namespace emberfold::apps

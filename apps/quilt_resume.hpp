@@ -25,8 +25,7 @@ class QuiltCheckpoint {
   [[nodiscard]] std::vector<dytex::QuiltChoice> read() const;
   /// Writes if the last writing is some seconds ago, or `now`. core::IoError.
   void keep(std::span<const dytex::QuiltChoice> placed, bool now = false);
-  /// Removes the file.
-  void forget() const;
+
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
  private:

@@ -53,8 +53,8 @@ bool is_streamable(const dytex::TimeControl& control, std::int64_t frames, const
 }
 
 void render_frames(const dytex::QuiltMap& map, const QuiltClips& clips, const dytex::TimeControl& control,
-                   std::int64_t first, std::int64_t count, const std::function<void(const cv::Mat&)>& take,
-                   Session& session) {
+                   std::int64_t first, std::int64_t count, bool to_end,
+                   const std::function<void(const cv::Mat&)>& take, Session& session) {
   session.context.report("render", 0);
   if (clips.is_held()) {
     render_held(map, clips, control, first, count, take, session);
@@ -63,6 +63,7 @@ void render_frames(const dytex::QuiltMap& map, const QuiltClips& clips, const dy
   dytex::QuiltStream stream(map, clips.sources(), control);
   for (std::int64_t t = 0; t < first + count; ++t) {
     const cv::Mat frame = stream.next();
+    if (to_end && stream.ended()) break;
     if (t >= first) take(frame);
     session.check_stop();
     session.context.report("render", static_cast<double>(t + 1) / static_cast<double>(first + count));
