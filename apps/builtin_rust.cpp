@@ -39,7 +39,7 @@ cv::Mat noise(const BuiltinOptions& options, std::uint32_t stream, double sigma)
 
 // Spots break through one after the other and spread at their own pace; noise bends their fronts.
 cv::Mat rust_arrival(const BuiltinOptions& options) {
-  constexpr double kAreaPerSpot = 700, kReach = 30;
+  constexpr double kAreaPerSpot = 240, kReach = 24;
   const int count = std::max(6, cvRound(static_cast<double>(options.width) * options.height / kAreaPerSpot));
   const cv::Mat bend =
       0.6 * noise(options, 1, 5) + 0.4 * noise(options, 2, 2) + 0.25 * noise(options, 3, 0.8);
@@ -47,7 +47,7 @@ cv::Mat rust_arrival(const BuiltinOptions& options) {
   core::Rng rng(options.seed, {0x72757374u, 4, 0});
   for (int i = 0; i < count; ++i) {
     const double x = rng.uniform(-10, options.width + 10), y = rng.uniform(-10, options.height + 10);
-    const double start = rng.uniform(0.03, 0.85), pace = rng.uniform(8, 24);  // px in the whole clip
+    const double start = rng.uniform(0.03, 0.95), pace = rng.uniform(4, 14);  // px in the whole clip
     const double long_side = rng.uniform(1, 1.7), turn = rng.uniform(0, std::numbers::pi);
     const double c = std::cos(turn), s = std::sin(turn);
     const int top = std::max(0, static_cast<int>(y - kReach)),
@@ -66,24 +66,24 @@ cv::Mat rust_arrival(const BuiltinOptions& options) {
 
 // Lines that wander and grow from their first point on, one or two pixels wide.
 cv::Mat crack_arrival(const BuiltinOptions& options) {
-  constexpr double kAreaPerCrack = 1500;
+  constexpr double kAreaPerCrack = 420;
   const int count = std::max(3, cvRound(static_cast<double>(options.width) * options.height / kAreaPerCrack));
   cv::Mat arrival(options.height, options.width, CV_32F, cv::Scalar(kNever));
   core::Rng rng(options.seed, {0x72757374u, 5, 0});
   for (int i = 0; i < count; ++i) {
     double x = rng.uniform(0, options.width), y = rng.uniform(0, options.height);
-    double heading = rng.uniform(0, 2 * std::numbers::pi), time = rng.uniform(0.1, 0.8);
-    const double pace = rng.uniform(60, 160), length = rng.uniform(25, 70);
+    double heading = rng.uniform(0, 2 * std::numbers::pi), time = rng.uniform(0.1, 0.9);
+    const double pace = rng.uniform(60, 160), length = rng.uniform(8, 28);
     for (double run = 0; run < length; run += 0.5, time += 0.5 / pace) {
-      heading += 0.22 * rng.normal();
+      heading += 0.16 * rng.normal();
       x += 0.5 * std::cos(heading), y += 0.5 * std::sin(heading);
       const int u = cvRound(x), v = cvRound(y);
       if (u < 0 || v < 0 || u >= options.width || v >= options.height) break;
       // The neighbours give way later: the crack opens.
-      for (const auto [dx, dy, late] : {std::array{0, 0, 0}, {1, 0, 1}, {0, 1, 1}, {-1, 0, 2}, {0, -1, 2}}) {
+      for (const auto [dx, dy, late] : {std::array{0, 0, 0}, {1, 0, 1}, {0, 1, 2}}) {
         if (u + dx < 0 || v + dy < 0 || u + dx >= options.width || v + dy >= options.height) continue;
         auto& at = arrival.at<float>(v + dy, u + dx);
-        at = std::min(at, static_cast<float>(time + 0.12 * late));
+        at = std::min(at, static_cast<float>(time + 0.2 * late));
       }
     }
   }

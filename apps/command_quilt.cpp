@@ -36,7 +36,8 @@ void add_blocks(CLI::App& command, Asked& asked) {
   add_number(command, "--floor", quilt.floor, "LEVELS", "... and so are those below this RMS error")
       ->group(group);
   add_number(command, "--apart", quilt.apart, "PX",
-             "Leave out blocks this close to going on where a neighbour ends; 0: none")
+             "Do not show again what blocks nearby show, or what is nearer to it than this; half a block")
+      ->default_str("32")
       ->group(group);
   command.add_flag("--tileable", quilt.tileable, "Opposite sides of the output fit each other")->group(group);
   command.add_flag("--exact", quilt.exact, "Compare every place over all of time: slow, chooses the same")
@@ -181,6 +182,7 @@ void add_quilt(CLI::App& app, Chosen& chosen) {
     request.own_size = command->count("--size") > 0;
     request.own_block = command->count("--block") > 0;
     request.own_overlap = command->count("--overlap") > 0;
+    request.own_apart = command->count("--apart") > 0;
     chosen.run = [asked](Session& session) { run_asked(*asked, session); };
   });
 }

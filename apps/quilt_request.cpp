@@ -57,6 +57,7 @@ void complete_request(QuiltRequest& request, cv::Size source) {
     quilt.block = {side, side};
   }
   if (!request.own_overlap) quilt.overlap = std::max(1, std::min(quilt.block.width, quilt.block.height) / 4);
+  if (!request.own_apart) quilt.apart = std::min(quilt.block.width, quilt.block.height) / 2;
   try {
     quilt.validate();
   } catch (const core::InputError& error) {

@@ -24,7 +24,7 @@ struct QuiltRequest {
   std::string format;  ///< of the clip in a folder: mp4, avi, png; empty: what fits
 
   dytex::QuiltOptions quilt;
-  bool own_size = false, own_block = false, own_overlap = false;
+  bool own_size = false, own_block = false, own_overlap = false, own_apart = false;
   std::vector<std::string> masks;  ///< one for each clip, or for the first ones
   std::string guide;
   double flatten = 0;  ///< px, 0: not
@@ -39,8 +39,8 @@ struct QuiltRequest {
 /// "1024x768", or "512" for a square; Misuse, naming `option`, for anything else.
 cv::Size parse_size(const std::string& option, const std::string& text);
 
-/// Size, block and overlap that follow from a source of this size where they were not asked for: twice the
-/// source, at most half of its shorter side, a quarter of the block's.
+/// Size, block, overlap and apart that follow from a source of this size where they were not asked for: twice
+/// the source, at most half of its shorter side, a quarter and half of the block's.
 void complete_request(QuiltRequest& request, cv::Size source);
 
 /// Checks all that can be checked before a clip is opened; Misuse.

@@ -31,7 +31,7 @@ class QuiltCheckpoint {
  private:
   std::filesystem::path file_;
   std::string belongs_;
-  std::chrono::steady_clock::time_point written_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point written_{};  // long ago: the first blocks are written at once
 };
 
 }  // namespace emberfold::apps

@@ -118,7 +118,7 @@ class Canvas {
   }
 
   [[nodiscard]] BlockQuery query(const Block& block, const cv::Mat& guide) {
-    BlockQuery query{block, {}, {}, neighbours(block)};
+    BlockQuery query{block, {}, {}, places_near(block)};
     for (const auto& run : detail::overlap_runs(block))
       for (int x = run.x; x < run.x + run.length; ++x)
         query.there.push_back(at(block.place.x + x, block.place.y + run.y));
@@ -129,6 +129,16 @@ class Canvas {
         query.guide.at<float>(y, x) =
             guide.at<float>(place(block.place.y + y, guide.rows), place(block.place.x + x, guide.cols));
     return query;
+  }
+
+  /// Whether a block from this place would only go on where its left or upper neighbour ends.
+  [[nodiscard]] bool goes_on(const Block& block, const SourcePixel& from) {
+    const auto from_there = [&](int column, int row) {
+      const Corner& there = corner(column, row);
+      return continues(there.from, from, block.place.tl() - there.at);
+    };
+    return (block.column > 0 && from_there(block.column - 1, block.row)) ||
+           (block.row > 0 && from_there(block.column, block.row - 1));
   }
 
   void put(const Block& block, const SourcePixel& from, const cv::Mat& mask) {
@@ -158,16 +168,14 @@ class Canvas {
     return corners_[static_cast<std::size_t>(row) * static_cast<std::size_t>(plan_.columns) +
                     static_cast<std::size_t>(column)];
   }
-  // Where this block would lie if it went on where its left or upper neighbour ends.
-  std::vector<SourcePixel> neighbours(const Block& block) {
+  // The places of the blocks around that were placed before this one, whatever the threads do.
+  std::vector<SourcePixel> places_near(const Block& block) {
     std::vector<SourcePixel> places;
-    const auto add = [&](int column, int row) {
-      const Corner& there = corner(column, row);
-      const cv::Point step = block.place.tl() - there.at;
-      places.push_back({there.from.source, there.from.x + step.x, there.from.y + step.y});
-    };
-    if (block.column > 0) add(block.column - 1, block.row);
-    if (block.row > 0) add(block.column, block.row - 1);
+    for (const cv::Point step :
+         {cv::Point(-1, 0), {-2, 0}, {-2, -1}, {-1, -1}, {0, -1}, {1, -1}, {-1, -2}, {0, -2}, {1, -2}}) {
+      const cv::Point at(block.column + step.x, block.row + step.y);
+      if (at.x >= 0 && at.y >= 0 && at.x < plan_.columns) places.push_back(corner(at.x, at.y).from);
+    }
     return places;
   }
 
@@ -175,10 +183,6 @@ class Canvas {
   std::vector<SourcePixel> pixels_;
   std::vector<Corner> corners_;
 };
-
-bool is_among(const SourcePixel& one, const std::vector<SourcePixel>& many) {
-  return std::ranges::find(many, one) != many.end();
-}
 
 // Seams between what is there and the block that was chosen.
 cv::Mat cut_block(const detail::BlockSearch& search, const BlockQuery& query, const SourcePixel& at) {
@@ -229,7 +233,7 @@ QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& opti
       const auto query = canvas.query(wave[i], run.guide);
       chosen[i] = done + i < run.placed.size() ? replayed(run.placed[done + i], wave[i], sources)
                                                : search.choose(query);
-      chosen[i].continues = is_among(chosen[i].at, query.avoid);
+      chosen[i].continues = canvas.goes_on(wave[i], chosen[i].at);
       masks[i] = cut_block(search, query, chosen[i].at);
     });
     if (status == core::Status::cancelled) break;

@@ -21,7 +21,7 @@ struct QuiltOptions {
   int components = 16;      ///< k, of the basis in which blocks are compared, 1 … 256
   double tolerance = 0.1;  ///< blocks with an error up to (1 + tolerance) times the least are equals, 0 … 10
   double floor = 1;        ///< and so are those below this RMS error, levels of 255, 0 … 255
-  int apart = 0;  ///< px: blocks this close to going on where a neighbour ends are left out, 0 … 4096
+  int apart = 0;  ///< px: places nearer than this to what blocks nearby show are left out, 0 … 4096
   double guide_weight = 0.5;  ///< of the guide against the overlap, 0 … 0.99
   bool tileable = false;      ///< the output's sides fit each other
   bool exact = false;         ///< compare every place over all of time, without the basis: slow

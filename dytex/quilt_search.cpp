@@ -125,21 +125,21 @@ double BlockSearch::guide_error(const BlockQuery& query, const SourcePixel& at) 
 
 namespace {
 
-// Places that would only continue a neighbour are given up, unless nothing else is left.
-void leave_out(std::vector<cv::Mat>& bounds, const std::vector<SourcePixel>& avoid, int apart) {
-  if (apart == 0 || avoid.empty()) return;
+// Copies of `bounds` without the places nearer than `apart` to one of `near`; none where nothing is left.
+std::vector<cv::Mat> without_near(const std::vector<cv::Mat>& bounds, const std::vector<SourcePixel>& near,
+                                  int apart) {
   std::vector<cv::Mat> left;
   bool any = false;
   for (std::size_t s = 0; s < bounds.size(); ++s) {
     left.push_back(bounds[s].clone());
     const cv::Rect whole({}, bounds[s].size());
-    for (const auto& place : avoid)
+    for (const auto& place : near)
       if (place.source == static_cast<int>(s))
         left.back()(cv::Rect(place.x - apart + 1, place.y - apart + 1, 2 * apart - 1, 2 * apart - 1) & whole)
             .setTo(kNever);
     any = any || (!whole.empty() && cv::countNonZero(left.back() < kNever) > 0);
   }
-  if (any) bounds = std::move(left);
+  return any ? left : std::vector<cv::Mat>{};
 }
 
 }  // namespace
@@ -148,7 +148,12 @@ QuiltChoice BlockSearch::choose(const BlockQuery& query) const {
   const Scale scale = scale_of(query);
   std::vector<cv::Mat> bounds;
   for (std::size_t s = 0; s < sources_.size(); ++s) bounds.push_back(lower_bounds(s, query, scale));
-  leave_out(bounds, query.avoid, options_.apart);
+  // Where the source is too small for that, what is shown again is at least not near.
+  for (int apart = query.near.empty() ? 0 : options_.apart; apart > 0; apart /= 2)
+    if (auto left = without_near(bounds, query.near, apart); !left.empty()) {
+      bounds = std::move(left);
+      break;
+    }
   QuiltChoice choice = pick(query, bounds, scale);
   choice.column = query.block.column;
   choice.row = query.block.row;

@@ -21,7 +21,7 @@ struct BlockQuery {
   Block block;
   std::vector<SourcePixel> there;  ///< for each pixel of the overlap, by runs
   cv::Mat guide;                   ///< CV_32F of the block's size, or empty
-  std::vector<SourcePixel> avoid;  ///< places that continue neighbours
+  std::vector<SourcePixel> near;   ///< places of blocks nearby, not to be shown again
 };
 
 class BlockSearch {

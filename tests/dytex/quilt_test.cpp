@@ -2,6 +2,7 @@
 #include "dytex/quilt.hpp"
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <set>
@@ -183,17 +184,28 @@ TEST_CASE("a guide leads blocks to where the source is like it") {
   CHECK(places(dytex::quilt(sources, options, {}, run)) == places(fast));
 }
 
-TEST_CASE("blocks stay apart from what would only go on") {
-  const auto source = held(made_lapse({60, 50}, 12, CV_8UC1, 6));
+TEST_CASE("what blocks nearby show is not shown again") {
+  const auto source = held(made_lapse({90, 80}, 12, CV_8UC1, 6));
   auto options = small_options();
-  const std::vector<const dytex::Trajectories*> sources{&source};
-  const auto free = quilted(source, options);
-  CHECK(dytex::measure_quilt(free.map, free.choices, sources).verbatim_blocks > 0.2);
-  options.apart = 6;
-  const auto apart = quilted(source, options);
-  CHECK(dytex::measure_quilt(apart.map, apart.choices, sources).verbatim_blocks == 0);
+  options.apart = GENERATE(0, 9);
+  const auto result = quilted(source, options);
+  int again = 0;
+  for (const auto& a : result.choices)
+    for (const auto& b : result.choices) {
+      const bool near = (a.row == b.row && b.column < a.column && b.column >= a.column - 2) ||
+                        (b.row == a.row - 1 && std::abs(b.column - a.column) <= 1);
+      if (near && std::abs(a.at.x - b.at.x) < 9 && std::abs(a.at.y - b.at.y) < 9) ++again;
+    }
+  CHECK((again == 0) == (options.apart == 9));
   options.exact = true;
-  CHECK(places(quilted(source, options)) == places(apart));
+  CHECK(places(quilted(source, options)) == places(result));
+}
+
+TEST_CASE("a source too small to stay apart is quilted all the same") {
+  const auto source = held(made_lapse({20, 18}, 3));
+  auto options = small_options();
+  options.apart = 4096;
+  CHECK(quilted(source, options).choices.size() == 36);
 }
 
 TEST_CASE("a quilt goes on where an earlier run stopped") {
