@@ -122,8 +122,9 @@ TEST_CASE("a pixel shows the time that rate and offset tell") {
   const auto frame = dytex::render_quilt(map, sources, control, 11, 1).front();
   for (int y = 0; y < map.size.height; ++y)
     for (int x = 0; x < map.size.width; ++x) {
-      const double time =
-          std::clamp(11.0 * control.rate.at<float>(y, x) - control.offset.at<float>(y, x), 0.0, 29.0);
+      const double time = std::clamp(11 * static_cast<double>(control.rate.at<float>(y, x)) -
+                                         static_cast<double>(control.offset.at<float>(y, x)),
+                                     0.0, 29.0);
       const auto before = static_cast<std::size_t>(time), after = std::min<std::size_t>(before + 1, 29);
       const cv::Point from(map.at(x, y).x, map.at(x, y).y);
       const double u = time - static_cast<double>(before);
@@ -198,7 +199,7 @@ TEST_CASE("jitter stays in its range and varies smoothly") {
   CHECK(most - least > 2);
   for (int y = 0; y < 70; ++y)
     for (int x = 1; x < 90; ++x)
-      CHECK(std::abs(field.at<float>(y, x) - field.at<float>(y, x - 1)) < 10.0 / 16);
+      CHECK(std::abs(field.at<float>(y, x) - field.at<float>(y, x - 1)) < 10.0F / 16);
   CHECK(same(field, dytex::time_jitter({90, 70}, {16, 12}, 5, 3)));
   CHECK_FALSE(same(field, dytex::time_jitter({90, 70}, {16, 12}, 5, 4)));
 }

@@ -87,7 +87,7 @@ TEST_CASE("the transforms give every difference within their margin") {
     }
   CHECK(worst < margin);
   CHECK(margin < 0.01 * largest);
-  CHECK(std::abs(errors.at<float>(30, 21)) < margin);
+  CHECK(std::abs(static_cast<double>(errors.at<float>(30, 21))) < margin);
 }
 
 TEST_CASE("differences of any depth and length are exact") {
