@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -47,10 +48,16 @@ cv::Vec3b shade(double share) {
 
 // As much of the number as has room; nothing where none has.
 std::string number(double value, bool whole, int room) {
-  for (const char* format : {whole || std::abs(value) >= 1000 ? "%.0f" : "%.3g", "%.1e", "%.0e"}) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), format, value);
-    if (text_width(text.data(), 0.38) + 4 <= room) return text.data();
+  for (int shorter = 0; shorter < 3; ++shorter) {
+    std::ostringstream text;
+    if (shorter > 0)
+      text << std::scientific << std::setprecision(2 - shorter);
+    else if (whole || std::abs(value) >= 1000)
+      text << std::fixed << std::setprecision(0);
+    else
+      text << std::setprecision(3);
+    text << value;
+    if (text_width(text.str(), 0.38) + 4 <= room) return text.str();
   }
   return {};
 }

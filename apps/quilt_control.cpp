@@ -73,10 +73,14 @@ std::vector<cv::Mat> array_planes(const std::string& name) {
   for (std::size_t p = 0; p < planes; ++p)
     out.emplace_back(static_cast<int>(shape[0]), static_cast<int>(width), CV_32F);
   std::visit(
-      [&](const auto& values) {
-        for (std::size_t i = 0; i < values.size(); ++i)
-          out[i % planes].template ptr<float>(static_cast<int>(i / planes / width))[i / planes % width] =
-              static_cast<float>(values[i]);
+      [&]<class Value>(const std::vector<Value>& values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          float& to = out[i % planes].ptr<float>(static_cast<int>(i / planes / width))[i / planes % width];
+          if constexpr (std::is_same_v<Value, core::Half>)
+            to = core::to_float(values[i]);
+          else
+            to = static_cast<float>(values[i]);
+        }
       },
       array.data);
   return out;
