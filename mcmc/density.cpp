@@ -48,8 +48,7 @@ Outcome outcome(const HiddenGraph& g, Index v) {
 
 std::size_t merge_targets(const HiddenGraph& g, Index v) {
   std::size_t count = 0;
-  for (const Beside& near : g.beside(v))
-    count += near.closeness < 2 && near.earlier && near.alike && g.goes_on(near.node);
+  for (const Index host : g.hosts(v)) count += g.goes_on(host);
   return count;
 }
 
@@ -176,10 +175,9 @@ double Density::of_outcome(const HiddenGraph& g, Index v) const {
   double sum = table[node.place][config_of(g, v)][static_cast<std::size_t>(what)];
   if (what == Outcome::merge) {
     // Into one of the targets; that it is one is asked of the state, not of the move.
-    bool near = false;
-    const Index into = parent(g, node.next[0]);
-    for (const Beside& b : g.beside(v)) near = near || (b.node == into && b.closeness < 2);
-    if (!near) return -std::numeric_limits<double>::infinity();
+    const auto hosts = g.hosts(v);
+    if (std::ranges::find(hosts, parent(g, node.next[0])) == hosts.end())
+      return -std::numeric_limits<double>::infinity();
     sum -= std::log(static_cast<double>(targets));
   }
   if (what == Outcome::split) sum += log_parts(node.next.size());

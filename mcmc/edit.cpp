@@ -66,8 +66,8 @@ void Edit::note_presence(Index w) {
 // What becomes of x changes; `dies`: whether it dies does.
 void Edit::note_outcomes_about(Index x, bool dies) {
   note_outcome(x);
-  for (const Beside& near : g_.beside(x))  // what could merge into it
-    if (near.closeness < 2 && near.alike && !near.earlier && g_.is_on(near.node)) note_outcome(near.node);
+  for (const Index guest : g_.guests(x))
+    if (g_.is_on(guest)) note_outcome(guest);
   if (dies)
     for (const Index y : g_[x].edges) note_outcome(y);
 }
@@ -142,14 +142,16 @@ void Edit::note_lone(Index i) {
 // All noted pairs, each once.
 template <class Visit>
 void Edit::visit_pairs(Visit visit) const {
+  const auto paired = [&](Index x) {  // few are: to look through them is quicker than to look x up
+    return paired_.size() <= 4 ? std::ranges::find(paired_, x) != paired_.end() : noted(x, Scratch::kPairs);
+  };
   for (const Index w : paired_) {
     const auto beside = g_.beside(w);
     for (std::size_t k = 0; k < beside.size(); ++k)
-      if (w < beside[k].node || !noted(beside[k].node, Scratch::kPairs)) visit(w, k);
+      if (w < beside[k].node || !paired(beside[k].node)) visit(w, k);
   }
   for (const Pair& p : pairs_)
-    if (!noted(p.node, Scratch::kPairs) && !noted(g_.beside(p.node)[p.beside].node, Scratch::kPairs))
-      visit(p.node, p.beside);
+    if (!paired(p.node) && !paired(g_.beside(p.node)[p.beside].node)) visit(p.node, p.beside);
 }
 
 double Edit::sum() const {
@@ -181,8 +183,7 @@ std::optional<double> Edit::known_sum() const {
   add(presences_, Scratch::kPresence, &Scratch::Mark::presence);
   if (!known) return std::nullopt;
   visit_pairs([&](Index w, std::size_t k) { sum += scratch_.pairs_[scratch_.first_[w] + k]; });
-  if (std::isnan(sum)) return std::nullopt;
-  return sum;
+  return std::isnan(sum) ? std::nullopt : std::optional(sum);
 }
 
 // The same once the state before is there again. What is not known is evaluated, and kept.

@@ -26,7 +26,7 @@ class Scratch {
  private:
   friend class Edit;
   enum Factor : std::uint8_t { kOutcome = 1, kArrival = 2, kPresence = 4, kPairs = 8 };
-  struct Mark {
+  struct alignas(64) Mark {
     std::uint64_t stamp = 0;  ///< of the edit that noted it
     std::uint8_t noted = 0, known = 0;
     double outcome = 0, arrival = 0, presence = 0;  ///< where known; 0 of a node that is off

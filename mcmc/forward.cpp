@@ -92,10 +92,8 @@ class Forward {
       if (what == Outcome::death) continue;
       if (what == Outcome::merge) {
         std::vector<Index> into;
-        for (const Beside& near : g_.beside(v))
-          if (near.closeness < 2 && g_.before(near.node, v) && g_[near.node].kind == g_[v].kind &&
-              outcome(g_, near.node) == Outcome::going_on)
-            into.push_back(near.node);
+        for (const Index host : g_.hosts(v))
+          if (g_.goes_on(host)) into.push_back(host);
         const Index u = into[rng_.below(static_cast<std::uint32_t>(into.size()))];
         link(v, g_[u].next[0]);
         continue;

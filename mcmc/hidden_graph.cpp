@@ -112,7 +112,8 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
   node.place = kPlaces / 2;
   nodes_.push_back(node);
   flags_.push_back(0);
-  beside_.emplace_back(), ahead_.emplace_back(), behind_.emplace_back(), courses_.emplace_back();
+  beside_.emplace_back(), hosts_.emplace_back(), guests_.emplace_back(), ahead_.emplace_back(),
+      behind_.emplace_back(), courses_.emplace_back();
   at_.push_back(0);
   const auto t = static_cast<std::size_t>(frame);
   const auto within = [&](Index j, double gate) {
@@ -143,18 +144,23 @@ void HiddenGraph::drop_newest_candidate() {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   // The newest is the last in every list that it is in.
   for (const Beside& near : beside_[i]) beside_[near.node].pop_back();
+  for (const Index j : hosts_[i]) guests_[j].pop_back();
+  for (const Index j : guests_[i]) hosts_[j].pop_back();
   for (const Index j : behind_[i]) ahead_[j].pop_back(), courses_[j].pop_back();
   for (const Index j : ahead_[i]) behind_[j].pop_back();
   cells_[cell(nodes_[i].frame, nodes_[i].patch.position)].pop_back();
   erase_from(off_[t], at_, i);
   nodes_.pop_back(), flags_.pop_back(), at_.pop_back();
-  beside_.pop_back(), ahead_.pop_back(), behind_.pop_back(), courses_.pop_back();
+  beside_.pop_back(), hosts_.pop_back(), guests_.pop_back(), ahead_.pop_back(), behind_.pop_back(),
+      courses_.pop_back();
 }
 
 void HiddenGraph::lay_beside(Index a, Index b) {
-  const bool alike = nodes_[a].kind == nodes_[b].kind;
-  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b]), before(b, a), alike, 0});
-  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a]), before(a, b), alike, 0});
+  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b]), before(b, a), 0});
+  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a]), before(a, b), 0});
+  if (!may_merge(a, beside_[a].back())) return;
+  const Index host = before(a, b) ? a : b, guest = host == a ? b : a;
+  hosts_[guest].push_back(host), guests_[host].push_back(guest);
 }
 void HiddenGraph::lay_ahead(Index v, Index w) {
   ahead_[v].push_back(w);
@@ -260,7 +266,7 @@ void HiddenGraph::undo_cut(Index a, Index b, Places at) {
 void HiddenGraph::count_overlaps(Index i, int change) {
   if (gates_.overlap <= 0) return;
   for (const Beside& near : beside_[i])
-    if (near.alike && overlaps(i, near.node))
+    if (overlaps(i, near.node))
       nodes_[near.node].overlapped = static_cast<std::uint8_t>(nodes_[near.node].overlapped + change);
 }
 

@@ -63,7 +63,6 @@ struct Beside {
   Index node = 0;
   std::uint8_t closeness = 0;  ///< below kCloseness
   bool earlier = false;        ///< it comes before the one that it lies beside (HiddenGraph::before)
-  bool alike = false;          ///< both are of one kind
   float evidence = 0;          ///< nats that the image gives for an edge between them
 };
 
@@ -137,6 +136,10 @@ class HiddenGraph {
   [[nodiscard]] std::span<const Index> off(int frame) const { return off_[static_cast<std::size_t>(frame)]; }
   /// Nodes, on or off, within the edge's gate in the same frame; symmetric.
   [[nodiscard]] std::span<const Beside> beside(Index i) const { return beside_[i]; }
+  /// Of those, the ones of its kind that it could merge into, being close and earlier; and those that could
+  /// merge into it.
+  [[nodiscard]] std::span<const Index> hosts(Index i) const { return hosts_[i]; }
+  [[nodiscard]] std::span<const Index> guests(Index i) const { return guests_[i]; }
   /// Nodes of the same kind, on or off, within the link's gate one frame on, and one back.
   [[nodiscard]] std::span<const Index> ahead(Index i) const { return ahead_[i]; }
   [[nodiscard]] std::span<const Index> behind(Index i) const { return behind_[i]; }
@@ -213,6 +216,9 @@ class HiddenGraph {
     const auto& prev = nodes_[w].prev;
     return std::all_of(prev.begin(), prev.end(), [&](Index x) { return x == v || before(v, x); });
   }
+  [[nodiscard]] bool may_merge(Index a, const Beside& b) const {
+    return b.closeness < 2 && nodes_[a].kind == nodes_[b.node].kind;
+  }
   void lay_beside(Index a, Index b);
   void lay_ahead(Index v, Index w);
   void count_overlaps(Index i, int change);
@@ -227,7 +233,7 @@ class HiddenGraph {
   std::vector<Node> nodes_;
   std::vector<std::uint8_t> flags_;
   std::vector<std::vector<Beside>> beside_;
-  std::vector<std::vector<Index>> ahead_, behind_;
+  std::vector<std::vector<Index>> hosts_, guests_, ahead_, behind_;
   std::vector<std::vector<Course>> courses_;
   std::vector<std::vector<Index>> on_, off_;  ///< by frame
   std::vector<std::vector<Index>> cells_;     ///< all nodes, by frame, row and column
