@@ -5,8 +5,8 @@ void main() {  // one triangle over all
   gl_Position = vec4(vec2(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1), 0.0, 1.0);
 }`;
 
-/** Layers go by fours; grey ones have a single channel. */
-const fragmentSource = (fours, height, grey) => `#version 300 es
+/** A texel holds four planes' bytes of one channel; the channels of four planes are layers behind each other. */
+const fragmentSource = (fours, height, channels) => `#version 300 es
 precision highp float;
 precision highp int;
 precision highp sampler2DArray;
@@ -14,22 +14,20 @@ uniform sampler2DArray layers;
 uniform vec4 factors[${fours}];
 uniform float offset;
 out vec4 colour;
+float part(ivec2 at, int i, int channel) {
+  return dot(factors[i], texelFetch(layers, ivec3(at, ${channels} * i + channel), 0));
+}
 void main() {
   ivec2 at = ivec2(int(gl_FragCoord.x), ${height - 1} - int(gl_FragCoord.y));
   vec3 level = vec3(-offset);
-  for (int i = 0; i < ${fours}; ++i) {
-    vec4 f = factors[i];
-    level += f.x * texelFetch(layers, ivec3(at, 4 * i), 0).rgb;
-    level += f.y * texelFetch(layers, ivec3(at, 4 * i + 1), 0).rgb;
-    level += f.z * texelFetch(layers, ivec3(at, 4 * i + 2), 0).rgb;
-    level += f.w * texelFetch(layers, ivec3(at, 4 * i + 3), 0).rgb;
-  }
-  colour = vec4(floor(clamp(level${grey ? ".rrr" : ""}, 0.0, 255.0) + 0.5) / 255.0, 1.0);
+  for (int i = 0; i < ${fours}; ++i)
+    level += ${channels === 1 ? "vec3(part(at, i, 0))" : "vec3(part(at, i, 0), part(at, i, 1), part(at, i, 2))"};
+  colour = vec4(floor(clamp(level, 0.0, 255.0) + 0.5) / 255.0, 1.0);
 }`;
 
-function program(gl, fours, height, grey) {
+function program(gl, fours, height, channels) {
   const result = gl.createProgram();
-  for (const [type, source] of [[gl.VERTEX_SHADER, vertexSource], [gl.FRAGMENT_SHADER, fragmentSource(fours, height, grey)]]) {
+  for (const [type, source] of [[gl.VERTEX_SHADER, vertexSource], [gl.FRAGMENT_SHADER, fragmentSource(fours, height, channels)]]) {
     const shader = gl.createShader(type);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
@@ -40,7 +38,7 @@ function program(gl, fours, height, grey) {
 }
 
 /**
- * Images live in layers of 8 bits: one where a byte holds all values (plus 128), else two, the high one (plus 128) and
+ * Images live in planes of 8 bits: one where a byte holds all values (plus 128), else two, the high one (plus 128) and
  * the low one. null where WebGL 2 is missing or too small for that.
  */
 function makeGraphicsDrawer({width, height, channels, wide}) {
@@ -50,23 +48,30 @@ function makeGraphicsDrawer({width, height, channels, wide}) {
   const gl = canvas.getContext("webgl2", {alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true});
   if (!gl) return null;
   const count = wide.reduce((sum, two) => sum + (two ? 2 : 1), 0), fours = Math.ceil(count / 4);
-  if (Math.max(width, height) > gl.getParameter(gl.MAX_TEXTURE_SIZE) || 4 * fours > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS) ||
+  if (Math.max(width, height) > gl.getParameter(gl.MAX_TEXTURE_SIZE) || channels * fours > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS) ||
       fours + 2 > gl.getParameter(gl.MAX_FRAGMENT_UNIFORM_VECTORS)) return null;
-  const linked = program(gl, fours, height, channels === 1);
+  const linked = program(gl, fours, height, channels);
   if (!linked) return null;
   gl.useProgram(linked);
   gl.bindTexture(gl.TEXTURE_2D_ARRAY, gl.createTexture());
-  gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, channels === 1 ? gl.R8 : gl.RGB8, width, height, 4 * fours);
+  gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA8, width, height, channels * fours);
   for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, gl.NEAREST);
-  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
   gl.viewport(0, 0, width, height);
   if (gl.getError() !== gl.NO_ERROR) return null;
 
-  const layers = [];  // image, what a step of its byte is worth, what byte is 0
+  const planes = [], texels = new Uint8Array(4 * width * height * channels), area = width * height;
+  const upload = () => {
+    gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, channels * Math.floor((planes.length - 1) / 4), width, height, channels,
+      gl.RGBA, gl.UNSIGNED_BYTE, texels);
+    texels.fill(0);
+  };
+  /** factor: what a step of its byte is worth in steps of the image; zero: the byte that is 0. */
   const put = (image, values, factor, zero, byteOf) => {
-    gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layers.length, width, height, 1,
-      channels === 1 ? gl.RED : gl.RGB, gl.UNSIGNED_BYTE, Uint8Array.from(values, byteOf));
-    layers.push({image, factor, zero});
+    const place = planes.length % 4;
+    for (let c = 0; c < channels; ++c)
+      for (let p = 0; p < area; ++p) texels[4 * (c * area + p) + place] = byteOf(values[p * channels + c]);
+    planes.push({image, factor, zero});
+    if (place === 3) upload();
   };
   const factorPlace = gl.getUniformLocation(linked, "factors"), offsetPlace = gl.getUniformLocation(linked, "offset");
   const factors = new Float32Array(4 * fours);
@@ -79,11 +84,12 @@ function makeGraphicsDrawer({width, height, channels, wide}) {
       } else {
         put(image, values, 1, 128, (v) => v + 128);
       }
+      if (image === wide.length - 1 && planes.length % 4 !== 0) upload();
     },
     /** `worth`: levels of a step of each image. */
     draw(worth, to) {
       let offset = 0;
-      layers.forEach(({image, factor, zero}, i) => {
+      planes.forEach(({image, factor, zero}, i) => {
         factors[i] = 255 * factor * worth[image];  // a texel is its byte over 255
         offset += zero * factor * worth[image];
       });
