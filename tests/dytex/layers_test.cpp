@@ -111,7 +111,7 @@ TEST_CASE("A layer leaves what is outside its edge as it was and is all itself i
   CHECK(changed > 12 * 1000);
 }
 
-TEST_CASE("Masks that do not fit are refused", "[dytex][layers]") {
+TEST_CASE("Masks of layers that do not fit are refused", "[dytex][layers]") {
   const core::Clip clip = test::wavy_clip(20, 10, 1, CV_8U, 5);
   core::ClipSource source(clip);
   const auto refused = [](const auto& call) { return test::message<core::InputError>(call); };
