@@ -76,9 +76,11 @@ Pairs laid(const HiddenGraph& g, const std::vector<Index>& before, const std::ve
     }
   std::ranges::sort(near);
   Pairs pairs;
-  for (const auto& [distance, v, w] : near)
+  for (const auto& entry : near) {
+    const Index v = std::get<1>(entry), w = std::get<2>(entry);
     if (std::ranges::none_of(pairs, [&](const auto& p) { return p.first == v || p.second == w; }))
       pairs.emplace_back(v, w);
+  }
   return pairs;
 }
 
