@@ -171,8 +171,8 @@ double plain_size(const Draws& draws) {
   if (constant(draws.values)) return kUnknown;
   const auto [within, pooled] = variances(draws);
   const Autocovariance autocovariance(draws);
-  const auto rho = [&](std::size_t lag) {
-    return lag == 0 ? 1.0 : 1 - (within - autocovariance(lag)) / pooled;
+  const auto rho = [&, w = within, p = pooled](std::size_t lag) {
+    return lag == 0 ? 1.0 : 1 - (w - autocovariance(lag)) / p;
   };
   double time = -1, least = 2;
   for (std::size_t lag = 0; lag + 1 < draws.length; lag += 2) {

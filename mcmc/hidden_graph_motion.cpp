@@ -36,8 +36,7 @@ void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int fram
   for (const Index i : as)
     if (!state[i].on) nodes.push_back(i);
   std::ranges::sort(nodes);
-  const auto repeated = std::ranges::unique(nodes);
-  nodes.erase(repeated.begin(), repeated.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 }
 
 }  // namespace

@@ -68,8 +68,7 @@ std::vector<Index> touched(const HiddenGraph& g, const std::vector<Index>& cours
       for (const Index u : g[i].edges) list.insert(list.end(), g[u].next.begin(), g[u].next.end());
   // A course's last but one is the grandparent of what its last goes on as.
   std::ranges::sort(list);
-  const auto repeated = std::ranges::unique(list);
-  list.erase(repeated.begin(), repeated.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
   return list;
 }
 
