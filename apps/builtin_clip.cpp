@@ -27,7 +27,7 @@ BuiltinScene builtin_scene(std::string_view name) {
   if (name == "cloth") return BuiltinScene::cloth;
   if (name == "river") return BuiltinScene::river;
   throw core::InputError("there is no built-in clip \"" + std::string(name) +
-                         "\"; there are builtin:fire, builtin:cloth and builtin:river");
+                         "\"; there are builtin:fire, builtin:cloth, builtin:river and, as a time-lapse, builtin:rust");
 }
 
 void BuiltinOptions::validate() const {

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "apps/builtin_clip.hpp"
+#include "apps/builtin_rust.hpp"
 #include "apps/image_files.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/raw_clip.hpp"
@@ -128,8 +129,9 @@ std::unique_ptr<RawClip> open_raw(const std::string& name, const ReadOptions& op
   constexpr std::string_view builtin = "builtin:";
   if (name.starts_with(builtin)) {
     BuiltinOptions scene;
-    scene.scene = builtin_scene(name.substr(builtin.size()));
     scene.seed = options.seed;
+    if (name == "builtin:rust") return hold_clip(make_rust(scene));
+    scene.scene = builtin_scene(name.substr(builtin.size()));
     return hold_clip(make_builtin(scene).clip);
   }
   const fs::path path(name);

@@ -30,7 +30,7 @@ struct ReadOptions {
 std::pair<std::int64_t, std::optional<std::int64_t>> parse_range(const std::string& text);
 
 /// Opens a clip: a video, a folder of images, a pattern of images (dir/img_*.png, dir/img_%04d.png; natural
-/// order), one image, or builtin:fire|cloth|river. Frames are read one by one; nothing but the frame at hand
+/// order), one image, or builtin:fire|cloth|river|rust. Frames are read one by one; nothing but the frame at hand
 /// (and a built-in clip) is kept. `info().frames` is what is known without reading: for a video the
 /// container's claim, until the end was reached once. Shrinking averages areas, growing is bicubic.
 /// core::IoError where the file cannot be read as a clip; core::InputError where the options or a built-in's

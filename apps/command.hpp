@@ -81,6 +81,7 @@ void add_synthesis(CLI::App& app, Chosen& chosen);
 void add_demo(CLI::App& app, Chosen& chosen);
 void add_dytex(CLI::App& app, Chosen& chosen);
 void add_compare(CLI::App& app, Chosen& chosen);
+void add_quilt(CLI::App& app, Chosen& chosen);
 
 /// Peak memory of the process, MB.
 double peak_memory_mb();

@@ -87,7 +87,7 @@ void add_reading(CLI::App& command, Reading& reading) {
   command
       .add_option("CLIP", reading.clip,
                   "A video, a folder of images, a pattern (dir/img_*.png, dir/img_%04d.png), or "
-                  "builtin:fire, builtin:cloth, builtin:river")
+                  "builtin:fire, builtin:cloth, builtin:river, builtin:rust")
       ->required()
       ->type_name("");
   command.add_option("--range", reading.range, "Frames a up to, not including, b; a: and :b are fine too")

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <memory>
 
@@ -10,6 +8,7 @@
 #include "apps/command_line.hpp"
 #include "apps/draw.hpp"
 #include "apps/draw_model.hpp"
+#include "apps/files.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/overlay.hpp"
@@ -29,41 +28,6 @@ struct Synth {
   std::string model, output, overlay, motion, fill_name = "diffusion";
   int frames = 300;
   sketch::FillOptions fill;
-};
-
-/// A file that is written beside its name and takes it in the end.
-class BesideFile {
- public:
-  explicit BesideFile(fs::path path) : path_(std::move(path)), part_(path_.string() + ".part") {
-    if (fs::is_directory(path_)) fail("a folder has this name");
-    errno = 0;
-    if (!std::ofstream(part_, std::ios::binary | std::ios::trunc)) fail(std::strerror(errno));
-  }
-  ~BesideFile() {
-    std::error_code ignored;
-    fs::remove(part_, ignored);
-  }
-  BesideFile(const BesideFile&) = delete;
-  BesideFile& operator=(const BesideFile&) = delete;
-
-  void write(const std::function<void(std::ostream&)>& body) const {
-    errno = 0;
-    std::ofstream stream(part_, std::ios::binary | std::ios::trunc);
-    body(stream);
-    stream.close();
-    if (!stream) fail(errno != 0 ? std::strerror(errno) : "the disk may be full");
-  }
-  void finish() const {
-    std::error_code error;
-    fs::rename(part_, path_, error);
-    if (error) fail(error.message());
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw core::IoError("cannot write " + path_.string() + ": " + reason);
-  }
-  fs::path path_, part_;
 };
 
 struct OpenedModel {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/files.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "core/error.hpp"
 
@@ -29,6 +32,41 @@ std::ifstream open_file(const fs::path& path) {
   if (!in || fs::is_directory(path))
     fail("read", path, fs::is_directory(path) ? "it is a folder" : std::strerror(errno));
   return in;
+}
+
+bool is_video_name(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* known : {".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".wmv", ".flv",
+                            ".y4m", ".ogv", ".ts", ".3gp"})
+    if (extension == known) return true;
+  return false;
+}
+
+BesideFile::BesideFile(fs::path path) : path_(std::move(path)), part_(path_.string() + ".part") {
+  if (fs::is_directory(path_)) fail("write", path_, "a folder has this name");
+  errno = 0;
+  if (!std::ofstream(part_, std::ios::binary | std::ios::trunc)) fail("write", path_, std::strerror(errno));
+}
+
+BesideFile::~BesideFile() {
+  std::error_code ignored;
+  fs::remove(part_, ignored);
+}
+
+void BesideFile::write(const std::function<void(std::ostream&)>& body) const {
+  errno = 0;
+  std::ofstream stream(part_, std::ios::binary | std::ios::trunc);
+  body(stream);
+  stream.close();
+  if (!stream) fail("write", path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
+}
+
+void BesideFile::finish() const {
+  std::error_code error;
+  fs::rename(part_, path_, error);
+  if (error) fail("write", path_, error.message());
 }
 
 }  // namespace emberfold::apps

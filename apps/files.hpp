@@ -3,6 +3,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <iosfwd>
+#include <string>
 
 namespace emberfold::apps {
 
@@ -11,5 +14,25 @@ void make_folder(const std::filesystem::path& path);
 
 /// Opens a file for reading; core::IoError, with the path and the system's reason, where it cannot.
 std::ifstream open_file(const std::filesystem::path& path);
+
+/// Whether the name's extension is that of a video.
+bool is_video_name(const std::filesystem::path& path);
+
+/// A file that is written beside its name and takes it in the end; without finish() nothing stays of it.
+/// core::IoError, with the path and the reason, where it cannot be written, found when it is made.
+class BesideFile {
+ public:
+  explicit BesideFile(std::filesystem::path path);
+  ~BesideFile();
+  BesideFile(const BesideFile&) = delete;
+  BesideFile& operator=(const BesideFile&) = delete;
+
+  /// Writes all of it through a stream and checks that all arrived.
+  void write(const std::function<void(std::ostream&)>& body) const;
+  void finish() const;
+
+ private:
+  std::filesystem::path path_, part_;
+};
 
 }  // namespace emberfold::apps

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <stop_token>
+#include <string>
 #include <thread>
 
 namespace emberfold::apps {
 
 /// Thrown where a command notices that it was asked to stop.
-struct Interrupted {};
+struct Interrupted {
+  std::string kept = "nothing was kept";  ///< what the user is told of it
+};
 
 /// Turns Ctrl-C and SIGTERM into a stop request while it lives; the second one ends the process at once. Made
 /// before any other thread, so that all of them leave these signals to it.

@@ -129,6 +129,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
       "  emberfold synth out/fire/model -o new_fire.mp4\n"
       "  emberfold dytex learn fire.mp4 -o out/fire_texture\n"
       "  emberfold compare fire.mp4 -o out/compare\n"
+      "  emberfold quilt builtin:rust -o out/rust\n"
       "  emberfold sketch fire.mp4 -o out/sketch\n"
       "  emberfold score truth.json out/fire/events.json");
   app.formatter(std::make_shared<HelpFormatter>());
@@ -144,6 +145,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   apps::add_demo(app, chosen);
   apps::add_dytex(app, chosen);
   apps::add_compare(app, chosen);
+  apps::add_quilt(app, chosen);
   for (auto* command : app.get_subcommands([](CLI::App*) { return true; })) command->group("Commands");
   try {
     app.parse(count, words);
@@ -168,8 +170,8 @@ int main(int count, char** words) {
   apps::Console console;
   try {
     return parse_and_run(count, words, console);
-  } catch (const apps::Interrupted&) {
-    console.error("interrupted; nothing was kept");
+  } catch (const apps::Interrupted& interrupted) {
+    console.error("interrupted; " + interrupted.kept);
     return kInterrupted;
   } catch (const apps::Misuse& error) {
     console.error(error.what());

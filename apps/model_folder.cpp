@@ -2,7 +2,6 @@
 #include "apps/model_folder.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 
 #include <nlohmann/json.hpp>
@@ -25,7 +24,8 @@ constexpr std::string_view kFamily = "emberfold.";
 // The files of a model and those that stand with it.
 bool belongs_to_model(const fs::path& file) {
   const auto name = file.filename().string();
-  return name == kText || name == "summary.json" || name == "components.png" || file.extension() == ".npy";
+  return name == kText || name == "summary.json" || name == "components.png" ||
+         name == "compression.png" || file.extension() == ".npy";
 }
 
 std::vector<fs::path> entries(const fs::path& folder) {
@@ -59,16 +59,6 @@ bool holds_images(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
     if (is_image_name(entry->path())) return true;
-  return false;
-}
-
-bool is_video_name(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const char* known : {".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".wmv", ".flv",
-                            ".y4m", ".ogv", ".ts", ".3gp"})
-    if (extension == known) return true;
   return false;
 }
 
@@ -141,13 +131,19 @@ core::NpyArray read_array(const fs::path& file, std::size_t limit) {
 }  // namespace
 
 void write_model(OutputFolder& output, const std::string& name, const core::ModelArchive& archive) {
+  core::ModelView model{archive.text, {}};
+  for (const auto& [array, values] : archive.arrays) model.arrays.emplace(array, core::view(values));
+  write_model(output, name, model);
+}
+
+void write_model(OutputFolder& output, const std::string& name, const core::ModelView& archive) {
   if (!name.empty()) output.make_subfolder(name);
   const std::string prefix = name.empty() ? "" : name + "/";
   output.write(prefix + kText, [&](std::ostream& out) { out << archive.text; });
   for (const auto& [array, values] : archive.arrays)
     output.write(prefix + array + ".npy", [&](std::ostream& out) {
       try {
-        core::write_npy(out, values);
+        core::write_npy_view(out, values);
       } catch (const core::IoError&) {
         out.setstate(std::ios::failbit);  // told with the file's name and the system's reason
       }

@@ -20,9 +20,10 @@ constexpr std::string_view kMotionFormat = "emberfold.motion_model";
 /// Writes model.json and NAME.npy for every array into the folder `name` of an output, made where it is not
 /// there; "" is the output's own. core::IoError where something cannot be written.
 void write_model(OutputFolder& output, const std::string& name, const core::ModelArchive& archive);
+void write_model(OutputFolder& output, const std::string& name, const core::ModelView& model);
 
-/// A model's own folder while it is written. Beside the model it may hold a summary.json and a
-/// components.png.
+/// A model's own folder while it is written. Beside the model it may hold a summary.json, a
+/// components.png and a compression.png.
 class ModelFolder {
  public:
   /// core::IoError where the folder can be none, or already holds other things than a model.

@@ -18,22 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Replaces each {{name}} of the page once, in one pass, so that what is put in is never read as a template.
-std::string fill_in(std::string_view page,
-                    const std::vector<std::pair<std::string_view, std::string_view>>& values) {
-  std::string out;
-  while (true) {
-    const auto open = page.find("{{");
-    const auto close = open == std::string_view::npos ? open : page.find("}}", open);
-    if (close == std::string_view::npos) return out.append(page);
-    const auto name = page.substr(open + 2, close - open - 2);
-    out.append(page.substr(0, open));
-    for (const auto& [key, value] : values)
-      if (key == name) out.append(value);
-    page.remove_prefix(close + 2);
-  }
-}
-
 Json picture(int frame, const Still& still) {
   return {{"frame", frame}, {"width", still.width}, {"height", still.height}, {"uri", data_uri(still)}};
 }
@@ -53,6 +37,21 @@ std::string title_of(std::string clip) {
 }
 
 }  // namespace
+
+std::string fill_in(std::string_view page,
+                    const std::vector<std::pair<std::string_view, std::string_view>>& values) {
+  std::string out;
+  while (true) {
+    const auto open = page.find("{{");
+    const auto close = open == std::string_view::npos ? open : page.find("}}", open);
+    if (close == std::string_view::npos) return out.append(page);
+    const auto name = page.substr(open + 2, close - open - 2);
+    out.append(page.substr(0, open));
+    for (const auto& [key, value] : values)
+      if (key == name) out.append(value);
+    page.remove_prefix(close + 2);
+  }
+}
 
 std::string escape_html(const std::string& text) {
   std::string out;

@@ -4,6 +4,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -58,6 +60,11 @@ struct ReportInput {
 
 /// The report as one HTML page that needs nothing else. `summary` as in summary.json.
 std::string make_report(const ReportInput& input, const nlohmann::ordered_json& summary);
+
+/// The page with each {{name}} replaced by its value, once, in one pass, so that what is put in is never read
+/// as a template.
+std::string fill_in(std::string_view page,
+                    const std::vector<std::pair<std::string_view, std::string_view>>& values);
 
 /// The text with what HTML gives a meaning to (& < > " ') spelled out.
 std::string escape_html(const std::string& text);

@@ -33,7 +33,7 @@ dytex::LinearDynamicTexture learn_texture(core::FrameSource& source, const dytex
   source.rewind();
   auto learned = dytex::learn(source, options, session.context);
   if (learned.status == core::Status::cancelled) throw Interrupted{};
-  write_model(output, "dytex", dytex::to_archive(learned.texture));
+  write_model(output, "dytex", dytex::archive_view(learned.texture));
   analysis.report.eigenvalues = texture_eigenvalues(learned.texture);
   analysis.summary["texture"] = texture_json(learned.texture);
   analysis.summary["texture"].erase("modes");

@@ -82,9 +82,12 @@ Json texture_json(const dytex::LinearDynamicTexture& texture) {
           {"channels", texture.info.channels},
           {"fps", texture.info.fps},
           {"frames", texture.states.cols()},
+          {"components", texture.components()},
           {"order", texture.order()},
+          {"per_channel", texture.channels.size() > 0},
+          {"residuals", texture.residuals.cols()},
           {"noise_inputs", texture.B.cols()},
-          {"share_of_variance", finite(share_of_variance(texture, texture.order()), 1e6)},
+          {"share_of_variance", finite(share_of_variance(texture, texture.components()), 1e6)},
           {"spectral_radius", finite(dytex::spectral_radius(texture.A), 1e6)},
           {"r", finite(texture.r, 1e6)},
           {"modes", std::move(modes)}};
@@ -95,12 +98,14 @@ std::string texture_table(const dytex::LinearDynamicTexture& texture, std::size_
   std::ostringstream out;
   out << "linear dynamic texture\n  frames              " << info.width << " x " << info.height << ", "
       << (info.channels == 3 ? "colour" : "grey") << ", " << info.fps << " a second\n  learned from        "
-      << texture.states.cols() << " frames\n  order               " << texture.order()
-      << " components, driven by " << texture.B.cols() << " noises\n  share of variance   "
-      << column(100 * share_of_variance(texture, texture.order()), 0, 2) << " %\n  spectral radius     "
+      << texture.states.cols() << " frames\n  components          " << texture.components()
+      << (texture.channels.size() > 0 ? ", each of one channel" : "") << "\n  order               "
+      << texture.order() << ", driven by " << texture.B.cols()
+      << (texture.residuals.size() > 0 ? " resampled residuals\n" : " noises\n") << "  share of variance   "
+      << column(100 * share_of_variance(texture, texture.components()), 0, 2) << " %\n  spectral radius     "
       << column(dytex::spectral_radius(texture.A), 0, 5)
       << "\n  left out            r = " << std::setprecision(4) << texture.r << " levels^2 (SD "
-      << std::sqrt(texture.r) << " levels)\n";
+      << std::sqrt(texture.r) << " levels" << (texture.noise.size() > 0 ? ", by place)\n" : ")\n");
   const auto modes = texture_modes(texture);
   if (modes.empty()) return out.str();
   out << "\nslowest modes     radius    period     decay   (frames)\n";

@@ -106,7 +106,7 @@ void draw_course(cv::Mat& picture, int top, int index, const Eigen::Ref<const Ei
 
 cv::Mat draw_components(const dytex::LinearDynamicTexture& texture) {
   const cv::Size size = tile_size(texture.info);
-  const int components = static_cast<int>(std::min<Eigen::Index>(kTiles - 1, texture.order()));
+  const int components = static_cast<int>(std::min<Eigen::Index>(kTiles - 1, texture.components()));
   const int rows = (components + kColumns) / kColumns;
   const int courses = std::min(kCourses, components);
   const int grid = kMargin + rows * (size.height + kCaption + kMargin);

@@ -1,4 +1,5 @@
-# cmake -DOUT=x.cpp -DFOLDER=… -P embed_files.cmake: writes the report's page, style and scripts as C++ strings.
+# cmake -DOUT=x.cpp -DFOLDER=… -DHEADER=apps/x.hpp -DPREFIX=kX "-DSCRIPTS=a.js b.js" -P embed_files.cmake: writes the
+# folder's template.html, style.css and scripts as C++ strings that the header declares.
 # Strings are cut where they grow beyond what every compiler takes in one literal.
 function(embed name)
   set(text "")
@@ -17,8 +18,9 @@ function(embed name)
   set(source "${source}const std::string_view ${name} =\n${literal};\n" PARENT_SCOPE)
 endfunction()
 
-set(source "// Made from apps/report/ by cmake/embed_files.cmake.\n#include \"apps/report_assets.hpp\"\n\nnamespace emberfold::apps {\n")
-embed(kReportTemplate template.html)
-embed(kReportStyle style.css)
-embed(kReportScript base.js events.js model.js sampler.js views.js)
+set(source "// Made from apps/ by cmake/embed_files.cmake.\n#include \"${HEADER}\"\n\nnamespace emberfold::apps {\n")
+string(REPLACE " " ";" SCRIPTS "${SCRIPTS}")
+embed(${PREFIX}Template template.html)
+embed(${PREFIX}Style style.css)
+embed(${PREFIX}Script ${SCRIPTS})
 file(WRITE "${OUT}" "${source}}  // namespace emberfold::apps\n")

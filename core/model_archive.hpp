@@ -15,4 +15,10 @@ struct ModelArchive {
   std::map<std::string, NpyArray> arrays;
 };
 
+/// The same of a model whose arrays lie elsewhere: written without a copy.
+struct ModelView {
+  std::string text;
+  std::map<std::string, NpyView> arrays;
+};
+
 }  // namespace emberfold::core

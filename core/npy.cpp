@@ -97,7 +97,7 @@ class HeaderParser {
     if (type.size() != 3) refuse_type(type);
     const char order = type[0];
     const std::string_view code = type.substr(1);
-    constexpr std::array<std::string_view, 6> kCodes{"f4", "f8", "u1", "u2", "i4", "i8"};
+    constexpr std::array<std::string_view, 7> kCodes{"f2", "f4", "f8", "u1", "u2", "i4", "i8"};
     const bool one_byte = code == "u1";
     if (std::find(kCodes.begin(), kCodes.end(), code) == kCodes.end()) refuse_type(type);
     if (order != '<' && order != '>' && !(order == '|' && one_byte)) refuse_type(type);
@@ -107,7 +107,7 @@ class HeaderParser {
 
   [[noreturn]] static void refuse_type(std::string_view type) {
     fail("the dtype " + quoted(type) +
-         " cannot be read, only f4, f8, u1, u2, i4, i8 after '<' or '>' ('|' for u1)");
+         " cannot be read, only f2, f4, f8, u1, u2, i4, i8 after '<' or '>' ('|' for u1)");
   }
 
   bool boolean() {
@@ -236,6 +236,7 @@ std::string shape_text(std::span<const std::size_t> shape) {
 }
 
 NpyArray::Data empty_data(std::string_view type) {
+  if (type == "f2") return std::vector<Half>();
   if (type == "f4") return std::vector<float>();
   if (type == "f8") return std::vector<double>();
   if (type == "u1") return std::vector<std::uint8_t>();
@@ -245,12 +246,13 @@ NpyArray::Data empty_data(std::string_view type) {
 }
 
 struct TypeCode {
-  std::string_view operator()(const std::vector<float>&) const { return "<f4"; }
-  std::string_view operator()(const std::vector<double>&) const { return "<f8"; }
-  std::string_view operator()(const std::vector<std::uint8_t>&) const { return "|u1"; }
-  std::string_view operator()(const std::vector<std::uint16_t>&) const { return "<u2"; }
-  std::string_view operator()(const std::vector<std::int32_t>&) const { return "<i4"; }
-  std::string_view operator()(const std::vector<std::int64_t>&) const { return "<i8"; }
+  std::string_view operator()(std::span<const Half>) const { return "<f2"; }
+  std::string_view operator()(std::span<const float>) const { return "<f4"; }
+  std::string_view operator()(std::span<const double>) const { return "<f8"; }
+  std::string_view operator()(std::span<const std::uint8_t>) const { return "|u1"; }
+  std::string_view operator()(std::span<const std::uint16_t>) const { return "<u2"; }
+  std::string_view operator()(std::span<const std::int32_t>) const { return "<i4"; }
+  std::string_view operator()(std::span<const std::int64_t>) const { return "<i8"; }
 };
 
 template <typename T>
@@ -304,7 +306,7 @@ Header read_header(std::istream& in) {
   return HeaderParser(text).parse();
 }
 
-std::string header_text(const NpyArray& array) {
+std::string header_text(const NpyView& array) {
   std::string text = "{'descr': '";
   text += std::visit(TypeCode{}, array.data);
   text += std::string("', 'fortran_order': ") + (array.fortran_order ? "True" : "False");
@@ -321,6 +323,34 @@ std::string header_text(const NpyArray& array) {
 
 }  // namespace
 
+Half to_half(float value) {
+  constexpr std::uint32_t kInfinite = 0x7f800000, kTooLarge = 0x477ff000;  // 65520
+  constexpr std::uint32_t kLeastNormal = 0x38800000;                       // 2^-14
+  const auto all = std::bit_cast<std::uint32_t>(value);
+  const std::uint32_t sign = all >> 16 & 0x8000, size = all & 0x7fffffff;
+  if (size > kInfinite) return {static_cast<std::uint16_t>(sign | 0x7e00 | (size >> 13 & 0x3ff))};
+  if (size >= kTooLarge) return {static_cast<std::uint16_t>(sign | 0x7c00)};
+  if (size < kLeastNormal) {
+    // Added to 1/2 the least bit of the sum is worth 2^-24, as that of a small Half: the sum rounds as
+    // needed.
+    const auto sum = std::bit_cast<std::uint32_t>(std::bit_cast<float>(size) + 0.5F);
+    return {static_cast<std::uint16_t>(sign | (sum - std::bit_cast<std::uint32_t>(0.5F)))};
+  }
+  const std::uint32_t rounded = size + 0xfff + (size >> 13 & 1);
+  return {static_cast<std::uint16_t>(sign | ((rounded >> 13) - (112U << 10)))};
+}
+
+float to_float(Half half) {
+  const std::uint32_t sign = std::uint32_t{half.bits} >> 15 << 31;
+  const std::uint32_t exponent = half.bits >> 10 & 0x1f, fraction = half.bits & 0x3ff;
+  if (exponent == 0) {
+    const float size = static_cast<float>(fraction) * 0x1p-24F;
+    return std::bit_cast<float>(sign | std::bit_cast<std::uint32_t>(size));
+  }
+  const std::uint32_t wide = exponent == 0x1f ? 0xff : exponent + 112;
+  return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
+}
+
 NpyArray read_npy(std::istream& in, std::size_t size_limit) {
   if (!in) fail("the stream cannot be read");
   Header header = read_header(in);
@@ -330,7 +360,16 @@ NpyArray read_npy(std::istream& in, std::size_t size_limit) {
   return array;
 }
 
+NpyView view(const NpyArray& array) {
+  return {array.shape, array.fortran_order,
+          std::visit([](const auto& values) -> NpyView::Data { return std::span(values); }, array.data)};
+}
+
 void write_npy(std::ostream& out, const NpyArray& array) {
+  write_npy_view(out, view(array));
+}
+
+void write_npy_view(std::ostream& out, const NpyView& array) {
   if (array.shape.size() > kMaxDimensions)
     throw InputError("write_npy: the array has " + std::to_string(array.shape.size()) +
                      " dimensions, at most " + std::to_string(kMaxDimensions) + " are allowed");
@@ -345,14 +384,13 @@ void write_npy(std::ostream& out, const NpyArray& array) {
     out << kMagic;
     out.write(prefix, sizeof prefix) << text;
     std::visit(
-        [&](const auto& values) {
-          using T = typename std::decay_t<decltype(values)>::value_type;
+        [&]<class T>(std::span<const T> values) {
           const auto write = [&](std::span<const T> part) {
             out.write(reinterpret_cast<const char*>(part.data()),
                       static_cast<std::streamsize>(part.size_bytes()));
           };
           if constexpr (std::endian::native == std::endian::little) return write(values);
-          std::vector<T> copy = values;
+          std::vector<T> copy(values.begin(), values.end());
           reverse_bytes(std::span<T>(copy));
           write(copy);
         },

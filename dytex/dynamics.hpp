@@ -1,20 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <Eigen/Core>
+
+#include "core/context.hpp"
+#include "dytex/learn.hpp"
 
 namespace emberfold::dytex::detail {
 
-/// x(t+1) = A x(t) + B v(t), fitted to states.
-struct Dynamics {
-  Eigen::MatrixXd A, B;
-  double least_squares_radius = 0;
-  bool yule_walker = false;
-  bool noiseless = false;  ///< least squares was stable, but left nothing for the noise
+/// States that move by themselves, X = diag(s) Vᵀ (n × τ): of all components, or of one channel's. V, τ × n,
+/// has orthonormal columns that sum to 0; s > 0.
+struct Block {
+  Eigen::VectorXd s;
+  Eigen::MatrixXd V;
+  std::vector<Eigen::Index> places;  ///< n: which components of the model they are
 };
 
-/// Fits the dynamics to the states X = diag(s) Vᵀ (n × τ). V, τ × n, has orthonormal columns that sum to 0;
-/// s > 0. O(n² τ + n³).
-Dynamics fit_dynamics(const Eigen::Ref<const Eigen::VectorXd>& s, const Eigen::Ref<const Eigen::MatrixXd>& V);
+/// x(t+1) = A x(t) + B v(t), fitted to states.
+struct Dynamics {
+  Eigen::MatrixXd A, B, residuals, states;
+  double least_squares_radius = 0;
+  Transition transition = Transition::least_squares;
+  bool noiseless = false;          ///< least squares was stable, but left nothing for the noise
+  std::vector<std::string> notes;  ///< of what was not taken as asked
+};
+
+/// Fits every block by itself; the noise is common. With `lags` or an innovations form, the state's first n
+/// numbers are the components, and the others follow in the same order. InputError where frames are too few.
+/// For the closed form O(n² τ + n³).
+Dynamics fit_dynamics(const std::vector<Block>& blocks, const LearnOptions& options,
+                      const core::Context& context = {});
 
 }  // namespace emberfold::dytex::detail

@@ -61,8 +61,13 @@ FrameBands::FrameBands(core::FrameSource& source, std::size_t memory, std::size_
 }
 
 void FrameBands::plan(std::size_t frames, std::size_t memory) {
-  const std::size_t blocks = memory / kBlock / (frames * value_bytes_);
-  band_values_ = kBlock * std::max<std::size_t>(blocks, 1);
+  // Bands begin at a whole block of every channel.
+  const std::size_t block = kBlock * static_cast<std::size_t>(source_.info().channels),
+                    blocks = memory / block / (frames * value_bytes_),
+                    most = block * std::max<std::size_t>(blocks, 1);
+  bands_ = (values_ + most - 1) / most;
+  const std::size_t even = (values_ + bands_ - 1) / bands_;
+  band_values_ = (even + block - 1) / block * block;
   bands_ = (values_ + band_values_ - 1) / band_values_;
 }
 
@@ -83,18 +88,27 @@ cv::Mat FrameBands::next_frame(std::size_t index) {
   return frame.isContinuous() ? frame : frame.clone();
 }
 
+cv::Mat FrameBands::next_again(std::size_t index) {
+  cv::Mat frame = next_frame(index);
+  if (frame.empty() != (index == frames_))
+    throw core::IoError("the clip had " + std::to_string(frames_) + " frames when it was read first, now " +
+                        (frame.empty() ? std::to_string(index) : std::string("more")));
+  return frame;
+}
+
+void FrameBands::release() {
+  if (whole()) return;
+  parts_ = {};
+  loaded_ = kNone;
+}
+
 core::Status FrameBands::load(std::size_t band, const core::Context& context) {
   source_.rewind();
   ++passes_;
   loaded_ = kNone;
   parts_.clear();
-  for (;;) {
+  for (cv::Mat frame = next_again(0); !frame.empty(); frame = next_again(parts_.size())) {
     if (context.cancelled()) return core::Status::cancelled;
-    const cv::Mat frame = next_frame(parts_.size());
-    if (frame.empty() && parts_.size() == frames_) break;
-    if (frame.empty() || parts_.size() == frames_)
-      throw core::IoError("the clip had " + std::to_string(frames_) + " frames when it was read first, now " +
-                          (frame.empty() ? std::to_string(parts_.size()) : std::string("more")));
     keep_part(frame, band);
   }
   loaded_ = band;
@@ -114,6 +128,35 @@ core::Status FrameBands::for_each(const char* stage, bool backwards,
     if (context.cancelled() || body(begin, values) == core::Status::cancelled) return core::Status::cancelled;
   }
   context.report(stage, 1);
+  return core::Status::done;
+}
+
+core::Status FrameBands::for_each_batch(
+    const char* stage, std::size_t batch,
+    const std::function<core::Status(std::size_t, const FrameValues&)>& body, const core::Context& context) {
+  FrameValues values{{}, values_, source_.info().depth};
+  if (whole()) {
+    for (const cv::Mat& frame : kept_) values.frames.push_back(frame.data);
+    context.report(stage, 0);
+    if (context.cancelled() || body(0, values) == core::Status::cancelled) return core::Status::cancelled;
+    context.report(stage, 1);
+    return core::Status::done;
+  }
+  release();
+  source_.rewind();
+  ++passes_;
+  std::vector<cv::Mat> some;
+  for (std::size_t t = 0; t < frames_;) {
+    some.push_back(next_again(t++));
+    if (context.cancelled()) return core::Status::cancelled;
+    if (some.size() < batch && t < frames_) continue;
+    values.frames.clear();
+    for (const cv::Mat& frame : some) values.frames.push_back(frame.data);
+    if (body(t - some.size(), values) == core::Status::cancelled) return core::Status::cancelled;
+    some.clear();
+    context.report(stage, static_cast<double>(t) / static_cast<double>(frames_));
+  }
+  static_cast<void>(next_again(frames_));
   return core::Status::done;
 }
 

@@ -33,12 +33,21 @@ class FrameBands {
   core::Status for_each(const char* stage, bool backwards,
                         const std::function<core::Status(std::size_t, const FrameValues&)>& body,
                         const core::Context& context);
+  /// Calls body(first frame, all values of some frames) for whole batches of `batch` frames and the rest: at
+  /// once for a clip that is kept, else in another pass over the source, in which no band is in memory.
+  core::Status for_each_batch(const char* stage, std::size_t batch,
+                              const std::function<core::Status(std::size_t, const FrameValues&)>& body,
+                              const core::Context& context);
+  /// Lets go of the band in memory; a clip that is kept whole stays.
+  void release();
+  [[nodiscard]] bool whole() const { return !kept_.empty(); }
 
  private:
   void plan(std::size_t frames, std::size_t memory);
   void keep_part(const cv::Mat& frame, std::size_t band);
   core::Status load(std::size_t band, const core::Context& context);
   cv::Mat next_frame(std::size_t index);
+  cv::Mat next_again(std::size_t index);  // of a clip that was read before
 
   core::FrameSource& source_;
   std::size_t frames_ = 0, values_ = 0, value_bytes_ = 1, band_values_ = 0, bands_ = 1;

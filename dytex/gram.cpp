@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <mutex>
 
+#include <opencv2/core/cvdef.h>
 #include <opencv2/core/hal/interface.h>
-#include <opencv2/core/hal/intrin.hpp>
 
 #include "core/parallel.hpp"
+#include "dytex/kernels.hpp"
 
 namespace emberfold::dytex::detail {
 
@@ -34,61 +36,55 @@ std::vector<Tile> tiles_of(std::size_t frames) {
   return tiles;
 }
 
-/// Frames' bytes of a block widened to 16 bits, a row of kBlock for each frame and zeros behind them: then
-/// one instruction sums pairs of products. The sum over a block stays below 2³¹: 256 · 255² < 2²⁴.
+/// Frames' bytes of a block widened to 16 bits, a row of kDotLength for each frame and zeros behind them.
 void widen(const FrameValues& values, std::size_t first, std::size_t last, std::size_t begin,
            std::vector<std::int16_t>& rows) {
-  const std::size_t count = std::min(kBlock, values.count - begin);
+  const std::size_t count = std::min(kDotLength, values.count - begin);
   for (std::size_t i = first; i < last; ++i) {
-    const std::uint8_t* from = static_cast<const std::uint8_t*>(values.frames[i]) + begin;
-    std::int16_t* to = rows.data() + (i - first) * kBlock;
-    std::size_t p = 0;
-    for (; p + 8 <= count; p += 8) cv::v_store(to + p, cv::v_reinterpret_as_s16(cv::v_load_expand(from + p)));
-    for (; p < count; ++p) to[p] = from[p];
-    std::fill(to + count, to + kBlock, std::int16_t{0});
+    const std::uint8_t* from = values.of<std::uint8_t>(i) + begin * values.step;
+    std::int16_t* to = rows.data() + (i - first) * kDotLength;
+    if (values.step == 1)
+      for (std::size_t p = 0; p < count; ++p) to[p] = from[p];
+    else
+      for (std::size_t p = 0; p < count; ++p) to[p] = from[p * values.step];
+    std::fill(to + count, to + kDotLength, std::int16_t{0});
   }
 }
 
-/// sums[4 a + b] += Σ left_a right_b over a block. All twelve sums stay in registers.
-constexpr std::size_t kLeft = 3, kRight = 4;
-
-void add_dot_products(const std::int16_t* left, const std::int16_t* right, double* sums, std::size_t stride) {
-  cv::v_int32x4 s00 = cv::v_setzero_s32(), s01 = s00, s02 = s00, s03 = s00, s10 = s00, s11 = s00, s12 = s00,
-                s13 = s00, s20 = s00, s21 = s00, s22 = s00, s23 = s00;
-  for (std::size_t p = 0; p < kBlock; p += 8) {
-    const cv::v_int16x8 a0 = cv::v_load(left + p), a1 = cv::v_load(left + kBlock + p),
-                        a2 = cv::v_load(left + 2 * kBlock + p);
-    cv::v_int16x8 b = cv::v_load(right + p);
-    s00 = cv::v_dotprod(a0, b, s00), s10 = cv::v_dotprod(a1, b, s10), s20 = cv::v_dotprod(a2, b, s20);
-    b = cv::v_load(right + kBlock + p);
-    s01 = cv::v_dotprod(a0, b, s01), s11 = cv::v_dotprod(a1, b, s11), s21 = cv::v_dotprod(a2, b, s21);
-    b = cv::v_load(right + 2 * kBlock + p);
-    s02 = cv::v_dotprod(a0, b, s02), s12 = cv::v_dotprod(a1, b, s12), s22 = cv::v_dotprod(a2, b, s22);
-    b = cv::v_load(right + 3 * kBlock + p);
-    s03 = cv::v_dotprod(a0, b, s03), s13 = cv::v_dotprod(a1, b, s13), s23 = cv::v_dotprod(a2, b, s23);
-  }
-  const auto add = [&](std::size_t column, const cv::v_int32x4& x, const cv::v_int32x4& y,
-                       const cv::v_int32x4& z) {
-    sums[column * stride] += cv::v_reduce_sum(x);
-    sums[column * stride + 1] += cv::v_reduce_sum(y);
-    sums[column * stride + 2] += cv::v_reduce_sum(z);
-  };
-  add(0, s00, s10, s20), add(1, s01, s11, s21), add(2, s02, s12, s22), add(3, s03, s13, s23);
-}
-
-void add_bytes(const FrameValues& values, const Tile& tile, Eigen::MatrixXd& gram,
-               const core::Context& context) {
-  std::vector<std::int16_t> left(kTile * kBlock), right(tile.diagonal() ? 0 : kTile * kBlock);
+/// The part of a tile that the values from `begin` to `end` make.
+Eigen::MatrixXd byte_products(const FrameValues& values, const Tile& tile, std::size_t begin, std::size_t end,
+                              const core::Context& context) {
+  const Isa isa = best_isa();
+  std::vector<std::int16_t> left(kTile * kDotLength), right(tile.diagonal() ? 0 : kTile * kDotLength);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(kTile, kTile);
-  for (std::size_t begin = 0; begin < values.count && !context.cancelled(); begin += kBlock) {
+  for (; begin < end && !context.cancelled(); begin += kDotLength) {
     widen(values, tile.i0, tile.i1, begin, left);
     if (!tile.diagonal()) widen(values, tile.j0, tile.j1, begin, right);
     const std::int16_t* others = tile.diagonal() ? left.data() : right.data();
-    for (std::size_t i = 0; i < tile.i1 - tile.i0; i += kLeft)
-      for (std::size_t j = 0; j < tile.j1 - tile.j0 && (!tile.diagonal() || j < i + kLeft); j += kRight)
-        add_dot_products(left.data() + i * kBlock, others + j * kBlock, sums.data() + j * kTile + i, kTile);
+    for (std::size_t i = 0; i < tile.i1 - tile.i0; i += kDotLeft)
+      for (std::size_t j = 0; j < tile.j1 - tile.j0 && (!tile.diagonal() || j < i + kDotLeft); j += kDotRight)
+        add_dot_products(isa, left.data() + i * kDotLength, others + j * kDotLength,
+                         sums.data() + j * kTile + i, kTile);
   }
-  tile.part(gram) += sums.topLeftCorner(tile.rows(), tile.columns());
+  return sums.topLeftCorner(tile.rows(), tile.columns());
+}
+
+/// Sums of whole numbers are exact, so that parts may be added as they come.
+void add_bytes(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context) {
+  constexpr std::size_t kTasks = 64;
+  const std::vector<Tile> tiles = tiles_of(values.frames.size());
+  const std::size_t blocks = (values.count + kDotLength - 1) / kDotLength,
+                    slabs = std::clamp<std::size_t>(kTasks / tiles.size(), 1, blocks);
+  std::mutex adding;
+  core::parallel_for(tiles.size() * slabs, context, [&](std::size_t task) {
+    const Tile& tile = tiles[task / slabs];
+    const std::size_t slab = task % slabs;
+    const Eigen::MatrixXd part =
+        byte_products(values, tile, blocks * slab / slabs * kDotLength,
+                      std::min(blocks * (slab + 1) / slabs * kDotLength, values.count), context);
+    const std::scoped_lock lock(adding);
+    tile.part(gram) += part;
+  });
 }
 
 template <class Value>
@@ -96,10 +92,10 @@ void add_values(const FrameValues& values, const Tile& tile, Eigen::MatrixXd& gr
                 const core::Context& context) {
   const auto convert = [&](std::size_t first, std::size_t begin, Eigen::Index rows, Eigen::MatrixXd& to) {
     for (Eigen::Index k = 0; k < to.cols(); ++k) {
-      const auto* from =
-          static_cast<const Value*>(values.frames[first + static_cast<std::size_t>(k)]) + begin;
-      to.col(k).head(rows) =
-          Eigen::Map<const Eigen::Vector<Value, Eigen::Dynamic>>(from, rows).template cast<double>();
+      const Value* from = values.of<Value>(first + static_cast<std::size_t>(k)) + begin * values.step;
+      to.col(k).head(rows) = Eigen::Map<const Eigen::Vector<Value, Eigen::Dynamic>, 0, Eigen::InnerStride<>>(
+                                 from, rows, Eigen::InnerStride<>(static_cast<Eigen::Index>(values.step)))
+                                 .template cast<double>();
     }
   };
   Eigen::MatrixXd left(kBlock, tile.rows()), right(kBlock, tile.diagonal() ? 0 : tile.columns());
@@ -115,19 +111,38 @@ void add_values(const FrameValues& values, const Tile& tile, Eigen::MatrixXd& gr
 }  // namespace
 
 core::Status add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context) {
-  const std::vector<Tile> tiles = tiles_of(values.frames.size());
-  core::parallel_for(tiles.size(), context, [&](std::size_t i) {
-    if (values.depth == CV_8U) return add_bytes(values, tiles[i], gram, context);
-    if (values.depth == CV_16U) return add_values<std::uint16_t>(values, tiles[i], gram, context);
-    add_values<float>(values, tiles[i], gram, context);
-  });
+  if (values.count == 0) return core::Status::done;
+  if (values.depth == CV_8U) {
+    add_bytes(values, gram, context);
+  } else {
+    const std::vector<Tile> tiles = tiles_of(values.frames.size());
+    core::parallel_for(tiles.size(), context, [&](std::size_t i) {
+      if (values.depth == CV_16U) return add_values<std::uint16_t>(values, tiles[i], gram, context);
+      add_values<float>(values, tiles[i], gram, context);
+    });
+  }
   return context.cancelled() ? core::Status::cancelled : core::Status::done;
 }
 
+FrameValues channel_values(const FrameValues& values, std::size_t first, std::size_t channels,
+                           std::size_t channel) {
+  const std::size_t skip = (channel + channels - first % channels) % channels;
+  FrameValues result = values;
+  result.step = channels;
+  result.count = values.count > skip ? (values.count - skip + channels - 1) / channels : 0;
+  for (const void*& frame : result.frames)
+    frame = static_cast<const unsigned char*>(frame) + skip * CV_ELEM_SIZE1(values.depth);
+  return result;
+}
+
 Eigen::MatrixXd centred(const Eigen::MatrixXd& gram) {
+  return centred(gram, gram.rows());
+}
+
+Eigen::MatrixXd centred(const Eigen::MatrixXd& gram, Eigen::Index first) {
   Eigen::MatrixXd result = gram.selfadjointView<Eigen::Lower>();
-  const Eigen::VectorXd means = result.rowwise().mean();
-  const double mean = means.mean();
+  const Eigen::VectorXd means = result.leftCols(first).rowwise().mean();
+  const double mean = means.head(first).mean();
   result.colwise() -= means;
   result.rowwise() -= means.transpose();
   result.array() += mean;

@@ -14,12 +14,23 @@ namespace emberfold::dytex::detail {
 /// frames are cut into bands, if bands begin at blocks.
 constexpr std::size_t kBlock = 256;
 
-/// The same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F).
+/// The same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F): every `step`-th from the
+/// pointer on.
 struct FrameValues {
   std::vector<const void*> frames;
   std::size_t count = 0;
   int depth = 0;
+  std::size_t step = 1;
+
+  template <class Value>
+  [[nodiscard]] const Value* of(std::size_t frame) const {
+    return static_cast<const Value*>(frames[frame]);
+  }
 };
+
+/// Of values that begin with value `first` of a frame of `channels` channels: those of one channel.
+FrameValues channel_values(const FrameValues& values, std::size_t first, std::size_t channels,
+                           std::size_t channel);
 
 /// Adds Yᵀ Y to `gram` (τ × τ, lower half; the upper half is left alone), Y having a frame's values in each
 /// column. 8-bit values are summed in whole numbers: exact as long as entries stay below 2⁵³. Others in
@@ -28,5 +39,7 @@ core::Status add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const co
 
 /// J G J with J = I − 1 1ᵀ/τ: the Gram matrix of the frames less their mean. Reads the lower half.
 Eigen::MatrixXd centred(const Eigen::MatrixXd& gram);
+/// The same less the mean of the first `first` frames.
+Eigen::MatrixXd centred(const Eigen::MatrixXd& gram, Eigen::Index first);
 
 }  // namespace emberfold::dytex::detail

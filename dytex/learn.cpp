@@ -3,21 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <iomanip>
-#include <limits>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <opencv2/core/hal/interface.h>
-
 #include "core/error.hpp"
-#include "core/parallel.hpp"
-#include "dytex/decompose.hpp"
+#include "dytex/components.hpp"
 #include "dytex/dynamics.hpp"
 #include "dytex/frame_bands.hpp"
 #include "dytex/gram.hpp"
+#include "dytex/order.hpp"
 
 namespace emberfold::dytex {
 
@@ -25,10 +21,10 @@ namespace {
 
 using detail::FrameBands;
 using detail::FrameValues;
+using detail::Spectrum;
 
-constexpr std::size_t kMostFrames = 5000;          // beyond, τ × τ eigenvalues take many minutes
-constexpr std::size_t kRows = 2 * detail::kBlock;  // values of a block of C
-constexpr std::size_t kSlabs = 16;                 // parts in which CᵀC is summed
+constexpr std::size_t kMostFrames = 5000;  // beyond, τ × τ eigenvalues take many minutes
+constexpr int kMostLags = 16;
 constexpr double kFloatRange = 1e3;  // of singular values, up to which C is made in single precision
 
 std::string number_text(double value) {
@@ -38,143 +34,155 @@ std::string number_text(double value) {
   return text;
 }
 
-/// C's columns Y V S⁻¹ and the mean, for the values of one block.
-template <class Value, class Scalar>
-void project_block(const FrameValues& values, std::size_t begin, std::size_t first, double to_levels,
-                   const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& weights,
-                   LinearDynamicTexture& texture) {
-  const auto rows = static_cast<Eigen::Index>(std::min(kRows, values.count - begin));
-  const auto frames = static_cast<Eigen::Index>(values.frames.size());
-  const auto frame = [&](Eigen::Index t) {
-    const auto* from = static_cast<const Value*>(values.frames[static_cast<std::size_t>(t)]) + begin;
-    return Eigen::Map<const Eigen::Vector<Value, Eigen::Dynamic>>(from, rows);
-  };
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(rows);
-  for (Eigen::Index t = 0; t < frames; ++t) mean += frame(t).template cast<double>();
-  mean /= static_cast<double>(frames);
-  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> centred(rows, frames);
-  const Eigen::Vector<Scalar, Eigen::Dynamic> scalar_mean = mean.cast<Scalar>();
-  for (Eigen::Index t = 0; t < frames; ++t) centred.col(t) = frame(t).template cast<Scalar>() - scalar_mean;
-  const auto row = static_cast<Eigen::Index>(first + begin);
-  texture.mean.segment(row, rows) = (mean * to_levels).cast<float>();
-  if constexpr (std::is_same_v<Scalar, float>) {
-    texture.C.middleRows(row, rows).noalias() = centred * weights;
-  } else {
-    texture.C.middleRows(row, rows) = (centred * weights).template cast<float>();
-  }
-}
-
-template <class Scalar>
-core::Status project_band(std::size_t first, const FrameValues& values, double to_levels,
-                          const Eigen::MatrixXd& weights, LinearDynamicTexture& texture,
-                          const core::Context& context) {
-  const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> w = weights.cast<Scalar>();
-  return core::parallel_for((values.count + kRows - 1) / kRows, context, [&](std::size_t i) {
-    if (values.depth == CV_8U)
-      return project_block<std::uint8_t, Scalar>(values, i * kRows, first, to_levels, w, texture);
-    if (values.depth == CV_16U)
-      return project_block<std::uint16_t, Scalar>(values, i * kRows, first, to_levels, w, texture);
-    project_block<float, Scalar>(values, i * kRows, first, to_levels, w, texture);
-  });
-}
-
-/// Calls body(slab, first row, rows) for blocks of C's rows; those of a slab one after another.
-core::Status for_row_blocks(Eigen::Index m, const core::Context& context,
-                            const std::function<void(std::size_t, Eigen::Index, Eigen::Index)>& body) {
-  const Eigen::Index step = kRows, blocks = (m + step - 1) / step;
-  const auto slabs = static_cast<Eigen::Index>(kSlabs);
-  return core::parallel_for(kSlabs, context, [&](std::size_t slab) {
-    const auto s = static_cast<Eigen::Index>(slab);
-    for (Eigen::Index b = blocks * s / slabs; b < blocks * (s + 1) / slabs && !context.cancelled(); ++b)
-      body(slab, b * step, std::min(step, m - b * step));
-  });
-}
-
-/// C ← C L⁻ᵀ with CᵀC = L Lᵀ: what rounding took from the columns' right angles and lengths.
-core::Status orthonormalise(Eigen::MatrixXf& C, const core::Context& context) {
-  const Eigen::Index n = C.cols();
-  std::vector<Eigen::MatrixXd> parts(kSlabs, Eigen::MatrixXd::Zero(n, n));
-  for_row_blocks(C.rows(), context, [&](std::size_t slab, Eigen::Index row, Eigen::Index rows) {
-    const auto block = C.middleRows(row, rows);
-    parts[slab] += Eigen::MatrixXf(block.transpose() * block).cast<double>();
-  });
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(n, n);
-  for (const Eigen::MatrixXd& part : parts) products += part;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(products);
-  if (context.cancelled()) return core::Status::cancelled;
-  if (cholesky.info() != Eigen::Success)
-    throw core::NumericalError("learn: the components are not independent");
-  const Eigen::MatrixXd right = cholesky.matrixL().solve(Eigen::MatrixXd::Identity(n, n)).transpose();
-  const Eigen::MatrixXf correction = right.cast<float>();
-  return for_row_blocks(C.rows(), context, [&](std::size_t, Eigen::Index row, Eigen::Index rows) {
-    C.middleRows(row, rows) = (C.middleRows(row, rows) * correction).eval();
-  });
-}
-
-struct Spectrum {
-  Eigen::VectorXd singular;  // τ, falling, in levels
-  Eigen::MatrixXd V;         // τ × rank
-  Eigen::Index rank() const { return V.cols(); }
+/// What the first reading finds.
+struct Seen {
+  std::vector<Eigen::MatrixXd> grams;  // of all channels, or one a channel
+  Eigen::VectorXd mean;                // m
 };
 
-/// Singular values and right singular vectors of the centred frames from their raw Gram matrix.
-Spectrum spectrum(const Eigen::MatrixXd& gram, double to_levels, Eigen::Index m) {
-  const Eigen::Index frames = gram.rows();
-  if (!gram.triangularView<Eigen::Lower>().toDenseMatrix().allFinite())
-    throw core::InputError("the clip has a value that is not finite");
-  detail::SymmetricEigen eigen = detail::symmetric_eigen(detail::centred(gram));
-  // What rounding makes of an eigenvalue of 0: the entries' errors, times τ.
-  const double least = 8 * static_cast<double>(frames) * std::numeric_limits<double>::epsilon() *
-                       gram.diagonal().cwiseAbs().maxCoeff();
-  const Eigen::Index rank = std::min({(eigen.values.array() > least).count(), frames - 1, m});
-  eigen.values.tail(frames - rank).setZero();
-  return {to_levels * eigen.values.cwiseSqrt(), eigen.vectors.leftCols(rank)};
+core::Status look(FrameBands& bands, std::size_t channels, Seen& seen, const core::Context& context) {
+  const auto frames = static_cast<Eigen::Index>(bands.frames());
+  seen.grams.assign(channels, Eigen::MatrixXd::Zero(frames, frames));
+  seen.mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(bands.values()));
+  const auto add = [&](std::size_t first, const FrameValues& values) {
+    if (detail::add_sums(values, first, seen.mean, context) == core::Status::cancelled)
+      return core::Status::cancelled;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const FrameValues some = channels == 1 ? values : detail::channel_values(values, first, channels, c);
+      if (detail::add_gram(some, seen.grams[c], context) == core::Status::cancelled)
+        return core::Status::cancelled;
+    }
+    return core::Status::done;
+  };
+  const core::Status status = bands.for_each("comparing frames", false, add, context);
+  seen.mean /= static_cast<double>(frames);
+  return status;
 }
 
-/// How many components to take, with a note where they are fewer than asked for.
-Eigen::Index choose_order(const Spectrum& spectrum, const LearnOptions& options, LearnResult& result) {
-  const Eigen::VectorXd variance = spectrum.singular.cwiseAbs2();
-  if (spectrum.rank() == 0) {
+/// A component: one spectrum's i-th direction.
+struct Direction {
+  std::size_t spectrum;
+  Eigen::Index i;
+};
+
+/// All directions, the strongest first.
+std::vector<Direction> directions(const std::vector<Spectrum>& spectra) {
+  std::vector<Direction> result;
+  for (std::size_t s = 0; s < spectra.size(); ++s)
+    for (Eigen::Index i = 0; i < spectra[s].rank(); ++i) result.push_back({s, i});
+  std::stable_sort(result.begin(), result.end(), [&](const Direction& a, const Direction& b) {
+    return spectra[a.spectrum].singular[a.i] > spectra[b.spectrum].singular[b.i];
+  });
+  return result;
+}
+
+void take_first(std::vector<Direction>& all, Eigen::Index asked, LearnResult& result) {
+  const auto rank = static_cast<Eigen::Index>(all.size());
+  if (rank < asked)
+    result.notes.push_back("the frames change in " + std::to_string(rank) +
+                           (rank == 1 ? " direction only, " : " directions only, ") + std::to_string(asked) +
+                           " components were asked for: the model has " + std::to_string(rank));
+  all.resize(static_cast<std::size_t>(std::min(rank, asked)));
+}
+
+/// How many directions of one spectrum a rule takes.
+Eigen::Index count_by_rule(const Spectrum& spectrum, const Eigen::MatrixXd& gram, double to_levels,
+                           Eigen::Index values, const LearnOptions& options, LearnResult& result) {
+  if (spectrum.rank() == 0) return 0;
+  if (options.order == Order::gavish_donoho)
+    return std::clamp<Eigen::Index>(detail::gavish_donoho(spectrum.singular, values), 1, spectrum.rank());
+  const auto errors = detail::held_out_errors(gram, to_levels, values);
+  if (errors.empty())
+    throw core::InputError("order: to hold out a fifth of the frames takes a clip of at least 10, this has " +
+                           std::to_string(gram.rows()));
+  if (result.held_out.empty()) result.held_out = errors;
+  const auto least = std::min_element(errors.begin(), errors.end(),
+                                      [](const auto& a, const auto& b) { return a.second < b.second; });
+  return std::min<Eigen::Index>(least->first, spectrum.rank());
+}
+
+std::vector<Direction> choose(const std::vector<Spectrum>& spectra, const Seen& seen, double to_levels,
+                              const LearnOptions& options, LearnResult& result) {
+  std::vector<Direction> all = directions(spectra);
+  if (all.empty()) {
     result.notes.emplace_back("the frames do not change: the model is their mean, without components");
-    return 0;
+    return all;
   }
-  if (options.energy) {
-    const double wanted = *options.energy * variance.sum();
-    double sum = 0;
-    Eigen::Index n = 0;
-    while (n < spectrum.rank() && sum < wanted) sum += variance[n++];
-    return n;
+  if (options.order != Order::given) {
+    const Eigen::Index values = seen.mean.size() / static_cast<Eigen::Index>(spectra.size());
+    std::vector<Eigen::Index> counts;
+    for (std::size_t s = 0; s < spectra.size(); ++s)
+      counts.push_back(count_by_rule(spectra[s], seen.grams[s], to_levels, values, options, result));
+    std::erase_if(all, [&](const Direction& d) { return d.i >= counts[d.spectrum]; });
+  } else if (options.energy) {
+    const auto variance = [&](const Direction& d) { return std::pow(spectra[d.spectrum].singular[d.i], 2); };
+    double whole = 0, sum = 0;
+    for (const Spectrum& spectrum : spectra) whole += spectrum.singular.squaredNorm();
+    std::size_t n = 0;
+    while (n < all.size() && sum < *options.energy * whole) sum += variance(all[n++]);
+    all.resize(n);
+  } else {
+    take_first(all, options.components, result);
   }
-  const Eigen::Index asked = options.components;
-  if (spectrum.rank() >= asked) return asked;
-  result.notes.push_back("the frames change in " + std::to_string(spectrum.rank()) +
-                         (spectrum.rank() == 1 ? " direction only, " : " directions only, ") +
-                         std::to_string(asked) + " components were asked for: the model has " +
-                         std::to_string(spectrum.rank()));
-  return spectrum.rank();
+  return all;
 }
 
-void take_dynamics(detail::Dynamics dynamics, LearnResult& result) {
-  result.least_squares_radius = dynamics.least_squares_radius;
-  if (dynamics.yule_walker) {
-    result.transition = Transition::yule_walker;
-    result.notes.push_back((dynamics.noiseless
-                                ? std::string("the least-squares fit leaves no noise to go on from")
-                                : "the least-squares fit is not stable (spectral radius " +
-                                      number_text(dynamics.least_squares_radius) + ")") +
-                           ": the Yule-Walker fit is taken");
+/// The chosen directions of each spectrum, and which components of the model they become.
+std::vector<detail::Block> blocks_of(const std::vector<Spectrum>& spectra,
+                                     const std::vector<Direction>& chosen) {
+  std::vector<detail::Block> blocks(spectra.size());
+  for (std::size_t place = 0; place < chosen.size(); ++place)
+    blocks[chosen[place].spectrum].places.push_back(static_cast<Eigen::Index>(place));
+  for (std::size_t s = 0; s < spectra.size(); ++s) {
+    const auto n = static_cast<Eigen::Index>(blocks[s].places.size());
+    blocks[s].s = spectra[s].singular.head(n);
+    blocks[s].V = spectra[s].V.leftCols(n);
   }
-  result.texture.A = std::move(dynamics.A);
-  result.texture.B = std::move(dynamics.B);
+  return blocks;
+}
+
+/// The columns of V S⁻¹ that make C out of the frames' values, in the order of the components.
+Eigen::MatrixXd component_weights(const std::vector<detail::Block>& blocks, Eigen::Index n,
+                                  double to_levels) {
+  Eigen::MatrixXd weights(blocks[0].V.rows(), n);
+  for (const detail::Block& block : blocks)
+    for (std::size_t i = 0; i < block.places.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      weights.col(block.places[i]) = block.V.col(k) * (to_levels / block.s[k]);
+    }
+  return weights;
+}
+
+core::Status make_C(FrameBands& bands, const Seen& seen, const Eigen::MatrixXd& weights, bool single,
+                    LinearDynamicTexture& texture, const core::Context& context) {
+  const char* stage = "making components";
+  if (single) bands.release();  // before C takes its place
+  texture.C = Eigen::MatrixXf::Zero(seen.mean.size(), weights.cols());
+  const auto add = [&](std::size_t first, const FrameValues& values) {
+    const auto t = static_cast<Eigen::Index>(first), count = static_cast<Eigen::Index>(values.frames.size());
+    return detail::add_components(values, 0, seen.mean, weights.middleRows(t, count), texture.C, context);
+  };
+  const auto make = [&](std::size_t first, const FrameValues& values) {
+    return detail::make_components(values, first, seen.mean, weights, texture.C, context);
+  };
+  if (weights.cols() == 0) return core::Status::done;
+  const core::Status made = single ? bands.for_each_batch(stage, detail::kBatch, add, context)
+                                   : bands.for_each(stage, true, make, context);
+  if (made == core::Status::cancelled) return made;
+  if (texture.channels.size() > 0 && detail::keep_channels(texture.channels, texture.info.channels, texture.C,
+                                                           context) == core::Status::cancelled)
+    return core::Status::cancelled;
+  return detail::orthonormalise(texture.C, context);
 }
 
 /// Says where clips drawn from the model vary much more or less than the clip itself.
 void compare_variance(LearnResult& result) {
   constexpr double kMuch = 1.5;
   const LinearDynamicTexture& texture = result.texture;
-  if (texture.order() == 0) return;
-  const double drawn = stationary_covariance(texture.A, texture.B).trace();
-  const double seen = texture.states.squaredNorm() / static_cast<double>(texture.states.cols());
+  const Eigen::Index n = texture.components();
+  if (n == 0) return;
+  const double drawn = stationary_covariance(texture.A, texture.B).diagonal().head(n).sum();
+  const double seen = texture.states.topRows(n).squaredNorm() / static_cast<double>(texture.states.cols());
   if (drawn <= kMuch * seen && seen <= kMuch * drawn) return;
   std::ostringstream share;
   share << std::setprecision(2) << drawn / seen;
@@ -182,12 +190,28 @@ void compare_variance(LearnResult& result) {
                          " times the variance of the clip it was learned from");
 }
 
-/// The variance that n components leave, by its degrees of freedom: n directions of the frames and of time,
+/// The variance that the components leave, by its degrees of freedom: n directions of the frames and of time,
 /// and the mean, are taken out of m × τ values.
-double left_variance(const Eigen::VectorXd& singular, Eigen::Index n, Eigen::Index m) {
-  const Eigen::Index frames = singular.size(), gaps = frames - 1 - n;
-  if (gaps <= 0 || m <= n) return 0;
-  return singular.tail(frames - n).squaredNorm() / (static_cast<double>(m - n) * static_cast<double>(gaps));
+double left_variance(const std::vector<Spectrum>& spectra, const std::vector<detail::Block>& blocks,
+                     Eigen::Index m) {
+  const Eigen::Index frames = spectra[0].singular.size(),
+                     values = m / static_cast<Eigen::Index>(spectra.size());
+  double sum = 0, freedom = 0;
+  for (std::size_t s = 0; s < spectra.size(); ++s) {
+    const Eigen::Index n = blocks[s].s.size(), gaps = frames - 1 - n;
+    if (gaps <= 0 || values <= n) continue;
+    sum += spectra[s].singular.tail(frames - n).squaredNorm();
+    freedom += static_cast<double>(values - n) * static_cast<double>(gaps);
+  }
+  return freedom > 0 ? sum / freedom : 0;
+}
+
+Eigen::VectorXd all_singular(const std::vector<Spectrum>& spectra) {
+  std::vector<double> all;
+  for (const Spectrum& spectrum : spectra)
+    all.insert(all.end(), spectrum.singular.begin(), spectrum.singular.end());
+  std::sort(all.begin(), all.end(), std::greater<>());
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
 LearnResult cancelled(const FrameBands& bands) {
@@ -197,6 +221,24 @@ LearnResult cancelled(const FrameBands& bands) {
   return result;
 }
 
+void take_dynamics(detail::Dynamics dynamics, LearnResult& result) {
+  result.least_squares_radius = dynamics.least_squares_radius;
+  result.transition = dynamics.transition;
+  result.notes.insert(result.notes.end(), dynamics.notes.begin(), dynamics.notes.end());
+  LinearDynamicTexture& texture = result.texture;
+  texture.A = std::move(dynamics.A);
+  texture.B = std::move(dynamics.B);
+  texture.residuals = std::move(dynamics.residuals);
+  texture.states = std::move(dynamics.states);
+}
+
+void check_count(const LearnOptions& options, Eigen::Index frames) {
+  if (options.order == Order::given && !options.energy && options.components > frames - 1)
+    throw core::InputError("n is " + std::to_string(options.components) + "; a clip of " +
+                           std::to_string(frames) + " frames has at most " + std::to_string(frames - 1) +
+                           (frames == 2 ? " component" : " components"));
+}
+
 }  // namespace
 
 void LearnOptions::validate() const {
@@ -204,6 +246,13 @@ void LearnOptions::validate() const {
     throw core::InputError("components is " + std::to_string(components) + ", must be at least 1");
   if (energy && !(*energy > 0 && *energy <= 1))
     throw core::InputError("energy is " + number_text(*energy) + ", allowed is above 0 to 1");
+  if (lags < 1 || lags > kMostLags)
+    throw core::InputError("lags is " + std::to_string(lags) + ", allowed is 1 to " +
+                           std::to_string(kMostLags));
+  if (lags > 1 && method != Method::closed_form)
+    throw core::InputError("lags is " + std::to_string(lags) + ", must be 1 with n4sid and pem");
+  if (lags > 1 && stable == Stable::soc)
+    throw core::InputError("lags is " + std::to_string(lags) + ", must be 1 with soc");
   if (memory < std::size_t{1} << 20)
     throw core::InputError("memory is " + std::to_string(memory) + " bytes, must be at least 1048576");
 }
@@ -214,42 +263,38 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
   if (bands.frames() == 0) return cancelled(bands);
   const auto frames = static_cast<Eigen::Index>(bands.frames()),
              m = static_cast<Eigen::Index>(bands.values());
-  if (!options.energy && options.components > frames - 1)
-    throw core::InputError("n is " + std::to_string(options.components) + "; a clip of " +
-                           std::to_string(frames) + " frames has at most " + std::to_string(frames - 1) +
-                           (frames == 2 ? " component" : " components"));
-
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(frames, frames);
-  const auto add = [&](std::size_t, const FrameValues& values) { return add_gram(values, gram, context); };
-  if (bands.for_each("comparing frames", false, add, context) == core::Status::cancelled)
+  check_count(options, frames);
+  const bool separate = options.channels == Channels::separate && source.info().channels > 1;
+  Seen seen;
+  if (look(bands, separate ? static_cast<std::size_t>(source.info().channels) : 1, seen, context) ==
+      core::Status::cancelled)
     return cancelled(bands);
   const double to_levels = 255 / source.info().white;
-  Spectrum found = spectrum(gram, to_levels, m);
-  gram.resize(0, 0);
+  std::vector<Spectrum> spectra;
+  for (const Eigen::MatrixXd& gram : seen.grams)
+    spectra.push_back(detail::spectrum(gram, to_levels, m / static_cast<Eigen::Index>(seen.grams.size())));
 
   LearnResult result;
   LinearDynamicTexture& texture = result.texture;
-  const Eigen::Index n = choose_order(found, options, result);
-  const Eigen::VectorXd s = found.singular.head(n);
-  const Eigen::MatrixXd V = found.V.leftCols(n);
-  texture.mean.resize(m);
-  texture.C.resize(m, n);
-  const Eigen::MatrixXd weights = V * s.cwiseInverse().asDiagonal() * to_levels;
-  const bool single = n == 0 || s[0] <= kFloatRange * s[n - 1];
-  const auto project = [&](std::size_t first, const FrameValues& values) {
-    return single ? project_band<float>(first, values, to_levels, weights, texture, context)
-                  : project_band<double>(first, values, to_levels, weights, texture, context);
-  };
-  if (bands.for_each("making components", true, project, context) == core::Status::cancelled ||
-      orthonormalise(texture.C, context) == core::Status::cancelled)
-    return cancelled(bands);
-
-  take_dynamics(detail::fit_dynamics(s, V), result);
+  const std::vector<Direction> chosen = choose(spectra, seen, to_levels, options, result);
+  const auto n = static_cast<Eigen::Index>(chosen.size());
+  const std::vector<detail::Block> blocks = blocks_of(spectra, chosen);
   texture.info = source.info();
   texture.info.frames = frames;
-  texture.r = left_variance(found.singular, n, m);
-  texture.states = s.asDiagonal() * V.transpose();
-  texture.singular = std::move(found.singular);
+  texture.singular = all_singular(spectra);
+  texture.weights = Eigen::VectorXd::Ones(n);
+  if (separate) {
+    texture.channels.resize(n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      texture.channels[i] = static_cast<int>(chosen[static_cast<std::size_t>(i)].spectrum);
+  }
+  take_dynamics(detail::fit_dynamics(blocks, options, context), result);
+  texture.r = left_variance(spectra, blocks, m);
+  const bool single = n == 0 || texture.singular[0] <= kFloatRange * texture.singular[n - 1];
+  if (context.cancelled() || make_C(bands, seen, component_weights(blocks, n, to_levels), single, texture,
+                                    context) == core::Status::cancelled)
+    return cancelled(bands);
+  texture.mean = (seen.mean * to_levels).cast<float>();
   compare_variance(result);
   result.passes = bands.passes();
   return result;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/clip.hpp"
@@ -12,10 +13,41 @@
 
 namespace emberfold::dytex {
 
+/// Where the number of components comes from.
+enum class Order {
+  given,          ///< `components`, or `energy` where it is set
+  gavish_donoho,  ///< singular values that stand out of white noise (Gavish, Donoho 2014)
+  held_out        ///< those that foretell the last fifth of the clip best, learned from the rest
+};
+enum class Channels {
+  joint,    ///< components show all channels
+  separate  ///< a model per channel; they share the noise, and so stay in step
+};
+/// How A is found.
+enum class Method {
+  closed_form,      ///< least squares (or `stable`)
+  n4sid,            ///< stochastic subspaces (Van Overschee, De Moor 1993) of the states as measured
+  prediction_error  ///< most likely innovations form x(t+1) = A x(t) + K e(t), from the closed form on
+};
+/// What is taken where the least-squares A is not stable.
+enum class Stable {
+  yule_walker,  ///< the data's variance is kept exactly
+  soc           ///< the least error among stable ones (Mamakoukas, Xherija, Murphey 2020)
+};
+enum class Noise { normal, resampled };
+
 struct LearnOptions {
-  int components = 50;           ///< n, 1 … τ − 1: order of the model
-  std::optional<double> energy;  ///< (0, 1]: instead of n, the fewest components with this share of variance
-  /// bytes, ≥ 1 MiB: for frames held at a time; more passes where they do not fit. At least 256 values of
+  int components = 50;  ///< n, 1 … τ − 1, of all channels together
+  std::optional<double>
+      energy{};  ///< (0, 1]: instead of n, the fewest components with this share of variance
+  Order order = Order::given;
+  Channels channels = Channels::joint;
+  int lags = 1;  ///< 1 … 16: x(t+1) = A₁ x(t) + … + A_lags x(t + 1 − lags); above 1 needs n · lags < τ − 1
+  Method method = Method::closed_form;  ///< others than the closed form need lags 1
+  Stable stable = Stable::yule_walker;  ///< soc needs lags 1
+  Noise noise =
+      Noise::normal;  ///< resampled: v is drawn from what the fit left, so that it need not be normal
+  /// bytes, ≥ 1 MiB: for frames held at a time; more passes where they do not fit. At least 256 pixels of
   /// every frame are held.
   std::size_t memory = std::size_t{1} << 30;
 
@@ -24,14 +56,17 @@ struct LearnOptions {
 };
 
 /// How the transition matrix came about.
-enum class Transition { least_squares, yule_walker };
+enum class Transition { least_squares, yule_walker, soc, n4sid, prediction_error };
 
 struct LearnResult {
   LinearDynamicTexture texture;
   double least_squares_radius =
       0;  ///< spectral radius of the least-squares A; at or above 1 it was not taken
   Transition transition = Transition::least_squares;
-  int passes = 1;                  ///< over the source
+  int passes = 1;  ///< over the source
+  /// Order::held_out: the squared error of foretelling a value, levels², by the number of components; of the
+  /// first channel only where channels are separate.
+  std::vector<std::pair<int, double>> held_out;
   std::vector<std::string> notes;  ///< a line for everything that was not taken as asked or measured
   core::Status status = core::Status::done;  ///< cancelled: the texture is empty
 };
@@ -47,9 +82,13 @@ struct LearnResult {
 /// so, as one does where clips drawn from the model would vary 1.5 times more or less than the clip. Frames
 /// of fewer independent directions than n give fewer components, and a note.
 ///
-/// The source is read from its beginning, as often as `memory` demands: once if all frames fit. The same
-/// bytes at any thread count and any budget of memory. InputError where n is above τ − 1, where there are
-/// fewer than 2 or more than 5000 frames, or where a value is not finite. O(m τ²) + O(τ³).
+/// The innovations forms (n4sid, prediction_error) take X as measured with noise: the state of the model is
+/// (x(t), its forecast from the frames before), N = 2n.
+///
+/// The source is read from its beginning: once if all frames fit in `memory`; else once for every band of
+/// pixels that does, and once more. The same bytes at any thread count and any budget of memory. InputError
+/// where n is above τ − 1, where there are fewer than 2 or more than 5000 frames or too few for what is
+/// asked, or where a value is not finite. O(m τ²) + O(τ³).
 LearnResult learn(core::FrameSource& source, const LearnOptions& options = {},
                   const core::Context& context = {});
 

@@ -48,20 +48,43 @@ void check_info(const core::ClipInfo& info) {
   if (!info.frames || *info.frames < 1) fail("frames must be 1 or more");
 }
 
+void check_channels(const LinearDynamicTexture& texture) {
+  const Eigen::VectorXi& channels = texture.channels;
+  if (channels.size() == 0) return;
+  check("channels", channels, texture.components(), 1);
+  if (channels.minCoeff() < 0 || channels.maxCoeff() >= texture.info.channels)
+    fail("channels has the value " +
+         std::to_string(channels.minCoeff() < 0 ? channels.minCoeff() : channels.maxCoeff()) +
+         ", allowed is 0 to " + std::to_string(texture.info.channels - 1));
+}
+
 }  // namespace
+
+int channel_of(const LinearDynamicTexture& texture, Eigen::Index i) {
+  return texture.channels.size() == 0 ? -1 : texture.channels[i];
+}
 
 void validate(const LinearDynamicTexture& texture) {
   check_info(texture.info);
-  const Eigen::Index n = texture.order(), frames = *texture.info.frames;
+  const Eigen::Index n = texture.components(), order = texture.order(), inputs = texture.B.cols(),
+                     frames = *texture.info.frames;
   const Eigen::Index m = Eigen::Index{texture.info.width} * texture.info.height * texture.info.channels;
   check("mean", texture.mean, m, 1);
-  check("A", texture.A, n, n);
+  check("A", texture.A, order, order);
   check("C", texture.C, m, n);
-  check("B", texture.B, n, texture.B.cols());
-  if (texture.B.cols() > n)
-    fail("B is " + shape_text(n, texture.B.cols()) + ", must have at most " + std::to_string(n) + " columns");
-  check("states", texture.states, n, frames);
-  check("singular", texture.singular, frames, 1);
+  if (order < n || (n == 0 && order > 0))
+    fail("A is " + shape_text(order, order) + " for " + std::to_string(n) + " components, must be " +
+         (n == 0 ? "0 × 0" : "at least " + shape_text(n, n)));
+  check("weights", texture.weights, n, 1);
+  check("B", texture.B, order, inputs);
+  if (inputs > order)
+    fail("B is " + shape_text(order, inputs) + ", must have at most " + std::to_string(order) + " columns");
+  check("states", texture.states, order, frames);
+  if (texture.noise.size() > 0) check("noise", texture.noise, m, 1);
+  if (!(texture.noise.array() >= 0).all()) fail("noise has a negative value");
+  if (texture.residuals.size() > 0) check("residuals", texture.residuals, inputs, texture.residuals.cols());
+  check_channels(texture);
+  check("singular", texture.singular, frames * (texture.channels.size() > 0 ? texture.info.channels : 1), 1);
   if (!(texture.r >= 0) || !std::isfinite(texture.r))
     fail("r is " + std::to_string(texture.r) + ", must be finite and at least 0");
   if (!(texture.singular.array() >= 0).all()) fail("singular has a negative value");
@@ -92,6 +115,25 @@ Eigen::MatrixXd stationary_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A
       return (covariance + covariance.transpose()) / 2;
   }
   throw core::NumericalError("stationary_covariance: the states have none, A is not stable");
+}
+
+Eigen::VectorXd expected_state(const LinearDynamicTexture& texture,
+                               const Eigen::Ref<const Eigen::VectorXd>& shown) {
+  const Eigen::Index n = texture.components(), order = texture.order();
+  if (shown.size() != n)
+    throw core::InputError("the state has " + std::to_string(shown.size()) + " numbers, the texture shows " +
+                           std::to_string(n));
+  if (order == n) return shown;
+  const Eigen::MatrixXd covariance = stationary_covariance(texture.A, texture.B);
+  const detail::SymmetricEigen eigen = detail::symmetric_eigen(covariance.topLeftCorner(n, n));
+  // Directions in which nothing moves tell nothing.
+  const double least = eigen.values[0] * static_cast<double>(n) * std::numeric_limits<double>::epsilon();
+  const Eigen::ArrayXd inverse = (eigen.values.array() > least).select(eigen.values.array().inverse(), 0);
+  Eigen::VectorXd state(order);
+  state.head(n) = shown;
+  state.tail(order - n) = covariance.bottomLeftCorner(order - n, n) *
+                          (eigen.vectors * (inverse * (eigen.vectors.transpose() * shown).array()).matrix());
+  return state;
 }
 
 }  // namespace emberfold::dytex

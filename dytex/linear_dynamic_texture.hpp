@@ -8,35 +8,53 @@
 namespace emberfold::dytex {
 
 /// A linear dynamic texture (Doretto, Chiuso, Wu, Soatto 2003, eq. 3; Soatto, Doretto, Wu 2001, eq. 3):
-///   x(t+1) = A x(t) + B v(t),   v ~ N(0, I)
-///   y(t)   = mean + C x(t) + w(t),   w ~ N(0, r I)
+///   x(t+1) = A x(t) + B v(t),   v ~ N(0, I), or a column of `residuals`
+///   y(t)   = mean + C diag(weights) x(t)₁…ₙ + w(t),   w ~ N(0, r I), or N(0, diag(noise))
 /// y(t) is a frame as a column of m = width · height · channels values in the order of its memory (row by
-/// row, channels together), on the scale where white is 255. Where frames never change the order n is 0.
+/// row, channels together), on the scale where white is 255. The state x has N ≥ n numbers; a frame shows the
+/// first n. The others are earlier ones (auto-regression of a higher order) or what a filter carries on.
+/// Where frames never change n and N are 0.
+///
+/// A model per channel has the same form: every column of C is 0 outside its channel's rows, A is
+/// block-diagonal once ordered by channel, and B couples the channels, which share the noise.
 struct LinearDynamicTexture {
-  core::ClipInfo info;       ///< of the clip it was learned from; `frames` is τ
-  Eigen::VectorXf mean;      ///< m
-  Eigen::MatrixXf C;         ///< m × n, orthonormal columns, by falling variance
-  Eigen::MatrixXd A;         ///< n × n, spectral radius below 1
-  Eigen::MatrixXd B;         ///< n × k, k ≤ n; Q = B Bᵀ
-  double r = 0;              ///< variance of what n components leave, levels², ≥ 0
-  Eigen::MatrixXd states;    ///< n × τ, the training frames' states
-  Eigen::VectorXd singular;  ///< all τ singular values of the centred frames, falling
+  core::ClipInfo info;      ///< of the clip it was learned from; `frames` is τ
+  Eigen::VectorXf mean;     ///< m
+  Eigen::MatrixXf C;        ///< m × n, orthonormal columns, by falling variance
+  Eigen::VectorXd weights;  ///< n, of the components: ones until edited
+  Eigen::MatrixXd A;        ///< N × N, spectral radius below 1
+  Eigen::MatrixXd B;        ///< N × k, k ≤ N; Q = B Bᵀ
+  double r = 0;  ///< variance of what n components leave, levels², ≥ 0; the mean of `noise`, if any
+  Eigen::VectorXf noise;      ///< m, that variance value by value, ≥ 0; empty where it is r everywhere
+  Eigen::MatrixXd residuals;  ///< k × any number: what v is drawn from, mean 0, covariance I; empty: N(0, I)
+  Eigen::MatrixXd states;     ///< N × τ, the training frames' states
+  Eigen::VectorXd singular;   ///< all τ of the centred frames, falling; per channel: of all channels
+  Eigen::VectorXi channels;   ///< n, the channel that each component shows; empty where they show all
 
-  [[nodiscard]] Eigen::Index order() const { return A.rows(); }
-  [[nodiscard]] Eigen::Index pixels() const { return mean.size(); }
+  [[nodiscard]] Eigen::Index components() const { return C.cols(); }  ///< n
+  [[nodiscard]] Eigen::Index order() const { return A.rows(); }       ///< N
+  [[nodiscard]] Eigen::Index pixels() const { return mean.size(); }   ///< m, values of a frame
 };
 
-/// Throws InputError, naming the part, where shapes disagree, a number is not finite, r or a singular value
-/// is negative, or A's spectral radius is not below 1. O(m n + n³).
+/// The channel that component i shows, −1 where it shows all.
+int channel_of(const LinearDynamicTexture& texture, Eigen::Index i);
+
+/// Throws InputError, naming the part, where shapes disagree, a number is not finite, a variance or a
+/// singular value is negative, or A's spectral radius is not below 1. O(m n + N³).
 void validate(const LinearDynamicTexture& texture);
 
 /// The largest absolute eigenvalue of a square matrix, 0 of an empty one; InputError where an entry is not
 /// finite. O(n³).
 double spectral_radius(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
-/// P = A P Aᵀ + B Bᵀ, n × n: the covariance of the states in the long run. By doubling, O(n³) a step, some
+/// P = A P Aᵀ + B Bᵀ, N × N: the covariance of the states in the long run. By doubling, O(n³) a step, some
 /// log₂(40 / (1 − spectral radius)) steps. NumericalError where A is not stable.
 Eigen::MatrixXd stationary_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                       const Eigen::Ref<const Eigen::MatrixXd>& B);
+
+/// The state that is expected where its first n numbers are `shown`: P₍·₁₎ P₍₁₁₎⁻¹ times them, P the
+/// stationary covariance; `shown` itself where N = n. InputError where `shown` has not n numbers. O(N³).
+Eigen::VectorXd expected_state(const LinearDynamicTexture& texture,
+                               const Eigen::Ref<const Eigen::VectorXd>& shown);
 
 }  // namespace emberfold::dytex

@@ -2,6 +2,7 @@
 #include "dytex/synthesize.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -12,12 +13,15 @@
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "dytex/decompose.hpp"
+#include "dytex/draw_frames.hpp"
+#include "dytex/loop.hpp"
 
 namespace emberfold::dytex {
 
 namespace {
 
-constexpr std::size_t kBatch = 8;                               // frames rendered by one product
+constexpr std::size_t kBatch = detail::kBatch;  // frames that one pass over C draws
+constexpr int kLongestLoop = 1'000'000;
 constexpr std::size_t kValues = 1024;                           // of a block
 constexpr std::uint32_t kFirst = 1, kDriving = 2, kPixels = 3;  // purposes of streams
 
@@ -51,6 +55,17 @@ Eigen::VectorXd stationary_state(const LinearDynamicTexture& texture, std::uint6
   return eigen.vectors * scale.cwiseProduct(normals(core::Rng(seed, stream(0, 0, kFirst)), texture.order()));
 }
 
+/// The weights of C's columns for a state.
+Eigen::VectorXf shown(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state) {
+  return texture.weights.cwiseProduct(state.head(texture.components())).cast<float>();
+}
+
+/// v(t) of frame t.
+Eigen::VectorXd driving(const LinearDynamicTexture& texture, core::Rng rng) {
+  if (texture.residuals.size() == 0) return normals(rng, texture.B.cols());
+  return texture.residuals.col(rng.below(static_cast<std::uint32_t>(texture.residuals.cols())));
+}
+
 /// A row vector of the frame's values.
 cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) {
   const core::ClipInfo& info = texture.info;
@@ -63,12 +78,54 @@ cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) 
   return levels.isContinuous() ? levels : levels.clone();
 }
 
+/// v of all frames of a loop, a column each: v(t) leads to frame t + 1.
+Eigen::MatrixXd driving_circle(const LinearDynamicTexture& texture, const SynthesisOptions& options) {
+  Eigen::MatrixXd noise(texture.B.cols(), options.loop);
+  for (Eigen::Index t = 0; t < noise.cols(); ++t)
+    noise.col(t) =
+        driving(texture, core::Rng(options.seed, stream(static_cast<std::uint64_t>(t) + 1, 0, kDriving)));
+  return noise;
+}
+
+/// w(t) of some values.
+class PixelNoise {
+ public:
+  PixelNoise(const LinearDynamicTexture& texture, Eigen::Index row, Eigen::Index rows)
+      : deviations_(texture.noise.size() > 0
+                        ? texture.noise.segment(row, rows).cast<double>().array().sqrt().eval()
+                        : Eigen::ArrayXd::Constant(rows, std::sqrt(texture.r))) {}
+  void add(core::Rng rng, float* levels) const {
+    for (Eigen::Index p = 0; p < deviations_.size(); ++p)
+      levels[p] += static_cast<float>(deviations_[p] * rng.normal());
+  }
+
+ private:
+  Eigen::ArrayXd deviations_;
+};
+
 }  // namespace
+
+void SynthesisOptions::validate() const {
+  if (loop < 0 || loop > kLongestLoop)
+    throw core::InputError("SynthesisOptions.loop is " + std::to_string(loop) + ", allowed is 0 to " +
+                           std::to_string(kLongestLoop));
+  if (from_mean && first_frame)
+    throw core::InputError("SynthesisOptions.from_mean is set beside first_frame; allowed is one of them");
+  if (loop > 0 && (from_mean || first_frame))
+    throw core::InputError("SynthesisOptions.loop is " + std::to_string(loop) +
+                           ", and a loop has no first state; allowed is 0 beside first_frame or from_mean");
+}
 
 Synthesis::Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions& options)
     : texture_(texture), options_(options) {
+  options.validate();
   validate(texture);
-  if (!options.first_frame) {
+  if (options.loop > 0) {
+    circle_ = detail::loop_states(texture.A, texture.B, driving_circle(texture, options));
+    state_ = circle_.col(0);
+  } else if (options.from_mean) {
+    state_ = Eigen::VectorXd::Zero(texture.order());
+  } else if (!options.first_frame) {
     state_ = stationary_state(texture, options.seed);
   } else {
     const Eigen::Index frames = texture.states.cols(), first = *options.first_frame;
@@ -81,8 +138,14 @@ Synthesis::Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions
 }
 
 void Synthesis::step() {
-  const core::Rng rng(options_.seed, stream(++frame_, 0, kDriving));
-  state_ = texture_.A * state_ + texture_.B * normals(rng, texture_.B.cols());
+  ++frame_;
+  if (options_.loop > 0) {
+    frame_ %= static_cast<std::uint64_t>(options_.loop);
+    state_ = circle_.col(static_cast<Eigen::Index>(frame_));
+  } else {
+    const core::Rng rng(options_.seed, stream(frame_, 0, kDriving));
+    state_ = texture_.A * state_ + texture_.B * driving(texture_, rng);
+  }
 }
 
 cv::Mat Synthesis::next() {
@@ -93,42 +156,45 @@ cv::Mat Synthesis::next() {
 
 void Synthesis::render() {
   const core::ClipInfo& info = texture_.info;
-  Eigen::MatrixXf states(texture_.order(), static_cast<Eigen::Index>(kBatch));
+  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> states(
+      texture_.components(), static_cast<Eigen::Index>(kBatch));
+  std::array<std::uint8_t*, kBatch> bytes{};
+  std::array<std::uint64_t, kBatch> times{};
   states_.clear();
   ready_.clear();
   position_ = 0;
   for (std::size_t i = 0; i < kBatch; ++i) {
-    states.col(static_cast<Eigen::Index>(i)) = state_.cast<float>();
+    states.col(static_cast<Eigen::Index>(i)) = shown(texture_, state_);
     states_.push_back(state_);
     ready_.emplace_back(info.height, info.width, CV_MAKETYPE(CV_8U, info.channels));
+    bytes[i] = ready_.back().data;
+    times[i] = frame_;
     step();
   }
-  core::parallel_for(block_count(texture_), {}, [&](std::size_t block) { render_block(states, block); });
-}
-
-void Synthesis::render_block(const Eigen::MatrixXf& states, std::size_t block) {
-  const Eigen::Index row = first_row(block), rows = row_count(texture_, block);
-  Eigen::MatrixXf levels = texture_.mean.segment(row, rows).replicate(1, states.cols());
-  levels.noalias() += texture_.C.middleRows(row, rows) * states;
-  const double deviation = std::sqrt(texture_.r);
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    auto column = levels.col(static_cast<Eigen::Index>(i));
-    if (options_.pixel_noise) {
-      const std::uint64_t frame = frame_ - kBatch + i;
-      core::Rng rng(options_.seed, stream(frame, static_cast<std::uint32_t>(block), kPixels));
-      for (float& x : column) x += static_cast<float>(deviation * rng.normal());
+  const detail::Batch batch{texture_.mean.data(), texture_.C.data(), texture_.pixels(), texture_.components(),
+                            states.data()};
+  const detail::Isa isa = detail::best_isa();
+  core::parallel_for(block_count(texture_), {}, [&](std::size_t block) {
+    const Eigen::Index row = first_row(block), rows = row_count(texture_, block);
+    if (!options_.pixel_noise) return detail::draw_bytes(batch, row, rows, bytes, isa);
+    Eigen::MatrixXf levels(rows, static_cast<Eigen::Index>(kBatch));
+    std::array<float*, kBatch> columns{};
+    for (std::size_t i = 0; i < kBatch; ++i) columns[i] = levels.col(static_cast<Eigen::Index>(i)).data();
+    detail::draw_levels(batch, row, rows, columns, isa);
+    const PixelNoise noise(texture_, row, rows);
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      noise.add(core::Rng(options_.seed, stream(times[i], static_cast<std::uint32_t>(block), kPixels)),
+                columns[i]);
+      std::transform(columns[i], columns[i] + rows, bytes[i] + row, detail::byte_of);
     }
-    const cv::Mat from(1, static_cast<int>(rows), CV_32F, column.data());
-    cv::Mat to(1, static_cast<int>(rows), CV_8U, ready_[i].data + row);
-    from.convertTo(to, CV_8U);  // rounds and saturates
-  }
+  });
 }
 
 Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& levels) {
   const cv::Mat flat = flat_levels(texture, levels);
   constexpr std::size_t kParts = 16;
   const std::size_t blocks = block_count(texture);
-  std::vector<Eigen::VectorXd> parts(kParts, Eigen::VectorXd::Zero(texture.order()));
+  std::vector<Eigen::VectorXd> parts(kParts, Eigen::VectorXd::Zero(texture.components()));
   core::parallel_for(kParts, {}, [&](std::size_t part) {
     for (std::size_t b = blocks * part / kParts; b < blocks * (part + 1) / kParts; ++b) {
       const Eigen::Index row = first_row(b), rows = row_count(texture, b);
@@ -142,12 +208,12 @@ Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& leve
 }
 
 cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state) {
-  if (state.size() != texture.order())
+  if (state.size() != texture.order() && state.size() != texture.components())
     throw core::InputError("the state has " + std::to_string(state.size()) + " numbers, the texture needs " +
                            std::to_string(texture.order()));
   const core::ClipInfo& info = texture.info;
   cv::Mat levels(info.height, info.width, CV_MAKETYPE(CV_32F, info.channels));
-  const Eigen::VectorXf x = state.cast<float>();
+  const Eigen::VectorXf x = shown(texture, state);
   core::parallel_for(block_count(texture), {}, [&](std::size_t block) {
     const Eigen::Index row = first_row(block), rows = row_count(texture, block);
     Eigen::Map<Eigen::VectorXf> to(levels.ptr<float>() + row, rows);
@@ -158,7 +224,7 @@ cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::
 }
 
 cv::Mat predict(const LinearDynamicTexture& texture, const cv::Mat& levels) {
-  return draw(texture, texture.A * project(texture, levels));
+  return draw(texture, texture.A * expected_state(texture, project(texture, levels)));
 }
 
 }  // namespace emberfold::dytex

@@ -17,45 +17,57 @@ struct SynthesisOptions {
   std::uint64_t seed = 1;
   /// Where x(0) comes from: drawn from the stationary distribution, or a training frame's state, 0 … τ − 1.
   std::optional<int> first_frame;
-  bool pixel_noise = false;  ///< adds w(t), of variance r, to every value
+  bool pixel_noise = false;  ///< adds w(t) to every value
+  bool from_mean = false;    ///< x(0) = 0: the clip sets out from the mean frame. Not with first_frame
+  /// Frames after which the clip begins again, 1 … 10⁶, without a seam: frame `loop` is frame 0 to the byte,
+  /// and the step to it a step like any other. States are drawn from the model on a circle of that length
+  /// (the noise's v(0) … v(loop − 1) go round) and scaled so that their covariance is the endless clip's. 0:
+  /// never. Not with first_frame or from_mean.
+  int loop = 0;
+
+  /// InputError naming the field, its value and what is allowed.
+  void validate() const;
 };
 
-/// An endless clip drawn from a model. Frame t depends on the model, the options and t alone, whatever the
-/// number of threads. Frames are made eight at a time, O(m n) each.
+/// An endless clip drawn from a model. Frame t depends on the model, the options and t alone: not on the
+/// number of threads, nor on which vectors the processor has. Frames are made eight at a time, O(m n) each; C
+/// is read once for the eight.
 class Synthesis {
  public:
-  /// `texture` must outlive the synthesis. InputError where it is not valid or first_frame is none of it.
+  /// `texture` must outlive the synthesis. InputError where it is not valid or the options are not;
+  /// NumericalError where a loop cannot be closed.
   Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions& options);
   Synthesis(LinearDynamicTexture&&, const SynthesisOptions&) = delete;
 
   /// The next frame, its own memory: CV_8U, of the texture's size and channels, white = 255.
   cv::Mat next();
-  /// The state of the frame that next() gave last, n; of x(0) before the first.
+  /// The state of the frame that next() gave last, N; of x(0) before the first.
   [[nodiscard]] const Eigen::VectorXd& state() const { return shown_; }
 
  private:
   void step();
   void render();
-  void render_block(const Eigen::MatrixXf& states, std::size_t block);
 
   const LinearDynamicTexture& texture_;
   SynthesisOptions options_;
   std::uint64_t frame_ = 0;  // of state_
   Eigen::VectorXd state_, shown_;
+  Eigen::MatrixXd circle_;               // the states of a loop, a column each
   std::vector<Eigen::VectorXd> states_;  // of the frames in ready_
   std::vector<cv::Mat> ready_;
   std::size_t position_ = 0;
 };
 
-/// x = Cᵀ (y − mean), n: the state that shows `levels` best. `levels`: CV_32F of the texture's size and
-/// channels, white = 255, else InputError. O(m n).
+/// Cᵀ (y − mean), n: the states' first numbers that show `levels` best, for weights of 1. `levels`: CV_32F of
+/// the texture's size and channels, white = 255, else InputError. O(m n).
 Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& levels);
 
-/// y = mean + C x: CV_32F of the texture's size and channels, not clipped. `state`: n, else InputError. O(m
-/// n).
+/// y = mean + C diag(weights) x: CV_32F of the texture's size and channels, not clipped. `state`: N numbers,
+/// or the n that show; else InputError. O(m n).
 cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state);
 
-/// The best guess at the frame after `levels`: mean + C A Cᵀ (y − mean). As project() and draw().
+/// The best guess at the frame after `levels`: the projection of `levels`, the rest of the state as it is
+/// expected beside it, times A, drawn. As project(), expected_state() and draw().
 cv::Mat predict(const LinearDynamicTexture& texture, const cv::Mat& levels);
 
 }  // namespace emberfold::dytex

@@ -22,7 +22,7 @@ inline std::string write_strokes(const std::filesystem::path& path, cv::Size siz
 
 inline std::vector<std::string> joined(const std::vector<std::string>& first,
                                        const std::vector<std::string>& second,
-                                       const std::vector<std::string>& third) {
+                                       const std::vector<std::string>& third = {}) {
   std::vector<std::string> all;
   for (const auto* part : {&first, &second, &third})
     for (const auto& word : *part) all.push_back(word);

@@ -35,6 +35,7 @@ dytex::LinearDynamicTexture known_texture() {
   const double c = 0.9 * std::cos(std::numbers::pi / 6), s = 0.9 * std::sin(std::numbers::pi / 6);
   texture.A = Eigen::Matrix3d{{0.8, 0, 0}, {0, c, -s}, {0, s, c}};
   texture.B = Eigen::Matrix3d::Identity();
+  texture.weights = Eigen::VectorXd::Ones(3);
   texture.states = Eigen::MatrixXd::Ones(3, 4);
   texture.singular = Eigen::Vector4d(6, 2, 1, 0.5);
   return texture;
@@ -80,7 +81,7 @@ TEST_CASE("dytex learn writes a model and synth and info take it") {
 
   const auto info = run_command({"dytex", "info", model});
   CHECK(info.exit == 0);
-  for (const char* part : {"61 x 40", "colour", "30 frames", "5 components", "slowest modes"})
+  for (const char* part : {"61 x 40", "colour", "30 frames", "components          5", "slowest modes"})
     CHECK(contains(info.out, part));
   CHECK(Json::parse(run_command({"dytex", "info", model, "--json"}).out) == summary["texture"]);
 
@@ -132,13 +133,44 @@ TEST_CASE("dytex writes the same bytes at any number of threads") {
   }
   for (const std::string threads : {"2", "8"}) {
     for (const char* name : {"model.json", "A.npy", "B.npy", "C.npy", "mean.npy", "states.npy",
-                             "singular.npy", "components.png"}) {
+                             "singular.npy", "weights.npy", "components.png"}) {
       INFO(name);
       CHECK(bytes_of(temp / threads / name) == bytes_of(temp / "1" / name));
     }
     for (const char* name : {"frame_00000.png", "frame_00019.png"})
       CHECK(bytes_of(temp / ("s" + threads) / name) == bytes_of(temp / "s1" / name));
   }
+}
+
+TEST_CASE("what a model is learned by is asked for by words and told in the summary") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {40, 32}, 60);
+  const auto learn = [&](const std::vector<std::string>& more) {
+    const auto model = (temp / "model").string();
+    const auto learned = run_command(joined({"dytex", "learn", clip, "-o", model, "--json", "-q"}, more));
+    INFO(learned.err);
+    REQUIRE(learned.exit == 0);
+    REQUIRE(run_command({"dytex", "synth", model, "-o", (temp / "out.avi").string(), "--frames", "9", "-q"})
+                .exit == 0);
+    CHECK(run_command({"dytex", "info", model}).exit == 0);
+    return Json::parse(learned.out);
+  };
+  const Json held_out = learn({"--order", "held-out"});
+  CHECK(held_out["learning"]["held_out_errors"].size() > 10);
+  CHECK(held_out["options"]["learn"]["order"] == "held-out");
+  CHECK(learn({"--order", "auto"})["texture"] == held_out["texture"]);
+  CHECK(learn({"--order", "gavish-donoho"})["learning"]["held_out_errors"].empty());
+  const Json separate = learn({"--channels", "separate", "-n", "6"});
+  CHECK(separate["texture"]["per_channel"] == true);
+  CHECK(separate["texture"]["components"] == 6);
+  const Json lags = learn({"--lags", "2", "-n", "4"});
+  CHECK(lags["texture"]["components"] == 4);
+  CHECK(lags["texture"]["order"] == 8);
+  CHECK(learn({"--method", "n4sid", "-n", "3"})["learning"]["transition"] == "n4sid");
+  CHECK(learn({"--method", "pem", "-n", "3"})["learning"]["transition"] == "prediction_error");
+  CHECK(learn({"--noise", "resampled", "-n", "3"})["texture"]["residuals"] == 59);
+  CHECK(learn({"--stable", "soc", "-n", "3"})["options"]["learn"]["stable"] == "soc");
+  CHECK(learn({"--memory", "1", "-n", "3"})["learning"]["passes"] == 1);
 }
 
 TEST_CASE("short clips get fewer components unless more were asked for") {
@@ -168,7 +200,19 @@ TEST_CASE("what dytex cannot take is refused in one line") {
   learn({clip, "--energy", "0"}, 2, {"--energy", "0"});
   learn({clip, "--energy", "nan"}, 2, {"--energy"});
   learn({clip, "--energy", "1.5"}, 2, {"--energy", "1.5"});
+  learn({clip, "--order", "best"}, 2, {"--order", "best", "held-out"});
+  learn({clip, "--order", "auto", "-n", "3"}, 2, {"--order", "--components"});
+  learn({clip, "--order", "held-out"}, 2, {"order", "at least 10", "6"});
+  learn({clip, "--lags", "0"}, 2, {"--lags", "0", "1 to 16"});
+  learn({clip, "--lags", "2", "-n", "3"}, 2, {"lags", "at least 8 frames", "6"});
+  learn({clip, "--lags", "2", "--stable", "soc"}, 2, {"--lags", "soc"});
+  learn({clip, "--method", "pem", "-n", "2"}, 2, {"method", "at least 10 frames", "6"});
+  learn({clip, "--method", "magic"}, 2, {"--method", "magic", "n4sid"});
+  learn({clip, "--channels", "both"}, 2, {"--channels", "both"});
+  learn({clip, "--noise", "loud"}, 2, {"--noise", "loud"});
+  learn({clip, "--memory", "0"}, 2, {"--memory", "0", "1"});
   learn({one}, 1, {"one", "at least two"});
+  learn({one, "--energy", "0.9"}, 1, {"one", "at least two"});
   learn({(temp / "no.mp4").string()}, 1, {"no.mp4"});
   learn({model}, 1, {"is no clip but a linear dynamic texture"});
   check_one_line({"dytex", "learn", clip, "-o", clip, "-q"}, 1, {"clip", "other things"});

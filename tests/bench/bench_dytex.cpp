@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learning a linear dynamic texture of 320 × 240 grey, 300 frames, n = 50, and drawing frames from one; and
-// what else could do it. On as many threads as there are, the peers as they come.
+// Learning linear dynamic textures of 50 components, and drawing frames from one; and what else could do it.
+// On as many threads as there are, the peers as they come. peers_dytex.py sets numpy and scipy beside it.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/SVD>
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
 
+#include "core/parallel.hpp"
 #include "core/rng.hpp"
+#include "dytex/draw_frames.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/synthesize.hpp"
 
@@ -16,31 +21,39 @@ using namespace emberfold;
 
 namespace {
 
-constexpr int kFrames = 300, kComponents = 50;
+constexpr int kComponents = 50;
 
 /// Plane waves that travel, each at its own pace and strength, and grain.
-core::Clip make_clip(int depth) {
-  core::Clip clip{{320, 240, 1, depth, 25, depth == CV_8U ? 255.0 : 1.0, kFrames}, {}};
+core::Clip make_clip(int width, int height, int channels, int frames, int depth) {
+  constexpr Eigen::Index kWaves = 40;
+  const double white = depth == CV_8U ? 255 : 1;
+  core::Clip clip{{width, height, channels, depth, 25, white, frames}, {}};
+  const Eigen::Index m = Eigen::Index{width} * height * channels;
   core::Rng rng(1);
-  struct Wave {
-    double x, y, pace, phase, strength;
-  };
-  std::vector<Wave> waves(40);
-  for (std::size_t i = 0; i < waves.size(); ++i)
-    waves[i] = {rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), rng.uniform(0, 0.5), rng.uniform(0, 6),
-                30 / (1 + 0.2 * static_cast<double>(i))};
-  for (int t = 0; t < kFrames; ++t) {
-    cv::Mat levels(clip.info.height, clip.info.width, CV_32F, cv::Scalar(128));
-    for (Wave& wave : waves) {
-      wave.phase += wave.pace + 0.05 * rng.normal();
-      for (int y = 0; y < levels.rows; ++y)
-        for (int x = 0; x < levels.cols; ++x)
-          levels.at<float>(y, x) +=
-              static_cast<float>(wave.strength * std::sin(wave.x * x + wave.y * y + wave.phase));
+  Eigen::MatrixXf shapes(m, 2 * kWaves), courses(2 * kWaves, frames);
+  for (Eigen::Index i = 0; i < kWaves; ++i) {
+    const double across = rng.uniform(-0.3, 0.3), down = rng.uniform(-0.3, 0.3), pace = rng.uniform(0, 0.5),
+                 strength = 30 / (1 + 0.2 * static_cast<double>(i));
+    for (Eigen::Index p = 0; p < m; ++p) {
+      const Eigen::Index pixel = p / channels, channel = p % channels;
+      const double phase = across * static_cast<double>(pixel % width) +
+                           down * static_cast<double>(pixel / width) + 0.5 * static_cast<double>(channel);
+      shapes(p, 2 * i) = static_cast<float>(std::cos(phase)),
+                    shapes(p, 2 * i + 1) = static_cast<float>(std::sin(phase));
     }
-    for (float& level : cv::Mat_<float>(levels)) level += static_cast<float>(2 * rng.normal());
-    levels.convertTo(levels, depth, depth == CV_8U ? 1.0 : 1 / 255.0);
-    clip.frames.push_back(levels);
+    double phase = rng.uniform(0, 6);
+    for (Eigen::Index t = 0; t < frames; ++t) {
+      phase += pace + 0.05 * rng.normal();
+      courses(2 * i, t) = static_cast<float>(strength * std::cos(phase));
+      courses(2 * i + 1, t) = static_cast<float>(strength * std::sin(phase));
+    }
+  }
+  for (Eigen::Index t = 0; t < frames; ++t) {
+    Eigen::VectorXf levels = (shapes * courses.col(t)).array() + 128;
+    for (float& level : levels) level += static_cast<float>(rng.bits() % 16) / 2;
+    clip.frames.emplace_back();
+    cv::Mat(height, width, CV_MAKETYPE(CV_32F, channels), levels.data())
+        .convertTo(clip.frames.back(), depth, white / 255);
   }
   return clip;
 }
@@ -57,18 +70,25 @@ cv::Mat rows_of(const core::Clip& clip, bool centred) {
   return rows;
 }
 
-void learn_texture(benchmark::State& state, int depth) {
-  const core::Clip clip = make_clip(depth);
+void learn_texture(benchmark::State& state, int channels, int frames, int depth) {
+  const core::Clip clip = make_clip(320, 220, channels, frames, depth);
+  dytex::LearnOptions options;
+  options.components = kComponents;
   for (auto _ : state) {
     core::ClipSource source(clip);
-    benchmark::DoNotOptimize(dytex::learn(source, {.components = kComponents, .energy = {}}));
+    benchmark::DoNotOptimize(dytex::learn(source, options));
   }
 }
-BENCHMARK_CAPTURE(learn_texture, bytes, CV_8U)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK_CAPTURE(learn_texture, floats, CV_32F)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(learn_texture, grey_100, 1, 100, CV_8U)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(learn_texture, grey_300, 1, 300, CV_8U)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(learn_texture, colour_100, 3, 100, CV_8U)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(learn_texture, colour_300, 3, 300, CV_8U)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(learn_texture, grey_100_floats, 1, 100, CV_32F)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 void peer_eigen_svd(benchmark::State& state) {
-  const cv::Mat rows = rows_of(make_clip(CV_8U), true);
+  const cv::Mat rows = rows_of(make_clip(320, 220, 1, 100, CV_8U), true);
   const Eigen::Map<const Eigen::MatrixXf> frames(rows.ptr<float>(), rows.cols, rows.rows);
   for (auto _ : state) {
     const Eigen::BDCSVD<Eigen::MatrixXf> svd(frames, Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -78,7 +98,7 @@ void peer_eigen_svd(benchmark::State& state) {
 BENCHMARK(peer_eigen_svd)->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(1);
 
 void peer_opencv_pca(benchmark::State& state) {
-  const cv::Mat rows = rows_of(make_clip(CV_8U), false);
+  const cv::Mat rows = rows_of(make_clip(320, 220, 1, 100, CV_8U), false);
   for (auto _ : state)
     benchmark::DoNotOptimize(cv::PCA(rows, {}, cv::PCA::DATA_AS_ROW, kComponents).eigenvalues.data);
 }
@@ -95,9 +115,16 @@ dytex::LinearDynamicTexture make_texture(int width, int height, int channels) {
     c = static_cast<float>(rng.uniform(-1, 1) / std::sqrt(static_cast<double>(m) / 3));
   texture.A = 0.9 * Eigen::MatrixXd::Identity(n, n);
   texture.B = 20 * std::sqrt(static_cast<double>(m) / n) * Eigen::MatrixXd::Identity(n, n);
+  texture.weights = Eigen::VectorXd::Ones(n);
   texture.states = Eigen::MatrixXd::Zero(n, n);
   texture.singular = Eigen::VectorXd::Zero(n);
   return texture;
+}
+
+/// As read from memory once for the eight frames.
+void count_components(benchmark::State& state, const dytex::LinearDynamicTexture& texture) {
+  state.SetItemsProcessed(state.iterations() * 8);
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(sizeof(float)) * texture.C.size());
 }
 
 void synthesize(benchmark::State& state, int width, int height, int channels) {
@@ -105,14 +132,43 @@ void synthesize(benchmark::State& state, int width, int height, int channels) {
   dytex::Synthesis synthesis(texture, {});
   for (auto _ : state)
     for (int i = 0; i < 8; ++i) benchmark::DoNotOptimize(synthesis.next().data);
-  state.SetItemsProcessed(state.iterations() * 8);
+  count_components(state, texture);
 }
-BENCHMARK_CAPTURE(synthesize, grey_320x240_8_frames, 320, 240, 1)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(synthesize, colour_1280x720_8_frames, 1280, 720, 3)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+
+/// Reading the components once: what no way of drawing eight frames from them can beat.
+void read_components(benchmark::State& state, int width, int height, int channels) {
+  const dytex::LinearDynamicTexture texture = make_texture(width, height, channels);
+  constexpr Eigen::Index kBlock = 1 << 16;
+  const auto* const bits = reinterpret_cast<const std::uint32_t*>(texture.C.data());
+  for (auto _ : state)
+    core::parallel_for(static_cast<std::size_t>(texture.C.size() / kBlock), {}, [&](std::size_t block) {
+      const std::uint32_t* from = bits + static_cast<Eigen::Index>(block) * kBlock;
+      std::uint32_t sum = 0;
+      for (Eigen::Index i = 0; i < kBlock; ++i) sum += from[i];
+      benchmark::DoNotOptimize(sum);
+    });
+  count_components(state, texture);
+}
+
+/// The drawing alone, on one thread, by instruction set: baseline, AVX2, AVX-512.
+void draw_by_instructions(benchmark::State& state) {
+  const auto isa = static_cast<dytex::detail::Isa>(state.range(0));
+  if (isa > dytex::detail::best_isa()) return state.SkipWithError("this machine has no such instructions");
+  const dytex::LinearDynamicTexture texture = make_texture(320, 220, 1);
+  const Eigen::MatrixXf states = Eigen::MatrixXf::Random(8, kComponents);
+  std::vector<std::vector<std::uint8_t>> frames(8, std::vector<std::uint8_t>(320 * 220));
+  std::array<std::uint8_t*, 8> to{};
+  for (std::size_t i = 0; i < 8; ++i) to[i] = frames[i].data();
+  const dytex::detail::Batch batch{texture.mean.data(), texture.C.data(), texture.pixels(), kComponents,
+                                   states.data()};
+  for (auto _ : state) {
+    for (Eigen::Index row = 0; row < texture.pixels(); row += 1024)
+      dytex::detail::draw_bytes(batch, row, std::min<Eigen::Index>(1024, texture.pixels() - row), to, isa);
+    benchmark::ClobberMemory();
+  }
+  count_components(state, texture);
+}
+BENCHMARK(draw_by_instructions)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
 /// Frame by frame as the formula says it.
 void peer_synthesize(benchmark::State& state, int width, int height, int channels) {
@@ -129,11 +185,16 @@ void peer_synthesize(benchmark::State& state, int width, int height, int channel
     }
   state.SetItemsProcessed(state.iterations() * 8);
 }
-BENCHMARK_CAPTURE(peer_synthesize, grey_320x240_8_frames, 320, 240, 1)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(peer_synthesize, colour_1280x720_8_frames, 1280, 720, 3)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+#define EMBERFOLD_DRAWN(run)                                                                                \
+  BENCHMARK_CAPTURE(run, grey_320x220_8_frames, 320, 220, 1)->Unit(benchmark::kMillisecond)->UseRealTime(); \
+  BENCHMARK_CAPTURE(run, colour_1280x720_8_frames, 1280, 720, 3)                                            \
+      ->Unit(benchmark::kMillisecond)                                                                       \
+      ->UseRealTime();                                                                                      \
+  BENCHMARK_CAPTURE(run, colour_1920x1080_8_frames, 1920, 1080, 3)                                          \
+      ->Unit(benchmark::kMillisecond)                                                                       \
+      ->UseRealTime()
+EMBERFOLD_DRAWN(synthesize);
+EMBERFOLD_DRAWN(read_components);
+EMBERFOLD_DRAWN(peer_synthesize);
 
 }  // namespace

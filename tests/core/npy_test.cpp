@@ -2,6 +2,7 @@
 #include "core/npy.hpp"
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -81,6 +82,7 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 /// The 2 × 3 tables of make.py, row by row.
 const std::vector<std::pair<std::string, NpyArray::Data>>& tables() {
   static const std::vector<std::pair<std::string, NpyArray::Data>> all{
+      {"f2", std::vector<core::Half>{{0}, {0xbe00}, {0x4280}, {1}, {0x7bff}, {0xfc00}}},
       {"f4", std::vector<float>{0, -1.5F, 3.25F, std::numeric_limits<float>::denorm_min(),
                                 std::numeric_limits<float>::max(), -kInf}},
       {"f8",
@@ -186,6 +188,32 @@ TEST_CASE("The bits of a float survive, a NaN's too", "[core][npy]") {
   CHECK(std::bit_cast<std::uint64_t>(values[1]) == 0x8000000000000000);
 }
 
+TEST_CASE("Halves and floats turn into each other as in NumPy", "[core][npy]") {
+  for (std::uint32_t bits = 0; bits < 65536; ++bits) {
+    const core::Half half{static_cast<std::uint16_t>(bits)};
+    const int exponent = static_cast<int>(bits >> 10 & 31), fraction = static_cast<int>(bits & 1023);
+    const float value = core::to_float(half);
+    CAPTURE(bits, value);
+    if (exponent == 31 && fraction != 0) {
+      if (value == value) FAIL("a NaN became a number");
+      if (const float back = core::to_float(core::to_half(value)); back == back) FAIL("and is lost");
+      continue;
+    }
+    const float size = exponent == 31  ? kInf
+                       : exponent == 0 ? std::ldexp(static_cast<float>(fraction), -24)
+                                       : std::ldexp(static_cast<float>(1024 + fraction), exponent - 25);
+    if (value != std::copysign(size, bits < 32768 ? 1.0F : -1.0F)) FAIL("another value");
+    if (core::to_half(value) != half) FAIL("not the same half again");
+  }
+  const auto floats = std::get<std::vector<float>>(read(file_bytes("floats")).data);
+  const auto halves = std::get<std::vector<core::Half>>(read(file_bytes("floats_as_f2")).data);
+  REQUIRE(floats.size() == halves.size());
+  for (std::size_t i = 0; i < floats.size(); ++i) {
+    CAPTURE(floats[i]);
+    if (core::to_half(floats[i]) != halves[i]) FAIL("rounded to another half");
+  }
+}
+
 TEST_CASE("A header may be laid out in any way that Python reads", "[core][npy]") {
   const std::string data("\x01\x00\x00\x00\x02\x00\x00\x00", 8);
   const NpyArray expected{{2, 1}, true, std::vector<std::int32_t>{1, 2}};
@@ -243,7 +271,7 @@ TEST_CASE("A file cut at any byte is refused", "[core][npy]") {
   }
 }
 
-TEST_CASE("What is no array of the six types is refused with its cause", "[core][npy]") {
+TEST_CASE("What is no array of the seven types is refused with its cause", "[core][npy]") {
   const auto file = [](const std::string& descr, const std::string& order, const std::string& shape) {
     return with_header("{'descr': " + descr + ", 'fortran_order': " + order + ", 'shape': " + shape +
                        ", }\n");
@@ -264,7 +292,7 @@ TEST_CASE("What is no array of the six types is refused with its cause", "[core]
       {version_9, "format version 9.0 cannot be read"},
       {minor_1, "format version 1.1 cannot be read"},
       {long_header, "the header is said to have"},
-      {file_bytes("refused_f2"), "the dtype '<f2' cannot be read"},
+      {file_bytes("refused_f16"), "the dtype '<f16' cannot be read"},
       {file_bytes("refused_complex"), "the dtype '<c8'"},
       {file_bytes("refused_text"), "the dtype '<U2'"},
       {file_bytes("refused_object"), "the dtype '|O'"},

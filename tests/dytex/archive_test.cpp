@@ -56,6 +56,40 @@ TEST_CASE("A texture without components comes back too", "[dytex][archive]") {
   CHECK(test::same(dytex::linear_dynamic_texture(dytex::to_archive(texture)), texture));
 }
 
+TEST_CASE("All that a texture may have comes back from its archive", "[dytex][archive]") {
+  dytex::LinearDynamicTexture texture = learned(3, CV_8U);
+  texture.weights << 1, 0.5, -2, 0;
+  texture.noise = Eigen::VectorXf::LinSpaced(texture.pixels(), 0, 9);
+  texture.residuals = test::normals(texture.B.cols(), 19, 1);
+  texture.channels = Eigen::Vector4i(0, 2, 1, 0);
+  texture.singular = Eigen::VectorXd::LinSpaced(60, 59, 0);
+  Eigen::MatrixXd longer = Eigen::MatrixXd::Zero(8, 8);  // a second lag
+  longer.topLeftCorner(4, 4) = texture.A;
+  longer.bottomLeftCorner(4, 4).setIdentity();
+  texture.A = longer;
+  texture.B.conservativeResizeLike(Eigen::MatrixXd::Zero(8, texture.B.cols()));
+  texture.states.conservativeResizeLike(Eigen::MatrixXd::Zero(8, 20));
+  const core::ModelArchive archive = dytex::to_archive(texture);
+  CHECK(test::same(dytex::linear_dynamic_texture(archive), texture));
+  const core::ModelView view = dytex::archive_view(texture);
+  CHECK(view.text == archive.text);
+  CHECK(std::get<std::span<const float>>(view.arrays.at("C").data).data() == texture.C.data());  // no copy
+}
+
+TEST_CASE("An archive of version 1 is read, with weights of 1", "[dytex][archive]") {
+  const dytex::LinearDynamicTexture texture = learned(1, CV_8U);
+  core::ModelArchive archive = dytex::to_archive(texture);
+  archive.text =
+      R"({"format": "emberfold.linear_dynamic_texture", "version": 1, "width": 9, "height": 7, "channels": 1,
+          "fps": 25.0, "frames": 20, "depth": "u8", "white": 255.0, "components": 4, "noise_inputs": 4, "r": )" +
+      archive.text.substr(
+          archive.text.find("\"r\": ") + 5,
+          archive.text.find(",", archive.text.find("\"r\": ")) - archive.text.find("\"r\": ") - 5) +
+      "}";
+  archive.arrays.erase("weights");
+  CHECK(test::same(dytex::linear_dynamic_texture(archive), texture));
+}
+
 TEST_CASE("Arrays may lie in rows", "[dytex][archive]") {
   const dytex::LinearDynamicTexture texture = learned(1, CV_8U);
   core::ModelArchive archive = dytex::to_archive(texture);
@@ -78,8 +112,29 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
       {"model: \"format\" is \"emberfold.motion_model\", must be \"emberfold.linear_dynamic_texture\"",
        [](auto& a) { replace(a, "emberfold.linear_dynamic_texture", "emberfold.motion_model"); }},
       {"model: \"format\" must be a text", [](auto& a) { a.text = R"({"format":1})"; }},
-      {"model: version 2 is newer than 1, the newest that can be read",
-       [](auto& a) { replace(a, "\"version\": 1", "\"version\": 2"); }},
+      {"model: version 3 is newer than 2, the newest that can be read",
+       [](auto& a) { replace(a, "\"version\": 2", "\"version\": 3"); }},
+      {"model: the array weights is missing", [](auto& a) { a.arrays.erase("weights"); }},
+      {"model: the array noise is missing",
+       [](auto& a) { replace(a, "\"noise_per_value\": false", "\"noise_per_value\": true"); }},
+      {"model: \"noise_per_value\" must be true or false",
+       [](auto& a) { replace(a, "\"noise_per_value\": false", "\"noise_per_value\": 1"); }},
+      {"model: the array residuals is missing",
+       [](auto& a) { replace(a, "\"residuals\": 0", "\"residuals\": 19"); }},
+      {"model: texture: A is 3 × 3 for 4 components, must be at least 4 × 4",
+       [](auto& a) {
+         replace(a, "\"order\": 4", "\"order\": 3");
+         replace(a, "\"noise_inputs\": 4", "\"noise_inputs\": 3");
+         a.arrays["A"] = {{3, 3}, true, std::vector<double>(9)};
+         a.arrays["B"] = {{3, 3}, true, std::vector<double>(9)};
+         a.arrays["states"] = {{3, 20}, true, std::vector<double>(60)};
+       }},
+      {"model: \"component_channels\" must be a list of 4 numbers",
+       [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0])"); }},
+      {"model: \"component_channels\" is \"7\", must be a whole number from 0 to 2",
+       [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0,0,0,7])"); }},
+      {"model: texture: channels has the value 1, allowed is 0 to 0",
+       [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0,0,0,1])"); }},
       {"model: model.json has no \"width\"", [](auto& a) { replace(a, "\"width\"", "\"breadth\""); }},
       {"model: \"width\" is \"65537\", must be a whole number from 1 to 65536",
        [](auto& a) { replace(a, "\"width\": 9", "\"width\": 65537"); }},
@@ -108,7 +163,7 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
        [](auto& a) { replace(a, "\"components\": 4", "\"components\": 16777216"); }},
       {"model: the array mean is missing", [](auto& a) { a.arrays.erase("mean"); }},
       {"model: the array states is missing", [](auto& a) { a.arrays.erase("states"); }},
-      {"model: the array C must hold float32",
+      {"model: the array C must hold float32, float16 or uint8",
        [](auto& a) { a.arrays["C"].data = std::vector<double>(63 * 4); }},
       {"model: the array A must hold float64", [](auto& a) { a.arrays["A"].data = std::vector<float>(16); }},
       {"model: the array A has the shape (16,), must have (4, 4)",
@@ -157,6 +212,17 @@ TEST_CASE("A texture that is not valid is not kept", "[dytex][archive]") {
   bad = texture;
   bad.states.conservativeResize(4, 19);
   CHECK(complaint(bad) == "texture: states is 4 × 19, must be 4 × 20");
+  bad = texture;
+  bad.weights.conservativeResize(3);
+  CHECK(complaint(bad) == "texture: weights is 3 × 1, must be 4 × 1");
+  bad = texture;
+  bad.noise = Eigen::VectorXf::Constant(63, -1);
+  CHECK(complaint(bad) == "texture: noise has a negative value");
+  bad.noise = Eigen::VectorXf::Ones(62);
+  CHECK(complaint(bad) == "texture: noise is 62 × 1, must be 63 × 1");
+  bad = texture;
+  bad.residuals = Eigen::MatrixXd::Zero(3, 19);
+  CHECK(complaint(bad) == "texture: residuals is 3 × 19, must be 4 × 19");
   bad = texture;
   bad.A = Eigen::MatrixXd::Identity(4, 4);
   CHECK(complaint(bad) == "texture: A has the spectral radius 1.000000, must be below 1");

@@ -8,10 +8,12 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <opencv2/core.hpp>
 
 #include "core/clip.hpp"
 #include "core/rng.hpp"
+#include "dytex/dynamics.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
 namespace emberfold::test {
@@ -71,12 +73,32 @@ inline core::Clip wavy_clip(int width, int height, int channels, int depth, int 
   return clip_of(levels, width, height, channels, depth);
 }
 
+/// All components in one block.
+inline dytex::detail::Block block(const Eigen::VectorXd& s, const Eigen::MatrixXd& V) {
+  dytex::detail::Block result{s, V, {}};
+  for (Eigen::Index i = 0; i < s.size(); ++i) result.places.push_back(i);
+  return result;
+}
+
+/// The columns of `states` (n × τ) less their mean, as diag(s) Vᵀ up to a rotation: `turn` · states.
+struct Principal {
+  dytex::detail::Block block;
+  Eigen::MatrixXd turn;
+};
+inline Principal principal(const Eigen::MatrixXd& states) {
+  const Eigen::MatrixXd centred = states.colwise() - states.rowwise().mean();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  return {block(svd.singularValues(), svd.matrixV()), svd.matrixU().transpose()};
+}
+
 inline bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynamicTexture& b) {
   const auto equal = [](const auto& x, const auto& y) {
     return x.rows() == y.rows() && x.cols() == y.cols() && (x.array() == y.array()).all();
   };
   return a.info == b.info && a.r == b.r && equal(a.mean, b.mean) && equal(a.C, b.C) && equal(a.A, b.A) &&
-         equal(a.B, b.B) && equal(a.states, b.states) && equal(a.singular, b.singular);
+         equal(a.B, b.B) && equal(a.states, b.states) && equal(a.singular, b.singular) &&
+         equal(a.weights, b.weights) && equal(a.noise, b.noise) && equal(a.residuals, b.residuals) &&
+         equal(a.channels, b.channels);
 }
 
 /// What an exception of the given type says; empty where none is thrown.

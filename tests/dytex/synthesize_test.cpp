@@ -2,9 +2,14 @@
 #include "dytex/synthesize.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
+
+#include <Eigen/LU>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "dytex/draw_frames.hpp"
 #include "dytex/learn.hpp"
 #include "tests/catch.hpp"
 #include "tests/dytex/make.hpp"
@@ -43,6 +48,7 @@ dytex::LinearDynamicTexture small_system() {
   texture.A << 0.8, -0.4, 0.1, 0.3, 0.7, 0, 0, 0.2, 0.5;
   texture.B.resize(3, 2);
   texture.B << 3, 0, 1, 2, 0, 1;
+  texture.weights = Eigen::VectorXd::Ones(3);
   texture.states = test::normals(3, 4, 2);
   texture.singular = Eigen::Vector4d(4, 3, 2, 0);
   texture.r = 9;
@@ -204,4 +210,161 @@ TEST_CASE("A model without components shows its mean", "[dytex][synthesize]") {
   for (const cv::Mat& frame : frames(texture, {}, 10)) CHECK(equal(frame, clip.frames[0]));
   CHECK(equal(dytex::predict(texture, core::to_levels(clip.frames[0], clip.info)),
               core::to_levels(clip.frames[0], clip.info)));
+}
+
+TEST_CASE("Weights scale what components show and nothing else", "[dytex][synthesize]") {
+  dytex::LinearDynamicTexture texture = small_system();
+  const Eigen::Vector3d state(10, -20, 30);
+  texture.weights << 2, 0, -1;
+  const cv::Mat drawn = dytex::draw(texture, state);
+  texture.weights.setOnes();
+  CHECK(equal(drawn, dytex::draw(texture, Eigen::Vector3d(20, 0, -30))));
+}
+
+TEST_CASE("A longer state goes on from what is expected beside the shown one", "[dytex][synthesize]") {
+  // x(t+1) = A₁ x(t) + A₂ x(t−1) + B v(t), the state being (x(t), x(t−1)).
+  dytex::LinearDynamicTexture texture = small_system();
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, 6);
+  A.topLeftCorner(3, 3) = 0.5 * texture.A;
+  A.topRightCorner(3, 3) = -0.4 * Eigen::Matrix3d::Identity();
+  A.bottomLeftCorner(3, 3).setIdentity();
+  texture.A = A;
+  texture.B.conservativeResizeLike(Eigen::MatrixXd::Zero(6, 2));
+  texture.states = test::normals(6, 4, 2);
+  dytex::validate(texture);
+  // The regression of x(t−1) on x(t), by the sum that the stationary covariance is.
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(6, 6), power = texture.B;
+  for (int k = 0; k < 2000; ++k) {
+    covariance += power * power.transpose();
+    power = (A * power).eval();
+  }
+  const Eigen::Matrix3d regression =
+      covariance.bottomLeftCorner(3, 3) * Eigen::Matrix3d(covariance.topLeftCorner(3, 3)).inverse();
+  const Eigen::Vector3d shown(10, -20, 30);
+  const Eigen::VectorXd expected = dytex::expected_state(texture, shown);
+  CHECK(expected.head(3) == shown);
+  CHECK((expected.tail(3) - regression * shown).norm() < 1e-9 * shown.norm());
+  const cv::Mat levels = dytex::draw(texture, shown);
+  CHECK(cv::norm(dytex::predict(texture, levels), dytex::draw(texture, A * expected), cv::NORM_INF) < 1e-3);
+  dytex::Synthesis synthesis(texture, {.seed = 1, .first_frame = 2, .pixel_noise = false});
+  CHECK(synthesis.state() == texture.states.col(2));
+  synthesis.next();
+  const Eigen::VectorXd first = synthesis.state();
+  synthesis.next();
+  CHECK(synthesis.state().tail(3) == first.head(3));
+}
+
+TEST_CASE("Residuals are drawn in place of normal noise", "[dytex][synthesize]") {
+  dytex::LinearDynamicTexture texture = small_system();
+  texture.residuals = test::normals(2, 7, 9);
+  dytex::Synthesis synthesis(texture, {});
+  synthesis.next();
+  Eigen::VectorXd before = synthesis.state();
+  Eigen::VectorXi seen = Eigen::VectorXi::Zero(7);
+  for (int t = 0; t < 700; ++t) {
+    synthesis.next();
+    const Eigen::VectorXd step = synthesis.state() - texture.A * before;
+    Eigen::Index nearest = 0;
+    const double off =
+        (texture.B * texture.residuals).colwise().operator-(step).colwise().norm().minCoeff(&nearest);
+    CHECK(off < 1e-9);
+    ++seen[nearest];
+    before = synthesis.state();
+  }
+  CHECK(seen.minCoeff() > 60);
+  CHECK(seen.maxCoeff() < 145);
+}
+
+TEST_CASE("Noise may differ from value to value", "[dytex][synthesize]") {
+  dytex::LinearDynamicTexture texture = small_system();
+  texture.mean.setConstant(128);
+  texture.A.setZero();
+  texture.B.setZero();
+  texture.noise = Eigen::VectorXf::LinSpaced(15, 0, 400);
+  dytex::Synthesis synthesis(texture, {.seed = 1, .first_frame = {}, .pixel_noise = true});
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(15);
+  constexpr int kDrawn = 4000;
+  for (int t = 0; t < kDrawn; ++t) {
+    const cv::Mat frame = synthesis.next();
+    for (int p = 0; p < 15; ++p) {
+      const double off = frame.data[p] - 128.0;
+      squares[p] += off * off / kDrawn;
+    }
+  }
+  CHECK(squares[0] == 0);
+  for (int p = 1; p < 15; ++p) {
+    const double variance = static_cast<double>(texture.noise[p]) + 1 / 12.0;  // and rounding
+    CHECK(std::abs(squares[p] - variance) < 0.1 * variance);
+  }
+}
+
+TEST_CASE("Levels become bytes as they are rounded elsewhere", "[dytex][synthesize]") {
+  using dytex::detail::byte_of;
+  for (const auto& [level, byte] : {std::pair{0.5F, 0},
+                                    {1.5F, 2},
+                                    {2.5F, 2},
+                                    {-0.4F, 0},
+                                    {-3.0F, 0},
+                                    {254.5F, 254},
+                                    {254.51F, 255},
+                                    {300.0F, 255},
+                                    {1e30F, 255},
+                                    {-1e30F, 0}})
+    CHECK(int{byte_of(level)} == byte);
+  CHECK(byte_of(std::numeric_limits<float>::quiet_NaN()) == 0);
+  for (int i = -20; i < 2600; ++i)
+    CHECK(byte_of(static_cast<float>(i) / 10) == cv::saturate_cast<std::uint8_t>(static_cast<float>(i) / 10));
+}
+
+TEST_CASE("All instruction sets draw the same bits as the formula one by one", "[dytex][synthesize]") {
+  using dytex::detail::Isa;
+  for (const Eigen::Index m : {1, 15, 64, 333})
+    for (const Eigen::Index n : {0, 1, 7, 50}) {
+      const Eigen::VectorXf mean =
+          100 * test::normals(m, 1, 1).cast<float>() + Eigen::VectorXf::Constant(m, 128);
+      const Eigen::MatrixXf C = test::normals(m, n, 2).cast<float>();
+      const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> states =
+          20 * test::normals(n, 8, 3).cast<float>();
+      const dytex::detail::Batch batch{mean.data(), C.data(), m, n, states.data()};
+      const Eigen::Index first = m / 5, count = m - first;
+      for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+        if (isa > dytex::detail::best_isa()) continue;
+        Eigen::MatrixXf levels = Eigen::MatrixXf::Constant(count, 8, -1);
+        Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> bytes(m, 8);
+        bytes.setConstant(77);
+        std::array<float*, 8> to_levels{};
+        std::array<std::uint8_t*, 8> to_bytes{};
+        for (std::size_t i = 0; i < 8; ++i) {
+          to_levels[i] = levels.col(static_cast<Eigen::Index>(i)).data();
+          to_bytes[i] = bytes.col(static_cast<Eigen::Index>(i)).data();
+        }
+        dytex::detail::draw_levels(batch, first, count, to_levels, isa);
+        dytex::detail::draw_bytes(batch, first, count, to_bytes, isa);
+        int wrong = 0;
+        for (Eigen::Index f = 0; f < 8; ++f)
+          for (Eigen::Index p = 0; p < m; ++p) {
+            float level = mean[p];
+            for (Eigen::Index k = 0; k < n; ++k) {
+              const volatile float product = C(p, k) * states(k, f);
+              level += product;
+            }
+            if (p < first) {
+              wrong += bytes(p, f) != 77 ? 1 : 0;
+            } else {
+              wrong += levels(p - first, f) != level ? 1 : 0;
+              wrong += bytes(p, f) != cv::saturate_cast<std::uint8_t>(level) ? 1 : 0;
+            }
+          }
+        CHECK(wrong == 0);
+      }
+    }
+}
+
+TEST_CASE("A clip may set out from the mean", "[dytex][synthesize]") {
+  const dytex::LinearDynamicTexture texture = learned();
+  dytex::Synthesis synthesis(texture, {.seed = 1, .first_frame = {}, .from_mean = true});
+  CHECK(equal(synthesis.next(), core::to_bytes(dytex::draw(texture, Eigen::VectorXd::Zero(6)))));
+  CHECK(synthesis.state().norm() == 0);
+  synthesis.next();
+  CHECK(synthesis.state().norm() > 0);
 }

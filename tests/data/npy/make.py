@@ -5,6 +5,7 @@ import numpy as np
 
 here = pathlib.Path(__file__).resolve().parent
 values = {
+    "f2": [0, -1.5, 3.25, 5.9604644775390625e-08, 65504, -np.inf],
     "f4": [0, -1.5, 3.25, 1.401298464324817e-45, 3.4028234663852886e38, -np.inf],
     "f8": [0, -1.5, 0.1, 5e-324, 1.7976931348623157e308, -np.inf],
     "u1": [0, 1, 2, 127, 128, 255],
@@ -30,7 +31,16 @@ np.save(here / "many_axes.npy", np.array([1.5, -2.5], dtype="<f8").reshape((1,) 
 for version in ((2, 0), (3, 0)):
     with open(here / f"version_{version[0]}.npy", "wb") as file:
         np.lib.format.write_array(file, np.arange(3, dtype=">i4"), version=version)
-np.save(here / "refused_f2.npy", np.ones(2, dtype="<f2"))
+# Floats, many of them half way between two halves, and what NumPy rounds them to.
+rng = np.random.default_rng(1)
+bits = rng.integers(0, 2**32, 1024, dtype="<u4")
+near = (rng.integers(0x32800000, 0x47800000, 1024).astype("<u4") & 0xFFFFF000)  # halves and the ties between
+floats = np.concatenate([bits.view("<f4"), near.view("<f4"), -near.view("<f4")])
+floats = floats[~np.isnan(floats)]
+np.save(here / "floats.npy", floats)
+with np.errstate(over="ignore"):
+    np.save(here / "floats_as_f2.npy", floats.astype("<f2"))
+np.save(here / "refused_f16.npy", np.ones(2, dtype="<f16"))
 np.save(here / "refused_complex.npy", np.ones(2, dtype="<c8"))
 np.save(here / "refused_text.npy", np.array(["ab", "c"]))
 np.save(here / "refused_object.npy", np.array([None, 1], dtype=object))

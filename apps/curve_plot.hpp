@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace emberfold::apps {
+
+struct Curve {
+  std::string name;
+  std::vector<double> x,
+      y;                ///< of one length; points that are not finite, or ≤ 0 on a log axis, are left out
+  bool points = false;  ///< a dot at every point besides
+};
+
+struct CurvePlot {
+  std::string title, x_label, y_label;
+  std::vector<Curve> curves;
+  bool log_x = false, log_y = false;
+};
+
+/// 900 × 540, CV_8UC3: axes with round numbers, a grid, a colour for each curve and their names.
+cv::Mat draw_curves(const CurvePlot& plot);
+
+}  // namespace emberfold::apps

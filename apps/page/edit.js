@@ -1,0 +1,125 @@
+// Edits, as `emberfold dytex edit` makes them, in this order: --reverse, --speed, --intensity, --coarse, --medium,
+// --fine.
+
+const neutral = {reverse: false, speed: 1, intensity: 1, coarse: 1, medium: 1, fine: 1};
+const scaleOf = (i) => (i < 5 ? "coarse" : i < 15 ? "medium" : "fine");  // of component i, the first being 0
+
+/** The model from the page's data: forward and backward, each {A, B, residuals, groups}. */
+function readModel(data, numbers) {
+  const direction = (name) => ({
+    A: numbers[name + ".A"],
+    B: numbers[name + ".B"],
+    residuals: data[name].residuals ? numbers.residuals : null,
+    groups: data.groups.map((group, g) => ({
+      ...group,
+      turning: data[name].turning[g],
+      basis: numbers[`${name}.${g}.basis`],
+      inverse: numbers[`${name}.${g}.inverse`],
+      diagonal: numbers[`${name}.${g}.diagonal`],
+      turn: numbers[`${name}.${g}.turn`],
+    })),
+  });
+  return {
+    forward: direction("forward"),
+    backward: direction("backward"),
+    weights: numbers.weights.data,
+    states: numbers.states,
+  };
+}
+
+/** basis D inverse, D the diagonal with its turning blocks at the speed; and how many poles became 0. */
+function atSpeed(group, speed) {
+  const n = group.diagonal.rows, diagonal = copied(group.diagonal);
+  let dropped = 0;
+  for (const {first, size, phase} of group.turning) {
+    const rows = Array.from({length: size}, (_, i) => first + i);
+    const gone = Math.abs(speed) * phase > Math.PI * (1 + 1e-12), angle = (speed - 1) * phase;
+    const block = part(group.diagonal, rows, rows), turned = multiplied(block, part(group.turn, rows, rows));
+    if (gone) dropped += size;
+    for (let j = 0; j < size; ++j)
+      for (let i = 0; i < size; ++i)
+        diagonal.data[(first + j) * n + first + i] =
+          gone ? 0 : Math.cos(angle) * block.data[j * size + i] + Math.sin(angle) * turned.data[j * size + i];
+  }
+  return {A: multiplied(multiplied(group.basis, diagonal), group.inverse), dropped};
+}
+
+/** Variance of what the group shows, tr W P W; unweighted where all weights are 0. */
+function contrast(group, weights, A, B) {
+  const P = stationaryCovariance(A, B);
+  if (!P) throw new Error("these settings leave the motion without bounds");
+  let shown = 0, plain = 0;
+  for (let i = 0; i < group.shown; ++i) {
+    const variance = P.data[i * P.rows + i], weight = weights[group.states[i]];
+    shown += variance * weight * weight;
+    plain += variance;
+  }
+  return shown > 0 ? shown : plain;
+}
+
+function changeSpeed(result, direction, weights, speed) {
+  const {A, B} = result, n = A.rows;
+  for (const group of direction.groups) {
+    const {states} = group, before = part(direction.A, states, states), noise = part(direction.B, states);
+    const {A: after, dropped} = atSpeed(group, speed);
+    group.contrast ??= contrast(group, weights, before, noise);
+    const now = contrast(group, weights, after, noise);
+    const factor = now > 0 ? Math.sqrt(group.contrast / now) : 1;
+    result.dropped += dropped;
+    states.forEach((j, q) => states.forEach((i, p) => { A.data[j * n + i] = after.data[q * states.length + p]; }));
+    for (let k = 0; k < B.cols; ++k) for (const i of states) B.data[k * n + i] *= factor;
+  }
+}
+
+/** {A, B, weights, residuals, dropped} of the model with the settings. */
+function edited(model, settings) {
+  const direction = settings.reverse ? model.backward : model.forward;
+  const result = {
+    A: copied(direction.A), B: copied(direction.B), weights: model.weights.slice(),
+    residuals: direction.residuals, dropped: 0,
+  };
+  if (settings.speed !== 1) changeSpeed(result, direction, model.weights, settings.speed);
+  const strength = Math.sqrt(settings.intensity);
+  for (let i = 0; i < result.B.data.length; ++i) result.B.data[i] *= strength;
+  for (const group of direction.groups)
+    for (let i = 0; i < group.shown; ++i) result.weights[group.states[i]] *= settings[scaleOf(i)];
+  return result;
+}
+
+/** x(0), drawn from the stationary distribution. */
+function firstState(edit, seed) {
+  const {vectors, values} = symmetricEigen(stationaryCovariance(edit.A, edit.B));
+  const noise = frameStream(seed, 0, purposes.first).normals(edit.A.rows);
+  const state = new Float64Array(edit.A.rows);
+  addProduct(state, vectors, noise.map((v, i) => v * Math.sqrt(Math.max(values[i], 0))));
+  return state;
+}
+
+/** x(t) from x(t - 1); t: its frame. */
+function nextState(edit, state, seed, frame) {
+  const rng = frameStream(seed, frame, purposes.driving), next = new Float64Array(state.length);
+  let noise;
+  if (edit.residuals) {
+    const k = edit.residuals.rows, at = rng.below(edit.residuals.cols);
+    noise = edit.residuals.data.subarray(at * k, (at + 1) * k);
+  } else {
+    noise = rng.normals(edit.B.cols);
+  }
+  addProduct(next, edit.A, state);
+  addProduct(next, edit.B, noise);
+  return next;
+}
+
+const shellWord = (text) => (/^[\w\-./:=,+@%]+$/.test(text) ? text : "'" + text.replace(/'/g, "'\\''") + "'");
+
+/** What makes the same clip on the command line, from the first frame on. */
+function commandFor(modelName, settings, seed) {
+  const words = [];
+  if (settings.reverse) words.push("--reverse");
+  for (const name of ["speed", "intensity", "coarse", "medium", "fine"])
+    if (settings[name] !== 1) words.push(`--${name} ${settings[name]}`);
+  const to = modelName.replace(/\/+$/, "") + "_edited";
+  const synth = (from) => `emberfold dytex synth ${shellWord(from)} -o clip.mp4 --seed ${seed}`;
+  if (words.length === 0) return synth(modelName);
+  return `emberfold dytex edit ${shellWord(modelName)} -o ${shellWord(to)} ${words.join(" ")} && \\\n` + synth(to);
+}

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+// The files of apps/page/, put into the program when it is built (cmake/embed_files.cmake).
+namespace emberfold::apps {
+extern const std::string_view kPageTemplate, kPageStyle, kPageScript;
+}  // namespace emberfold::apps

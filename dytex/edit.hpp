@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "dytex/linear_dynamic_texture.hpp"
+
+/// Editing a linear dynamic texture (Doretto, Soatto, "Editable dynamic textures", 2002 and CVPR 2003). An
+/// edit is a value; a list of edits is applied in its order, each to what the ones before it left.
+namespace emberfold::dytex {
+
+/// Scales the phases of A's pairs of poles by `factor` (2003, eq. 4); their moduli, and real poles, stay. A
+/// pair whose phase would pass π becomes 0, as the paper has it: its part of the state is then white noise.
+/// −1 conjugates the eigenvectors, the paper's way back in time (eq. 5), which keeps the spectrum but not the
+/// correlations: Reverse does.
+struct Speed {
+  double factor = 1;  ///< Ω, −3 … 3
+};
+
+/// Time runs `factor` times as fast: A becomes its power, so that lifetimes scale as phases do; a negative
+/// real pole keeps its sign, its modulus takes the power. A whole factor shows every factor-th frame, and as
+/// there a phase beyond π wraps around. The noise becomes P − A' P A'ᵀ, which leaves the stationary
+/// covariance P as it is; where that is not positive (not every sampled process has a finer one) its negative
+/// part is cut.
+struct Flow {
+  double factor = 1;  ///< 0.01 … 100
+};
+
+/// Exactly backwards: A becomes P Aᵀ P⁻¹ with the noise P − A' P A'ᵀ, P the stationary covariance, which
+/// stays; the covariance over k frames becomes its transpose. Twice gives A and Q back.
+struct Reverse {};
+
+/// Q becomes α Q (2003, eq. 6), and with it the stationary covariance P exactly α P: √α times the amplitude.
+struct Intensity {
+  double factor = 1;  ///< α, 0 … 3
+};
+
+/// The same for each eigenvalue of Q, from the largest on; those that are not named stay.
+struct Directions {
+  std::vector<double> factors;  ///< 0 … 3 each, at most N
+};
+
+/// Weights times these (2003, eq. 3) in the paper's three groups: components 1 to 5, 6 to 15 and from 16 on;
+/// of a model per channel, each channel's.
+struct Scales {
+  double coarse = 1, medium = 1, fine = 1;  ///< 0 … 10; the paper's go to 2
+};
+
+/// Weights times these, component by component; those that are not named stay.
+struct Weights {
+  std::vector<double> factors;  ///< 0 … 10 each, at most n
+};
+
+struct Edit {
+  std::variant<Speed, Flow, Reverse, Intensity, Directions, Scales, Weights> what;
+  /// Only this channel's components, where the model has some for each (0 … 2: blue, green, red); with a
+  /// model of all channels an InputError.
+  std::optional<int> channel = {};
+  /// Speed and Flow: Q is rescaled so that the variance of what is shown, tr W P W, stays. Of a model per
+  /// channel each channel's does. Without, B is left as it is.
+  bool keep_contrast = true;
+};
+
+/// InputError naming what, its value and what is allowed.
+void validate(const Edit& edit);
+
+struct EditResult {
+  LinearDynamicTexture texture;
+  int dropped = 0;                 ///< poles that Speed or Flow made 0
+  std::vector<std::string> notes;  ///< a line for all that could not be had as it was asked for
+};
+
+/// Applies the edits in their order. Mean, C, r, noise, states and singular stay as they are; every A' is
+/// stable. A factor of 1 changes no bit. Poles too close to be told apart (nearly defective A) are turned
+/// together, by their mean phase. The residuals stay unless the noise got more inputs, which a note tells.
+/// InputError for edits that validate() refuses, lists that are too long, or a channel that the model has
+/// not; NumericalError where a decomposition fails. O(N⁴) at worst, in practice O(N³); C is not touched.
+EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits);
+
+/// Edits by the name of a picture in the paper's figures (2003, Fig. 2; 2002, Figs. 2 to 4): turbulent, hazy,
+/// patchy (smoke), rough-sea, lake, rain (ocean), spray, frothy, spurty (fountain). Which sliders go up or
+/// down is the paper's where its text says so; the numbers are ours, as the paper prints none. InputError,
+/// with all names, for another name.
+std::vector<Edit> preset(std::string_view name);
+
+struct PresetInfo {
+  std::string_view name, about;
+};
+std::span<const PresetInfo> presets();
+
+}  // namespace emberfold::dytex

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "dytex/linear_dynamic_texture.hpp"
+
+namespace emberfold::dytex::detail {
+
+/// What the frames of two textures have in common: the Gram matrices of [C_p 0, C_q 0, mean_p − mean_q], a
+/// column for each number of the states and one for the means.
+struct PairGram {
+  Eigen::Index p = 0, q = 0;  ///< orders of the two
+  Eigen::MatrixXd bare;       ///< (p + q + 1)², of C as it is
+  Eigen::MatrixXd shown;      ///< of C diag(weights), which is what frames show
+
+  /// That of the pair (q, p).
+  [[nodiscard]] PairGram swapped() const;
+};
+inline auto block_pp(const PairGram& pair, const Eigen::MatrixXd& gram) {
+  return gram.topLeftCorner(pair.p, pair.p);
+}
+inline auto block_pq(const PairGram& pair, const Eigen::MatrixXd& gram) {
+  return gram.block(0, pair.p, pair.p, pair.q);
+}
+inline auto block_qq(const PairGram& pair, const Eigen::MatrixXd& gram) {
+  return gram.block(pair.p, pair.p, pair.q, pair.q);
+}
+
+/// InputError unless both have frames of the same size and channels.
+void check_pair(const LinearDynamicTexture& p, const LinearDynamicTexture& q);
+
+/// Sums over a frame's values, each with its factor ≥ 0 (1 where `factors` is empty), in double, in an order
+/// of their own whatever the number of threads. O(m (n_p + n_q)²).
+PairGram pair_gram(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
+                   const Eigen::VectorXd& factors = {});
+
+/// Whether the variance w has is above 0 in all of the frame's values.
+bool has_noise(const LinearDynamicTexture& texture);
+
+/// dytex::kl_rate with the products already at hand, those without factors.
+double kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture& q, const PairGram& gram);
+
+/// X = F X G + W by doubling. NumericalError where the sum does not come to an end.
+Eigen::MatrixXd doubled_sum(Eigen::MatrixXd F, Eigen::MatrixXd G, Eigen::MatrixXd W);
+
+}  // namespace emberfold::dytex::detail
