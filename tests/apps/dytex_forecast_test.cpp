@@ -180,7 +180,7 @@ TEST_CASE("what forecast and curve and EM cannot take is refused in one line") {
   refused({"forecast", model, clip, "--after", "0"}, 2, {"--after is 0"});
   refused({"forecast", model, other}, 1, {"other.avi", "40x30", "48x36"});
   refused({"forecast", clip}, 1, {"is a clip, not a model"});
-  refused({"curve", clip}, 2, {"--components is 20", "30 frames", "allowed is"});
+  refused({"curve", clip, "-n", "21"}, 2, {"--components is 21", "30 frames", "allowed is 1 to 20"});
   refused({"curve", clip, "--lengths", "1"}, 2, {"--lengths is 1"});
   refused({"curve", model}, 1, {"is no clip"});
   refused({"learn", clip, "--em", "--em-iterations", "0"}, 2, {"--em-iterations is 0"});

@@ -253,7 +253,7 @@ TEST_CASE("a damaged model is refused by the name of what is damaged") {
   refused("model.json",
           [](auto& text) {
             const auto at = text.find("\"version\"");
-            text.replace(text.find('1', at), 1, "99");
+            text.replace(text.find_first_of("0123456789", at), 1, "99");
           },
           {model.string(), "version", "99"});
   refused("A.npy", [](auto& text) { text.resize(text.size() - 8); }, {"A.npy"});
