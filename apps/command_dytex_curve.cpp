@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <iomanip>
 #include <memory>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -63,10 +65,13 @@ void run_curve(const Curving& asked, Session& session) {
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
   session.check_stop();
   output.commit();
-  session.console.say((curve.critical
-                           ? "critical length " + std::to_string(*curve.critical) + " frames"
-                           : std::string("the error has not come to rest: the clip is too short to tell")) +
-                      "; the next frame is foretold to " + number_text(curve.plateau) + " levels at length");
+  std::ostringstream said;
+  if (curve.critical)
+    said << "critical length " << *curve.critical << " frames";
+  else
+    said << "the error has not come to rest: the clip is too short to tell";
+  said << std::setprecision(3) << "; the next frame is foretold to " << curve.plateau << " levels at length";
+  session.console.say(said.str());
   if (session.common.json) session.print(json_text(summary));
 }
 
