@@ -256,6 +256,10 @@ window.emberfold = (() => {
     step: () => page.step(),
     restart: (seed) => page.restart(seed === undefined ? undefined : BigInt(seed)),
     /** Red, green, blue, 255 of every pixel of "source" or "result". */
-    pixels: (name = "result") => page.player.screens[name].getImageData(0, 0, data.width, data.height).data,
+    pixels: (name = "result") => {  // by way of a canvas made to be read, so that the screens stay fast
+      const copy = new OffscreenCanvas(data.width, data.height).getContext("2d", {willReadFrequently: true});
+      copy.drawImage(page.player.screens[name].canvas, 0, 0);
+      return copy.getImageData(0, 0, data.width, data.height).data;
+    },
   };
 })();

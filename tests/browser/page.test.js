@@ -46,7 +46,7 @@ function difference(page, frames, name = "result") {
       const image = new Image();
       image.src = frame;
       await image.decode();
-      const canvas = new OffscreenCanvas(image.width, image.height), context = canvas.getContext("2d");
+      const canvas = new OffscreenCanvas(image.width, image.height), context = canvas.getContext("2d", {willReadFrequently: true});
       context.drawImage(image, 0, 0);
       const theirs = context.getImageData(0, 0, image.width, image.height).data, ours = emberfold.pixels(name);
       for (let i = 0; i < ours.length; ++i) most = Math.max(most, Math.abs(ours[i] - theirs[i]));
@@ -70,7 +70,7 @@ before(async () => {
   const small = ["--scale", "0.2", "--range", "0:40"];
   models.colour = learn("colour", "builtin:fire", "-n", "18", ...small);
   models.grey = learn("grey", "builtin:river", "--grey", "-n", "8", "--lags", "2", ...small);
-  models.each = learn("each", "builtin:fire", "-n", "6", "--channels", "each", "--noise", "resampled", ...small);
+  models.each = learn("each", "builtin:fire", "-n", "6", "--channels", "separate", "--noise", "resampled", ...small);
   models.still = learn("still model's", stillClip("clip", 24, 20, 4, 90), "-n", "3");
 });
 after(async () => {
