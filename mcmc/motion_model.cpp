@@ -145,6 +145,13 @@ void validate(const MotionModel& model) {
     check(exemplar.graph, "an exemplar");
   }
   check(model.first, "the first frame");
+  check(model.first_swing.empty() || model.first_swing.size() == model.first.size(), "first_swing",
+        "tells of " + std::to_string(model.first_swing.size()) + " patches, the first frame has " +
+            std::to_string(model.first.size()));
+  for (const auto& s : model.first_swing)
+    for (const double value :
+         {s.offset.x, s.offset.y, s.offset_before.x, s.offset_before.y, s.gain, s.gain_before})
+      check(std::isfinite(value), "first_swing", "holds a number that is not finite");
 }
 
 }  // namespace emberfold::mcmc

@@ -17,8 +17,6 @@ using graph::EventType;
 using graph::Point;
 using Index = std::uint32_t;
 
-constexpr double few = 0.8;            // of the usual patches: fewer are made up for ...
-constexpr double refilled = 0.02;      // ... by this share in a frame
 constexpr double crowd_reach = 2;      // cells
 constexpr double spacing = 5;          // px between the patches of a bridge
 constexpr double astray = 4;           // px, SD: how far from where it was seen an exemplar is born
@@ -199,17 +197,22 @@ CellMap crowding(const graph::AttributeGraph& graph, const CellMap& usual) {
 }
 
 // How likely each exemplar is to be born: by its size, and where it was seen by the birth map, over how many
-// strokes were seen there.
+// were seen around there.
 std::vector<double> birth_weights(const Scene& scene) {
   const auto& model = scene.model;
-  double mean = 0;
-  for (const double value : model.density.values)
-    mean += value / static_cast<double>(model.density.values.size());
+  std::array<double, kSizes> counts{};
+  for (const auto& exemplar : model.exemplars) ++counts[size_class(exemplar.graph.size())];
+  CellMap seen = model.density;
+  std::ranges::fill(seen.values, 0.0);
+  for (const auto& exemplar : model.exemplars) {
+    const auto size = size_class(exemplar.graph.size());
+    seen.values[seen.index(exemplar.place)] += model.rates.birth_by_size[size] / counts[size];
+  }
+  seen.values = spread(seen, 1);
   std::vector<double> weights;
   std::array<double, kSizes> sums{};
   for (const auto& exemplar : model.exemplars) {
-    weights.push_back((model.rates.birth.at(exemplar.place) + 1e-12) /
-                      (model.density.at(exemplar.place) + 0.1 * mean + 1e-12));
+    weights.push_back((model.rates.birth.at(exemplar.place) + 1e-12) / (seen.at(exemplar.place) + 1e-9));
     sums[size_class(exemplar.graph.size())] += weights.back();
   }
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -278,15 +281,8 @@ void give_birth(Scene& scene, std::uint64_t seed) {
     usual += model.density.values[c];
     crowded += model.density.values[c] * scene.crowd.values[c];
   }
-  // Fewer than usual are there: more are born, and where much is missing even if no birth was ever seen.
+  // Fewer than usual are there: more are born.
   if (crowded > 0) births *= usual * usual / (crowded * crowded);
-  if (crowded < few * usual) {
-    double patches = 0;
-    for (const auto& exemplar : model.exemplars) patches += static_cast<double>(exemplar.graph.size());
-    const double strokes_missing =
-        (few * usual - crowded) / patches * static_cast<double>(model.exemplars.size());
-    births += refilled * strokes_missing;
-  }
   if (births <= 0) return;
   const auto weights = birth_weights(scene);
   for (int left = poisson(births, scene.rng); left > 0; --left) {

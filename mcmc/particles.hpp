@@ -46,6 +46,10 @@ graph::AttributeGraph shape(const Particles& particles);
 /// The same as it is drawn: contrasts by gain, and by age and leaving.
 graph::AttributeGraph appearance(const Particles& particles, const MotionModel& model);
 
+/// The patch with `factor` times its contrast: a line's core comes nearer to its sides, a step's sides to
+/// each other.
+void scale_contrast(graph::Patch& patch, double factor);
+
 /// What random numbers are drawn for.
 enum class Purpose : std::uint32_t { start = 1, motion, operators };  // below 8
 
