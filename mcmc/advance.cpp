@@ -35,6 +35,7 @@ int carry(Particles& particles, const MotionModel& model) {
       Particle& particle = particles.list[v];
       gone[v] = out || particle.leaving == 0;
       if (particle.leaving > 0) --particle.leaving;
+      if (particle.held > 0) --particle.held;
       ++particle.age;
       particle.rest.position = particle.rest.position + step;
     }

@@ -262,7 +262,8 @@ core::ModelArchive to_archive(const MotionModel& model) {
                        {"disconnect", rates.disconnect},
                        {"reach", rates.reach},
                        {"split_gap", rates.split_gap},
-                       {"disconnect_gap", rates.disconnect_gap}}},
+                       {"disconnect_gap", rates.disconnect_gap},
+                       {"hold", rates.hold}}},
                      {"appearing", model.appearing},
                      {"vanishing", model.vanishing}};
   core::ModelArchive archive;
@@ -316,6 +317,7 @@ MotionModel motion_model(const core::ModelArchive& archive) {
   model.rates.reach = number(rates, "reach");
   model.rates.split_gap = number(rates, "split_gap");
   model.rates.disconnect_gap = number(rates, "disconnect_gap");
+  if (rates.contains("hold")) model.rates.hold = number(rates, "hold");  // older models do not have it
   model.appearing = numbers<8>(json, "appearing");
   model.vanishing = numbers<8>(json, "vanishing");
   const double cell = number(json, "cell");

@@ -135,6 +135,22 @@ std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
   return result;
 }
 
+double shortest_life(std::span<const graph::Event> events) {
+  std::map<graph::SubgraphId, int> begun;
+  for (const auto& event : events)
+    if (event.type == graph::EventType::birth) begun[event.after.at(0)] = event.frame;
+  std::vector<int> lives;
+  for (const auto& event : events) {
+    if (event.type != graph::EventType::death) continue;
+    if (const auto found = begun.find(event.before.at(0)); found != begun.end())
+      lives.push_back(event.frame - found->second);
+  }
+  if (lives.size() < 5) return 0;
+  const auto at = lives.begin() + static_cast<std::ptrdiff_t>(lives.size() / 10);
+  std::ranges::nth_element(lives, at);
+  return std::min(8.0, static_cast<double>(*at));
+}
+
 std::array<double, kSizes> born_sizes(const graph::MotionGraph& motion,
                                       std::span<const graph::Event> events) {
   // Of each stroke how large it is in its frames, in order.

@@ -39,6 +39,10 @@ std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
                                        const std::vector<std::vector<Deviation>>& deviation,
                                        std::size_t most);
 
+/// Nine in ten strokes that were born and died lived for so many frames, at most 8, or more; 0 where fewer
+/// than five did. A matcher that takes out what is there for a frame or two leaves its trace here.
+double shortest_life(std::span<const graph::Event> events);
+
 /// How many strokes of each size were born, as large as they were half way through their lives.
 std::array<double, kSizes> born_sizes(const graph::MotionGraph& motion, std::span<const graph::Event> events);
 

@@ -57,6 +57,7 @@ struct OperatorRates {
   double disconnect = 0;  ///< per arm of a junction, or corner
   double reach = 24;      ///< px: strokes farther apart neither merge nor connect
   double split_gap = 10, disconnect_gap = 10;  ///< px: from end to end where a stroke came apart
+  double hold = 0;  ///< frames: so long nothing happens again where something has just happened
   bool operator==(const OperatorRates&) const = default;
 };
 

@@ -44,6 +44,12 @@ struct Scene {
   [[nodiscard]] double parting(Index vertex) const {
     return model.rates.parting.at(graph.patch(vertex).position);
   }
+  [[nodiscard]] bool held(Index vertex) const { return particles.list[vertex].held > 0; }
+  // Nothing happens there for a while, once what fades is gone.
+  void hold(Index vertex, int fades = 0) {
+    auto& left = particles.list[vertex].held;
+    left = std::max(left, fades + static_cast<int>(std::lround(model.rates.hold)));
+  }
   void take(Index vertex) { busy[parts.of_vertex[vertex]] = true; }
   void count(graph::EventType type) { ++done[static_cast<std::size_t>(type)]; }
   void fade(Index vertex) { particles.list[vertex].leaving = fading(); }
@@ -66,6 +72,7 @@ void die(Scene& scene) {
     // The frames in which it fades are part of its life. What is smaller than any stroke that was seen is
     // none.
     const double sooner = rate / std::max(0.05, 1 - rate * scene.fading());
+    if (std::ranges::any_of(all[s], [&](Index v) { return scene.held(v); })) continue;
     if (!scene.strike(all[s][0], all[s].size() < least ? 1 : sooner)) continue;
     scene.take(all[s][0]);
     scene.count(EventType::death);
@@ -96,7 +103,10 @@ Run run(const graph::AttributeGraph& graph, Index behind, Index from, std::size_
 void open_gap(Scene& scene, const Run& arm, std::size_t wide) {
   const std::size_t kept = arm.free ? kPiece - 1 : 0, there = arm.patches.size();
   const std::size_t most = there > kept ? there - kept : 1;
-  for (std::size_t i = 0; i < std::min({wide, most, there}); ++i) scene.fade(arm.patches[i]);
+  const std::size_t gone = std::min({wide, most, there});
+  for (std::size_t i = 0; i < gone; ++i) scene.fade(arm.patches[i]);
+  for (std::size_t i = gone; i < std::min(there, gone + kPiece); ++i)
+    scene.hold(arm.patches[i], scene.fading());
 }
 
 std::size_t patches_of(double gap) {
@@ -106,11 +116,12 @@ std::size_t patches_of(double gap) {
 void split(Scene& scene, const Sites& found) {
   const auto wide = patches_of(scene.model.rates.split_gap);
   for (const Index v : found.inner) {
-    if (!scene.strike(v, scene.model.rates.split * scene.parting(v))) continue;
+    if (scene.held(v) || !scene.strike(v, scene.model.rates.split * scene.parting(v))) continue;
     scene.take(v);
     scene.count(EventType::split);
     scene.fade(v);
     const auto sides = scene.graph.neighbours(v);
+    for (const Index side : sides) scene.hold(side, scene.fading());
     if (wide > 1) open_gap(scene, run(scene.graph, v, sides[1], wide / 2 + kPiece), wide / 2);
     if (wide > 2) open_gap(scene, run(scene.graph, v, sides[0], wide / 2 + kPiece), (wide - 1) / 2);
   }
@@ -119,8 +130,10 @@ void split(Scene& scene, const Sites& found) {
 void come_apart(Scene& scene, const Sites& found) {
   const auto wide = patches_of(scene.model.rates.disconnect_gap);
   for (const auto& [hub, first] : found.arms) {
+    if (scene.held(hub) || scene.held(first)) continue;
     if (!scene.strike(hub, scene.model.rates.disconnect * scene.parting(hub))) continue;
     scene.take(hub);
+    scene.hold(hub, scene.fading());
     scene.count(EventType::disconnect);
     const Run arm = run(scene.graph, hub, first, 2 * wide + kPiece);
     // A bridge goes as a whole where it is not much longer than usual; one without patches takes its far end.
@@ -166,14 +179,18 @@ void bridge(Scene& scene, Index a, Index b) {
   Index last = a;
   for (int i = 1; i <= patches; ++i) {
     const Index next = p.add(between(from, to, i / (patches + 1.0)));
+    scene.hold(next);
     p.edges.emplace_back(last, next);
     last = next;
   }
   p.edges.emplace_back(last, b);
+  scene.hold(a);
+  scene.hold(b);
 }
 
 void unite(Scene& scene, const std::vector<Sites::Pair>& pairs, double rate, EventType type) {
   for (const auto& [a, b] : pairs) {
+    if (scene.held(a) || scene.held(b)) continue;
     if (!scene.bring(a, rate) || scene.busy[scene.parts.of_vertex[b]]) continue;
     scene.take(a);
     scene.take(b);
@@ -288,7 +305,9 @@ void give_birth(Scene& scene, std::uint64_t seed) {
   for (int left = poisson(births, scene.rng); left > 0; --left) {
     const Cradle cradle = find_cradle(scene, weights);
     scene.count(EventType::birth);
+    const auto first = static_cast<Index>(scene.particles.list.size());
     add_settled(scene.particles, cradle.exemplar->graph, cradle.place, 0, model, seed);
+    for (Index v = first; v < scene.particles.list.size(); ++v) scene.hold(v);
   }
 }
 

@@ -19,6 +19,7 @@ struct Particle {
   double gain = 0, gain_before = 0;    ///< logarithm of its contrast over that at rest
   int age = 0;                         ///< frames since it appeared
   int leaving = -1;                    ///< frames until it goes; −1: it stays
+  int held = 0;                        ///< frames until something may happen to it again
 
   [[nodiscard]] graph::Point position() const { return rest.position + offset * share; }
 };
