@@ -106,7 +106,7 @@ def apart(source, other, gaps):
     return float(np.sqrt(np.mean(np.square(logs))))
 
 
-def synthesized(binary, clip, out, frames, learn):
+def synthesized(binary, clip, out, frames, learn, with_texture):
     stem = clip.stem
     model, ours = out / f"{stem}.learned", out / f"{stem}.new.avi"
     if not (model / "summary.json").exists():
@@ -114,6 +114,8 @@ def synthesized(binary, clip, out, frames, learn):
     if not ours.exists():
         run(binary, "synth", model / "model", "-o", ours, "--frames", frames, "--start", "stationary", "-q")
     texture, theirs = out / f"{stem}.dytex", out / f"{stem}.dytex.avi"
+    if not with_texture:
+        return ours, None
     if not texture.exists():
         run(binary, "dytex", "learn", clip, "-o", texture, "-q")
     if not theirs.exists():
@@ -134,7 +136,8 @@ def main():
     inside = rows_in_all = nearer = 0
     for spec in asked.clips:
         clip = prepare(spec, asked.out)
-        ours, theirs = synthesized(asked.emberfold, clip, asked.out, asked.frames, [] if asked.sampled else ["--bottom-up"])
+        learn = [] if asked.sampled else ["--bottom-up"]
+        ours, theirs = synthesized(asked.emberfold, clip, asked.out, asked.frames, learn, not asked.no_dytex)
         source, gaps = figures(analysed(asked.emberfold, clip, asked.out / f"{clip.stem}.source"))
         new, _ = figures(analysed(asked.emberfold, ours, asked.out / f"{clip.stem}.new"))
         linear = None
