@@ -15,7 +15,8 @@ namespace {
 
 using graph::EventType;
 
-constexpr int rounds = 40, last_rounds = 20;  // the means of the last ones are what notes are made of
+constexpr int rounds = 30, last_rounds = 15;  // the means of the last ones are what notes are made of
+constexpr int looks = 20, first_looks = 5;    // at what a model shows; the first are not counted
 constexpr double usual_spread = 2;            // cells, as density is learned
 
 void multiply(MotionModel& model, EventType type, double factor) {
@@ -71,13 +72,14 @@ Census measure(const MotionModel& model, std::uint64_t seed, const core::Context
   const int frames = frames_a_round(model, rounds);
   auto particles = begin(model, seed);
   Census mean;
-  for (int round = 0; round < rounds && !context.cancelled(); ++round) {
+  constexpr int counted = looks - first_looks;
+  for (int round = 0; round < looks && !context.cancelled(); ++round) {
     const auto first = static_cast<std::uint32_t>(1 + round * frames);
     const Census one = simulate(particles, model, seed, first, frames);
-    if (round < rounds - last_rounds) continue;
-    mean.patches += one.patches / last_rounds;
-    for (std::size_t s = 0; s < kSizes; ++s) mean.strokes[s] += one.strokes[s] / last_rounds;
-    for (std::size_t i = 0; i < mean.events.size(); ++i) mean.events[i] += one.events[i] / last_rounds;
+    if (round < first_looks) continue;
+    mean.patches += one.patches / counted;
+    for (std::size_t s = 0; s < kSizes; ++s) mean.strokes[s] += one.strokes[s] / counted;
+    for (std::size_t i = 0; i < mean.events.size(); ++i) mean.events[i] += one.events[i] / counted;
   }
   return mean;
 }

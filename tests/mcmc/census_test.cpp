@@ -96,6 +96,7 @@ TEST_CASE("A clip begins as it was seen or as it usually is", "[synthesis]") {
     model.rates.birth_by_size = {0, 1, 0, 0, 0, 0, 0};
     for (double& value : model.rates.birth.values) value = 0.5 / (320 * 240);
     mcmc::Synthesis other(model, 1, mcmc::Start::stationary);
-    for (const auto& vertex : other.next().vertices()) CHECK(vertex.patch.position.x > 200);
+    const auto graph = other.next();
+    for (const auto& vertex : graph.vertices()) CHECK(vertex.patch.position.x > 200);
   }
 }
