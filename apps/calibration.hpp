@@ -15,7 +15,7 @@
 namespace emberfold::apps {
 
 struct CalibrateOptions {
-  int calibrate = 3;  ///< 0…20 rounds; 0: rates stay as they were learned from the graphs
+  int calibrate = 0;  ///< 0…20 rounds; 0: rates stay as they were learned from the graphs
 
   void validate() const;
 };
