@@ -101,7 +101,20 @@ void swap_maps(MotionModel& model) {
   if (level > 0) rates.death = begins;
 }
 
-void turn_back(MotionModel& model, std::uint64_t seed, const core::Context& context) {
+// Unions need strokes that lie near each other: not as many can be had as came apart, in any model.
+void note_unmet(const Census& wanted, EditedMotion& result, std::uint64_t seed,
+                const core::Context& context) {
+  const Census seen = detail::measure(result.model, seed, context);
+  for (std::size_t i = 0; i < wanted.events.size(); ++i)
+    if (std::abs(seen.events[i] - wanted.events[i]) > 0.25 * wanted.events[i] + 0.05)
+      result.notes.push_back("backwards " + std::to_string(seen.events[i]) + " " +
+                             std::string(graph::name(static_cast<EventType>(i))) +
+                             " events a frame could be had, " + std::to_string(wanted.events[i]) +
+                             " were wanted");
+}
+
+void turn_back(EditedMotion& result, std::uint64_t seed, const core::Context& context) {
+  MotionModel& model = result.model;
   Census shown = detail::measure(model, seed, context);
   auto& rates = model.rates;
   const auto born = births_by_size(model);
@@ -135,6 +148,7 @@ void turn_back(MotionModel& model, std::uint64_t seed, const core::Context& cont
     std::swap(swing.gain, swing.gain_before);
   }
   balance(model, shown, seed, context);
+  note_unmet(shown, result, seed, context);
 }
 
 // --- a choice of strokes
@@ -314,7 +328,7 @@ EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::
   edit.validate();
   EditedMotion result{model, {}, core::Status::done};
   if (edit.speed != 1) speed_up(result.model, edit.speed, seed, context);
-  if (edit.reverse) turn_back(result.model, seed, context);
+  if (edit.reverse) turn_back(result, seed, context);
   result.model.sway.noise *= edit.intensity;
   result.model.contrast.noise *= edit.flicker;
   const bool same_rates = std::ranges::all_of(edit.rates, [](double rate) { return rate == 1; });

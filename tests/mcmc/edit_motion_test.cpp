@@ -21,7 +21,7 @@ using mcmc::MotionEdit;
 namespace {
 
 // Some thirty strokes that come, go, fall into pieces and grow together.
-mcmc::MotionModel make_lively() {
+mcmc::MotionModel make_lively(double split, double merge, double connect, double disconnect) {
   auto model = made::empty_model();
   for (int i = 0; i < 24; ++i) {
     const graph::Point place{30 + 52.0 * (i % 6), 30 + 58.0 * (i / 6)};
@@ -30,8 +30,8 @@ mcmc::MotionModel make_lively() {
   model.rates.birth_by_size = {0, 0.5, 0.5, 0, 0, 0, 0};
   for (double& value : model.rates.birth.values) value = 0.8 / (320 * 240);
   model.rates.death_by_size.fill(0.04);
-  model.rates.split = 0.015, model.rates.merge = 0.2, model.rates.connect = 0.03;
-  model.rates.disconnect = 0.08;
+  model.rates.split = split, model.rates.merge = merge, model.rates.connect = connect;
+  model.rates.disconnect = disconnect;
   model.sway = {1.4, -0.5, 0.05, 0.3, 20, 0};
   model.contrast = {0.8, 0.1, 0, 0.03, 20, 0};
   for (double& value : model.density.values) value = 0.6;
@@ -42,7 +42,7 @@ mcmc::MotionModel make_lively() {
   return mcmc::edit_motion(model, edit).model;
 }
 mcmc::MotionModel lively() {
-  static const mcmc::MotionModel model = make_lively();
+  static const mcmc::MotionModel model = make_lively(0.015, 0.2, 0.03, 0.08);
   return model;
 }
 
@@ -167,7 +167,7 @@ TEST_CASE("Events happen as often as an edit asks for", "[edit_motion][slow]") {
 }
 
 TEST_CASE("Faster and backwards, everything happens as often as that says", "[edit_motion][slow]") {
-  auto model = lively();
+  auto model = make_lively(0.002, 0.02, 0.01, 0.004);
   for (double& value : model.drift_x.values) value = 0.2;
   const auto before = seen(model);
   MotionEdit edit;
