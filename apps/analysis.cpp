@@ -159,6 +159,35 @@ void infer_motion(const StartSketches& sketches, const AnalyzeOptions& options, 
                        [](const auto& e) { return e.probability >= 0.5; });
 }
 
+Json census_json(const mcmc::Census& census) {
+  Json events = Json::object();
+  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
+  for (const auto type : all_event_types())
+    events[std::string(graph::name(type))] = rounded(census.events[static_cast<std::size_t>(type)]);
+  double strokes = 0;
+  for (const double count : census.strokes) strokes += count;
+  return {{"patches", rounded(census.patches)}, {"strokes", rounded(strokes)}, {"events", events}};
+}
+
+/// Corrects the model's rates by what is seen in clips drawn from it; tells, a frame, what the clip itself
+/// shows to the bottom-up analysis, and what they did in each round.
+Json calibrate_model(const StartSketches& sketches, const Ground& ground, const AnalyzeOptions& options,
+                     Analysis& made, const Session& session) {
+  if (options.calibrate.calibrate == 0) return nullptr;
+  made.stages.begin("calibrate");
+  std::optional<graph::MatchResult> matched;
+  if (!options.bottom_up)
+    matched = graph::match(sketches.clip.sketch, options.match, session.context.with_progress({}));
+  const auto& motion = matched ? matched->motion : made.motion;
+  const auto source = mcmc::census(motion, graph::stroke_events(motion));
+  const ReadingAndDrawing how{options.sketch, options.match, options.fill, ground};
+  Json rounds = Json::array();
+  for (const auto& seen :
+       calibrate(made.fitted, source, how, options.calibrate, session.common.seed, session.context))
+    rounds.push_back(census_json(seen));
+  return {{"source", census_json(source)}, {"rounds", rounds}};
+}
+
 }  // namespace
 
 Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, OutputFolder& output,
@@ -178,7 +207,9 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   infer_motion(sketches, options, made, session);
   const auto& motion = made.motion;
   const auto& events = made.events;
-  write_fitted(made.fitted, still_ground(sketches.clip.grounds), output, session);
+  const Ground ground = still_ground(sketches.clip.grounds);
+  Json calibration = calibrate_model(sketches, ground, options, made, session);
+  write_fitted(made.fitted, ground, output, session);
   stages.begin("write");
   write_data(output, motion, events, made.all_events);
 
@@ -194,15 +225,17 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
 
   Json& summary = made.summary = begin_summary("analyze", session);
   summary["clip"] = clip_json(made.clip, source->info(), static_cast<int>(motion.sketch.frames.size()));
-  summary["options"] = {{"reading", reading_json(options.read)}, {"sketch", options_json(options.sketch)},
-                        {"match", options_json(options.match)},  {"starts", options_json(options.starts)},
-                        {"infer", options_json(options.infer)},  {"bottom_up", options.bottom_up},
-                        {"fill", options_json(options.fill)}};
+  summary["options"] = {
+      {"reading", reading_json(options.read)},        {"sketch", options_json(options.sketch)},
+      {"match", options_json(options.match)},         {"starts", options_json(options.starts)},
+      {"infer", options_json(options.infer)},         {"bottom_up", options.bottom_up},
+      {"calibrate", options_json(options.calibrate)}, {"fill", options_json(options.fill)}};
   Json per_frame = per_frame_json(motion, events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(events, motion.sketch.frames.size());
   summary["model"] = motion_model_figures(made.fitted.model);
+  summary["calibration"] = std::move(calibration);
   if (truth) {
     const graph::ScoreOptions tolerance;
     summary["score"] = score_json(graph::score_events(*truth, events, tolerance));

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/calibration.hpp"
 #include "apps/clip_reader.hpp"
 #include "apps/command.hpp"
 #include "apps/output_folder.hpp"
@@ -29,6 +30,7 @@ struct AnalyzeOptions {
   sketch::FillOptions fill;
   StartOptions starts;
   mcmc::InferOptions infer;
+  CalibrateOptions calibrate;
   bool bottom_up = false;    ///< no sampler: the match as it is, each event of probability 1
   bool keep_sketch = false;  ///< in the analysis: sketches as extracted, and grounds
   bool reconstruction =

@@ -25,6 +25,7 @@ void run_analyze(const Analyze& asked, Session& session) {
   check_options(options.starts);
   check_options(options.infer);
   check_options(options.fill);
+  check_options(options.calibrate);
   OutputFolder output(asked.output);
   auto analysis = analyze_clip(asked.reading.clip, options, output, session);
   finish_analysis(analysis, output, session);
@@ -55,6 +56,7 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
                     "No sampler: the match as it is, every event of probability 1");
   add_fields(*command, asked->options.starts, "Sampling");
   add_fields(*command, asked->options.infer, "Sampling");
+  add_fields(*command, asked->options.calibrate, "The model");
   add_fields(*command, asked->options.fill, "Filling");
   add_common(*command, chosen.common, "Print the content of summary.json");
   command->callback(

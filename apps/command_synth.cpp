@@ -8,6 +8,7 @@
 #include "apps/command_line.hpp"
 #include "apps/draw.hpp"
 #include "apps/draw_model.hpp"
+#include "apps/edit_options.hpp"
 #include "apps/files.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/model_folder.hpp"
@@ -28,6 +29,7 @@ struct Synth {
   std::string model, output, overlay, motion, fill_name = "diffusion";
   int frames = 300;
   sketch::FillOptions fill;
+  EditOptions edit;
 };
 
 struct OpenedModel {
@@ -57,13 +59,14 @@ void check(Synth& asked) {
   if (asked.frames < 1 || asked.frames > 1'000'000)
     throw Misuse("--frames is " + std::to_string(asked.frames) + ", must be in 1…1000000");
   check_options(asked.fill);
+  check(asked.edit);
 }
 
 /// The graphs with their links, where somebody asks for them.
 std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::MotionModel& model,
                                               const Session& session) {
   if (asked.motion.empty() && asked.overlay.empty()) return std::nullopt;
-  auto made = mcmc::synthesize(model, asked.frames, session.common.seed, session.context);
+  auto made = mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.edit.start());
   if (made.status == core::Status::cancelled) throw Interrupted{};
   return std::move(made.motion);
 }
@@ -81,14 +84,16 @@ SynthesisFigures write_clips(const Synth& asked, const mcmc::MotionModel& model,
   std::unique_ptr<ClipWriter> overlay;
   auto info = core::ClipInfo{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}};
   auto figures = draw_model(
-      model, asked.frames, session.common.seed, look, session.context, [&](int t, const cv::Mat& frame) {
+      model, asked.frames, session.common.seed, look, session.context,
+      [&](int t, const cv::Mat& frame) {
         clip->write(frame);
         if (asked.overlay.empty()) return;
         const cv::Mat shown = draw_overlay(to_colour_bytes(frame, info),
                                            motion->sketch.frames[static_cast<std::size_t>(t)], t, events);
         if (!overlay) overlay = create_output(asked.overlay, shown.size(), model.fps, true);
         overlay->write(shown);
-      });
+      },
+      asked.edit.start());
   session.check_stop();
   if (overlay) overlay->finish();
   if (motion_file) motion_file->finish();
@@ -104,6 +109,7 @@ Json summarise(const Synth& asked, const mcmc::MotionModel& model, const FrameLo
   const core::ClipInfo info{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}};
   summary["clip"] = clip_json(asked.output, info, asked.frames);
   summary["options"] = {{"synth", {{"frames", asked.frames}, {"fill", asked.fill_name}}},
+                        {"edit", edit_json(asked.edit)},
                         {"fill", options_json(asked.fill)}};
   summary["synthesis"] = figures.json();
   summary["files"] = {{asked.output, "the new clip"}};
@@ -118,6 +124,8 @@ void run_synth(Synth asked, Session& session) {
   Stages stages;
   stages.begin("read");
   auto [model, ground] = open_model(asked.model);
+  stages.begin("edit");
+  model = edited(std::move(model), asked.edit, session);
   stages.begin("synthesize");
   const auto look = model_look(model, std::move(ground), asked.fill);
   const auto figures = write_clips(asked, model, look, session);
@@ -157,6 +165,7 @@ void add_synthesis(CLI::App& app, Chosen& chosen) {
   command->add_option("--overlay", asked->overlay, "Write the clip under its graph too, with its events")
       ->type_name("OUT");
   add_fields(*command, asked->fill, "Filling");
+  add_edit_options(*command, asked->edit);
   add_common(*command, chosen.common, "Print what was drawn as JSON");
   command->callback(
       [asked, &chosen] { chosen.run = [asked](Session& session) { run_synth(*asked, session); }; });

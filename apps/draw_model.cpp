@@ -57,9 +57,9 @@ Json SynthesisFigures::json() const {
 
 SynthesisFigures draw_model(const mcmc::MotionModel& model, int frames, std::uint64_t seed,
                             const FrameLook& look, const core::Context& context,
-                            const std::function<void(int, const cv::Mat&)>& take) {
+                            const std::function<void(int, const cv::Mat&)>& take, mcmc::Start start) {
   SynthesisFigures figures;
-  mcmc::Synthesis synthesis(model, seed);
+  mcmc::Synthesis synthesis(model, seed, start);
   draw_frames(
       frames, look, "synthesize", context,
       [&](int) {

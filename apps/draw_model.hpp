@@ -13,6 +13,7 @@
 #include "apps/draw_graph_frames.hpp"
 #include "core/context.hpp"
 #include "mcmc/motion_model.hpp"
+#include "mcmc/synthesize.hpp"
 
 namespace emberfold::apps {
 
@@ -31,6 +32,7 @@ struct SynthesisFigures {
 /// Interrupted.
 SynthesisFigures draw_model(const mcmc::MotionModel& model, int frames, std::uint64_t seed,
                             const FrameLook& look, const core::Context& context,
-                            const std::function<void(int, const cv::Mat&)>& take);
+                            const std::function<void(int, const cv::Mat&)>& take,
+                            mcmc::Start start = mcmc::Start::data);
 
 }  // namespace emberfold::apps

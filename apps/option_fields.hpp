@@ -4,6 +4,7 @@
 #include <concepts>
 #include <type_traits>
 
+#include "apps/calibration.hpp"
 #include "apps/clip_reader.hpp"
 #include "apps/starts.hpp"
 #include "dytex/learn.hpp"
@@ -56,6 +57,13 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("chains", o.chains, "N",
         "From how many readings of the clip, forwards, backwards and in noise, it is sampled");
   visit("perturb", o.perturb, "LEVELS", "SD of the noise that some of them read it in");
+}
+
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, CalibrateOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("calibrate", o.calibrate, "ROUNDS",
+        "Draw from the model, analyse that, correct its rates, so many times; 0: not at all");
 }
 
 template <class Options, class Visit>

@@ -219,6 +219,10 @@ void read_exemplars(const core::ModelArchive& archive, MotionModel& model) {
   GraphTables first{"first_patches", "first_edges", rows_of<double>(archive, "first_patches", kPatchColumns),
                     rows_of<std::int64_t>(archive, "first_edges", 2)};
   model.first = first.take(first.patches.size() / kPatchColumns, first.edges.size() / 2);
+  if (!archive.arrays.contains("first_swing")) return;  // older models do not have it
+  const auto& swing = rows_of<double>(archive, "first_swing", 6, model.first.size());
+  for (const double* s = swing.data(); s != swing.data() + swing.size(); s += 6)
+    model.first_swing.push_back({{s[0], s[1]}, {s[2], s[3]}, s[4], s[5]});
 }
 
 nlohmann::json header(const core::ModelArchive& archive) {
@@ -258,7 +262,8 @@ core::ModelArchive to_archive(const MotionModel& model) {
                        {"disconnect", rates.disconnect},
                        {"reach", rates.reach},
                        {"split_gap", rates.split_gap},
-                       {"disconnect_gap", rates.disconnect_gap}}},
+                       {"disconnect_gap", rates.disconnect_gap},
+                       {"hold", rates.hold}}},
                      {"appearing", model.appearing},
                      {"vanishing", model.vanishing}};
   core::ModelArchive archive;
@@ -284,6 +289,12 @@ core::ModelArchive to_archive(const MotionModel& model) {
   archive.arrays["exemplar_places"] = table(std::move(places), 3);
   archive.arrays["first_patches"] = table(std::move(first), kPatchColumns);
   archive.arrays["first_edges"] = pairs(std::move(first_edges));
+  if (model.first_swing.empty()) return archive;
+  std::vector<double> swing;
+  for (const auto& s : model.first_swing)
+    swing.insert(swing.end(),
+                 {s.offset.x, s.offset.y, s.offset_before.x, s.offset_before.y, s.gain, s.gain_before});
+  archive.arrays["first_swing"] = table(std::move(swing), 6);
   return archive;
 }
 
@@ -306,6 +317,7 @@ MotionModel motion_model(const core::ModelArchive& archive) {
   model.rates.reach = number(rates, "reach");
   model.rates.split_gap = number(rates, "split_gap");
   model.rates.disconnect_gap = number(rates, "disconnect_gap");
+  if (rates.contains("hold")) model.rates.hold = number(rates, "hold");  // older models do not have it
   model.appearing = numbers<8>(json, "appearing");
   model.vanishing = numbers<8>(json, "vanishing");
   const double cell = number(json, "cell");

@@ -7,19 +7,23 @@
 #include <vector>
 
 #include "core/context.hpp"
+#include "mcmc/census.hpp"
 #include "mcmc/motion_model.hpp"
-#include "mcmc/rates.hpp"
 
 namespace emberfold::mcmc {
 
-/// Makes a synthesized clip hold as many strokes of each size as the learned one: a short clip's births and
-/// deaths need not agree, and sizes that nobody saw being born must be. `births`: how many of each size were
-/// born in the clip; birth_by_size and the birth map's height are set, by simulating and correcting
-/// (stochastic approximation of the counts' means), merges and connects likewise; deaths, splits and
-/// disconnects are made rarer where they would happen more often than they were seen. Returns a note where
-/// births had to be changed by more than half.
-std::vector<std::string> balance(MotionModel& model, const std::array<double, kSizes>& births,
-                                 const OperatorCounts& counts, std::uint64_t seed,
-                                 const core::Context& context);
+/// Births a frame, of each size.
+std::array<double, kSizes> births_by_size(const MotionModel& model);
+
+/// Sets them; the birth map keeps its shape. `otherwise`: shares where there are none.
+void set_births(MotionModel& model, const std::array<double, kSizes>& births,
+                const std::array<double, kSizes>& otherwise);
+
+/// Makes a clip drawn from the model show what is wanted: a clip is simulated on and on while the births of
+/// each size are corrected by how many strokes of that size there are and how many patches in all, and the
+/// other rates by how often their events happen (stochastic approximation of means; the events' frequencies
+/// are reconciled first). Rates begin where the model has them; one of 0 stays. Some thousand simulated
+/// frames; stops where it is when cancelled.
+void balance(MotionModel& model, Census wanted, std::uint64_t seed, const core::Context& context);
 
 }  // namespace emberfold::mcmc

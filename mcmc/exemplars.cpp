@@ -2,9 +2,11 @@
 #include "mcmc/exemplars.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
+#include "mcmc/particles.hpp"
 #include "mcmc/rates.hpp"
 
 namespace emberfold::mcmc {
@@ -17,6 +19,7 @@ using Index = std::uint32_t;
 
 constexpr double far_away = 1000;   // px, from a stroke that is alone
 constexpr std::size_t enough = 12;  // exemplars of a size
+constexpr double most_gain = 1;     // of the logarithm of the contrast: beyond it a lineage has gone astray
 
 // A stroke of a frame, by the index of one of its vertices' component.
 struct Seen {
@@ -47,29 +50,59 @@ Exemplar exemplar(const AttributeGraph& rest, const std::vector<Index>& indices)
 
 }  // namespace
 
-std::vector<std::vector<Point>> displacements(const graph::MotionGraph& motion,
-                                              const std::vector<detail::Lineage>& all, const Series& travel) {
+std::vector<std::vector<Deviation>> deviations(const graph::MotionGraph& motion,
+                                               const std::vector<detail::Lineage>& all,
+                                               const Series& travel) {
   const auto& frames = motion.sketch.frames;
-  std::vector<std::vector<detail::Told>> told(frames.size());
+  std::vector<std::vector<detail::Told>> moved(frames.size()), shone(frames.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / double(travel[i].size());
-    for (std::size_t k = 0; k < all[i].samples.size(); ++k) {
-      const auto& sample = all[i].samples[k];
-      told[static_cast<std::size_t>(all[i].first) + k].push_back(
-          {sample.vertex, sample.normal * (travel[i][k] - mean)});
+    const auto& samples = all[i].samples;
+    const double length = double(samples.size());
+    const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / length;
+    double contrast = 0;
+    for (const auto& sample : samples) contrast += sample.contrast / length;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      const auto t = static_cast<std::size_t>(all[i].first) + k;
+      moved[t].push_back({samples[k].vertex, samples[k].normal * (travel[i][k] - mean)});
+      shone[t].push_back({samples[k].vertex, {samples[k].contrast - contrast, 0}});
     }
   }
-  std::vector<std::vector<Point>> result;
-  for (std::size_t t = 0; t < frames.size(); ++t) result.push_back(detail::on_patches(frames[t], told[t]));
+  std::vector<std::vector<Deviation>> result;
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    const auto offsets = detail::on_patches(frames[t], moved[t]);
+    const auto gains = detail::on_patches(frames[t], shone[t]);
+    result.emplace_back();
+    for (std::size_t v = 0; v < offsets.size(); ++v)
+      result.back().push_back({offsets[v], std::clamp(gains[v].x, -most_gain, most_gain)});
+  }
   return result;
 }
 
-AttributeGraph at_rest(const AttributeGraph& graph, std::span<const Point> displacement) {
+std::vector<Swing> swings(const graph::MotionGraph& motion, const std::vector<std::vector<Deviation>>& all,
+                          std::size_t frame, const CellMap& sway_share) {
+  const auto &now = motion.sketch.frames[frame], &before = motion.sketch.frames[frame - 1];
+  std::vector<Swing> result;
+  for (Index v = 0; v < now.size(); ++v) {
+    const Deviation& d = all[frame][v];
+    const double share = 1 / std::max(sway_share.at(now.patch(v).position - d.offset), 0.1);
+    result.push_back({d.offset * share, d.offset * share, d.gain, d.gain});
+  }
+  for (const auto& link : motion.links[frame]) {
+    const auto v = now.index_of(link.after), u = before.index_of(link.before);
+    const Deviation& d = all[frame - 1][u];
+    const double share = 1 / std::max(sway_share.at(now.patch(v).position - all[frame][v].offset), 0.1);
+    result[v].offset_before = d.offset * share, result[v].gain_before = d.gain;
+  }
+  return result;
+}
+
+AttributeGraph at_rest(const AttributeGraph& graph, std::span<const Deviation> deviation) {
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
   for (Index v = 0; v < graph.size(); ++v) {
     vertices.push_back({{v}, {}, graph.patch(v)});
-    vertices[v].patch.position = graph.patch(v).position - displacement[v];
+    vertices[v].patch.position = graph.patch(v).position - deviation[v].offset;
+    detail::scale_contrast(vertices[v].patch, std::exp(-deviation[v].gain));
     vertices[v].patch.cost = vertices[v].patch.gain = 0;  // they are the frame's, not the stroke's
     for (const Index w : graph.neighbours(v))
       if (v < w) edges.push_back({{v}, {w}});
@@ -78,7 +111,7 @@ AttributeGraph at_rest(const AttributeGraph& graph, std::span<const Point> displ
 }
 
 std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
-                                       const std::vector<std::vector<Point>>& displacement,
+                                       const std::vector<std::vector<Deviation>>& deviation,
                                        std::size_t most) {
   const auto& frames = motion.sketch.frames;
   std::array<std::vector<Seen>, kSizes> seen;
@@ -95,11 +128,27 @@ std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
     const std::size_t wanted = std::min(of_size.size(), std::max(share, enough));
     for (std::size_t i = 0; i < wanted; ++i) {
       const Seen one = of_size[i * of_size.size() / wanted];
-      const auto rest = at_rest(frames[one.frame], displacement[one.frame]);
+      const auto rest = at_rest(frames[one.frame], deviation[one.frame]);
       result.push_back(exemplar(rest, strokes(graph::components(rest))[one.part]));
     }
   }
   return result;
+}
+
+double shortest_life(std::span<const graph::Event> events) {
+  std::map<graph::SubgraphId, int> begun;
+  for (const auto& event : events)
+    if (event.type == graph::EventType::birth) begun[event.after.at(0)] = event.frame;
+  std::vector<int> lives;
+  for (const auto& event : events) {
+    if (event.type != graph::EventType::death) continue;
+    if (const auto found = begun.find(event.before.at(0)); found != begun.end())
+      lives.push_back(event.frame - found->second);
+  }
+  if (lives.size() < 5) return 0;
+  const auto at = lives.begin() + static_cast<std::ptrdiff_t>(lives.size() / 10);
+  std::ranges::nth_element(lives, at);
+  return std::min(8.0, static_cast<double>(*at));
 }
 
 std::array<double, kSizes> born_sizes(const graph::MotionGraph& motion,

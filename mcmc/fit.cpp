@@ -21,6 +21,7 @@ namespace {
 constexpr std::size_t shortest = 12;  // frames: shorter lineages tell no rest
 constexpr double few = 5;             // samples in a cell
 constexpr std::size_t most_exemplars = 300;
+constexpr double renewal = 1e-3;  // of a stroke in a frame, to begin with
 
 using Lineages = std::vector<detail::Lineage>;
 
@@ -77,14 +78,15 @@ std::array<double, 8> way_in(std::span<const Followed> samples, int frames, bool
   return shares;
 }
 
-// The frame whose number of patches is nearest the mean.
+// The frame, but not the first, whose number of patches is nearest the mean.
 std::size_t usual_frame(const graph::MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   double mean = 0;
   for (const auto& graph : frames) mean += static_cast<double>(graph.size());
   mean /= static_cast<double>(frames.size());
-  const auto found = std::ranges::min_element(
-      frames, {}, [&](const auto& graph) { return std::abs(static_cast<double>(graph.size()) - mean); });
+  const auto found = std::ranges::min_element(frames.begin() + 1, frames.end(), {}, [&](const auto& graph) {
+    return std::abs(static_cast<double>(graph.size()) - mean);
+  });
   return static_cast<std::size_t>(found - frames.begin());
 }
 
@@ -179,6 +181,35 @@ std::vector<Followed> learn_motion(std::span<const graph::MotionGraph> samples, 
   return followed;
 }
 
+double sum(const CellMap& map) {
+  return std::accumulate(map.values.begin(), map.values.end(), 0.0);
+}
+
+// `born`: how many of each size were born in the clip.
+std::vector<std::string> balance_births(FitResult& result, std::array<double, kSizes> born,
+                                        std::uint64_t seed, const core::Context& context) {
+  MotionModel& model = result.model;
+  const Census& wanted = result.shown;
+  const double seen = std::accumulate(born.begin(), born.end(), 0.0) / result.counts.gaps;
+  const auto moves = [](double speed) { return speed != 0; };
+  const bool leaves =
+      std::ranges::any_of(model.drift_x.values, moves) || std::ranges::any_of(model.drift_y.values, moves);
+  std::array<bool, kSizes> known{};
+  for (const auto& exemplar : model.exemplars) known[size_class(exemplar.graph.size())] = true;
+  for (std::size_t s = 0; s < kSizes; ++s) {
+    // Of a size nobody saw being born, as many as die; and some where strokes leave the frame.
+    const double needed = wanted.strokes[s] * std::max(model.rates.death_by_size[s], leaves ? renewal : 0);
+    born[s] = known[s] ? std::max(born[s] / result.counts.gaps, needed) : 0;
+  }
+  set_births(model, born, wanted.strokes);
+  balance(model, wanted, seed, context);
+  const auto births = births_by_size(model);
+  const double ratio = seen > 0 ? std::accumulate(births.begin(), births.end(), 0.0) / seen : 1;
+  if (ratio >= 0.5 && ratio <= 1.5) return {};
+  return {"births are drawn " + std::to_string(ratio) +
+          " times as often as they were seen, so that the number of strokes stays"};
+}
+
 }  // namespace
 
 FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& options,
@@ -196,25 +227,30 @@ FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& opt
   context.report("fit", 0.3);
   std::vector<OperatorCounts> counts;
   std::array<double, kSizes> born{};
+  double hold = 8;
   for (const auto& motion : samples) {
     const auto events = graph::stroke_events(motion);
     counts.push_back(count_operators(motion, events));
+    hold = std::min(hold, shortest_life(events));
     const auto sizes = born_sizes(motion, events);
     for (std::size_t s = 0; s < kSizes; ++s) born[s] += sizes[s] / static_cast<double>(samples.size());
   }
   result.counts = mean(counts);
   auto rates = estimate_rates(result.counts);
   model.rates = std::move(rates.rates);
+  model.rates.hold = hold;
   result.a_frame = rates.a_frame, result.death_by_size = rates.death_by_size;
   append(result.notes, rates.notes);
-  const auto displacement = displacements(last, followed.back().lineages, followed.back().travel);
-  model.exemplars = sample_exemplars(last, displacement, most_exemplars);
+  const auto deviation = deviations(last, followed.back().lineages, followed.back().travel);
+  model.exemplars = sample_exemplars(last, deviation, most_exemplars);
   model.density = usual_density(samples);
   const auto usual = usual_frame(last);
-  model.first = at_rest(last.sketch.frames[usual], displacement[usual]);
+  model.first = at_rest(last.sketch.frames[usual], deviation[usual]);
+  model.first_swing = swings(last, deviation, usual, model.sway_share);
+  result.shown = census(result.counts, sum(model.density));
 
   context.report("fit", 0.5);
-  if (options.balance) append(result.notes, balance(model, born, result.counts, options.seed, context));
+  if (options.balance) append(result.notes, balance_births(result, born, options.seed, context));
   if (context.cancelled()) result.status = core::Status::cancelled;
   return result;
 }

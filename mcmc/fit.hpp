@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/context.hpp"
+#include "mcmc/census.hpp"
 #include "graph/motion_graph.hpp"
 #include "mcmc/motion_model.hpp"
 #include "mcmc/rates.hpp"
@@ -22,6 +23,7 @@ struct FitOptions {
 struct FitResult {
   MotionModel model;
   OperatorCounts counts;                             ///< what the rates were learned from
+  Census shown;                                      ///< what the clip shows, which the rates are balanced to
   std::array<RateInterval, 6> a_frame{};             ///< RateEstimate::a_frame: before balance
   std::array<RateInterval, kSizes> death_by_size{};  ///< likewise
   std::vector<std::string>

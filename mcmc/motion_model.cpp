@@ -135,6 +135,8 @@ void validate(const MotionModel& model) {
   check_share(model.rates.disconnect, "the disconnect rate");
   for (const double length : {model.rates.reach, model.rates.split_gap, model.rates.disconnect_gap})
     check(length >= 0 && length <= 1000, "a gap", "is " + shown(length) + " px; allowed is 0…1000");
+  check(model.rates.hold >= 0 && model.rates.hold <= 1000, "hold",
+        "is " + shown(model.rates.hold) + " frames; allowed is 0…1000");
   for (const double share : model.appearing) check_share(share, "appearing");
   for (const double share : model.vanishing) check_share(share, "vanishing");
   for (const auto& exemplar : model.exemplars) {
@@ -145,6 +147,13 @@ void validate(const MotionModel& model) {
     check(exemplar.graph, "an exemplar");
   }
   check(model.first, "the first frame");
+  check(model.first_swing.empty() || model.first_swing.size() == model.first.size(), "first_swing",
+        "tells of " + std::to_string(model.first_swing.size()) + " patches, the first frame has " +
+            std::to_string(model.first.size()));
+  for (const auto& s : model.first_swing)
+    for (const double value :
+         {s.offset.x, s.offset.y, s.offset_before.x, s.offset_before.y, s.gain, s.gain_before})
+      check(std::isfinite(value), "first_swing", "holds a number that is not finite");
 }
 
 }  // namespace emberfold::mcmc

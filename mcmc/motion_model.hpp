@@ -57,6 +57,7 @@ struct OperatorRates {
   double disconnect = 0;  ///< per arm of a junction, or corner
   double reach = 24;      ///< px: strokes farther apart neither merge nor connect
   double split_gap = 10, disconnect_gap = 10;  ///< px: from end to end where a stroke came apart
+  double hold = 0;  ///< frames: so long nothing happens again where something has just happened
   bool operator==(const OperatorRates&) const = default;
 };
 
@@ -66,6 +67,13 @@ struct Exemplar {
   graph::Point place;    ///< where it was seen, px
   double clearance = 0;  ///< px: how far the nearest other stroke was
   bool operator==(const Exemplar&) const = default;
+};
+
+/// How a patch of the first frame moved as it was seen: what an auto-regression of two frames goes on from.
+struct Swing {
+  graph::Point offset, offset_before;  ///< px from rest where the sway is usual (sway_share), and a frame ago
+  double gain = 0, gain_before = 0;    ///< logarithm of its contrast over that at rest, likewise
+  bool operator==(const Swing&) const = default;
 };
 
 /// Θ of a clip: how its strokes move (θ_int), how often they change (θ_ext), and what they look like.
@@ -84,6 +92,7 @@ struct MotionModel {
       vanishing{};                  ///< share of the contrast, so many frames after birth or before death
   std::vector<Exemplar> exemplars;  ///< strokes to be born
   graph::AttributeGraph first;      ///< rest shapes of one frame's strokes, to begin with
+  std::vector<Swing> first_swing;   ///< of each of its patches; empty: not known
 
   bool operator==(const MotionModel&) const = default;
 };

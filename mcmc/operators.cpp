@@ -17,8 +17,6 @@ using graph::EventType;
 using graph::Point;
 using Index = std::uint32_t;
 
-constexpr double few = 0.8;            // of the usual patches: fewer are made up for ...
-constexpr double refilled = 0.02;      // ... by this share in a frame
 constexpr double crowd_reach = 2;      // cells
 constexpr double spacing = 5;          // px between the patches of a bridge
 constexpr double astray = 4;           // px, SD: how far from where it was seen an exemplar is born
@@ -46,6 +44,12 @@ struct Scene {
   [[nodiscard]] double parting(Index vertex) const {
     return model.rates.parting.at(graph.patch(vertex).position);
   }
+  [[nodiscard]] bool held(Index vertex) const { return particles.list[vertex].held > 0; }
+  // Nothing happens there for a while, once what fades is gone.
+  void hold(Index vertex, int fades = 0) {
+    auto& left = particles.list[vertex].held;
+    left = std::max(left, fades + static_cast<int>(std::lround(model.rates.hold)));
+  }
   void take(Index vertex) { busy[parts.of_vertex[vertex]] = true; }
   void count(graph::EventType type) { ++done[static_cast<std::size_t>(type)]; }
   void fade(Index vertex) { particles.list[vertex].leaving = fading(); }
@@ -68,6 +72,7 @@ void die(Scene& scene) {
     // The frames in which it fades are part of its life. What is smaller than any stroke that was seen is
     // none.
     const double sooner = rate / std::max(0.05, 1 - rate * scene.fading());
+    if (std::ranges::any_of(all[s], [&](Index v) { return scene.held(v); })) continue;
     if (!scene.strike(all[s][0], all[s].size() < least ? 1 : sooner)) continue;
     scene.take(all[s][0]);
     scene.count(EventType::death);
@@ -98,7 +103,10 @@ Run run(const graph::AttributeGraph& graph, Index behind, Index from, std::size_
 void open_gap(Scene& scene, const Run& arm, std::size_t wide) {
   const std::size_t kept = arm.free ? kPiece - 1 : 0, there = arm.patches.size();
   const std::size_t most = there > kept ? there - kept : 1;
-  for (std::size_t i = 0; i < std::min({wide, most, there}); ++i) scene.fade(arm.patches[i]);
+  const std::size_t gone = std::min({wide, most, there});
+  for (std::size_t i = 0; i < gone; ++i) scene.fade(arm.patches[i]);
+  for (std::size_t i = gone; i < std::min(there, gone + kPiece); ++i)
+    scene.hold(arm.patches[i], scene.fading());
 }
 
 std::size_t patches_of(double gap) {
@@ -108,11 +116,12 @@ std::size_t patches_of(double gap) {
 void split(Scene& scene, const Sites& found) {
   const auto wide = patches_of(scene.model.rates.split_gap);
   for (const Index v : found.inner) {
-    if (!scene.strike(v, scene.model.rates.split * scene.parting(v))) continue;
+    if (scene.held(v) || !scene.strike(v, scene.model.rates.split * scene.parting(v))) continue;
     scene.take(v);
     scene.count(EventType::split);
     scene.fade(v);
     const auto sides = scene.graph.neighbours(v);
+    for (const Index side : sides) scene.hold(side, scene.fading());
     if (wide > 1) open_gap(scene, run(scene.graph, v, sides[1], wide / 2 + kPiece), wide / 2);
     if (wide > 2) open_gap(scene, run(scene.graph, v, sides[0], wide / 2 + kPiece), (wide - 1) / 2);
   }
@@ -121,8 +130,10 @@ void split(Scene& scene, const Sites& found) {
 void come_apart(Scene& scene, const Sites& found) {
   const auto wide = patches_of(scene.model.rates.disconnect_gap);
   for (const auto& [hub, first] : found.arms) {
+    if (scene.held(hub) || scene.held(first)) continue;
     if (!scene.strike(hub, scene.model.rates.disconnect * scene.parting(hub))) continue;
     scene.take(hub);
+    scene.hold(hub, scene.fading());
     scene.count(EventType::disconnect);
     const Run arm = run(scene.graph, hub, first, 2 * wide + kPiece);
     // A bridge goes as a whole where it is not much longer than usual; one without patches takes its far end.
@@ -168,14 +179,18 @@ void bridge(Scene& scene, Index a, Index b) {
   Index last = a;
   for (int i = 1; i <= patches; ++i) {
     const Index next = p.add(between(from, to, i / (patches + 1.0)));
+    scene.hold(next);
     p.edges.emplace_back(last, next);
     last = next;
   }
   p.edges.emplace_back(last, b);
+  scene.hold(a);
+  scene.hold(b);
 }
 
 void unite(Scene& scene, const std::vector<Sites::Pair>& pairs, double rate, EventType type) {
   for (const auto& [a, b] : pairs) {
+    if (scene.held(a) || scene.held(b)) continue;
     if (!scene.bring(a, rate) || scene.busy[scene.parts.of_vertex[b]]) continue;
     scene.take(a);
     scene.take(b);
@@ -199,17 +214,22 @@ CellMap crowding(const graph::AttributeGraph& graph, const CellMap& usual) {
 }
 
 // How likely each exemplar is to be born: by its size, and where it was seen by the birth map, over how many
-// strokes were seen there.
+// were seen around there.
 std::vector<double> birth_weights(const Scene& scene) {
   const auto& model = scene.model;
-  double mean = 0;
-  for (const double value : model.density.values)
-    mean += value / static_cast<double>(model.density.values.size());
+  std::array<double, kSizes> counts{};
+  for (const auto& exemplar : model.exemplars) ++counts[size_class(exemplar.graph.size())];
+  CellMap seen = model.density;
+  std::ranges::fill(seen.values, 0.0);
+  for (const auto& exemplar : model.exemplars) {
+    const auto size = size_class(exemplar.graph.size());
+    seen.values[seen.index(exemplar.place)] += model.rates.birth_by_size[size] / counts[size];
+  }
+  seen.values = spread(seen, 1);
   std::vector<double> weights;
   std::array<double, kSizes> sums{};
   for (const auto& exemplar : model.exemplars) {
-    weights.push_back((model.rates.birth.at(exemplar.place) + 1e-12) /
-                      (model.density.at(exemplar.place) + 0.1 * mean + 1e-12));
+    weights.push_back((model.rates.birth.at(exemplar.place) + 1e-12) / (seen.at(exemplar.place) + 1e-9));
     sums[size_class(exemplar.graph.size())] += weights.back();
   }
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -278,21 +298,16 @@ void give_birth(Scene& scene, std::uint64_t seed) {
     usual += model.density.values[c];
     crowded += model.density.values[c] * scene.crowd.values[c];
   }
-  // Fewer than usual are there: more are born, and where much is missing even if no birth was ever seen.
+  // Fewer than usual are there: more are born.
   if (crowded > 0) births *= usual * usual / (crowded * crowded);
-  if (crowded < few * usual) {
-    double patches = 0;
-    for (const auto& exemplar : model.exemplars) patches += static_cast<double>(exemplar.graph.size());
-    const double strokes_missing =
-        (few * usual - crowded) / patches * static_cast<double>(model.exemplars.size());
-    births += refilled * strokes_missing;
-  }
   if (births <= 0) return;
   const auto weights = birth_weights(scene);
   for (int left = poisson(births, scene.rng); left > 0; --left) {
     const Cradle cradle = find_cradle(scene, weights);
     scene.count(EventType::birth);
+    const auto first = static_cast<Index>(scene.particles.list.size());
     add_settled(scene.particles, cradle.exemplar->graph, cradle.place, 0, model, seed);
+    for (Index v = first; v < scene.particles.list.size(); ++v) scene.hold(v);
   }
 }
 

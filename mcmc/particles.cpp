@@ -51,23 +51,6 @@ double share_shown(const Particle& particle, const MotionModel& model) {
   return std::min(within(model.appearing, particle.age), within(model.vanishing, particle.leaving));
 }
 
-// The patch with `factor` times its contrast: a line's core comes nearer to its sides, a step's sides to each
-// other.
-void scale_contrast(graph::Patch& patch, double factor) {
-  patch.contrast *= factor;
-  const auto f = static_cast<float>(factor);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const float mean = (patch.left[c] + patch.right[c]) / 2;
-    if (graph::on_step(patch)) {
-      patch.left[c] = mean + f * (patch.left[c] - mean);
-      patch.right[c] = mean + f * (patch.right[c] - mean);
-      patch.middle[c] = mean;
-    } else {
-      patch.middle[c] = mean + f * (patch.middle[c] - mean);
-    }
-  }
-}
-
 graph::AttributeGraph make_graph(const Particles& p, const MotionModel* model) {
   const auto sides = neighbours(p);
   std::vector<graph::Vertex> vertices(p.list.size());
@@ -101,6 +84,21 @@ double between_cells(const CellMap& map, Point p) {
 }
 
 }  // namespace
+
+void scale_contrast(graph::Patch& patch, double factor) {
+  patch.contrast *= factor;
+  const auto f = static_cast<float>(factor);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float mean = (patch.left[c] + patch.right[c]) / 2;
+    if (graph::on_step(patch)) {
+      patch.left[c] = mean + f * (patch.left[c] - mean);
+      patch.right[c] = mean + f * (patch.right[c] - mean);
+      patch.middle[c] = mean;
+    } else {
+      patch.middle[c] = mean + f * (patch.middle[c] - mean);
+    }
+  }
+}
 
 std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
   std::vector<std::vector<std::uint32_t>> result(p.list.size());

@@ -19,6 +19,7 @@ struct Particle {
   double gain = 0, gain_before = 0;    ///< logarithm of its contrast over that at rest
   int age = 0;                         ///< frames since it appeared
   int leaving = -1;                    ///< frames until it goes; −1: it stays
+  int held = 0;                        ///< frames until something may happen to it again
 
   [[nodiscard]] graph::Point position() const { return rest.position + offset * share; }
 };
@@ -45,6 +46,10 @@ void remove(Particles& particles, const std::vector<bool>& marked);
 graph::AttributeGraph shape(const Particles& particles);
 /// The same as it is drawn: contrasts by gain, and by age and leaving.
 graph::AttributeGraph appearance(const Particles& particles, const MotionModel& model);
+
+/// The patch with `factor` times its contrast: a line's core comes nearer to its sides, a step's sides to
+/// each other.
+void scale_contrast(graph::Patch& patch, double factor);
 
 /// What random numbers are drawn for.
 enum class Purpose : std::uint32_t { start = 1, motion, operators };  // below 8

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mcmc/synthesize.hpp"
 
+#include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -23,6 +25,15 @@ std::vector<graph::Link> links_between(const graph::AttributeGraph& before,
   return links;
 }
 
+// How many frames it takes until next to nothing is left of the strokes that were there first.
+std::uint32_t running_in(const MotionModel& model) {
+  const auto& birth = model.rates.birth;
+  const double births =
+      std::accumulate(birth.values.begin(), birth.values.end(), 0.0) * birth.cell * birth.cell;
+  const auto strokes = static_cast<double>(graph::components(model.first).count);
+  return static_cast<std::uint32_t>(std::clamp(3 * strokes / std::max(births, 1e-3), 60.0, 1000.0));
+}
+
 }  // namespace
 
 struct Synthesis::State {
@@ -30,14 +41,19 @@ struct Synthesis::State {
   std::uint64_t seed = 1;
   detail::Particles particles;
   std::uint32_t frame = 0;
+  bool shown = false;
   std::array<int, 6> operators{};
 };
 
-Synthesis::Synthesis(const MotionModel& model, std::uint64_t seed) : state_(std::make_unique<State>()) {
+Synthesis::Synthesis(const MotionModel& model, std::uint64_t seed, Start start)
+    : state_(std::make_unique<State>()) {
   validate(model);
   state_->model = model;
   state_->seed = seed;
   state_->particles = detail::begin(model, seed);
+  if (start == Start::data) return;
+  for (auto left = running_in(model); left > 0; --left)
+    (void)detail::advance(state_->particles, model, seed, ++state_->frame);
 }
 
 Synthesis::~Synthesis() = default;
@@ -45,9 +61,9 @@ Synthesis::Synthesis(Synthesis&&) noexcept = default;
 Synthesis& Synthesis::operator=(Synthesis&&) noexcept = default;
 
 graph::AttributeGraph Synthesis::next() {
-  auto& [model, seed, particles, frame, operators] = *state_;
-  if (frame > 0) operators = detail::advance(particles, model, seed, frame);
-  ++frame;
+  auto& [model, seed, particles, frame, shown, operators] = *state_;
+  if (shown) operators = detail::advance(particles, model, seed, ++frame);
+  shown = true;
   return detail::appearance(particles, model);
 }
 
@@ -56,12 +72,12 @@ const std::array<int, 6>& Synthesis::operators() const {
 }
 
 SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed,
-                           const core::Context& context) {
+                           const core::Context& context, Start start) {
   if (frames < 1) throw core::InputError("frames is " + std::to_string(frames) + "; allowed is 1 and more");
   SynthesisResult result;
   auto& motion = result.motion;
   motion.sketch.width = model.width, motion.sketch.height = model.height, motion.sketch.fps = model.fps;
-  Synthesis synthesis(model, seed);
+  Synthesis synthesis(model, seed, start);
   graph::AttributeGraph before;
   for (int t = 0; t < frames; ++t) {
     if (context.cancelled()) {

@@ -11,11 +11,15 @@
 
 namespace emberfold::mcmc {
 
+/// Where a clip begins: with the two frames that the model's `first` was seen in, or in the stationary state:
+/// run in for three lives of a stroke (60 to 1000 frames), so that nothing is left of them.
+enum class Start { data, stationary };
+
 /// An endless clip of graphs drawn from a model, frame by frame. The same model and seed give the same
 /// graphs.
 class Synthesis {
  public:
-  Synthesis(const MotionModel& model, std::uint64_t seed);
+  Synthesis(const MotionModel& model, std::uint64_t seed, Start start = Start::data);
   ~Synthesis();
   Synthesis(Synthesis&&) noexcept;
   Synthesis& operator=(Synthesis&&) noexcept;
@@ -37,6 +41,6 @@ struct SynthesisResult {
 };
 /// `frames` ≥ 1 frames.
 SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed,
-                           const core::Context& context = {});
+                           const core::Context& context = {}, Start start = Start::data);
 
 }  // namespace emberfold::mcmc

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "apps/clip_reader.hpp"
 #include "apps/clip_writer.hpp"
@@ -253,4 +254,36 @@ TEST_CASE("an interrupted synth keeps nothing") {
                                   options);
   CHECK(result.exit == 130);
   CHECK(std::distance(fs::directory_iterator(made.temp.path()), fs::directory_iterator()) == 2);
+}
+
+TEST_CASE("synth changes the motion as it is asked to, and by nothing if by nothing") {
+  const Learned made;
+  const auto plain = made.temp / "plain.avi", same = made.temp / "same.avi";
+  REQUIRE(run_command({"synth", made.model, "-o", plain.string(), "--frames", "12", "-q"}).exit == 0);
+  REQUIRE(run_command({"synth", made.model, "-o", same.string(), "--frames", "12", "-q", "--speed", "1",
+                       "--births", "1", "--intensity", "1"})
+              .exit == 0);
+  CHECK(bytes_of(plain) == bytes_of(same));
+  const auto still = made.temp / "still.avi";
+  const auto result = run_command({"synth", made.model, "-o", still.string(), "--frames", "12", "--intensity",
+                                   "0", "--flicker", "0.5", "--start", "stationary", "--json"});
+  INFO(result.err);
+  REQUIRE(result.exit == 0);
+  const Json edit = Json::parse(result.out)["options"]["edit"];
+  CHECK(edit["intensity"] == 0);
+  CHECK(edit["start"] == "stationary");
+  CHECK(bytes_of(still) != bytes_of(plain));
+
+  const auto none = made.temp / "none.avi";
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& what) {
+    std::vector<std::string> arguments{"synth", made.model, "-o", none.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_refused(arguments, 2, {what}, none);
+  };
+  refused({"--speed", "0"}, "--speed is 0, must be in 0.1…10");
+  refused({"--deaths", "0"}, "at most 4 times the deaths");
+  refused({"--splits", "-1"}, "--splits is -1");
+  const auto black = made.temp / "black.png";
+  cv::imwrite(black.string(), cv::Mat(40, 40, CV_8U, cv::Scalar(0)));
+  refused({"--birth-map", black.string()}, "is black: nothing would be born");
 }

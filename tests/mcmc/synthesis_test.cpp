@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <set>
 
 #include "core/error.hpp"
@@ -99,6 +101,44 @@ TEST_CASE("A synthesized clip stays as the learned one was for a thousand frames
   CHECK_THAT(deaths(clip), Catch::Matchers::WithinRel(deaths(data), 0.25));
 }
 
+TEST_CASE("Neither strokes nor contrast nor events drift in five thousand frames", "[synthesis][slow]") {
+  auto model = mcmc::fit(made::make(scene_of_life(200), 58).motion).model;
+  for (double& value : model.drift_x.values) value += 0.3;  // some leave the frame
+  constexpr int frames = 5000;
+  mcmc::Synthesis synthesis(model, 59);
+  std::vector<double> strokes, contrast;
+  std::array<std::vector<double>, 6> events;
+  int unseen = 0;
+  for (int t = 0; t < frames; ++t) {
+    const auto graph = synthesis.next();
+    const auto parts = graph::components(graph);
+    double sum = 0;
+    std::vector<bool> seen(parts.count);
+    for (std::size_t v = 0; v < graph.size(); ++v) {
+      const auto& patch = graph.patch(v);
+      sum += std::abs(patch.contrast) / double(graph.size());
+      // Bands are drawn 12 px wide at most.
+      if (patch.position.x > -12 && patch.position.y > -12 && patch.position.x < model.width + 12 &&
+          patch.position.y < model.height + 12)
+        seen[parts.of_vertex[v]] = true;
+    }
+    strokes.push_back(double(parts.count));
+    contrast.push_back(sum);
+    for (std::size_t i = 0; i < 6; ++i) events[i].push_back(synthesis.operators()[i]);
+    unseen += static_cast<int>(std::ranges::count(seen, false));
+  }
+  // What has left sways on where it is for a frame at most.
+  CHECK(unseen <= frames / 100);
+  CHECK(std::abs(trend(strokes, 10)) < 4);
+  CHECK(std::abs(trend(contrast, 10)) < 4);
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (mean(events[i]) < 0.01) continue;
+    CAPTURE(i, mean(events[i]));
+    CHECK(std::abs(trend(events[i], 10)) < 4);
+  }
+  CHECK(mean(events[0]) > 0.1);
+}
+
 TEST_CASE("A model that was drawn from is learned again", "[synthesis][slow]") {
   made::Scene scene = scene_of_life(300);
   scene.strokes = made::scattered(6, 4, scene.width, scene.height, 50);
@@ -118,9 +158,14 @@ TEST_CASE("The same seed gives the same graphs, another others, and a longer cli
   auto model = mcmc::fit(made::make(scene_of_life(60), 56).motion).model;
   const auto clip = mcmc::synthesize(model, 60, 7).motion;
   CHECK(mcmc::synthesize(model, 60, 7).motion == clip);
-  CHECK(mcmc::synthesize(model, 60, 8).motion.sketch.frames[0] != clip.sketch.frames[0]);
-  CHECK(mcmc::synthesize(model, 60, (std::uint64_t{1} << 32) + 7).motion.sketch.frames[0] !=
-        clip.sketch.frames[0]);
+  // All begin as the source did; from the next frame on they differ.
+  const auto other = mcmc::synthesize(model, 2, 8).motion;
+  CHECK(other.sketch.frames[0] == clip.sketch.frames[0]);
+  CHECK(other.sketch.frames[1] != clip.sketch.frames[1]);
+  CHECK(mcmc::synthesize(model, 2, (std::uint64_t{1} << 32) + 7).motion.sketch.frames[1] !=
+        clip.sketch.frames[1]);
+  CHECK(mcmc::synthesize(model, 1, 8, {}, mcmc::Start::stationary).motion.sketch.frames[0] !=
+        mcmc::synthesize(model, 1, 7, {}, mcmc::Start::stationary).motion.sketch.frames[0]);
   auto beginning = mcmc::synthesize(model, 90, 7).motion;
   beginning.sketch.frames.resize(60), beginning.links.resize(60);
   CHECK(beginning == clip);

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "apps/draw_graph_frames.hpp"
+#include "apps/draw_model.hpp"
+#include "apps/interrupt.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "graph/events.hpp"
+#include "mcmc/balance.hpp"
+#include "mcmc/synthesize.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+constexpr int kMostFrames = 150;
+constexpr std::size_t kAtOnce = 8;
+
+/// Multiplied by how many times too few were seen, as if one more had been in all.
+void correct(double& wanted, double source, double seen, double one, double step) {
+  wanted *= std::pow(std::clamp((source + one) / (seen + one), 0.25, 4.0), step);
+}
+
+}  // namespace
+
+void CalibrateOptions::validate() const {
+  if (calibrate < 0 || calibrate > 20)
+    throw core::InputError("CalibrateOptions.calibrate is " + std::to_string(calibrate) +
+                           ", must be in 0…20");
+}
+
+mcmc::Census seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
+                             std::uint64_t seed, const core::Context& context) {
+  const FrameLook look = model_look(model, how.ground, how.fill);
+  mcmc::Synthesis synthesis(model, seed, mcmc::Start::stationary);
+  graph::SketchSequence sketch;
+  sketch.width = model.width, sketch.height = model.height, sketch.fps = model.fps;
+  for (int done = 0; done < frames;) {
+    std::vector<graph::AttributeGraph> graphs;
+    for (; done < frames && graphs.size() < kAtOnce; ++done) graphs.push_back(synthesis.next());
+    const auto status = core::parallel_for(graphs.size(), context, [&](std::size_t i) {
+      cv::Mat levels;
+      draw_frame(graphs[i], look).convertTo(levels, CV_32F);
+      graphs[i] = sketch::extract(levels, how.sketch);
+    });
+    if (status == core::Status::cancelled) throw Interrupted{};
+    for (const auto& graph : graphs) sketch.append(graph);
+  }
+  const auto matched = graph::match(sketch, how.match, context.with_progress({}));
+  if (matched.status == core::Status::cancelled) throw Interrupted{};
+  return mcmc::census(matched.motion, graph::stroke_events(matched.motion));
+}
+
+std::vector<mcmc::Census> calibrate(mcmc::FitResult& fitted, const mcmc::Census& source,
+                                    const ReadingAndDrawing& how, const CalibrateOptions& options,
+                                    std::uint64_t seed, const core::Context& context) {
+  std::vector<mcmc::Census> found;
+  mcmc::MotionModel& model = fitted.model;
+  if (source.patches <= 0 || model.exemplars.empty()) return found;
+  mcmc::Census wanted = fitted.shown, usual = source;
+  reconcile(wanted), reconcile(usual);
+  const int frames = std::clamp(model.frames, 2, kMostFrames);
+  const double one = 1.0 / frames;
+  for (int round = 0; round < options.calibrate; ++round) {
+    context.report("calibrate", double(round) / options.calibrate);
+    found.push_back(seen_when_drawn(model, how, frames, seed + static_cast<std::uint64_t>(round), context));
+    mcmc::Census seen = found.back();
+    reconcile(seen);
+    const double step = 1.0 / (1 + round);
+    for (std::size_t i = 0; i < wanted.events.size(); ++i)
+      correct(wanted.events[i], usual.events[i], seen.events[i], one, step);
+    for (std::size_t s = 0; s < wanted.strokes.size(); ++s)
+      correct(wanted.strokes[s], usual.strokes[s], seen.strokes[s], one, step);
+    correct(wanted.patches, usual.patches, seen.patches, one, step);
+    mcmc::balance(model, wanted, seed, context.with_progress({}));
+    if (context.cancelled()) throw Interrupted{};
+  }
+  return found;
+}
+
+}  // namespace emberfold::apps
