@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/crease_sharpness.hpp"
 #include "apps/drawn_model.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/pictures.hpp"
@@ -116,11 +117,12 @@ void need_two_frames(const std::string& clip, std::int64_t frames) {
 }
 
 /// Writes the motion model; what was not taken as measured becomes warnings.
-void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, OutputFolder& output,
-                  Session& session) {
+void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, double blur_share,
+                  OutputFolder& output, Session& session) {
   for (const auto& note : fitted.notes) session.warn("model: " + note);
   auto archive = mcmc::to_archive(fitted.model);
   add_ground(archive, ground);
+  add_blur_share(archive, blur_share);
   write_model(output, "model", archive);
 }
 
@@ -197,7 +199,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   infer_motion(sketches, options, made, session);
   const auto& motion = made.motion;
   const auto& events = made.events;
-  write_fitted(made.fitted, still_ground(sketches.clip.grounds), output, session);
+  const double blur_share = fit_blur_share(*source, motion.sketch, session.context);
+  write_fitted(made.fitted, still_ground(sketches.clip.grounds), blur_share, output, session);
   Json texture;
   if (options.texture > 0) {
     stages.begin("texture");
@@ -231,6 +234,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(events, motion.sketch.frames.size());
   summary["model"] = motion_model_figures(made.fitted.model);
+  summary["model"]["blur_share"] = std::round(blur_share * 1000) / 1000;
   if (options.texture > 0) summary["model"]["texture"] = std::move(texture);
   if (truth) {
     const graph::ScoreOptions tolerance;

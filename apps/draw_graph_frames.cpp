@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/draw_graph_frames.hpp"
 
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -13,7 +14,18 @@ namespace emberfold::apps {
 
 namespace {
 constexpr double joint_reach = 8;  // px within which a ground takes the strokes' levels
+
+graph::AttributeGraph sharpened(const graph::AttributeGraph& graph, double share) {
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  for (auto& vertex : vertices) vertex.patch.blur *= share;
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
 }
+
+sketch::Sketchable draw_strokes(const graph::AttributeGraph& graph, const FrameLook& look) {
+  if (look.blur_share == 1) return sketch::draw_fitted(graph, look.size, look.channels);
+  return sketch::draw_fitted(sharpened(graph, look.blur_share), look.size, look.channels);
+}
+}  // namespace
 
 DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
                        const sketch::FillOptions& options, const Ground& ground) {
@@ -25,7 +37,7 @@ DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
 }
 
 cv::Mat draw_frame(const FrameParts& parts, const FrameLook& look) {
-  const auto part = sketch::draw_fitted(parts.graph, look.size, look.channels);
+  const auto part = draw_strokes(parts.graph, look);
   if (!parts.ground.empty()) {
     cv::Mat ground;
     parts.ground.convertTo(ground, CV_32F);

@@ -82,14 +82,13 @@ std::vector<cv::Mat> ModelFrames::next(int count, const core::Context& context) 
 }
 
 ModelFrames hybrid_frames(const mcmc::MotionModel& model,
-                          std::shared_ptr<const dytex::LinearDynamicTexture> texture,
-                          const sketch::FillOptions& fill, std::uint64_t seed) {
+                          std::shared_ptr<const dytex::LinearDynamicTexture> texture, FrameLook look,
+                          std::uint64_t seed) {
   const auto& info = texture->info;
   if (info.width != model.width || info.height != model.height)
     throw core::InputError("the texture between the strokes is " + std::to_string(info.width) + "x" +
                            std::to_string(info.height) + ", the model " + std::to_string(model.width) + "x" +
                            std::to_string(model.height));
-  FrameLook look = model_look(model, {}, fill);
   look.channels = info.channels;
   dytex::SynthesisOptions options;
   options.seed = seed;

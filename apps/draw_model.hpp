@@ -53,9 +53,9 @@ class ModelFrames {
 };
 
 /// Strokes of a motion model on the ground that a texture of the same clip draws (learn_ground_texture),
-/// frame by frame in step. core::InputError where the sizes disagree. `texture` is shared by whoever draws.
+/// frame by frame in step; channels as the texture's. core::InputError where the sizes disagree.
 ModelFrames hybrid_frames(const mcmc::MotionModel& model,
-                          std::shared_ptr<const dytex::LinearDynamicTexture> texture,
-                          const sketch::FillOptions& fill, std::uint64_t seed);
+                          std::shared_ptr<const dytex::LinearDynamicTexture> texture, FrameLook look,
+                          std::uint64_t seed);
 
 }  // namespace emberfold::apps

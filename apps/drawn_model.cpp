@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apps/command.hpp"
+#include "apps/crease_sharpness.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/nearest.hpp"
 #include "apps/texture_folder.hpp"
@@ -73,6 +74,7 @@ DrawnModel open_drawn_model(const std::string& folder, ModelFill fill) {
   try {
     opened.motion = mcmc::motion_model(archive);
     opened.ground = read_ground(archive, {opened.motion.width, opened.motion.height});
+    opened.blur_share = read_blur_share(archive);
     check_drawable(opened.motion);
   } catch (const core::IoError& error) {
     throw core::IoError(folder + ": " + error.what());
@@ -82,8 +84,10 @@ DrawnModel open_drawn_model(const std::string& folder, ModelFill fill) {
 }
 
 ModelFrames model_frames(const DrawnModel& model, const sketch::FillOptions& fill, std::uint64_t seed) {
-  if (model.texture) return hybrid_frames(model.motion, model.texture, fill, seed);
-  return {mcmc::Synthesis(model.motion, seed), model_look(model.motion, model.ground, fill)};
+  FrameLook look = model_look(model.motion, model.ground, fill);
+  look.blur_share = model.blur_share;
+  if (model.texture) return hybrid_frames(model.motion, model.texture, std::move(look), seed);
+  return {mcmc::Synthesis(model.motion, seed), std::move(look)};
 }
 
 void write_ground_texture(OutputFolder& output, const std::string& model_name, const GroundTexture& texture) {

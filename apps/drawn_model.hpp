@@ -29,6 +29,7 @@ ModelFill model_fill(const std::string& name);
 struct DrawnModel {
   mcmc::MotionModel motion;
   Ground ground;
+  double blur_share = 1;
   std::shared_ptr<const dytex::LinearDynamicTexture> texture;  ///< with ModelFill::dytex
 };
 

@@ -13,7 +13,6 @@
 #include "apps/stream_frames.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "dytex/em.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/missing.hpp"
 #include "sketch/fill.hpp"
@@ -122,7 +121,7 @@ void GroundTextureOptions::validate() const {
                            ", allowed is " + allowed);
   };
   if (components < 1 || components > 500) refuse("components", components, "1 to 500");
-  if (iterations < 0 || iterations > 1000) refuse("iterations", iterations, "0 to 1000");
+  if (rounds < 0 || rounds > 100) refuse("rounds", rounds, "0 to 100");
 }
 
 GroundTexture learn_ground_texture(core::FrameSource& source, Graphs graphs,
@@ -145,23 +144,22 @@ GroundTexture learn_ground_texture(core::FrameSource& source, Graphs graphs,
     result.notes.push_back(std::to_string(graphs.size()) + " frames give " +
                            std::to_string(learning.components) + " components");
   GroundSource ground(part, graphs, context);
-  auto start = dytex::learn(ground, learning, context);
-  if (start.status == core::Status::cancelled) throw Interrupted{};
-  result.texture = std::move(start.texture);
+  const auto learn = [&](core::FrameSource& seen) {
+    auto learned = dytex::learn(seen, learning, context);
+    if (learned.status == core::Status::cancelled) throw Interrupted{};
+    return learned;
+  };
+  auto learned = learn(ground);
   MaskSource masks(graphs, part.info());
   const dytex::Missing missing(masks, part.info(), context);
   if (context.cancelled()) throw Interrupted{};
   result.hidden = hidden_share(missing);
-  if (options.iterations == 0) {
-    result.notes.insert(result.notes.end(), start.notes.begin(), start.notes.end());
-    return result;
+  for (int round = 0; round < options.rounds && result.hidden > 0; ++round) {
+    dytex::FilledSource filled(part, missing, learned.texture);
+    learned = learn(filled);
   }
-  dytex::EmOptions likelihood;
-  likelihood.iterations = options.iterations;
-  auto improved = dytex::maximise_likelihood(part, result.texture, likelihood, missing, context);
-  if (improved.status == core::Status::cancelled) throw Interrupted{};
-  result.texture = std::move(improved.texture);
-  result.notes.insert(result.notes.end(), improved.notes.begin(), improved.notes.end());
+  result.notes.insert(result.notes.end(), learned.notes.begin(), learned.notes.end());
+  result.texture = std::move(learned.texture);
   return result;
 }
 

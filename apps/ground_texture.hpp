@@ -16,8 +16,8 @@ namespace emberfold::apps {
 
 struct GroundTextureOptions {
   int components =
-      30;  ///< 1…500; at most a third of the frames are used: more would fit a short clip's chance
-  int iterations = 5;  ///< 0…1000, of expectation and maximisation behind the start
+      30;          ///< 1…500; at most a third of the frames are used: more would fit a short clip's chance
+  int rounds = 2;  ///< 0…100: how often the texture is learned again from what it says of the hidden pixels
   void validate() const;
 };
 
@@ -28,12 +28,13 @@ struct GroundTexture {
 };
 
 /// Learns from a clip and its sketch, a graph for each frame, in order: what draw_fitted shows of a graph is
-/// hidden. The start is the closed form on the clip with what is hidden diffused in from its surroundings
-/// (a pixel that is never seen keeps that); then maximum likelihood on what is seen. Reads the clip some
-/// 2 + iterations times where it does not fit into a gigabyte, else twice. A clip of more than 5000
-/// frames is learned from its first 5000. InputError where there are fewer than 6 frames, or graphs and
-/// frames differ in number; throws Interrupted. O(frames · pixels · components), and for hidden pixels
-/// O(components²) each, in every iteration.
+/// hidden. At first hidden pixels have what diffuses into them from their surroundings; learned in closed
+/// form from that, the texture says what they may have been, and is learned from that again. (Maximum
+/// likelihood on the seen pixels alone, dytex::learn_missing, is what many rounds come to. Pixels that are
+/// seldom seen take any value in it, and drawn clips show them as specks; a few rounds leave them near the
+/// diffusion.) A clip of more than 5000 frames is learned from its first 5000. InputError where there are
+/// fewer than 6 frames, or graphs and frames differ in number; throws Interrupted. Costs dytex::learn 1 +
+/// rounds times, and a fill for each frame.
 GroundTexture learn_ground_texture(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                                    const GroundTextureOptions& options = {},
                                    const core::Context& context = {});
