@@ -40,6 +40,9 @@ struct FrameLook {
 struct FrameParts {
   graph::AttributeGraph graph;
   cv::Mat ground = {};  ///< CV_8U, as the frame: the strokes are joined into it; empty: the fill, look.ground
+  /// How much of each patch is there, 0…1, for those that come and go: its levels lie between its own and
+  /// what would be there without it. Empty: all of all.
+  std::vector<float> presence = {};
 };
 
 /// The frame that a graph tells of: patches drawn from their attributes; around them the given ground, which
@@ -47,7 +50,7 @@ struct FrameParts {
 /// filled. CV_8U.
 cv::Mat draw_frame(const FrameParts& parts, const FrameLook& look);
 inline cv::Mat draw_frame(const graph::AttributeGraph& graph, const FrameLook& look) {
-  return draw_frame({graph, {}}, look);
+  return draw_frame(FrameParts{graph}, look);
 }
 
 /// Draws these frames on several threads, CV_8U. Throws Interrupted.

@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,10 +48,20 @@ class ModelFrames {
   [[nodiscard]] const FrameLook& look() const { return look_; }
 
  private:
+  struct Drawn {
+    graph::AttributeGraph graph;
+    std::array<int, 6> operators{};
+  };
+  Drawn take();
+  std::vector<float> presence(const graph::AttributeGraph& graph);
+
   mcmc::Synthesis strokes_;
   FrameLook look_;
   std::function<cv::Mat()> ground_;
   SynthesisFigures figures_;
+  std::deque<Drawn> ahead_;
+  std::map<std::uint32_t, int> ages_;  // of the patches of the frame before, in frames, up to some
+  bool begun_ = false;
 };
 
 /// Strokes of a motion model on the ground that a texture of the same clip draws (learn_ground_texture),
