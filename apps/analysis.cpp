@@ -117,12 +117,12 @@ void need_two_frames(const std::string& clip, std::int64_t frames) {
 }
 
 /// Writes the motion model; what was not taken as measured becomes warnings.
-void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, double blur_share,
+void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, const Sharpening& sharpening,
                   OutputFolder& output, Session& session) {
   for (const auto& note : fitted.notes) session.warn("model: " + note);
   auto archive = mcmc::to_archive(fitted.model);
   add_ground(archive, ground);
-  add_blur_share(archive, blur_share);
+  add_sharpening(archive, sharpening);
   write_model(output, "model", archive);
 }
 
@@ -199,8 +199,11 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   infer_motion(sketches, options, made, session);
   const auto& motion = made.motion;
   const auto& events = made.events;
-  const double blur_share = fit_blur_share(*source, motion.sketch, session.context);
-  write_fitted(made.fitted, still_ground(sketches.clip.grounds), blur_share, output, session);
+  const auto ground = still_ground(sketches.clip.grounds);
+  const double sharpness = clip_sharpness(*source, motion.sketch, session.context).mean();
+  const auto sharpening =
+      fit_sharpening(made.fitted.model, ground, sharpness, session.common.seed, session.context);
+  write_fitted(made.fitted, ground, sharpening, output, session);
   Json texture;
   if (options.texture > 0) {
     stages.begin("texture");
@@ -234,7 +237,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(events, motion.sketch.frames.size());
   summary["model"] = motion_model_figures(made.fitted.model);
-  summary["model"]["blur_share"] = std::round(blur_share * 1000) / 1000;
+  summary["model"]["blur_share"] = std::round(sharpening.blur_share * 1000) / 1000;
+  summary["model"]["contrast_gain"] = std::round(sharpening.contrast_gain * 1000) / 1000;
   if (options.texture > 0) summary["model"]["texture"] = std::move(texture);
   if (truth) {
     const graph::ScoreOptions tolerance;

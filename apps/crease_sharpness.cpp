@@ -3,26 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
-#include "apps/draw_graph_frames.hpp"
 #include "apps/interrupt.hpp"
 #include "core/error.hpp"
-#include "core/parallel.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
 constexpr std::size_t most_frames = 8;
-constexpr int halvings = 6;         // of the interval that the share lies in
-constexpr double least_fit = 0.25;  // sharper than that nothing was seen to need
-constexpr double least_read = 0.1;
+constexpr int halvings = 6;  // of the interval that the share lies in
+constexpr double least_share = 0.25, most_gain = 1.5;
 constexpr double border = 4;  // px
 
 /// `at` between pixels, linear; inside the frame.
@@ -34,41 +31,27 @@ double between_pixels(const cv::Mat& values, graph::Point at) {
          v * ((1 - u) * double{below[0]} + u * double{below[1]});
 }
 
-struct Sample {
-  cv::Mat levels;  // CV_32F
-  const graph::AttributeGraph* graph = nullptr;
-};
-
-std::vector<Sample> spread_samples(core::FrameSource& source, const graph::SketchSequence& sketch,
-                                   const core::Context& context) {
-  const std::size_t count = sketch.frames.size();
-  const std::size_t every = std::max<std::size_t>(1, (count + most_frames - 1) / most_frames);
-  std::vector<Sample> samples;
-  source.rewind();
-  for (std::size_t t = 0; t < count; ++t) {
-    if (context.cancelled()) throw Interrupted{};
-    const cv::Mat frame = source.next();
-    if (frame.empty()) break;
-    if (t % every == every / 2) samples.push_back({core::to_levels(frame, source.info()), &sketch.frames[t]});
+/// Of all frames, as they are drawn.
+double drawn_sharpness(std::span<const FrameParts> parts, const FrameLook& look,
+                       const core::Context& context) {
+  const auto frames = draw_batch(parts, look, context);
+  CreaseSharpness all;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    cv::Mat levels;
+    frames[i].convertTo(levels, CV_32F);
+    const auto one = crease_sharpness(core::luma(levels), parts[i].graph);
+    all.sum += one.sum, all.places += one.places;
   }
-  return samples;
+  return all.mean();
 }
 
-/// Of all samples, as they are drawn.
-double drawn_sharpness(const std::vector<Sample>& samples, double share, const core::Context& context) {
-  std::vector<CreaseSharpness> found(samples.size());
-  const auto status = core::parallel_for(samples.size(), context, [&](std::size_t i) {
-    FrameLook look;
-    look.size = samples[i].levels.size(), look.channels = samples[i].levels.channels();
-    look.blur_share = share;
-    cv::Mat drawn;
-    draw_frame(*samples[i].graph, look).convertTo(drawn, CV_32F);
-    found[i] = crease_sharpness(core::luma(drawn), *samples[i].graph);
-  });
-  if (status == core::Status::cancelled) throw Interrupted{};
-  CreaseSharpness all;
-  for (const auto& one : found) all.sum += one.sum, all.places += one.places;
-  return all.mean();
+/// The value between one that is not sharp enough and one that is.
+double bisect(double& value, double too_soft, double sharp, const std::function<bool()>& is_sharp) {
+  for (int i = 0; i < halvings; ++i) {
+    value = (too_soft + sharp) / 2;
+    (is_sharp() ? sharp : too_soft) = value;
+  }
+  return value = (too_soft + sharp) / 2;
 }
 
 }  // namespace
@@ -96,37 +79,54 @@ CreaseSharpness crease_sharpness(const cv::Mat& luma, const graph::AttributeGrap
   return result;
 }
 
-double fit_blur_share(core::FrameSource& source, const graph::SketchSequence& sketch,
-                      const core::Context& context) {
-  const auto samples = spread_samples(source, sketch, context);
-  CreaseSharpness seen;
-  for (const auto& sample : samples) {
-    const auto one = crease_sharpness(core::luma(sample.levels), *sample.graph);
-    seen.sum += one.sum, seen.places += one.places;
+CreaseSharpness clip_sharpness(core::FrameSource& source, const graph::SketchSequence& sketch,
+                               const core::Context& context) {
+  const std::size_t count = sketch.frames.size();
+  const std::size_t every = std::max<std::size_t>(1, (count + most_frames - 1) / most_frames);
+  CreaseSharpness all;
+  source.rewind();
+  for (std::size_t t = 0; t < count; ++t) {
+    if (context.cancelled()) throw Interrupted{};
+    const cv::Mat frame = source.next();
+    if (frame.empty()) break;
+    if (t % every != every / 2) continue;
+    const auto one = crease_sharpness(core::luma(frame, source.info()), sketch.frames[t]);
+    all.sum += one.sum, all.places += one.places;
   }
-  if (seen.places == 0 || drawn_sharpness(samples, 1, context) >= seen.mean()) return 1;
-  double low = least_fit, high = 1;
-  for (int i = 0; i < halvings; ++i) {
-    const double middle = (low + high) / 2;
-    (drawn_sharpness(samples, middle, context) >= seen.mean() ? low : high) = middle;
-  }
-  return (low + high) / 2;
+  return all;
 }
 
-void add_blur_share(core::ModelArchive& archive, double share) {
-  archive.arrays["blur_share"] = {{1}, false, std::vector<double>{share}};
+Sharpening fit_sharpening(std::span<const FrameParts> parts, FrameLook look, double wanted,
+                          const core::Context& context) {
+  look.blur_share = look.contrast_gain = 1;
+  const auto is_sharp = [&] { return drawn_sharpness(parts, look, context) >= wanted; };
+  if (drawn_sharpness(parts, look, context) <= 0 || is_sharp()) return {};
+  look.blur_share = least_share;
+  if (is_sharp()) {
+    bisect(look.blur_share, 1, least_share, is_sharp);
+    return {look.blur_share, 1};
+  }
+  bisect(look.contrast_gain, 1, most_gain, is_sharp);
+  return {look.blur_share, look.contrast_gain};
 }
 
-double read_blur_share(const core::ModelArchive& archive) {
-  const auto found = archive.arrays.find("blur_share");
-  if (found == archive.arrays.end()) return 1;
+void add_sharpening(core::ModelArchive& archive, const Sharpening& sharpening) {
+  archive.arrays["sharpening"] = {
+      {2}, false, std::vector<double>{sharpening.blur_share, sharpening.contrast_gain}};
+}
+
+Sharpening read_sharpening(const core::ModelArchive& archive) {
+  const auto found = archive.arrays.find("sharpening");
+  if (found == archive.arrays.end()) return {};
   const auto* const values = std::get_if<std::vector<double>>(&found->second.data);
-  if (!values || values->size() != 1)
-    throw core::IoError("motion model: blur_share.npy is not one number in float64");
-  const double share = values->front();
-  if (!(share >= least_read && share <= 1))
-    throw core::IoError("motion model: blur_share.npy is " + std::to_string(share) + "; allowed is 0.1…1");
-  return share;
+  if (!values || values->size() != 2)
+    throw core::IoError("motion model: sharpening.npy is not two numbers in float64");
+  const Sharpening read{(*values)[0], (*values)[1]};
+  if (!(read.blur_share >= 0.1 && read.blur_share <= 1 && read.contrast_gain >= 1 &&
+        read.contrast_gain <= 10))
+    throw core::IoError("motion model: sharpening.npy is " + std::to_string(read.blur_share) + ", " +
+                        std::to_string(read.contrast_gain) + "; allowed are 0.1…1 and 1…10");
+  return read;
 }
 
 }  // namespace emberfold::apps

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include <opencv2/core/mat.hpp>
 
+#include "apps/draw_graph_frames.hpp"
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
@@ -24,15 +26,24 @@ struct CreaseSharpness {
 /// `luma`: CV_32F, white = 255.
 CreaseSharpness crease_sharpness(const cv::Mat& luma, const graph::AttributeGraph& graph);
 
-/// The share of their fitted blur, 0.25…1, with which the patches of a clip are to be drawn so that its
-/// creases are as sharp as they are in the clip: from at most eight frames spread over it, by bisection. 1
-/// where there are no patches. Reads the clip once; throws Interrupted.
-double fit_blur_share(core::FrameSource& source, const graph::SketchSequence& sketch,
-                      const core::Context& context = {});
+/// Of at most eight frames spread over a clip together. Reads the clip once; throws Interrupted.
+CreaseSharpness clip_sharpness(core::FrameSource& source, const graph::SketchSequence& sketch,
+                               const core::Context& context = {});
 
-/// The array "blur_share" beside a motion model's own, one number.
-void add_blur_share(core::ModelArchive& archive, double share);
-/// 1 where the archive has none; core::IoError where it is no number in [0.1, 1].
-double read_blur_share(const core::ModelArchive& archive);
+/// How the patches of new clips are drawn.
+struct Sharpening {
+  double blur_share = 1;     ///< of their fitted blur, 0.25…1
+  double contrast_gain = 1;  ///< 1…1.5
+};
+/// With what the frames of these graphs come as near as they can to a sharpness `wanted`, by bisection: first
+/// less blur, then, where that is not enough, more contrast. Neither where they are that sharp or have no
+/// patches. Throws Interrupted. Draws the frames some 15 times.
+Sharpening fit_sharpening(std::span<const FrameParts> parts, FrameLook look, double wanted,
+                          const core::Context& context = {});
+
+/// The array "sharpening" beside a motion model's own: blur_share, contrast_gain.
+void add_sharpening(core::ModelArchive& archive, const Sharpening& sharpening);
+/// None where the archive has none; core::IoError where it is not two numbers in [0.1, 1] and [1, 10].
+Sharpening read_sharpening(const core::ModelArchive& archive);
 
 }  // namespace emberfold::apps

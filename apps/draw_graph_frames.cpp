@@ -49,13 +49,23 @@ cv::Mat without_fading(const sketch::Sketchable& part, const cv::Mat& presence, 
   return whole;
 }
 
+/// A line's core gets farther from its sides, a step's sides from each other.
+void raise_contrast(graph::Patch& patch, float gain) {
+  for (std::size_t c = 0; c < patch.middle.size(); ++c) {
+    const float mean = (patch.left[c] + patch.right[c]) / 2;
+    for (auto* level : {&patch.left, &patch.right, &patch.middle})
+      if (graph::on_step(patch) != (level == &patch.middle)) (*level)[c] = mean + gain * ((*level)[c] - mean);
+  }
+}
+
 /// The strokes of a frame; those that come and go are drawn between `ground` (or what the others leave there)
 /// and themselves.
 sketch::Sketchable draw_strokes(const FrameParts& parts, const FrameLook& look, const cv::Mat& ground) {
-  const auto graph =
-      look.blur_share == 1
-          ? parts.graph
-          : changed(parts.graph, [&](std::size_t, graph::Patch& patch) { patch.blur *= look.blur_share; });
+  const bool as_fitted = look.blur_share == 1 && look.contrast_gain == 1;
+  const auto graph = as_fitted ? parts.graph : changed(parts.graph, [&](std::size_t, graph::Patch& patch) {
+    patch.blur *= look.blur_share;
+    raise_contrast(patch, static_cast<float>(look.contrast_gain));
+  });
   auto part = sketch::draw_fitted(graph, look.size, look.channels);
   if (std::ranges::all_of(parts.presence, [](float share) { return share >= there; })) return part;
   const auto shares = changed(graph, [&](std::size_t i, graph::Patch& patch) {

@@ -34,6 +34,7 @@ struct FrameLook {
   sketch::FillOptions fill = {};
   Ground ground = {};
   double blur_share = 1;  ///< of their fitted blur that patches are drawn with, 0…1 (crease_sharpness.hpp)
+  double contrast_gain = 1;  ///< of their contrast, ≥ 1
 };
 
 /// A frame to be drawn: its strokes, and what lies between them.

@@ -102,7 +102,11 @@ std::vector<float> ModelFrames::presence(const graph::AttributeGraph& graph) {
 }
 
 std::vector<cv::Mat> ModelFrames::next(int count, const core::Context& context) {
-  std::vector<FrameParts> parts;
+  return draw_batch(parts(count, context), look_, context);
+}
+
+std::vector<FrameParts> ModelFrames::parts(int count, const core::Context& context) {
+  std::vector<FrameParts> all;
   for (int i = 0; i < count; ++i) {
     if (context.cancelled()) throw Interrupted{};
     Drawn drawn = take();
@@ -111,9 +115,9 @@ std::vector<cv::Mat> ModelFrames::next(int count, const core::Context& context) 
     for (std::size_t k = 0; k < figures_.operators.size(); ++k)
       figures_.operators[k] += static_cast<std::size_t>(drawn.operators[k]);
     auto shares = presence(drawn.graph);
-    parts.push_back({std::move(drawn.graph), ground_ ? ground_() : cv::Mat{}, std::move(shares)});
+    all.push_back({std::move(drawn.graph), ground_ ? ground_() : cv::Mat{}, std::move(shares)});
   }
-  return draw_batch(parts, look_, context);
+  return all;
 }
 
 ModelFrames hybrid_frames(const mcmc::MotionModel& model,

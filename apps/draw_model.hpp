@@ -41,6 +41,8 @@ class ModelFrames {
 
   /// The next `count` frames, CV_8U, drawn on several threads. Throws Interrupted.
   std::vector<cv::Mat> next(int count, const core::Context& context = {});
+  /// What the next `count` frames are drawn from, instead of them.
+  std::vector<FrameParts> parts(int count, const core::Context& context = {});
   /// How many frames are best asked for at once: 16, or as many as 192 MB hold.
   [[nodiscard]] int batch() const;
   /// Of the frames so far.

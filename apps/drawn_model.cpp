@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "apps/command.hpp"
-#include "apps/crease_sharpness.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/nearest.hpp"
 #include "apps/texture_folder.hpp"
@@ -74,7 +73,7 @@ DrawnModel open_drawn_model(const std::string& folder, ModelFill fill) {
   try {
     opened.motion = mcmc::motion_model(archive);
     opened.ground = read_ground(archive, {opened.motion.width, opened.motion.height});
-    opened.blur_share = read_blur_share(archive);
+    opened.sharpening = read_sharpening(archive);
     check_drawable(opened.motion);
   } catch (const core::IoError& error) {
     throw core::IoError(folder + ": " + error.what());
@@ -85,9 +84,20 @@ DrawnModel open_drawn_model(const std::string& folder, ModelFill fill) {
 
 ModelFrames model_frames(const DrawnModel& model, const sketch::FillOptions& fill, std::uint64_t seed) {
   FrameLook look = model_look(model.motion, model.ground, fill);
-  look.blur_share = model.blur_share;
+  look.blur_share = model.sharpening.blur_share;
+  look.contrast_gain = model.sharpening.contrast_gain;
   if (model.texture) return hybrid_frames(model.motion, model.texture, std::move(look), seed);
   return {mcmc::Synthesis(model.motion, seed), std::move(look)};
+}
+
+Sharpening fit_sharpening(const mcmc::MotionModel& model, const Ground& ground, double wanted,
+                          std::uint64_t seed, const core::Context& context) {
+  constexpr std::size_t frames = 60, every = 6;
+  const FrameLook look = model_look(model, ground, {});
+  auto all = ModelFrames(mcmc::Synthesis(model, seed), look).parts(frames, context);
+  std::vector<FrameParts> some;
+  for (std::size_t t = every - 1; t < frames; t += every) some.push_back(std::move(all[t]));
+  return fit_sharpening(some, look, wanted, context);
 }
 
 void write_ground_texture(OutputFolder& output, const std::string& model_name, const GroundTexture& texture) {

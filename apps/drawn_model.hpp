@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "apps/crease_sharpness.hpp"
 #include "apps/draw_model.hpp"
 #include "apps/ground.hpp"
 #include "apps/ground_texture.hpp"
@@ -29,7 +30,7 @@ ModelFill model_fill(const std::string& name);
 struct DrawnModel {
   mcmc::MotionModel motion;
   Ground ground;
-  double blur_share = 1;
+  Sharpening sharpening;
   std::shared_ptr<const dytex::LinearDynamicTexture> texture;  ///< with ModelFill::dytex
 };
 
@@ -39,6 +40,11 @@ struct DrawnModel {
 DrawnModel open_drawn_model(const std::string& folder, ModelFill fill);
 
 ModelFrames model_frames(const DrawnModel& model, const sketch::FillOptions& fill, std::uint64_t seed);
+
+/// How a new model's patches are to be drawn so that its frames' creases, in the mean of 60 frames, are as
+/// sharp as the clip's. Throws Interrupted.
+Sharpening fit_sharpening(const mcmc::MotionModel& model, const Ground& ground, double wanted,
+                          std::uint64_t seed, const core::Context& context = {});
 
 /// The folder "texture" beside a motion model's files: an emberfold.linear_dynamic_texture in half precision.
 void write_ground_texture(OutputFolder& output, const std::string& model_name, const GroundTexture& texture);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -19,7 +20,7 @@ using Catch::Matchers::WithinAbs;
 
 namespace {
 
-constexpr cv::Size kSize(96, 64);
+const cv::Size kSize(96, 64);
 
 graph::AttributeGraph wavy(double blur) {
   const auto shape = made_shape(14, 0.4, 60, {48, 32});
@@ -68,18 +69,37 @@ TEST_CASE("a blurred picture's creases are less sharp") {
   CHECK(crease_sharpness(blurred, graph).mean() < 0.75 * crease_sharpness(frame, graph).mean());
 }
 
-TEST_CASE("the share of blur is found that patches were blurred too much by, and 1 where they were not") {
+TEST_CASE("the sharpening is found that patches need, less blur before more contrast") {
+  const std::vector<FrameParts> parts(3, FrameParts{wavy(1.6)});
+  const FrameLook look{.size = kSize, .channels = 1, .empty_level = 68};
+  const auto sharpness = [&](const Sharpening& sharpening) {
+    FrameLook drawn = look;
+    drawn.blur_share = sharpening.blur_share, drawn.contrast_gain = sharpening.contrast_gain;
+    cv::Mat levels;
+    draw_frame(parts[0], drawn).convertTo(levels, CV_32F);
+    return crease_sharpness(levels, parts[0].graph).mean();
+  };
   for (const double share : {0.5, 0.7, 0.9}) {
-    const auto clip = clip_of(wavy(1.6 * share), 9);
-    core::ClipSource source(clip);
-    graph::SketchSequence sketch;
-    for (int t = 0; t < 9; ++t) sketch.append(wavy(1.6));
-    CHECK_THAT(fit_blur_share(source, sketch), WithinAbs(share, 0.06));
+    const auto found = fit_sharpening(parts, look, sharpness({share, 1}));
+    CHECK_THAT(found.blur_share, WithinAbs(share, 0.06));
+    CHECK(found.contrast_gain == 1);
   }
-  const auto clip = clip_of(wavy(2.5), 9);
+  const auto more = fit_sharpening(parts, look, sharpness({0.25, 1.3}));
+  CHECK(more.blur_share == 0.25);
+  CHECK_THAT(more.contrast_gain, WithinAbs(1.3, 0.04));
+  const auto enough = fit_sharpening(parts, look, 0.9 * sharpness({}));
+  CHECK(enough.blur_share == 1);
+  CHECK(enough.contrast_gain == 1);
+  CHECK(fit_sharpening(std::vector<FrameParts>(2), look, 10).blur_share == 1);
+}
+
+TEST_CASE("a clip's sharpness is that of some of its frames") {
+  const auto clip = clip_of(wavy(1.6), 9);
   core::ClipSource source(clip);
-  graph::SketchSequence sketch, empty;
-  for (int t = 0; t < 9; ++t) sketch.append(wavy(1.6)), empty.append({});
-  CHECK(fit_blur_share(source, sketch) == 1);
-  CHECK(fit_blur_share(source, empty) == 1);
+  graph::SketchSequence sketch;
+  for (int t = 0; t < 9; ++t) sketch.append(wavy(1.6));
+  cv::Mat levels;
+  clip.frames[0].convertTo(levels, CV_32F);
+  CHECK_THAT(clip_sharpness(source, sketch).mean(),
+             WithinAbs(crease_sharpness(levels, wavy(1.6)).mean(), 1e-9));
 }

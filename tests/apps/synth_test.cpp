@@ -113,8 +113,8 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
   REQUIRE(drawn.frames.size() == 40);
   CHECK(drawn.info.fps == 25);
   auto look = model_look(model, read_ground(archive, {model.width, model.height}), {});
-  look.blur_share = read_blur_share(archive);
-  CHECK(look.blur_share < 1);
+  const auto sharpening = read_sharpening(archive);
+  look.blur_share = sharpening.blur_share, look.contrast_gain = sharpening.contrast_gain;
   std::size_t patches = 0;
   const auto expected = ModelFrames(mcmc::Synthesis(model, 5), look).next(40);
   for (std::size_t t = 0; t < 40; ++t) {
@@ -375,9 +375,9 @@ TEST_CASE("models that nothing can be drawn from are refused with the reason") {
   archive.text.replace(archive.text.find("\"width\": 96"), 11, "\"width\": 48");
   refused(archive, {"3/model"});
   archive = mcmc::to_archive(good);
-  add_blur_share(archive, 1.5);
-  refused(archive, {"4/model", "blur_share.npy is 1.5"});
+  add_sharpening(archive, {1.5, 1});
+  refused(archive, {"4/model", "sharpening.npy is 1.5"});
   archive = mcmc::to_archive(good);
-  archive.arrays["blur_share"] = {{2}, false, std::vector<double>{1, 1}};
-  refused(archive, {"5/model", "blur_share.npy is not one number"});
+  archive.arrays["sharpening"] = {{1}, false, std::vector<double>{1}};
+  refused(archive, {"5/model", "sharpening.npy is not two numbers"});
 }

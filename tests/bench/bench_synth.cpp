@@ -20,7 +20,7 @@ using namespace emberfold;
 namespace {
 
 constexpr int kFrames = 40;
-constexpr cv::Size kSize(320, 240);
+const cv::Size kSize(320, 240);
 
 mcmc::MotionModel learned_model(std::size_t patches) {
   graph::SketchSequence sketch;
