@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/crease_sharpness.hpp"
+#include "apps/drawn_model.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/pictures.hpp"
 #include "apps/rate_map.hpp"
@@ -115,12 +117,31 @@ void need_two_frames(const std::string& clip, std::int64_t frames) {
 }
 
 /// Writes the motion model; what was not taken as measured becomes warnings.
-void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, OutputFolder& output,
-                  Session& session) {
+void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, const Sharpening& sharpening,
+                  OutputFolder& output, Session& session) {
   for (const auto& note : fitted.notes) session.warn("model: " + note);
   auto archive = mcmc::to_archive(fitted.model);
   add_ground(archive, ground);
+  add_sharpening(archive, sharpening);
   write_model(output, "model", archive);
+}
+
+/// Learns what lies between the strokes; null where the clip is none to learn from.
+Json learn_texture(core::FrameSource& source, const graph::SketchSequence& sketch, int components,
+                   OutputFolder& output, Session& session) {
+  GroundTextureOptions options;
+  options.components = components;
+  try {
+    const auto learned = learn_ground_texture(source, sketch.frames, options, session.context);
+    for (const auto& note : learned.notes) session.warn("texture: " + note);
+    write_ground_texture(output, "model", learned);
+    return {{"components", learned.texture.components()},
+            {"hidden_share", std::round(learned.hidden * 10000) / 10000},
+            {"r", learned.texture.r}};
+  } catch (const core::InputError& error) {
+    session.warn("no texture between the strokes: " + std::string(error.what()));
+    return nullptr;
+  }
 }
 
 std::vector<RateInterval> rates_a_frame(const mcmc::FitResult& fitted) {
@@ -207,9 +228,17 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   infer_motion(sketches, options, made, session);
   const auto& motion = made.motion;
   const auto& events = made.events;
-  const Ground ground = still_ground(sketches.clip.grounds);
+  const auto ground = still_ground(sketches.clip.grounds);
   Json calibration = calibrate_model(sketches, ground, options, made, session);
-  write_fitted(made.fitted, ground, output, session);
+  const double sharpness = clip_sharpness(*source, motion.sketch, session.context).mean();
+  const auto sharpening =
+      fit_sharpening(made.fitted.model, ground, sharpness, session.common.seed, session.context);
+  write_fitted(made.fitted, ground, sharpening, output, session);
+  Json texture;
+  if (options.texture > 0) {
+    stages.begin("texture");
+    texture = learn_texture(*source, motion.sketch, options.texture, output, session);
+  }
   stages.begin("write");
   write_data(output, motion, events, made.all_events);
 
@@ -225,17 +254,24 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
 
   Json& summary = made.summary = begin_summary("analyze", session);
   summary["clip"] = clip_json(made.clip, source->info(), static_cast<int>(motion.sketch.frames.size()));
-  summary["options"] = {
-      {"reading", reading_json(options.read)},        {"sketch", options_json(options.sketch)},
-      {"match", options_json(options.match)},         {"starts", options_json(options.starts)},
-      {"infer", options_json(options.infer)},         {"bottom_up", options.bottom_up},
-      {"calibrate", options_json(options.calibrate)}, {"fill", options_json(options.fill)}};
+  summary["options"] = {{"reading", reading_json(options.read)},
+                        {"sketch", options_json(options.sketch)},
+                        {"match", options_json(options.match)},
+                        {"starts", options_json(options.starts)},
+                        {"infer", options_json(options.infer)},
+                        {"bottom_up", options.bottom_up},
+                        {"calibrate", options_json(options.calibrate)},
+                        {"texture", options.texture},
+                        {"fill", options_json(options.fill)}};
   Json per_frame = per_frame_json(motion, events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(events, motion.sketch.frames.size());
   summary["model"] = motion_model_figures(made.fitted.model);
   summary["calibration"] = std::move(calibration);
+  summary["model"]["blur_share"] = std::round(sharpening.blur_share * 1000) / 1000;
+  summary["model"]["contrast_gain"] = std::round(sharpening.contrast_gain * 1000) / 1000;
+  if (options.texture > 0) summary["model"]["texture"] = std::move(texture);
   if (truth) {
     const graph::ScoreOptions tolerance;
     summary["score"] = score_json(graph::score_events(*truth, events, tolerance));

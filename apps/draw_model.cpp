@@ -4,17 +4,24 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/draw.hpp"
-#include "mcmc/synthesize.hpp"
+#include "apps/interrupt.hpp"
+#include "apps/stream_frames.hpp"
+#include "core/error.hpp"
+#include "dytex/synthesize.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t fading = 2;  // frames in which a patch that comes or goes is there in part
 
 bool is_grey(const graph::AttributeGraph& graph) {
   const auto same = [](const graph::Level& l) { return l[0] == l[1] && l[1] == l[2]; };
@@ -55,23 +62,83 @@ Json SynthesisFigures::json() const {
   return {{"patches_per_frame", mean(patches)}, {"strokes_per_frame", mean(strokes)}, {"operators", counts}};
 }
 
-SynthesisFigures draw_model(const mcmc::MotionModel& model, int frames, std::uint64_t seed,
-                            const FrameLook& look, const core::Context& context,
-                            const std::function<void(int, const cv::Mat&)>& take, mcmc::Start start) {
-  SynthesisFigures figures;
-  mcmc::Synthesis synthesis(model, seed, start);
-  draw_frames(
-      frames, look, "synthesize", context,
-      [&](int) {
-        auto graph = synthesis.next();
-        figures.patches.push_back(graph.size());
-        figures.strokes.push_back(graph::components(graph).count);
-        for (std::size_t i = 0; i < figures.operators.size(); ++i)
-          figures.operators[i] += static_cast<std::size_t>(synthesis.operators()[i]);
-        return graph;
-      },
-      take);
-  return figures;
+ModelFrames::ModelFrames(mcmc::Synthesis strokes, FrameLook look, std::function<cv::Mat()> ground)
+    : strokes_(std::move(strokes)), look_(std::move(look)), ground_(std::move(ground)) {}
+
+int ModelFrames::batch() const {
+  return static_cast<int>(frames_at_once(look_.size.width, look_.size.height, look_.channels));
+}
+
+/// The next frame's graph, with those of the frames to come behind it.
+ModelFrames::Drawn ModelFrames::take() {
+  while (ahead_.size() <= fading) {
+    Drawn drawn{strokes_.next(), {}};
+    drawn.operators = strokes_.operators();
+    ahead_.push_back(std::move(drawn));
+  }
+  Drawn drawn = std::move(ahead_.front());
+  ahead_.pop_front();
+  return drawn;
+}
+
+/// 1/3, 2/3, 1 from a patch's first frame on, and the same towards its last.
+std::vector<float> ModelFrames::presence(const graph::AttributeGraph& graph) {
+  std::map<std::uint32_t, int> ages;
+  std::vector<float> shares;
+  for (const auto& vertex : graph.vertices()) {
+    const auto before = ages_.find(vertex.id.value);
+    const int most = static_cast<int>(fading);
+    const int age = !begun_ ? most : before == ages_.end() ? 0 : std::min(before->second + 1, most);
+    ages.emplace_hint(ages.end(), vertex.id.value, age);
+    int left = 0;
+    while (left < age && ahead_[static_cast<std::size_t>(left)].graph.index_of(vertex.id) <
+                             ahead_[static_cast<std::size_t>(left)].graph.size())
+      ++left;
+    shares.push_back(static_cast<float>(std::min(age, left) + 1) / static_cast<float>(fading + 1));
+  }
+  ages_ = std::move(ages);
+  begun_ = true;
+  return shares;
+}
+
+std::vector<cv::Mat> ModelFrames::next(int count, const core::Context& context) {
+  return draw_batch(parts(count, context), look_, context);
+}
+
+std::vector<FrameParts> ModelFrames::parts(int count, const core::Context& context) {
+  std::vector<FrameParts> all;
+  for (int i = 0; i < count; ++i) {
+    if (context.cancelled()) throw Interrupted{};
+    Drawn drawn = take();
+    figures_.patches.push_back(drawn.graph.size());
+    figures_.strokes.push_back(graph::components(drawn.graph).count);
+    for (std::size_t k = 0; k < figures_.operators.size(); ++k)
+      figures_.operators[k] += static_cast<std::size_t>(drawn.operators[k]);
+    auto shares = presence(drawn.graph);
+    all.push_back({std::move(drawn.graph), ground_ ? ground_() : cv::Mat{}, std::move(shares)});
+  }
+  return all;
+}
+
+ModelFrames hybrid_frames(const mcmc::MotionModel& model,
+                          std::shared_ptr<const dytex::LinearDynamicTexture> texture, FrameLook look,
+                          std::uint64_t seed, mcmc::Start start) {
+  const auto& info = texture->info;
+  if (info.width != model.width || info.height != model.height)
+    throw core::InputError("the texture between the strokes is " + std::to_string(info.width) + "x" +
+                           std::to_string(info.height) + ", the model " + std::to_string(model.width) + "x" +
+                           std::to_string(model.height));
+  look.channels = info.channels;
+  dytex::SynthesisOptions options;
+  options.seed = seed;
+  // The texture goes with the synthesis that refers to it.
+  struct Drawn {
+    std::shared_ptr<const dytex::LinearDynamicTexture> texture;
+    dytex::Synthesis synthesis;
+  };
+  const auto ground = std::make_shared<Drawn>(Drawn{texture, dytex::Synthesis(*texture, options)});
+  return {mcmc::Synthesis(model, seed, start), std::move(look),
+          [ground] { return ground->synthesis.next(); }};
 }
 
 }  // namespace emberfold::apps

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "apps/draw_graph_frames.hpp"
 #include "apps/interrupt.hpp"
+#include "core/rng.hpp"
+#include "sketch/render.hpp"
 #include "tests/apps/clip_fixture.hpp"
 #include "tests/catch.hpp"
 
@@ -47,33 +50,85 @@ TEST_CASE("a frame drawn from a graph shows its strokes and the levels beside th
 }
 
 TEST_CASE("a frame without a stroke in it has the level that was asked for") {
-  CHECK(same_pixels(draw_frame({}, {.size = {9, 5}, .empty_level = 77}),
+  CHECK(same_pixels(draw_frame(graph::AttributeGraph{}, {.size = {9, 5}, .empty_level = 77}),
                     cv::Mat(5, 9, CV_8UC3, cv::Scalar::all(77))));
   // all of it lies outside
   CHECK(same_pixels(draw_frame(bar(20, -500), {.size = {48, 40}, .channels = 1, .empty_level = 77}),
                     cv::Mat(40, 48, CV_8UC1, cv::Scalar(77))));
 }
 
-TEST_CASE("a clip of graphs is drawn in order and frame by frame as each alone") {
+TEST_CASE("a batch of graphs is drawn frame by frame as each alone, on a ground or without") {
   const FrameLook look{{48, 40}, 3, 7, {}};
-  std::vector<int> asked, taken;
-  draw_frames(
-      37, look, "draw", {},
-      [&](int t) {
-        asked.push_back(t);
-        return bar(5 + t);
-      },
-      [&](int t, const cv::Mat& frame) {
-        taken.push_back(t);
-        if (t % 9 == 0) CHECK(same_pixels(frame, draw_frame(bar(5 + t), look)));
-      });
-  REQUIRE(taken.size() == 37);
-  for (int t = 0; t < 37; ++t)
-    CHECK((asked[static_cast<std::size_t>(t)] == t && taken[static_cast<std::size_t>(t)] == t));
+  core::Rng rng(2);
+  std::vector<FrameParts> parts;
+  for (int t = 0; t < 19; ++t) {
+    parts.push_back({bar(5 + t)});
+    if (t % 2 == 0) continue;
+    parts.back().ground = cv::Mat(40, 48, CV_8UC3);
+    for (auto& pixel : cv::Mat_<cv::Vec3b>(parts.back().ground))
+      pixel = cv::Vec3b::all(static_cast<unsigned char>(100 + rng.below(20)));
+  }
+  const auto frames = draw_batch(parts, look, {});
+  REQUIRE(frames.size() == 19);
+  for (std::size_t t = 0; t < frames.size(); ++t) CHECK(same_pixels(frames[t], draw_frame(parts[t], look)));
   std::stop_source stop;
   stop.request_stop();
-  CHECK_THROWS_AS(draw_frames(
-                      3, look, "draw", core::Context(stop.get_token()), [](int) { return bar(9); },
-                      [](int, const cv::Mat&) {}),
-                  Interrupted);
+  CHECK_THROWS_AS(draw_batch(parts, look, core::Context(stop.get_token())), Interrupted);
+}
+
+TEST_CASE("strokes are joined into a ground: theirs beside them, its own away from them") {
+  const FrameLook look{{96, 40}, 1, 7, {}};
+  core::Rng rng(2);
+  cv::Mat ground(40, 96, CV_8U);
+  for (auto& value : cv::Mat_<unsigned char>(ground)) value = static_cast<unsigned char>(100 + rng.below(20));
+  const cv::Mat frame = draw_frame(FrameParts{bar(20), ground}, look), plain = draw_frame(bar(20), look);
+  const auto drawn = sketch::draw_fitted(bar(20), look.size, 1);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 96; ++x)
+      if (drawn.mask.at<unsigned char>(y, x) != 0)
+        CHECK(frame.at<unsigned char>(y, x) == plain.at<unsigned char>(y, x));
+  const cv::Rect away(72, 0, 24, 40);
+  CHECK(cv::norm(frame(away), ground(away), cv::NORM_INF) <= 1);
+  // Its texture stays where its level gives way.
+  cv::Mat lifted = cv::Mat(ground - frame)(cv::Rect(26, 8, 4, 24));
+  cv::Scalar mean, spread;
+  cv::meanStdDev(lifted, mean, spread);
+  CHECK(mean[0] > 10);
+}
+
+TEST_CASE("a patch that is there in part lies between its own levels and what is there without it") {
+  const FrameLook look{{96, 64}, 3, 7, {}};
+  // A bar that comes, another that stays.
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (const auto& [x, first] : {std::pair{70.0, 0U}, {30.0, 100U}}) {
+    const auto one = bar(x);
+    for (auto vertex : one.vertices()) {
+      vertex.id.value += first;
+      if (first == 0) vertex.patch.left = vertex.patch.right = {80, 90, 100};
+      vertices.push_back(vertex);
+    }
+    for (auto edge : one.edges()) edges.push_back({{edge.a.value + first}, {edge.b.value + first}});
+  }
+  const graph::AttributeGraph both(vertices, edges);
+  const auto share = [&](float value, const cv::Mat& ground = {}) {
+    FrameParts parts{both, ground, std::vector<float>(12, 1)};
+    for (std::size_t i = 6; i < 12; ++i) parts.presence[i] = value;
+    cv::Mat levels;
+    draw_frame(parts, look).convertTo(levels, CV_32F);
+    return levels;
+  };
+  const cv::Mat ground(64, 96, CV_8UC3, cv::Scalar(40, 60, 80));
+  for (const auto& below : {cv::Mat{}, ground}) {
+    cv::Mat whole, none;
+    draw_frame(FrameParts{both, below}, look).convertTo(whole, CV_32F);
+    vertices.resize(6), edges.resize(5);
+    draw_frame(FrameParts{{vertices, edges}, below}, look).convertTo(none, CV_32F);
+    CHECK(cv::norm(share(1, below), whole, cv::NORM_INF) == 0);
+    CHECK(cv::norm(share(0, below), none, cv::NORM_INF) <= 3);
+    CHECK(cv::norm(share(0.25F, below), 0.75 * none + 0.25 * whole, cv::NORM_INF) <= 4);
+    CHECK(cv::norm(whole, none, cv::NORM_INF) > 50);
+    vertices = {both.vertices().begin(), both.vertices().end()},
+    edges = {both.edges().begin(), both.edges().end()};
+  }
 }

@@ -6,11 +6,15 @@
 
 #include "apps/clip_reader.hpp"
 #include "apps/clip_writer.hpp"
+#include "apps/crease_sharpness.hpp"
 #include "apps/draw_model.hpp"
+#include "apps/drawn_model.hpp"
 #include "apps/model_folder.hpp"
+#include "apps/output_folder.hpp"
 #include "graph/motion_io.hpp"
 #include "mcmc/motion_model.hpp"
 #include "mcmc/synthesize.hpp"
+#include "tests/apps/made_model.hpp"
 #include "tests/apps/made_motion.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/catch.hpp"
@@ -109,12 +113,19 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
   const auto drawn = read_clip(avi);
   REQUIRE(drawn.frames.size() == 40);
   CHECK(drawn.info.fps == 25);
-  const auto look = model_look(model, read_ground(archive, {model.width, model.height}), {});
+  auto look = model_look(model, read_ground(archive, {model.width, model.height}), {});
+  const auto sharpening = read_sharpening(archive);
+  look.blur_share = sharpening.blur_share, look.contrast_gain = sharpening.contrast_gain;
   std::size_t patches = 0;
+  double apart = 0;
+  const auto expected = ModelFrames(mcmc::Synthesis(model, 5), look).next(40);
   for (std::size_t t = 0; t < 40; ++t) {
     patches += motion.sketch.frames[t].size();
-    CHECK(same_pixels(drawn.frames[t], draw_frame(motion.sketch.frames[t], look)));
+    CHECK(same_pixels(drawn.frames[t], expected[t]));
+    // The graphs' own picture, but for what comes and goes.
+    apart += cv::norm(drawn.frames[t], draw_frame(motion.sketch.frames[t], look), cv::NORM_L1);
   }
+  CHECK(apart / (40 * 3 * 160 * 120) < 3);
   CHECK(patches > 40 * 20);
 
   const Json summary = Json::parse(result.out);
@@ -244,13 +255,43 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   CHECK(left == 2);  // the clip and its analysis
 }
 
-TEST_CASE("an interrupted synth keeps nothing") {
+TEST_CASE("an interrupted synth leaves what was drawn, whole and of one length") {
   const Learned made(12);
-  const auto out = made.temp / "out.avi", motion = made.temp / "m.jsonl";
+  const auto out = made.temp / "out.avi", motion = made.temp / "m.jsonl", overlay = made.temp / "over.avi";
+  CommandOptions options;
+  options.interrupt_if = [&] {
+    std::error_code none;
+    const auto bytes = fs::file_size(made.temp / "out.part.avi", none);
+    return !none && bytes > 100'000;
+  };
+  const auto result = run_command({"synth", made.model, "-o", out.string(), "--motion", motion.string(),
+                                   "--overlay", overlay.string(), "--frames", "2000", "--threads", "1"},
+                                  options);
+  INFO(result.err);
+  CHECK(result.exit == 130);
+  const auto clip = read_clip(out);
+  const auto count = clip.frames.size();
+  CHECK(count > 0);
+  CHECK(count < 2000);
+  CHECK(contains(result.err, "holds the " + std::to_string(count) + " of 2000 frames"));
+  CHECK(read_clip(overlay).frames.size() == count);
+  std::ifstream stream(motion);
+  CHECK(graph::read_motion(stream, "m.jsonl").sketch.frames.size() == count);
+  CHECK(std::distance(fs::directory_iterator(made.temp.path()), fs::directory_iterator()) == 5);
+  // They are those that a shorter clip has.
+  const auto shorter = made.temp / "shorter.avi";
+  REQUIRE(run_command({"synth", made.model, "-o", shorter.string(), "--frames", "5", "-q"}).exit == 0);
+  const auto five = read_clip(shorter);
+  for (std::size_t t = 0; t < std::min<std::size_t>(5, count); ++t)
+    CHECK(same_pixels(five.frames[t], clip.frames[t]));
+}
+
+TEST_CASE("a synth that is interrupted before its first frame keeps nothing") {
+  const Learned made(12);
   CommandOptions options;
   options.interrupt_if = [&] { return fs::exists(made.temp / "out.part.avi"); };
-  const auto result = run_command({"synth", made.model, "-o", out.string(), "--motion", motion.string(),
-                                   "--frames", "100000", "--threads", "1"},
+  const auto result = run_command({"synth", made.model, "-o", (made.temp / "out.avi").string(), "--motion",
+                                   (made.temp / "m.jsonl").string(), "--frames", "100000", "--threads", "1"},
                                   options);
   CHECK(result.exit == 130);
   CHECK(std::distance(fs::directory_iterator(made.temp.path()), fs::directory_iterator()) == 2);
@@ -286,4 +327,91 @@ TEST_CASE("synth changes the motion as it is asked to, and by nothing if by noth
   const auto black = made.temp / "black.png";
   cv::imwrite(black.string(), cv::Mat(40, 40, CV_8U, cv::Scalar(0)));
   refused({"--birth-map", black.string()}, "is black: nothing would be born");
+}
+
+TEST_CASE("analyze learns what lies between strokes where asked, and synth draws it in step") {
+  const Learned made(24);
+  const auto folder = (made.temp / "b").string(), model = folder + "/model";
+  for (const char* threads : {"1", "4"}) {
+    const std::string name = folder + (threads[0] == '1' ? "" : threads);
+    REQUIRE(run_command({"analyze", made.clip, "-o", name, "--bottom-up", "--texture", "4", "--threads",
+                         threads, "-q"})
+                .exit == 0);
+    REQUIRE(run_command({"synth", name + "/model", "-o", name + "/new.avi", "--frames", "30", "--fill",
+                         "dytex", "--threads", threads, "-q"})
+                .exit == 0);
+  }
+  for (const char* file : {"model/texture/C.npy", "model/texture/states.npy", "new.avi"})
+    CHECK(bytes_of(fs::path(folder) / file) == bytes_of(fs::path(folder + "4") / file));
+  const Json summary = Json::parse(bytes_of(fs::path(folder) / "summary.json"));
+  CHECK(summary["model"]["texture"]["components"] == 4);
+  CHECK(summary["model"]["texture"]["hidden_share"] > 0.02);
+  CHECK(summary["seconds"].contains("texture"));
+  // The texture is one of its own right.
+  CHECK(run_command({"dytex", "info", model + "/texture"}).exit == 0);
+  const auto opened = open_drawn_model(model, ModelFill::dytex);
+  auto frames = model_frames(opened, {}, 1);
+  const auto drawn = read_clip(fs::path(folder) / "new.avi");
+  REQUIRE(drawn.frames.size() == 30);
+  const auto expected = frames.next(30);
+  for (std::size_t t = 0; t < 30; ++t) CHECK(same_pixels(drawn.frames[t], expected[t]));
+
+  const auto out = made.temp / "out.avi";
+  const auto refused = [&](const std::string& path, const std::vector<std::string>& what) {
+    check_refused({"synth", path, "-o", out.string(), "-q", "--fill", "dytex"}, 1, what, out);
+  };
+  refused(made.model, {"holds no texture", "analyze --texture"});
+  const auto copy = [&](const std::string& name) {
+    fs::copy(model, made.temp / name, fs::copy_options::recursive);
+    return (made.temp / name).string();
+  };
+  const auto newer = copy("newer");
+  replace_in(fs::path(newer) / "texture/model.json", "\"version\": 2", "\"version\": 99");
+  refused(newer, {"newer/texture", "99"});
+  const auto other = copy("other");
+  replace_in(fs::path(other) / "texture/model.json", "\"width\": 160", "\"width\": 120");
+  replace_in(fs::path(other) / "texture/model.json", "\"height\": 120", "\"height\": 160");
+  refused(other, {"other/texture", "120x160", "160x120"});
+  const auto cut = copy("cut");
+  fs::remove(fs::path(cut) / "texture/A.npy");
+  refused(cut, {"cut/texture", "A"});
+  // Whoever asks for no texture does not meet it.
+  CHECK(run_command({"synth", cut, "-o", out.string(), "-q", "--frames", "2"}).exit == 0);
+  check_refused({"analyze", made.clip, "-o", (made.temp / "c").string(), "--texture", "501", "-q"}, 2,
+                {"--texture is 501"}, made.temp / "c");
+}
+
+TEST_CASE("models that nothing can be drawn from are refused with the reason") {
+  const TempFolder temp;
+  const auto out = temp / "out.avi";
+  int count = 0;
+  const auto refused = [&](const core::ModelArchive& archive, const std::vector<std::string>& what) {
+    const auto folder = temp / std::to_string(count++);
+    OutputFolder output(folder);
+    write_model(output, "model", archive);
+    output.commit();
+    check_refused({"synth", (folder / "model").string(), "-o", out.string(), "-q", "--frames", "2"}, 1, what,
+                  out);
+  };
+  const auto good = made_model(96, 64, 16);
+  auto model = good;
+  model.exemplars.clear();
+  refused(mcmc::to_archive(model), {"0/model", "no exemplars"});
+  model = good;
+  model.rates.birth.values.assign(model.rates.birth.values.size(), 0);
+  model.rates.death_by_size = {};
+  model.rates.split = model.rates.merge = model.rates.connect = model.rates.disconnect = 0;
+  refused(mcmc::to_archive(model), {"1/model", "all rates of the model are 0"});
+  auto archive = mcmc::to_archive(good);
+  archive.text.replace(archive.text.find("1.31"), 4, "1.71");
+  refused(archive, {"2/model", "sway is not stable", "spectral radius"});
+  archive = mcmc::to_archive(good);
+  archive.text.replace(archive.text.find("\"width\": 96"), 11, "\"width\": 48");
+  refused(archive, {"3/model"});
+  archive = mcmc::to_archive(good);
+  add_sharpening(archive, {1.5, 1});
+  refused(archive, {"4/model", "sharpening.npy is 1.5"});
+  archive = mcmc::to_archive(good);
+  archive.arrays["sharpening"] = {{1}, false, std::vector<double>{1}};
+  refused(archive, {"5/model", "sharpening.npy is not two numbers"});
 }

@@ -22,8 +22,8 @@ namespace {
 
 constexpr double kPromise = 0.25;  // grey levels, everywhere
 
-/// The same equations, written down from their definition and factorised.
-cv::Mat direct_fill(const cv::Mat& levels, const cv::Mat& mask) {
+/// The same equations, written down from their definition and factorised; `sink` draws to 0.
+cv::Mat direct_fill(const cv::Mat& levels, const cv::Mat& mask, double sink = 0) {
   const int width = levels.cols, height = levels.rows;
   cv::Mat number(mask.size(), CV_32S, cv::Scalar(-1));
   int unknowns = 0;
@@ -36,6 +36,7 @@ cv::Mat direct_fill(const cv::Mat& levels, const cv::Mat& mask) {
     for (int x = 0; x < width; ++x) {
       const int i = number.at<int>(y, x);
       if (i < 0) continue;
+      entries.emplace_back(i, i, sink);
       for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
         const int nx = x + dx, ny = y + dy;
         if (nx < 0 || ny < 0 || nx >= width || ny >= height) continue;
@@ -351,4 +352,63 @@ TEST_CASE("What cannot be filled is refused by name", "[sketch][fill]") {
     broken.at<float>(4, 5) = bad;
     CHECK(refused(broken, mask, "row 4"));
   }
+}
+
+TEST_CASE("Put onto a ground, the difference is that of a direct solution with a sink", "[sketch][fill]") {
+  core::Rng rng(21);
+  for (const cv::Size size : {cv::Size(63, 41), cv::Size(16, 80), cv::Size(1, 30), cv::Size(300, 4)}) {
+    const cv::Mat levels = random_levels(size, rng), ground = random_levels(size, rng);
+    cv::Mat mask(size, CV_8U, cv::Scalar(0));
+    for (int i = 0; i < 6; ++i)
+      mask.at<uchar>(static_cast<int>(rng.below(static_cast<std::uint32_t>(size.height))),
+                     static_cast<int>(rng.below(static_cast<std::uint32_t>(size.width)))) = 255;
+    for (const double reach : {1.0, 3.0, 12.0, 500.0}) {
+      cv::Mat held(size, CV_32F, cv::Scalar(0));
+      cv::Mat(levels - ground).copyTo(held, mask);
+      const cv::Mat expected = ground + direct_fill(held, mask, 1 / (reach * reach));
+      const auto result = sketch::fill_onto(levels, mask, ground, reach);
+      INFO(size << ", reach " << reach);
+      CHECK(result.converged);
+      CHECK(result.iterations < 40);
+      CHECK(largest_difference(result.levels, expected) < kPromise);
+      CHECK(cv::countNonZero((result.levels != levels) & mask) == 0);
+    }
+  }
+}
+
+TEST_CASE("A ground stays itself away from what is put onto it, in every channel", "[sketch][fill]") {
+  core::Rng rng(22);
+  cv::Mat ground(60, 90, CV_32FC3), mask(60, 90, CV_8U, cv::Scalar(0));
+  for (auto& pixel : cv::Mat_<cv::Vec3f>(ground))
+    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(rng.uniform(0, 255));
+  const cv::Mat levels(60, 90, CV_32FC3, cv::Scalar(200, 100, 0));
+  CHECK(largest_difference(sketch::fill_onto(levels, mask, ground, 4).levels, ground) == 0);
+  mask.colRange(0, 6).setTo(255);
+  const cv::Mat drawn = sketch::fill_onto(levels, mask, ground, 4).levels;
+  CHECK(largest_difference(drawn.colRange(0, 6), levels.colRange(0, 6)) == 0);
+  // e^(−40/4) of at most 255 levels is left 40 px away.
+  CHECK(largest_difference(drawn.colRange(46, 90), ground.colRange(46, 90)) < 0.1);
+  mask.setTo(255);
+  CHECK(largest_difference(sketch::fill_onto(levels, mask, ground, 4).levels, levels) == 0);
+  mask.colRange(50, 90).setTo(0);
+  CHECK(largest_difference(sketch::fill_onto(ground, mask, ground, 4).levels, ground) == 0);
+}
+
+TEST_CASE("A ground that cannot be taken is refused by name", "[sketch][fill]") {
+  const cv::Mat levels(6, 8, CV_32F, cv::Scalar(1)), mask(6, 8, CV_8U, cv::Scalar(0));
+  const auto refused = [&](const cv::Mat& ground, double reach, const std::string& word) {
+    try {
+      (void)sketch::fill_onto(levels, mask, ground, reach);
+    } catch (const core::InputError& error) {
+      return std::string(error.what()).find(word) != std::string::npos;
+    }
+    return false;
+  };
+  CHECK(refused(cv::Mat(6, 7, CV_32F, cv::Scalar(1)), 5, "7 × 6"));
+  CHECK(refused(cv::Mat(6, 8, CV_32FC3, cv::Scalar(1)), 5, "CV_32FC3"));
+  CHECK(refused(levels, 0, "reach is 0"));
+  CHECK(refused(levels, std::numeric_limits<double>::quiet_NaN(), "reach"));
+  cv::Mat broken = levels.clone();
+  broken.at<float>(2, 2) = std::numeric_limits<float>::infinity();
+  CHECK(refused(broken, 5, "not finite"));
 }

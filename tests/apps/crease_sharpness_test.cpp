@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/crease_sharpness.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "sketch/render.hpp"
+#include "tests/apps/clip_fixture.hpp"
+#include "tests/apps/made_model.hpp"
+#include "tests/catch.hpp"
+
+using namespace emberfold;
+using namespace emberfold::apps;
+using namespace emberfold::tests;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+const cv::Size kSize(96, 64);
+
+graph::AttributeGraph wavy(double blur) {
+  const auto shape = made_shape(14, 0.4, 60, {48, 32});
+  std::vector<graph::Vertex> vertices(shape.vertices().begin(), shape.vertices().end());
+  for (auto& vertex : vertices) vertex.patch.blur = blur;
+  return {std::move(vertices), {shape.edges().begin(), shape.edges().end()}};
+}
+
+core::Clip clip_of(const graph::AttributeGraph& graph, int frames) {
+  core::Clip clip{{kSize.width, kSize.height, 1, CV_8U, 25, 255, frames}, {}};
+  const auto drawn = sketch::draw_fitted(graph, kSize, 1);
+  cv::Mat frame(kSize, CV_32F, cv::Scalar(68));
+  drawn.levels.copyTo(frame, drawn.mask);
+  for (int t = 0; t < frames; ++t) clip.frames.push_back(core::to_bytes(frame));
+  return clip;
+}
+
+}  // namespace
+
+TEST_CASE("the sharpness of a step's crease is its gradient, whatever its direction") {
+  for (const double theta : {0.0, 0.5, 2.0, -1.3}) {
+    cv::Mat frame(kSize, CV_32F);
+    const double s = std::sin(theta), c = std::cos(theta);
+    for (int y = 0; y < frame.rows; ++y)
+      for (int x = 0; x < frame.cols; ++x)
+        frame.at<float>(y, x) = static_cast<float>(
+            100 + 50 * std::erf((-(x - 48) * s + (y - 32) * c) / (2.5 * std::numbers::sqrt2)));
+    graph::Patch patch;
+    patch.type = graph::PatchType::step;
+    patch.position = {48, 32}, patch.theta = theta, patch.width = 0, patch.blur = 2.5, patch.contrast = 100;
+    const auto found = crease_sharpness(frame, {{{{0}, {}, patch}}, {}});
+    CHECK(found.places == 2);
+    // 100 levels blurred by 2.5 px, and by Sobel's own half a pixel or so.
+    const double peak = 100 / (2.5 * std::sqrt(2 * std::numbers::pi));
+    CHECK_THAT(found.mean(), WithinAbs(peak, 0.12 * peak));
+    patch.position = {2, 2};
+    CHECK(crease_sharpness(frame, {{{{0}, {}, patch}}, {}}).places == 0);
+  }
+}
+
+TEST_CASE("a blurred picture's creases are less sharp") {
+  const auto graph = wavy(1);
+  cv::Mat frame, blurred;
+  clip_of(graph, 1).frames[0].convertTo(frame, CV_32F);
+  cv::GaussianBlur(frame, blurred, {}, 1.5);
+  CHECK(crease_sharpness(blurred, graph).mean() < 0.75 * crease_sharpness(frame, graph).mean());
+}
+
+TEST_CASE("the sharpening is found that patches need, less blur before more contrast") {
+  const std::vector<FrameParts> parts(3, FrameParts{wavy(1.6)});
+  const FrameLook look{.size = kSize, .channels = 1, .empty_level = 68};
+  const auto sharpness = [&](const Sharpening& sharpening) {
+    FrameLook drawn = look;
+    drawn.blur_share = sharpening.blur_share, drawn.contrast_gain = sharpening.contrast_gain;
+    cv::Mat levels;
+    draw_frame(parts[0], drawn).convertTo(levels, CV_32F);
+    return crease_sharpness(levels, parts[0].graph).mean();
+  };
+  for (const double share : {0.5, 0.7, 0.9}) {
+    const auto found = fit_sharpening(parts, look, sharpness({share, 1}));
+    CHECK_THAT(found.blur_share, WithinAbs(share, 0.06));
+    CHECK(found.contrast_gain == 1);
+  }
+  const auto more = fit_sharpening(parts, look, sharpness({0.25, 1.3}));
+  CHECK(more.blur_share == 0.25);
+  CHECK_THAT(more.contrast_gain, WithinAbs(1.3, 0.04));
+  const auto enough = fit_sharpening(parts, look, 0.9 * sharpness({}));
+  CHECK(enough.blur_share == 1);
+  CHECK(enough.contrast_gain == 1);
+  CHECK(fit_sharpening(std::vector<FrameParts>(2), look, 10).blur_share == 1);
+}
+
+TEST_CASE("a clip's sharpness is that of some of its frames") {
+  const auto clip = clip_of(wavy(1.6), 9);
+  core::ClipSource source(clip);
+  graph::SketchSequence sketch;
+  for (int t = 0; t < 9; ++t) sketch.append(wavy(1.6));
+  cv::Mat levels;
+  clip.frames[0].convertTo(levels, CV_32F);
+  CHECK_THAT(clip_sharpness(source, sketch).mean(),
+             WithinAbs(crease_sharpness(levels, wavy(1.6)).mean(), 1e-9));
+}
