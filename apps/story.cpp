@@ -59,7 +59,8 @@ void list_files(const Comparison& comparison, Json& files) {
       {"measures.json", "how close the models come to the clip"},
       {"side_by_side.mp4", "the clip and those drawn from its models"},
       {"synthesized_motion.avi", "a new clip from the motion model"},
-      {"synthesized_dytex.avi", "a new clip from the linear dynamic texture"}};
+      {"synthesized_dytex.avi", "a new clip from the linear dynamic texture"},
+      {"synthesized_star.avi", "a new clip from an auto-regression in space and time"}};
   files["dytex/"] = "a linear dynamic texture: 'emberfold dytex synth' draws from it";
   for (const auto& file : comparison.files)
     files[file] = about.contains(file) ? about.at(file) : "written by the comparison";
@@ -98,7 +99,8 @@ ReportMeasures measures_table(const Json& measures) {
         {name,
          about,
          {apart("motion_model", key), apart("linear_dynamic_texture", key), apart("noise_floor", key)}});
-  const auto mean = psnr("mean_image"), sketch = psnr("own_sketch");
+  const auto mean = psnr("mean_image"),
+             sketch = value_at(measures, {"reconstruction", "motion_model", "psnr"});
   const auto decibels = [](double value) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.1f dB", value);
@@ -121,7 +123,7 @@ void tell_story(core::FrameSource& source, const AnalyzeOptions& options, Analys
   analysis.stages.begin("texture");
   const auto texture = learn_texture(source, compare.learn, analysis, output, session);
   analysis.stages.begin("compare");
-  const KnownModels known{&analysis.sketched, &analysis.motion, &analysis.fitted.model, &texture};
+  const KnownModels known{&analysis.sketched, &analysis.fitted.model, &texture};
   const auto comparison = compare_clip(source, analysis.clip, compare, known, output, session);
   analysis.stages.begin("clips");
   analysis.report.measures = measures_table(comparison.measures);

@@ -231,10 +231,15 @@ EMBERFOLD_AVX512 void panel_avx512(const float* slice, const float* panel, std::
   _mm512_storeu_ps(out + 5 * stride, a5), _mm512_storeu_ps(out + 5 * stride + 16, b5);
 }
 
+/// Eight lanes as a type of their own: an array of __m256 itself loses the type's attributes.
+struct Eight {
+  __m256 lanes;
+};
+
 /// Twelve inner products at once; results[4 a + b] for left a and right b.
 EMBERFOLD_AVX2 void twelve_products(const std::array<const float*, 3>& left,
                                     const std::array<const float*, 4>& right, std::size_t count,
-                                    std::size_t step, std::array<__m256, 12>& results) {
+                                    std::size_t step, std::array<Eight, 12>& results) {
   __m256 s00 = _mm256_setzero_ps(), s01 = s00, s02 = s00, s03 = s00, s10 = s00, s11 = s00, s12 = s00,
          s13 = s00, s20 = s00, s21 = s00, s22 = s00, s23 = s00;
   for (std::size_t slice = 0; slice < count; ++slice)
@@ -250,13 +255,14 @@ EMBERFOLD_AVX2 void twelve_products(const std::array<const float*, 3>& left,
       b = _mm256_loadu_ps(right[3] + p);
       s03 = _mm256_fmadd_ps(a0, b, s03), s13 = _mm256_fmadd_ps(a1, b, s13), s23 = _mm256_fmadd_ps(a2, b, s23);
     }
-  results = {s00, s01, s02, s03, s10, s11, s12, s13, s20, s21, s22, s23};
+  results = {Eight{s00}, Eight{s01}, Eight{s02}, Eight{s03}, Eight{s10}, Eight{s11},
+             Eight{s12}, Eight{s13}, Eight{s20}, Eight{s21}, Eight{s22}, Eight{s23}};
 }
 
 EMBERFOLD_AVX2 void inner_avx2(const Slices& block, double* products) {
   constexpr std::size_t kLeft = 3, kRight = 4;
   const std::size_t n = block.columns;
-  std::array<__m256, kLeft * kRight> sums;
+  std::array<Eight, kLeft * kRight> sums;
   for (std::size_t i = 0; i < n; i += kLeft)
     for (std::size_t j = 0; j < std::min(i + kLeft, n); j += kRight) {
       twelve_products(columns_from<kLeft>(block, i), columns_from<kRight>(block, j), block.count, n * kSlice,
@@ -264,7 +270,7 @@ EMBERFOLD_AVX2 void inner_avx2(const Slices& block, double* products) {
       for (std::size_t a = 0; a < kLeft && i + a < n; ++a)
         for (std::size_t b = 0; b < kRight && j + b <= i + a; ++b) {
           alignas(32) std::array<float, kLanes> lanes{};
-          _mm256_store_ps(lanes.data(), sums[a * kRight + b]);
+          _mm256_store_ps(lanes.data(), sums[a * kRight + b].lanes);
           for (const float x : lanes) products[(j + b) * n + i + a] += static_cast<double>(x);
         }
     }
