@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -56,7 +57,7 @@ double value_at(const cv::Mat& image, double x, double y) {
 
 struct CreasePoint {
   int x, y;
-  double steepness;
+  double steepness, height;
 };
 
 // Where the gradient is largest along its own direction.
@@ -71,7 +72,7 @@ std::vector<CreasePoint> crease_points(const Gradient& g) {
                    dy = static_cast<double>(g.y.at<float>(y, x)) / size;
       // >= on one side alone: of two equal neighbours one is taken
       if (size > value_at(g.size, x + dx, y + dy) && size >= value_at(g.size, x - dx, y - dy))
-        points.push_back({x, y, size});
+        points.push_back({x, y, size, 0});
     }
   return points;
 }
@@ -164,19 +165,18 @@ Sharpness crease_sharpness(const cv::Mat& luma) {
   check_luma(luma, "crease sharpness");
   const auto g = gradient(luma);
   auto points = crease_points(g);
-  const auto most = std::max<std::size_t>(1, luma.total() / 100);
+  for (auto& point : points) point.height = step_height(luma, g, point);
+  const auto most = std::max<std::size_t>(1, luma.total() / 50);
   if (points.size() > most) {
-    const auto steeper = [](const CreasePoint& a, const CreasePoint& b) { return a.steepness > b.steepness; };
-    // stable: points of one steepness are taken in the order of the frame
-    std::ranges::stable_sort(points, steeper);
+    // stable: points of one height are taken in the order of the frame
+    std::ranges::stable_sort(points, std::ranges::greater{}, &CreasePoint::height);
     points.resize(most);
   }
   Sharpness found;
   for (const auto& point : points) {
-    const double height = step_height(luma, g, point);
-    if (height <= 0) continue;
+    if (point.height <= 0) continue;
     found.gradient += point.steepness;
-    found.sharpness += point.steepness / height;
+    found.sharpness += point.steepness / point.height;
     ++found.points;
   }
   if (found.points > 0) found.gradient /= found.points, found.sharpness /= found.points;

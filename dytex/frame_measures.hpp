@@ -33,12 +33,13 @@ struct Sharpness {
   double sharpness = 0;  ///< 1/px: mean of steepness over the height of the step, whatever its contrast
   int points = 0;        ///< that these are means over
 };
-/// Creases are where the gradient (Sobel, levels/px) is largest along its own direction. Of these points the
-/// steepest are taken, as many as a hundredth of the frame's pixels, without those below 1 level/px: a share,
-/// not a threshold, so that a blurred frame is not measured at the few edges it has kept. The height of the
-/// step is what the levels change by, along the gradient, from where they stop falling to where they stop
-/// rising, at most 8 px to either side. A step smoothed by a Gaussian of SD s has sharpness 1/(s √2π), less
-/// as Sobel smooths, too. InputError for another type. O(pixels).
+/// Creases are where the gradient (Sobel, levels/px) is largest along its own direction and at least 1
+/// level/px. The height of the step there is what the levels change by, along the gradient, from where they
+/// stop falling to where they stop rising, at most 8 px to either side. The highest steps are taken, as many
+/// as a fiftieth of the frame's pixels: blur takes no height from a step that lies alone, so that a blurred
+/// frame is measured at the same steps and not at the few sharp ones it has kept. A step smoothed by a
+/// Gaussian of SD s has sharpness 1/(s √2π), less as Sobel smooths, too. InputError for another type.
+/// O(pixels).
 Sharpness crease_sharpness(const cv::Mat& luma);
 
 }  // namespace emberfold::dytex

@@ -34,25 +34,37 @@ cv::Mat plane(const cv::Mat& planes, int channel, int channels) {
   return planes.rowRange(channel * rows, (channel + 1) * rows);
 }
 
-// One plane of the next frame: `out` holds the noise (or 0) inside its border and becomes s.
+// One plane of the next frame: `out` holds a (or 0) inside its border and becomes s.
 void step_plane(const Star& star, int reach, const std::vector<cv::Mat>& past, cv::Mat out) {
   const int width = out.cols - 2 * reach;
-  for (int y = reach; y < out.rows - reach; ++y) {
+  const auto coefficient = [&](std::size_t i) {
+    return static_cast<float>(star.coefficients(static_cast<Eigen::Index>(i)));
+  };
+  for (int y = reach; y < out.rows - reach; ++y) {  // a becomes e
     float* row = out.ptr<float>(y) + reach;
     std::vector<std::pair<int, float>> left;
     for (std::size_t i = 0; i < star.terms.size(); ++i) {
       const auto& term = star.terms[i];
-      const auto c = static_cast<float>(star.coefficients(static_cast<Eigen::Index>(i)));
-      if (term.lag == 0 && term.y == 0) {
-        left.emplace_back(term.x, c);
+      if (term.lag > 0) continue;
+      if (term.y == 0) {
+        left.emplace_back(term.x, coefficient(i));
         continue;
       }
-      const auto& frame = term.lag == 0 ? out : past[past.size() - static_cast<std::size_t>(term.lag)];
-      const float* from = frame.ptr<float>(y + term.y) + reach + term.x;
+      const float c = coefficient(i), *from = out.ptr<float>(y + term.y) + reach + term.x;
       for (int x = 0; x < width; ++x) row[x] += c * from[x];
     }
     for (int x = 0; x < width; ++x)
       for (const auto& [dx, c] : left) row[x] += c * row[x + dx];
+  }
+  for (int y = reach; y < out.rows - reach; ++y) {  // and e becomes s
+    float* row = out.ptr<float>(y) + reach;
+    for (std::size_t i = 0; i < star.terms.size(); ++i) {
+      const auto& term = star.terms[i];
+      if (term.lag == 0) continue;
+      const auto& frame = past[past.size() - static_cast<std::size_t>(term.lag)];
+      const float c = coefficient(i), *from = frame.ptr<float>(y + term.y) + reach + term.x;
+      for (int x = 0; x < width; ++x) row[x] += c * from[x];
+    }
   }
 }
 

@@ -20,12 +20,15 @@ struct StarTerm {
   bool operator==(const StarTerm&) const = default;
 };
 
-/// Spatio-temporal auto-regression (STAR: Szummer, Picard 1996, eq. 1): every value, less its pixel's mean,
-/// is the sum of its neighbours' times fixed coefficients, plus noise,
-///   s(x, y, t) = Σᵢ φᵢ s(x + xᵢ, y + yᵢ, t − lagᵢ) + a(x, y, t),
+/// Spatio-temporal auto-regression (STAR: Szummer, Picard 1996): every value, less its pixel's mean, is the
+/// sum of neighbours' in the frames before times fixed coefficients, plus a disturbance,
+///   s(x, y, t) = Σ_{lag > 0} φᵢ s(x + xᵢ, y + yᵢ, t − lagᵢ) + e(x, y, t),
+///   e(x, y, t) = Σ_{lag = 0} φᵢ e(x + xᵢ, y + yᵢ, t) + a(x, y, t),   a white,
 /// the same everywhere. Neighbours of the same frame come before the pixel in the order of rows; outside the
-/// frame s is 0. Channels share the coefficients, and `noise` makes theirs alike. (The paper has grey clips
-/// and one mean; a mean for every pixel lets it show clips whose ground differs from place to place.)
+/// frame s and e are 0. Channels share the coefficients, and `noise` makes a's alike. (The paper, eq. 1, has
+/// the neighbours of the same frame in the first line, too. Apart, the first line alone tells what is
+/// expected and whether the model is stable, and the second only how disturbances look. The paper has grey
+/// clips and one mean; a mean for every pixel lets STAR show clips whose ground differs from place to place.)
 struct Star {
   core::ClipInfo info;           ///< of the clip it was learned from; `frames` is how many
   Eigen::VectorXf mean;          ///< width · height · channels values in the order of a frame's memory
@@ -55,7 +58,7 @@ void validate(const Star& star);
 
 /// By how much the slowest wave in an endless frame grows from frame to frame, below 1 where the model is
 /// stable: the largest root of λ² = f₁(ω) λ + f₂(ω) over 64 × 64 frequencies ω in space, f the transforms of
-/// the coefficients of each lag, divided by 1 − that of the same frame.
+/// the coefficients of each lag.
 double spectral_radius(const Star& star);
 
 struct StarResult {
@@ -65,10 +68,10 @@ struct StarResult {
   core::Status status = core::Status::done;
 };
 
-/// Least squares over pixels with all their neighbours in the frame: all of them, or 2^16 drawn evenly. The
-/// source is read twice, some frames at a time. Where the fit is not stable its coefficients of lag l are
+/// Least squares over pixels with all their neighbours in the frame: all of them, or 2^16 drawn evenly; first
+/// of the frames before, then of what that leaves. The source is read three times, some frames at a time. Where the fit is not stable its coefficients of lag l are
 /// scaled by γˡ, which scales every λ by γ, to a radius of 0.998, and the noise so that clips vary as the
-/// source does. InputError where there are too few frames (lags + 2) or the frame is too small (2 reach + 2).
+/// source does. InputError where there are too few frames (lags + 2) or the frame is too small (4 reach + 2).
 StarResult learn_star(core::FrameSource& source, const StarOptions& options = {},
                       const core::Context& context = {});
 

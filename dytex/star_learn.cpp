@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <sstream>
 
 #include <opencv2/core.hpp>
@@ -44,47 +45,49 @@ Mean read_mean(core::FrameSource& source, const core::Context& context) {
   return mean;
 }
 
-// Σ z zᵀ of all pixels taken, z the neighbours and the value itself of every channel in turn.
+// Frames less the mean, the newest last, and a value in them.
+using Past = std::deque<cv::Mat>;
+
+double value(const Past& past, int x, int y, int lag, int channel) {
+  const cv::Mat& frame = past[past.size() - 1 - static_cast<std::size_t>(lag)];
+  return static_cast<double>(frame.ptr<float>(y)[x * frame.channels() + channel]);
+}
+
+// Neighbours and the value itself of one channel of a pixel.
+using Row = std::function<Eigen::VectorXd(const Past& past, int x, int y, int channel)>;
+
+// Σ z zᵀ over the pixels taken, z the rows of every channel, one below the other.
 struct Sums {
   Eigen::MatrixXd products;
   double count = 0;
 };
 
-void add_frame(const std::deque<cv::Mat>& past, const std::vector<StarTerm>& terms, int reach,
-               std::size_t taken, core::Rng rng, Sums& sums) {
+// Pixels at least `margin` from the border.
+void add_frame(const Past& past, int margin, std::size_t taken, core::Rng rng, const Row& row, Sums& sums) {
   const cv::Mat& now = past.back();
-  const int channels = now.channels(), inner_width = now.cols - 2 * reach,
-            inner_height = now.rows - 2 * reach;
-  const auto inner = static_cast<std::size_t>(inner_width) * static_cast<std::size_t>(inner_height);
-  const auto length = static_cast<Eigen::Index>(terms.size() + 1);
-  Eigen::MatrixXd z(length * channels, static_cast<Eigen::Index>(std::min(taken, inner)));
+  const int width = now.cols - 2 * margin, height = now.rows - 2 * margin, channels = now.channels();
+  const auto inner = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  Eigen::MatrixXd z(sums.products.rows(), static_cast<Eigen::Index>(std::min(taken, inner)));
+  const Eigen::Index length = z.rows() / channels;
   for (Eigen::Index k = 0; k < z.cols(); ++k) {
-    const auto pixel =
-        taken >= inner ? static_cast<std::uint32_t>(k) : rng.below(static_cast<std::uint32_t>(inner));
-    const int x = reach + static_cast<int>(pixel) % inner_width,
-              y = reach + static_cast<int>(pixel) / inner_width;
-    for (int c = 0; c < channels; ++c) {
-      for (Eigen::Index i = 0; i + 1 < length; ++i) {
-        const auto& term = terms[static_cast<std::size_t>(i)];
-        const cv::Mat& frame = past[past.size() - 1 - static_cast<std::size_t>(term.lag)];
-        z(c * length + i, k) =
-            static_cast<double>(frame.ptr<float>(y + term.y)[(x + term.x) * channels + c]);
-      }
-      z(c * length + length - 1, k) = static_cast<double>(now.ptr<float>(y)[x * channels + c]);
-    }
+    const auto pixel = static_cast<int>(
+        taken >= inner ? static_cast<std::uint32_t>(k) : rng.below(static_cast<std::uint32_t>(inner)));
+    for (int c = 0; c < channels; ++c)
+      z.col(k).segment(c * length, length) = row(past, margin + pixel % width, margin + pixel / width, c);
   }
   sums.products.selfadjointView<Eigen::Lower>().rankUpdate(z);
   sums.count += static_cast<double>(z.cols());
 }
 
-Sums read_sums(core::FrameSource& source, const Star& star, int reach, const core::Context& context) {
-  const auto& info = star.info;
+// Runs through the source; `length`: of a row.
+Sums read_sums(core::FrameSource& source, const Star& star, int margin, Eigen::Index length, const Row& row,
+               const core::Context& context) {
   const int lags = star.lags();
-  const double frames = static_cast<double>(*info.frames - lags);
-  const auto taken = static_cast<std::size_t>(std::ceil(kSamples / frames));
-  const auto size = static_cast<Eigen::Index>(star.terms.size() + 1) * info.channels;
+  const auto frames = static_cast<double>(*star.info.frames);
+  const auto taken = static_cast<std::size_t>(std::ceil(kSamples / (frames - lags)));
+  const auto size = length * star.info.channels;
   Sums sums{Eigen::MatrixXd::Zero(size, size)};
-  std::deque<cv::Mat> past;
+  Past past;
   source.rewind();
   std::uint32_t t = 0;
   for (cv::Mat frame = source.next(); !frame.empty() && !context.cancelled(); frame = source.next(), ++t) {
@@ -92,44 +95,87 @@ Sums read_sums(core::FrameSource& source, const Star& star, int reach, const cor
     Eigen::Map<Eigen::VectorXf>(levels.ptr<float>(), star.mean.size()) -= star.mean;
     past.push_back(levels);
     if (past.size() <= static_cast<std::size_t>(lags)) continue;
-    add_frame(past, star.terms, reach, taken, core::Rng(0, {t, 0, 0x57A1}), sums);
+    add_frame(past, margin, taken, core::Rng(0, {t, 0, 0x57A1}), row, sums);
     past.pop_front();
-    context.report("STAR", std::min(1.0, (t + 1.0) / (frames + lags)));
+    context.report("STAR", std::min(1.0, (t + 1.0) / frames));
   }
   sums.products = sums.products.selfadjointView<Eigen::Lower>();
   return sums;
 }
 
-// The coefficients of least squared error, and the factor of what they leave.
-void solve(const Sums& sums, Star& star) {
-  const auto terms = static_cast<Eigen::Index>(star.terms.size()), length = terms + 1;
-  const int channels = star.info.channels;
+// The coefficients of least squared error of each row's last value from its others, all channels together.
+Eigen::VectorXd least_squares(const Sums& sums, int channels) {
+  const Eigen::Index length = sums.products.rows() / channels, terms = length - 1;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(length, length);
   for (int c = 0; c < channels; ++c)
     gram += sums.products.block(c * length, c * length, length, length);
   Eigen::MatrixXd among = gram.topLeftCorner(terms, terms);
   const double size = among.trace() / static_cast<double>(terms);
-  star.coefficients = Eigen::VectorXd::Zero(terms);
-  if (size > 0) {
-    // A billionth keeps neighbours that always agree from standing against each other.
-    among.diagonal().array() += 1e-9 * size;
-    star.coefficients = detail::right_divide(gram.row(terms).head(terms), among).transpose();
-  }
+  if (!(size > 0)) return Eigen::VectorXd::Zero(terms);
+  // A billionth keeps neighbours that always agree from standing against each other.
+  among.diagonal().array() += 1e-9 * size;
+  return detail::right_divide(gram.row(terms).head(terms), among).transpose();
+}
+
+// The factor of the covariance of what is left, between channels.
+Eigen::MatrixXd noise_factor(const Sums& sums, const Eigen::VectorXd& coefficients, int channels) {
+  const Eigen::Index length = coefficients.size() + 1;
   Eigen::VectorXd left(length);
-  left << -star.coefficients, 1;
+  left << -coefficients, 1;
   Eigen::MatrixXd covariance(channels, channels);
   for (int a = 0; a < channels; ++a)
     for (int b = 0; b < channels; ++b)
       covariance(a, b) = left.dot(sums.products.block(a * length, b * length, length, length) * left) /
                          std::max(1.0, sums.count);
   const Eigen::MatrixXd factor = detail::symmetric_factor(covariance);
+  if (factor.cols() == 0) return Eigen::MatrixXd::Zero(channels, channels);
   // Lower triangular with the same covariance: the transposed R of its transposed factor.
-  star.noise = Eigen::MatrixXd::Zero(channels, channels);
-  if (factor.cols() > 0) {
-    Eigen::MatrixXd square = Eigen::MatrixXd::Zero(channels, channels);
-    square.leftCols(factor.cols()) = factor;
-    star.noise = detail::triangular_factor(square.transpose()).transpose();
-  }
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(channels, channels);
+  square.leftCols(factor.cols()) = factor;
+  return detail::triangular_factor(square.transpose()).transpose();
+}
+
+// First what the frames before tell, then how what they leave hangs together.
+void fit(core::FrameSource& source, int reach, Star& star, const core::Context& context) {
+  const auto same = std::ranges::find_if(star.terms, [](const StarTerm& term) { return term.lag > 0; });
+  const std::vector<StarTerm> here(star.terms.begin(), same), before(same, star.terms.end());
+  const auto told = static_cast<Eigen::Index>(before.size()), beside = static_cast<Eigen::Index>(here.size());
+  const auto first = read_sums(
+      source, star, reach, told + 1,
+      [&](const Past& past, int x, int y, int c) {
+        Eigen::VectorXd row(told + 1);
+        for (Eigen::Index i = 0; i < told; ++i) {
+          const auto& term = before[static_cast<std::size_t>(i)];
+          row(i) = value(past, x + term.x, y + term.y, term.lag, c);
+        }
+        row(told) = value(past, x, y, 0, c);
+        return row;
+      },
+      context);
+  const Eigen::VectorXd later = least_squares(first, star.info.channels);
+  const auto left = [&](const Past& past, int x, int y, int c) {
+    double e = value(past, x, y, 0, c);
+    for (Eigen::Index i = 0; i < told; ++i) {
+      const auto& term = before[static_cast<std::size_t>(i)];
+      e -= later(i) * value(past, x + term.x, y + term.y, term.lag, c);
+    }
+    return e;
+  };
+  const auto second = read_sums(
+      source, star, 2 * reach, beside + 1,
+      [&](const Past& past, int x, int y, int c) {
+        Eigen::VectorXd row(beside + 1);
+        for (Eigen::Index i = 0; i < beside; ++i)
+          row(i) = left(past, x + here[static_cast<std::size_t>(i)].x,
+                        y + here[static_cast<std::size_t>(i)].y, c);
+        row(beside) = left(past, x, y, c);
+        return row;
+      },
+      context);
+  const Eigen::VectorXd alike = least_squares(second, star.info.channels);
+  star.noise = noise_factor(second, alike, star.info.channels);
+  star.coefficients.resize(beside + told);
+  star.coefficients << alike, later;
 }
 
 // Variance of s in an endless frame under noise of variance 1.
@@ -179,7 +225,7 @@ void steady(double variance, StarResult& result) {
   bool changed = false;
   for (int round = 0; round < 200 && grows_downwards(star); ++round) scale(0.98, true), changed = true;
   if (changed)
-    result.notes.emplace_back("the fit grows from row to row: its neighbours of the same frame are scaled");
+    result.notes.emplace_back("disturbances grow from row to row: neighbours of the same frame are scaled");
   result.least_squares_radius = spectral_radius(star);
   if (result.least_squares_radius >= kUnstable) {
     std::ostringstream note;
@@ -198,7 +244,7 @@ void steady(double variance, StarResult& result) {
 StarResult learn_star(core::FrameSource& source, const StarOptions& options, const core::Context& context) {
   options.validate();
   const auto& info = source.info();
-  if (info.width < 2 * options.reach + 2 || info.height < 2 * options.reach + 2)
+  if (info.width < 4 * options.reach + 2 || info.height < 4 * options.reach + 2)
     throw core::InputError("STAR: frames of " + std::to_string(info.width) + "x" +
                            std::to_string(info.height) + " are too small for a reach of " +
                            std::to_string(options.reach));
@@ -214,9 +260,8 @@ StarResult learn_star(core::FrameSource& source, const StarOptions& options, con
   const Eigen::VectorXd average = mean.sum / mean.frames;
   star.mean = average.cast<float>();
   star.terms = star_terms(options);
-  const auto sums = read_sums(source, star, options.reach, context);
+  fit(source, options.reach, star, context);
   if (context.cancelled()) return {{}, 0, {}, core::Status::cancelled};
-  solve(sums, star);
   const double variance =
       (mean.squares / mean.frames - average.cwiseAbs2()).cwiseMax(0.0).mean();
   steady(variance, result);

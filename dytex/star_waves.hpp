@@ -27,7 +27,7 @@ inline void for_each_wave(const Star& star, const std::function<void(const Wave&
         sums[term.lag] += star.coefficients(static_cast<Eigen::Index>(i)) * std::polar(1.0, angle);
       }
       const auto gain = 1.0 / (1.0 - sums[0]);
-      take({sums[1] * gain, sums[2] * gain, gain});
+      take({sums[1], sums[2], gain});
     }
 }
 
