@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/drawn_model.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/pictures.hpp"
 #include "apps/rate_map.hpp"
@@ -123,6 +124,24 @@ void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, OutputFol
   write_model(output, "model", archive);
 }
 
+/// Learns what lies between the strokes; null where the clip is none to learn from.
+Json learn_texture(core::FrameSource& source, const graph::SketchSequence& sketch, int components,
+                   OutputFolder& output, Session& session) {
+  GroundTextureOptions options;
+  options.components = components;
+  try {
+    const auto learned = learn_ground_texture(source, sketch.frames, options, session.context);
+    for (const auto& note : learned.notes) session.warn("texture: " + note);
+    write_ground_texture(output, "model", learned);
+    return {{"components", learned.texture.components()},
+            {"hidden_share", std::round(learned.hidden * 10000) / 10000},
+            {"r", learned.texture.r}};
+  } catch (const core::InputError& error) {
+    session.warn("no texture between the strokes: " + std::string(error.what()));
+    return nullptr;
+  }
+}
+
 std::vector<RateInterval> rates_a_frame(const mcmc::FitResult& fitted) {
   std::vector<RateInterval> rates;
   for (const auto type : all_event_types()) {
@@ -179,6 +198,11 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   const auto& motion = made.motion;
   const auto& events = made.events;
   write_fitted(made.fitted, still_ground(sketches.clip.grounds), output, session);
+  Json texture;
+  if (options.texture > 0) {
+    stages.begin("texture");
+    texture = learn_texture(*source, motion.sketch, options.texture, output, session);
+  }
   stages.begin("write");
   write_data(output, motion, events, made.all_events);
 
@@ -194,15 +218,20 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
 
   Json& summary = made.summary = begin_summary("analyze", session);
   summary["clip"] = clip_json(made.clip, source->info(), static_cast<int>(motion.sketch.frames.size()));
-  summary["options"] = {{"reading", reading_json(options.read)}, {"sketch", options_json(options.sketch)},
-                        {"match", options_json(options.match)},  {"starts", options_json(options.starts)},
-                        {"infer", options_json(options.infer)},  {"bottom_up", options.bottom_up},
+  summary["options"] = {{"reading", reading_json(options.read)},
+                        {"sketch", options_json(options.sketch)},
+                        {"match", options_json(options.match)},
+                        {"starts", options_json(options.starts)},
+                        {"infer", options_json(options.infer)},
+                        {"bottom_up", options.bottom_up},
+                        {"texture", options.texture},
                         {"fill", options_json(options.fill)}};
   Json per_frame = per_frame_json(motion, events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(events, motion.sketch.frames.size());
   summary["model"] = motion_model_figures(made.fitted.model);
+  if (options.texture > 0) summary["model"]["texture"] = std::move(texture);
   if (truth) {
     const graph::ScoreOptions tolerance;
     summary["score"] = score_json(graph::score_events(*truth, events, tolerance));

@@ -29,6 +29,7 @@ struct AnalyzeOptions {
   sketch::FillOptions fill;
   StartOptions starts;
   mcmc::InferOptions infer;
+  int texture = 0;           ///< components of the texture between the strokes, 1…500; 0: none is learned
   bool bottom_up = false;    ///< no sampler: the match as it is, each event of probability 1
   bool keep_sketch = false;  ///< in the analysis: sketches as extracted, and grounds
   bool reconstruction =

@@ -20,6 +20,8 @@ struct Analyze {
 void run_analyze(const Analyze& asked, Session& session) {
   AnalyzeOptions options = asked.options;
   options.read = check_reading(asked.reading, session);
+  if (options.texture < 0 || options.texture > 500)
+    throw Misuse("--texture is " + std::to_string(options.texture) + ", must be in 0…500");
   check_options(options.sketch);
   check_options(options.match);
   check_options(options.starts);
@@ -49,6 +51,10 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
   add_output(*command, asked->output);
   command->add_flag("--reconstruction", asked->options.reconstruction,
                     "Write reconstruction.avi too, and measure every frame's PSNR");
+  add_number(
+      *command, "--texture", asked->options.texture, "N",
+      "Learn what lies between strokes too, a linear dynamic texture of so many components, for 'synth "
+      "--fill dytex'; 0: none");
   add_fields(*command, asked->options.sketch, "Sketching");
   add_fields(*command, asked->options.match, "Matching");
   command->add_flag("--bottom-up", asked->options.bottom_up,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fstream>
+#include <algorithm>
 #include <memory>
 
 #include <nlohmann/json.hpp>
@@ -8,9 +8,9 @@
 #include "apps/command_line.hpp"
 #include "apps/draw.hpp"
 #include "apps/draw_model.hpp"
+#include "apps/drawn_model.hpp"
 #include "apps/files.hpp"
 #include "apps/interrupt.hpp"
-#include "apps/model_folder.hpp"
 #include "apps/overlay.hpp"
 #include "apps/report_model.hpp"
 #include "apps/summary.hpp"
@@ -25,25 +25,11 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 struct Synth {
-  std::string model, output, overlay, motion, fill_name = "diffusion";
+  std::string model, output, overlay, motion;
+  ModelFill fill_kind = ModelFill::diffusion;
   int frames = 300;
   sketch::FillOptions fill;
 };
-
-struct OpenedModel {
-  mcmc::MotionModel motion;
-  Ground ground;
-};
-OpenedModel open_model(const std::string& folder) {
-  const auto archive = read_model(folder, kMotionFormat);
-  try {
-    OpenedModel opened{mcmc::motion_model(archive), {}};
-    opened.ground = read_ground(archive, {opened.motion.width, opened.motion.height});
-    return opened;
-  } catch (const core::IoError& error) {
-    throw core::IoError(folder + ": " + error.what());
-  }
-}
 
 std::unique_ptr<ClipWriter> create_output(const std::string& path, cv::Size size, double fps, bool colour) {
   try {
@@ -59,7 +45,7 @@ void check(Synth& asked) {
   check_options(asked.fill);
 }
 
-/// The graphs with their links, where somebody asks for them.
+/// The graphs with their links, where somebody asks for them: all are held.
 std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::MotionModel& model,
                                               const Session& session) {
   if (asked.motion.empty() && asked.overlay.empty()) return std::nullopt;
@@ -68,44 +54,83 @@ std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::Mo
   return std::move(made.motion);
 }
 
-/// Draws and writes all that was asked for; nothing takes its name before everything is whole.
-SynthesisFigures write_clips(const Synth& asked, const mcmc::MotionModel& model, const FrameLook& look,
-                             const Session& session) {
-  const auto clip = create_output(asked.output, look.size, model.fps, look.channels == 3);
-  std::optional<BesideFile> motion_file;
-  if (!asked.motion.empty()) motion_file.emplace(asked.motion);
-  const auto motion = make_motion(asked, model, session);
-  std::vector<graph::Event> events;
-  if (!asked.overlay.empty()) events = graph::stroke_events(*motion);
-  if (motion_file) motion_file->write([&](std::ostream& out) { graph::write_motion(out, *motion); });
-  std::unique_ptr<ClipWriter> overlay;
-  auto info = core::ClipInfo{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}};
-  auto figures = draw_model(
-      model, asked.frames, session.common.seed, look, session.context, [&](int t, const cv::Mat& frame) {
-        clip->write(frame);
-        if (asked.overlay.empty()) return;
-        const cv::Mat shown = draw_overlay(to_colour_bytes(frame, info),
-                                           motion->sketch.frames[static_cast<std::size_t>(t)], t, events);
-        if (!overlay) overlay = create_output(asked.overlay, shown.size(), model.fps, true);
-        overlay->write(shown);
-      });
-  session.check_stop();
-  if (overlay) overlay->finish();
-  if (motion_file) motion_file->finish();
-  clip->finish();
-  return figures;
+/// What is written; nothing takes its name before finish().
+class Outputs {
+ public:
+  Outputs(const Synth& asked, const mcmc::MotionModel& model, const FrameLook& look, const Session& session)
+      : asked_(asked),
+        fps_(model.fps),
+        info_{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}},
+        clip_(create_output(asked.output, look.size, model.fps, look.channels == 3)) {
+    if (!asked.motion.empty()) motion_file_.emplace(asked.motion);
+    motion_ = make_motion(asked, model, session);
+    if (!asked.overlay.empty()) events_ = graph::stroke_events(*motion_);
+  }
+
+  void write(const cv::Mat& frame) {
+    clip_->write(frame);
+    const int t = frames_++;
+    if (asked_.overlay.empty()) return;
+    const cv::Mat shown = draw_overlay(to_colour_bytes(frame, info_),
+                                       motion_->sketch.frames[static_cast<std::size_t>(t)], t, events_);
+    if (!overlay_) overlay_ = create_output(asked_.overlay, shown.size(), fps_, true);
+    overlay_->write(shown);
+  }
+
+  /// All of one length, that of the frames written.
+  void finish() {
+    if (motion_file_) {
+      motion_->sketch.frames.resize(static_cast<std::size_t>(frames_));
+      motion_->links.resize(static_cast<std::size_t>(frames_));
+      motion_file_->write([&](std::ostream& out) { graph::write_motion(out, *motion_); });
+    }
+    if (overlay_) overlay_->finish();
+    if (motion_file_) motion_file_->finish();
+    clip_->finish();
+  }
+  [[nodiscard]] int frames() const { return frames_; }
+
+ private:
+  const Synth& asked_;
+  double fps_;
+  core::ClipInfo info_;
+  std::unique_ptr<ClipWriter> clip_, overlay_;
+  std::optional<BesideFile> motion_file_;
+  std::optional<graph::MotionGraph> motion_;
+  std::vector<graph::Event> events_;
+  int frames_ = 0;
+};
+
+/// Draws and writes all that was asked for. Whoever interrupts it keeps the frames that there are.
+void write_clips(const Synth& asked, Outputs& outputs, ModelFrames& frames, const Session& session) {
+  try {
+    session.context.report("synthesize", 0);
+    while (outputs.frames() < asked.frames) {
+      const int count = std::min(frames.batch(), asked.frames - outputs.frames());
+      for (const auto& frame : frames.next(count, session.context)) outputs.write(frame);
+      session.context.report("synthesize", double(outputs.frames()) / asked.frames);
+    }
+    session.check_stop();
+  } catch (const Interrupted&) {
+    if (outputs.frames() == 0) throw;
+    outputs.finish();
+    throw Interrupted{asked.output + " holds the " + std::to_string(outputs.frames()) + " of " +
+                      std::to_string(asked.frames) + " frames that were drawn"};
+  }
+  outputs.finish();
 }
 
-Json summarise(const Synth& asked, const mcmc::MotionModel& model, const FrameLook& look,
-               const SynthesisFigures& figures, const Session& session) {
+Json summarise(const Synth& asked, const mcmc::MotionModel& model, const ModelFrames& frames,
+               const Session& session) {
+  const FrameLook& look = frames.look();
   Json summary = begin_summary("synth", session);
   summary["model"] = {{"folder", asked.model}, {"learned_from_frames", model.frames}};
   summary["model"].update(motion_model_figures(model));
   const core::ClipInfo info{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}};
   summary["clip"] = clip_json(asked.output, info, asked.frames);
-  summary["options"] = {{"synth", {{"frames", asked.frames}, {"fill", asked.fill_name}}},
+  summary["options"] = {{"synth", {{"frames", asked.frames}, {"fill", name(asked.fill_kind)}}},
                         {"fill", options_json(asked.fill)}};
-  summary["synthesis"] = figures.json();
+  summary["synthesis"] = frames.figures().json();
   summary["files"] = {{asked.output, "the new clip"}};
   if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
   if (!asked.overlay.empty()) summary["files"][asked.overlay] = "the clip under its graph, with its events";
@@ -117,15 +142,16 @@ void run_synth(Synth asked, Session& session) {
   check(asked);
   Stages stages;
   stages.begin("read");
-  auto [model, ground] = open_model(asked.model);
+  const auto opened = open_drawn_model(asked.model, asked.fill_kind);
   stages.begin("synthesize");
-  const auto look = model_look(model, std::move(ground), asked.fill);
-  const auto figures = write_clips(asked, model, look, session);
+  auto frames = model_frames(opened, asked.fill, session.common.seed);
+  Outputs outputs(asked, opened.motion, frames.look(), session);
+  write_clips(asked, outputs, frames, session);
   stages.end();
   session.console.say(std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " +
                       asked.output);
   if (!session.common.json) return;
-  Json summary = summarise(asked, model, look, figures, session);
+  Json summary = summarise(asked, opened.motion, frames, session);
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   session.print(json_text(summary));
@@ -137,6 +163,7 @@ void add_synthesis(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand("synth", "Draw a new clip from a motion model");
   command->footer(
       "  emberfold synth out/fire/model -o new_fire.mp4\n"
+      "  emberfold synth out/fire/model -o new_fire.mp4 --fill dytex\n"
       "  emberfold synth out/fire/model -o frames --frames 1000 --seed 7 --motion new_fire.jsonl");
   const auto asked = std::make_shared<Synth>();
   command->add_option("MODEL", asked->model, "The model's folder, as analyze writes it (DIR/model)")
@@ -148,10 +175,12 @@ void add_synthesis(CLI::App& app, Chosen& chosen) {
       ->type_name("OUT")
       ->required();
   add_number(*command, "--frames", asked->frames, "N", "How many frames");
-  command->add_option("--fill", asked->fill_name, "How the ground between strokes is made")
-      ->type_name("diffusion")
-      ->check(CLI::IsMember({"diffusion"}).description(""))
-      ->default_str(asked->fill_name);
+  command
+      ->add_option_function<std::string>(
+          "--fill", [asked](const std::string& text) { asked->fill_kind = model_fill(text); },
+          "What lies between strokes: what diffuses from them, or what 'analyze --texture' learned")
+      ->type_name("diffusion|dytex")
+      ->default_str("diffusion");
   command->add_option("--motion", asked->motion, "Write the graphs and their links too (motion.jsonl)")
       ->type_name("FILE");
   command->add_option("--overlay", asked->overlay, "Write the clip under its graph too, with its events")

@@ -2,113 +2,25 @@
 #include "apps/compared_models.hpp"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "apps/clip_part.hpp"
-#include "apps/draw_graph_frames.hpp"
 #include "apps/interrupt.hpp"
 #include "core/error.hpp"
 #include "dytex/star.hpp"
 #include "dytex/synthesize.hpp"
-#include "mcmc/fit.hpp"
-#include "mcmc/predict.hpp"
-#include "mcmc/synthesize.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
-graph::MotionGraph match(graph::SketchSequence sketch, const graph::MatchOptions& options,
-                         const Session& session) {
-  auto matched = graph::match(std::move(sketch), options, session.context);
-  if (matched.status == core::Status::cancelled) throw Interrupted{};
-  return std::move(matched.motion);
-}
-
-graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int count) {
-  graph::SketchSequence first = sketch;
-  first.frames.resize(static_cast<std::size_t>(count));
-  return first;
-}
-
 template <class Result>
 void check_learned(const Result& result, const char* what, Session& session) {
   if (result.status == core::Status::cancelled) throw Interrupted{};
   for (const auto& note : result.notes) session.warn(std::string(what) + ": " + note);
-}
-
-// What the motion model's functions share.
-struct Strokes {
-  mcmc::MotionModel model, drawn;                            // learned; drawn from
-  Ground ground, drawn_ground;                               // likewise
-  std::vector<graph::AttributeGraph> sketches;               // of every frame
-  std::map<int, std::vector<graph::AttributeGraph>> ahead;   // by steps: of every frame, foretold
-  sketch::FillOptions fill;
-  core::ClipInfo info;
-  float level = 0;  // of a drawn frame with nothing in it
-};
-
-// Where there is no stroke, the mean level of the newest frame is what is known.
-cv::Mat drawn_at(const graph::AttributeGraph& graph, const Moment& moment, const Strokes& strokes) {
-  const auto level = static_cast<float>(cv::mean(core::luma(moment.past.back()))[0]);
-  return draw_frame(graph, {{strokes.info.width, strokes.info.height}, strokes.info.channels, level,
-                            strokes.fill, strokes.ground});
-}
-
-ComparedModel::Frames draw_strokes(const std::shared_ptr<const Strokes>& strokes, const Session& session) {
-  const auto synthesis = std::make_shared<mcmc::Synthesis>(strokes->drawn, session.common.seed);
-  const FrameLook look{{strokes->info.width, strokes->info.height},
-                       strokes->info.channels,
-                       strokes->level,
-                       strokes->fill,
-                       strokes->drawn_ground};
-  return [strokes, synthesis, look, context = session.context](int count) {
-    std::vector<graph::AttributeGraph> graphs;
-    for (int i = 0; i < count; ++i) graphs.push_back(synthesis->next());
-    return draw_batch(graphs, look, context);
-  };
-}
-
-float mean_level(core::FrameSource& source) {
-  source.rewind();
-  return static_cast<float>(cv::mean(core::luma(source.next(), source.info()))[0]);
-}
-
-std::optional<Strokes> learn_strokes(const ModelInput& input, const KnownModels& known) {
-  const auto& [sketch, grounds] = input.sketched;
-  auto& session = input.session;
-  Strokes strokes;
-  strokes.fill = input.options.fill, strokes.info = input.source.info();
-  strokes.ground = still_ground(std::span(grounds).first(static_cast<std::size_t>(input.first)));
-  strokes.drawn_ground = known.motion_model != nullptr ? still_ground(grounds) : strokes.ground;
-  strokes.sketches = sketch.frames;
-  strokes.level = mean_level(input.source);
-  try {
-    mcmc::FitOptions options;
-    options.seed = session.common.seed;
-    // Balance serves drawing alone.
-    options.balance = known.motion_model == nullptr;
-    auto fitted = mcmc::fit(match(first_frames(sketch, input.first), input.options.match, session), options,
-                            session.context);
-    check_learned(fitted, "motion model", session);
-    strokes.model = std::move(fitted.model);
-  } catch (const core::InputError& error) {
-    session.warn(std::string("no motion model: ") + error.what());
-    return std::nullopt;
-  }
-  strokes.drawn = known.motion_model != nullptr ? *known.motion_model : strokes.model;
-  if (input.first < input.frames) {
-    // Steadying takes back what later frames show to be flicker; whoever foretells cannot know them.
-    auto causal = input.options.match;
-    causal.flicker = 0;
-    const auto motion = match(sketch, causal, session);
-    for (const int step : input.steps) strokes.ahead[step] = mcmc::predict(strokes.model, motion, step);
-  }
-  return strokes;
 }
 
 cv::Mat resized(const cv::Mat& frame, cv::Size size) {
@@ -147,25 +59,6 @@ std::vector<cv::Mat> enlarged(std::vector<cv::Mat> frames, cv::Size size) {
 
 }  // namespace
 
-std::optional<ComparedModel> sketch_model(const ModelInput& input, const KnownModels& known) {
-  auto learned = learn_strokes(input, known);
-  if (!learned) return std::nullopt;
-  const auto strokes = std::make_shared<const Strokes>(std::move(*learned));
-  ComparedModel model{"motion_model", "motion model", "synthesized_motion.avi"};
-  model.parameters =
-      parameter_count(strokes->model) +
-      static_cast<double>(strokes->ground.levels.total()) * std::max(1, strokes->ground.levels.channels());
-  model.draw = [strokes, &session = input.session] { return draw_strokes(strokes, session); };
-  model.foretell = [strokes](const Moment& moment, int steps) {
-    return drawn_at(strokes->ahead.at(steps)[static_cast<std::size_t>(moment.frame + steps)], moment,
-                    *strokes);
-  };
-  model.reconstruct = [strokes](const Moment& moment) {
-    return drawn_at(strokes->sketches[static_cast<std::size_t>(moment.frame)], moment, *strokes);
-  };
-  return model;
-}
-
 std::optional<ComparedModel> texture_model(const ModelInput& input, const KnownModels& known, int components,
                                            double scale) {
   auto& session = input.session;
@@ -187,8 +80,7 @@ std::optional<ComparedModel> texture_model(const ModelInput& input, const KnownM
       inner(source.info().width, source.info().height);
   const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(learned));
   ComparedModel model{"linear_dynamic_texture", "linear dynamic texture", "synthesized_dytex.avi"};
-  model.parameters = static_cast<double>(texture->mean.size() + texture->C.size() + texture->A.size() +
-                                         texture->B.size());
+  model.parameters = parameter_count(*texture);
   const auto drawn = known.texture != nullptr && scale >= 1
                          ? std::shared_ptr<const dytex::LinearDynamicTexture>(known.texture, [](auto*) {})
                          : texture;
@@ -249,24 +141,12 @@ std::vector<ComparedModel> learn_models(const ModelInput& input, const KnownMode
   const auto add = [&](std::optional<ComparedModel> model) {
     if (model) models.push_back(std::move(*model));
   };
-  add(sketch_model(input, known));
+  const auto strokes = learn_strokes(input, known);
+  if (strokes) add(sketch_model(strokes, input.session));
+  if (strokes) add(hybrid_model(strokes, input));
   add(texture_model(input, known, input.options.learn.components));
   add(star_model(input, dytex::StarOptions{}.reach));
   return models;
-}
-
-double parameter_count(const mcmc::MotionModel& model) {
-  // Place, direction, width, blur, contrast, three levels of three channels; type. An edge: its two ends.
-  constexpr double kPatch = 16, kEdge = 2, kScalars = 6 + 6 + 16 + 8;
-  const auto numbers = [](const graph::AttributeGraph& graph) {
-    return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());
-  };
-  double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizes;
-  for (const auto& exemplar : model.exemplars) sum += numbers(exemplar.graph) + 3;
-  for (const auto* map : {&model.sway_share, &model.drift_x, &model.drift_y, &model.rates.birth,
-                          &model.rates.death, &model.rates.parting, &model.density})
-    sum += static_cast<double>(map->values.size());
-  return sum;
 }
 
 }  // namespace emberfold::apps

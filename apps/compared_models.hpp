@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -47,15 +48,23 @@ struct ModelInput {
 /// yield is left out, with a warning. Throws Interrupted.
 std::vector<ComparedModel> learn_models(const ModelInput& input, const KnownModels& known);
 
+/// The motion model of a clip, and what else it takes to draw from it and to foretell.
+struct Strokes;
+/// Null, with a warning, where this clip yields none.
+std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const KnownModels& known);
 /// Strokes that move, and diffusion between them.
-std::optional<ComparedModel> sketch_model(const ModelInput& input, const KnownModels& known);
+ComparedModel sketch_model(const std::shared_ptr<const Strokes>& strokes, const Session& session);
+/// The same strokes, and between them a linear dynamic texture learned with the strokes hidden.
+std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const Strokes>& strokes,
+                                          const ModelInput& input);
 /// A linear dynamic texture of so many components, of frames reduced by `scale` (0 … 1].
 std::optional<ComparedModel> texture_model(const ModelInput& input, const KnownModels& known, int components,
                                            double scale = 1);
 /// Spatio-temporal auto-regression; `reach`: as dytex::StarOptions.
 std::optional<ComparedModel> star_model(const ModelInput& input, int reach);
 
-/// Numbers that a motion model holds.
+/// Numbers that a model holds, as far as they are needed to draw from it.
 double parameter_count(const mcmc::MotionModel& model);
+double parameter_count(const dytex::LinearDynamicTexture& texture);
 
 }  // namespace emberfold::apps

@@ -101,7 +101,9 @@ Json size_curve(const ModelInput& input, const ClipMeasures& source, const Measu
     const auto sketched = factor == 1 ? input.sketched
                                       : sketch_clip(input.source, options.sketch, input.session);
     const auto from = next_only(sketched, options);
-    add(sketch_model(from, {}), "strokes of " + std::to_string(factor) + " times the least contrast", from);
+    const auto strokes = learn_strokes(from, {});
+    if (!strokes) continue;
+    add(sketch_model(strokes, input.session), "strokes of " + std::to_string(factor) + " times the least contrast", from);
   }
   const auto from = next_only(input.sketched, input.options);
   for (const double reduced : {0.125, 0.25, 0.5, 1.0})

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -37,19 +35,25 @@ struct FrameLook {
   Ground ground = {};
 };
 
-/// The frame that a graph alone tells of: patches drawn from their attributes, the still ground away from
-/// them, the rest filled. CV_8U.
-cv::Mat draw_frame(const graph::AttributeGraph& graph, const FrameLook& look);
+/// A frame to be drawn: its strokes, and what lies between them.
+struct FrameParts {
+  graph::AttributeGraph graph;
+  cv::Mat ground = {};  ///< CV_8U, as the frame: the strokes are joined into it; empty: the fill, look.ground
+};
 
-/// Draws the frames of these graphs on several threads, CV_8U. Throws Interrupted.
+/// The frame that a graph tells of: patches drawn from their attributes; around them the given ground, which
+/// takes the strokes' levels beside them, or, without one, the still ground away from them and the rest
+/// filled. CV_8U.
+cv::Mat draw_frame(const FrameParts& parts, const FrameLook& look);
+inline cv::Mat draw_frame(const graph::AttributeGraph& graph, const FrameLook& look) {
+  return draw_frame({graph, {}}, look);
+}
+
+/// Draws these frames on several threads, CV_8U. Throws Interrupted.
+std::vector<cv::Mat> draw_batch(std::span<const FrameParts> parts, const FrameLook& look,
+                                const core::Context& context);
+/// The same of graphs alone.
 std::vector<cv::Mat> draw_batch(std::span<const graph::AttributeGraph> graphs, const FrameLook& look,
                                 const core::Context& context);
-
-/// Draws `count` frames: graph(t) is asked for one after the other, the frames are drawn on several threads,
-/// take(t, frame) gets them in order (CV_8U). Holds a batch, some 16 frames or 192 MB, whichever is less.
-/// Throws Interrupted.
-void draw_frames(int count, const FrameLook& look, std::string_view stage, const core::Context& context,
-                 const std::function<graph::AttributeGraph(int)>& graph,
-                 const std::function<void(int, const cv::Mat&)>& take);
 
 }  // namespace emberfold::apps

@@ -4,11 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/draw.hpp"
-#include "mcmc/synthesize.hpp"
+#include "apps/interrupt.hpp"
+#include "apps/stream_frames.hpp"
+#include "core/error.hpp"
+#include "dytex/synthesize.hpp"
 
 namespace emberfold::apps {
 
@@ -55,23 +60,46 @@ Json SynthesisFigures::json() const {
   return {{"patches_per_frame", mean(patches)}, {"strokes_per_frame", mean(strokes)}, {"operators", counts}};
 }
 
-SynthesisFigures draw_model(const mcmc::MotionModel& model, int frames, std::uint64_t seed,
-                            const FrameLook& look, const core::Context& context,
-                            const std::function<void(int, const cv::Mat&)>& take) {
-  SynthesisFigures figures;
-  mcmc::Synthesis synthesis(model, seed);
-  draw_frames(
-      frames, look, "synthesize", context,
-      [&](int) {
-        auto graph = synthesis.next();
-        figures.patches.push_back(graph.size());
-        figures.strokes.push_back(graph::components(graph).count);
-        for (std::size_t i = 0; i < figures.operators.size(); ++i)
-          figures.operators[i] += static_cast<std::size_t>(synthesis.operators()[i]);
-        return graph;
-      },
-      take);
-  return figures;
+ModelFrames::ModelFrames(mcmc::Synthesis strokes, FrameLook look, std::function<cv::Mat()> ground)
+    : strokes_(std::move(strokes)), look_(std::move(look)), ground_(std::move(ground)) {}
+
+int ModelFrames::batch() const {
+  return static_cast<int>(frames_at_once(look_.size.width, look_.size.height, look_.channels));
+}
+
+std::vector<cv::Mat> ModelFrames::next(int count, const core::Context& context) {
+  std::vector<FrameParts> parts;
+  for (int i = 0; i < count; ++i) {
+    if (context.cancelled()) throw Interrupted{};
+    FrameParts frame{strokes_.next(), ground_ ? ground_() : cv::Mat{}};
+    figures_.patches.push_back(frame.graph.size());
+    figures_.strokes.push_back(graph::components(frame.graph).count);
+    for (std::size_t k = 0; k < figures_.operators.size(); ++k)
+      figures_.operators[k] += static_cast<std::size_t>(strokes_.operators()[k]);
+    parts.push_back(std::move(frame));
+  }
+  return draw_batch(parts, look_, context);
+}
+
+ModelFrames hybrid_frames(const mcmc::MotionModel& model,
+                          std::shared_ptr<const dytex::LinearDynamicTexture> texture,
+                          const sketch::FillOptions& fill, std::uint64_t seed) {
+  const auto& info = texture->info;
+  if (info.width != model.width || info.height != model.height)
+    throw core::InputError("the texture between the strokes is " + std::to_string(info.width) + "x" +
+                           std::to_string(info.height) + ", the model " + std::to_string(model.width) + "x" +
+                           std::to_string(model.height));
+  FrameLook look = model_look(model, {}, fill);
+  look.channels = info.channels;
+  dytex::SynthesisOptions options;
+  options.seed = seed;
+  // The texture goes with the synthesis that refers to it.
+  struct Drawn {
+    std::shared_ptr<const dytex::LinearDynamicTexture> texture;
+    dytex::Synthesis synthesis;
+  };
+  const auto ground = std::make_shared<Drawn>(Drawn{texture, dytex::Synthesis(*texture, options)});
+  return {mcmc::Synthesis(model, seed), std::move(look), [ground] { return ground->synthesis.next(); }};
 }
 
 }  // namespace emberfold::apps

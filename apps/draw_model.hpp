@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,9 @@
 
 #include "apps/draw_graph_frames.hpp"
 #include "core/context.hpp"
+#include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/motion_model.hpp"
+#include "mcmc/synthesize.hpp"
 
 namespace emberfold::apps {
 
@@ -27,10 +30,32 @@ struct SynthesisFigures {
   [[nodiscard]] nlohmann::ordered_json json() const;
 };
 
-/// Draws `frames` new frames of a model; take(t, frame) gets them in order (CV_8U). A batch at a time; throws
-/// Interrupted.
-SynthesisFigures draw_model(const mcmc::MotionModel& model, int frames, std::uint64_t seed,
-                            const FrameLook& look, const core::Context& context,
-                            const std::function<void(int, const cv::Mat&)>& take);
+/// New frames of a model without an end, drawn from its graphs and, where there are any, its grounds. The
+/// same frames whatever the number of threads and of calls.
+class ModelFrames {
+ public:
+  /// `ground`: called once for each frame, in order, for what FrameParts takes; none: the diffusion.
+  ModelFrames(mcmc::Synthesis strokes, FrameLook look, std::function<cv::Mat()> ground = {});
+
+  /// The next `count` frames, CV_8U, drawn on several threads. Throws Interrupted.
+  std::vector<cv::Mat> next(int count, const core::Context& context = {});
+  /// How many frames are best asked for at once: 16, or as many as 192 MB hold.
+  [[nodiscard]] int batch() const;
+  /// Of the frames so far.
+  [[nodiscard]] const SynthesisFigures& figures() const { return figures_; }
+  [[nodiscard]] const FrameLook& look() const { return look_; }
+
+ private:
+  mcmc::Synthesis strokes_;
+  FrameLook look_;
+  std::function<cv::Mat()> ground_;
+  SynthesisFigures figures_;
+};
+
+/// Strokes of a motion model on the ground that a texture of the same clip draws (learn_ground_texture),
+/// frame by frame in step. core::InputError where the sizes disagree. `texture` is shared by whoever draws.
+ModelFrames hybrid_frames(const mcmc::MotionModel& model,
+                          std::shared_ptr<const dytex::LinearDynamicTexture> texture,
+                          const sketch::FillOptions& fill, std::uint64_t seed);
 
 }  // namespace emberfold::apps

@@ -36,7 +36,7 @@ double largest(const Real* a, int n) {
 }  // namespace
 
 template <class Real>
-Diffusion<Real>::Diffusion(int width, int height, const std::vector<const std::uint8_t*>& held)
+Diffusion<Real>::Diffusion(int width, int height, const std::vector<const std::uint8_t*>& held, Real sink)
     : width_(width),
       height_(height),
       unknown_(make_board<Real>(width, height)),
@@ -52,7 +52,7 @@ Diffusion<Real>::Diffusion(int width, int height, const std::vector<const std::u
   std::vector<Real> unknown(cells_.size()), degree(cells_.size()), inverse(cells_.size());
   for (int y = 0; y < height; ++y) {
     const std::uint8_t* row = held[static_cast<std::size_t>(y)];
-    const auto full = static_cast<Real>(2 + (y > 0) + (y + 1 < height));
+    const auto full = static_cast<Real>(2 + (y > 0) + (y + 1 < height)) + sink;
     for (int x = 0; x < width; ++x) unknown[static_cast<std::size_t>(x)] = static_cast<Real>(row[x] == 0);
     for (std::size_t i = 0; i < degree.size(); ++i) degree[i] = unknown[i] * full;
     degree[0] -= unknown[0];

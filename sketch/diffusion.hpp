@@ -10,14 +10,15 @@
 
 namespace emberfold::sketch {
 
-/// Laplace's equation with some pixels held, by conjugate gradients on the black pixels alone: the red ones,
-/// whose neighbours are all black, are eliminated exactly, which halves every vector and the number of
-/// sweeps. One object serves all channels of a frame.
+/// Laplace's equation with some pixels held, or (Δ − sink) u = 0, by conjugate gradients on the black pixels
+/// alone: the red ones, whose neighbours are all black, are eliminated exactly, which halves every vector and
+/// the number of sweeps. One object serves all channels of a frame.
 template <class Real>
 class Diffusion {
  public:
-  /// `held`: rows of `width` bytes, not 0 where a pixel is held.
-  Diffusion(int width, int height, const std::vector<const std::uint8_t*>& held);
+  /// `held`: rows of `width` bytes, not 0 where a pixel is held. `sink` ≥ 0: how strongly every other pixel
+  /// is drawn to 0, a link to a neighbour counting 1.
+  Diffusion(int width, int height, const std::vector<const std::uint8_t*>& held, Real sink = 0);
 
   struct Outcome {
     int iterations = 0;
@@ -51,8 +52,8 @@ class Diffusion {
 
   int width_, height_, span_;
   Board<Real> unknown_;              // 1 where a pixel is to be solved for, else 0
-  Board<Real> inverse_;              // 1/number of neighbours there, else 0
-  Half<Real> diagonal_;              // number of neighbours of the black unknowns
+  Board<Real> inverse_;              // 1/(number of neighbours + sink) there, else 0
+  Half<Real> diagonal_;              // number of neighbours + sink of the black unknowns
   std::vector<Level<Real>> levels_;  // from the 2×2 blocks on
   Half<Real> r_, z_, p_, q_;         // residual, M⁻¹ r, search direction, A p, all of the black pixels
   std::array<std::vector<Real>, 4> ring_;  // the red rows in use

@@ -21,6 +21,7 @@ namespace {
 struct Values {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
+  [[nodiscard]] double middle() const { return (low + high) / 2; }
 };
 
 void check(const cv::Mat& levels, const cv::Mat& mask) {
@@ -63,17 +64,23 @@ Values held_values(const cv::Mat& levels, const std::vector<const std::uint8_t*>
   return values;
 }
 
+void check_held(const cv::Mat& levels, const cv::Mat& mask) {
+  std::vector<const std::uint8_t*> held;
+  for (int y = 0; y < mask.rows; ++y) held.push_back(mask.ptr(y));
+  for (int channel = 0; channel < levels.channels(); ++channel) held_values(levels, held, channel);
+}
+
 template <class Real>
 class Filler {
  public:
-  Filler(const cv::Mat& levels, const std::vector<const std::uint8_t*>& held)
-      : levels_(levels), held_(held), diffusion_(levels.cols, levels.rows, held) {}
+  Filler(const cv::Mat& levels, const std::vector<const std::uint8_t*>& held, double sink)
+      : levels_(levels), held_(held), diffusion_(levels.cols, levels.rows, held, static_cast<Real>(sink)) {}
 
   /// Fills one channel of `result`, a copy of the levels. Works on deviations from the middle in units of
   /// the range, so that rounding does not depend on either.
   void fill(int channel, const Values& values, const FillOptions& options, FillResult& result) {
     const int channels = levels_.channels(), width = levels_.cols;
-    const double middle = (values.low + values.high) / 2, range = values.high - values.low;
+    const double middle = values.middle(), range = values.high - values.low;
     auto field = make_board<Real>(width, levels_.rows);
     auto& cells = diffusion_.row();
     std::fill(cells.begin(), cells.end(), Real(0));
@@ -112,8 +119,9 @@ class Filler {
 
 template <class Real>
 void fill_channels(const cv::Mat& levels, const std::vector<const std::uint8_t*>& held,
-                   const std::vector<Values>& values, const FillOptions& options, FillResult& result) {
-  Filler<Real> filler(levels, held);
+                   const std::vector<Values>& values, double sink, const FillOptions& options,
+                   FillResult& result) {
+  Filler<Real> filler(levels, held, sink);
   for (int channel = 0; channel < levels.channels(); ++channel) {
     const Values& of_channel = values[static_cast<std::size_t>(channel)];
     if (of_channel.high > of_channel.low) filler.fill(channel, of_channel, options, result);
@@ -125,6 +133,48 @@ void fill_channels(const cv::Mat& levels, const std::vector<const std::uint8_t*>
 bool needs_double(const cv::Size size, double range, double tolerance) {
   return std::max(size.width, size.height) > 32 * std::min(size.width, size.height) ||
          tolerance < 3e-5 * range;
+}
+
+/// Solves for the pixels that are not held, of which there are some and not all. With a sink they are drawn
+/// to 0, and the range of each channel lies about that.
+FillResult diffuse(const cv::Mat& levels, const cv::Mat& mask, double sink, const FillOptions& options) {
+  std::vector<const std::uint8_t*> held;
+  for (int y = 0; y < mask.rows; ++y) held.push_back(mask.ptr(y));
+  std::vector<Values> values;
+  double range = 0;
+  cv::Scalar middle;
+  for (int channel = 0; channel < levels.channels(); ++channel) {
+    Values of_channel = held_values(levels, held, channel);
+    if (sink > 0) {
+      of_channel.high = std::max(std::abs(of_channel.low), std::abs(of_channel.high));
+      of_channel.low = -of_channel.high;
+    }
+    values.push_back(of_channel);
+    range = std::max(range, of_channel.high - of_channel.low);
+    middle[channel] = of_channel.middle();
+  }
+  FillResult result;
+  result.levels = levels.clone();
+  // Where the range is zero there is nothing to solve: all is what is held.
+  result.levels.setTo(middle, mask == 0);
+  if (needs_double(levels.size(), range, options.tolerance))
+    fill_channels<double>(levels, held, values, sink, options, result);
+  else
+    fill_channels<float>(levels, held, values, sink, options, result);
+  return result;
+}
+
+void check_ground(const cv::Mat& levels, const cv::Mat& ground, double reach) {
+  std::ostringstream message;
+  if (ground.dims != 2 || ground.type() != levels.type() || ground.size() != levels.size())
+    message << "fill_onto: the ground is " << cv::typeToString(ground.type()) << ", " << ground.cols << " × "
+            << ground.rows << "; it has to be of the levels' type and size, "
+            << cv::typeToString(levels.type()) << ", " << levels.cols << " × " << levels.rows;
+  else if (!(reach >= 1 && reach <= 1e4))
+    message << "fill_onto: reach is " << reach << "; allowed are 1 to 10000 px";
+  else if (!cv::checkRange(ground))
+    message << "fill_onto: the ground holds a number that is not finite";
+  if (!message.str().empty()) throw core::InputError(message.str());
 }
 
 }  // namespace
@@ -141,32 +191,29 @@ void FillOptions::validate() const {
 FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options) {
   options.validate();
   check(levels, mask);
-  FillResult result;
   const int count = cv::countNonZero(mask);
-  if (count == 0) {
-    result.levels = cv::Mat(levels.size(), levels.type(), cv::Scalar::all(0));
-    return result;
+  if (count == 0) return {cv::Mat(levels.size(), levels.type(), cv::Scalar::all(0))};
+  if (count == mask.rows * mask.cols) {
+    check_held(levels, mask);
+    return {levels.clone()};
   }
-  std::vector<const std::uint8_t*> held;
-  for (int y = 0; y < mask.rows; ++y) held.push_back(mask.ptr(y));
-  std::vector<Values> values;
-  double range = 0;
-  for (int channel = 0; channel < levels.channels(); ++channel) {
-    values.push_back(held_values(levels, held, channel));
-    range = std::max(range, values.back().high - values.back().low);
-  }
-  result.levels = levels.clone();
-  if (count == mask.rows * mask.cols) return result;
+  return diffuse(levels, mask, 0, options);
+}
 
-  // Where the range is zero there is nothing to solve: all is what is held.
-  cv::Scalar middle;
-  for (std::size_t channel = 0; channel < values.size(); ++channel)
-    middle[static_cast<int>(channel)] = (values[channel].low + values[channel].high) / 2;
-  result.levels.setTo(middle, mask == 0);
-  if (needs_double(levels.size(), range, options.tolerance))
-    fill_channels<double>(levels, held, values, options, result);
-  else
-    fill_channels<float>(levels, held, values, options, result);
+FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& ground, double reach,
+                     const FillOptions& options) {
+  options.validate();
+  check(levels, mask);
+  check_ground(levels, ground, reach);
+  const int count = cv::countNonZero(mask);
+  if (count == 0) return {ground.clone()};
+  if (count == mask.rows * mask.cols) {
+    check_held(levels, mask);
+    return {levels.clone()};
+  }
+  FillResult result = diffuse(levels - ground, mask, 1 / (reach * reach), options);
+  result.levels += ground;
+  levels.copyTo(result.levels, mask);
   return result;
 }
 

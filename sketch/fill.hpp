@@ -25,4 +25,12 @@ struct FillResult {
 /// preconditioned by a multigrid cycle over 2×2 aggregates. O(pixels); one thread.
 FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options = {});
 
+/// Puts what is held onto a ground without a seam: ground + u, u being what the held pixels differ from the
+/// ground and, elsewhere, the solution of (Δ − 1/reach²) u = 0 (5-point stencil, insulated border). So the
+/// ground takes the held pixels' level beside them and is itself again some `reach` px away, its own texture
+/// kept everywhere. `ground`: of the levels' size and type, finite; reach: 1…10⁴ px; the rest, and
+/// what is refused, as for fill(). With nothing held the frame is the ground.
+FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& ground, double reach,
+                     const FillOptions& options = {});
+
 }  // namespace emberfold::sketch

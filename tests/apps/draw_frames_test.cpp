@@ -5,6 +5,7 @@
 
 #include "apps/draw_graph_frames.hpp"
 #include "apps/interrupt.hpp"
+#include "core/rng.hpp"
 #include "tests/apps/clip_fixture.hpp"
 #include "tests/catch.hpp"
 
@@ -54,26 +55,41 @@ TEST_CASE("a frame without a stroke in it has the level that was asked for") {
                     cv::Mat(40, 48, CV_8UC1, cv::Scalar(77))));
 }
 
-TEST_CASE("a clip of graphs is drawn in order and frame by frame as each alone") {
+TEST_CASE("a batch of graphs is drawn frame by frame as each alone, on a ground or without") {
   const FrameLook look{{48, 40}, 3, 7, {}};
-  std::vector<int> asked, taken;
-  draw_frames(
-      37, look, "draw", {},
-      [&](int t) {
-        asked.push_back(t);
-        return bar(5 + t);
-      },
-      [&](int t, const cv::Mat& frame) {
-        taken.push_back(t);
-        if (t % 9 == 0) CHECK(same_pixels(frame, draw_frame(bar(5 + t), look)));
-      });
-  REQUIRE(taken.size() == 37);
-  for (int t = 0; t < 37; ++t)
-    CHECK((asked[static_cast<std::size_t>(t)] == t && taken[static_cast<std::size_t>(t)] == t));
+  core::Rng rng(2);
+  std::vector<FrameParts> parts;
+  for (int t = 0; t < 19; ++t) {
+    parts.push_back({bar(5 + t), {}});
+    if (t % 2 == 0) continue;
+    parts.back().ground = cv::Mat(40, 48, CV_8UC3);
+    for (auto& pixel : cv::Mat_<cv::Vec3b>(parts.back().ground))
+      pixel = cv::Vec3b::all(static_cast<unsigned char>(100 + rng.below(20)));
+  }
+  const auto frames = draw_batch(parts, look, {});
+  REQUIRE(frames.size() == 19);
+  for (std::size_t t = 0; t < frames.size(); ++t) CHECK(same_pixels(frames[t], draw_frame(parts[t], look)));
   std::stop_source stop;
   stop.request_stop();
-  CHECK_THROWS_AS(draw_frames(
-                      3, look, "draw", core::Context(stop.get_token()), [](int) { return bar(9); },
-                      [](int, const cv::Mat&) {}),
-                  Interrupted);
+  CHECK_THROWS_AS(draw_batch(parts, look, core::Context(stop.get_token())), Interrupted);
+}
+
+TEST_CASE("strokes are joined into a ground: theirs beside them, its own away from them") {
+  const FrameLook look{{96, 40}, 1, 7, {}};
+  core::Rng rng(2);
+  cv::Mat ground(40, 96, CV_8U);
+  for (auto& value : cv::Mat_<unsigned char>(ground)) value = static_cast<unsigned char>(100 + rng.below(20));
+  const cv::Mat frame = draw_frame({bar(20), ground}, look), plain = draw_frame(bar(20), look);
+  const auto drawn = sketch::draw_fitted(bar(20), look.size, 1);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 96; ++x)
+      if (drawn.mask.at<unsigned char>(y, x) != 0)
+        CHECK(frame.at<unsigned char>(y, x) == plain.at<unsigned char>(y, x));
+  const cv::Rect away(72, 0, 24, 40);
+  CHECK(cv::norm(frame(away), ground(away), cv::NORM_INF) <= 1);
+  // Its texture stays where its level gives way.
+  cv::Mat lifted = cv::Mat(ground - frame)(cv::Rect(26, 8, 4, 24));
+  cv::Scalar mean, spread;
+  cv::meanStdDev(lifted, mean, spread);
+  CHECK(mean[0] > 10);
 }

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/drawn_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <utility>
+
+#include "apps/command.hpp"
+#include "apps/model_folder.hpp"
+#include "apps/nearest.hpp"
+#include "apps/texture_folder.hpp"
+#include "core/error.hpp"
+#include "dytex/compression.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* texture_folder = "texture";
+constexpr std::array kFills = {ModelFill::diffusion, ModelFill::dytex};
+
+bool never_changes(const mcmc::OperatorRates& rates) {
+  const auto zero = [](double rate) { return rate == 0; };
+  return std::ranges::all_of(rates.birth.values, zero) && std::ranges::all_of(rates.death_by_size, zero) &&
+         rates.split == 0 && rates.merge == 0 && rates.connect == 0 && rates.disconnect == 0;
+}
+
+void check_drawable(const mcmc::MotionModel& model) {
+  if (model.exemplars.empty()) throw core::IoError("the model has no exemplars: no stroke can be born of it");
+  if (never_changes(model.rates))
+    throw core::IoError("all rates of the model are 0: no stroke would be born, die or change");
+}
+
+std::shared_ptr<const dytex::LinearDynamicTexture> open_texture(const std::string& folder,
+                                                                const mcmc::MotionModel& model) {
+  const auto path = (fs::path(folder) / texture_folder).string();
+  std::error_code ignored;
+  if (!fs::exists(path, ignored))
+    throw core::IoError(
+        folder +
+        " holds no texture of what lies between the strokes; 'emberfold analyze --texture 30' "
+        "learns one");
+  auto texture = read_texture(path);
+  const auto& info = texture.info;
+  if (info.width != model.width || info.height != model.height)
+    throw core::IoError(path + " is of frames of " + std::to_string(info.width) + "x" +
+                        std::to_string(info.height) + ", the model of " + std::to_string(model.width) + "x" +
+                        std::to_string(model.height));
+  return std::make_shared<dytex::LinearDynamicTexture>(std::move(texture));
+}
+
+}  // namespace
+
+std::string_view name(ModelFill fill) {
+  return fill == ModelFill::diffusion ? "diffusion" : "dytex";
+}
+
+ModelFill model_fill(const std::string& text) {
+  std::string allowed;
+  for (const auto fill : kFills) {
+    if (name(fill) == text) return fill;
+    allowed += (allowed.empty() ? "" : ", ") + std::string(name(fill));
+  }
+  throw Misuse("--fill is " + text + ", allowed is one of " + allowed);
+}
+
+DrawnModel open_drawn_model(const std::string& folder, ModelFill fill) {
+  const auto archive = read_model(folder, kMotionFormat);
+  DrawnModel opened;
+  try {
+    opened.motion = mcmc::motion_model(archive);
+    opened.ground = read_ground(archive, {opened.motion.width, opened.motion.height});
+    check_drawable(opened.motion);
+  } catch (const core::IoError& error) {
+    throw core::IoError(folder + ": " + error.what());
+  }
+  if (fill == ModelFill::dytex) opened.texture = open_texture(folder, opened.motion);
+  return opened;
+}
+
+ModelFrames model_frames(const DrawnModel& model, const sketch::FillOptions& fill, std::uint64_t seed) {
+  if (model.texture) return hybrid_frames(model.motion, model.texture, fill, seed);
+  return {mcmc::Synthesis(model.motion, seed), model_look(model.motion, model.ground, fill)};
+}
+
+void write_ground_texture(OutputFolder& output, const std::string& model_name, const GroundTexture& texture) {
+  write_model(output, model_name + "/" + texture_folder,
+              dytex::to_archive(texture.texture, dytex::Precision::f16));
+}
+
+}  // namespace emberfold::apps
