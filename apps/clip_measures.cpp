@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kMostLags = 16, kMostCloseFrames = 100, kFlowStride = 3;
+constexpr int kMostLags = 16, kMostCloseFrames = 50, kFlowStride = 3;
 
 int thinning_of(cv::Size size) {
   constexpr double kMostPixels = 1 << 18;

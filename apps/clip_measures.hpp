@@ -28,7 +28,7 @@ MeasureScale measure_scale(std::int64_t frames, cv::Size size);
 
 /// All that is measured of the pixels of a clip, gathered frame by frame. Of frames above 2^18 pixels the
 /// spectrum in time and the autocorrelation are taken at every second, third … pixel each way, which bounds
-/// the memory and not the truth. Of optical flow and crease sharpness at most some hundred frames are taken
+/// the memory and not the truth. Of optical flow and crease sharpness at most some fifty frames are taken
 /// where `frames` tells how many there will be.
 class ClipMeasures {
  public:

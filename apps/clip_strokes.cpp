@@ -109,8 +109,8 @@ Json stroke_distances(const mcmc::StrokeStatistics& a, const mcmc::StrokeStatist
   Json inside = Json::object();
   for (const auto type : kTypes) {
     const auto i = static_cast<std::size_t>(type);
-    const double ratio = std::log((a.happened[i] + 0.5) / (a.frames - 1)) -
-                         std::log((b.happened[i] + 0.5) / (b.frames - 1));
+    const double ratio =
+        std::log((a.happened[i] + 0.5) / (a.frames - 1)) - std::log((b.happened[i] + 0.5) / (b.frames - 1));
     squares += ratio * ratio;
     inside[std::string(graph::name(type))] = within(a.events_a_frame[i].mean, b.events_a_frame[i]);
   }

@@ -20,6 +20,8 @@ void visit_fields(Options& o, Visit&& visit) {
         "Of the clip, from its beginning, that models learn from; the rest is foretold");
   visit("steps", o.steps, "N", "Foretell up to so many frames ahead");
   visit("frames", o.frames, "N", "Frames of each clip drawn from a model; 0: as many as the source has");
+  visit("hybrid", o.hybrid, "", "Leave the hybrid of motion model and linear dynamic texture out");
+  visit("star", o.star, "", "Leave the spatio-temporal auto-regression out");
   visit("strokes", o.strokes, "", "Do not find strokes in the drawn clips (half the time)");
   visit("curve", o.curve, "", "Quality against the number of parameters too, from models of many sizes");
 }
@@ -65,7 +67,8 @@ void run_compare(const Compare& asked, Session& session) {
     comparison = compare_clip(*source, asked.reading.clip, asked.options, {}, output, session);
   } else {
     const auto other = open(asked.other);
-    comparison = compare_clips(*source, asked.reading.clip, *other, asked.other, asked.options, output, session);
+    comparison =
+        compare_clips(*source, asked.reading.clip, *other, asked.other, asked.options, output, session);
   }
   stages.end();
   Json summary = begin_summary("compare", session);
@@ -77,13 +80,11 @@ void run_compare(const Compare& asked, Session& session) {
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
-  output.write("report.html",
-               [&](std::ostream& out) { out << make_comparison_report(comparison, summary); });
+  output.write("report.html", [&](std::ostream& out) { out << make_comparison_report(comparison, summary); });
   session.check_stop();
   output.commit();
   session.print(session.common.json ? json_text(summary) : comparison_table(comparison.measures));
-  for (const auto& sentence : comparison.measures["words"])
-    session.console.say(sentence.get<std::string>());
+  for (const auto& sentence : comparison.measures["words"]) session.console.say(sentence.get<std::string>());
   session.console.say("the report is " + (output.path() / "report.html").string());
 }
 

@@ -93,11 +93,15 @@ std::optional<ComparedModel> texture_model(const ModelInput& input, const KnownM
       return enlarged(std::move(frames), size);
     };
   };
-  model.foretell = [texture, size, inner](const Moment& moment, int steps) {
-    Eigen::VectorXd state = dytex::expected_state(
-        *texture, dytex::project(*texture, resized(moment.past.back(), inner)));
-    for (int i = 0; i < steps; ++i) state = texture->A * state;
-    return resized(dytex::draw(*texture, state), size);
+  model.foretell = [texture, size, inner](const Moment& moment, std::span<const int> steps) {
+    Eigen::VectorXd state =
+        dytex::expected_state(*texture, dytex::project(*texture, resized(moment.past.back(), inner)));
+    std::vector<cv::Mat> told;
+    for (int i = 1; told.size() < steps.size(); ++i) {
+      state = texture->A * state;
+      if (i == steps[told.size()]) told.push_back(resized(dytex::draw(*texture, state), size));
+    }
+    return told;
   };
   model.reconstruct = [texture, size, inner](const Moment& moment) {
     return resized(dytex::draw(*texture, dytex::project(*texture, resized(moment.past.back(), inner))), size);
@@ -119,7 +123,7 @@ std::optional<ComparedModel> star_model(const ModelInput& input, int reach) {
     return std::nullopt;
   }
   const auto star = std::make_shared<const dytex::Star>(std::move(learned.star));
-  ComparedModel model{"star", "STAR", "synthesized_star.avi"};
+  ComparedModel model{"star", "STAR model", "synthesized_star.avi"};
   const auto channels = static_cast<double>(star->info.channels);
   model.parameters =
       static_cast<double>(star->mean.size() + star->coefficients.size()) + channels * (channels + 1) / 2;
@@ -130,8 +134,11 @@ std::optional<ComparedModel> star_model(const ModelInput& input, int reach) {
       return frames;
     };
   };
-  model.foretell = [star](const Moment& moment, int steps) {
-    return dytex::predict(*star, moment.past, steps).back();
+  model.foretell = [star](const Moment& moment, std::span<const int> steps) {
+    const auto all = dytex::predict(*star, moment.past, steps.back());
+    std::vector<cv::Mat> told;
+    for (const int step : steps) told.push_back(all[static_cast<std::size_t>(step - 1)]);
+    return told;
   };
   return model;
 }
@@ -143,9 +150,9 @@ std::vector<ComparedModel> learn_models(const ModelInput& input, const KnownMode
   };
   const auto strokes = learn_strokes(input, known);
   if (strokes) add(sketch_model(strokes, input.session));
-  if (strokes) add(hybrid_model(strokes, input));
+  if (strokes && input.options.hybrid) add(hybrid_model(strokes, input));
   add(texture_model(input, known, input.options.learn.components));
-  add(star_model(input, dytex::StarOptions{}.reach));
+  if (input.options.star) add(star_model(input, dytex::StarOptions{}.reach));
   return models;
 }
 

@@ -28,8 +28,8 @@ struct ComparedModel {
   double parameters = 0;   ///< numbers that it holds
   /// Begins a new clip: gives its next frames, CV_8U.
   std::function<Frames()> draw = {};
-  /// The frame expected `steps` after the moment: levels, or CV_8U.
-  std::function<cv::Mat(const Moment&, int steps)> foretell = {};
+  /// The frames expected so many steps (ascending, of ModelInput's) after the moment: levels, or CV_8U.
+  std::function<std::vector<cv::Mat>(const Moment&, std::span<const int> steps)> foretell = {};
   /// The moment's own frame as the model can show it. None: it has no such thing.
   std::function<cv::Mat(const Moment&)> reconstruct = {};
 };
@@ -37,7 +37,7 @@ struct ComparedModel {
 /// What models are learned from.
 struct ModelInput {
   core::FrameSource& source;
-  int frames = 0, first = 0;  ///< of the clip; learned is from those before `first`
+  int frames = 0, first = 0;   ///< of the clip; learned is from those before `first`
   std::span<const int> steps;  ///< that models are to foretell
   const SketchedClip& sketched;
   const CompareOptions& options;

@@ -79,14 +79,20 @@ Eigen::VectorXd state_between(const dytex::LinearDynamicTexture& texture, const 
   return dytex::expected_state(texture, state);
 }
 
-cv::Mat draw_hybrid(const Strokes& strokes, const dytex::LinearDynamicTexture& texture, const Moment& moment,
-                    int steps) {
+// The frames so many steps (ascending; 0: itself) after a moment.
+std::vector<cv::Mat> draw_hybrid(const Strokes& strokes, const dytex::LinearDynamicTexture& texture,
+                                 const Moment& moment, std::span<const int> steps) {
   const auto& levels = moment.past.back();
-  Eigen::VectorXd state = state_between(texture, levels, strokes.graph(moment, 0));
-  for (int i = 0; i < steps; ++i) state = texture.A * state;
   const auto level = static_cast<float>(cv::mean(core::luma(levels))[0]);
-  return draw_frame({strokes.graph(moment, steps), core::to_bytes(dytex::draw(texture, state))},
-                    strokes.look(level, {}));
+  Eigen::VectorXd state = state_between(texture, levels, strokes.graph(moment, 0));
+  std::vector<cv::Mat> drawn;
+  for (int i = 0; drawn.size() < steps.size(); ++i) {
+    if (i > 0) state = texture.A * state;
+    if (i == steps[drawn.size()])
+      drawn.push_back(draw_frame({strokes.graph(moment, i), core::to_bytes(dytex::draw(texture, state))},
+                                 strokes.look(level, {})));
+  }
+  return drawn;
 }
 
 double ground_numbers(const Ground& ground) {
@@ -132,13 +138,14 @@ ComparedModel sketch_model(const std::shared_ptr<const Strokes>& strokes, const 
   ComparedModel model{"motion_model", "motion model", "synthesized_motion.avi"};
   model.parameters = parameter_count(strokes->model) + ground_numbers(strokes->ground);
   model.draw = [strokes, seed = session.common.seed, context = session.context]() -> ComparedModel::Frames {
-    const auto frames =
-        std::make_shared<ModelFrames>(mcmc::Synthesis(strokes->drawn, seed),
-                                      strokes->look(strokes->level, strokes->drawn_ground));
+    const auto frames = std::make_shared<ModelFrames>(mcmc::Synthesis(strokes->drawn, seed),
+                                                      strokes->look(strokes->level, strokes->drawn_ground));
     return [frames, context](int count) { return frames->next(count, context); };
   };
-  model.foretell = [strokes](const Moment& moment, int steps) {
-    return draw_strokes(*strokes, moment, steps);
+  model.foretell = [strokes](const Moment& moment, std::span<const int> steps) {
+    std::vector<cv::Mat> told;
+    for (const int step : steps) told.push_back(draw_strokes(*strokes, moment, step));
+    return told;
   };
   model.reconstruct = [strokes](const Moment& moment) { return draw_strokes(*strokes, moment, 0); };
   return model;
@@ -150,9 +157,8 @@ std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const Strokes>& 
   ClipPart part(input.source, 0, input.first);
   GroundTexture learned;
   try {
-    learned = learn_ground_texture(part,
-                                   std::span(strokes->sketches).first(static_cast<std::size_t>(input.first)),
-                                   {}, session.context);
+    learned = learn_ground_texture(
+        part, std::span(strokes->sketches).first(static_cast<std::size_t>(input.first)), {}, session.context);
   } catch (const core::InputError& error) {
     input.session.warn(std::string("no hybrid: ") + error.what());
     return std::nullopt;
@@ -167,11 +173,12 @@ std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const Strokes>& 
         std::make_shared<ModelFrames>(hybrid_frames(strokes->drawn, texture, strokes->fill, seed));
     return [frames, context](int count) { return frames->next(count, context); };
   };
-  model.foretell = [strokes, texture](const Moment& moment, int steps) {
+  model.foretell = [strokes, texture](const Moment& moment, std::span<const int> steps) {
     return draw_hybrid(*strokes, *texture, moment, steps);
   };
   model.reconstruct = [strokes, texture](const Moment& moment) {
-    return draw_hybrid(*strokes, *texture, moment, 0);
+    const int itself = 0;
+    return draw_hybrid(*strokes, *texture, moment, std::span(&itself, 1)).front();
   };
   return model;
 }

@@ -162,10 +162,8 @@ Json synthesis_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes, c
 Json models_json(std::span<const ComparedModel> models) {
   Json out = Json::array();
   for (const auto& model : models)
-    out.push_back({{"key", model.key},
-                   {"label", model.label},
-                   {"parameters", model.parameters},
-                   {"file", model.file}});
+    out.push_back(
+        {{"key", model.key}, {"label", model.label}, {"parameters", model.parameters}, {"file", model.file}});
   return out;
 }
 
@@ -179,8 +177,7 @@ void CompareOptions::validate() const {
     throw core::InputError("CompareOptions.steps is " + std::to_string(steps) + "; allowed is 1 to 64");
   if (frames != 0 && (frames < kFewestFrames || frames > 1000000))
     throw core::InputError("CompareOptions.frames is " + std::to_string(frames) + "; allowed is " +
-                           std::to_string(kFewestFrames) +
-                           " to 1000000, or 0 for as many as the source has");
+                           std::to_string(kFewestFrames) + " to 1000000, or 0 for as many as the source has");
 }
 
 Comparison compare_clip(core::FrameSource& source, const std::string& clip, const CompareOptions& options,

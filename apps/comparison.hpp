@@ -27,6 +27,8 @@ struct CompareOptions {
   double learn_share = 0.5;   ///< of the clip, from its beginning, that models learn from; (0, 1]
   int steps = 8;              ///< frames that are foretold at most, 1 … 64
   int frames = 0;             ///< of each synthesized clip; 0: as many as the source has
+  bool hybrid = true;         ///< compare the hybrid of motion model and dynamic texture, too
+  bool star = true;           ///< and spatio-temporal auto-regression
   bool curve = false;         ///< quality against model size, too
   bool strokes = true;        ///< find strokes in the synthesized clips and measure them
 
@@ -43,8 +45,8 @@ struct KnownModels {
 };
 
 struct Comparison {
-  nlohmann::ordered_json measures;  ///< the content of measures.json
-  std::vector<std::string> files;   ///< what was written into the output, by name
+  nlohmann::ordered_json measures;     ///< the content of measures.json
+  std::vector<std::string> files;      ///< what was written into the output, by name
   std::vector<cv::Mat> pictures = {};  ///< CV_8UC3: some moments of all clips, side by side
 };
 

@@ -45,12 +45,9 @@ ClipMeasures measure_drawn(const ComparedModel& model, const ModelInput& input, 
 
 Json point_json(const Sized& sized, const ModelInput& input, const ClipMeasures& source,
                 const MeasureScale& scale) {
-  Json point = {{"model", sized.model.key},
-                {"label", sized.model.label},
-                {"what", sized.what},
-                {"parameters", sized.model.parameters},
-                {"psnr", nullptr},
-                {"ssim", nullptr}};
+  Json point = {{"model", sized.model.key}, {"label", sized.model.label},
+                {"what", sized.what},       {"parameters", sized.model.parameters},
+                {"psnr", nullptr},          {"ssim", nullptr}};
   if (input.first < input.frames) {
     const int next = 1;
     const auto told = measure_prediction(input.source, input.first, input.frames, std::span(&next, 1),
@@ -88,8 +85,8 @@ Json size_curve(const ModelInput& input, const ClipMeasures& source, const Measu
   Json points = Json::array();
   const int one = 1;
   const auto next_only = [&](const SketchedClip& sketched, const CompareOptions& options) {
-    return ModelInput{input.source, input.frames, input.first, std::span(&one, 1), sketched, options,
-                      input.session};
+    return ModelInput{input.source, input.frames, input.first,  std::span(&one, 1),
+                      sketched,     options,      input.session};
   };
   const auto add = [&](std::optional<ComparedModel> model, const std::string& what, const ModelInput& from) {
     if (model) points.push_back(point_json({std::move(*model), what}, from, source, scale));
@@ -98,12 +95,13 @@ Json size_curve(const ModelInput& input, const ClipMeasures& source, const Measu
   for (const int factor : {1, 2, 4}) {
     CompareOptions options = input.options;
     options.sketch.min_contrast *= factor;
-    const auto sketched = factor == 1 ? input.sketched
-                                      : sketch_clip(input.source, options.sketch, input.session);
+    const auto sketched =
+        factor == 1 ? input.sketched : sketch_clip(input.source, options.sketch, input.session);
     const auto from = next_only(sketched, options);
     const auto strokes = learn_strokes(from, {});
     if (!strokes) continue;
-    add(sketch_model(strokes, input.session), "strokes of " + std::to_string(factor) + " times the least contrast", from);
+    add(sketch_model(strokes, input.session),
+        "strokes of " + std::to_string(factor) + " times the least contrast", from);
   }
   const auto from = next_only(input.sketched, input.options);
   for (const double reduced : {0.125, 0.25, 0.5, 1.0})

@@ -140,8 +140,10 @@ std::string comparison_table(const Json& measures) {
     out += row(measure.name + (unit.empty() ? "" : ", " + unit), cells);
   }
   if (!measures.contains("psnr")) return out;
-  if (measures["psnr"].is_null()) return out + "PSNR: none, " + measures["psnr_missing"].get<std::string>() + "\n";
-  return out + row("PSNR, dB", "  " + cell(measures, "psnr", 2)) + row("SSIM", "  " + cell(measures, "ssim", 3));
+  if (measures["psnr"].is_null())
+    return out + "PSNR: none, " + measures["psnr_missing"].get<std::string>() + "\n";
+  return out + row("PSNR, dB", "  " + cell(measures, "psnr", 2)) +
+         row("SSIM", "  " + cell(measures, "ssim", 3));
 }
 
 }  // namespace emberfold::apps

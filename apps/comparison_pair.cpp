@@ -137,8 +137,16 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
   const auto strokes = [&](cv::Size size, double fps) {
     return ClipStrokes(size, fps, options.sketch, options.match);
   };
-  Pair pair{a,     b,     frames_a, frames_b, blank, ClipMeasures(size_b, scale, frames_b),
-            blank, blank, strokes(size_a, a.info().fps), strokes(size_b, b.info().fps)};
+  Pair pair{a,
+            b,
+            frames_a,
+            frames_b,
+            blank,
+            ClipMeasures(size_b, scale, frames_b),
+            blank,
+            blank,
+            strokes(size_a, a.info().fps),
+            strokes(size_b, b.info().fps)};
   const auto missing = why_no_psnr(a.info(), frames_a, b.info(), frames_b);
   try {
     const auto label = [](const std::string& name) {
@@ -156,7 +164,8 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
   measures["clip"] = clip_json(name_a, a.info(), frames_a);
   measures["other"] = clip_json(name_b, b.info(), frames_b);
   add_distances(pair, options.strokes, session, measures);
-  measures["psnr"] = missing.empty() ? Json(rounded(dytex::psnr(pair.square_error / frames_a))) : Json(nullptr);
+  measures["psnr"] =
+      missing.empty() ? Json(rounded(dytex::psnr(pair.square_error / frames_a))) : Json(nullptr);
   measures["ssim"] = missing.empty() ? Json(rounded(pair.similarity / frames_a)) : Json(nullptr);
   if (!missing.empty()) measures["psnr_missing"] = missing;
   measures["curves"] = curves_json({{"source", &pair.all_a}, {"other", &pair.all_b}}, scale);

@@ -61,7 +61,9 @@ class Table {
   void row(const std::string& name, const std::vector<std::string>& cells, int best = -1, int floor = -1) {
     text_ += "<tr><td>" + name + "</td>";
     for (int i = 0; i < static_cast<int>(cells.size()); ++i)
-      text_ += std::string(i == best ? "<td class=\"best\">" : i == floor ? "<td class=\"floor\">" : "<td>") +
+      text_ += std::string(i == best    ? "<td class=\"best\">"
+                           : i == floor ? "<td class=\"floor\">"
+                                        : "<td>") +
                cells[static_cast<std::size_t>(i)] + "</td>";
     text_ += "</tr>\n";
   }
@@ -267,9 +269,9 @@ std::string size_section(const Json& measures) {
 
 std::string make_comparison_report(const Comparison& comparison, const Json& summary) {
   const auto& measures = comparison.measures;
-  const auto name = escape_html(at(measures, {"clip", "name"}).is_string()
-                                    ? measures["clip"]["name"].get<std::string>()
-                                    : "comparison");
+  const auto name =
+      escape_html(at(measures, {"clip", "name"}).is_string() ? measures["clip"]["name"].get<std::string>()
+                                                             : "comparison");
   std::string page =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Comparison of " +
@@ -295,19 +297,19 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
                     strokes);
   const bool foretold = at(measures, {"prediction"}).is_object();
   if (foretold)
-    page += section("Foretelling",
-                    "Frames that no model has learned from, foretold from those before them. The last column: "
-                    "how well a model shows a frame that it is given.",
-                    prediction_tables(measures));
-  page += section("Curves", "",
-                  "<div class=\"plots\">" +
-                      plot(measures, "temporal_db", "frequency",
-                           {"Spectrum in time", "cycles a frame", "power, dB", {}}) +
-                      plot(measures, "radial_db", "frequency",
-                           {"Spectrum in space", "cycles a pixel", "power, dB", {}}) +
-                      plot(measures, "autocorrelation", "lag",
-                           {"Autocorrelation", "frames apart", "correlation", {}}) +
-                      (foretold ? prediction_plot(measures) : "") + "</div>");
+    page +=
+        section("Foretelling",
+                "Frames that no model has learned from, foretold from those before them. The last column: "
+                "how well a model shows a frame that it is given.",
+                prediction_tables(measures));
+  page += section(
+      "Curves", "",
+      "<div class=\"plots\">" +
+          plot(measures, "temporal_db", "frequency",
+               {"Spectrum in time", "cycles a frame", "power, dB", {}}) +
+          plot(measures, "radial_db", "frequency", {"Spectrum in space", "cycles a pixel", "power, dB", {}}) +
+          plot(measures, "autocorrelation", "lag", {"Autocorrelation", "frames apart", "correlation", {}}) +
+          (foretold ? prediction_plot(measures) : "") + "</div>");
   if (measures.contains("size_curve")) page += size_section(measures);
   page += "<section><div class=\"head\"><h2>All figures</h2></div><pre style=\"overflow:auto\">" +
           escape_html(summary.dump(1, ' ', false, Json::error_handler_t::replace)) + "</pre></section>\n";

@@ -129,7 +129,8 @@ std::vector<std::string> stroke_words(const Json& measures) {
     std::vector<std::string> outside;
     for (const auto& [name, inside] : distances["inside"].items())
       if (!inside.get<bool>()) outside.push_back(name);
-    words.push_back("Of the " + std::to_string(distances["inside"].size()) + " means of strokes (six rates of "
+    words.push_back("Of the " + std::to_string(distances["inside"].size()) +
+                    " means of strokes (six rates of "
                     "events, lifetime, length) found in " +
                     (one.key == "other" ? "" : "the clip of the ") + one.label + ", " +
                     std::to_string(distances["inside"].size() - outside.size()) +
@@ -153,8 +154,9 @@ std::vector<std::string> pair_words(const Json& measures) {
   }
   if (apart.empty()) return {"No measure tells the clips apart."};
   return {"The clips are told apart by " + listed(apart) + ".",
-          same.empty() ? "By no measure are they the same."
-                       : "By " + listed(same) + " they lie no farther apart than the first clip's own halves."};
+          same.empty()
+              ? "By no measure are they the same."
+              : "By " + listed(same) + " they lie no farther apart than the first clip's own halves."};
 }
 
 }  // namespace

@@ -30,9 +30,9 @@ cv::Mat optical_flow(const cv::Mat& luma, const cv::Mat& next) {
   // Of OpenCV's dense methods the one whose result does not hang on how many threads share the frame.
   cv::calcOpticalFlowFarneback(reduced_bytes(luma, size), reduced_bytes(next, size), flow, 0.5, 3, 15, 3, 5,
                                1.1, 0);
-  return size == luma.size() ? flow
-                             : cv::Mat(flow.mul(cv::Scalar(double(luma.cols) / size.width,
-                                                           double(luma.rows) / size.height)));
+  return size == luma.size()
+             ? flow
+             : cv::Mat(flow.mul(cv::Scalar(double(luma.cols) / size.width, double(luma.rows) / size.height)));
 }
 
 }  // namespace emberfold::apps

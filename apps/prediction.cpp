@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kMostMoments = 64, kBatch = 8, kPast = 2;
+constexpr int kMostMoments = 32, kBatch = 8, kPast = 2;
 
 // What one way says of one frame.
 struct Nearness {
@@ -59,9 +59,13 @@ cv::Mat mean_image(core::FrameSource& source, int frames, const Session& session
 std::vector<ComparedModel> all_ways(const cv::Mat& mean, std::span<const ComparedModel> models) {
   std::vector<ComparedModel> ways(2);
   ways[0].key = "frame_before";
-  ways[0].foretell = [](const Moment& moment, int) { return moment.past.back(); };
+  ways[0].foretell = [](const Moment& moment, std::span<const int> steps) {
+    return std::vector<cv::Mat>(steps.size(), moment.past.back());
+  };
   ways[1].key = "mean_image";
-  ways[1].foretell = [mean](const Moment&, int) { return mean; };
+  ways[1].foretell = [mean](const Moment&, std::span<const int> steps) {
+    return std::vector<cv::Mat>(steps.size(), mean);
+  };
   ways.insert(ways.end(), models.begin(), models.end());
   return ways;
 }
@@ -102,15 +106,14 @@ class Window {
 MomentNearness measure_moment(int t, int frames, std::span<const int> steps, const Window& window,
                               std::span<const ComparedModel> ways) {
   const Moment moment{t, window.frames(std::max(0, t + 1 - kPast), t)};
+  const auto within = steps.first(
+      static_cast<std::size_t>(std::ranges::count_if(steps, [&](int step) { return t + step < frames; })));
   MomentNearness found(ways.size());
   for (std::size_t w = 0; w < ways.size(); ++w) {
-    for (const int step : steps) {
-      found[w].emplace_back();
-      if (t + step >= frames) continue;
-      const auto& truth = window.frames(t + step, t + step).front();
-      found[w].back() = nearness(ways[w].foretell(moment, step), truth);
-    }
-    found[w].emplace_back();
+    const auto told = ways[w].foretell(moment, within);
+    found[w].resize(steps.size() + 1);
+    for (std::size_t s = 0; s < told.size(); ++s)
+      found[w][s] = nearness(told[s], window.frames(t + steps[s], t + steps[s]).front());
     if (ways[w].reconstruct) found[w].back() = nearness(ways[w].reconstruct(moment), moment.past.back());
   }
   return found;
@@ -173,7 +176,8 @@ Prediction measure_prediction(core::FrameSource& source, int first, int frames, 
   session.context.report("predict", 0);
   for (int i = 0; i < count; i += kBatch) {
     const int end = std::min(count, i + kBatch);
-    window.move(std::max(0, moment_at(i) + 1 - kPast), std::min(frames - 1, moment_at(end - 1) + steps.back()));
+    window.move(std::max(0, moment_at(i) + 1 - kPast),
+                std::min(frames - 1, moment_at(end - 1) + steps.back()));
     const auto status =
         core::parallel_for(static_cast<std::size_t>(end - i), session.context, [&](std::size_t k) {
           all[static_cast<std::size_t>(i) + k] =

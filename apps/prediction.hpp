@@ -15,7 +15,7 @@ namespace emberfold::apps {
 std::vector<int> prediction_steps(int most);
 
 /// How near what is foretold comes to the frames first … frames − 1, and what models show to what they are
-/// given. From at most 64 moments, evenly spread, all steps are foretold by every model and two that need
+/// given. From at most 32 moments, evenly spread, all steps are foretold by every model and two that need
 /// none: the frame before shown again ("frame_before"), and the mean image of the frames before `first`
 /// ("mean_image"). {"first_frame", "moments", "steps", "methods": {key: {"psnr", "ssim", "by_step": {"psnr",
 /// "ssim"}}}, "per_frame": {key: psnr of one step}}: PSNR is that of the mean square error over all moments,

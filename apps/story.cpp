@@ -59,8 +59,7 @@ void list_files(const Comparison& comparison, Json& files) {
       {"measures.json", "how close the models come to the clip"},
       {"side_by_side.mp4", "the clip and those drawn from its models"},
       {"synthesized_motion.avi", "a new clip from the motion model"},
-      {"synthesized_dytex.avi", "a new clip from the linear dynamic texture"},
-      {"synthesized_star.avi", "a new clip from an auto-regression in space and time"}};
+      {"synthesized_dytex.avi", "a new clip from the linear dynamic texture"}};
   files["dytex/"] = "a linear dynamic texture: 'emberfold dytex synth' draws from it";
   for (const auto& file : comparison.files)
     files[file] = about.contains(file) ? about.at(file) : "written by the comparison";
@@ -120,6 +119,9 @@ void tell_story(core::FrameSource& source, const AnalyzeOptions& options, Analys
   compare.match = options.match;
   compare.fill = options.fill;
   compare.learn = learn_options(analysis);
+  // A story of two models; 'emberfold compare' tells the rest, which takes as long again.
+  compare.hybrid = compare.star = compare.strokes = false;
+  compare.steps = 1;
   analysis.stages.begin("texture");
   const auto texture = learn_texture(source, compare.learn, analysis, output, session);
   analysis.stages.begin("compare");

@@ -15,7 +15,8 @@ void FlowShares::add(const cv::Mat& flow, int stride) {
     throw core::InputError("flow: a field of motion has two channels of 32-bit floats");
   if (stride < 1) throw core::InputError("flow: the stride is at least 1");
   const auto bin = [](double value) {
-    return static_cast<Eigen::Index>(std::lround(kSteps * (kMost + std::clamp<double>(value, -kMost, kMost))));
+    return static_cast<Eigen::Index>(
+        std::lround(kSteps * (kMost + std::clamp<double>(value, -kMost, kMost))));
   };
   for (int y = 0; y < flow.rows; y += stride)
     for (int x = 0; x < flow.cols; x += stride) {

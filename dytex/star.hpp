@@ -69,9 +69,10 @@ struct StarResult {
 };
 
 /// Least squares over pixels with all their neighbours in the frame: all of them, or 2^16 drawn evenly; first
-/// of the frames before, then of what that leaves. The source is read three times, some frames at a time. Where the fit is not stable its coefficients of lag l are
-/// scaled by γˡ, which scales every λ by γ, to a radius of 0.998, and the noise so that clips vary as the
-/// source does. InputError where there are too few frames (lags + 2) or the frame is too small (4 reach + 2).
+/// of the frames before, then of what that leaves. The source is read three times, some frames at a time.
+/// Where the fit is not stable its coefficients of lag l are scaled by γˡ, which scales every λ by γ, to a
+/// radius of 0.998, and the noise so that clips vary as the source does. InputError where there are too few
+/// frames (lags + 2) or the frame is too small (4 reach + 2).
 StarResult learn_star(core::FrameSource& source, const StarOptions& options = {},
                       const core::Context& context = {});
 

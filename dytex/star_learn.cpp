@@ -70,8 +70,8 @@ void add_frame(const Past& past, int margin, std::size_t taken, core::Rng rng, c
   Eigen::MatrixXd z(sums.products.rows(), static_cast<Eigen::Index>(std::min(taken, inner)));
   const Eigen::Index length = z.rows() / channels;
   for (Eigen::Index k = 0; k < z.cols(); ++k) {
-    const auto pixel = static_cast<int>(
-        taken >= inner ? static_cast<std::uint32_t>(k) : rng.below(static_cast<std::uint32_t>(inner)));
+    const auto pixel = static_cast<int>(taken >= inner ? static_cast<std::uint32_t>(k)
+                                                       : rng.below(static_cast<std::uint32_t>(inner)));
     for (int c = 0; c < channels; ++c)
       z.col(k).segment(c * length, length) = row(past, margin + pixel % width, margin + pixel / width, c);
   }
@@ -107,8 +107,7 @@ Sums read_sums(core::FrameSource& source, const Star& star, int margin, Eigen::I
 Eigen::VectorXd least_squares(const Sums& sums, int channels) {
   const Eigen::Index length = sums.products.rows() / channels, terms = length - 1;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(length, length);
-  for (int c = 0; c < channels; ++c)
-    gram += sums.products.block(c * length, c * length, length, length);
+  for (int c = 0; c < channels; ++c) gram += sums.products.block(c * length, c * length, length, length);
   Eigen::MatrixXd among = gram.topLeftCorner(terms, terms);
   const double size = among.trace() / static_cast<double>(terms);
   if (!(size > 0)) return Eigen::VectorXd::Zero(terms);
@@ -166,8 +165,8 @@ void fit(core::FrameSource& source, int reach, Star& star, const core::Context& 
       [&](const Past& past, int x, int y, int c) {
         Eigen::VectorXd row(beside + 1);
         for (Eigen::Index i = 0; i < beside; ++i)
-          row(i) = left(past, x + here[static_cast<std::size_t>(i)].x,
-                        y + here[static_cast<std::size_t>(i)].y, c);
+          row(i) =
+              left(past, x + here[static_cast<std::size_t>(i)].x, y + here[static_cast<std::size_t>(i)].y, c);
         row(beside) = left(past, x, y, c);
         return row;
       },
@@ -262,8 +261,7 @@ StarResult learn_star(core::FrameSource& source, const StarOptions& options, con
   star.terms = star_terms(options);
   fit(source, options.reach, star, context);
   if (context.cancelled()) return {{}, 0, {}, core::Status::cancelled};
-  const double variance =
-      (mean.squares / mean.frames - average.cwiseAbs2()).cwiseMax(0.0).mean();
+  const double variance = (mean.squares / mean.frames - average.cwiseAbs2()).cwiseMax(0.0).mean();
   steady(variance, result);
   return result;
 }

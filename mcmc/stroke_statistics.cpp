@@ -79,8 +79,7 @@ RateInterval mean_count(std::span<const double> counts) {
     for (const double sum : sums) squares += (sum - mean) * (sum - mean);
     const double heavier = student(sums.size()) / normal_quantile;
     if (mean > 0)
-      dispersion = std::max(
-          1.0, squares / (static_cast<double>(sums.size() - 1) * mean) * heavier * heavier);
+      dispersion = std::max(1.0, squares / (static_cast<double>(sums.size() - 1) * mean) * heavier * heavier);
   }
   auto interval =
       rate_interval(events, time, (dispersion - 1) * (events + jeffreys), jeffreys, 0, probability);

@@ -37,7 +37,7 @@ RateInterval mean_ratio(std::span<const double> numerator, std::span<const doubl
 /// How strokes are and what becomes of them, each with 95 %.
 struct StrokeStatistics {
   int frames = 0;
-  std::array<double, 6> happened{};           ///< by graph::EventType
+  std::array<double, 6> happened{};  ///< by graph::EventType
   std::array<RateInterval, 6> events_a_frame;
   double strokes_a_frame = 0;
   RateInterval lifetime;  ///< frames that a stroke lives: stroke-frames for each that ends, so that those cut

@@ -178,8 +178,8 @@ TEST_CASE("structural similarity agrees with its definition at one window") {
       m += w * p, n += w * q, aa += w * p * p, bb += w * q * q, ab += w * p * q;
     }
   const double c1 = 2.55 * 2.55, c2 = 7.65 * 7.65;
-  const double expected = (2 * m * n + c1) * (2 * (ab - m * n) + c2) /
-                          ((m * m + n * n + c1) * (aa - m * m + bb - n * n + c2));
+  const double expected =
+      (2 * m * n + c1) * (2 * (ab - m * n) + c2) / ((m * m + n * n + c1) * (aa - m * m + bb - n * n + c2));
   CHECK_THAT(structural_similarity(a, b), WithinAbs(expected, 1e-9));
   CHECK_THAT(structural_similarity(b, a), WithinAbs(expected, 1e-9));
   CHECK_THAT(structural_similarity(a, a), WithinAbs(1, 1e-12));
