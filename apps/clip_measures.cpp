@@ -48,7 +48,7 @@ constexpr std::array<Measure, 8> kMeasures{{
     {"flow_px", "Optical flow", "px/frame",
      "Wasserstein distance of where pixels go and how fast, signs and all"},
     {"crease_sharpness", "Crease sharpness", "share",
-     "steepness of the strongest edges over their height; 0.1 is a tenth more or less than the source's"},
+     "steepness of the highest steps over their height; 0.1 is a tenth more or less than the source's"},
     {"si", "Spatial information", "share", "P.910 SI, mean of all frames, relative to the source's"},
     {"ti", "Temporal information", "share", "P.910 TI, mean of all frames, relative to the source's"},
 }};

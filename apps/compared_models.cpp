@@ -65,20 +65,17 @@ std::optional<ComparedModel> texture_model(const ModelInput& input, const KnownM
   ClipPart part(input.source, 0, input.first);
   ReducedSource reduced(part, scale);
   core::FrameSource& source = scale < 1 ? static_cast<core::FrameSource&>(reduced) : part;
-  dytex::LinearDynamicTexture learned;
-  try {
+  auto learned = attempt("no linear dynamic texture", session, [&] {
     auto options = input.options.learn;
     options.components = std::min(components, std::max(1, input.first / 3));
     auto result = dytex::learn(source, options, session.context);
     check_learned(result, "linear dynamic texture", session);
-    learned = std::move(result.texture);
-  } catch (const core::InputError& error) {
-    session.warn(std::string("no linear dynamic texture: ") + error.what());
-    return std::nullopt;
-  }
+    return std::move(result.texture);
+  });
+  if (!learned) return std::nullopt;
   const cv::Size size(input.source.info().width, input.source.info().height),
       inner(source.info().width, source.info().height);
-  const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(learned));
+  const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(*learned));
   ComparedModel model{"linear_dynamic_texture", "linear dynamic texture", "synthesized_dytex.avi"};
   model.parameters = parameter_count(*texture);
   const auto drawn = known.texture != nullptr && scale >= 1
@@ -112,17 +109,15 @@ std::optional<ComparedModel> texture_model(const ModelInput& input, const KnownM
 std::optional<ComparedModel> star_model(const ModelInput& input, int reach) {
   auto& session = input.session;
   ClipPart part(input.source, 0, input.first);
-  dytex::StarResult learned;
-  try {
+  auto learned = attempt("no auto-regression", session, [&] {
     dytex::StarOptions options;
     options.reach = reach;
-    learned = dytex::learn_star(part, options, session.context);
-    check_learned(learned, "STAR", session);
-  } catch (const core::InputError& error) {
-    session.warn(std::string("no auto-regression: ") + error.what());
-    return std::nullopt;
-  }
-  const auto star = std::make_shared<const dytex::Star>(std::move(learned.star));
+    auto result = dytex::learn_star(part, options, session.context);
+    check_learned(result, "STAR", session);
+    return std::move(result.star);
+  });
+  if (!learned) return std::nullopt;
+  const auto star = std::make_shared<const dytex::Star>(std::move(*learned));
   ComparedModel model{"star", "STAR model", "synthesized_star.avi"};
   const auto channels = static_cast<double>(star->info.channels);
   model.parameters =

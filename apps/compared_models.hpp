@@ -11,6 +11,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "apps/comparison.hpp"
+#include "core/error.hpp"
 
 namespace emberfold::apps {
 
@@ -62,6 +63,19 @@ std::optional<ComparedModel> texture_model(const ModelInput& input, const KnownM
                                            double scale = 1);
 /// Spatio-temporal auto-regression; `reach`: as dytex::StarOptions.
 std::optional<ComparedModel> star_model(const ModelInput& input, int reach);
+
+/// make(), or nothing and a warning that begins with `none` where this clip yields no such model.
+template <class Make>
+auto attempt(const std::string& none, Session& session, const Make& make) -> std::optional<decltype(make())> {
+  try {
+    return make();
+  } catch (const core::InputError& error) {
+    session.warn(none + ": " + error.what());
+  } catch (const core::NumericalError& error) {
+    session.warn(none + ": " + error.what());
+  }
+  return std::nullopt;
+}
 
 /// Numbers that a model holds, as far as they are needed to draw from it.
 double parameter_count(const mcmc::MotionModel& model);

@@ -155,16 +155,13 @@ std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const Strokes>& 
                                           const ModelInput& input) {
   const auto& session = input.session;
   ClipPart part(input.source, 0, input.first);
-  GroundTexture learned;
-  try {
-    learned = learn_ground_texture(
+  auto learned = attempt("no hybrid", input.session, [&] {
+    return learn_ground_texture(
         part, std::span(strokes->sketches).first(static_cast<std::size_t>(input.first)), {}, session.context);
-  } catch (const core::InputError& error) {
-    input.session.warn(std::string("no hybrid: ") + error.what());
-    return std::nullopt;
-  }
-  for (const auto& note : learned.notes) input.session.warn("hybrid: " + note);
-  const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(learned.texture));
+  });
+  if (!learned) return std::nullopt;
+  for (const auto& note : learned->notes) input.session.warn("hybrid: " + note);
+  const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(learned->texture));
   ComparedModel model{"hybrid", "hybrid", "synthesized_hybrid.avi"};
   model.parameters = parameter_count(strokes->model) + parameter_count(*texture);
   model.draw = [strokes, texture, seed = session.common.seed,

@@ -194,7 +194,8 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip, cons
   const ModelInput input{source, frames, first, steps, sketched, options, session};
   const auto models = learn_models(input, known);
 
-  const auto scale = measure_scale(frames / 2, {info.width, info.height});
+  const int drawn_frames = options.frames > 0 ? options.frames : frames;
+  const auto scale = measure_scale(std::min(frames / 2, drawn_frames), {info.width, info.height});
   Json measures = begin_measures(scale);
   measures["clip"] = clip_json(clip, info, frames);
   measures["seed"] = session.common.seed;
@@ -208,7 +209,6 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip, cons
     measures["prediction"] = nullptr;
   }
 
-  const int drawn_frames = options.frames > 0 ? options.frames : frames;
   const ClipMeasures blank({info.width, info.height}, scale, frames);
   Drawing drawing{frames, drawn_frames, blank, blank, blank, {}, {}};
   try {

@@ -25,7 +25,8 @@ namespace {
 
 constexpr const char* kStyle =
     "table.measures{border-collapse:collapse;width:100%}"
-    ".measures th,.measures td{text-align:right;padding:5px 10px;border-bottom:1px solid #8884}"
+    ".measures th,.measures td{text-align:right;white-space:normal;padding:5px 10px;border-bottom:1px solid "
+    "#8884}"
     ".measures th:first-child,.measures td:first-child{text-align:left}"
     ".measures .best{font-weight:700}.measures .floor{opacity:.65}"
     ".measures small{opacity:.65;display:block;font-weight:400}"
