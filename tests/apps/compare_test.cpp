@@ -70,7 +70,8 @@ TEST_CASE("a clip's measures are the same however its frames come") {
   CHECK(measures.temporal() == dytex::temporal_spectrum(source, 8));
   CHECK(measures.radial() == dytex::radial_spectrum(source, 15));
   CHECK(pixel_figures(measures) == pixel_figures(at_once));
-  for (const auto& [key, value] : pixel_distances(measures, at_once).items()) CHECK(value == 0);
+  const auto distances = pixel_distances(measures, at_once);
+  for (const auto& [key, value] : distances.items()) CHECK(value == 0);
   CHECK(measure_scale(64, {40, 30}).segment == 32);
   CHECK(measure_scale(31, {40, 30}).segment == 16);
   CHECK(measure_scale(31, {40, 30}).lags == 7);
@@ -145,7 +146,7 @@ TEST_CASE("what is foretold is measured against the frame that comes") {
 TEST_CASE("compare holds a clip against its models and writes all that it names") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {81, 60}, 40);
-  for (const std::string threads : {"1", "2", "8"}) {
+  for (const std::string threads : {"1", "3"}) {
     const auto result =
         run_command({"compare", clip, "-o", (temp / threads).string(), "--threads", threads, "--json", "-q"});
     INFO(result.err);
@@ -153,7 +154,7 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
     const Json summary = Json::parse(result.out);
     for (const auto& file : summary["files"]) CHECK(fs::exists(temp / threads / file.get<std::string>()));
     CHECK(bytes_of(temp / threads / "measures.json") == bytes_of(temp / "1/measures.json"));
-    for (const char* name : kDrawn) CHECK(bytes_of(temp / threads / name) == bytes_of(temp / "1" / name));
+    for (const auto& name : kDrawn) CHECK(bytes_of(temp / threads / name) == bytes_of(temp / "1" / name));
     CHECK(summary["measures"] == Json::parse(bytes_of(temp / threads / "measures.json")));
   }
   const Json measures = Json::parse(bytes_of(temp / "1/measures.json"));
@@ -178,7 +179,7 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
   CHECK(curves["temporal_db"]["source"].size() == 8);
   CHECK(curves["radial_db"]["hybrid"].size() == 30);
   CHECK(curves["autocorrelation"]["star"].size() == 5);
-  for (const char* name : kDrawn)
+  for (const auto& name : kDrawn)
     CHECK(core::read_all(*open_clip((temp / "1" / name).string(), {}, {})).frames.size() == 40);
   const auto video = open_clip((temp / "1/side_by_side.mp4").string(), {}, {});
   CHECK(video->info().height >= 240);
@@ -238,8 +239,8 @@ TEST_CASE("two clips are compared and their distances hold what they should") {
   const auto same = measure(a, a);
   CHECK(same["distances"]["other"]["temporal_db"] == 0);
   CHECK(same["distances"]["other"]["radial_db"] == 0);
-  for (const char* measure : {"autocorrelation", "patterns", "flow_px", "crease_sharpness", "si", "ti"})
-    CHECK(same["distances"]["other"][measure] == 0);
+  for (const char* key : {"autocorrelation", "patterns", "flow_px", "crease_sharpness", "si", "ti"})
+    CHECK(same["distances"]["other"][key] == 0);
   CHECK(same["psnr"] == 100);
   CHECK(same["ssim"] == 1);
   const auto sample = measure(a, b);
