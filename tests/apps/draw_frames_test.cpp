@@ -48,7 +48,7 @@ TEST_CASE("a frame drawn from a graph shows its strokes and the levels beside th
 }
 
 TEST_CASE("a frame without a stroke in it has the level that was asked for") {
-  CHECK(same_pixels(draw_frame({}, {.size = {9, 5}, .empty_level = 77}),
+  CHECK(same_pixels(draw_frame(graph::AttributeGraph{}, {.size = {9, 5}, .empty_level = 77}),
                     cv::Mat(5, 9, CV_8UC3, cv::Scalar::all(77))));
   // all of it lies outside
   CHECK(same_pixels(draw_frame(bar(20, -500), {.size = {48, 40}, .channels = 1, .empty_level = 77}),
