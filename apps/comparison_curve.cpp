@@ -92,7 +92,7 @@ Json size_curve(const ModelInput& input, const ClipMeasures& source, const Measu
     if (model) points.push_back(point_json({std::move(*model), what}, from, source, scale));
     input.session.check_stop();
   };
-  for (const int factor : {1, 2, 4}) {
+  for (const int factor : {1, 8, 16}) {
     CompareOptions options = input.options;
     options.sketch.min_contrast *= factor;
     const auto sketched =
