@@ -231,7 +231,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   const auto ground = still_ground(sketches.clip.grounds);
   Json calibration = calibrate_model(sketches, ground, options, made, session);
   const double sharpness = clip_sharpness(*source, motion.sketch, session.context).mean();
-  const auto sharpening =
+  const auto& sharpening = made.sharpening =
       fit_sharpening(made.fitted.model, ground, sharpness, session.common.seed, session.context);
   write_fitted(made.fitted, ground, sharpening, output, session);
   Json texture;

@@ -10,6 +10,7 @@
 #include "apps/calibration.hpp"
 #include "apps/clip_reader.hpp"
 #include "apps/command.hpp"
+#include "apps/crease_sharpness.hpp"
 #include "apps/output_folder.hpp"
 #include "apps/report.hpp"
 #include "apps/sketch_clip.hpp"
@@ -43,6 +44,7 @@ struct Analysis {
   std::string clip;       ///< as it is called
   SketchedClip sketched;  ///< empty unless asked for
   graph::MotionGraph motion;
+  Sharpening sharpening;
   std::vector<graph::Event> events;      ///< of probability 0.5 or more
   std::vector<graph::Event> all_events;  ///< of whatever probability
   mcmc::FitResult fitted;

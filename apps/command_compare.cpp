@@ -1,13 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <concepts>
 #include <memory>
+#include <type_traits>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/command_line.hpp"
 #include "apps/comparison.hpp"
+#include "apps/comparison_report.hpp"
 #include "apps/summary.hpp"
 
 namespace emberfold::apps {
+
+// The other groups of options are described with their structs.
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, CompareOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("learn_share", o.learn_share, "SHARE",
+        "Of the clip, from its beginning, that models learn from; the rest is foretold");
+  visit("steps", o.steps, "N", "Foretell up to so many frames ahead");
+  visit("frames", o.frames, "N", "Frames of each clip drawn from a model; 0: as many as the source has");
+  visit("hybrid", o.hybrid, "", "Leave the hybrid of motion model and linear dynamic texture out");
+  visit("star", o.star, "", "Leave the spatio-temporal auto-regression out");
+  visit("strokes", o.strokes, "", "Do not find strokes in the drawn clips (half the time)");
+  visit("curve", o.curve, "", "Quality against the number of parameters too, from models of many sizes");
+}
 
 namespace {
 
@@ -20,10 +37,12 @@ struct Compare {
 };
 
 Json options_of(const Compare& asked, const ReadOptions& read) {
-  Json options = {{"reading", reading_json(read)}};
+  Json options = {{"reading", reading_json(read)},
+                  {"sketch", options_json(asked.options.sketch)},
+                  {"match", options_json(asked.options.match)},
+                  {"strokes", asked.options.strokes}};
   if (!asked.other.empty()) return options;
-  options["sketch"] = options_json(asked.options.sketch);
-  options["match"] = options_json(asked.options.match);
+  options["comparison"] = options_json(asked.options);
   options["fill"] = options_json(asked.options.fill);
   options["learn"] = options_json(asked.options.learn);
   return options;
@@ -31,6 +50,7 @@ Json options_of(const Compare& asked, const ReadOptions& read) {
 
 void run_compare(const Compare& asked, Session& session) {
   const ReadOptions read = check_reading(asked.reading, session);
+  check_options(asked.options);
   check_options(asked.options.sketch);
   check_options(asked.options.match);
   check_options(asked.options.fill);
@@ -47,21 +67,25 @@ void run_compare(const Compare& asked, Session& session) {
     comparison = compare_clip(*source, asked.reading.clip, asked.options, {}, output, session);
   } else {
     const auto other = open(asked.other);
-    comparison = compare_clips(*source, asked.reading.clip, *other, asked.other, output, session);
+    comparison =
+        compare_clips(*source, asked.reading.clip, *other, asked.other, asked.options, output, session);
   }
   stages.end();
   Json summary = begin_summary("compare", session);
   summary["options"] = options_of(asked, read);
   summary["measures"] = comparison.measures;
+  comparison.files.emplace_back("report.html");
   summary["files"] = comparison.files;
   summary["warnings"] = session.warnings;
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  output.write("report.html", [&](std::ostream& out) { out << make_comparison_report(comparison, summary); });
   session.check_stop();
   output.commit();
   session.print(session.common.json ? json_text(summary) : comparison_table(comparison.measures));
-  session.console.say("the measures and clips are in " + output.path().string());
+  for (const auto& sentence : comparison.measures["words"]) session.console.say(sentence.get<std::string>());
+  session.console.say("the report is " + (output.path() / "report.html").string());
 }
 
 }  // namespace
@@ -72,11 +96,13 @@ void add_compare(CLI::App& app, Chosen& chosen) {
   command->footer(
       "  emberfold compare flag.avi -o out/compare\n"
       "  emberfold compare flame.mp4 -o out/compare --range 0:60 --scale 0.5\n"
+      "  emberfold compare river.mp4 -o out/compare --scale 0.5 --frames 1000 --curve\n"
       "  emberfold compare flag.avi flag_synthesized.avi -o out/compare --json");
   const auto asked = std::make_shared<Compare>();
   add_reading(*command, asked->reading);
   command->add_option("OTHER", asked->other, "Another clip to hold the first one against")->type_name("");
   add_output(*command, asked->output);
+  add_fields(*command, asked->options, "Comparison");
   add_fields(*command, asked->options.sketch, "Sketching");
   add_fields(*command, asked->options.match, "Matching");
   add_fields(*command, asked->options.fill, "Filling");

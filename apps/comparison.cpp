@@ -2,24 +2,23 @@
 #include "apps/comparison.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <cmath>
+#include <filesystem>
 #include <memory>
-#include <optional>
 
 #include <opencv2/core.hpp>
 
-#include "apps/clip_spectra.hpp"
+#include "apps/clip_strokes.hpp"
 #include "apps/clip_writer.hpp"
+#include "apps/compared_models.hpp"
+#include "apps/comparison_curve.hpp"
 #include "apps/comparison_json.hpp"
-#include "apps/comparison_models.hpp"
-#include "apps/draw_graph_frames.hpp"
+#include "apps/comparison_words.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/prediction.hpp"
 #include "apps/side_by_side.hpp"
 #include "apps/summary.hpp"
 #include "core/error.hpp"
-#include "dytex/synthesize.hpp"
-#include "mcmc/synthesize.hpp"
 
 namespace emberfold::apps {
 
@@ -31,152 +30,211 @@ constexpr int kBatch = 16;
 
 // A model's clip while it is drawn.
 struct Column {
-  std::string key, label, file;
-  std::function<std::vector<cv::Mat>(int count)> draw;  // the next frames, CV_8U
+  const ComparedModel* model;
+  ComparedModel::Frames draw;
   std::unique_ptr<ClipWriter> writer;
-  ClipSpectra spectra;
+  ClipMeasures measures;
+  ClipStrokes strokes;
 };
 
 struct Drawing {
-  ClipSpectra source, first, second;
+  int frames = 0, drawn_frames = 0;  // of the source, of the models' clips
+  ClipMeasures source, first, second;
   std::vector<Column> columns;
+  std::vector<cv::Mat> pictures;
 };
 
-std::vector<cv::Mat> luma_of(std::span<const cv::Mat> frames, const core::ClipInfo& info) {
+std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels) {
   std::vector<cv::Mat> luma;
-  for (const auto& frame : frames) luma.push_back(core::luma(frame, info));
+  for (const auto& one : levels) luma.push_back(core::luma(one));
   return luma;
 }
 
-core::ClipInfo bytes_info(const core::ClipInfo& info) {
-  core::ClipInfo bytes = info;
-  bytes.depth = CV_8U, bytes.white = 255;
-  return bytes;
+std::vector<cv::Mat> read_levels(core::FrameSource& source, int count, const Session& session) {
+  std::vector<cv::Mat> levels;
+  for (int i = 0; i < count; ++i) {
+    const cv::Mat frame = source.next();
+    session.check_stop();
+    if (frame.empty()) throw core::IoError("the clip has become shorter while it was read");
+    levels.push_back(core::to_levels(frame, source.info()));
+  }
+  return levels;
 }
 
-std::vector<Column> make_columns(const ComparedModels& models, const core::ClipInfo& info, float mean_level,
-                                 const ClipSpectra& blank, const CompareOptions& options,
-                                 OutputFolder& output, const Session& session) {
-  const cv::Size size(info.width, info.height);
-  std::vector<Column> columns;
-  const auto add = [&](const char* key, const char* label, const std::string& file, auto draw) {
-    columns.push_back({key, label, file, std::move(draw),
-                       create_clip(output.staged(file), size, info.fps, info.channels == 3), blank});
-  };
-  if (models.motion) {
-    const auto synthesis = std::make_shared<mcmc::Synthesis>(*models.motion, session.common.seed);
-    const FrameLook look{size, info.channels, mean_level, options.fill, models.ground};
-    add("motion_model", "motion model", "synthesized_motion.avi", [synthesis, look, &session](int count) {
-      std::vector<graph::AttributeGraph> graphs;
-      for (int i = 0; i < count; ++i) graphs.push_back(synthesis->next());
-      return draw_batch(graphs, look, session.context);
-    });
+// The next frames of a model's clip, measured and written.
+std::vector<cv::Mat> draw_column(Column& column, int count, bool with_strokes, const Session& session) {
+  auto frames = column.draw(count);
+  std::vector<cv::Mat> levels;
+  for (const auto& frame : frames) {
+    column.writer->write(frame);
+    cv::Mat one;
+    frame.convertTo(one, CV_32F);
+    levels.push_back(one);
   }
-  if (models.texture) {
-    dytex::SynthesisOptions synthesis_options;
-    synthesis_options.seed = session.common.seed;
-    const auto synthesis = std::make_shared<dytex::Synthesis>(*models.texture, synthesis_options);
-    add("linear_dynamic_texture", "linear dynamic texture", "synthesized_dytex.avi", [synthesis](int count) {
-      std::vector<cv::Mat> frames;
-      for (int i = 0; i < count; ++i) frames.push_back(synthesis->next());
-      return frames;
-    });
-  }
-  return columns;
+  column.measures.add(luma_of(levels), session.context);
+  if (with_strokes) column.strokes.add(levels, session.context);
+  return frames;
 }
 
-float mean_level(core::FrameSource& source) {
-  source.rewind();
-  return static_cast<float>(cv::mean(core::luma(source.next(), source.info()))[0]);
+void measure_source(Drawing& drawing, std::span<const cv::Mat> levels, int t, const Session& session) {
+  const auto luma = luma_of(levels);
+  const auto count = static_cast<int>(luma.size());
+  drawing.source.add(luma, session.context);
+  const auto in_first = static_cast<std::size_t>(std::clamp(drawing.frames / 2 - t, 0, count));
+  drawing.first.add(std::span(luma).first(in_first), session.context);
+  drawing.second.add(std::span(luma).subspan(in_first), session.context);
 }
 
 // Runs through the clip and the models' clips together, a batch at a time.
-void draw_all(core::FrameSource& source, const ComparedModels& models, Drawing& drawing, OutputFolder& output,
+void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, OutputFolder& output,
               const Session& session) {
   const auto& info = source.info();
   std::vector<std::string> labels{"source"};
-  for (const auto& column : drawing.columns) labels.push_back(column.label);
+  for (const auto& column : drawing.columns) labels.push_back(column.model->label);
   const std::vector<cv::Size> sizes(labels.size(), {info.width, info.height});
+  const PanelRow panels(sizes);
   SideBySide beside(output.staged("side_by_side.mp4"), labels, sizes, info.fps);
+  const int both = std::min(drawing.frames, drawing.drawn_frames),
+            all = std::max(drawing.frames, drawing.drawn_frames);
   source.rewind();
   session.context.report("synthesize", 0);
-  for (int t = 0; t < models.frames;) {
-    std::vector<cv::Mat> frames;
-    for (int i = 0; i < std::min(kBatch, models.frames - t); ++i) {
-      frames.push_back(source.next());
-      session.check_stop();
-      if (frames.back().empty()) throw core::IoError("the clip has become shorter while it was read");
-    }
-    const auto luma = luma_of(frames, info);
-    drawing.source.add(luma, session.context);
-    const auto count = static_cast<int>(frames.size());
-    const auto in_first = static_cast<std::size_t>(std::clamp(models.half - t, 0, count));
-    drawing.first.add(std::span(luma).first(in_first), session.context);
-    drawing.second.add(std::span(luma).subspan(in_first), session.context);
-    std::vector<std::vector<cv::Mat>> drawn{{}};
-    for (const auto& frame : frames) drawn[0].push_back(core::to_bytes(core::to_levels(frame, info)));
-    for (auto& column : drawing.columns) {
-      drawn.push_back(column.draw(count));
-      for (const auto& frame : drawn.back()) column.writer->write(frame);
-      column.spectra.add(luma_of(drawn.back(), bytes_info(info)), session.context);
-    }
-    for (std::size_t i = 0; i < frames.size(); ++i) {
+  for (int t = 0; t < all; t += kBatch) {
+    const auto levels = read_levels(source, std::clamp(drawing.frames - t, 0, kBatch), session);
+    measure_source(drawing, levels, t, session);
+    std::vector<std::vector<cv::Mat>> rows(1);
+    for (const auto& one : levels) rows[0].push_back(core::to_bytes(one));
+    const int drawn = std::clamp(drawing.drawn_frames - t, 0, kBatch);
+    for (auto& column : drawing.columns) rows.push_back(draw_column(column, drawn, with_strokes, session));
+    for (int i = t; i < std::min(both, t + kBatch); ++i) {
       std::vector<cv::Mat> row;
-      for (const auto& clip : drawn) row.push_back(clip[i]);
+      for (const auto& clip : rows) row.push_back(clip[static_cast<std::size_t>(i - t)]);
       beside.write(row);
+      if (i == both / 4 || i == both * 3 / 4) drawing.pictures.push_back(panels.compose(row, labels));
     }
-    t += count;
-    session.context.report("synthesize", double(t) / models.frames);
+    session.context.report("synthesize", std::min(1.0, static_cast<double>(t + kBatch) / all));
   }
   beside.finish();
   for (auto& column : drawing.columns) column.writer->finish();
 }
 
+std::vector<Column> make_columns(std::span<const ComparedModel> models, const core::ClipInfo& info,
+                                 const ClipMeasures& blank, const CompareOptions& options,
+                                 const OutputFolder& output) {
+  const cv::Size size(info.width, info.height);
+  std::vector<Column> columns;
+  for (const auto& model : models)
+    columns.push_back({&model, model.draw(),
+                       create_clip(output.staged(model.file), size, info.fps, info.channels == 3), blank,
+                       ClipStrokes(size, info.fps, options.sketch, options.match)});
+  return columns;
+}
+
+// The part of "synthesis" that tells of the source: its own figures, and how far its halves lie apart.
+Json source_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes, Json& synthesis) {
+  Json source = {{"figures", pixel_figures(drawing.source)}};
+  Json floor = pixel_distances(drawing.first, drawing.second);
+  if (strokes != nullptr) {
+    source["strokes"] = strokes_json(mcmc::stroke_statistics(*strokes));
+    const int half = drawing.frames / 2;
+    floor.update(stroke_distances(mcmc::stroke_statistics(part(*strokes, 0, half)),
+                                  mcmc::stroke_statistics(part(*strokes, half, drawing.frames))));
+  }
+  synthesis["noise_floor"] = std::move(floor);
+  return source;
+}
+
+Json synthesis_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes, const Session& session) {
+  Json synthesis = {{"frames", drawing.drawn_frames}};
+  for (const auto& column : drawing.columns) {
+    Json one = pixel_distances(column.measures, drawing.source);
+    one["figures"] = pixel_figures(column.measures);
+    if (strokes != nullptr) {
+      const auto found = mcmc::stroke_statistics(column.strokes.series(session.context));
+      one.update(stroke_distances(found, mcmc::stroke_statistics(*strokes)));
+      one["strokes"] = strokes_json(found);
+    }
+    synthesis[column.model->key] = std::move(one);
+  }
+  synthesis["source"] = source_json(drawing, strokes, synthesis);
+  return synthesis;
+}
+
+Json models_json(std::span<const ComparedModel> models) {
+  Json out = Json::array();
+  for (const auto& model : models)
+    out.push_back(
+        {{"key", model.key}, {"label", model.label}, {"parameters", model.parameters}, {"file", model.file}});
+  return out;
+}
+
 }  // namespace
+
+void CompareOptions::validate() const {
+  if (!(learn_share > 0) || learn_share > 1)
+    throw core::InputError("CompareOptions.learn_share is " + std::to_string(learn_share) +
+                           "; allowed is above 0, up to 1");
+  if (steps < 1 || steps > 64)
+    throw core::InputError("CompareOptions.steps is " + std::to_string(steps) + "; allowed is 1 to 64");
+  if (frames != 0 && (frames < kFewestFrames || frames > 1000000))
+    throw core::InputError("CompareOptions.frames is " + std::to_string(frames) + "; allowed is " +
+                           std::to_string(kFewestFrames) + " to 1000000, or 0 for as many as the source has");
+}
 
 Comparison compare_clip(core::FrameSource& source, const std::string& clip, const CompareOptions& options,
                         const KnownModels& known, OutputFolder& output, Session& session) {
+  options.validate();
   const auto& info = source.info();
-  const auto models = learn_models(source, clip, options, known, session);
-  const int segment = segment_length(models.frames / 2), rings = dytex::ring_count({info.width, info.height});
-  Json measures = begin_measures(segment, rings);
-  measures["clip"] = clip_json(clip, info, models.frames);
+  SketchedClip own;
+  if (known.sketched == nullptr) own = sketch_clip(source, options.sketch, session);
+  const auto& sketched = known.sketched != nullptr ? *known.sketched : own;
+  const auto frames = static_cast<int>(sketched.sketch.frames.size());
+  need_frames(clip, frames);
+  const int first = std::clamp(static_cast<int>(std::lround(frames * options.learn_share)), 4, frames);
+  const auto steps = prediction_steps(std::min(options.steps, std::max(1, frames - first)));
+  const ModelInput input{source, frames, first, steps, sketched, options, session};
+  const auto models = learn_models(input, known);
+
+  const int drawn_frames = options.frames > 0 ? options.frames : frames;
+  const auto scale = measure_scale(std::min(frames / 2, drawn_frames), {info.width, info.height});
+  Json measures = begin_measures(scale);
+  measures["clip"] = clip_json(clip, info, frames);
   measures["seed"] = session.common.seed;
-  measures["components"] = {
-      {"clip", models.texture ? Json(models.texture->order()) : Json(nullptr)},
-      {"first_half", models.half_texture ? Json(models.half_texture->order()) : Json(nullptr)}};
+  measures["learned_frames"] = first;
+  measures["models"] = models_json(models);
+  if (first < frames) {
+    auto measured = measure_prediction(source, first, frames, steps, models, session);
+    measures["prediction"] = std::move(measured.prediction);
+    measures["reconstruction"] = std::move(measured.reconstruction);
+  } else {
+    measures["prediction"] = nullptr;
+  }
 
-  const Predictors predictors{models.half,
-                              models.frames,
-                              models.half_texture ? &*models.half_texture : nullptr,
-                              models.predicted.empty() ? nullptr : &models.predicted,
-                              &models.sketches,
-                              options.fill,
-                              models.half_ground};
-  measures["prediction"] = measure_prediction(source, predictors, session);
-
-  const ClipSpectra blank({info.width, info.height}, segment, rings);
-  Drawing drawing{blank, blank, blank, {}};
-  Comparison comparison;
-  comparison.files = {"measures.json", "side_by_side.mp4"};
+  const ClipMeasures blank({info.width, info.height}, scale, frames);
+  Drawing drawing{frames, drawn_frames, blank, blank, blank, {}, {}};
   try {
-    drawing.columns = make_columns(models, info, mean_level(source), blank, options, output, session);
-    draw_all(source, models, drawing, output, session);
+    const ClipMeasures drawn_blank({info.width, info.height}, scale, drawn_frames);
+    drawing.columns = make_columns(models, info, drawn_blank, options, output);
+    draw_all(source, drawing, options.strokes, output, session);
   } catch (const core::IoError& error) {
     throw core::IoError(output.of_final(error.what()));
   }
-  Json synthesis = {{"noise_floor", distances_json(drawing.first, drawing.second)}};
-  NamedSpectra curves{{"source", &drawing.source}};
+  mcmc::StrokeSeries strokes;
+  if (options.strokes) strokes = stroke_series(sketched.sketch, options.match, session.context);
+  measures["synthesis"] = synthesis_json(drawing, options.strokes ? &strokes : nullptr, session);
+  NamedMeasures curves{{"source", &drawing.source}};
+  Comparison comparison;
+  comparison.files = {"measures.json", "side_by_side.mp4"};
   for (const auto& column : drawing.columns) {
-    synthesis[column.key] = distances_json(column.spectra, drawing.source);
-    curves.emplace_back(column.key, &column.spectra);
-    comparison.files.push_back(column.file);
+    curves.emplace_back(column.model->key, &column.measures);
+    comparison.files.push_back(column.model->file);
   }
-  measures["synthesis"] = std::move(synthesis);
-  measures["spectra"] = curves_json(curves, segment, rings);
+  measures["curves"] = curves_json(curves, scale);
+  if (options.curve) measures["size_curve"] = size_curve(input, drawing.source, scale);
+  measures["words"] = comparison_words(measures);
   measures["warnings"] = session.warnings;
   write_measures(measures, output);
   comparison.measures = std::move(measures);
+  comparison.pictures = std::move(drawing.pictures);
   return comparison;
 }
 

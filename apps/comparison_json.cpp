@@ -1,43 +1,87 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/comparison_json.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
+#include "apps/clip_strokes.hpp"
 #include "apps/comparison.hpp"
 #include "apps/summary.hpp"
+#include "core/error.hpp"
 
 namespace emberfold::apps {
 
 using Json = nlohmann::ordered_json;
 
-Json begin_measures(int segment, int rings) {
-  return {{"format", "emberfold.measures"}, {"version", 1},       {"emberfold", kVersion},
-          {"spectra_of", "luma"},           {"segment", segment}, {"rings", rings},
-          {"floor", dytex::kRounding}};
+Json begin_measures(const MeasureScale& scale) {
+  return {{"format", "emberfold.measures"}, {"version", 2},
+          {"emberfold", kVersion},          {"measured_on", "luma"},
+          {"segment", scale.segment},       {"lags", scale.lags},
+          {"rings", scale.rings},           {"floor", dytex::kRounding}};
 }
 
-Json curves_json(const NamedSpectra& clips, int segment, int rings) {
-  Json temporal = {{"frequency", Json::array()}}, radial = {{"frequency", Json::array()}};
-  for (int k = 1; k <= segment / 2; ++k) temporal["frequency"].push_back(double(k) / segment);
-  for (int i = 1; i <= rings; ++i) radial["frequency"].push_back(i / (2.0 * rings));
-  for (const auto& [name, spectra] : clips) {
-    temporal[name] = decibels_json(spectra->temporal());
-    radial[name] = decibels_json(spectra->radial());
+Json curves_json(const NamedMeasures& clips, const MeasureScale& scale) {
+  Json temporal = {{"frequency", Json::array()}}, radial = {{"frequency", Json::array()}},
+       memory = {{"lag", Json::array()}};
+  for (int k = 1; k <= scale.segment / 2; ++k) temporal["frequency"].push_back(double(k) / scale.segment);
+  for (int i = 1; i <= scale.rings; ++i) radial["frequency"].push_back(i / (2.0 * scale.rings));
+  for (int lag = 1; lag <= scale.lags; ++lag) memory["lag"].push_back(lag);
+  for (const auto& [name, clip] : clips) {
+    temporal[name] = decibels_json(clip->temporal());
+    radial[name] = decibels_json(clip->radial());
+    Json values = Json::array();
+    for (const double value : clip->autocorrelation()) values.push_back(rounded(value));
+    memory[name] = std::move(values);
   }
-  return {{"temporal_db", std::move(temporal)}, {"radial_db", std::move(radial)}};
+  return {{"temporal_db", std::move(temporal)},
+          {"radial_db", std::move(radial)},
+          {"autocorrelation", std::move(memory)}};
+}
+
+void need_frames(const std::string& clip, std::int64_t frames) {
+  if (frames <= 0) throw core::IoError(clip + " holds no frame");
+  if (frames < kFewestFrames)
+    throw core::IoError(clip + " holds " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
+                        "; a comparison needs at least " + std::to_string(kFewestFrames));
 }
 
 void write_measures(const Json& measures, OutputFolder& output) {
   output.write("measures.json", [&](std::ostream& out) { out << json_text(measures); });
 }
 
+std::vector<Measure> all_measures() {
+  std::vector<Measure> all(pixel_measures().begin(), pixel_measures().end());
+  all.insert(all.end(), stroke_measures().begin(), stroke_measures().end());
+  return all;
+}
+
+std::vector<Held> held_clips(const Json& measures) {
+  std::vector<Held> held;
+  for (const auto& model : measures.value("models", Json::array()))
+    held.push_back({model["key"].get<std::string>(), model["label"].get<std::string>()});
+  if (measures.contains("other")) held.push_back({"other", "the other clip"});
+  held.push_back({"noise_floor", "noise floor"});
+  std::erase_if(held, [&](const Held& one) { return distances_of(measures, one.key).is_null(); });
+  return held;
+}
+
+const Json& distances_of(const Json& measures, const std::string& key) {
+  static const Json none = nullptr;
+  for (const char* holder : {"synthesis", "distances"})
+    if (measures.contains(holder) && measures[holder].contains(key)) return measures[holder][key];
+  return none;
+}
+
 namespace {
 
-std::string cell(const Json& holder, const char* key) {
-  if (!holder.is_object() || !holder.contains(key) || !holder[key].is_number()) return "       -";
+std::string cell(const Json& holder, const std::string& key, int digits) {
+  const int width = 13;
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%8.2f", holder[key].get<double>());
+  if (holder.is_object() && holder.contains(key) && holder[key].is_number())
+    std::snprintf(text.data(), text.size(), "%*.*f", width, digits, holder[key].get<double>());
+  else
+    std::snprintf(text.data(), text.size(), "%*s", width, "-");
   return text.data();
 }
 
@@ -47,43 +91,59 @@ std::string row(const std::string& name, const std::string& cells) {
   return out + cells + "\n";
 }
 
-std::string prediction_table(const Json& prediction) {
-  std::string out =
-      "the next frame foretold, frames " + prediction["first_frame"].dump() + " to " +
-      std::to_string(prediction["first_frame"].get<int>() + prediction["frames"].get<int>() - 1) +
-      "   PSNR dB\n";
-  for (const auto& [key, label] : {std::pair{"motion_model", "motion model"},
-                                   {"linear_dynamic_texture", "linear dynamic texture"},
-                                   {"frame_before", "the frame before"},
-                                   {"mean_image", "the first half's mean image"},
-                                   {"own_sketch", "(its own sketch, drawn)"}}) {
-    const auto& methods = prediction["methods"];
-    out += row(label, cell(methods.contains(key) ? methods[key] : Json(), "psnr"));
-  }
-  return out;
+// Names above columns of numbers: the label's last words that fit.
+std::string heading(const std::string& label) {
+  constexpr std::size_t kWidth = 13;
+  std::string text = label == "linear dynamic texture" ? "dyn. texture" : label;
+  if (text.size() > kWidth - 1) text = text.substr(0, kWidth - 1);
+  return std::string(kWidth - text.size(), ' ') + text;
 }
 
-std::string distance_rows(const Json& distances) {
-  std::string out;
-  for (const auto& [key, label] : {std::pair{"motion_model", "motion model"},
-                                   {"linear_dynamic_texture", "linear dynamic texture"},
-                                   {"other", "the other clip"},
-                                   {"noise_floor", "noise floor (its own halves)"}})
-    if (distances.contains(key))
-      out += row(label, cell(distances[key], "temporal_db") + "  " + cell(distances[key], "radial_db"));
-  return out;
+std::string prediction_table(const Json& measures) {
+  const auto& prediction = measures["prediction"];
+  std::string head = "frames foretold from " + std::to_string(prediction["moments"].get<int>()) + " moments";
+  head.resize(std::max<std::size_t>(head.size() + 2, 32), ' ');
+  for (const auto& step : prediction["steps"])
+    head += heading((step == 1 ? "next, dB" : "+" + step.dump() + ", dB"));
+  std::string out = head + heading("next, SSIM") + "\n";
+  std::vector<Held> ways = held_clips(measures);
+  std::erase_if(ways, [](const Held& one) { return one.key == "noise_floor"; });
+  ways.push_back({"frame_before", "the frame before"});
+  ways.push_back({"mean_image", "the first part's mean image"});
+  for (const auto& [key, label] : ways) {
+    if (!prediction["methods"].contains(key)) continue;
+    const auto& method = prediction["methods"][key];
+    std::string cells = "  ";
+    for (const auto& value : method["by_step"]["psnr"]) cells += cell({{"x", value}}, "x", 2);
+    out += row(label, cells + cell(method, "ssim", 3));
+  }
+  for (const auto& [key, value] : measures["reconstruction"].items())
+    for (const auto& way : ways)
+      if (way.key == key) out += row("(shown: " + way.label + ")", "  " + cell(value, "psnr", 2));
+  return out + "\n";
 }
 
 }  // namespace
 
 std::string comparison_table(const Json& measures) {
-  const std::string head = "distance of spectra, dB         in time  in space\n";
-  if (measures.contains("prediction"))
-    return prediction_table(measures["prediction"]) + "\n" + head + distance_rows(measures["synthesis"]);
-  std::string out = head + distance_rows(measures["distances"]);
-  const auto& psnr = measures["psnr"];
-  return out + (psnr.is_null() ? "PSNR: none, " + measures["psnr_missing"].get<std::string>() + "\n"
-                               : row("PSNR dB", cell(measures, "psnr")));
+  std::string out;
+  if (measures.contains("prediction") && !measures["prediction"].is_null()) out += prediction_table(measures);
+  const auto held = held_clips(measures);
+  std::string head = "how far from the source";
+  head.resize(32, ' ');
+  for (const auto& one : held) head += heading(one.label);
+  out += head + "\n";
+  for (const auto& measure : all_measures()) {
+    std::string cells = "  ";
+    for (const auto& one : held) cells += cell(distances_of(measures, one.key), measure.key, 3);
+    const std::string unit = measure.unit;
+    out += row(measure.name + (unit.empty() ? "" : ", " + unit), cells);
+  }
+  if (!measures.contains("psnr")) return out;
+  if (measures["psnr"].is_null())
+    return out + "PSNR: none, " + measures["psnr_missing"].get<std::string>() + "\n";
+  return out + row("PSNR, dB", "  " + cell(measures, "psnr", 2)) +
+         row("SSIM", "  " + cell(measures, "ssim", 3));
 }
 
 }  // namespace emberfold::apps

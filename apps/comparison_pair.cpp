@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <optional>
+#include <span>
 
 #include <opencv2/core.hpp>
 
+#include "apps/clip_strokes.hpp"
 #include "apps/comparison.hpp"
 #include "apps/comparison_json.hpp"
-#include "apps/comparison_models.hpp"
+#include "apps/comparison_words.hpp"
 #include "apps/interrupt.hpp"
-#include "apps/reconstruct.hpp"
 #include "apps/side_by_side.hpp"
 #include "apps/summary.hpp"
 #include "core/error.hpp"
+#include "dytex/frame_measures.hpp"
 
 namespace emberfold::apps {
 
@@ -46,7 +46,7 @@ std::vector<cv::Mat> read_batch(core::FrameSource& source, const Session& sessio
   return levels;
 }
 
-std::vector<cv::Mat> luma_of(const std::vector<cv::Mat>& levels) {
+std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels) {
   std::vector<cv::Mat> luma;
   for (const auto& one : levels) luma.push_back(core::luma(one));
   return luma;
@@ -62,72 +62,117 @@ std::string why_no_psnr(const core::ClipInfo& a, int frames_a, const core::ClipI
 struct Pair {
   core::FrameSource &a, &b;
   int frames_a = 0, frames_b = 0;
-  ClipSpectra spectra_a, spectra_b, first, second;
-  double square_error = 0;
+  ClipMeasures all_a, all_b, first, second;
+  ClipStrokes strokes_a, strokes_b;
+  double square_error = 0, similarity = 0;  // sums over frames
+  std::vector<cv::Mat> pictures = {};
 };
 
-void run_through(Pair& pair, bool with_psnr, SideBySide& beside, const Session& session) {
-  const int most = std::max(pair.frames_a, pair.frames_b), half = pair.frames_a / 2;
+void measure_batch(Pair& pair, std::span<const cv::Mat> a, std::span<const cv::Mat> b, int t,
+                   bool with_strokes, const Session& session) {
+  const auto luma_a = luma_of(a), luma_b = luma_of(b);
+  pair.all_a.add(luma_a, session.context);
+  pair.all_b.add(luma_b, session.context);
+  const auto in_first =
+      static_cast<std::size_t>(std::clamp(pair.frames_a / 2 - t, 0, static_cast<int>(a.size())));
+  pair.first.add(std::span(luma_a).first(in_first), session.context);
+  pair.second.add(std::span(luma_a).subspan(in_first), session.context);
+  if (!with_strokes) return;
+  pair.strokes_a.add(a, session.context);
+  pair.strokes_b.add(b, session.context);
+}
+
+void run_through(Pair& pair, bool alike, bool with_strokes, SideBySide& beside, const PanelRow& panels,
+                 const std::vector<std::string>& labels, const Session& session) {
+  const int most = std::max(pair.frames_a, pair.frames_b), both = std::min(pair.frames_a, pair.frames_b);
   pair.a.rewind(), pair.b.rewind();
   for (int t = 0; t < most; t += kBatch) {
     session.context.report("compare", double(t) / most);
     const auto a = read_batch(pair.a, session), b = read_batch(pair.b, session);
-    const auto luma_a = luma_of(a), luma_b = luma_of(b);
-    pair.spectra_a.add(luma_a, session.context);
-    pair.spectra_b.add(luma_b, session.context);
-    const auto in_first = static_cast<std::size_t>(std::clamp(half - t, 0, static_cast<int>(a.size())));
-    pair.first.add(std::span(luma_a).first(in_first), session.context);
-    pair.second.add(std::span(luma_a).subspan(in_first), session.context);
+    measure_batch(pair, a, b, t, with_strokes, session);
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-      if (with_psnr) {
-        const double distance = cv::norm(a[i], b[i], cv::NORM_L2);
-        pair.square_error += distance * distance;
+      if (alike) {
+        pair.square_error += dytex::mean_square_error(a[i], b[i]);
+        pair.similarity += dytex::structural_similarity(core::luma(a[i]), core::luma(b[i]));
       }
-      beside.write(std::vector<cv::Mat>{core::to_bytes(a[i]), core::to_bytes(b[i])});
+      const std::vector<cv::Mat> row{core::to_bytes(a[i]), core::to_bytes(b[i])};
+      beside.write(row);
+      const int frame = t + static_cast<int>(i);
+      if (frame == both / 4 || frame == both * 3 / 4) pair.pictures.push_back(panels.compose(row, labels));
     }
   }
 }
 
-Json psnr_json(const Pair& pair) {
-  const auto& info = pair.a.info();
-  const double mse = pair.square_error / (double(info.width) * info.height * info.channels * pair.frames_a);
-  return mse > 0 ? std::round(std::min(kMostPsnr, 10 * std::log10(255.0 * 255.0 / mse)) * 1000) / 1000
-                 : kMostPsnr;
+// Distances of b from a, and of a's halves from each other, and what both clips are like.
+void add_distances(const Pair& pair, bool with_strokes, const Session& session, Json& measures) {
+  Json other = pixel_distances(pair.all_b, pair.all_a), floor = pixel_distances(pair.first, pair.second);
+  Json source = {{"figures", pixel_figures(pair.all_a)}};
+  other["figures"] = pixel_figures(pair.all_b);
+  if (with_strokes) {
+    const auto series = pair.strokes_a.series(session.context);
+    const auto a = mcmc::stroke_statistics(series),
+               b = mcmc::stroke_statistics(pair.strokes_b.series(session.context));
+    const int half = pair.frames_a / 2;
+    other.update(stroke_distances(b, a));
+    other["strokes"] = strokes_json(b);
+    source["strokes"] = strokes_json(a);
+    floor.update(stroke_distances(mcmc::stroke_statistics(part(series, 0, half)),
+                                  mcmc::stroke_statistics(part(series, half, pair.frames_a))));
+  }
+  measures["distances"] = {
+      {"other", std::move(other)}, {"noise_floor", std::move(floor)}, {"source", std::move(source)}};
 }
 
 }  // namespace
 
 Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::FrameSource& b,
-                         const std::string& name_b, OutputFolder& output, Session& session) {
+                         const std::string& name_b, const CompareOptions& options, OutputFolder& output,
+                         Session& session) {
+  options.validate();
   const int frames_a = count_frames(a, name_a, session), frames_b = count_frames(b, name_b, session);
   const cv::Size size_a(a.info().width, a.info().height), size_b(b.info().width, b.info().height);
-  const int segment = segment_length(std::min(frames_a / 2, frames_b));
-  const int rings = std::min(dytex::ring_count(size_a), dytex::ring_count(size_b));
-  const ClipSpectra blank(size_a, segment, rings);
-  Pair pair{a, b, frames_a, frames_b, blank, ClipSpectra(size_b, segment, rings), blank, blank};
+  auto scale = measure_scale(std::min(frames_a / 2, frames_b), size_a);
+  scale.rings = std::min(scale.rings, dytex::ring_count(size_b));
+  const ClipMeasures blank(size_a, scale, frames_a);
+  const auto strokes = [&](cv::Size size, double fps) {
+    return ClipStrokes(size, fps, options.sketch, options.match);
+  };
+  Pair pair{a,
+            b,
+            frames_a,
+            frames_b,
+            blank,
+            ClipMeasures(size_b, scale, frames_b),
+            blank,
+            blank,
+            strokes(size_a, a.info().fps),
+            strokes(size_b, b.info().fps)};
   const auto missing = why_no_psnr(a.info(), frames_a, b.info(), frames_b);
   try {
     const auto label = [](const std::string& name) {
       return std::filesystem::path(name).filename().string();
     };
-    SideBySide beside(output.staged("side_by_side.mp4"), {label(name_a), label(name_b)},
-                      std::vector<cv::Size>{size_a, size_b}, a.info().fps);
-    run_through(pair, missing.empty(), beside, session);
+    const std::vector<std::string> labels{label(name_a), label(name_b)};
+    const std::vector<cv::Size> sizes{size_a, size_b};
+    SideBySide beside(output.staged("side_by_side.mp4"), labels, sizes, a.info().fps);
+    run_through(pair, missing.empty(), options.strokes, beside, PanelRow(sizes), labels, session);
     beside.finish();
   } catch (const core::IoError& error) {
     throw core::IoError(output.of_final(error.what()));
   }
-  Json measures = begin_measures(segment, rings);
+  Json measures = begin_measures(scale);
   measures["clip"] = clip_json(name_a, a.info(), frames_a);
   measures["other"] = clip_json(name_b, b.info(), frames_b);
-  measures["distances"] = {{"other", distances_json(pair.spectra_b, pair.spectra_a)},
-                           {"noise_floor", distances_json(pair.first, pair.second)}};
-  measures["psnr"] = missing.empty() ? psnr_json(pair) : Json(nullptr);
+  add_distances(pair, options.strokes, session, measures);
+  measures["psnr"] =
+      missing.empty() ? Json(rounded(dytex::psnr(pair.square_error / frames_a))) : Json(nullptr);
+  measures["ssim"] = missing.empty() ? Json(rounded(pair.similarity / frames_a)) : Json(nullptr);
   if (!missing.empty()) measures["psnr_missing"] = missing;
-  measures["spectra"] = curves_json({{"clip", &pair.spectra_a}, {"other", &pair.spectra_b}}, segment, rings);
+  measures["curves"] = curves_json({{"source", &pair.all_a}, {"other", &pair.all_b}}, scale);
+  measures["words"] = comparison_words(measures);
   measures["warnings"] = session.warnings;
   write_measures(measures, output);
-  return {std::move(measures), {"measures.json", "side_by_side.mp4"}};
+  return {std::move(measures), {"measures.json", "side_by_side.mp4"}, std::move(pair.pictures)};
 }
 
 }  // namespace emberfold::apps

@@ -1,35 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "apps/command.hpp"
-#include "apps/ground.hpp"
+#include "apps/compared_models.hpp"
 #include "core/clip.hpp"
-#include "dytex/linear_dynamic_texture.hpp"
-#include "graph/attribute_graph.hpp"
-#include "sketch/fill.hpp"
 
 namespace emberfold::apps {
 
-/// What foretells the held-out frames of a clip, learned from those before `first`.
-struct Predictors {
-  int first = 0, frames = 0;  ///< held out are the frames first … frames − 1
-  const dytex::LinearDynamicTexture* texture = nullptr;
-  const std::vector<graph::AttributeGraph>* graphs = nullptr;    ///< of every frame, foretold; null: none
-  const std::vector<graph::AttributeGraph>* sketches = nullptr;  ///< of every frame, as it is
-  sketch::FillOptions fill;
-  Ground ground;  ///< of the frames before `first`
-};
+/// 1, 2, 4 … and `most` itself.
+std::vector<int> prediction_steps(int most);
 
-/// How near every held-out frame comes to what was foretold of it from the frames before it: for each way
-/// {"psnr"}: dB of the mean square error of all frames, pixels and channels. The ways are the frame before,
-/// the mean image of the first part, the linear dynamic texture, the motion model's graph, and, as the bound
-/// of what a drawn graph can reach, the frame's own sketch. {"first_frame", "frames", "methods",
-/// "per_frame"}. Holds a batch of frames. Throws Interrupted.
-nlohmann::ordered_json measure_prediction(core::FrameSource& source, const Predictors& predictors,
-                                          const Session& session);
+/// How near what is foretold comes to the frames first … frames − 1, and what models show to what they are
+/// given. From at most 32 moments, evenly spread, all steps are foretold by every model and two that need
+/// none: the frame before shown again ("frame_before"), and the mean image of the frames before `first`
+/// ("mean_image"). {"first_frame", "moments", "steps", "methods": {key: {"psnr", "ssim", "by_step": {"psnr",
+/// "ssim"}}}, "per_frame": {key: psnr of one step}}: PSNR is that of the mean square error over all moments,
+/// pixels and channels, of frames as 8 bits show them, SSIM the mean over moments, of luma. With them
+/// "reconstruction": {key: {"psnr", "ssim"}}. Holds a batch of frames. Throws Interrupted.
+struct Prediction {
+  nlohmann::ordered_json prediction, reconstruction;
+};
+Prediction measure_prediction(core::FrameSource& source, int first, int frames, std::span<const int> steps,
+                              std::span<const ComparedModel> models, const Session& session);
 
 }  // namespace emberfold::apps

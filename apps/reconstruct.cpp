@@ -10,6 +10,7 @@
 
 #include "apps/interrupt.hpp"
 #include "core/clip.hpp"
+#include "dytex/frame_measures.hpp"
 #include "sketch/anchors.hpp"
 
 namespace emberfold::apps {
@@ -53,11 +54,7 @@ Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held
 }
 
 double psnr(const cv::Mat& a, const cv::Mat& b) {
-  const double distance = cv::norm(a, b, cv::NORM_L2);
-  const double mse =
-      distance * distance / static_cast<double>(a.total() * static_cast<std::size_t>(a.channels()));
-  if (mse <= 0) return kMostPsnr;
-  return std::min(kMostPsnr, 10 * std::log10(255.0 * 255.0 / mse));
+  return dytex::psnr(dytex::mean_square_error(a, b));
 }
 
 nlohmann::ordered_json spread_json(std::span<const double> values) {

@@ -98,7 +98,8 @@ ReportMeasures measures_table(const Json& measures) {
         {name,
          about,
          {apart("motion_model", key), apart("linear_dynamic_texture", key), apart("noise_floor", key)}});
-  const auto mean = psnr("mean_image"), sketch = psnr("own_sketch");
+  const auto mean = psnr("mean_image"),
+             sketch = value_at(measures, {"reconstruction", "motion_model", "psnr"});
   const auto decibels = [](double value) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.1f dB", value);
@@ -118,10 +119,13 @@ void tell_story(core::FrameSource& source, const AnalyzeOptions& options, Analys
   compare.match = options.match;
   compare.fill = options.fill;
   compare.learn = learn_options(analysis);
+  // A story of two models; 'emberfold compare' tells the rest, which takes as long again.
+  compare.hybrid = compare.star = compare.strokes = false;
+  compare.steps = 1;
   analysis.stages.begin("texture");
   const auto texture = learn_texture(source, compare.learn, analysis, output, session);
   analysis.stages.begin("compare");
-  const KnownModels known{&analysis.sketched, &analysis.motion, &analysis.fitted.model, &texture};
+  const KnownModels known{&analysis.sketched, &analysis.fitted.model, &analysis.sharpening, &texture};
   const auto comparison = compare_clip(source, analysis.clip, compare, known, output, session);
   analysis.stages.begin("clips");
   analysis.report.measures = measures_table(comparison.measures);

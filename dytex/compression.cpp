@@ -231,9 +231,4 @@ double measured_error(const LinearDynamicTexture& texture, core::FrameSource& so
   return seen > 0 ? error / (static_cast<double>(seen) * static_cast<double>(m)) : 0;
 }
 
-double psnr(double error) {
-  constexpr double kMost = 100;
-  return error > 0 ? std::min(kMost, 10 * std::log10(255 * 255 / error)) : kMost;
-}
-
 }  // namespace emberfold::dytex

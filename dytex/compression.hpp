@@ -10,6 +10,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
+#include "dytex/frame_measures.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
 /// A texture as a compressed clip (Soatto, Doretto, Wu 2001, section 4.5): how small it can be kept, and what
@@ -46,8 +47,5 @@ Eigen::VectorXd projection_errors(const LinearDynamicTexture& texture, Precision
 /// frames. Cancelled: the mean of those seen. O(m n) a frame.
 double measured_error(const LinearDynamicTexture& texture, core::FrameSource& source,
                       const core::Context& context = {});
-
-/// 10 log₁₀ (255² / error), dB; at most 100.
-double psnr(double error);
 
 }  // namespace emberfold::dytex

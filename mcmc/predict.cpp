@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mcmc/predict.hpp"
 
+#include <string>
+
+#include "core/error.hpp"
 #include "mcmc/lineages.hpp"
 #include "mcmc/rest_filter.hpp"
 
@@ -12,8 +15,11 @@ constexpr double least_error = 0.02;  // px: SD of a measured place
 
 }  // namespace
 
-std::vector<graph::AttributeGraph> predict(const MotionModel& model, const graph::MotionGraph& motion) {
+std::vector<graph::AttributeGraph> predict(const MotionModel& model, const graph::MotionGraph& motion,
+                                           int steps) {
   validate(model);
+  if (steps < 1)
+    throw core::InputError("prediction: steps is " + std::to_string(steps) + "; allowed is 1 or more");
   const auto& frames = motion.sketch.frames;
   std::vector<std::vector<detail::Told>> told(frames.size());
   const auto& sway = model.sway;
@@ -30,19 +36,23 @@ std::vector<graph::AttributeGraph> predict(const MotionModel& model, const graph
       filter.advance(lane(0));
       const graph::Point v{model.drift_x.at(sample.position), model.drift_y.at(sample.position)};
       const double drift = graph::dot(v, sample.normal);
-      const double expected = filter.place()[0] + drifted + drift;
+      auto ahead = filter;
+      for (int step = 1; step < steps; ++step) ahead.advance(lane(0));
+      const double expected = ahead.place()[0] + drifted + steps * drift;
       told[static_cast<std::size_t>(lineage.first) + k].push_back(
           {sample.vertex, sample.normal * (expected - sample.travel)});
       drifted += drift;
     }
   }
   std::vector<graph::AttributeGraph> result(frames.size());
-  for (std::size_t t = 1; t < frames.size(); ++t) {
-    const auto steps = detail::on_patches(frames[t - 1], told[t - 1]);
-    std::vector<graph::Vertex> vertices(frames[t - 1].vertices().begin(), frames[t - 1].vertices().end());
+  const auto ahead = static_cast<std::size_t>(steps);
+  for (std::size_t t = ahead; t < frames.size(); ++t) {
+    const auto& from = frames[t - ahead];
+    const auto moves = detail::on_patches(from, told[t - ahead]);
+    std::vector<graph::Vertex> vertices(from.vertices().begin(), from.vertices().end());
     for (std::size_t v = 0; v < vertices.size(); ++v)
-      vertices[v].patch.position = vertices[v].patch.position + steps[v];
-    result[t] = {std::move(vertices), {frames[t - 1].edges().begin(), frames[t - 1].edges().end()}};
+      vertices[v].patch.position = vertices[v].patch.position + moves[v];
+    result[t] = {std::move(vertices), {from.edges().begin(), from.edges().end()}};
   }
   return result;
 }

@@ -36,7 +36,6 @@ double rate(const OperatorCounts::Tally& tally, const OperatorCounts::Tally& all
   return std::min(1.0, (tally.happened + doubt) / (tally.could + doubt / mean));
 }
 
-constexpr double in_each_tail = 0.05;
 constexpr double jeffreys = 0.5;  // events
 
 void add_intervals(const OperatorCounts& counts, RateEstimate& result) {
@@ -332,15 +331,15 @@ OperatorCounts mean(std::span<const OperatorCounts> samples) {
 }
 
 RateInterval rate_interval(double events, double time, double variance, double prior_events,
-                           double prior_time) {
+                           double prior_time, double probability) {
   const double shape = events + prior_events, rate = time + prior_time, average = shape / rate;
   if (!(shape > 0) || !(rate > 0))
     throw core::InputError("a rate's interval needs more than no events and no time; here are " +
                            std::to_string(shape) + " in " + std::to_string(rate));
   const double spread = (shape + variance) / (rate * rate);
   const boost::math::gamma_distribution<double> gamma(average * average / spread, spread / average);
-  return {average, boost::math::quantile(gamma, in_each_tail),
-          boost::math::quantile(boost::math::complement(gamma, in_each_tail))};
+  return {average, boost::math::quantile(gamma, (1 - probability) / 2),
+          boost::math::quantile(boost::math::complement(gamma, (1 - probability) / 2))};
 }
 
 RateEstimate estimate_rates(const OperatorCounts& counts) {

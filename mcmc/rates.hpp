@@ -42,7 +42,8 @@ OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const
 /// none, or samples of unlike maps or numbers of frames.
 OperatorCounts mean(std::span<const OperatorCounts> samples);
 
-/// A rate and what it may be: with 90 % probability it lies between `low` and `high`.
+/// A rate and what it may be: with 90 % probability (or another that is told) it lies between `low` and
+/// `high`.
 struct RateInterval {
   double mean = 0, low = 0, high = 0;
 };
@@ -51,7 +52,7 @@ struct RateInterval {
 /// `prior_time`, > 0) whose variance is increased by that of `events`, `variance` (law of total variance; the
 /// Gamma law of that mean and variance stands for the mixture).
 RateInterval rate_interval(double events, double time, double variance, double prior_events,
-                           double prior_time);
+                           double prior_time, double probability = 0.9);
 
 struct RateEstimate {
   OperatorRates rates;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "apps/clip_measures.hpp"
 #include "apps/clip_part.hpp"
 #include "apps/clip_reader.hpp"
-#include "apps/clip_spectra.hpp"
 #include "apps/prediction.hpp"
 #include "apps/side_by_side.hpp"
 #include "tests/apps/command_check.hpp"
@@ -30,6 +32,9 @@ core::Clip noise_clip(cv::Size size, int frames, std::uint64_t seed, std::uint32
   return clip;
 }
 
+const std::vector<std::string> kDrawn{"synthesized_motion.avi", "synthesized_hybrid.avi",
+                                      "synthesized_dytex.avi", "synthesized_star.avi"};
+
 std::string write_clip(const fs::path& path, const core::Clip& clip) {
   const auto writer = create_clip(path, clip.frames[0].size(), 25, clip.frames[0].channels() == 3);
   for (const auto& frame : clip.frames) writer->write(frame);
@@ -52,32 +57,37 @@ TEST_CASE("a part of a clip is its frames and can be read again") {
   CHECK(part.info().frames == 4);
 }
 
-TEST_CASE("a clip's spectra are the mean over its frames however they come") {
+TEST_CASE("a clip's measures are the same however its frames come") {
   const auto clip = noise_clip({40, 30}, 24, 3);
   core::ClipSource source(clip);
-  ClipSpectra spectra({40, 30}, 8, 15);
+  const MeasureScale scale{8, 4, 15};
+  ClipMeasures measures({40, 30}, scale, 24), at_once({40, 30}, scale, 24);
   std::vector<cv::Mat> luma;
   for (const auto& frame : clip.frames) luma.push_back(core::luma(frame, clip.info));
-  spectra.add(std::span(luma).first(5), {});
-  spectra.add(std::span(luma).subspan(5), {});
-  CHECK(spectra.temporal() == dytex::temporal_spectrum(source, 8));
-  CHECK(spectra.radial() == dytex::radial_spectrum(source, 15));
-  CHECK(segment_length(64) == 32);
-  CHECK(segment_length(31) == 16);
-  CHECK(segment_length(4) == 4);
-  CHECK(segment_length(3) == 0);
+  measures.add(std::span(luma).first(5), {});
+  measures.add(std::span(luma).subspan(5), {});
+  at_once.add(luma, {});
+  CHECK(measures.temporal() == dytex::temporal_spectrum(source, 8));
+  CHECK(measures.radial() == dytex::radial_spectrum(source, 15));
+  CHECK(pixel_figures(measures) == pixel_figures(at_once));
+  const auto distances = pixel_distances(measures, at_once);
+  for (const auto& [key, value] : distances.items()) CHECK(value == 0);
+  CHECK(measure_scale(64, {40, 30}).segment == 32);
+  CHECK(measure_scale(31, {40, 30}).segment == 16);
+  CHECK(measure_scale(31, {40, 30}).lags == 7);
+  CHECK(measure_scale(4, {40, 30}).segment == 4);
 }
 
 TEST_CASE("large frames have the spectrum in time of all their pixels") {
   const cv::Size size(900, 700);
   const auto clip = noise_clip(size, 8, 5, 101);
-  ClipSpectra spectra(size, 4, 64);
+  ClipMeasures measures(size, {4, 1, 64}, 8000);
   for (const auto& frame : clip.frames) {
     const auto luma = core::luma(frame, clip.info);
-    spectra.add(std::span(&luma, 1), {});
+    measures.add(std::span(&luma, 1), {});
   }
   // uniform on 0 … 100: a variance of (101² − 1) / 12
-  CHECK_THAT(spectra.temporal()(1), WithinAbs(850, 20));
+  CHECK_THAT(measures.temporal()(1), WithinAbs(850, 20));
 }
 
 TEST_CASE("clips beside each other are as high as they should be") {
@@ -105,21 +115,38 @@ TEST_CASE("what is foretold is measured against the frame that comes") {
   core::ClipSource source(clip);
   Console console;
   const Session session{console, {}, "", {}};
-  const auto measured = measure_prediction(source, {5, 10, nullptr, nullptr, nullptr, {}, {}}, session);
+  // A model that knows: four more levels with every frame.
+  ComparedModel knows{"knows", "knows", ""};
+  knows.foretell = [](const Moment& moment, std::span<const int> steps) {
+    std::vector<cv::Mat> told;
+    for (const int step : steps) told.push_back(moment.past.back() + 4 * step);
+    return told;
+  };
+  knows.reconstruct = [](const Moment& moment) { return moment.past.back() + 1; };
+  const std::vector<int> steps = prediction_steps(3);
+  CHECK(steps == std::vector<int>{1, 2, 3});
+  const auto [measured, reconstruction] =
+      measure_prediction(source, 5, 10, steps, std::span(&knows, 1), session);
   CHECK(measured["first_frame"] == 5);
-  CHECK(measured["frames"] == 5);
+  CHECK(measured["moments"] == 5);
   const auto decibel = [](double mse) { return 10 * std::log10(255 * 255 / mse); };
   const auto psnr = [&](const char* way) { return measured["methods"][way]["psnr"].get<double>(); };
   CHECK_THAT(psnr("frame_before"), WithinAbs(decibel(16), 1e-3));
   CHECK_THAT(psnr("mean_image"), WithinAbs(decibel((16 + 64 + 144 + 256 + 400) / 5.0), 1e-3));
   CHECK_THAT(measured["per_frame"]["mean_image"][4].get<double>(), WithinAbs(decibel(400), 1e-3));
-  CHECK_FALSE(measured["methods"].contains("linear_dynamic_texture"));
+  CHECK(psnr("knows") == 100);
+  // Three frames on from frames 4 to 6; two of five moments have no such frame.
+  CHECK_THAT(measured["methods"]["frame_before"]["by_step"]["psnr"][2].get<double>(),
+             WithinAbs(decibel(144), 1e-3));
+  CHECK(measured["methods"]["knows"]["by_step"]["psnr"][2] == 100);
+  CHECK_THAT(reconstruction["knows"]["psnr"].get<double>(), WithinAbs(decibel(1), 1e-3));
+  CHECK_FALSE(reconstruction.contains("frame_before"));
 }
 
 TEST_CASE("compare holds a clip against its models and writes all that it names") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {81, 60}, 40);
-  for (const std::string threads : {"1", "2", "8"}) {
+  for (const std::string threads : {"1", "3"}) {
     const auto result =
         run_command({"compare", clip, "-o", (temp / threads).string(), "--threads", threads, "--json", "-q"});
     INFO(result.err);
@@ -127,27 +154,74 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
     const Json summary = Json::parse(result.out);
     for (const auto& file : summary["files"]) CHECK(fs::exists(temp / threads / file.get<std::string>()));
     CHECK(bytes_of(temp / threads / "measures.json") == bytes_of(temp / "1/measures.json"));
-    for (const char* name : {"synthesized_motion.avi", "synthesized_dytex.avi"})
-      CHECK(bytes_of(temp / threads / name) == bytes_of(temp / "1" / name));
+    for (const auto& name : kDrawn) CHECK(bytes_of(temp / threads / name) == bytes_of(temp / "1" / name));
     CHECK(summary["measures"] == Json::parse(bytes_of(temp / threads / "measures.json")));
   }
   const Json measures = Json::parse(bytes_of(temp / "1/measures.json"));
   CHECK(measures["format"] == "emberfold.measures");
+  CHECK(measures["version"] == 2);
   CHECK(measures["segment"] == 16);
   CHECK(measures["prediction"]["first_frame"] == 20);
+  CHECK(measures["prediction"]["steps"] == Json({1, 2, 4, 8}));
   for (const char* way :
-       {"motion_model", "linear_dynamic_texture", "frame_before", "mean_image", "own_sketch"})
+       {"motion_model", "hybrid", "linear_dynamic_texture", "star", "frame_before", "mean_image"})
     CHECK(measures["prediction"]["methods"][way]["psnr"] > 10);
-  for (const char* way : {"motion_model", "linear_dynamic_texture", "noise_floor"})
-    for (const char* measure : {"temporal_db", "radial_db"}) CHECK(measures["synthesis"][way][measure] > 0);
-  const auto& spectra = measures["spectra"];
-  CHECK(spectra["temporal_db"]["source"].size() == 8);
-  CHECK(spectra["radial_db"]["source"].size() == 30);
-  for (const char* name : {"synthesized_motion.avi", "synthesized_dytex.avi", "side_by_side.mp4"})
+  for (const char* way : {"motion_model", "hybrid", "linear_dynamic_texture"})
+    CHECK(measures["reconstruction"][way]["ssim"] > 0.1);
+  for (const char* way : {"motion_model", "hybrid", "linear_dynamic_texture", "star", "noise_floor"})
+    for (const char* measure : {"temporal_db", "radial_db", "autocorrelation", "patterns", "flow_px",
+                                "crease_sharpness", "si", "ti", "stroke_events"})
+      CHECK(measures["synthesis"][way][measure] >= 0);
+  for (const auto& model : measures["models"]) CHECK(model["parameters"] > 100);
+  CHECK(measures["synthesis"]["source"]["strokes"]["frames"] == 40);
+  CHECK(measures["words"].size() >= 8);
+  const auto& curves = measures["curves"];
+  CHECK(curves["temporal_db"]["source"].size() == 8);
+  CHECK(curves["radial_db"]["hybrid"].size() == 30);
+  CHECK(curves["autocorrelation"]["star"].size() == 5);
+  for (const auto& name : kDrawn)
     CHECK(core::read_all(*open_clip((temp / "1" / name).string(), {}, {})).frames.size() == 40);
   const auto video = open_clip((temp / "1/side_by_side.mp4").string(), {}, {});
   CHECK(video->info().height >= 240);
-  CHECK(video->info().width > 3 * 81 * 240 / 60);
+  CHECK(video->info().width > 5 * 81 * 240 / 60);
+  const auto page = bytes_of(temp / "1/report.html");
+  for (const char* part : {"What the measures say", "Spectrum in time", "Foretelling", "data:image/jpeg"})
+    CHECK(contains(page, part));
+}
+
+TEST_CASE("compare draws clips of any length and foretells with what it may learn from") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {60, 48}, 24, 4);
+  const auto run = [&](const std::vector<std::string>& more) {
+    const auto result = run_command(
+        joined({"compare", clip, "-o", (temp / "out").string(), "--json", "-q", "--no-star"}, more));
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return Json::parse(result.out)["measures"];
+  };
+  const auto longer = run({"--frames", "40", "--no-strokes", "--no-hybrid"});
+  CHECK(longer["synthesis"]["frames"] == 40);
+  CHECK_FALSE(longer["synthesis"]["motion_model"].contains("strokes"));
+  CHECK(longer["models"].size() == 2);
+  CHECK(core::read_all(*open_clip((temp / "out/synthesized_dytex.avi").string(), {}, {})).frames.size() ==
+        40);
+  CHECK(core::read_all(*open_clip((temp / "out/side_by_side.mp4").string(), {}, {})).frames.size() == 24);
+  const auto whole = run({"--learn-share", "1", "--no-strokes", "--no-hybrid"});
+  CHECK(whole["prediction"].is_null());
+  CHECK(whole["learned_frames"] == 24);
+  CHECK_FALSE(fs::exists(temp / "out/synthesized_star.avi"));
+  const auto curve = run({"--curve", "--no-strokes", "--no-hybrid", "--components", "4"})["size_curve"];
+  std::map<std::string, std::vector<double>> sizes;
+  for (const auto& point : curve["points"]) {
+    sizes[point["model"].get<std::string>()].push_back(point["parameters"].get<double>());
+    CHECK(point["psnr"] > 5);
+    CHECK(point["temporal_db"] >= 0);
+  }
+  CHECK(sizes["linear_dynamic_texture"].size() == 12);
+  CHECK(sizes["star"].size() == 3);
+  CHECK(std::ranges::is_sorted(sizes["star"]));
+  const auto& equal = curve["equal"]["linear_dynamic_texture"];
+  CHECK((equal.is_null() || equal["parameters"] <= curve["equal"]["parameters"]));
 }
 
 TEST_CASE("two clips are compared and their distances hold what they should") {
@@ -165,7 +239,10 @@ TEST_CASE("two clips are compared and their distances hold what they should") {
   const auto same = measure(a, a);
   CHECK(same["distances"]["other"]["temporal_db"] == 0);
   CHECK(same["distances"]["other"]["radial_db"] == 0);
+  for (const char* key : {"autocorrelation", "patterns", "flow_px", "crease_sharpness", "si", "ti"})
+    CHECK(same["distances"]["other"][key] == 0);
   CHECK(same["psnr"] == 100);
+  CHECK(same["ssim"] == 1);
   const auto sample = measure(a, b);
   CHECK(sample["distances"]["other"]["temporal_db"] < 0.5);
   CHECK(sample["distances"]["other"]["radial_db"] < 1);
@@ -181,7 +258,8 @@ TEST_CASE("two clips are compared and their distances hold what they should") {
   CHECK(other_size["distances"]["other"]["temporal_db"] < 1);
   CHECK(core::read_all(*open_clip((temp / "out/side_by_side.mp4").string(), {}, {})).frames.size() == 20);
   const auto table = run_command({"compare", a, small, "-o", (temp / "out").string(), "-q"});
-  for (const char* part : {"in time", "noise floor", "the sizes differ"}) CHECK(contains(table.out, part));
+  for (const char* part : {"Spectrum in time", "noise floor", "the sizes differ"})
+    CHECK(contains(table.out, part));
 }
 
 TEST_CASE("a clip without a stroke is compared as far as it goes") {
@@ -210,6 +288,9 @@ TEST_CASE("what compare cannot take is refused in one line") {
   refused({clip, few}, 1, {"few", "7 frames"});
   refused({clip, (temp / "no").string()}, 1, {"no such"});
   refused({clip, "--components", "0"}, 2, {"--components", "0"});
+  refused({clip, "--learn-share", "0"}, 2, {"--learn-share", "0", "up to 1"});
+  refused({clip, "--steps", "65"}, 2, {"--steps", "65", "1 to 64"});
+  refused({clip, "--frames", "3"}, 2, {"--frames", "3"});
   refused({clip, clip, clip}, 2, {"one argument too many"});
   REQUIRE(run_command({"dytex", "learn", clip, "-o", (temp / "model").string(), "-q"}).exit == 0);
   refused({(temp / "model").string()}, 1, {"is no clip but a linear dynamic texture"});

@@ -138,7 +138,8 @@ TEST_CASE("a page carries models and clips only where there are some, and no tex
 TEST_CASE("the table of measures has each figure in its place, and a gap where there is none") {
   const Json measures = Json::parse(R"({
     "prediction": {"methods": {"frame_before": {"psnr": 30.5}, "mean_image": {"psnr": 20.04},
-      "motion_model": {"psnr": 19.5}, "own_sketch": {"psnr": 25.25}}},
+      "motion_model": {"psnr": 19.5}}},
+    "reconstruction": {"motion_model": {"psnr": 25.25}},
     "synthesis": {"noise_floor": {"temporal_db": 0.5, "radial_db": 1.5},
       "motion_model": {"temporal_db": 2.5, "radial_db": 6.5}}})");
   const auto table = measures_table(measures);

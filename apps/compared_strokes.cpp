@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include <opencv2/core.hpp>
+
+#include "apps/clip_part.hpp"
+#include "apps/compared_models.hpp"
+#include "apps/draw_model.hpp"
+#include "apps/drawn_model.hpp"
+#include "apps/ground_texture.hpp"
+#include "apps/interrupt.hpp"
+#include "core/error.hpp"
+#include "dytex/synthesize.hpp"
+#include "mcmc/fit.hpp"
+#include "mcmc/predict.hpp"
+#include "mcmc/synthesize.hpp"
+#include "sketch/render.hpp"
+
+namespace emberfold::apps {
+
+struct Strokes {
+  mcmc::MotionModel model, drawn;                           // learned; drawn from
+  Ground ground, drawn_ground;                              // likewise
+  std::vector<graph::AttributeGraph> sketches;              // of every frame
+  std::map<int, std::vector<graph::AttributeGraph>> ahead;  // by steps: of every frame, foretold
+  sketch::FillOptions fill;
+  core::ClipInfo info;
+  float level = 0;        // of a drawn frame with nothing in it
+  Sharpening sharpening;  // of drawn clips
+
+  // The graph expected `steps` frames on; of 0 the frame's own.
+  [[nodiscard]] const graph::AttributeGraph& graph(const Moment& moment, int steps) const {
+    const auto& all = steps == 0 ? sketches : ahead.at(steps);
+    return all[static_cast<std::size_t>(moment.frame + steps)];
+  }
+  [[nodiscard]] FrameLook look(float empty_level, const Ground& around) const {
+    return {{info.width, info.height}, info.channels, empty_level, fill, around};
+  }
+  // Of a clip that is drawn.
+  [[nodiscard]] FrameLook drawn_look() const {
+    FrameLook drawn = look(level, drawn_ground);
+    drawn.blur_share = sharpening.blur_share;
+    drawn.contrast_gain = sharpening.contrast_gain;
+    return drawn;
+  }
+};
+
+namespace {
+
+graph::MotionGraph match(graph::SketchSequence sketch, const graph::MatchOptions& options,
+                         const Session& session) {
+  auto matched = graph::match(std::move(sketch), options, session.context);
+  if (matched.status == core::Status::cancelled) throw Interrupted{};
+  return std::move(matched.motion);
+}
+
+graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int count) {
+  graph::SketchSequence first = sketch;
+  first.frames.resize(static_cast<std::size_t>(count));
+  return first;
+}
+
+cv::Mat draw_strokes(const Strokes& strokes, const Moment& moment, int steps) {
+  // Where there is no stroke, the mean level of the newest frame is what is known.
+  const auto level = static_cast<float>(cv::mean(core::luma(moment.past.back()))[0]);
+  return draw_frame(strokes.graph(moment, steps), strokes.look(level, strokes.ground));
+}
+
+float mean_level(core::FrameSource& source) {
+  source.rewind();
+  return static_cast<float>(cv::mean(core::luma(source.next(), source.info()))[0]);
+}
+
+// The texture's numbers that show best what lies between a frame's strokes. What they hide is taken as the
+// texture has it, and the projection repeated: it comes to the least squares over what is seen.
+Eigen::VectorXd state_between(const dytex::LinearDynamicTexture& texture, const cv::Mat& levels,
+                              const graph::AttributeGraph& graph) {
+  constexpr int kRounds = 5;
+  const auto hidden = sketch::draw_fitted(graph, levels.size(), levels.channels()).mask;
+  cv::Mat filled = levels.clone();
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(texture.components());
+  for (int round = 0; round < kRounds; ++round) {
+    dytex::draw(texture, state).copyTo(filled, hidden);
+    state = dytex::project(texture, filled);
+  }
+  return dytex::expected_state(texture, state);
+}
+
+// The frames so many steps (ascending; 0: itself) after a moment.
+std::vector<cv::Mat> draw_hybrid(const Strokes& strokes, const dytex::LinearDynamicTexture& texture,
+                                 const Moment& moment, std::span<const int> steps) {
+  const auto& levels = moment.past.back();
+  const auto level = static_cast<float>(cv::mean(core::luma(levels))[0]);
+  Eigen::VectorXd state = state_between(texture, levels, strokes.graph(moment, 0));
+  std::vector<cv::Mat> drawn;
+  for (int i = 0; drawn.size() < steps.size(); ++i) {
+    if (i > 0) state = texture.A * state;
+    if (i == steps[drawn.size()])
+      drawn.push_back(draw_frame({strokes.graph(moment, i), core::to_bytes(dytex::draw(texture, state))},
+                                 strokes.look(level, {})));
+  }
+  return drawn;
+}
+
+double ground_numbers(const Ground& ground) {
+  return static_cast<double>(ground.levels.total()) * std::max(1, ground.levels.channels());
+}
+
+}  // namespace
+
+std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const KnownModels& known) {
+  const auto& [sketch, grounds] = input.sketched;
+  auto& session = input.session;
+  Strokes strokes;
+  strokes.fill = input.options.fill, strokes.info = input.source.info();
+  strokes.ground = still_ground(std::span(grounds).first(static_cast<std::size_t>(input.first)));
+  strokes.drawn_ground = known.motion_model != nullptr ? still_ground(grounds) : strokes.ground;
+  strokes.sketches = sketch.frames;
+  strokes.level = mean_level(input.source);
+  try {
+    mcmc::FitOptions options;
+    options.seed = session.common.seed;
+    options.balance = known.motion_model == nullptr;  // it serves drawing alone
+    auto fitted = mcmc::fit(match(first_frames(sketch, input.first), input.options.match, session), options,
+                            session.context);
+    if (fitted.status == core::Status::cancelled) throw Interrupted{};
+    for (const auto& note : fitted.notes) session.warn("motion model: " + note);
+    strokes.model = std::move(fitted.model);
+  } catch (const core::InputError& error) {
+    session.warn(std::string("no motion model: ") + error.what());
+    return nullptr;
+  }
+  strokes.drawn = known.motion_model != nullptr ? *known.motion_model : strokes.model;
+  if (known.sharpening != nullptr) {
+    strokes.sharpening = *known.sharpening;
+  } else {
+    ClipPart part(input.source, 0, input.first);
+    const double wanted = clip_sharpness(part, first_frames(sketch, input.first), session.context).mean();
+    strokes.sharpening =
+        fit_sharpening(strokes.drawn, strokes.drawn_ground, wanted, session.common.seed, session.context);
+  }
+  if (input.first < input.frames) {
+    // Steadying takes back what later frames show to be flicker; whoever foretells cannot know them.
+    auto causal = input.options.match;
+    causal.flicker = 0;
+    const auto motion = match(sketch, causal, session);
+    for (const int step : input.steps) strokes.ahead[step] = mcmc::predict(strokes.model, motion, step);
+  }
+  return std::make_shared<const Strokes>(std::move(strokes));
+}
+
+ComparedModel sketch_model(const std::shared_ptr<const Strokes>& strokes, const Session& session) {
+  ComparedModel model{"motion_model", "motion model", "synthesized_motion.avi"};
+  model.parameters = parameter_count(strokes->model) + ground_numbers(strokes->ground);
+  model.draw = [strokes, seed = session.common.seed, context = session.context]() -> ComparedModel::Frames {
+    const auto frames =
+        std::make_shared<ModelFrames>(mcmc::Synthesis(strokes->drawn, seed), strokes->drawn_look());
+    return [frames, context](int count) { return frames->next(count, context); };
+  };
+  model.foretell = [strokes](const Moment& moment, std::span<const int> steps) {
+    std::vector<cv::Mat> told;
+    for (const int step : steps) told.push_back(draw_strokes(*strokes, moment, step));
+    return told;
+  };
+  model.reconstruct = [strokes](const Moment& moment) { return draw_strokes(*strokes, moment, 0); };
+  return model;
+}
+
+std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const Strokes>& strokes,
+                                          const ModelInput& input) {
+  const auto& session = input.session;
+  ClipPart part(input.source, 0, input.first);
+  auto learned = attempt("no hybrid", input.session, [&] {
+    return learn_ground_texture(
+        part, std::span(strokes->sketches).first(static_cast<std::size_t>(input.first)), {}, session.context);
+  });
+  if (!learned) return std::nullopt;
+  for (const auto& note : learned->notes) input.session.warn("hybrid: " + note);
+  const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(learned->texture));
+  ComparedModel model{"hybrid", "hybrid", "synthesized_hybrid.avi"};
+  model.parameters = parameter_count(strokes->model) + parameter_count(*texture);
+  model.draw = [strokes, texture, seed = session.common.seed,
+                context = session.context]() -> ComparedModel::Frames {
+    const auto frames =
+        std::make_shared<ModelFrames>(hybrid_frames(strokes->drawn, texture, strokes->drawn_look(), seed));
+    return [frames, context](int count) { return frames->next(count, context); };
+  };
+  model.foretell = [strokes, texture](const Moment& moment, std::span<const int> steps) {
+    return draw_hybrid(*strokes, *texture, moment, steps);
+  };
+  model.reconstruct = [strokes, texture](const Moment& moment) {
+    const int itself = 0;
+    return draw_hybrid(*strokes, *texture, moment, std::span(&itself, 1)).front();
+  };
+  return model;
+}
+
+double parameter_count(const mcmc::MotionModel& model) {
+  // Place, direction, width, blur, contrast, three levels of three channels; type. An edge: its two ends.
+  constexpr double kPatch = 16, kEdge = 2, kScalars = 6 + 6 + 16 + 8;
+  const auto numbers = [](const graph::AttributeGraph& graph) {
+    return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());
+  };
+  double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizes;
+  for (const auto& exemplar : model.exemplars) sum += numbers(exemplar.graph) + 3;
+  for (const auto* map : {&model.sway_share, &model.drift_x, &model.drift_y, &model.rates.birth,
+                          &model.rates.death, &model.rates.parting, &model.density})
+    sum += static_cast<double>(map->values.size());
+  return sum;
+}
+
+double parameter_count(const dytex::LinearDynamicTexture& texture) {
+  return static_cast<double>(texture.mean.size() + texture.C.size() + texture.A.size() + texture.B.size());
+}
+
+}  // namespace emberfold::apps
