@@ -40,10 +40,10 @@ struct Strokes {
   }
   // Of a clip that is drawn.
   [[nodiscard]] FrameLook drawn_look() const {
-    FrameLook drawn = look(level, drawn_ground);
-    drawn.blur_share = sharpening.blur_share;
-    drawn.contrast_gain = sharpening.contrast_gain;
-    return drawn;
+    FrameLook sharp = look(level, drawn_ground);
+    sharp.blur_share = sharpening.blur_share;
+    sharp.contrast_gain = sharpening.contrast_gain;
+    return sharp;
   }
 };
 

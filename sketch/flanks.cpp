@@ -31,7 +31,7 @@ constexpr double kShare = 0.4;     // of a curve's patches
 /// Patches by the cell of a grid that they lie in.
 class Cells {
  public:
-  Cells(const AttributeGraph& graph, double side) : graph_(graph), side_(side) {
+  Cells(const AttributeGraph& graph, double side) : side_(side) {
     for (std::uint32_t i = 0; i < graph.size(); ++i) cells_[key(graph.patch(i).position, 0, 0)].push_back(i);
   }
 
@@ -51,7 +51,6 @@ class Cells {
     return (cell(p.y) + dy) * (std::int64_t{1} << 32) + cell(p.x) + dx;
   }
 
-  const AttributeGraph& graph_;
   double side_;
   std::unordered_map<std::int64_t, std::vector<std::uint32_t>> cells_;
 };
