@@ -22,9 +22,9 @@ void FlowShares::add(const cv::Mat& flow, int stride) {
     for (int x = 0; x < flow.cols; x += stride) {
       const auto& v = flow.at<cv::Vec2f>(y, x);
       if (!std::isfinite(v[0]) || !std::isfinite(v[1])) continue;
-      counts_[0](bin(v[0])) += 1;
-      counts_[1](bin(v[1])) += 1;
-      counts_[2](bin(std::hypot(v[0], v[1]))) += 1;
+      counts_[0](bin(double{v[0]})) += 1;
+      counts_[1](bin(double{v[1]})) += 1;
+      counts_[2](bin(double{std::hypot(v[0], v[1])})) += 1;
     }
 }
 
