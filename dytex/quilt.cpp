@@ -57,7 +57,7 @@ void QuiltOptions::validate() const {
 
 namespace {
 
-using detail::Block;
+using detail::QuiltBlock;
 using detail::BlockQuery;
 
 void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& options, const QuiltRun& run) {
@@ -117,7 +117,7 @@ class Canvas {
                    static_cast<std::size_t>(column)];
   }
 
-  [[nodiscard]] BlockQuery query(const Block& block, const cv::Mat& guide) {
+  [[nodiscard]] BlockQuery query(const QuiltBlock& block, const cv::Mat& guide) {
     BlockQuery query{block, {}, {}, places_near(block)};
     for (const auto& run : detail::overlap_runs(block))
       for (int x = run.x; x < run.x + run.length; ++x)
@@ -132,7 +132,7 @@ class Canvas {
   }
 
   /// Whether a block from this place would only go on where its left or upper neighbour ends.
-  [[nodiscard]] bool goes_on(const Block& block, const SourcePixel& from) {
+  [[nodiscard]] bool goes_on(const QuiltBlock& block, const SourcePixel& from) {
     const auto from_there = [&](int column, int row) {
       const Corner& there = corner(column, row);
       return continues(there.from, from, block.place.tl() - there.at);
@@ -141,7 +141,7 @@ class Canvas {
            (block.row > 0 && from_there(block.column, block.row - 1));
   }
 
-  void put(const Block& block, const SourcePixel& from, const cv::Mat& mask) {
+  void put(const QuiltBlock& block, const SourcePixel& from, const cv::Mat& mask) {
     for (int y = 0; y < block.place.height; ++y)
       for (int x = 0; x < block.place.width; ++x)
         if (mask.at<unsigned char>(y, x) != 0)
@@ -169,7 +169,7 @@ class Canvas {
                     static_cast<std::size_t>(column)];
   }
   // The places of the blocks around that were placed before this one, whatever the threads do.
-  std::vector<SourcePixel> places_near(const Block& block) {
+  std::vector<SourcePixel> places_near(const QuiltBlock& block) {
     std::vector<SourcePixel> places;
     for (const cv::Point step :
          {cv::Point(-1, 0), {-2, 0}, {-2, -1}, {-1, -1}, {0, -1}, {1, -1}, {-1, -2}, {0, -2}, {1, -2}}) {
@@ -192,7 +192,7 @@ cv::Mat cut_block(const detail::BlockSearch& search, const BlockQuery& query, co
 }
 
 // A block that an earlier run placed; it has to be one that this run could place.
-QuiltChoice replayed(const QuiltChoice& placed, const Block& block, std::span<const QuiltSource> sources) {
+QuiltChoice replayed(const QuiltChoice& placed, const QuiltBlock& block, std::span<const QuiltSource> sources) {
   const auto& at = placed.at;
   const bool known = at.source >= 0 && static_cast<std::size_t>(at.source) < sources.size();
   const cv::Size size =

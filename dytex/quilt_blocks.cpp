@@ -6,7 +6,7 @@
 
 namespace emberfold::dytex::detail {
 
-std::vector<Run> overlap_runs(const Block& block) {
+std::vector<Run> overlap_runs(const QuiltBlock& block) {
   const cv::Size size = block.place.size();
   std::vector<Run> runs;
   for (int y = 0; y < size.height; ++y) {
@@ -26,7 +26,7 @@ int count_pixels(const std::vector<Run>& runs) {
   return count;
 }
 
-std::vector<cv::Rect> overlap_boxes(const Block& block) {
+std::vector<cv::Rect> overlap_boxes(const QuiltBlock& block) {
   const int width = block.place.width, height = block.place.height,
             middle = height - block.top - block.bottom;
   std::vector<cv::Rect> boxes{{0, 0, width, block.top},
@@ -75,7 +75,7 @@ BlockPlan plan_blocks(cv::Size size, cv::Size block, int overlap, bool torus) {
     for (int i = 0; i < plan.columns; ++i) {
       const Span& x = columns[static_cast<std::size_t>(i)];
       const Span& y = rows[static_cast<std::size_t>(j)];
-      Block made{i, j, {x.begin, y.begin, x.length, y.length}};
+      QuiltBlock made{i, j, {x.begin, y.begin, x.length, y.length}};
       if (i > 0) made.left = overlap;
       if (j > 0) made.top = overlap;
       if (torus && i == plan.columns - 1) made.right = overlap;

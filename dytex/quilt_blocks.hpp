@@ -10,7 +10,7 @@ namespace emberfold::dytex::detail {
 
 /// One block of the output, and the strips along its sides (px wide, 0: none) that lie on what is there
 /// already.
-struct Block {
+struct QuiltBlock {
   int column = 0, row = 0;
   cv::Rect place;  ///< on the canvas; where that wraps, it may reach beyond its right and lower border
   int left = 0, top = 0, right = 0, bottom = 0;
@@ -21,17 +21,17 @@ struct Run {
   int x = 0, y = 0, length = 0;
 };
 /// Row by row, from left to right.
-std::vector<Run> overlap_runs(const Block& block);
+std::vector<Run> overlap_runs(const QuiltBlock& block);
 int count_pixels(const std::vector<Run>& runs);
 /// The overlap as rectangles that do not touch each other's pixels.
-std::vector<cv::Rect> overlap_boxes(const Block& block);
+std::vector<cv::Rect> overlap_boxes(const QuiltBlock& block);
 
 struct BlockPlan {
   cv::Size canvas;     ///< at least the output's size; what is beyond it is cut off at the end
   bool wraps = false;  ///< the canvas is a torus
   int columns = 0, rows = 0;
   /// Blocks of one wave touch none of each other's pixels and need those of the waves before.
-  std::vector<std::vector<Block>> waves;
+  std::vector<std::vector<QuiltBlock>> waves;
 };
 
 /// Blocks every block − overlap pixels, from the upper left. On a torus they are spread evenly, none larger

@@ -60,7 +60,7 @@ void cut(const cv::Mat& error, cv::Mat& mask, int width, bool swap, bool mirror)
 
 }  // namespace
 
-cv::Mat block_mask(const cv::Mat& error, const Block& block) {
+cv::Mat block_mask(const cv::Mat& error, const QuiltBlock& block) {
   cv::Mat mask(error.size(), CV_8U, cv::Scalar(255));
   cut(error, mask, block.left, false, false);
   cut(error, mask, block.top, true, false);

@@ -20,6 +20,6 @@ double seam_cost(const cv::Mat& cost, const std::vector<int>& seam);
 /// Where a block's own pixels show: CV_8U of the block's size, 255 or 0. `error` (CV_64F, of the block's
 /// size): what a pixel differs from what is there; only read in the block's strips. In each strip the pixels
 /// on the seam and those on the block's side of it are the block's.
-cv::Mat block_mask(const cv::Mat& error, const Block& block);
+cv::Mat block_mask(const cv::Mat& error, const QuiltBlock& block);
 
 }  // namespace emberfold::dytex::detail

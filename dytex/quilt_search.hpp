@@ -18,7 +18,7 @@ namespace emberfold::dytex::detail {
 
 /// What a block has to fit.
 struct BlockQuery {
-  Block block;
+  QuiltBlock block;
   std::vector<SourcePixel> there;  ///< for each pixel of the overlap, by runs
   cv::Mat guide;                   ///< CV_32F of the block's size, or empty
   std::vector<SourcePixel> near;   ///< places of blocks nearby, not to be shown again

@@ -58,7 +58,7 @@ TEST_CASE("a seam costs the least of all monotone paths") {
 
 TEST_CASE("a block shows on its side of all its seams and nowhere else") {
   const cv::Mat error = random_cost(12, 14, 3, 100);
-  const Block block{1, 1, {0, 0, 14, 12}, 4, 3, 5, 2};
+  const QuiltBlock block{1, 1, {0, 0, 14, 12}, 4, 3, 5, 2};
   const cv::Mat mask = block_mask(error, block);
   cv::Mat mirrored, turned;
   cv::flip(error, mirrored, 1);

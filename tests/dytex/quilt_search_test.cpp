@@ -63,7 +63,7 @@ TEST_CASE("the transforms give every difference within their margin") {
     for (float& v : cv::Mat_<float>(plane)) v = static_cast<float>(100 * rng.normal());
     planes.push_back(plane);
   }
-  const Block place{1, 1, {0, 0, 16, 12}, 5, 4, 0, 0};
+  const QuiltBlock place{1, 1, {0, 0, 16, 12}, 5, 4, 0, 0};
   const auto boxes = overlap_boxes(place);
   std::vector<cv::Mat> query;
   for (const auto& plane : planes) {
