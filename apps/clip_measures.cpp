@@ -7,6 +7,7 @@
 
 #include "apps/interrupt.hpp"
 #include "apps/optical_flow.hpp"
+#include "core/clip.hpp"
 #include "core/parallel.hpp"
 #include "dytex/frame_measures.hpp"
 
@@ -72,6 +73,12 @@ MeasureScale measure_scale(std::int64_t frames, cv::Size size) {
   scale.lags = static_cast<int>(std::clamp<std::int64_t>(frames / 4, 1, kMostLags));
   scale.rings = dytex::ring_count(size);
   return scale;
+}
+
+std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels) {
+  std::vector<cv::Mat> luma;
+  for (const auto& one : levels) luma.push_back(core::luma(one));
+  return luma;
 }
 
 ClipMeasures::ClipMeasures(cv::Size size, const MeasureScale& scale, int frames)

@@ -26,6 +26,9 @@ struct MeasureScale {
 /// For clips of at least so many frames, of at least these sizes.
 MeasureScale measure_scale(std::int64_t frames, cv::Size size);
 
+/// Of each frame; levels are CV_32F, 1 or 3 channels.
+std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels);
+
 /// All that is measured of the pixels of a clip, gathered frame by frame. Of frames above 2^18 pixels the
 /// spectrum in time and the autocorrelation are taken at every second, third … pixel each way, which bounds
 /// the memory and not the truth. Of optical flow and crease sharpness at most some fifty frames are taken

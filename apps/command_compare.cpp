@@ -12,7 +12,7 @@
 
 namespace emberfold::apps {
 
-// The other groups of options are described with their structs.
+// The groups of options that several commands have are in option_fields.hpp.
 template <class Options, class Visit>
 requires std::same_as<std::remove_const_t<Options>, CompareOptions>
 void visit_fields(Options& o, Visit&& visit) {

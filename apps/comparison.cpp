@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <opencv2/core.hpp>
 
@@ -43,12 +44,6 @@ struct Drawing {
   std::vector<Column> columns;
   std::vector<cv::Mat> pictures;
 };
-
-std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels) {
-  std::vector<cv::Mat> luma;
-  for (const auto& one : levels) luma.push_back(core::luma(one));
-  return luma;
-}
 
 std::vector<cv::Mat> read_levels(core::FrameSource& source, int count, const Session& session) {
   std::vector<cv::Mat> levels;
@@ -130,11 +125,12 @@ std::vector<Column> make_columns(std::span<const ComparedModel> models, const co
 }
 
 // The part of "synthesis" that tells of the source: its own figures, and how far its halves lie apart.
-Json source_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes, Json& synthesis) {
+Json source_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes,
+                 const std::optional<mcmc::StrokeStatistics>& found, Json& synthesis) {
   Json source = {{"figures", pixel_figures(drawing.source)}};
   Json floor = pixel_distances(drawing.first, drawing.second);
   if (strokes != nullptr) {
-    source["strokes"] = strokes_json(mcmc::stroke_statistics(*strokes));
+    source["strokes"] = strokes_json(*found);
     const int half = drawing.frames / 2;
     floor.update(stroke_distances(mcmc::stroke_statistics(part(*strokes, 0, half)),
                                   mcmc::stroke_statistics(part(*strokes, half, drawing.frames))));
@@ -145,17 +141,19 @@ Json source_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes, Json
 
 Json synthesis_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes, const Session& session) {
   Json synthesis = {{"frames", drawing.drawn_frames}};
+  std::optional<mcmc::StrokeStatistics> of_source;
+  if (strokes != nullptr) of_source = mcmc::stroke_statistics(*strokes);
   for (const auto& column : drawing.columns) {
     Json one = pixel_distances(column.measures, drawing.source);
     one["figures"] = pixel_figures(column.measures);
-    if (strokes != nullptr) {
+    if (of_source) {
       const auto found = mcmc::stroke_statistics(column.strokes.series(session.context));
-      one.update(stroke_distances(found, mcmc::stroke_statistics(*strokes)));
+      one.update(stroke_distances(found, *of_source));
       one["strokes"] = strokes_json(found);
     }
     synthesis[column.model->key] = std::move(one);
   }
-  synthesis["source"] = source_json(drawing, strokes, synthesis);
+  synthesis["source"] = source_json(drawing, strokes, of_source, synthesis);
   return synthesis;
 }
 

@@ -46,12 +46,6 @@ std::vector<cv::Mat> read_batch(core::FrameSource& source, const Session& sessio
   return levels;
 }
 
-std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels) {
-  std::vector<cv::Mat> luma;
-  for (const auto& one : levels) luma.push_back(core::luma(one));
-  return luma;
-}
-
 // Why there is no PSNR between two clips; empty where there is.
 std::string why_no_psnr(const core::ClipInfo& a, int frames_a, const core::ClipInfo& b, int frames_b) {
   if (a.width != b.width || a.height != b.height) return "the sizes differ";

@@ -100,7 +100,7 @@ Sharpening fit_sharpening(std::span<const FrameParts> parts, FrameLook look, dou
                           const core::Context& context) {
   look.blur_share = look.contrast_gain = 1;
   const auto is_sharp = [&] { return drawn_sharpness(parts, look, context) >= wanted; };
-  if (drawn_sharpness(parts, look, context) <= 0 || is_sharp()) return {};
+  if (const double fitted = drawn_sharpness(parts, look, context); fitted <= 0 || fitted >= wanted) return {};
   look.blur_share = least_share;
   if (is_sharp()) {
     bisect(look.blur_share, 1, least_share, is_sharp);
