@@ -75,6 +75,12 @@ MeasureScale measure_scale(std::int64_t frames, cv::Size size) {
   return scale;
 }
 
+std::vector<cv::Mat> levels_of(std::span<const cv::Mat> bytes) {
+  std::vector<cv::Mat> levels(bytes.size());
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i].convertTo(levels[i], CV_32F);
+  return levels;
+}
+
 std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels) {
   std::vector<cv::Mat> luma;
   for (const auto& one : levels) luma.push_back(core::luma(one));
@@ -122,6 +128,18 @@ void ClipMeasures::add(std::span<const cv::Mat> luma, const core::Context& conte
     patterns_.add(luma[i]);
   }
   if (!luma.empty()) last_ = luma.back();
+}
+
+SourceMeasures::SourceMeasures(cv::Size size, const MeasureScale& scale, int frame_count)
+    : all(size, scale, frame_count), first(all), second(all), frames(frame_count) {}
+
+void SourceMeasures::add(std::span<const cv::Mat> luma, const core::Context& context) {
+  const auto count = static_cast<int>(luma.size());
+  const auto in_first = static_cast<std::size_t>(std::clamp(frames / 2 - added, 0, count));
+  all.add(luma, context);
+  first.add(luma.first(in_first), context);
+  second.add(luma.subspan(in_first), context);
+  added += count;
 }
 
 std::span<const Measure> pixel_measures() {
