@@ -44,7 +44,7 @@ double relative(double value, double reference, double least) {
 constexpr std::array<Measure, 8> kMeasures{{
     {"temporal_db", "Spectrum in time", "dB", "how far the power at each frequency in time lies apart"},
     {"radial_db", "Spectrum in space", "dB", "the same of frequencies in space, whatever their direction"},
-    {"autocorrelation", "Autocorrelation", "", "how alike frames 1 to 16 apart are, RMS difference"},
+    {"autocorrelation", "Autocorrelation", "", "how alike frames up to 16 apart are, RMS difference"},
     {"patterns", "Binary patterns", "chi2", "local patterns in space and time (LBP-TOP), 0 to 1"},
     {"flow_px", "Optical flow", "px/frame",
      "Wasserstein distance of where pixels go and how fast, signs and all"},

@@ -172,7 +172,8 @@ std::string comparison_table(const Json& measures) {
     std::string cells = "  ";
     for (const auto& one : held) cells += cell(distances_of(measures, one.key), measure.key, 3);
     const std::string unit = measure.unit;
-    out += row(measure.name + (unit.empty() ? "" : ", " + unit), cells);
+    if (cells.find_first_of("0123456789") != std::string::npos)
+      out += row(measure.name + (unit.empty() ? "" : ", " + unit), cells);
   }
   if (!measures.contains("psnr")) return out;
   if (measures["psnr"].is_null())

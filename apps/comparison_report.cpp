@@ -110,10 +110,14 @@ std::vector<std::string> size_cells(const Json& measures, const std::vector<Held
   return cells;
 }
 
+std::string source_of(const Json& measures) {
+  return measures.contains("other") ? "the first clip" : "the source";
+}
+
 std::string distances_table(const Json& measures) {
   Table table;
   const auto held = held_clips(measures);
-  std::vector<std::string> head{"how far from the source"};
+  std::vector<std::string> head{"how far from " + source_of(measures)};
   for (const auto& one : held) head.push_back(escape_html(one.label));
   table.head(head);
   for (const auto& measure : all_measures()) {
@@ -127,6 +131,7 @@ std::string distances_table(const Json& measures) {
       cells.push_back(text_of(value, 3));
       values.push_back(value.is_number() && !is_floor ? std::optional(value.get<double>()) : std::nullopt);
     }
+    if (std::ranges::none_of(values, [](const auto& value) { return value.has_value(); })) continue;
     const std::string unit = measure.unit;
     table.row(std::string(measure.name) + (unit.empty() ? "" : ", " + unit) + "<small>" + measure.about +
                   "</small>",
@@ -179,7 +184,7 @@ std::string interval(const Json& value, const char* mean, int digits) {
 std::string strokes_table(const Json& measures) {
   const auto& source = at(distances_of(measures, "source"), {"strokes"});
   if (source.is_null()) return {};
-  std::vector<std::string> head{"mean (95 % interval)", "source"};
+  std::vector<std::string> head{"mean (95 % interval)", source_of(measures)};
   std::vector<const Json*> clips{&source}, inside{nullptr};
   for (const auto& one : held_clips(measures)) {
     const auto& distances = distances_of(measures, one.key);
@@ -228,7 +233,7 @@ std::string plot(const Json& measures, const char* what, const char* x, CurvePlo
   const auto axis = holder[x].get<std::vector<double>>();
   for (const auto& [name, values] : holder.items()) {
     if (name == x) continue;
-    std::string label = name == "other" ? "the other clip" : name;
+    std::string label = name == "other" ? "the other clip" : name == "source" ? source_of(measures) : name;
     for (const auto& model : measures.value("models", Json::array()))
       if (model["key"] == name) label = model["label"].get<std::string>();
     look.curves.push_back({label, axis, values.get<std::vector<double>>(), false, colour_of(measures, name)});
@@ -340,17 +345,17 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
                  "goes, and do not follow it. ") +
           "All frames: side_by_side.mp4.",
       pictures);
-  page += section(
-      "Distances",
-      "0 is no difference; the nearest is in bold. The noise floor is how far the first and the second "
-      "half of the source lie apart: no model can be asked for less.",
-      distances_table(measures));
+  page += section("Distances",
+                  "0 is no difference. The noise floor is how far the first and the second half of " +
+                      source_of(measures) + " lie apart" +
+                      (pair ? "." : ": no model can be asked for less. The nearest is in bold."),
+                  distances_table(measures));
   if (const auto strokes = strokes_table(measures); !strokes.empty())
-    page += section(
-        "Strokes",
-        "Every clip is sketched and its strokes are followed in the same way. ✓: the mean lies in the "
-        "source's 95 % interval.",
-        strokes);
+    page += section("Strokes",
+                    "Every clip is sketched and its strokes are followed in the same way. ✓: the mean lies "
+                    "in the 95 % interval of " +
+                        source_of(measures) + ".",
+                    strokes);
   const bool foretold = at(measures, {"prediction"}).is_object();
   if (foretold)
     page += section(

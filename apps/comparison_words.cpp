@@ -81,7 +81,7 @@ std::vector<std::string> hybrid_words(const Json& measures) {
   if (nearer.empty() && farther.empty()) return {};
   std::string out = "Against the linear dynamic texture the hybrid ";
   if (!nearer.empty()) out += "wins in " + listed(nearer);
-  if (!farther.empty()) out += std::string(nearer.empty() ? "" : " and ") + "loses in " + listed(farther);
+  if (!farther.empty()) out += std::string(nearer.empty() ? "" : "; it ") + "loses in " + listed(farther);
   return {out + "."};
 }
 
@@ -160,10 +160,11 @@ std::vector<std::string> prediction_words(const Json& measures) {
     const auto without = best_of(methods, s,
                                  {{"frame_before", "showing the frame before again"},
                                   {"mean_image", "the mean image of the first part"}});
+    const std::string ahead =
+        steps[s] == 1 ? "the next frame best" : "best " + steps[s].dump() + " frames ahead";
     std::string text = "Of the models " + listed(best.names) +
-                       (best.names.size() > 1 ? " foretell " : " foretells ") +
-                       (steps[s] == 1 ? "the next frame" : "the frame " + steps[s].dump() + " frames ahead") +
-                       " best, at " + best.decibels + " dB";
+                       (best.names.size() > 1 ? " foretell " : " foretells ") + ahead + ", at " +
+                       best.decibels + " dB";
     if (!without.names.empty())
       text += (without.decibels == best.decibels ? ", no better than "
                : without.psnr > best.psnr        ? ", behind "
@@ -176,9 +177,10 @@ std::vector<std::string> prediction_words(const Json& measures) {
 
 std::vector<std::string> stroke_words(const Json& measures) {
   std::vector<std::string> words;
+  const std::string of = measures.contains("other") ? "the first clip" : "the source";
   const auto& source = distances_of(measures, "source");
-  if (!source.contains("strokes")) return words;
-  if (source["strokes"]["strokes_a_frame"] == 0) return {"The source has no stroke."};
+  if (source.contains("strokes") && source["strokes"]["strokes_a_frame"] == 0)
+    return {"No stroke is found in " + of + "."};
   for (const auto& one : held_clips(measures)) {
     const auto& distances = distances_of(measures, one.key);
     if (one.key == "noise_floor" || !distances.contains("inside")) continue;
@@ -190,8 +192,7 @@ std::vector<std::string> stroke_words(const Json& measures) {
     words.push_back(
         (one.key == "other" ? "In the other clip " : "In the clip of the " + one.label + " ") +
         std::to_string(inside.size() - outside.size()) + " of " + std::to_string(inside.size()) +
-        " figures of strokes (the rates of six events, lifetime, length) lie in the source's 95 % "
-        "intervals" +
+        " figures of strokes (the rates of six events, lifetime, length) lie in the 95 % intervals of " + of +
         (outside.empty() ? "." : "; outside: " + listed(outside) + "."));
   }
   return words;

@@ -177,7 +177,7 @@ TEST_CASE("the words say where the hybrid loses") {
   };
   const std::string begin = "Against the linear dynamic texture the hybrid wins in ";
   CHECK(words_of(1, 2) == begin + "spectrum in time and spatial information.");
-  CHECK(words_of(2, 1) == begin + "spatial information and loses in spectrum in time.");
+  CHECK(words_of(2, 1) == begin + "spatial information; it loses in spectrum in time.");
 }
 
 TEST_CASE("the words name who wins and who loses") {
@@ -203,7 +203,7 @@ TEST_CASE("the words name who wins and who loses") {
         "motion model foretells the next frame best, at 25.0 dB, behind showing the frame before again (26.0 "
         "dB)");
   tells(3,
-        "STAR model foretells the frame 4 frames ahead best, at 20.0 dB, behind the mean image of the first "
+        "STAR model foretells best 4 frames ahead, at 20.0 dB, behind the mean image of the first "
         "part (21.0 dB)");
   tells(4, "1 of 2 figures of strokes");
   tells(4, "outside: the rate of deaths.");
