@@ -187,8 +187,7 @@ std::vector<std::string> stroke_words(const Json& measures) {
     const auto& inside = distances["inside"];
     std::vector<std::string> outside;
     for (const auto& [name, within] : inside.items())
-      if (!within.get<bool>())
-        outside.push_back(name == "lifetime" || name == "length" ? name : "the rate of " + name + "s");
+      if (!within.get<bool>()) outside.push_back(name == "lifetime" || name == "length" ? name : name + "s");
     words.push_back(
         (one.key == "other" ? "In the other clip " : "In the clip of the " + one.label + " ") +
         std::to_string(inside.size() - outside.size()) + " of " + std::to_string(inside.size()) +

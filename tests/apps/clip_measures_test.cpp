@@ -206,7 +206,7 @@ TEST_CASE("the words name who wins and who loses") {
         "STAR model foretells best 4 frames ahead, at 20.0 dB, behind the mean image of the first "
         "part (21.0 dB)");
   tells(4, "1 of 2 figures of strokes");
-  tells(4, "outside: the rate of deaths.");
+  tells(4, "outside: deaths.");
   CHECK(at_floor(1.2, 1.0));
   CHECK_FALSE(at_floor(1.4, 1.0));
 }
