@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/calibration.hpp"
 
-#include <numeric>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -25,10 +25,14 @@ const std::vector<std::string> kSmallFire{"analyze", "builtin:fire", "--bottom-u
 constexpr std::size_t kBirth = static_cast<std::size_t>(graph::EventType::birth),
                       kDeath = static_cast<std::size_t>(graph::EventType::death);
 
-// Births expected in a frame, of as dense a clip as there was.
-double births(const mcmc::MotionModel& model) {
-  const auto& cells = model.rates.birth.values;
-  return std::accumulate(cells.begin(), cells.end(), 0.0);
+// Deaths a frame and stroke, of the sizes that the clip has.
+double deaths(const mcmc::MotionModel& model, const mcmc::Census& source) {
+  double sum = 0, strokes = 0;
+  for (std::size_t size = 0; size < mcmc::kSizes; ++size) {
+    sum += source.strokes[size] * model.rates.death_by_size[size];
+    strokes += source.strokes[size];
+  }
+  return sum / strokes;
 }
 
 }  // namespace
@@ -81,7 +85,7 @@ TEST_CASE("calibration corrects towards what the source shows") {
     auto model = fitted;
     const auto seen = calibrate(model, wanted, how, {1}, 1, {});
     REQUIRE(seen.size() == 1);
-    return std::pair(seen.front(), births(model.model));
+    return std::pair(seen.front(), deaths(model.model, source));
   };
   const auto [seen_few, few] = calibrated(0.5);
   const auto [seen_many, many] = calibrated(2);
