@@ -56,14 +56,16 @@ struct Standing {
 std::string model_words(const Held& model, const Standing& standing, std::size_t measures, bool others) {
   const std::string name = "The " + model.label;
   std::string out;
-  if (others) {
+  const bool equal = standing.equal.size() == measures;
+  const bool stands_out = others && !(standing.nearest.empty() && standing.farthest.empty() && equal);
+  if (stands_out) {
     out = name + (standing.nearest.empty() ? " is by no measure the nearest to the source"
                                            : " is nearest to the source in " + listed(standing.nearest));
     out += standing.farthest.empty() ? ". " : "; it is the farthest in " + listed(standing.farthest) + ". ";
   }
-  const std::string it = others ? "it" : "the " + model.label;
+  const std::string it = stands_out ? "it" : "the " + model.label;
   const std::string as_near = " lies about as near to the source as the source's own halves to each other.";
-  if (standing.equal.size() == measures) return out + "By every measure " + it + as_near;
+  if (equal) return out + "By every measure " + it + as_near;
   if (standing.equal.empty()) return out + "By every measure the source's own halves are more alike.";
   return out + "In " + listed(standing.equal) + " " + it + as_near;
 }
