@@ -94,6 +94,27 @@ std::vector<bool> near_ends(const AttributeGraph& graph, Paths& paths) {
   return result;
 }
 
+Point tip_direction(std::span<const Point> way) {
+  // The direction of the steps, as a line over arc length, taken at the tip. The curvature is held back by
+  // what is known beforehand: noise turns a step by about 0.085 rad, strokes bend by about 0.03 rad a px.
+  constexpr double kPrior = 8;  // px², the square of the ratio
+  const Point chord = way.front() - way.back();
+  if (norm(chord) == 0) return {};
+  double n = 0, arc = 0, sum_s = 0, sum_a = 0, sum_ss = 0, sum_sa = 0;
+  for (std::size_t k = 1; k < way.size(); ++k) {
+    const Point step = way[k - 1] - way[k];
+    const double s = arc + norm(step) / 2;
+    const double angle = std::atan2(chord.x * step.y - chord.y * step.x, dot(chord, step));
+    arc += norm(step);
+    n += 1, sum_s += s, sum_a += angle, sum_ss += s * s, sum_sa += s * angle;
+  }
+  const double slope = (sum_sa - sum_s * sum_a / n) / (sum_ss - sum_s * sum_s / n + kPrior);
+  const double turn = sum_a / n - slope * sum_s / n;
+  const Point unit = chord * (1 / norm(chord));
+  return {unit.x * std::cos(turn) - unit.y * std::sin(turn),
+          unit.x * std::sin(turn) + unit.y * std::cos(turn)};
+}
+
 namespace {
 
 /// The parts of a component as they have grown over what lies between them.
@@ -141,10 +162,9 @@ bool Regions::at_end(std::uint32_t v, std::uint32_t part) const {
 }
 
 std::vector<std::uint32_t> Regions::way_back(std::uint32_t part, std::span<const std::uint32_t> path) const {
-  constexpr double kReach = 15;  // px: three patches or so, that noise does not turn the tangent
   std::vector<std::uint32_t> way{path[0]};
   std::uint32_t previous = path.size() > 1 ? path[1] : kNone;
-  for (double walked = 0; walked < kReach;) {
+  for (double walked = 0; walked < kTipReach;) {
     const std::uint32_t v = way.back();
     const Point here = graph_.patch(v).position;
     const Point heading = here - (way.size() > 1 ? graph_.patch(way[way.size() - 2]).position : here);
@@ -167,31 +187,15 @@ std::vector<std::uint32_t> Regions::way_back(std::uint32_t part, std::span<const
 }
 
 std::optional<Point> Regions::end_tangent(std::uint32_t part, std::span<const std::uint32_t> path) const {
-  // The direction of the steps, as a line over arc length, taken at the tip. The curvature is held back by
-  // what is known beforehand: noise turns a step by about 0.085 rad, strokes bend by about 0.03 rad a px.
-  constexpr double kPrior = 8;  // px², the square of the ratio
   const auto way = at_end(path[0], part) ? way_back(part, path) : std::vector<std::uint32_t>{};
   if (way.empty()) return std::nullopt;
-  const Point tip = graph_.patch(way.front()).position, chord = tip - graph_.patch(way.back()).position;
-  if (norm(chord) == 0) {
-    const double theta = graph_.patch(way.front()).theta;
-    const Point along{std::cos(theta), std::sin(theta)};
-    const Point ahead = path.size() > 1 ? graph_.patch(path[1]).position - tip : Point{};
-    return dot(along, ahead) < 0 ? along * -1 : along;
-  }
-  double n = 0, arc = 0, sum_s = 0, sum_a = 0, sum_ss = 0, sum_sa = 0;
-  for (std::size_t k = 1; k < way.size(); ++k) {
-    const Point step = graph_.patch(way[k - 1]).position - graph_.patch(way[k]).position;
-    const double s = arc + norm(step) / 2;
-    const double angle = std::atan2(chord.x * step.y - chord.y * step.x, dot(chord, step));
-    arc += norm(step);
-    n += 1, sum_s += s, sum_a += angle, sum_ss += s * s, sum_sa += s * angle;
-  }
-  const double slope = (sum_sa - sum_s * sum_a / n) / (sum_ss - sum_s * sum_s / n + kPrior);
-  const double turn = sum_a / n - slope * sum_s / n;
-  const Point unit = chord * (1 / norm(chord));
-  return Point{unit.x * std::cos(turn) - unit.y * std::sin(turn),
-               unit.x * std::sin(turn) + unit.y * std::cos(turn)};
+  std::vector<Point> points;
+  for (const std::uint32_t v : way) points.push_back(graph_.patch(v).position);
+  if (const Point out = tip_direction(points); norm(out) > 0) return out;
+  const double theta = graph_.patch(way.front()).theta;
+  const Point along{std::cos(theta), std::sin(theta)};
+  const Point ahead = path.size() > 1 ? graph_.patch(path[1]).position - points.front() : Point{};
+  return dot(along, ahead) < 0 ? along * -1 : along;
 }
 
 /// Whether the parts at both ends of the path continue each other.

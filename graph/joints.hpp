@@ -42,6 +42,12 @@ Point component_middle(const AttributeGraph& graph, Paths& paths, std::uint32_t 
 /// Of each vertex whether it lies within 10 px, along the graph, of an end of a curve.
 std::vector<bool> near_ends(const AttributeGraph& graph, Paths& paths);
 
+/// px along a curve that tell the direction of its tip: three patches or so, that noise does not turn it.
+constexpr double kTipReach = 15;
+/// The direction in which a curve ends, a unit vector; `way` goes from its tip back into it. Zero where both
+/// ends of the way are in one place.
+Point tip_direction(std::span<const Point> way);
+
 /// Where two parts of a component meet.
 struct Joint {
   std::uint32_t label_a = 0, label_b = 0;  ///< a < b

@@ -2,11 +2,13 @@
 #include "mcmc/sites.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <utility>
 
+#include "graph/joints.hpp"
 #include "graph/near.hpp"
 
 namespace emberfold::mcmc {
@@ -30,17 +32,31 @@ bool face_each_other(const AttributeGraph& graph, Index a, Index b) {
   return turn(out_a, gap) < in_line && turn(gap, out_b * -1) < in_line;
 }
 
-// Whether a curve without its i-th patch would be read as one line with a gap: both sides, over some patches
-// as the reading has them, turn by less than 30 degrees into the gap.
-bool straight(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t i) {
-  constexpr std::size_t reach = 3;  // patches
-  const auto at = [&](std::size_t k) { return graph.patch(curve[k]).position; };
-  const std::size_t far_before = i - std::min(i, reach + 1),
-                    far_behind = std::min(curve.size() - 1, i + reach + 1);
-  const Point gap = at(i + 1) - at(i - 1);
-  const Point out = i > 1 ? at(i - 1) - at(far_before) : at(i) - at(i - 1),
-              in = i + 2 < curve.size() ? at(far_behind) - at(i + 1) : at(i + 1) - at(i);
-  return turn(out, gap) < in_line && turn(gap, in) < in_line;
+// The direction in which a curve would end at its k-th patch, coming from the left (step 1) or from the right
+// (−1).
+Point tip(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t k, int step) {
+  const auto at = [&](std::size_t i) { return graph.patch(curve[i]).position; };
+  std::vector<Point> way{at(k)};
+  const std::size_t last = step > 0 ? 0 : curve.size() - 1;
+  for (double walked = 0; walked < graph::detail::kTipReach && k != last;) {
+    k = step > 0 ? k - 1 : k + 1;
+    walked += graph::distance(way.back(), at(k));
+    way.push_back(at(k));
+  }
+  return graph::detail::tip_direction(way);
+}
+
+// Whether a curve without its i-th patch, and without some to both sides, is read as a line with a gap in it
+// (graph/joints.hpp).
+bool splits(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t i) {
+  return std::ranges::all_of(std::array<std::size_t, 2>{1, 3}, [&](std::size_t wide) {
+    const std::size_t a = i - std::min(i, wide), b = std::min(curve.size() - 1, i + wide);
+    const Point gap = graph.patch(curve[b]).position - graph.patch(curve[a]).position;
+    // What ends in the gap with one patch has no direction of its own.
+    const Point out = a > 0 ? tip(graph, curve, a, 1) : gap,
+                in = b + 1 < curve.size() ? tip(graph, curve, b, -1) : gap * -1;
+    return turn(out, gap) < in_line && turn(gap * -1, in) < in_line;
+  });
 }
 
 void find_along(const AttributeGraph& graph, Sites& result) {
@@ -56,9 +72,12 @@ void find_along(const AttributeGraph& graph, Sites& result) {
       result.arms.push_back({curve[n - 1], curve[n - 2]});
     for (std::size_t i = 1; i + 1 < n; ++i) {
       if (!whole(i)) continue;
-      if (straight(graph, curve, i)) {
+      const Point at = graph.patch(curve[i]).position;
+      const bool corner =
+          turn(at - graph.patch(curve[i - 1]).position, graph.patch(curve[i + 1]).position - at) >= in_line;
+      if (!corner && splits(graph, curve, i)) {
         result.inner.push_back(curve[i]);
-      } else {
+      } else if (corner) {
         result.arms.push_back({curve[i], curve[i - 1]});
         result.arms.push_back({curve[i], curve[i + 1]});
       }

@@ -14,7 +14,7 @@ struct Sites {
     std::uint32_t a = 0, b = 0;
     auto operator<=>(const Pair&) const = default;
   };
-  std::vector<std::uint32_t> inner;  ///< patches inside a straight run of a curve: it can split there
+  std::vector<std::uint32_t> inner;  ///< patches inside a curve without which it is read as split
   std::vector<Pair> arms;    ///< (junction or corner, neighbour): the stroke can come apart between them
   std::vector<Pair> facing;  ///< ends of two strokes, near and in line (turns below 30°): they can merge
   std::vector<Pair>

@@ -54,6 +54,11 @@ inline mcmc::MotionModel full_model() {
   r.death_by_size = {0.3, 0.2, 0.1, 0.05, 0.04, 0.03, 0.02};
   r.split = 0.011, r.merge = 0.012, r.connect = 0.013, r.disconnect = 0.014;
   r.reach = 23, r.split_gap = 11, r.disconnect_gap = 12, r.hold = 3;
+  r.circumstances = {{0.1, 0.9, 1.1, 1.2, 1.3, 1.4},
+                     {1.5, 0.6, 0.7, 0.8, 1.6, 1.7},
+                     {1.8, 1.9, 0.4, 0.3, 0.2, 2.1},
+                     {2.2, 2.3, 2.4, 0.5, 2.5, 2.6},
+                     1.5};
   model.appearing = {0.1, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 1};
   model.vanishing = {0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1, 1};
   model.exemplars.push_back({straight(5, 0.3, -20), {20.5, 30}, 11});
