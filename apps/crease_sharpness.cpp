@@ -39,7 +39,7 @@ double drawn_sharpness(std::span<const FrameParts> parts, const FrameLook& look,
   for (std::size_t i = 0; i < frames.size(); ++i) {
     cv::Mat levels;
     frames[i].convertTo(levels, CV_32F);
-    const auto one = crease_sharpness(core::luma(levels), parts[i].graph);
+    const auto one = crease_sharpness(core::luma(levels), mostly_there(parts[i]));
     all.sum += one.sum, all.places += one.places;
   }
   return all.mean();
