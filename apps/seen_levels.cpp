@@ -25,12 +25,16 @@ cv::Size cells(cv::Size frame) {
   return {(frame.width + kSeenCell - 1) / kSeenCell, (frame.height + kSeenCell - 1) / kSeenCell};
 }
 
-/// A cell's least or greatest value, in its north-western pixel.
+/// The least or the greatest value about each cell, in its north-western pixel: within a cell's length of its
+/// middle, so that what lies between two middles counts for both.
 cv::Mat extreme(const cv::Mat& whole, bool least) {
-  const cv::Mat cell = cv::Mat::ones(kSeenCell, kSeenCell, CV_8U);
-  cv::Mat all, result;
-  (least ? cv::erode : cv::dilate)(whole, all, cell, {0, 0}, 1, cv::BORDER_REPLICATE,
+  constexpr int around = kSeenCell / 2;
+  const cv::Mat window = cv::Mat::ones(2 * kSeenCell, 2 * kSeenCell, CV_8U);
+  cv::Mat wide, all, result;
+  cv::copyMakeBorder(whole, wide, around, around, around, around, cv::BORDER_REPLICATE);
+  (least ? cv::erode : cv::dilate)(wide, all, window, {0, 0}, 1, cv::BORDER_REPLICATE,
                                    cv::morphologyDefaultBorderValue());
+  all = all(cv::Rect({0, 0}, whole.size()));
   cv::resize(all, result, {whole.cols / kSeenCell, whole.rows / kSeenCell}, 0, 0, cv::INTER_NEAREST);
   return result;
 }

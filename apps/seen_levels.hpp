@@ -10,8 +10,8 @@
 // of that place with it.
 namespace emberfold::apps {
 
-/// The darkest and the brightest level in each cell of kSeenCell px, channel by channel; no cells where it is
-/// not known.
+/// The darkest and the brightest level within kSeenCell px of each cell's middle (both ways, a square),
+/// channel by channel; a cell is kSeenCell px wide. No cells where it is not known.
 constexpr int kSeenCell = 8;
 struct SeenLevels {
   cv::Mat low, high;  ///< CV_8U, 1 or 3 channels, a cell each

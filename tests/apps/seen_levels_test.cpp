@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/seen_levels.hpp"
 
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
+#include "core/rng.hpp"
 #include "tests/apps/clip_fixture.hpp"
 #include "tests/catch.hpp"
 
@@ -47,8 +50,10 @@ TEST_CASE("Seen levels: cells have the least and the greatest of all frames") {
   REQUIRE(all.low.size() == cv::Size(13, 9));
   CHECK(all.low.at<cv::Vec3b>(4, 2) == cv::Vec3b(20, 40, 60));
   CHECK(all.high.at<cv::Vec3b>(4, 2) == cv::Vec3b(20, 40, 60));
-  CHECK(all.low.at<cv::Vec3b>(4, 6) == cv::Vec3b(20, 40, 60));
-  CHECK(all.high.at<cv::Vec3b>(4, 6) == cv::Vec3b(200, 180, 160));
+  for (const int cell : {5, 6}) {  // from 36 to 51 and from 44 to 59: both sides in one frame or another
+    CHECK(all.low.at<cv::Vec3b>(4, cell) == cv::Vec3b(20, 40, 60));
+    CHECK(all.high.at<cv::Vec3b>(4, cell) == cv::Vec3b(200, 180, 160));
+  }
   CHECK(all.low.at<cv::Vec3b>(8, 12) == cv::Vec3b(200, 180, 160));
 }
 
@@ -70,13 +75,38 @@ TEST_CASE("Seen levels: a line takes the levels of its place and keeps its heigh
   CHECK(flat.left == graph::Level{20, 40, 60});
   CHECK(flat.right == flat.left);
   CHECK(flat.middle == flat.left);
+  // The same line at home: 30 above its sides, of which erf(1/sqrt 2) shows, where 30, 20 and 5 were seen.
   auto frame = two_sides(48);
   frame.row(35).setTo(cv::Scalar(50, 60, 65));
-  const auto away = kept(12, false, measure_seen(frame));
-  CHECK(away.left[0] == 20);
-  CHECK(away.middle[0] == 50);  // 30 above its sides, of which less is seen
-  CHECK(away.middle[2] < 90);   // 5 to be seen at most
-  CHECK(away.middle[2] > 65);
+  auto patch = upright(12, false).patch(0);
+  patch.left = patch.right = {20, 40, 60}, patch.middle = {50, 70, 90};
+  const auto home = within({{{{0}, {}, patch}}, {}}, measure_seen(frame)).patch(0);
+  CHECK(home.left == patch.left);
+  CHECK_THAT(double{home.middle[0]}, Catch::Matchers::WithinAbs(50, 1e-3));
+  CHECK_THAT(double{home.middle[1]}, Catch::Matchers::WithinAbs(40 + 20 / std::erf(std::sqrt(0.5)), 1e-3));
+  CHECK_THAT(double{home.middle[2]}, Catch::Matchers::WithinAbs(60 + 5 / std::erf(std::sqrt(0.5)), 1e-3));
+}
+
+TEST_CASE("Seen levels: whatever a place has shown it may show again") {
+  core::Rng rng(6);
+  cv::Mat levels(70, 100, CV_32FC3);
+  for (auto& pixel : cv::Mat_<cv::Vec3f>(levels))
+    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(rng.below(256));
+  const auto seen = measure_seen(levels);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int x = 4 + static_cast<int>(rng.below(92)), y = static_cast<int>(rng.below(70));
+    auto patch = upright(x, true).patch(0);
+    patch.position.y = y, patch.blur = 1;  // its sides are told 2 px from it
+    for (std::size_t c = 0; c < 3; ++c) {
+      patch.left[c] = levels.at<cv::Vec3f>(y, x - 2)[static_cast<int>(c)];
+      patch.right[c] = levels.at<cv::Vec3f>(y, x + 2)[static_cast<int>(c)];
+    }
+    const auto allowed = within({{{{0}, {}, patch}}, {}}, seen).patch(0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      CHECK(std::abs(allowed.left[c] - patch.left[c]) < 1e-3F);
+      CHECK(std::abs(allowed.right[c] - patch.right[c]) < 1e-3F);
+    }
+  }
 }
 
 TEST_CASE("Seen levels: kept beside a model bit by bit, and refused where they do not fit") {
