@@ -125,7 +125,7 @@ TEST_CASE("where few frames are seen a texture moves no more than beside it") {
         value = cv::saturate_cast<uchar>(value + spread * rng.normal());
       }
   }
-  const auto learned = learn(scene, {.components = 8, .rounds = 2});
+  const auto learned = learn(scene, {.components = 8, .rounds = 30});  // many: specks grow with them
   cv::Mat sum = cv::Mat::zeros(kSize, CV_64F), squares = sum.clone(), frame;
   for (Eigen::Index t = 0; t < kFrames; ++t) {
     dytex::draw(learned.texture, learned.texture.states.col(t)).convertTo(frame, CV_64F);
@@ -139,6 +139,7 @@ TEST_CASE("where few frames are seen a texture moves no more than beside it") {
   cv::minMaxLoc(deviation, nullptr, &inside, nullptr, nullptr, mask);
   cv::minMaxLoc(deviation, nullptr, &around, nullptr, nullptr, near - mask);
   CHECK(around > 10);
+  INFO(inside << " " << around);
   CHECK(inside < 1.2 * around);
 }
 
