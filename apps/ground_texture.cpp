@@ -2,13 +2,11 @@
 #include "apps/ground_texture.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <optional>
 #include <utility>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "apps/clip_part.hpp"
 #include "apps/interrupt.hpp"
@@ -26,7 +24,6 @@ namespace {
 
 using Graphs = std::span<const graph::AttributeGraph>;
 
-constexpr double neighbourhood = 3;        // px, SD
 constexpr std::size_t most_frames = 5000;  // as dytex::learn takes them
 constexpr std::size_t fewest_frames = 6;   // a third of which are two components
 
@@ -100,50 +97,6 @@ class GroundSource final : public core::FrameSource {
   std::size_t position_ = 0, read_ = 0;
 };
 
-/// Each value's mean over its neighbourhood, those counting as much as they were seen. Where nothing near
-/// was, itself.
-void spread(Eigen::Ref<Eigen::VectorXf> values, const cv::Mat& seen, const cv::Mat& weights, int channels) {
-  cv::Mat all(seen.size(), CV_32FC(channels), values.data());
-  std::vector<cv::Mat> planes;
-  cv::split(all, planes);
-  for (auto& plane : planes) {
-    cv::Mat sum;
-    cv::GaussianBlur(plane.mul(seen), sum, {}, neighbourhood, 0, cv::BORDER_REFLECT_101);
-    cv::Mat mean = sum / weights;
-    mean.copyTo(plane, weights > 1e-4);
-  }
-  cv::merge(planes, all);
-}
-
-/// The texture with what it says of hidden pixels drawn towards what their neighbours show: of a pixel seen
-/// in n of τ frames the other τ − n have only what an earlier guess put there, and as many numbers as there
-/// are components are to be told from the n. Its own say is n/(n + K(τ − n)/τ).
-dytex::LinearDynamicTexture eased(dytex::LinearDynamicTexture texture, const dytex::Missing& missing) {
-  const cv::Size size(texture.info.width, texture.info.height);
-  const int channels = texture.info.channels;
-  const auto frames = static_cast<double>(missing.frames());
-  cv::Mat seen(size, CV_32F), weights;
-  for (std::size_t p = 0; p < missing.pixels(); ++p) {
-    int hidden = 0;
-    for (const auto word : missing.pattern(p)) hidden += std::popcount(word);
-    seen.ptr<float>()[p] = static_cast<float>(1 - hidden / frames);
-  }
-  cv::GaussianBlur(seen, weights, {}, neighbourhood, 0, cv::BORDER_REFLECT_101);
-  const auto ease = [&](Eigen::Ref<Eigen::VectorXf> values, double unknowns) {
-    Eigen::VectorXf near = values;
-    spread(near, seen, weights, channels);
-    for (Eigen::Index i = 0; i < values.size(); ++i) {
-      const double share = double{seen.ptr<float>()[i / channels]};
-      const auto own = static_cast<float>(share * frames / (share * frames + unknowns * (1 - share) + 1e-9));
-      values[i] = near[i] + own * (values[i] - near[i]);
-    }
-  };
-  for (Eigen::Index k = 0; k < texture.C.cols(); ++k)
-    ease(texture.C.col(k), static_cast<double>(texture.C.cols()));
-  ease(texture.mean, 1);
-  return texture;
-}
-
 double hidden_share(const dytex::Missing& missing) {
   if (!missing.any()) return 0;
   double hidden = 0;
@@ -202,8 +155,7 @@ GroundTexture learn_ground_texture(core::FrameSource& source, Graphs graphs,
   if (context.cancelled()) throw Interrupted{};
   result.hidden = hidden_share(missing);
   for (int round = 0; round < options.rounds && result.hidden > 0; ++round) {
-    const auto guess = eased(std::move(learned.texture), missing);
-    dytex::FilledSource filled(part, missing, guess);
+    dytex::FilledSource filled(part, missing, learned.texture);
     learned = learn(filled);
   }
   result.notes.insert(result.notes.end(), learned.notes.begin(), learned.notes.end());

@@ -7,13 +7,11 @@
 #include <stop_token>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "apps/draw_model.hpp"
 #include "apps/interrupt.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "core/rng.hpp"
 #include "dytex/synthesize.hpp"
 #include "sketch/render.hpp"
 #include "tests/apps/clip_fixture.hpp"
@@ -95,52 +93,6 @@ TEST_CASE("a texture between strokes is learned as if there were none") {
   const auto& A = learned.texture.A;
   const double turn = std::acos(A.trace() / (2 * std::sqrt(A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0))));
   CHECK_THAT(turn, Catch::Matchers::WithinAbs(2 * std::numbers::pi / 12, 0.02));
-}
-
-TEST_CASE("where few frames are seen a texture moves no more than beside it") {
-  Scene scene = make_scene();
-  // A stroke that stands still, but in three frames; noise lies beneath.
-  std::vector<graph::Vertex> vertices;
-  std::vector<graph::Edge> edges;
-  for (std::uint32_t k = 0; k < 8; ++k) {
-    graph::Patch patch;
-    patch.position = {30, 6.0 + 5 * k};
-    patch.theta = std::numbers::pi / 2;
-    patch.width = 4, patch.blur = 1;
-    vertices.push_back({{k}, {}, patch});
-    if (k > 0) edges.push_back({{k - 1}, {k}});
-  }
-  const graph::AttributeGraph standing(vertices, edges);
-  const cv::Mat mask = sketch::draw_fitted(standing, kSize, 1).mask;
-  core::Rng rng(8);
-  for (std::size_t t = 0; t < scene.clip.frames.size(); ++t) {
-    const bool open = t % 17 == 5;
-    scene.graphs[t] = open ? graph::AttributeGraph{} : standing;
-    scene.clip.frames[t] = scene.ground.frames[t].clone();
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x) {
-        auto& value = scene.clip.frames[t].at<uchar>(y, x);
-        // Noise everywhere; where the stroke mostly stands, much of it.
-        const double spread = mask.at<uchar>(y, x) != 0 ? 40 : 3;
-        value = cv::saturate_cast<uchar>(value + spread * rng.normal());
-      }
-  }
-  const auto learned = learn(scene, {.components = 8, .rounds = 30});  // many: specks grow with them
-  cv::Mat sum = cv::Mat::zeros(kSize, CV_64F), squares = sum.clone(), frame;
-  for (Eigen::Index t = 0; t < kFrames; ++t) {
-    dytex::draw(learned.texture, learned.texture.states.col(t)).convertTo(frame, CV_64F);
-    sum += frame, squares += frame.mul(frame);
-  }
-  cv::Mat deviation;
-  cv::sqrt(squares / kFrames - (sum / kFrames).mul(sum / kFrames), deviation);
-  cv::Mat near, beside;
-  cv::dilate(mask, near, cv::Mat::ones(9, 9, CV_8U));
-  double inside = 0, around = 0;
-  cv::minMaxLoc(deviation, nullptr, &inside, nullptr, nullptr, mask);
-  cv::minMaxLoc(deviation, nullptr, &around, nullptr, nullptr, near - mask);
-  CHECK(around > 10);
-  INFO(inside << " " << around);
-  CHECK(inside < 1.2 * around);
 }
 
 TEST_CASE("strokes are hidden, whatever they show") {
