@@ -6,13 +6,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/crease_sharpness.hpp"
 #include "apps/drawn_model.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/pictures.hpp"
 #include "apps/rate_map.hpp"
 #include "apps/report.hpp"
 #include "apps/sampling.hpp"
+#include "apps/sharpening.hpp"
 #include "apps/stream_frames.hpp"
 #include "apps/summary.hpp"
 #include "core/error.hpp"
@@ -192,7 +192,7 @@ Json census_json(const mcmc::Census& census) {
 
 /// Corrects the model's rates by what is seen in clips drawn from it; tells, a frame, what the clip itself
 /// shows to the bottom-up analysis, and what they did in each round.
-Json calibrate_model(const StartSketches& sketches, const Ground& ground, const AnalyzeOptions& options,
+Json calibrate_model(const StartSketches& sketches, const FrameLook& look, const AnalyzeOptions& options,
                      Analysis& made, const Session& session) {
   if (options.calibrate.calibrate == 0) return nullptr;
   made.stages.begin("calibrate");
@@ -201,7 +201,7 @@ Json calibrate_model(const StartSketches& sketches, const Ground& ground, const 
     matched = graph::match(sketches.clip.sketch, options.match, session.context.with_progress({}));
   const auto& motion = matched ? matched->motion : made.motion;
   const auto source = mcmc::census(motion, graph::stroke_events(motion));
-  const ReadingAndDrawing how{options.sketch, options.match, options.fill, ground};
+  const ReadingAndDrawing how{options.sketch, options.match, look};
   Json rounds = Json::array();
   for (const auto& seen :
        calibrate(made.fitted, source, how, options.calibrate, session.common.seed, session.context))
@@ -229,10 +229,11 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   const auto& motion = made.motion;
   const auto& events = made.events;
   const auto ground = still_ground(sketches.clip.grounds);
-  Json calibration = calibrate_model(sketches, ground, options, made, session);
-  const double sharpness = clip_sharpness(*source, motion.sketch, session.context).mean();
+  const double wanted = clip_flank_gradient(*source, motion.sketch, session.context).mean();
   const auto& sharpening = made.sharpening =
-      fit_sharpening(made.fitted.model, ground, sharpness, session.common.seed, session.context);
+      fit_sharpening(made.fitted.model, ground, wanted, session.common.seed, session.context);
+  const auto look = sharpened(model_look(made.fitted.model, ground, options.fill), sharpening);
+  Json calibration = calibrate_model(sketches, look, options, made, session);
   write_fitted(made.fitted, ground, sharpening, output, session);
   Json texture;
   if (options.texture > 0) {

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "apps/builtin_style.hpp"
+#include "core/between_pixels.hpp"
 
 namespace emberfold::apps {
 
@@ -99,15 +100,6 @@ cv::Mat draw_waves(const BuiltinOptions& o, int frame) {
   return field;
 }
 
-/// Between the four grid points about a pixel.
-double wave_at(const cv::Mat& grid, int x, int y) {
-  const float* const above = grid.ptr<float>(y / 4) + x / 4;
-  const float* const below = grid.ptr<float>(y / 4 + 1) + x / 4;
-  const double u = (x % 4) / 4.0, v = (y % 4) / 4.0;
-  return (1 - v) * ((1 - u) * static_cast<double>(above[0]) + u * static_cast<double>(above[1])) +
-         v * ((1 - u) * static_cast<double>(below[0]) + u * static_cast<double>(below[1]));
-}
-
 /// Grey level (heat, for fire) of the ground, given the waves there.
 double ground_level(const BuiltinOptions& o, double waves, int x, int y) {
   const double across = (x - o.width / 2.0) / o.width, up = 1 - static_cast<double>(y) / o.height;
@@ -193,7 +185,7 @@ cv::Mat render_frame(const Scene& scene, int frame) {
   cv::Mat image(o.height, o.width, CV_8UC3);
   for (int y = 0; y < o.height; ++y)
     for (int x = 0; x < o.width; ++x) {
-      const double level = ground_level(o, wave_at(waves, x, y), x, y) +
+      const double level = ground_level(o, core::between_pixels(waves, x / 4.0, y / 4.0), x, y) +
                            static_cast<double>(halo.at<float>(y, x)) +
                            static_cast<double>(strokes.at<float>(y, x));
       const cv::Vec3d colour = colour_of(o.scene, level) + cv::Vec3d::all(builtin_noise * noise.normal());

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <string>
 
-#include "apps/draw_graph_frames.hpp"
+#include "apps/clip_measures.hpp"
+#include "apps/clip_strokes.hpp"
 #include "apps/draw_model.hpp"
 #include "apps/interrupt.hpp"
 #include "core/error.hpp"
-#include "core/parallel.hpp"
 #include "graph/events.hpp"
 #include "mcmc/balance.hpp"
 #include "mcmc/synthesize.hpp"
@@ -18,8 +18,7 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr int kMostFrames = 150;
-constexpr std::size_t kAtOnce = 8;
+constexpr int kMostFrames = 150, kAtOnce = 8;
 
 /// Multiplied by how many times too few were seen, as if one more had been in all.
 void correct(double& wanted, double source, double seen, double one, double step) {
@@ -36,24 +35,12 @@ void CalibrateOptions::validate() const {
 
 mcmc::Census seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
                              std::uint64_t seed, const core::Context& context) {
-  const FrameLook look = model_look(model, how.ground, how.fill);
-  mcmc::Synthesis synthesis(model, seed, mcmc::Start::stationary);
-  graph::SketchSequence sketch;
-  sketch.width = model.width, sketch.height = model.height, sketch.fps = model.fps;
-  for (int done = 0; done < frames;) {
-    std::vector<graph::AttributeGraph> graphs;
-    for (; done < frames && graphs.size() < kAtOnce; ++done) graphs.push_back(synthesis.next());
-    const auto status = core::parallel_for(graphs.size(), context, [&](std::size_t i) {
-      cv::Mat levels;
-      draw_frame(graphs[i], look).convertTo(levels, CV_32F);
-      graphs[i] = sketch::extract(levels, how.sketch);
-    });
-    if (status == core::Status::cancelled) throw Interrupted{};
-    for (const auto& graph : graphs) sketch.append(graph);
-  }
-  const auto matched = graph::match(sketch, how.match, context.with_progress({}));
-  if (matched.status == core::Status::cancelled) throw Interrupted{};
-  return mcmc::census(matched.motion, graph::stroke_events(matched.motion));
+  ModelFrames drawn(mcmc::Synthesis(model, seed, mcmc::Start::stationary), how.look);
+  ClipStrokes strokes(how.look.size, model.fps, how.sketch, how.match);
+  for (int done = 0; done < frames; done += kAtOnce)
+    strokes.add(levels_of(drawn.next(std::min(kAtOnce, frames - done), context)), context);
+  const auto motion = strokes.motion(context.with_progress({}));
+  return mcmc::census(motion, graph::stroke_events(motion));
 }
 
 std::vector<mcmc::Census> calibrate(mcmc::FitResult& fitted, const mcmc::Census& source,

@@ -4,13 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "apps/ground.hpp"
+#include "apps/draw_graph_frames.hpp"
 #include "core/context.hpp"
 #include "graph/match.hpp"
 #include "mcmc/census.hpp"
 #include "mcmc/fit.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/fill.hpp"
 
 namespace emberfold::apps {
 
@@ -24,8 +23,7 @@ struct CalibrateOptions {
 struct ReadingAndDrawing {
   sketch::ExtractOptions sketch;
   graph::MatchOptions match;
-  sketch::FillOptions fill;
-  Ground ground;
+  FrameLook look;
 };
 
 /// What a clip drawn from the model shows to whoever analyses it, bottom-up: `frames` ≥ 2 frames from its

@@ -44,7 +44,7 @@ double relative(double value, double reference, double least) {
 constexpr std::array<Measure, 8> kMeasures{{
     {"temporal_db", "Spectrum in time", "dB", "how far the power at each frequency in time lies apart"},
     {"radial_db", "Spectrum in space", "dB", "the same of frequencies in space, whatever their direction"},
-    {"autocorrelation", "Autocorrelation", "", "how alike frames 1 to 16 apart are, RMS difference"},
+    {"autocorrelation", "Autocorrelation", "", "how alike frames up to 16 apart are, RMS difference"},
     {"patterns", "Binary patterns", "chi2", "local patterns in space and time (LBP-TOP), 0 to 1"},
     {"flow_px", "Optical flow", "px/frame",
      "Wasserstein distance of where pixels go and how fast, signs and all"},
@@ -73,6 +73,12 @@ MeasureScale measure_scale(std::int64_t frames, cv::Size size) {
   scale.lags = static_cast<int>(std::clamp<std::int64_t>(frames / 4, 1, kMostLags));
   scale.rings = dytex::ring_count(size);
   return scale;
+}
+
+std::vector<cv::Mat> levels_of(std::span<const cv::Mat> bytes) {
+  std::vector<cv::Mat> levels(bytes.size());
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i].convertTo(levels[i], CV_32F);
+  return levels;
 }
 
 std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels) {
@@ -122,6 +128,18 @@ void ClipMeasures::add(std::span<const cv::Mat> luma, const core::Context& conte
     patterns_.add(luma[i]);
   }
   if (!luma.empty()) last_ = luma.back();
+}
+
+SourceMeasures::SourceMeasures(cv::Size size, const MeasureScale& scale, int frame_count)
+    : all(size, scale, frame_count), first(all), second(all), frames(frame_count) {}
+
+void SourceMeasures::add(std::span<const cv::Mat> luma, const core::Context& context) {
+  const auto count = static_cast<int>(luma.size());
+  const auto in_first = static_cast<std::size_t>(std::clamp(frames / 2 - added, 0, count));
+  all.add(luma, context);
+  first.add(luma.first(in_first), context);
+  second.add(luma.subspan(in_first), context);
+  added += count;
 }
 
 std::span<const Measure> pixel_measures() {

@@ -26,6 +26,8 @@ struct MeasureScale {
 /// For clips of at least so many frames, of at least these sizes.
 MeasureScale measure_scale(std::int64_t frames, cv::Size size);
 
+/// Drawn frames, CV_8U, as levels, CV_32F.
+std::vector<cv::Mat> levels_of(std::span<const cv::Mat> bytes);
 /// Of each frame; levels are CV_32F, 1 or 3 channels.
 std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels);
 
@@ -71,6 +73,16 @@ class ClipMeasures {
   Eigen::VectorXd space_;
   Figure sharpness_, gradient_, si_, ti_;
   cv::Mat last_;
+};
+
+/// A source's measures, and those of its first and second half, which are the noise floor.
+struct SourceMeasures {
+  ClipMeasures all, first, second;
+  int frames = 0, added = 0;
+
+  SourceMeasures(cv::Size size, const MeasureScale& scale, int frame_count);
+  /// The next frames' luma. Throws Interrupted.
+  void add(std::span<const cv::Mat> luma, const core::Context& context);
 };
 
 /// A measure of how far a clip lies from another.

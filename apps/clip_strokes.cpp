@@ -59,15 +59,25 @@ void ClipStrokes::add(std::span<const cv::Mat> levels, const core::Context& cont
   for (const auto& graph : graphs) sketch_.append(graph);
 }
 
+graph::MotionGraph ClipStrokes::motion(const core::Context& context) const {
+  return match_strokes(sketch_, match_, context);
+}
+
 mcmc::StrokeSeries ClipStrokes::series(const core::Context& context) const {
   return stroke_series(sketch_, match_, context);
 }
 
+graph::MotionGraph match_strokes(graph::SketchSequence sketch, const graph::MatchOptions& match,
+                                 const core::Context& context) {
+  auto matched = graph::match(std::move(sketch), match, context);
+  if (matched.status == core::Status::cancelled) throw Interrupted{};
+  return std::move(matched.motion);
+}
+
 mcmc::StrokeSeries stroke_series(graph::SketchSequence sketch, const graph::MatchOptions& match,
                                  const core::Context& context) {
-  const auto matched = graph::match(std::move(sketch), match, context);
-  if (matched.status == core::Status::cancelled) throw Interrupted{};
-  return mcmc::stroke_series(matched.motion, graph::stroke_events(matched.motion));
+  const auto motion = match_strokes(std::move(sketch), match, context);
+  return mcmc::stroke_series(motion, graph::stroke_events(motion));
 }
 
 mcmc::StrokeSeries part(const mcmc::StrokeSeries& series, int first, int last) {

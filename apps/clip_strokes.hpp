@@ -23,7 +23,9 @@ class ClipStrokes {
 
   /// The next frames' levels, CV_32F, 1 or 3 channels. Throws Interrupted.
   void add(std::span<const cv::Mat> levels, const core::Context& context);
-  /// What happened in all frames so far. Throws Interrupted.
+  /// All frames so far, matched bottom up. Throws Interrupted.
+  [[nodiscard]] graph::MotionGraph motion(const core::Context& context) const;
+  /// What happened in them. Throws Interrupted.
   [[nodiscard]] mcmc::StrokeSeries series(const core::Context& context) const;
 
  private:
@@ -33,6 +35,8 @@ class ClipStrokes {
 };
 
 /// The same of frames that are sketched already. Throws Interrupted.
+graph::MotionGraph match_strokes(graph::SketchSequence sketch, const graph::MatchOptions& match,
+                                 const core::Context& context);
 mcmc::StrokeSeries stroke_series(graph::SketchSequence sketch, const graph::MatchOptions& match,
                                  const core::Context& context);
 

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "apps/clip_part.hpp"
+#include "apps/clip_strokes.hpp"
 #include "apps/compared_models.hpp"
 #include "apps/draw_model.hpp"
 #include "apps/drawn_model.hpp"
@@ -39,22 +40,10 @@ struct Strokes {
     return {{info.width, info.height}, info.channels, empty_level, fill, around};
   }
   // Of a clip that is drawn.
-  [[nodiscard]] FrameLook drawn_look() const {
-    FrameLook sharp = look(level, drawn_ground);
-    sharp.blur_share = sharpening.blur_share;
-    sharp.contrast_gain = sharpening.contrast_gain;
-    return sharp;
-  }
+  [[nodiscard]] FrameLook drawn_look() const { return sharpened(look(level, drawn_ground), sharpening); }
 };
 
 namespace {
-
-graph::MotionGraph match(graph::SketchSequence sketch, const graph::MatchOptions& options,
-                         const Session& session) {
-  auto matched = graph::match(std::move(sketch), options, session.context);
-  if (matched.status == core::Status::cancelled) throw Interrupted{};
-  return std::move(matched.motion);
-}
 
 graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int count) {
   graph::SketchSequence first = sketch;
@@ -123,8 +112,9 @@ std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const Know
     mcmc::FitOptions options;
     options.seed = session.common.seed;
     options.balance = known.motion_model == nullptr;  // it serves drawing alone
-    auto fitted = mcmc::fit(match(first_frames(sketch, input.first), input.options.match, session), options,
-                            session.context);
+    auto fitted =
+        mcmc::fit(match_strokes(first_frames(sketch, input.first), input.options.match, session.context),
+                  options, session.context);
     if (fitted.status == core::Status::cancelled) throw Interrupted{};
     for (const auto& note : fitted.notes) session.warn("motion model: " + note);
     strokes.model = std::move(fitted.model);
@@ -137,7 +127,8 @@ std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const Know
     strokes.sharpening = *known.sharpening;
   } else {
     ClipPart part(input.source, 0, input.first);
-    const double wanted = clip_sharpness(part, first_frames(sketch, input.first), session.context).mean();
+    const double wanted =
+        clip_flank_gradient(part, first_frames(sketch, input.first), session.context).mean();
     strokes.sharpening =
         fit_sharpening(strokes.drawn, strokes.drawn_ground, wanted, session.common.seed, session.context);
   }
@@ -145,7 +136,7 @@ std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const Know
     // Steadying takes back what later frames show to be flicker; whoever foretells cannot know them.
     auto causal = input.options.match;
     causal.flicker = 0;
-    const auto motion = match(sketch, causal, session);
+    const auto motion = match_strokes(sketch, causal, session.context);
     for (const int step : input.steps) strokes.ahead[step] = mcmc::predict(strokes.model, motion, step);
   }
   return std::make_shared<const Strokes>(std::move(strokes));

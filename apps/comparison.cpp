@@ -39,45 +39,20 @@ struct Column {
 };
 
 struct Drawing {
-  int frames = 0, drawn_frames = 0;  // of the source, of the models' clips
-  ClipMeasures source, first, second;
+  int drawn_frames = 0;  // of the models' clips
+  SourceMeasures source;
   std::vector<Column> columns;
-  std::vector<cv::Mat> pictures;
+  std::vector<ComparedFrame> pictures;
 };
-
-std::vector<cv::Mat> read_levels(core::FrameSource& source, int count, const Session& session) {
-  std::vector<cv::Mat> levels;
-  for (int i = 0; i < count; ++i) {
-    const cv::Mat frame = source.next();
-    session.check_stop();
-    if (frame.empty()) throw core::IoError("the clip has become shorter while it was read");
-    levels.push_back(core::to_levels(frame, source.info()));
-  }
-  return levels;
-}
 
 // The next frames of a model's clip, measured and written.
 std::vector<cv::Mat> draw_column(Column& column, int count, bool with_strokes, const Session& session) {
   auto frames = column.draw(count);
-  std::vector<cv::Mat> levels;
-  for (const auto& frame : frames) {
-    column.writer->write(frame);
-    cv::Mat one;
-    frame.convertTo(one, CV_32F);
-    levels.push_back(one);
-  }
+  for (const auto& frame : frames) column.writer->write(frame);
+  const auto levels = levels_of(frames);
   column.measures.add(luma_of(levels), session.context);
   if (with_strokes) column.strokes.add(levels, session.context);
   return frames;
-}
-
-void measure_source(Drawing& drawing, std::span<const cv::Mat> levels, int t, const Session& session) {
-  const auto luma = luma_of(levels);
-  const auto count = static_cast<int>(luma.size());
-  drawing.source.add(luma, session.context);
-  const auto in_first = static_cast<std::size_t>(std::clamp(drawing.frames / 2 - t, 0, count));
-  drawing.first.add(std::span(luma).first(in_first), session.context);
-  drawing.second.add(std::span(luma).subspan(in_first), session.context);
 }
 
 // Runs through the clip and the models' clips together, a batch at a time.
@@ -87,15 +62,16 @@ void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, Ou
   std::vector<std::string> labels{"source"};
   for (const auto& column : drawing.columns) labels.push_back(column.model->label);
   const std::vector<cv::Size> sizes(labels.size(), {info.width, info.height});
-  const PanelRow panels(sizes);
   SideBySide beside(output.staged("side_by_side.mp4"), labels, sizes, info.fps);
-  const int both = std::min(drawing.frames, drawing.drawn_frames),
-            all = std::max(drawing.frames, drawing.drawn_frames);
+  const int frames = drawing.source.frames, both = std::min(frames, drawing.drawn_frames),
+            all = std::max(frames, drawing.drawn_frames);
   source.rewind();
   session.context.report("synthesize", 0);
   for (int t = 0; t < all; t += kBatch) {
-    const auto levels = read_levels(source, std::clamp(drawing.frames - t, 0, kBatch), session);
-    measure_source(drawing, levels, t, session);
+    const auto levels = next_levels(source, std::clamp(frames - t, 0, kBatch), session);
+    if (std::ssize(levels) < std::min(frames - t, kBatch))
+      throw core::IoError("the clip has become shorter while it was read");
+    drawing.source.add(luma_of(levels), session.context);
     std::vector<std::vector<cv::Mat>> rows(1);
     for (const auto& one : levels) rows[0].push_back(core::to_bytes(one));
     const int drawn = std::clamp(drawing.drawn_frames - t, 0, kBatch);
@@ -104,7 +80,7 @@ void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, Ou
       std::vector<cv::Mat> row;
       for (const auto& clip : rows) row.push_back(clip[static_cast<std::size_t>(i - t)]);
       beside.write(row);
-      if (i == both / 4 || i == both * 3 / 4) drawing.pictures.push_back(panels.compose(row, labels));
+      if (i == both / 4 || i == both * 3 / 4) drawing.pictures.push_back({i, compose_rows(row, labels, 3)});
     }
     session.context.report("synthesize", std::min(1.0, static_cast<double>(t + kBatch) / all));
   }
@@ -124,36 +100,17 @@ std::vector<Column> make_columns(std::span<const ComparedModel> models, const co
   return columns;
 }
 
-// The part of "synthesis" that tells of the source: its own figures, and how far its halves lie apart.
-Json source_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes,
-                 const std::optional<mcmc::StrokeStatistics>& found, Json& synthesis) {
-  Json source = {{"figures", pixel_figures(drawing.source)}};
-  Json floor = pixel_distances(drawing.first, drawing.second);
-  if (strokes != nullptr) {
-    source["strokes"] = strokes_json(*found);
-    const int half = drawing.frames / 2;
-    floor.update(stroke_distances(mcmc::stroke_statistics(part(*strokes, 0, half)),
-                                  mcmc::stroke_statistics(part(*strokes, half, drawing.frames))));
-  }
-  synthesis["noise_floor"] = std::move(floor);
-  return source;
-}
-
 Json synthesis_json(const Drawing& drawing, const mcmc::StrokeSeries* strokes, const Session& session) {
   Json synthesis = {{"frames", drawing.drawn_frames}};
   std::optional<mcmc::StrokeStatistics> of_source;
   if (strokes != nullptr) of_source = mcmc::stroke_statistics(*strokes);
   for (const auto& column : drawing.columns) {
-    Json one = pixel_distances(column.measures, drawing.source);
-    one["figures"] = pixel_figures(column.measures);
-    if (of_source) {
-      const auto found = mcmc::stroke_statistics(column.strokes.series(session.context));
-      one.update(stroke_distances(found, *of_source));
-      one["strokes"] = strokes_json(found);
-    }
-    synthesis[column.model->key] = std::move(one);
+    std::optional<mcmc::StrokeStatistics> found;
+    if (of_source) found = mcmc::stroke_statistics(column.strokes.series(session.context));
+    synthesis[column.model->key] = held_json(column.measures, found, drawing.source.all, of_source);
   }
-  synthesis["source"] = source_json(drawing, strokes, of_source, synthesis);
+  synthesis["noise_floor"] = noise_floor_json(drawing.source, strokes);
+  synthesis["source"] = own_json(drawing.source.all, of_source);
   return synthesis;
 }
 
@@ -193,7 +150,8 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip, cons
   const auto models = learn_models(input, known);
 
   const int drawn_frames = options.frames > 0 ? options.frames : frames;
-  const auto scale = measure_scale(std::min(frames / 2, drawn_frames), {info.width, info.height});
+  const cv::Size size(info.width, info.height);
+  const auto scale = measure_scale(std::min(frames / 2, drawn_frames), size);
   Json measures = begin_measures(scale);
   measures["clip"] = clip_json(clip, info, frames);
   measures["seed"] = session.common.seed;
@@ -207,11 +165,9 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip, cons
     measures["prediction"] = nullptr;
   }
 
-  const ClipMeasures blank({info.width, info.height}, scale, frames);
-  Drawing drawing{frames, drawn_frames, blank, blank, blank, {}, {}};
+  Drawing drawing{drawn_frames, SourceMeasures(size, scale, frames), {}, {}};
   try {
-    const ClipMeasures drawn_blank({info.width, info.height}, scale, drawn_frames);
-    drawing.columns = make_columns(models, info, drawn_blank, options, output);
+    drawing.columns = make_columns(models, info, ClipMeasures(size, scale, drawn_frames), options, output);
     draw_all(source, drawing, options.strokes, output, session);
   } catch (const core::IoError& error) {
     throw core::IoError(output.of_final(error.what()));
@@ -219,7 +175,7 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip, cons
   mcmc::StrokeSeries strokes;
   if (options.strokes) strokes = stroke_series(sketched.sketch, options.match, session.context);
   measures["synthesis"] = synthesis_json(drawing, options.strokes ? &strokes : nullptr, session);
-  NamedMeasures curves{{"source", &drawing.source}};
+  NamedMeasures curves{{"source", &drawing.source.all}};
   Comparison comparison;
   comparison.files = {"measures.json", "side_by_side.mp4"};
   for (const auto& column : drawing.columns) {
@@ -227,7 +183,7 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip, cons
     comparison.files.push_back(column.model->file);
   }
   measures["curves"] = curves_json(curves, scale);
-  if (options.curve) measures["size_curve"] = size_curve(input, drawing.source, scale);
+  if (options.curve) measures["size_curve"] = size_curve(input, drawing.source.all, scale);
   measures["words"] = comparison_words(measures);
   measures["warnings"] = session.warnings;
   write_measures(measures, output);

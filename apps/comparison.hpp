@@ -8,8 +8,8 @@
 #include <opencv2/core/mat.hpp>
 
 #include "apps/command.hpp"
-#include "apps/crease_sharpness.hpp"
 #include "apps/output_folder.hpp"
+#include "apps/sharpening.hpp"
 #include "apps/sketch_clip.hpp"
 #include "core/clip.hpp"
 #include "dytex/learn.hpp"
@@ -46,10 +46,16 @@ struct KnownModels {
   const dytex::LinearDynamicTexture* texture = nullptr;
 };
 
+/// The same frame of all clips, CV_8UC3.
+struct ComparedFrame {
+  int frame = 0;
+  cv::Mat picture;
+};
+
 struct Comparison {
-  nlohmann::ordered_json measures;     ///< the content of measures.json
-  std::vector<std::string> files;      ///< what was written into the output, by name
-  std::vector<cv::Mat> pictures = {};  ///< CV_8UC3: some moments of all clips, side by side
+  nlohmann::ordered_json measures;  ///< the content of measures.json
+  std::vector<std::string> files;   ///< what was written into the output, by name
+  std::vector<ComparedFrame> pictures = {};
 };
 
 /// The fewest frames that a comparison takes.

@@ -2,6 +2,7 @@
 #include "apps/comparison_curve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <vector>
 
@@ -15,6 +16,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int kMostFrames = 128, kBatch = 16;
+constexpr double kMostSpacing = 100;  // px, that a sketch takes
 
 struct Sized {
   ComparedModel model;
@@ -25,19 +27,19 @@ std::string reduced_text(double scale) {
   return scale < 1 ? ", frames reduced to 1/" + std::to_string(static_cast<int>(1 / scale)) : "";
 }
 
+std::string pixels_text(double length) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", length);
+  return text.data();
+}
+
 ClipMeasures measure_drawn(const ComparedModel& model, const ModelInput& input, const MeasureScale& scale) {
   const auto& info = input.source.info();
   const int frames = std::max(std::min(input.frames, kMostFrames), 2 * std::max(scale.segment, scale.lags));
   ClipMeasures measures({info.width, info.height}, scale, frames);
   const auto draw = model.draw();
   for (int t = 0; t < frames; t += kBatch) {
-    std::vector<cv::Mat> luma;
-    for (const auto& frame : draw(std::min(kBatch, frames - t))) {
-      cv::Mat levels;
-      frame.convertTo(levels, CV_32F);
-      luma.push_back(core::luma(levels));
-    }
-    measures.add(luma, input.session.context);
+    measures.add(luma_of(levels_of(draw(std::min(kBatch, frames - t)))), input.session.context);
     input.session.check_stop();
   }
   return measures;
@@ -92,16 +94,16 @@ Json size_curve(const ModelInput& input, const ClipMeasures& source, const Measu
     if (model) points.push_back(point_json({std::move(*model), what}, from, source, scale));
     input.session.check_stop();
   };
-  for (const int factor : {1, 8, 16}) {
+  for (const int factor : {1, 2, 4}) {
     CompareOptions options = input.options;
-    options.sketch.min_contrast *= factor;
+    options.sketch.spacing = std::min(factor * options.sketch.spacing, kMostSpacing);
     const auto sketched =
         factor == 1 ? input.sketched : sketch_clip(input.source, options.sketch, input.session);
     const auto from = next_only(sketched, options);
     const auto strokes = learn_strokes(from, {});
     if (!strokes) continue;
-    add(sketch_model(strokes, input.session),
-        "strokes of " + std::to_string(factor) + " times the least contrast", from);
+    add(sketch_model(strokes, input.session), "a patch every " + pixels_text(options.sketch.spacing) + " px",
+        from);
   }
   const auto from = next_only(input.sketched, input.options);
   for (const double reduced : {0.125, 0.25, 0.5, 1.0})

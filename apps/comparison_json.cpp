@@ -50,6 +50,40 @@ void write_measures(const Json& measures, OutputFolder& output) {
   output.write("measures.json", [&](std::ostream& out) { out << json_text(measures); });
 }
 
+Json own_json(const ClipMeasures& clip, const std::optional<mcmc::StrokeStatistics>& strokes) {
+  Json own = {{"figures", pixel_figures(clip)}};
+  if (strokes) own["strokes"] = strokes_json(*strokes);
+  return own;
+}
+
+Json held_json(const ClipMeasures& clip, const std::optional<mcmc::StrokeStatistics>& strokes,
+               const ClipMeasures& source, const std::optional<mcmc::StrokeStatistics>& of_source) {
+  Json held = pixel_distances(clip, source);
+  if (strokes && of_source) held.update(stroke_distances(*strokes, *of_source));
+  held.update(own_json(clip, strokes));
+  return held;
+}
+
+Json noise_floor_json(const SourceMeasures& source, const mcmc::StrokeSeries* strokes) {
+  Json floor = pixel_distances(source.first, source.second);
+  if (strokes == nullptr) return floor;
+  const int half = source.frames / 2;
+  floor.update(stroke_distances(mcmc::stroke_statistics(part(*strokes, 0, half)),
+                                mcmc::stroke_statistics(part(*strokes, half, source.frames))));
+  return floor;
+}
+
+std::vector<cv::Mat> next_levels(core::FrameSource& source, int most, const Session& session) {
+  std::vector<cv::Mat> levels;
+  while (std::ssize(levels) < most) {
+    const cv::Mat frame = source.next();
+    session.check_stop();
+    if (frame.empty()) break;
+    levels.push_back(core::to_levels(frame, source.info()));
+  }
+  return levels;
+}
+
 std::vector<Measure> all_measures() {
   std::vector<Measure> all(pixel_measures().begin(), pixel_measures().end());
   all.insert(all.end(), stroke_measures().begin(), stroke_measures().end());
@@ -94,7 +128,9 @@ std::string row(const std::string& name, const std::string& cells) {
 // Names above columns of numbers: the label's last words that fit.
 std::string heading(const std::string& label) {
   constexpr std::size_t kWidth = 13;
-  std::string text = label == "linear dynamic texture" ? "dyn. texture" : label;
+  std::string text = label == "linear dynamic texture" ? "dyn. texture"
+                     : label == "the other clip"       ? "other clip"
+                                                       : label;
   if (text.size() > kWidth - 1) text = text.substr(0, kWidth - 1);
   return std::string(kWidth - text.size(), ' ') + text;
 }
@@ -105,7 +141,7 @@ std::string prediction_table(const Json& measures) {
   head.resize(std::max<std::size_t>(head.size() + 2, 32), ' ');
   for (const auto& step : prediction["steps"])
     head += heading((step == 1 ? "next, dB" : "+" + step.dump() + ", dB"));
-  std::string out = head + heading("next, SSIM") + "\n";
+  std::string out = head + heading("next, SSIM") + heading("itself, dB") + "\n";
   std::vector<Held> ways = held_clips(measures);
   std::erase_if(ways, [](const Held& one) { return one.key == "noise_floor"; });
   ways.push_back({"frame_before", "the frame before"});
@@ -115,11 +151,10 @@ std::string prediction_table(const Json& measures) {
     const auto& method = prediction["methods"][key];
     std::string cells = "  ";
     for (const auto& value : method["by_step"]["psnr"]) cells += cell({{"x", value}}, "x", 2);
-    out += row(label, cells + cell(method, "ssim", 3));
+    const auto& shown = measures["reconstruction"];
+    out += row(label, cells + cell(method, "ssim", 3) +
+                          cell(shown.contains(key) ? shown[key] : Json(nullptr), "psnr", 2));
   }
-  for (const auto& [key, value] : measures["reconstruction"].items())
-    for (const auto& way : ways)
-      if (way.key == key) out += row("(shown: " + way.label + ")", "  " + cell(value, "psnr", 2));
   return out + "\n";
 }
 
@@ -137,7 +172,8 @@ std::string comparison_table(const Json& measures) {
     std::string cells = "  ";
     for (const auto& one : held) cells += cell(distances_of(measures, one.key), measure.key, 3);
     const std::string unit = measure.unit;
-    out += row(measure.name + (unit.empty() ? "" : ", " + unit), cells);
+    if (cells.find_first_of("0123456789") != std::string::npos)
+      out += row(measure.name + (unit.empty() ? "" : ", " + unit), cells);
   }
   if (!measures.contains("psnr")) return out;
   if (measures["psnr"].is_null())

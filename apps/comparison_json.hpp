@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,7 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/clip_measures.hpp"
+#include "apps/command.hpp"
 #include "apps/output_folder.hpp"
+#include "core/clip.hpp"
+#include "mcmc/stroke_statistics.hpp"
 
 // The parts of measures.json that both kinds of comparison share.
 namespace emberfold::apps {
@@ -23,6 +27,20 @@ nlohmann::ordered_json curves_json(const NamedMeasures& clips, const MeasureScal
 /// core::IoError for a clip with too few frames to compare.
 void need_frames(const std::string& clip, std::int64_t frames);
 void write_measures(const nlohmann::ordered_json& measures, OutputFolder& output);
+
+/// What a clip is like: {"figures", "strokes"}, these where they were sought.
+nlohmann::ordered_json own_json(const ClipMeasures& clip,
+                                const std::optional<mcmc::StrokeStatistics>& strokes);
+/// Its distances from a source, too; of strokes where those of both are known.
+nlohmann::ordered_json held_json(const ClipMeasures& clip,
+                                 const std::optional<mcmc::StrokeStatistics>& strokes,
+                                 const ClipMeasures& source,
+                                 const std::optional<mcmc::StrokeStatistics>& of_source);
+/// How far a source's halves lie apart. `strokes`: of all its frames; null where they were not sought.
+nlohmann::ordered_json noise_floor_json(const SourceMeasures& source, const mcmc::StrokeSeries* strokes);
+
+/// A source's next frames as levels, at most so many. Throws Interrupted.
+std::vector<cv::Mat> next_levels(core::FrameSource& source, int most, const Session& session);
 
 /// All measures in the order in which they are told: of pixels, then of strokes.
 std::vector<Measure> all_measures();

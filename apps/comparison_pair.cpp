@@ -34,18 +34,6 @@ int count_frames(core::FrameSource& source, const std::string& name, const Sessi
   return frames;
 }
 
-// The next frames as levels.
-std::vector<cv::Mat> read_batch(core::FrameSource& source, const Session& session) {
-  std::vector<cv::Mat> levels;
-  while (levels.size() < kBatch) {
-    const cv::Mat frame = source.next();
-    if (frame.empty()) break;
-    levels.push_back(core::to_levels(frame, source.info()));
-    session.check_stop();
-  }
-  return levels;
-}
-
 // Why there is no PSNR between two clips; empty where there is.
 std::string why_no_psnr(const core::ClipInfo& a, int frames_a, const core::ClipInfo& b, int frames_b) {
   if (a.width != b.width || a.height != b.height) return "the sizes differ";
@@ -56,25 +44,12 @@ std::string why_no_psnr(const core::ClipInfo& a, int frames_a, const core::ClipI
 struct Pair {
   core::FrameSource &a, &b;
   int frames_a = 0, frames_b = 0;
-  ClipMeasures all_a, all_b, first, second;
+  SourceMeasures measures_a;
+  ClipMeasures measures_b;
   ClipStrokes strokes_a, strokes_b;
   double square_error = 0, similarity = 0;  // sums over frames
-  std::vector<cv::Mat> pictures = {};
+  std::vector<ComparedFrame> pictures = {};
 };
-
-void measure_batch(Pair& pair, std::span<const cv::Mat> a, std::span<const cv::Mat> b, int t,
-                   bool with_strokes, const Session& session) {
-  const auto luma_a = luma_of(a), luma_b = luma_of(b);
-  pair.all_a.add(luma_a, session.context);
-  pair.all_b.add(luma_b, session.context);
-  const auto in_first =
-      static_cast<std::size_t>(std::clamp(pair.frames_a / 2 - t, 0, static_cast<int>(a.size())));
-  pair.first.add(std::span(luma_a).first(in_first), session.context);
-  pair.second.add(std::span(luma_a).subspan(in_first), session.context);
-  if (!with_strokes) return;
-  pair.strokes_a.add(a, session.context);
-  pair.strokes_b.add(b, session.context);
-}
 
 void run_through(Pair& pair, bool alike, bool with_strokes, SideBySide& beside, const PanelRow& panels,
                  const std::vector<std::string>& labels, const Session& session) {
@@ -82,8 +57,13 @@ void run_through(Pair& pair, bool alike, bool with_strokes, SideBySide& beside, 
   pair.a.rewind(), pair.b.rewind();
   for (int t = 0; t < most; t += kBatch) {
     session.context.report("compare", double(t) / most);
-    const auto a = read_batch(pair.a, session), b = read_batch(pair.b, session);
-    measure_batch(pair, a, b, t, with_strokes, session);
+    const auto a = next_levels(pair.a, kBatch, session), b = next_levels(pair.b, kBatch, session);
+    pair.measures_a.add(luma_of(a), session.context);
+    pair.measures_b.add(luma_of(b), session.context);
+    if (with_strokes) {
+      pair.strokes_a.add(a, session.context);
+      pair.strokes_b.add(b, session.context);
+    }
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
       if (alike) {
         pair.square_error += dytex::mean_square_error(a[i], b[i]);
@@ -92,29 +72,25 @@ void run_through(Pair& pair, bool alike, bool with_strokes, SideBySide& beside, 
       const std::vector<cv::Mat> row{core::to_bytes(a[i]), core::to_bytes(b[i])};
       beside.write(row);
       const int frame = t + static_cast<int>(i);
-      if (frame == both / 4 || frame == both * 3 / 4) pair.pictures.push_back(panels.compose(row, labels));
+      if (frame == both / 4 || frame == both * 3 / 4)
+        pair.pictures.push_back({frame, panels.compose(row, labels)});
     }
   }
 }
 
 // Distances of b from a, and of a's halves from each other, and what both clips are like.
 void add_distances(const Pair& pair, bool with_strokes, const Session& session, Json& measures) {
-  Json other = pixel_distances(pair.all_b, pair.all_a), floor = pixel_distances(pair.first, pair.second);
-  Json source = {{"figures", pixel_figures(pair.all_a)}};
-  other["figures"] = pixel_figures(pair.all_b);
+  std::optional<mcmc::StrokeSeries> series;
+  std::optional<mcmc::StrokeStatistics> a, b;
   if (with_strokes) {
-    const auto series = pair.strokes_a.series(session.context);
-    const auto a = mcmc::stroke_statistics(series),
-               b = mcmc::stroke_statistics(pair.strokes_b.series(session.context));
-    const int half = pair.frames_a / 2;
-    other.update(stroke_distances(b, a));
-    other["strokes"] = strokes_json(b);
-    source["strokes"] = strokes_json(a);
-    floor.update(stroke_distances(mcmc::stroke_statistics(part(series, 0, half)),
-                                  mcmc::stroke_statistics(part(series, half, pair.frames_a))));
+    series = pair.strokes_a.series(session.context);
+    a = mcmc::stroke_statistics(*series);
+    b = mcmc::stroke_statistics(pair.strokes_b.series(session.context));
   }
-  measures["distances"] = {
-      {"other", std::move(other)}, {"noise_floor", std::move(floor)}, {"source", std::move(source)}};
+  const auto& source = pair.measures_a;
+  measures["distances"] = {{"other", held_json(pair.measures_b, b, source.all, a)},
+                           {"noise_floor", noise_floor_json(source, series ? &*series : nullptr)},
+                           {"source", own_json(source.all, a)}};
 }
 
 }  // namespace
@@ -127,7 +103,6 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
   const cv::Size size_a(a.info().width, a.info().height), size_b(b.info().width, b.info().height);
   auto scale = measure_scale(std::min(frames_a / 2, frames_b), size_a);
   scale.rings = std::min(scale.rings, dytex::ring_count(size_b));
-  const ClipMeasures blank(size_a, scale, frames_a);
   const auto strokes = [&](cv::Size size, double fps) {
     return ClipStrokes(size, fps, options.sketch, options.match);
   };
@@ -135,10 +110,8 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
             b,
             frames_a,
             frames_b,
-            blank,
+            SourceMeasures(size_a, scale, frames_a),
             ClipMeasures(size_b, scale, frames_b),
-            blank,
-            blank,
             strokes(size_a, a.info().fps),
             strokes(size_b, b.info().fps)};
   const auto missing = why_no_psnr(a.info(), frames_a, b.info(), frames_b);
@@ -162,7 +135,7 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
       missing.empty() ? Json(rounded(dytex::psnr(pair.square_error / frames_a))) : Json(nullptr);
   measures["ssim"] = missing.empty() ? Json(rounded(pair.similarity / frames_a)) : Json(nullptr);
   if (!missing.empty()) measures["psnr_missing"] = missing;
-  measures["curves"] = curves_json({{"source", &pair.all_a}, {"other", &pair.all_b}}, scale);
+  measures["curves"] = curves_json({{"source", &pair.measures_a.all}, {"other", &pair.measures_b}}, scale);
   measures["words"] = comparison_words(measures);
   measures["warnings"] = session.warnings;
   write_measures(measures, output);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
@@ -97,10 +98,26 @@ int best_of(const std::vector<std::optional<double>>& values, bool more_is_bette
   return count > 1 ? best : -1;
 }
 
+constexpr const char* sizes_name = "Size<small>how many numbers it takes to draw from the model</small>";
+
+std::vector<std::string> size_cells(const Json& measures, const std::vector<Held>& held) {
+  std::vector<std::string> cells;
+  for (const auto& one : held) {
+    cells.emplace_back("–");
+    for (const auto& model : measures["models"])
+      if (model["key"] == one.key) cells.back() = text_of(model["parameters"], 0);
+  }
+  return cells;
+}
+
+std::string source_of(const Json& measures) {
+  return measures.contains("other") ? "the first clip" : "the source";
+}
+
 std::string distances_table(const Json& measures) {
   Table table;
   const auto held = held_clips(measures);
-  std::vector<std::string> head{"how far from the source"};
+  std::vector<std::string> head{"how far from " + source_of(measures)};
   for (const auto& one : held) head.push_back(escape_html(one.label));
   table.head(head);
   for (const auto& measure : all_measures()) {
@@ -114,12 +131,25 @@ std::string distances_table(const Json& measures) {
       cells.push_back(text_of(value, 3));
       values.push_back(value.is_number() && !is_floor ? std::optional(value.get<double>()) : std::nullopt);
     }
+    if (std::ranges::none_of(values, [](const auto& value) { return value.has_value(); })) continue;
     const std::string unit = measure.unit;
     table.row(std::string(measure.name) + (unit.empty() ? "" : ", " + unit) + "<small>" + measure.about +
                   "</small>",
               cells, best_of(values, false), floor);
   }
+  if (measures.contains("models")) table.row(sizes_name, size_cells(measures, held));
   return table.html();
+}
+
+// Stressed where it is the best of its column.
+std::string told_cell(const Json& method, const Json& methods, std::size_t step) {
+  const auto& own = method["by_step"]["psnr"][step];
+  const auto better = [&](const Json& other) {
+    const auto& value = other["by_step"]["psnr"][step];
+    return own.is_number() && value.is_number() && value > own;
+  };
+  const auto text = text_of(own, 2) + " (" + text_of(method["by_step"]["ssim"][step], 3) + ")";
+  return !own.is_number() || std::ranges::any_of(methods, better) ? text : "<b>" + text + "</b>";
 }
 
 std::string prediction_tables(const Json& measures) {
@@ -128,17 +158,16 @@ std::string prediction_tables(const Json& measures) {
                                             {"mean_image", "the mean image of the first part"}};
   for (const auto& model : measures["models"])
     labels[model["key"].get<std::string>()] = model["label"].get<std::string>();
-  std::vector<std::string> head{"foretold, PSNR dB (SSIM)"};
+  std::vector<std::string> head{"PSNR, dB (SSIM)"};
   for (const auto& step : prediction["steps"])
     head.push_back(step == 1 ? "next frame" : step.dump() + " frames on");
-  head.emplace_back("shown the frame itself");
+  head.emplace_back("the frame itself");
   Table table;
   table.head(head);
   for (const auto& [key, method] : prediction["methods"].items()) {
     std::vector<std::string> cells;
     for (std::size_t s = 0; s < prediction["steps"].size(); ++s)
-      cells.push_back(text_of(method["by_step"]["psnr"][s], 2) + " (" +
-                      text_of(method["by_step"]["ssim"][s], 3) + ")");
+      cells.push_back(told_cell(method, prediction["methods"], s));
     const auto& own = at(measures, {"reconstruction", key});
     cells.push_back(own.is_null() ? "–" : text_of(own["psnr"], 2) + " (" + text_of(own["ssim"], 3) + ")");
     table.row(labels[key], cells);
@@ -155,7 +184,7 @@ std::string interval(const Json& value, const char* mean, int digits) {
 std::string strokes_table(const Json& measures) {
   const auto& source = at(distances_of(measures, "source"), {"strokes"});
   if (source.is_null()) return {};
-  std::vector<std::string> head{"mean, and where it lies with 95 %", "source"};
+  std::vector<std::string> head{"mean (95 % interval)", source_of(measures)};
   std::vector<const Json*> clips{&source}, inside{nullptr};
   for (const auto& one : held_clips(measures)) {
     const auto& distances = distances_of(measures, one.key);
@@ -174,7 +203,7 @@ std::string strokes_table(const Json& measures) {
     table.row(name, cells);
   };
   for (const auto& [name, value] : source["events"].items())
-    add(name + " a frame", name,
+    add(name + "s a frame", name,
         [&, key = name](const Json& clip) { return interval(clip["events"][key], "a_frame", 3); });
   for (const char* key : {"lifetime", "length"})
     add(std::string(key) == "lifetime" ? "lifetime, frames" : "length, px", key,
@@ -187,16 +216,27 @@ std::string strokes_table(const Json& measures) {
   return table.html();
 }
 
+// The same for a model in every plot; the source's for what is shown of the source.
+int colour_of(const Json& measures, const std::string& name) {
+  if (name == "other") return 1;
+  int colour = 1;
+  for (const auto& model : measures.value("models", Json::array())) {
+    if (model["key"] == name) return colour;
+    ++colour;
+  }
+  return name == "mean_image" ? 5 : 0;
+}
+
 std::string plot(const Json& measures, const char* what, const char* x, CurvePlot look) {
   const auto& holder = at(measures, {"curves", what});
   if (holder.is_null()) return {};
   const auto axis = holder[x].get<std::vector<double>>();
   for (const auto& [name, values] : holder.items()) {
     if (name == x) continue;
-    std::string label = name;
+    std::string label = name == "other" ? "the other clip" : name == "source" ? source_of(measures) : name;
     for (const auto& model : measures.value("models", Json::array()))
       if (model["key"] == name) label = model["label"].get<std::string>();
-    look.curves.push_back({label, axis, values.get<std::vector<double>>()});
+    look.curves.push_back({label, axis, values.get<std::vector<double>>(), false, colour_of(measures, name)});
   }
   return figure(draw_curves(look), look.title, 120'000, 900);
 }
@@ -206,7 +246,7 @@ std::string prediction_plot(const Json& measures) {
   const auto& prediction = measures["prediction"];
   const auto steps = prediction["steps"].get<std::vector<double>>();
   for (const auto& [key, method] : prediction["methods"].items()) {
-    Curve curve{key, steps, {}, true};
+    Curve curve{key, steps, {}, true, colour_of(measures, key)};
     for (const auto& model : measures["models"])
       if (model["key"] == key) curve.name = model["label"].get<std::string>();
     if (key == "frame_before") curve.name = "the frame before";
@@ -266,13 +306,24 @@ std::string size_section(const Json& measures) {
   return section("Quality against size", about, body + "</div>");
 }
 
+std::string file_name(const Json& clip) {
+  const std::filesystem::path path(clip["name"].get<std::string>());
+  return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
+}
+
+std::string list_of(const Json& sentences) {
+  std::string list = "<ul>";
+  for (const auto& sentence : sentences)
+    list += "<li>" + escape_html(sentence.get<std::string>()) + "</li>\n";
+  return list + "</ul>\n";
+}
+
 }  // namespace
 
 std::string make_comparison_report(const Comparison& comparison, const Json& summary) {
   const auto& measures = comparison.measures;
-  const auto name =
-      escape_html(at(measures, {"clip", "name"}).is_string() ? measures["clip"]["name"].get<std::string>()
-                                                             : "comparison");
+  const auto name = escape_html(file_name(measures["clip"]) +
+                                (measures.contains("other") ? " and " + file_name(measures["other"]) : ""));
   std::string page =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Comparison of " +
@@ -280,29 +331,38 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
       "</style></head>\n<body><header><p class=\"brand\">emberfold <span>compare</span></p>\n<h1>" + name +
       "</h1>\n<p class=\"meta\"><code>" + escape_html(summary.value("command_line", "")) +
       "</code></p></header>\n<main>\n";
-  std::string words = "<ul>";
-  for (const auto& sentence : measures["words"])
-    words += "<li>" + escape_html(sentence.get<std::string>()) + "</li>\n";
-  page += section("What the measures say", "", words + "</ul>\n");
+  const bool pair = measures.contains("other");
+  page += section("What the measures say", "", list_of(measures["words"]));
+  if (!measures["warnings"].empty()) page += section("Warnings", "", list_of(measures["warnings"]));
   std::string pictures;
-  for (const auto& picture : comparison.pictures)
-    pictures += figure(picture, "the same moment of each clip", 900'000, 2400);
-  page += section("Side by side", "Moving: side_by_side.mp4.", pictures);
+  for (const auto& [frame, picture] : comparison.pictures)
+    pictures += figure(picture, "frame " + std::to_string(frame) + " of each clip", 900'000, 2400);
+  page += section(
+      "Side by side",
+      std::string(
+          pair ? ""
+               : "Clips drawn from a model are new ones: they look like the source as far as the model "
+                 "goes, and do not follow it. ") +
+          "All frames: side_by_side.mp4.",
+      pictures);
   page += section("Distances",
-                  "The nearest is stressed. The noise floor is how far the source's own halves lie apart: no "
-                  "model can be asked for less.",
+                  "0 is no difference. The noise floor is how far the first and the second half of " +
+                      source_of(measures) + " lie apart" +
+                      (pair ? "." : ": no model can be asked for less. The nearest is in bold."),
                   distances_table(measures));
   if (const auto strokes = strokes_table(measures); !strokes.empty())
     page += section("Strokes",
-                    "Found alike in all clips, bottom up. A tick: the mean lies in the source's interval.",
+                    "Every clip is sketched and its strokes are followed in the same way. ✓: the mean lies "
+                    "in the 95 % interval of " +
+                        source_of(measures) + ".",
                     strokes);
   const bool foretold = at(measures, {"prediction"}).is_object();
   if (foretold)
-    page +=
-        section("Foretelling",
-                "Frames that no model has learned from, foretold from those before them. The last column: "
-                "how well a model shows a frame that it is given.",
-                prediction_tables(measures));
+    page += section(
+        "Foretelling",
+        "Frames that no model has learned from, foretold from those before them; the best is in bold. The "
+        "last column: how well a model shows a frame that it is given.",
+        prediction_tables(measures));
   page += section(
       "Curves", "",
       "<div class=\"plots\">" +
@@ -312,8 +372,11 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
           plot(measures, "autocorrelation", "lag", {"Autocorrelation", "frames apart", "correlation", {}}) +
           (foretold ? prediction_plot(measures) : "") + "</div>");
   if (measures.contains("size_curve")) page += size_section(measures);
-  page += "<section><div class=\"head\"><h2>All figures</h2></div><pre style=\"overflow:auto\">" +
-          escape_html(summary.dump(1, ' ', false, Json::error_handler_t::replace)) + "</pre></section>\n";
+  page +=
+      "<section><div class=\"head\"><h2>All figures</h2></div><details><summary>summary.json</summary><pre "
+      "style=\"overflow:auto\">" +
+      escape_html(summary.dump(1, ' ', false, Json::error_handler_t::replace)) +
+      "</pre></details></section>\n";
   return page + "</main></body></html>\n";
 }
 

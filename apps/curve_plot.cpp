@@ -137,19 +137,36 @@ void draw_curve(cv::Mat& picture, const Curve& curve, const cv::Scalar& colour, 
   end_run();
 }
 
-void draw_names(cv::Mat& picture, const CurvePlot& plot) {
+const cv::Scalar& colour_of(const CurvePlot& plot, std::size_t i) {
+  const int own = plot.curves[i].colour;
+  return kColours[own < 0 ? i % kColours.size() : static_cast<std::size_t>(own)];
+}
+
+// Of the four corners that where the fewest pixels are drawn over; `curves`: CV_8U, not 0 where one runs.
+cv::Rect names_place(cv::Size size, const cv::Mat& curves) {
+  constexpr int kMargin = 8;
+  const int left = kBox.x + kMargin, right = kBox.x + kBox.width - kMargin - size.width,
+            top = kBox.y + kMargin, bottom = kBox.y + kBox.height - kMargin - size.height;
+  cv::Rect best;
+  int least = std::numeric_limits<int>::max();
+  for (const cv::Point corner : {cv::Point(right, bottom), {right, top}, {left, bottom}, {left, top}}) {
+    const cv::Rect place = cv::Rect(corner, size) & kBox;
+    const int hidden = place.empty() ? 0 : cv::countNonZero(curves(place));
+    if (hidden < least) least = hidden, best = place;
+  }
+  return best;
+}
+
+void draw_names(cv::Mat& picture, const CurvePlot& plot, const cv::Mat& curves) {
   int width = 0;
   for (const auto& curve : plot.curves) width = std::max(width, text_width(curve.name));
-  const cv::Rect place(kBox.x + kBox.width - width - 52,
-                       kBox.y + kBox.height - 14 - 20 * static_cast<int>(plot.curves.size()), width + 44,
-                       8 + 20 * static_cast<int>(plot.curves.size()));
-  const cv::Rect shown = place & kBox;
-  if (shown.empty()) return;
-  cv::rectangle(picture, shown, kPaper, cv::FILLED);
-  cv::rectangle(picture, shown, kFaint);
+  const auto place = names_place({width + 44, 8 + 20 * static_cast<int>(plot.curves.size())}, curves);
+  if (place.empty()) return;
+  cv::rectangle(picture, place, kPaper, cv::FILLED);
+  cv::rectangle(picture, place, kFaint);
   for (std::size_t i = 0; i < plot.curves.size(); ++i) {
     const int y = place.y + 14 + 20 * static_cast<int>(i);
-    cv::line(picture, {place.x + 8, y}, {place.x + 30, y}, kColours[i % kColours.size()], 2, cv::LINE_AA);
+    cv::line(picture, {place.x + 8, y}, {place.x + 30, y}, colour_of(plot, i), 2, cv::LINE_AA);
     write(picture, plot.curves[i].name, {place.x + 38, y + 4});
   }
 }
@@ -172,9 +189,13 @@ cv::Mat draw_curves(const CurvePlot& plot) {
   x.settle(false);
   y.settle(least < most / 3);
   draw_axes(picture, plot, x, y);
+  const cv::Mat axes = picture.clone();
   for (std::size_t i = 0; i < plot.curves.size(); ++i)
-    draw_curve(picture, plot.curves[i], kColours[i % kColours.size()], x, y);
-  draw_names(picture, plot);
+    draw_curve(picture, plot.curves[i], colour_of(plot, i), x, y);
+  cv::Mat drawn_over;
+  cv::absdiff(picture, axes, drawn_over);
+  cv::cvtColor(drawn_over, drawn_over, cv::COLOR_BGR2GRAY);
+  draw_names(picture, plot, drawn_over);
   return picture;
 }
 

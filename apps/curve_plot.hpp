@@ -13,6 +13,7 @@ struct Curve {
   std::vector<double> x,
       y;                ///< of one length; points that are not finite, or ≤ 0 on a log axis, are left out
   bool points = false;  ///< a dot at every point besides
+  int colour = -1;      ///< 0…5; −1: by its place among the curves
 };
 
 struct CurvePlot {
@@ -21,7 +22,8 @@ struct CurvePlot {
   bool log_x = false, log_y = false;
 };
 
-/// 900 × 540, CV_8UC3: axes with round numbers, a grid, a colour for each curve and their names.
+/// 900 × 540, CV_8UC3: axes with round numbers, a grid, a colour for each curve, and their names in the
+/// corner where they hide least.
 cv::Mat draw_curves(const CurvePlot& plot);
 
 }  // namespace emberfold::apps

@@ -34,7 +34,7 @@ struct FrameLook {
   float empty_level = 0;  ///< of a frame without patches and ground, white = 255
   sketch::FillOptions fill = {};
   Ground ground = {};
-  double blur_share = 1;  ///< of their fitted blur that patches are drawn with, 0…1 (crease_sharpness.hpp)
+  double blur_share = 1;  ///< of their fitted blur that patches are drawn with, 0…1 (sharpening.hpp)
   double contrast_gain = 1;  ///< of their contrast, ≥ 1
   /// Graphs drawn from a model, not seen: patches take the levels of where they are, those of a frame's
   /// ground (rest_on_ground.hpp), and none that the clip never had there (seen_levels.hpp).

@@ -84,9 +84,7 @@ DrawnModel open_drawn_model(const std::string& folder, ModelFill fill) {
 
 ModelFrames model_frames(const DrawnModel& model, const sketch::FillOptions& fill, std::uint64_t seed,
                          mcmc::Start start) {
-  FrameLook look = model_look(model.motion, model.ground, fill);
-  look.blur_share = model.sharpening.blur_share;
-  look.contrast_gain = model.sharpening.contrast_gain;
+  FrameLook look = sharpened(model_look(model.motion, model.ground, fill), model.sharpening);
   if (model.texture) return hybrid_frames(model.motion, model.texture, std::move(look), seed, start);
   return {mcmc::Synthesis(model.motion, seed, start), std::move(look)};
 }

@@ -6,11 +6,11 @@
 #include <string>
 #include <string_view>
 
-#include "apps/crease_sharpness.hpp"
 #include "apps/draw_model.hpp"
 #include "apps/ground.hpp"
 #include "apps/ground_texture.hpp"
 #include "apps/output_folder.hpp"
+#include "apps/sharpening.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/motion_model.hpp"
 
@@ -42,8 +42,8 @@ DrawnModel open_drawn_model(const std::string& folder, ModelFill fill);
 ModelFrames model_frames(const DrawnModel& model, const sketch::FillOptions& fill, std::uint64_t seed,
                          mcmc::Start start = mcmc::Start::data);
 
-/// How a new model's patches are to be drawn so that its frames' creases, in the mean of 60 frames, are as
-/// sharp as the clip's. Throws Interrupted.
+/// How a new model's patches are to be drawn so that the gradient on their flanks, in the mean of 60 frames,
+/// is `wanted`, the clip's. Throws Interrupted.
 Sharpening fit_sharpening(const mcmc::MotionModel& model, const Ground& ground, double wanted,
                           std::uint64_t seed, const core::Context& context = {});
 

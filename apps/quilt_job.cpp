@@ -135,7 +135,7 @@ Json summarise(const QuiltRequest& request, const QuiltTarget& target, const Fou
 }
 
 void write_pictures(OutputFolder& output, const QuiltRequest& request, const Found& found,
-                    const QuiltClips& clips, const std::vector<DrawnFrame>& drawn, const Json& summary) {
+                    const QuiltClips& clips, const std::vector<QuiltedFrame>& drawn, const Json& summary) {
   QuiltPictures pictures;
   const auto sizes = clips.sizes();
   const auto& source = *clips.held().front();

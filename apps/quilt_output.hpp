@@ -37,7 +37,7 @@ void write_quilt_map(OutputFolder& output, const QuiltRequest& request, const dy
                      const dytex::TimeControl& control);
 
 /// A frame as drawn, CV_8UC3.
-struct DrawnFrame {
+struct QuiltedFrame {
   int frame = 0;
   cv::Mat picture;
 };
@@ -50,7 +50,7 @@ struct FramePlan {
 
 struct WrittenClip {
   std::int64_t frames = 0;
-  std::vector<DrawnFrame> some;  ///< the first, the middle and the last one
+  std::vector<QuiltedFrame> some;  ///< the first, the middle and the last one
 };
 
 /// Draws and writes the clip. Throws Interrupted.

@@ -72,6 +72,19 @@ cv::Mat PanelRow::compose(std::span<const cv::Mat> pictures, std::span<const std
   return whole;
 }
 
+cv::Mat compose_rows(std::span<const cv::Mat> pictures, std::span<const std::string> labels,
+                     std::size_t most) {
+  const std::size_t rows = (pictures.size() + most - 1) / most, in_row = (pictures.size() + rows - 1) / rows;
+  const std::vector<cv::Size> sizes(in_row, pictures.front().size());
+  const PanelRow panels(sizes);
+  cv::Mat whole;
+  for (std::size_t first = 0; first < pictures.size(); first += in_row) {
+    const auto count = std::min(in_row, pictures.size() - first);
+    whole.push_back(panels.compose(pictures.subspan(first, count), labels.subspan(first, count)));
+  }
+  return whole;
+}
+
 SideBySide::SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
                        std::span<const cv::Size> sizes, double fps)
     : row_(sizes), labels_(std::move(labels)), writer_(create_clip(path, row_.size(), fps, true)) {}

@@ -30,6 +30,10 @@ class PanelRow {
   cv::Size size_;
 };
 
+/// Pictures of one size in rows of at most `most`, as alike in length as can be, each under its label.
+cv::Mat compose_rows(std::span<const cv::Mat> pictures, std::span<const std::string> labels,
+                     std::size_t most);
+
 /// A video of clips beside each other.
 class SideBySide {
  public:

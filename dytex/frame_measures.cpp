@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/between_pixels.hpp"
 #include "core/error.hpp"
 
 namespace emberfold::dytex {
@@ -38,7 +39,7 @@ struct Gradient {
   cv::Mat x, y, size;  // levels/px
 };
 
-Gradient gradient(const cv::Mat& luma) {
+Gradient sobel(const cv::Mat& luma) {
   Gradient g;
   cv::Sobel(luma, g.x, CV_32F, 1, 0, 3, 1.0 / 8, 0, cv::BORDER_REPLICATE);
   cv::Sobel(luma, g.y, CV_32F, 0, 1, 3, 1.0 / 8, 0, cv::BORDER_REPLICATE);
@@ -46,19 +47,12 @@ Gradient gradient(const cv::Mat& luma) {
   return g;
 }
 
-// Bilinear; the place lies at least a pixel inside.
-double value_at(const cv::Mat& image, double x, double y) {
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const double u = x - left, v = y - top;
-  const float *upper = image.ptr<float>(top) + left, *lower = image.ptr<float>(top + 1) + left;
-  return (1 - v) * ((1 - u) * static_cast<double>(upper[0]) + u * static_cast<double>(upper[1])) +
-         v * ((1 - u) * static_cast<double>(lower[0]) + u * static_cast<double>(lower[1]));
-}
-
 struct CreasePoint {
   int x, y;
   double steepness, height;
 };
+
+using core::between_pixels;
 
 // Where the gradient is largest along its own direction.
 std::vector<CreasePoint> crease_points(const Gradient& g) {
@@ -71,7 +65,7 @@ std::vector<CreasePoint> crease_points(const Gradient& g) {
       const double dx = static_cast<double>(g.x.at<float>(y, x)) / size,
                    dy = static_cast<double>(g.y.at<float>(y, x)) / size;
       // >= on one side alone: of two equal neighbours one is taken
-      if (size > value_at(g.size, x + dx, y + dy) && size >= value_at(g.size, x - dx, y - dy))
+      if (size > between_pixels(g.size, x + dx, y + dy) && size >= between_pixels(g.size, x - dx, y - dy))
         points.push_back({x, y, size, 0});
     }
   return points;
@@ -89,7 +83,7 @@ double step_height(const cv::Mat& luma, const Gradient& g, const CreasePoint& po
     for (int i = 1; i <= kReach; ++i) {
       const double x = point.x + side * i * dx, y = point.y + side * i * dy;
       if (x < 0 || y < 0 || x >= luma.cols - 1 || y >= luma.rows - 1) break;
-      const double level = value_at(luma, x, y);
+      const double level = between_pixels(luma, x, y);
       if (side * (level - reached) <= 0) break;
       reached = level;
     }
@@ -146,12 +140,17 @@ double structural_similarity(const cv::Mat& a, const cv::Mat& b) {
   return sum / inside.area();
 }
 
+cv::Mat gradient_size(const cv::Mat& luma) {
+  check_luma(luma, "gradient");
+  return sobel(luma).size;
+}
+
 double spatial_information(const cv::Mat& luma) {
   check_luma(luma, "spatial information");
   if (luma.cols < 3 || luma.rows < 3) return 0;
-  const auto g = gradient(luma);
+  const cv::Mat slope = gradient_size(luma);
   // P.910 has Sobel's kernels as they are, 8 times the slope.
-  return 8 * deviation(g.size(cv::Rect(1, 1, luma.cols - 2, luma.rows - 2)));
+  return 8 * deviation(slope(cv::Rect(1, 1, luma.cols - 2, luma.rows - 2)));
 }
 
 double temporal_information(const cv::Mat& luma, const cv::Mat& before) {
@@ -163,7 +162,7 @@ double temporal_information(const cv::Mat& luma, const cv::Mat& before) {
 
 Sharpness crease_sharpness(const cv::Mat& luma) {
   check_luma(luma, "crease sharpness");
-  const auto g = gradient(luma);
+  const auto g = sobel(luma);
   auto points = crease_points(g);
   for (auto& point : points) point.height = step_height(luma, g, point);
   const auto most = std::max<std::size_t>(1, luma.total() / 50);

@@ -21,6 +21,10 @@ double psnr(double mean_square_error);
 /// frames. O(pixels).
 double structural_similarity(const cv::Mat& a, const cv::Mat& b);
 
+/// The size of a frame's gradient at every pixel, levels/px, CV_32F: Sobel's, an eighth of its kernels;
+/// outside the frame its border goes on.
+cv::Mat gradient_size(const cv::Mat& luma);
+
 /// SI of ITU-T P.910 for one frame of luma: the SD of the Sobel gradient's size over all inner pixels. The
 /// recommendation takes the largest over a clip. 0 below 3×3.
 double spatial_information(const cv::Mat& luma);

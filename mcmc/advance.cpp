@@ -11,6 +11,8 @@ namespace emberfold::mcmc::detail {
 
 namespace {
 
+constexpr int long_ago = 1000;  // frames: nobody saw them being born
+
 // Whether anything of a patch is drawn in the frame: it shows half its width and two blurs to each side.
 bool in_sight(const graph::Patch& patch, graph::Point step, const MotionModel& model) {
   const double reach = std::clamp(patch.width / 2 + 2 * patch.blur, 1.5, 12.0);
@@ -48,7 +50,7 @@ int carry(Particles& particles, const MotionModel& model) {
 
 Particles begin(const MotionModel& model, std::uint64_t seed) {
   Particles particles;
-  add_settled(particles, model.first, {0, 0}, static_cast<int>(model.appearing.size()), model, seed);
+  add_settled(particles, model.first, {0, 0}, long_ago, model, seed);
   for (std::size_t v = 0; v < model.first_swing.size(); ++v) {
     const Swing& seen = model.first_swing[v];
     Particle& particle = particles.list[v];

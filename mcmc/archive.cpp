@@ -239,6 +239,11 @@ nlohmann::json header(const core::ModelArchive& archive) {
   return json;
 }
 
+Circumstances read_circumstances(const Json& json) {
+  return {numbers<kSince>(json, "death"), numbers<kSince>(json, "parting"), numbers<kSince>(json, "uniting"),
+          numbers<kGaps>(json, "bridging"), number(json, "pace")};
+}
+
 }  // namespace
 
 core::ModelArchive to_archive(const MotionModel& model) {
@@ -263,7 +268,13 @@ core::ModelArchive to_archive(const MotionModel& model) {
                        {"reach", rates.reach},
                        {"split_gap", rates.split_gap},
                        {"disconnect_gap", rates.disconnect_gap},
-                       {"hold", rates.hold}}},
+                       {"hold", rates.hold},
+                       {"circumstances",
+                        {{"death", rates.circumstances.death},
+                         {"parting", rates.circumstances.parting},
+                         {"uniting", rates.circumstances.uniting},
+                         {"bridging", rates.circumstances.bridging},
+                         {"pace", rates.circumstances.pace}}}}},
                      {"appearing", model.appearing},
                      {"vanishing", model.vanishing}};
   core::ModelArchive archive;
@@ -317,7 +328,10 @@ MotionModel motion_model(const core::ModelArchive& archive) {
   model.rates.reach = number(rates, "reach");
   model.rates.split_gap = number(rates, "split_gap");
   model.rates.disconnect_gap = number(rates, "disconnect_gap");
-  if (rates.contains("hold")) model.rates.hold = number(rates, "hold");  // older models do not have it
+  // Older models do not have them.
+  if (rates.contains("hold")) model.rates.hold = number(rates, "hold");
+  if (rates.contains("circumstances"))
+    model.rates.circumstances = read_circumstances(part(rates, "circumstances"));
   model.appearing = numbers<8>(json, "appearing");
   model.vanishing = numbers<8>(json, "vanishing");
   const double cell = number(json, "cell");

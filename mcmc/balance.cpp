@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include "graph/events.hpp"
 #include "mcmc/advance.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 using Sizes = std::array<double, kSizes>;
 
-constexpr int rounds = 30;
+constexpr int rounds = 60;
 
 double sum(const Sizes& sizes) {
   return std::accumulate(sizes.begin(), sizes.end(), 0.0);
@@ -24,10 +25,41 @@ double births_a_frame(const CellMap& map) {
   return std::accumulate(map.values.begin(), map.values.end(), 0.0) * map.cell * map.cell;
 }
 
-// One stroke, or event, more on both sides: what hardly occurs is not worth chasing.
+// Robbins and Monro's step, of the logarithm. It is linear in what is seen, so that few events in a round
+// leave no bias. `more`: what hardly occurs is not worth chasing.
 void correct(double& rate, double want, double have, double more, double step) {
-  rate *= std::pow(std::clamp((want + more) / (have + more), 0.25, 4.0), step);
+  rate *= std::exp(step * std::clamp((want - have) / (want + more), -1.5, 1.5));
 }
+
+// All that is corrected. In the end each is the geometric mean of what it was in the later rounds (Polyak and
+// Juditsky 1992): a round shows few events, and strokes outlive it.
+class Controls {
+ public:
+  Controls(Sizes& births, OperatorRates& rates) {
+    for (double& birth : births) add(birth, 1e3);
+    for (double& death : rates.death_by_size) add(death, 1);
+    for (double* rate : {&rates.split, &rates.merge, &rates.connect, &rates.disconnect}) add(*rate, 1);
+  }
+  void bound() {
+    for (auto& control : all_) *control.value = std::min(*control.value, control.most);
+  }
+  void note() {
+    for (auto& control : all_) control.logs += std::log(*control.value);
+    ++noted_;
+  }
+  void average() {
+    for (auto& control : all_) *control.value = std::exp(control.logs / noted_);
+  }
+
+ private:
+  struct Control {
+    double* value = nullptr;
+    double most = 1, logs = 0;
+  };
+  void add(double& value, double most) { all_.push_back({&value, most}); }
+  std::vector<Control> all_;
+  int noted_ = 0;
+};
 
 }  // namespace
 
@@ -54,29 +86,35 @@ void set_births(MotionModel& model, const Sizes& births, const Sizes& otherwise)
 void balance(MotionModel& model, Census wanted, std::uint64_t seed, const core::Context& context) {
   reconcile(wanted);
   Sizes births = births_by_size(model);
+  if (sum(births) <= 0) return;
   auto& rates = model.rates;
+  Controls controls(births, rates);
   const int frames = detail::frames_a_round(model, rounds);
   auto particles = detail::begin(model, seed);
-  for (int round = 0; round < rounds && !context.cancelled() && sum(births) > 0; ++round) {
+  for (int round = 0; round < rounds && !context.cancelled(); ++round) {
     const auto first = static_cast<std::uint32_t>(1 + round * frames);
     const Census shown = detail::simulate(particles, model, seed, first, frames);
-    const double step = 0.5 / (1 + 0.15 * round);
-    // Each size by itself and, as strokes grow together and fall into pieces, with more weight the patches of
-    // all together.
-    for (std::size_t s = 0; s < kSizes; ++s) {
-      correct(births[s], wanted.strokes[s], shown.strokes[s], 0.5, step);
-      correct(births[s], wanted.patches * wanted.patches, shown.patches * shown.patches, 25, step);
-    }
+    const double step = 0.4 / (1 + 0.05 * round);
     const auto keep_frequency = [&](graph::EventType type, double& rate) {
       const auto i = static_cast<std::size_t>(type);
       correct(rate, wanted.events[i], shown.events[i], 1.0 / frames, step);
-      rate = std::min(rate, 1.0);
     };
-    for (double& rate : rates.death_by_size) keep_frequency(graph::EventType::death, rate);
+    // Of a size too few are there: more are born, and fewer die. As strokes grow together and fall into
+    // pieces, the patches of all together count, too.
+    for (std::size_t s = 0; s < kSizes; ++s) {
+      correct(births[s], wanted.strokes[s], shown.strokes[s], 0.5, step);
+      correct(births[s], wanted.patches, shown.patches, 5, step);
+      keep_frequency(graph::EventType::birth, births[s]);
+      correct(rates.death_by_size[s], wanted.strokes[s], shown.strokes[s], 0.5, -step);
+      keep_frequency(graph::EventType::death, rates.death_by_size[s]);
+    }
     keep_frequency(graph::EventType::split, rates.split);
     keep_frequency(graph::EventType::disconnect, rates.disconnect);
     keep_frequency(graph::EventType::merge, rates.merge);
     keep_frequency(graph::EventType::connect, rates.connect);
+    controls.bound();
+    if (round >= rounds / 2) controls.note();
+    if (round + 1 == rounds) controls.average();
     set_births(model, births, wanted.strokes);
     context.report("balance", (round + 1.0) / rounds);
   }

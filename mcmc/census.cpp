@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "mcmc/advance.hpp"
+#include "mcmc/linked_frames.hpp"
 
 namespace emberfold::mcmc {
 
@@ -56,15 +57,19 @@ namespace detail {
 Census simulate(Particles& particles, const MotionModel& model, std::uint64_t seed, std::uint32_t first,
                 int frames, CellMap* where) {
   Census result;
+  LinkedFrames linked;
+  linked.motion.sketch.width = model.width, linked.motion.sketch.height = model.height;
+  linked.append(shape(particles));
   for (int t = 0; t < frames; ++t) {
-    const auto done = advance(particles, model, seed, first + static_cast<std::uint32_t>(t));
-    for (std::size_t i = 0; i < done.size(); ++i) result.events[i] += static_cast<double>(done[i]) / frames;
-    const auto graph = shape(particles);
-    count_strokes(graph, 1.0 / frames, result);
+    (void)advance(particles, model, seed, first + static_cast<std::uint32_t>(t));
+    linked.append(shape(particles));
+    count_strokes(linked.last, 1.0 / frames, result);
     if (!where) continue;
-    for (const auto& vertex : graph.vertices())
+    for (const auto& vertex : linked.last.vertices())
       where->values[where->index(vertex.patch.position)] += 1.0 / frames;
   }
+  for (const auto& event : graph::stroke_events(graph::identify(std::move(linked.motion))))
+    result.events[static_cast<std::size_t>(event.type)] += 1.0 / frames;
   return result;
 }
 

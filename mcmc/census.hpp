@@ -33,8 +33,8 @@ void reconcile(Census& census);
 
 namespace detail {
 
-/// Lets particles go on for so many frames, numbered from `first` on, and takes their census; operators are
-/// its events. What was in each cell, a frame, is added to `where`, if given.
+/// Lets particles go on for so many frames, numbered from `first` on, and takes their census; its
+/// events are read off the graphs, as a clip's are. What was in each cell, a frame, is added to `where`, if given.
 Census simulate(Particles& particles, const MotionModel& model, std::uint64_t seed, std::uint32_t first,
                 int frames, CellMap* where = nullptr);
 

@@ -71,7 +71,7 @@ void speed_up(MotionModel& model, double factor, std::uint64_t seed, const core:
   for (double& rate : rates.death_by_size) rate = power(rate, factor);
   for (double* rate : {&rates.split, &rates.merge, &rates.connect, &rates.disconnect})
     *rate = power(*rate, factor);
-  rates.hold /= factor;
+  rates.hold /= factor, rates.circumstances.pace *= factor;
   resample(model.appearing, factor);
   resample(model.vanishing, factor);
   for (auto& swing : model.first_swing) {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/error.hpp"
+#include "mcmc/circumstances.hpp"
 #include "mcmc/balance.hpp"
 #include "mcmc/drift.hpp"
 #include "mcmc/exemplars.hpp"
@@ -226,19 +227,21 @@ FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& opt
 
   context.report("fit", 0.3);
   std::vector<OperatorCounts> counts;
+  std::vector<std::vector<graph::Event>> events;
   std::array<double, kSizes> born{};
   double hold = 8;
   for (const auto& motion : samples) {
-    const auto events = graph::stroke_events(motion);
-    counts.push_back(count_operators(motion, events));
-    hold = std::min(hold, shortest_life(events));
-    const auto sizes = born_sizes(motion, events);
+    events.push_back(graph::stroke_events(motion));
+    counts.push_back(count_operators(motion, events.back()));
+    hold = std::min(hold, shortest_life(events.back()));
+    const auto sizes = born_sizes(motion, events.back());
     for (std::size_t s = 0; s < kSizes; ++s) born[s] += sizes[s] / static_cast<double>(samples.size());
   }
   result.counts = mean(counts);
   auto rates = estimate_rates(result.counts);
   model.rates = std::move(rates.rates);
   model.rates.hold = hold;
+  model.rates.circumstances = estimate_circumstances(samples, events, model.rates);
   result.a_frame = rates.a_frame, result.death_by_size = rates.death_by_size;
   append(result.notes, rates.notes);
   const auto deviation = deviations(last, followed.back().lineages, followed.back().travel);

@@ -137,6 +137,13 @@ void validate(const MotionModel& model) {
     check(length >= 0 && length <= 1000, "a gap", "is " + shown(length) + " px; allowed is 0…1000");
   check(model.rates.hold >= 0 && model.rates.hold <= 1000, "hold",
         "is " + shown(model.rates.hold) + " frames; allowed is 0…1000");
+  const auto& after = model.rates.circumstances;
+  for (const auto* multiples : {&after.death, &after.parting, &after.uniting, &after.bridging})
+    for (const double multiple : *multiples)
+      check(multiple >= 0 && multiple <= 1e6, "circumstances",
+            "holds " + shown(multiple) + ", which is out of range");
+  check(after.pace >= 1e-3 && after.pace <= 1e3, "circumstances",
+        "has a pace of " + shown(after.pace) + "; allowed is 0.001…1000");
   for (const double share : model.appearing) check_share(share, "appearing");
   for (const double share : model.vanishing) check_share(share, "vanishing");
   for (const auto& exemplar : model.exemplars) {

@@ -43,6 +43,21 @@ struct CellMap {
 constexpr std::size_t kSizes = 7;
 std::size_t size_class(std::size_t patches);
 
+/// Classes of how long ago something was (mcmc/circumstances.hpp): below 4, 6, 9, 16, 32 frames, and longer
+/// or not known; and of how wide a gap is: below 5, 7, 10, 14, 20 px, and wider.
+constexpr std::size_t kSince = 6, kGaps = 6;
+
+/// How much more often than usual something happens where, and so long after, something else was; about 1.
+struct Circumstances {
+  std::array<double, kSince> death = {1, 1, 1, 1, 1, 1};    ///< by the stroke's age
+  std::array<double, kSince> parting = {1, 1, 1, 1, 1, 1};  ///< split, disconnect: after a union near there
+  std::array<double, kSince> uniting = {1, 1, 1, 1, 1, 1};  ///< merge, connect: after a parting near there
+  std::array<double, kGaps> bridging = {1, 1, 1,
+                                        1, 1, 1};  ///< merge, connect: by the gap between the strokes
+  double pace = 1;  ///< frames of the clip it was learned from that pass in one
+  bool operator==(const Circumstances&) const = default;
+};
+
 /// θ_ext: how often strokes change. A rate is an expected number in a frame at one place where the change can
 /// happen (mcmc/sites.hpp).
 struct OperatorRates {
@@ -58,6 +73,7 @@ struct OperatorRates {
   double reach = 24;      ///< px: strokes farther apart neither merge nor connect
   double split_gap = 10, disconnect_gap = 10;  ///< px: from end to end where a stroke came apart
   double hold = 0;  ///< frames: so long nothing happens again where something has just happened
+  Circumstances circumstances;
   bool operator==(const OperatorRates&) const = default;
 };
 

@@ -29,6 +29,7 @@ struct Scene {
   core::Rng rng;
   graph::AttributeGraph graph;
   graph::Components parts;
+  double frame;                  ///< the one that is made
   CellMap crowd;                 ///< patches around each cell, over what is usual there
   std::vector<bool> busy;        ///< strokes that have changed, or of which something fades
   std::array<int, 6> done = {};  ///< how many of each operator
@@ -42,8 +43,20 @@ struct Scene {
     return rng.uniform() * crowd.at(graph.patch(vertex).position) < rate && !busy[parts.of_vertex[vertex]];
   }
   [[nodiscard]] double parting(Index vertex) const {
-    return model.rates.parting.at(graph.patch(vertex).position);
+    const Point place = graph.patch(vertex).position;
+    return model.rates.parting.at(place) *
+           after(model.rates.circumstances.parting, since(particles.unions, place, gone()));
   }
+  [[nodiscard]] double uniting(Index a, Index b) const {
+    const Point from = graph.patch(a).position, to = graph.patch(b).position;
+    return after(model.rates.circumstances.uniting, since(particles.partings, from, frame)) *
+           model.rates.circumstances.bridging[gap_class(graph::distance(from, to))];
+  }
+  [[nodiscard]] double after(const std::array<double, kSince>& multiples, double frames) const {
+    return multiples[since_class(frames * model.rates.circumstances.pace)];
+  }
+  // The frame in which what begins to fade now is no longer there.
+  [[nodiscard]] double gone() const { return frame + fading() + 1; }
   [[nodiscard]] bool held(Index vertex) const { return particles.list[vertex].held > 0; }
   // Nothing happens there for a while, once what fades is gone.
   void hold(Index vertex, int fades = 0) {
@@ -66,13 +79,19 @@ void die(Scene& scene) {
   const auto all = strokes(scene.parts);
   std::size_t least = scene.model.exemplars.empty() ? 0 : scene.graph.size();
   for (const auto& exemplar : scene.model.exemplars) least = std::min(least, exemplar.graph.size());
+  const int fading = scene.fading();
   for (std::size_t s = 0; s < all.size(); ++s) {
+    int age = 0;
+    for (const Index v : all[s]) age = std::max(age, scene.particles.list[v].age);
+    // The hold of the newly born is in the chance that strokes of their age have.
+    const bool held = std::ranges::any_of(all[s], [&](Index v) { return scene.held(v); });
+    if (held && age >= scene.model.rates.hold) continue;
     const double rate = scene.model.rates.death_by_size[size_class(all[s].size())] *
-                        scene.model.rates.death.at(middle(scene.graph, all[s]));
+                        scene.model.rates.death.at(middle(scene.graph, all[s])) *
+                        scene.after(scene.model.rates.circumstances.death, age + fading + 1);
     // The frames in which it fades are part of its life. What is smaller than any stroke that was seen is
     // none.
-    const double sooner = rate / std::max(0.05, 1 - rate * scene.fading());
-    if (std::ranges::any_of(all[s], [&](Index v) { return scene.held(v); })) continue;
+    const double sooner = rate / std::max(0.05, 1 - rate * fading);
     if (!scene.strike(all[s][0], all[s].size() < least ? 1 : sooner)) continue;
     scene.take(all[s][0]);
     scene.count(EventType::death);
@@ -119,6 +138,7 @@ void split(Scene& scene, const Sites& found) {
     if (scene.held(v) || !scene.strike(v, scene.model.rates.split * scene.parting(v))) continue;
     scene.take(v);
     scene.count(EventType::split);
+    scene.particles.partings.push_back({scene.graph.patch(v).position, scene.gone()});
     scene.fade(v);
     const auto sides = scene.graph.neighbours(v);
     for (const Index side : sides) scene.hold(side, scene.fading());
@@ -135,6 +155,7 @@ void come_apart(Scene& scene, const Sites& found) {
     scene.take(hub);
     scene.hold(hub, scene.fading());
     scene.count(EventType::disconnect);
+    scene.particles.partings.push_back({scene.graph.patch(hub).position, scene.gone()});
     const Run arm = run(scene.graph, hub, first, 2 * wide + kPiece);
     // A bridge goes as a whole where it is not much longer than usual; one without patches takes its far end.
     if (arm.patches.empty())
@@ -191,10 +212,12 @@ void bridge(Scene& scene, Index a, Index b) {
 void unite(Scene& scene, const std::vector<Sites::Pair>& pairs, double rate, EventType type) {
   for (const auto& [a, b] : pairs) {
     if (scene.held(a) || scene.held(b)) continue;
-    if (!scene.bring(a, rate) || scene.busy[scene.parts.of_vertex[b]]) continue;
+    if (!scene.bring(a, rate * scene.uniting(a, b)) || scene.busy[scene.parts.of_vertex[b]]) continue;
     scene.take(a);
     scene.take(b);
     scene.count(type);
+    const Point middle = (scene.graph.patch(a).position + scene.graph.patch(b).position) * 0.5;
+    scene.particles.unions.push_back({middle, scene.frame});
     bridge(scene, a, b);
   }
 }
@@ -320,7 +343,8 @@ std::array<int, 6> operate(Particles& particles, const MotionModel& model, std::
   CellMap crowd = crowding(shown, model.density);
   // Shifted as the keys of the noise are, and so none of theirs.
   const core::Rng rng(seed, {frame, 0, static_cast<std::uint32_t>(Purpose::operators) << 1U});
-  Scene scene{particles, model, rng, std::move(shown), std::move(parts), std::move(crowd), {}, {}};
+  Scene scene{particles,        model, rng, std::move(shown), std::move(parts), static_cast<double>(frame),
+              std::move(crowd), {},    {}};
   scene.busy.resize(scene.parts.count);
   for (Index v = 0; v < scene.graph.size(); ++v)
     if (particles.list[v].leaving >= 0) scene.take(v);
@@ -331,6 +355,11 @@ std::array<int, 6> operate(Particles& particles, const MotionModel& model, std::
   unite(scene, found.facing, model.rates.merge, EventType::merge);
   unite(scene, found.beside, model.rates.connect, EventType::connect);
   give_birth(scene, seed);
+  const auto forgotten = [&](const Happening& one) {
+    return since_class((scene.frame - one.frame) * model.rates.circumstances.pace) == kSince - 1;
+  };
+  std::erase_if(particles.unions, forgotten);
+  std::erase_if(particles.partings, forgotten);
   return scene.done;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
-#include "mcmc/motion_model.hpp"
+#include "mcmc/circumstances.hpp"
 
 namespace emberfold::mcmc::detail {
 
@@ -30,6 +30,7 @@ struct Particles {
   std::vector<Particle> list;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   std::uint32_t next_id = 0;
+  std::vector<Happening> unions, partings;  ///< of late; a parting when what fades there is gone
 
   /// Returns its index.
   std::uint32_t add(const Particle& particle);

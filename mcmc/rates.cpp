@@ -149,19 +149,6 @@ void count_events(const graph::MotionGraph& motion, std::span<const graph::Event
   }
 }
 
-// px between the nearest patches of two strokes of a frame.
-double gap_between(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b) {
-  std::vector<Point> one, other;
-  for (const auto& v : graph.vertices()) {
-    if (v.subgraph == a) one.push_back(v.patch.position);
-    if (v.subgraph == b) other.push_back(v.patch.position);
-  }
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Point p : one)
-    for (const Point q : other) nearest = std::min(nearest, graph::dot(p - q, p - q));
-  return std::sqrt(nearest);
-}
-
 double quantile(std::vector<double> values, double share, double otherwise) {
   if (values.empty()) return otherwise;
   const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -261,6 +248,18 @@ Point middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> 
   const auto nearest = std::ranges::min_element(
       stroke, {}, [&](std::uint32_t v) { return graph::distance(graph.patch(v).position, mean); });
   return graph.patch(*nearest).position;
+}
+
+double gap_between(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b) {
+  std::vector<Point> one, other;
+  for (const auto& v : graph.vertices()) {
+    if (v.subgraph == a) one.push_back(v.patch.position);
+    if (v.subgraph == b) other.push_back(v.patch.position);
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Point p : one)
+    for (const Point q : other) nearest = std::min(nearest, graph::dot(p - q, p - q));
+  return std::sqrt(nearest);
 }
 
 OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const graph::Event> events) {

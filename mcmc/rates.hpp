@@ -71,6 +71,9 @@ RateEstimate estimate_rates(const OperatorCounts& counts);
 /// A stroke's middle: the patch nearest the mean of its places.
 graph::Point middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke);
 
+/// px between the nearest patches of two strokes of a frame; infinite where one of them is not there.
+double gap_between(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b);
+
 /// The vertices of each component.
 std::vector<std::vector<std::uint32_t>> strokes(const graph::Components& parts);
 

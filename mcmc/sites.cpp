@@ -30,6 +30,19 @@ bool face_each_other(const AttributeGraph& graph, Index a, Index b) {
   return turn(out_a, gap) < in_line && turn(gap, out_b * -1) < in_line;
 }
 
+// Whether a curve without its i-th patch would be read as one line with a gap: both sides, over some patches
+// as the reading has them, turn by less than 30 degrees into the gap.
+bool straight(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t i) {
+  constexpr std::size_t reach = 3;  // patches
+  const auto at = [&](std::size_t k) { return graph.patch(curve[k]).position; };
+  const std::size_t far_before = i - std::min(i, reach + 1),
+                    far_behind = std::min(curve.size() - 1, i + reach + 1);
+  const Point gap = at(i + 1) - at(i - 1);
+  const Point out = i > 1 ? at(i - 1) - at(far_before) : at(i) - at(i - 1),
+              in = i + 2 < curve.size() ? at(far_behind) - at(i + 1) : at(i + 1) - at(i);
+  return turn(out, gap) < in_line && turn(gap, in) < in_line;
+}
+
 void find_along(const AttributeGraph& graph, Sites& result) {
   for (const auto& curve : graph::curves(graph)) {
     const std::size_t n = curve.size();
@@ -43,8 +56,7 @@ void find_along(const AttributeGraph& graph, Sites& result) {
       result.arms.push_back({curve[n - 1], curve[n - 2]});
     for (std::size_t i = 1; i + 1 < n; ++i) {
       if (!whole(i)) continue;
-      const Point at = graph.patch(curve[i]).position;
-      if (turn(at - graph.patch(curve[i - 1]).position, graph.patch(curve[i + 1]).position - at) < in_line) {
+      if (straight(graph, curve, i)) {
         result.inner.push_back(curve[i]);
       } else {
         result.arms.push_back({curve[i], curve[i - 1]});

@@ -8,22 +8,11 @@
 
 #include "core/error.hpp"
 #include "mcmc/advance.hpp"
+#include "mcmc/linked_frames.hpp"
 
 namespace emberfold::mcmc {
 
 namespace {
-
-// What goes on from one frame to the next, by the ids that both have; linked as the sequence numbers them.
-std::vector<graph::Link> links_between(const graph::AttributeGraph& before,
-                                       const graph::AttributeGraph& after,
-                                       const graph::AttributeGraph& numbered_before,
-                                       const graph::AttributeGraph& numbered_after) {
-  std::vector<graph::Link> links;
-  for (std::size_t i = 0; i < before.size(); ++i)
-    if (const auto j = after.index_of(before.vertices()[i].id); j < after.size())
-      links.push_back({numbered_before.vertices()[i].id, numbered_after.vertices()[j].id});
-  return links;
-}
 
 // How many frames it takes until next to nothing is left of the strokes that were there first.
 std::uint32_t running_in(const MotionModel& model) {
@@ -75,24 +64,19 @@ SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t s
                            const core::Context& context, Start start) {
   if (frames < 1) throw core::InputError("frames is " + std::to_string(frames) + "; allowed is 1 and more");
   SynthesisResult result;
-  auto& motion = result.motion;
+  detail::LinkedFrames linked;
+  auto& motion = linked.motion;
   motion.sketch.width = model.width, motion.sketch.height = model.height, motion.sketch.fps = model.fps;
   Synthesis synthesis(model, seed, start);
-  graph::AttributeGraph before;
   for (int t = 0; t < frames; ++t) {
     if (context.cancelled()) {
       result.status = core::Status::cancelled;
       break;
     }
-    graph::AttributeGraph graph = synthesis.next();
-    motion.sketch.append(graph);
-    const auto& frames_now = motion.sketch.frames;
-    motion.links.push_back(t > 0 ? links_between(before, graph, frames_now.end()[-2], frames_now.back())
-                                 : std::vector<graph::Link>{});
-    before = std::move(graph);
+    linked.append(synthesis.next());
     context.report("synthesize", (t + 1.0) / frames);
   }
-  motion = graph::identify(std::move(motion));
+  result.motion = graph::identify(std::move(motion));
   return result;
 }
 

@@ -5,11 +5,13 @@
 #include <array>
 #include <cmath>
 
+#include "core/between_pixels.hpp"
 #include "sketch/median.hpp"
 #include "sketch/row_pass.hpp"
 
 namespace emberfold::sketch {
 
+using core::between_pixels;
 using graph::Point;
 
 namespace {
@@ -161,18 +163,6 @@ EMBERFOLD_ROW_PASS void step_row(const std::array<const float*, 3>& magnitude,
   }
 }
 
-// Between four pixels, clamped to the frame.
-double bilinear(const cv::Mat1f& m, double x, double y) {
-  x = std::clamp(x, 0.0, m.cols - 1.0);
-  y = std::clamp(y, 0.0, m.rows - 1.0);
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, m.cols - 1), y1 = std::min(y0 + 1, m.rows - 1);
-  const double fx = x - x0, fy = y - y0;
-  const float *top = m[y0], *bottom = m[y1];
-  return (1 - fy) * ((1 - fx) * double{top[x0]} + fx * double{top[x1]}) +
-         fy * ((1 - fx) * double{bottom[x0]} + fx * double{bottom[x1]});
-}
-
 // From one sample to the next, odd, so that samples can lie alike seen from either border.
 int sample_step(double sigma, cv::Size frame) {
   constexpr double kEnough = 19000;
@@ -284,16 +274,16 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
         if (here < least || !map.beats(x, y, here * normalise)) continue;
         const Point g = level.gradient(x, y);
         const double nx = g.x / here, ny = g.y / here;
-        const double ahead = bilinear(magnitude, x + nx, y + ny),
-                     behind = bilinear(magnitude, x - nx, y - ny);
+        const double ahead = between_pixels(magnitude, x + nx, y + ny),
+                     behind = between_pixels(magnitude, x - nx, y - ny);
         const double bend = 2 * here - (ahead + behind);
         if (bend <= 0) continue;
         const double t = 0.5 * (ahead - behind) / bend;
         if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
         // A slope that goes on to both sides is shading, not a step: only what rises above it counts.
         const double far = 2.5 * level.sigma;
-        const double slope = 0.5 * (bilinear(magnitude, x + far * nx, y + far * ny) +
-                                    bilinear(magnitude, x - far * nx, y - far * ny));
+        const double slope = 0.5 * (between_pixels(magnitude, x + far * nx, y + far * ny) +
+                                    between_pixels(magnitude, x - far * nx, y - far * ny));
         const double rise = here - slope;
         if (rise < least) continue;
         map.put(x, y,

@@ -6,11 +6,11 @@
 
 #include "apps/clip_reader.hpp"
 #include "apps/clip_writer.hpp"
-#include "apps/crease_sharpness.hpp"
 #include "apps/draw_model.hpp"
 #include "apps/drawn_model.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/output_folder.hpp"
+#include "apps/sharpening.hpp"
 #include "graph/motion_io.hpp"
 #include "mcmc/motion_model.hpp"
 #include "mcmc/synthesize.hpp"

@@ -12,34 +12,39 @@
 #include "core/model_archive.hpp"
 #include "graph/motion_graph.hpp"
 
-// How sharp a frame is along its sketched creases, and what makes drawn ones as sharp as those of the clip: a
-// profile that is fitted over some px along its crease comes out more blurred than what it was fitted to.
+// What makes the strokes of drawn clips as steep as those of the clip they are learned from: a profile that
+// is fitted over some px along its crease comes out more blurred than what it was fitted to. Unlike the
+// crease sharpness of dytex/frame_measures.hpp, which clips are compared by, the gradient here is that of
+// strokes in a known sketch, and grows with their contrast.
 namespace emberfold::apps {
 
 /// The gradient's magnitude (grey levels a px, Sobel) on the flanks of a frame's patches: half a width (a
 /// line's blur, if larger) to each side of a line, on a step itself. Means over places inside the frame.
-struct CreaseSharpness {
+struct FlankGradient {
   double sum = 0;
   std::size_t places = 0;
   [[nodiscard]] double mean() const { return places > 0 ? sum / static_cast<double>(places) : 0; }
 };
 /// `luma`: CV_32F, white = 255.
-CreaseSharpness crease_sharpness(const cv::Mat& luma, const graph::AttributeGraph& graph);
+FlankGradient flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph);
 
 /// Of at most eight frames spread over a clip together. Reads the clip once; throws Interrupted.
-CreaseSharpness clip_sharpness(core::FrameSource& source, const graph::SketchSequence& sketch,
-                               const core::Context& context = {});
+FlankGradient clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                  const core::Context& context = {});
 
 /// How the patches of new clips are drawn.
 struct Sharpening {
   double blur_share = 1;     ///< of their fitted blur, 0.25…1
   double contrast_gain = 1;  ///< 1…1.5
 };
-/// With what the frames of these graphs come as near as they can to a sharpness `wanted`, by bisection: first
-/// less blur, then, where that is not enough, more contrast. Neither where they are that sharp or have no
-/// patches. Throws Interrupted. Draws the frames some 15 times.
+/// With what the frames of these graphs come as near as they can to a flank gradient `wanted`, by bisection:
+/// first less blur, then, where that is not enough, more contrast. Neither where they are that steep or have
+/// no patches. Throws Interrupted. Draws the frames some 15 times.
 Sharpening fit_sharpening(std::span<const FrameParts> parts, FrameLook look, double wanted,
                           const core::Context& context = {});
+
+/// The look of frames that are drawn so.
+FrameLook sharpened(FrameLook look, const Sharpening& sharpening);
 
 /// The array "sharpening" beside a motion model's own: blur_share, contrast_gain.
 void add_sharpening(core::ModelArchive& archive, const Sharpening& sharpening);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/crease_sharpness.hpp"
+#include "apps/sharpening.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -40,7 +40,7 @@ core::Clip clip_of(const graph::AttributeGraph& graph, int frames) {
 
 }  // namespace
 
-TEST_CASE("the sharpness of a step's crease is its gradient, whatever its direction") {
+TEST_CASE("the flank gradient of a step is that on the step, whatever its direction") {
   for (const double theta : {0.0, 0.5, 2.0, -1.3}) {
     cv::Mat frame(kSize, CV_32F);
     const double s = std::sin(theta), c = std::cos(theta);
@@ -51,55 +51,53 @@ TEST_CASE("the sharpness of a step's crease is its gradient, whatever its direct
     graph::Patch patch;
     patch.type = graph::PatchType::step;
     patch.position = {48, 32}, patch.theta = theta, patch.width = 0, patch.blur = 2.5, patch.contrast = 100;
-    const auto found = crease_sharpness(frame, {{{{0}, {}, patch}}, {}});
+    const auto found = flank_gradient(frame, {{{{0}, {}, patch}}, {}});
     CHECK(found.places == 2);
     // 100 levels blurred by 2.5 px, and by Sobel's own half a pixel or so.
     const double peak = 100 / (2.5 * std::sqrt(2 * std::numbers::pi));
     CHECK_THAT(found.mean(), WithinAbs(peak, 0.12 * peak));
     patch.position = {2, 2};
-    CHECK(crease_sharpness(frame, {{{{0}, {}, patch}}, {}}).places == 0);
+    CHECK(flank_gradient(frame, {{{{0}, {}, patch}}, {}}).places == 0);
   }
 }
 
-TEST_CASE("a blurred picture's creases are less sharp") {
+TEST_CASE("a blurred picture's flanks are less steep") {
   const auto graph = wavy(1);
   cv::Mat frame, blurred;
   clip_of(graph, 1).frames[0].convertTo(frame, CV_32F);
   cv::GaussianBlur(frame, blurred, {}, 1.5);
-  CHECK(crease_sharpness(blurred, graph).mean() < 0.75 * crease_sharpness(frame, graph).mean());
+  CHECK(flank_gradient(blurred, graph).mean() < 0.75 * flank_gradient(frame, graph).mean());
 }
 
 TEST_CASE("the sharpening is found that patches need, less blur before more contrast") {
   const std::vector<FrameParts> parts(3, FrameParts{wavy(1.6)});
   const FrameLook look{.size = kSize, .channels = 1, .empty_level = 68};
-  const auto sharpness = [&](const Sharpening& sharpening) {
-    FrameLook drawn = look;
-    drawn.blur_share = sharpening.blur_share, drawn.contrast_gain = sharpening.contrast_gain;
+  const auto gradient = [&](const Sharpening& sharpening) {
     cv::Mat levels;
-    draw_frame(parts[0], drawn).convertTo(levels, CV_32F);
-    return crease_sharpness(levels, parts[0].graph).mean();
+    draw_frame(parts[0], sharpened(look, sharpening)).convertTo(levels, CV_32F);
+    return flank_gradient(levels, parts[0].graph).mean();
   };
   for (const double share : {0.5, 0.7, 0.9}) {
-    const auto found = fit_sharpening(parts, look, sharpness({share, 1}));
+    const auto found = fit_sharpening(parts, look, gradient({share, 1}));
     CHECK_THAT(found.blur_share, WithinAbs(share, 0.06));
     CHECK(found.contrast_gain == 1);
   }
-  const auto more = fit_sharpening(parts, look, sharpness({0.25, 1.3}));
+  const auto more = fit_sharpening(parts, look, gradient({0.25, 1.3}));
   CHECK(more.blur_share == 0.25);
   CHECK_THAT(more.contrast_gain, WithinAbs(1.3, 0.04));
-  const auto enough = fit_sharpening(parts, look, 0.9 * sharpness({}));
+  const auto enough = fit_sharpening(parts, look, 0.9 * gradient({}));
   CHECK(enough.blur_share == 1);
   CHECK(enough.contrast_gain == 1);
   CHECK(fit_sharpening(std::vector<FrameParts>(2), look, 10).blur_share == 1);
 }
 
-TEST_CASE("a clip's sharpness is that of some of its frames") {
+TEST_CASE("a clip's flank gradient is that of some of its frames") {
   const auto clip = clip_of(wavy(1.6), 9);
   core::ClipSource source(clip);
   graph::SketchSequence sketch;
   for (int t = 0; t < 9; ++t) sketch.append(wavy(1.6));
   cv::Mat levels;
   clip.frames[0].convertTo(levels, CV_32F);
-  CHECK_THAT(clip_sharpness(source, sketch).mean(),
-             WithinAbs(crease_sharpness(levels, wavy(1.6)).mean(), 1e-9));
+  CHECK_THAT(clip_flank_gradient(source, sketch).mean(),
+             WithinAbs(flank_gradient(levels, wavy(1.6)).mean(), 1e-9));
 }

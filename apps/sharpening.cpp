@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/crease_sharpness.hpp"
+#include "apps/sharpening.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,13 @@
 #include <variant>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
+#include "apps/clip_measures.hpp"
 #include "apps/interrupt.hpp"
+#include "core/between_pixels.hpp"
 #include "core/error.hpp"
+#include "dytex/frame_measures.hpp"
 
 namespace emberfold::apps {
 
@@ -22,46 +25,32 @@ constexpr int halvings = 6;  // of the interval that the share lies in
 constexpr double least_share = 0.25, most_gain = 1.5;
 constexpr double border = 4;  // px
 
-/// `at` between pixels, linear; inside the frame.
-double between_pixels(const cv::Mat& values, graph::Point at) {
-  const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
-  const double u = at.x - x, v = at.y - y;
-  const float *above = values.ptr<float>(y) + x, *below = values.ptr<float>(y + 1) + x;
-  return (1 - v) * ((1 - u) * double{above[0]} + u * double{above[1]}) +
-         v * ((1 - u) * double{below[0]} + u * double{below[1]});
-}
-
 /// Of all frames, as they are drawn.
-double drawn_sharpness(std::span<const FrameParts> parts, const FrameLook& look,
-                       const core::Context& context) {
-  const auto frames = draw_batch(parts, look, context);
-  CreaseSharpness all;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    cv::Mat levels;
-    frames[i].convertTo(levels, CV_32F);
-    const auto one = crease_sharpness(core::luma(levels), mostly_there(parts[i]));
+double drawn_gradient(std::span<const FrameParts> parts, const FrameLook& look,
+                      const core::Context& context) {
+  const auto luma = luma_of(levels_of(draw_batch(parts, look, context)));
+  FlankGradient all;
+  for (std::size_t i = 0; i < luma.size(); ++i) {
+    const auto one = flank_gradient(luma[i], mostly_there(parts[i]));
     all.sum += one.sum, all.places += one.places;
   }
   return all.mean();
 }
 
-/// The value between one that is not sharp enough and one that is.
-double bisect(double& value, double too_soft, double sharp, const std::function<bool()>& is_sharp) {
+/// The value between one that is not steep enough and one that is.
+double bisect(double& value, double too_soft, double steep, const std::function<bool()>& is_steep) {
   for (int i = 0; i < halvings; ++i) {
-    value = (too_soft + sharp) / 2;
-    (is_sharp() ? sharp : too_soft) = value;
+    value = (too_soft + steep) / 2;
+    (is_steep() ? steep : too_soft) = value;
   }
-  return value = (too_soft + sharp) / 2;
+  return value = (too_soft + steep) / 2;
 }
 
 }  // namespace
 
-CreaseSharpness crease_sharpness(const cv::Mat& luma, const graph::AttributeGraph& graph) {
-  cv::Mat across, down, magnitude;
-  cv::Sobel(luma, across, CV_32F, 1, 0, 3, 1 / 8.0);
-  cv::Sobel(luma, down, CV_32F, 0, 1, 3, 1 / 8.0);
-  cv::magnitude(across, down, magnitude);
-  CreaseSharpness result;
+FlankGradient flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph) {
+  const cv::Mat slope = dytex::gradient_size(luma);
+  FlankGradient result;
   for (const auto& vertex : graph.vertices()) {
     const graph::Patch& patch = vertex.patch;
     if (patch.type == graph::PatchType::blob) continue;
@@ -72,25 +61,25 @@ CreaseSharpness crease_sharpness(const cv::Mat& luma, const graph::AttributeGrap
       if (!(at.x >= border && at.y >= border && at.x <= luma.cols - 1 - border &&
             at.y <= luma.rows - 1 - border))
         continue;
-      result.sum += between_pixels(magnitude, at);
+      result.sum += core::between_pixels(slope, at.x, at.y);
       ++result.places;
     }
   }
   return result;
 }
 
-CreaseSharpness clip_sharpness(core::FrameSource& source, const graph::SketchSequence& sketch,
-                               const core::Context& context) {
+FlankGradient clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                  const core::Context& context) {
   const std::size_t count = sketch.frames.size();
   const std::size_t every = std::max<std::size_t>(1, (count + most_frames - 1) / most_frames);
-  CreaseSharpness all;
+  FlankGradient all;
   source.rewind();
   for (std::size_t t = 0; t < count; ++t) {
     if (context.cancelled()) throw Interrupted{};
     const cv::Mat frame = source.next();
     if (frame.empty()) break;
     if (t % every != every / 2) continue;
-    const auto one = crease_sharpness(core::luma(frame, source.info()), sketch.frames[t]);
+    const auto one = flank_gradient(core::luma(frame, source.info()), sketch.frames[t]);
     all.sum += one.sum, all.places += one.places;
   }
   return all;
@@ -99,15 +88,21 @@ CreaseSharpness clip_sharpness(core::FrameSource& source, const graph::SketchSeq
 Sharpening fit_sharpening(std::span<const FrameParts> parts, FrameLook look, double wanted,
                           const core::Context& context) {
   look.blur_share = look.contrast_gain = 1;
-  const auto is_sharp = [&] { return drawn_sharpness(parts, look, context) >= wanted; };
-  if (const double fitted = drawn_sharpness(parts, look, context); fitted <= 0 || fitted >= wanted) return {};
+  const auto is_steep = [&] { return drawn_gradient(parts, look, context) >= wanted; };
+  if (const double fitted = drawn_gradient(parts, look, context); fitted <= 0 || fitted >= wanted) return {};
   look.blur_share = least_share;
-  if (is_sharp()) {
-    bisect(look.blur_share, 1, least_share, is_sharp);
+  if (is_steep()) {
+    bisect(look.blur_share, 1, least_share, is_steep);
     return {look.blur_share, 1};
   }
-  bisect(look.contrast_gain, 1, most_gain, is_sharp);
+  bisect(look.contrast_gain, 1, most_gain, is_steep);
   return {look.blur_share, look.contrast_gain};
+}
+
+FrameLook sharpened(FrameLook look, const Sharpening& sharpening) {
+  look.blur_share = sharpening.blur_share;
+  look.contrast_gain = sharpening.contrast_gain;
+  return look;
 }
 
 void add_sharpening(core::ModelArchive& archive, const Sharpening& sharpening) {
