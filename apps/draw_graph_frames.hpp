@@ -21,10 +21,11 @@ struct DrawnFrame {
   bool converged = true;
 };
 
-/// Fills what `part` and the still ground leave open; with nothing held the frame becomes `empty`, levels by
-/// channel.
+/// Fills what `part` and the still ground (with_ground) leave open; with nothing held the frame becomes
+/// `empty`, levels by channel.
 DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
-                       const sketch::FillOptions& options, const Ground& ground = {});
+                       const sketch::FillOptions& options, const Ground& ground = {},
+                       const cv::Mat& presence = {});
 
 /// What the frames of a clip of graphs have in common.
 struct FrameLook {
@@ -35,6 +36,9 @@ struct FrameLook {
   Ground ground = {};
   double blur_share = 1;  ///< of their fitted blur that patches are drawn with, 0…1 (sharpening.hpp)
   double contrast_gain = 1;  ///< of their contrast, ≥ 1
+  /// Graphs drawn from a model, not seen: patches take the levels of where they are, those of a frame's
+  /// ground (rest_on_ground.hpp), and none that the clip never had there (seen_levels.hpp).
+  bool new_places = false;
 };
 
 /// A frame to be drawn: its strokes, and what lies between them.
@@ -45,6 +49,9 @@ struct FrameParts {
   /// what would be there without it. Empty: all of all.
   std::vector<float> presence = {};
 };
+
+/// The patches of which at least half is there.
+graph::AttributeGraph mostly_there(const FrameParts& parts);
 
 /// The frame that a graph tells of: patches drawn from their attributes; around them the given ground, which
 /// takes the strokes' levels beside them, or, without one, the still ground away from them and the rest

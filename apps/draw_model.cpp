@@ -21,8 +21,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t fading = 2;  // frames in which a patch that comes or goes is there in part
-
 bool is_grey(const graph::AttributeGraph& graph) {
   const auto same = [](const graph::Level& l) { return l[0] == l[1] && l[1] == l[2]; };
   return std::ranges::all_of(graph.vertices(), [&](const graph::Vertex& v) {
@@ -63,7 +61,9 @@ Json SynthesisFigures::json() const {
 }
 
 ModelFrames::ModelFrames(mcmc::Synthesis strokes, FrameLook look, std::function<cv::Mat()> ground)
-    : strokes_(std::move(strokes)), look_(std::move(look)), ground_(std::move(ground)) {}
+    : strokes_(std::move(strokes)), look_(std::move(look)), ground_(std::move(ground)) {
+  look_.new_places = true;
+}
 
 int ModelFrames::batch() const {
   return static_cast<int>(frames_at_once(look_.size.width, look_.size.height, look_.channels));
@@ -71,7 +71,7 @@ int ModelFrames::batch() const {
 
 /// The next frame's graph, with those of the frames to come behind it.
 ModelFrames::Drawn ModelFrames::take() {
-  while (ahead_.size() <= fading) {
+  while (ahead_.size() <= Fader::kAhead) {
     Drawn drawn{strokes_.next(), {}};
     drawn.operators = strokes_.operators();
     ahead_.push_back(std::move(drawn));
@@ -79,26 +79,6 @@ ModelFrames::Drawn ModelFrames::take() {
   Drawn drawn = std::move(ahead_.front());
   ahead_.pop_front();
   return drawn;
-}
-
-/// 1/3, 2/3, 1 from a patch's first frame on, and the same towards its last.
-std::vector<float> ModelFrames::presence(const graph::AttributeGraph& graph) {
-  std::map<std::uint32_t, int> ages;
-  std::vector<float> shares;
-  for (const auto& vertex : graph.vertices()) {
-    const auto before = ages_.find(vertex.id.value);
-    const int most = static_cast<int>(fading);
-    const int age = !begun_ ? most : before == ages_.end() ? 0 : std::min(before->second + 1, most);
-    ages.emplace_hint(ages.end(), vertex.id.value, age);
-    int left = 0;
-    while (left < age && ahead_[static_cast<std::size_t>(left)].graph.index_of(vertex.id) <
-                             ahead_[static_cast<std::size_t>(left)].graph.size())
-      ++left;
-    shares.push_back(static_cast<float>(std::min(age, left) + 1) / static_cast<float>(fading + 1));
-  }
-  ages_ = std::move(ages);
-  begun_ = true;
-  return shares;
 }
 
 std::vector<cv::Mat> ModelFrames::next(int count, const core::Context& context) {
@@ -114,8 +94,10 @@ std::vector<FrameParts> ModelFrames::parts(int count, const core::Context& conte
     figures_.strokes.push_back(graph::components(drawn.graph).count);
     for (std::size_t k = 0; k < figures_.operators.size(); ++k)
       figures_.operators[k] += static_cast<std::size_t>(drawn.operators[k]);
-    auto shares = presence(drawn.graph);
-    all.push_back({std::move(drawn.graph), ground_ ? ground_() : cv::Mat{}, std::move(shares)});
+    std::vector<const graph::AttributeGraph*> coming;
+    for (const auto& later : ahead_) coming.push_back(&later.graph);
+    auto fading = fader_.next(drawn.graph, coming);
+    all.push_back({std::move(fading.graph), ground_ ? ground_() : cv::Mat{}, std::move(fading.presence)});
   }
   return all;
 }

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "apps/draw_graph_frames.hpp"
+#include "apps/fading.hpp"
 #include "core/context.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/motion_model.hpp"
@@ -55,15 +55,13 @@ class ModelFrames {
     std::array<int, 6> operators{};
   };
   Drawn take();
-  std::vector<float> presence(const graph::AttributeGraph& graph);
 
   mcmc::Synthesis strokes_;
   FrameLook look_;
   std::function<cv::Mat()> ground_;
   SynthesisFigures figures_;
   std::deque<Drawn> ahead_;
-  std::map<std::uint32_t, int> ages_;  // of the patches of the frame before, in frames, up to some
-  bool begun_ = false;
+  Fader fader_;
 };
 
 /// Strokes of a motion model on the ground that a texture of the same clip draws (learn_ground_texture),

@@ -5,6 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "apps/seen_levels.hpp"
 #include "core/model_archive.hpp"
 #include "graph/attribute_graph.hpp"
 #include "sketch/render.hpp"
@@ -18,6 +19,7 @@ constexpr int kGroundCell = 16;
 struct FrameGround {
   cv::Mat levels;  ///< CV_32F, 1 or 3 channels, a cell each, white = 255
   cv::Mat open;    ///< CV_8U, 255 where no patch lies in the cell or near it
+  SeenLevels seen = {};
 };
 /// `levels`: the frame, CV_32F, white = 255.
 FrameGround measure_ground(const cv::Mat& levels, const graph::AttributeGraph& graph);
@@ -27,15 +29,19 @@ struct Ground {
   cv::Mat levels;  ///< CV_32F, 1 or 3 channels, a cell each, white = 255
   cv::Mat
       still;  ///< CV_8U, 255 where the ground was seen in a fifth of the frames and kept within a few levels
+  SeenLevels seen = {};  ///< of all frames, strokes and all
   [[nodiscard]] bool empty() const { return levels.empty(); }
 };
 /// Of these frames, at least one. O(cells · frames).
 Ground still_ground(std::span<const FrameGround> frames);
 
 /// What patches show and, farther than some px from all of them, the still ground. Channels as the part's.
-sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& ground);
+/// `presence` (CV_32F, 0…1): how much there is of what the part shows; what is there in part keeps the ground
+/// off from so much nearer. Empty: all of it.
+sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& ground,
+                               const cv::Mat& presence = {});
 
-/// The arrays "ground" and "ground_still" beside a motion model's own.
+/// The arrays "ground" and "ground_still" beside a motion model's own, and those of the levels seen.
 void add_ground(core::ModelArchive& archive, const Ground& ground);
 /// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
 Ground read_ground(const core::ModelArchive& archive, cv::Size frame);

@@ -31,7 +31,7 @@ double drawn_gradient(std::span<const FrameParts> parts, const FrameLook& look,
   const auto luma = luma_of(levels_of(draw_batch(parts, look, context)));
   FlankGradient all;
   for (std::size_t i = 0; i < luma.size(); ++i) {
-    const auto one = flank_gradient(luma[i], parts[i].graph);
+    const auto one = flank_gradient(luma[i], mostly_there(parts[i]));
     all.sum += one.sum, all.places += one.places;
   }
   return all.mean();

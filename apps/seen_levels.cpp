@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/seen_levels.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/error.hpp"
+#include "sketch/bands.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+cv::Size cells(cv::Size frame) {
+  return {(frame.width + kSeenCell - 1) / kSeenCell, (frame.height + kSeenCell - 1) / kSeenCell};
+}
+
+/// The least or the greatest value about each cell, in its north-western pixel: within a cell's length of its
+/// middle, so that what lies between two middles counts for both.
+cv::Mat extreme(const cv::Mat& whole, bool least) {
+  constexpr int around = kSeenCell / 2;
+  const cv::Mat window = cv::Mat::ones(2 * kSeenCell, 2 * kSeenCell, CV_8U);
+  cv::Mat wide, all, result;
+  cv::copyMakeBorder(whole, wide, around, around, around, around, cv::BORDER_REPLICATE);
+  (least ? cv::erode : cv::dilate)(wide, all, window, {0, 0}, 1, cv::BORDER_REPLICATE,
+                                   cv::morphologyDefaultBorderValue());
+  all = all(cv::Rect({0, 0}, whole.size()));
+  cv::resize(all, result, {whole.cols / kSeenCell, whole.rows / kSeenCell}, 0, 0, cv::INTER_NEAREST);
+  return result;
+}
+
+/// Linear between the middles of cells; the outermost go on.
+double at(const cv::Mat& values, graph::Point place, int channel) {
+  const auto along = [](double p, int count) {
+    const double cell = std::clamp((p + 0.5) / kSeenCell - 0.5, 0.0, count - 1.0);
+    const int first = std::min(static_cast<int>(cell), std::max(0, count - 2));
+    return std::pair{first, cell - first};
+  };
+  const auto [x, u] = along(place.x, values.cols);
+  const auto [y, v] = along(place.y, values.rows);
+  const int right = std::min(x + 1, values.cols - 1), below = std::min(y + 1, values.rows - 1);
+  const auto value = [&](int column, int row) {
+    return static_cast<double>(values.ptr(row)[column * values.channels() + channel]);
+  };
+  return (1 - v) * ((1 - u) * value(x, y) + u * value(right, y)) +
+         v * ((1 - u) * value(x, below) + u * value(right, below));
+}
+
+double luma(const graph::Level& level) {
+  return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+}
+
+double kept(double level, const SeenLevels& seen, graph::Point place, int channel) {
+  return std::clamp(level, at(seen.low, place, channel), at(seen.high, place, channel));
+}
+
+/// What is seen of how much a line's core differs from its sides: its blur takes the rest.
+double seen_share(const graph::Patch& patch) {
+  return std::erf(patch.width / (2 * std::numbers::sqrt2 * std::max(patch.blur, sketch::kLeastBlur)));
+}
+
+void keep_within(graph::Patch& patch, const SeenLevels& seen) {
+  const graph::Point aside =
+      graph::Point{-std::sin(patch.theta), std::cos(patch.theta)} * sketch::profile_reach(patch);
+  const bool step = graph::on_step(patch);
+  const double share = seen_share(patch), before = luma(patch.right) - luma(patch.left);
+  for (std::size_t c = 0; c < patch.left.size(); ++c) {
+    const int channel = std::min(static_cast<int>(c), seen.low.channels() - 1);
+    const double height = double{patch.middle[c]} - (double{patch.left[c]} + double{patch.right[c]}) / 2;
+    const double left = kept(double{patch.left[c]}, seen, patch.position - aside, channel),
+                 right = kept(double{patch.right[c]}, seen, patch.position + aside, channel),
+                 sides = (left + right) / 2;
+    const double core = step ? 0 : kept(sides + share * height, seen, patch.position, channel) - sides;
+    patch.left[c] = static_cast<float>(left), patch.right[c] = static_cast<float>(right);
+    patch.middle[c] = static_cast<float>(step || share < 1e-3 ? sides : sides + core / share);
+  }
+  const double after = luma(patch.right) - luma(patch.left);
+  if (step && before != after) patch.contrast = after;
+}
+
+const std::vector<std::uint8_t>& bytes_of(const core::ModelArchive& archive, const std::string& name,
+                                          cv::Size size, std::size_t channels) {
+  const auto found = archive.arrays.find(name);
+  if (found == archive.arrays.end()) throw core::IoError("motion model: " + name + ".npy is missing");
+  const auto* const values = std::get_if<std::vector<std::uint8_t>>(&found->second.data);
+  const std::vector shape{static_cast<std::size_t>(size.height), static_cast<std::size_t>(size.width),
+                          channels};
+  if (!values || found->second.fortran_order || found->second.shape != shape)
+    throw core::IoError("motion model: " + name + ".npy must be uint8, " + std::to_string(shape[0]) + " x " +
+                        std::to_string(shape[1]) + " x " + std::to_string(channels));
+  return *values;
+}
+
+}  // namespace
+
+SeenLevels measure_seen(const cv::Mat& levels) {
+  const cv::Size size = cells(levels.size());
+  cv::Mat bytes, whole;
+  levels.convertTo(bytes, CV_8U);
+  cv::copyMakeBorder(bytes, whole, 0, size.height * kSeenCell - levels.rows, 0,
+                     size.width * kSeenCell - levels.cols, cv::BORDER_REPLICATE);
+  return {extreme(whole, true), extreme(whole, false)};
+}
+
+void add_seen(SeenLevels& all, const SeenLevels& more) {
+  if (more.empty()) return;
+  if (all.empty()) {
+    all = {more.low.clone(), more.high.clone()};
+    return;
+  }
+  cv::min(all.low, more.low, all.low);
+  cv::max(all.high, more.high, all.high);
+}
+
+graph::AttributeGraph within(const graph::AttributeGraph& graph, const SeenLevels& seen) {
+  if (seen.empty()) return graph;
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  for (auto& vertex : vertices) keep_within(vertex.patch, seen);
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+}
+
+void add_seen_levels(core::ModelArchive& archive, const SeenLevels& seen) {
+  if (seen.empty()) return;
+  for (const auto& [name, values] : {std::pair{"seen_low", &seen.low}, std::pair{"seen_high", &seen.high}}) {
+    const cv::Mat row = values->reshape(1, 1);
+    archive.arrays[name] = {{static_cast<std::size_t>(values->rows), static_cast<std::size_t>(values->cols),
+                             static_cast<std::size_t>(values->channels())},
+                            false,
+                            std::vector<std::uint8_t>(row.begin<uchar>(), row.end<uchar>())};
+  }
+}
+
+SeenLevels read_seen_levels(const core::ModelArchive& archive, cv::Size frame) {
+  const auto found = archive.arrays.find("seen_low");
+  if (found == archive.arrays.end() && !archive.arrays.contains("seen_high")) return {};
+  const bool grey =
+      found != archive.arrays.end() && found->second.shape.size() == 3 && found->second.shape.back() == 1;
+  const cv::Size size = cells(frame);
+  SeenLevels seen{cv::Mat(size, grey ? CV_8UC1 : CV_8UC3), cv::Mat(size, grey ? CV_8UC1 : CV_8UC3)};
+  for (const auto& [name, values] : {std::pair{"seen_low", &seen.low}, std::pair{"seen_high", &seen.high}})
+    std::ranges::copy(bytes_of(archive, name, size, grey ? 1 : 3), values->data);
+  for (std::size_t i = 0; i < seen.low.total() * seen.low.elemSize(); ++i)
+    if (seen.low.data[i] > seen.high.data[i])
+      throw core::IoError("motion model: seen_low.npy lies above seen_high.npy in a cell");
+  return seen;
+}
+
+}  // namespace emberfold::apps
