@@ -19,7 +19,7 @@ using Index = std::uint32_t;
 
 constexpr double crowd_reach = 2;      // cells
 constexpr double spacing = 5;          // px between the patches of a bridge
-constexpr double astray = 4;           // px, SD: how far from where it was seen an exemplar is born
+constexpr double most_astray = 4;      // px, SD: how far from where it was seen an exemplar is born
 constexpr double most_clearance = 40;  // px: strokes farther apart do not keep each other away
 
 // A frame's strokes while operators are drawn for them.
@@ -300,8 +300,11 @@ struct Cradle {
 Cradle find_cradle(Scene& scene, const std::vector<double>& weights) {
   Cradle best;
   double most_free = -1;
+  // What hardly moves comes again where it was.
+  const double usual = stationary_deviation(scene.model.sway);
   for (int tries = 0; tries < 20 && most_free < 1; ++tries) {
     const Exemplar& exemplar = scene.model.exemplars[scene.rng.categorical(weights)];
+    const double astray = std::min(most_astray, usual * scene.model.sway_share.at(exemplar.place));
     const Point place = exemplar.place + Point{scene.rng.normal(), scene.rng.normal()} * astray;
     const double crowded = scene.crowd.at(place);
     if (best.exemplar && scene.rng.uniform() * crowded * crowded > 1) continue;
