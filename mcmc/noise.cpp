@@ -15,14 +15,13 @@ namespace {
 using graph::Point;
 
 // Standard normal at every place, correlated between them by exp(−h²/2 range²): white noise on a lattice,
-// weighted by Gaussians. One stroke's field at one step.
+// weighted by Gaussians. That of one step.
 class Field {
  public:
-  Field(double range, std::uint64_t seed, std::uint32_t stroke, std::uint32_t purpose_and_step,
-        int components)
+  Field(double range, std::uint64_t seed, std::uint32_t of, std::uint32_t purpose_and_step, int components)
       : reach_(range / std::numbers::sqrt2),
         seed_(seed),
-        stroke_(stroke),
+        of_(of),
         key_(purpose_and_step),
         components_(components) {}
 
@@ -56,14 +55,14 @@ class Field {
     const auto key = (static_cast<std::uint32_t>(x) << 16U) ^ (static_cast<std::uint32_t>(y) & 0xffffU);
     const auto [found, is_new] = nodes_.try_emplace(key);
     if (is_new) {
-      core::Rng rng(seed_, {stroke_, key, key_});
+      core::Rng rng(seed_, {of_, key, key_});
       for (int c = 0; c < components_; ++c) found->second[static_cast<std::size_t>(c)] = rng.normal();
     }
     return found->second;
   }
   double reach_;
   std::uint64_t seed_;
-  std::uint32_t stroke_, key_;
+  std::uint32_t of_, key_;
   int components_;
   std::unordered_map<std::uint32_t, std::array<double, 2>> nodes_;  // looked up, never walked through
 };
@@ -72,38 +71,25 @@ constexpr double finest_range = 3;  // px: below it neighbours have nothing in c
 
 }  // namespace
 
-std::vector<Noise> draw_noise(const Particles& p, const std::vector<std::vector<std::uint32_t>>& sides,
-                              const MotionModel& model, std::uint64_t seed, Purpose purpose,
-                              std::uint32_t step) {
-  std::vector<Noise> result(p.list.size());
-  std::vector<bool> reached(p.list.size());
-  std::vector<std::size_t> queue;
+std::vector<Noise> draw_noise(const Particles& p, const MotionModel& model, std::uint64_t seed,
+                              Purpose purpose, std::uint32_t step, std::uint32_t of) {
   const auto key = [&](std::uint32_t which) {
     return (step << 4U) | (static_cast<std::uint32_t>(purpose) << 1U) | which;
   };
-  const auto field = [&](double range, std::size_t root, std::uint32_t which) {
-    return Field(range, seed, p.ids[root], key(which), which == 0 ? 2 : 1);
-  };
-  for (std::size_t root = 0; root < p.list.size(); ++root) {
-    if (reached[root]) continue;
-    reached[root] = true;
-    queue.assign(1, root);
-    Field sway = field(model.sway.range, root, 0), gain = field(model.contrast.range, root, 1);
-    for (std::size_t head = 0; head < queue.size(); ++head) {
-      const std::size_t i = queue[head];
-      core::Rng alone(seed, {p.ids[i], 0, key(8)});
-      Noise& noise = result[i];
-      if (model.sway.range >= finest_range) {
-        const auto [x, y] = sway.at(p.list[i].rest.position);
-        noise.x = x, noise.y = y;
-      } else {
-        noise.x = alone.normal(), noise.y = alone.normal();
-      }
-      noise.gain =
-          model.contrast.range >= finest_range ? gain.at(p.list[i].rest.position)[0] : alone.normal();
-      for (const auto next : sides[i])
-        if (!reached[next]) reached[next] = true, queue.push_back(next);
+  Field sway(model.sway.range, seed, of, key(0), 2), gain(model.contrast.range, seed, of, key(1), 1);
+  std::vector<Noise> result;
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    const Point place = p.list[i].rest.position;
+    core::Rng alone(seed, {p.ids[i], 0, key(8)});
+    Noise noise;
+    if (model.sway.range >= finest_range) {
+      const auto [x, y] = sway.at(place);
+      noise.x = x, noise.y = y;
+    } else {
+      noise.x = alone.normal(), noise.y = alone.normal();
     }
+    noise.gain = model.contrast.range >= finest_range ? gain.at(place)[0] : alone.normal();
+    result.push_back(noise);
   }
   return result;
 }

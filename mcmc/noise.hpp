@@ -13,11 +13,10 @@ struct Noise {
   double x = 0, y = 0, gain = 0;
 };
 
-/// Each particle's noise of one step: a smooth random field about each stroke, of unit variance and
-/// correlation exp(−h²/2 range²) at h px, drawn by the stroke's lowest id, the place at rest and the step;
-/// independent between strokes and steps. `sides`: neighbours(particles).
-std::vector<Noise> draw_noise(const Particles& particles,
-                              const std::vector<std::vector<std::uint32_t>>& sides, const MotionModel& model,
-                              std::uint64_t seed, Purpose purpose, std::uint32_t step);
+/// Each particle's noise of one step: a smooth random field over the frame, of unit variance and correlation
+/// exp(−h²/2 range²) at h px, drawn by the place at rest and the step; independent between steps, and between
+/// fields of another number `of`.
+std::vector<Noise> draw_noise(const Particles& particles, const MotionModel& model, std::uint64_t seed,
+                              Purpose purpose, std::uint32_t step, std::uint32_t of = 0);
 
 }  // namespace emberfold::mcmc::detail

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "graph/near.hpp"
 #include "mcmc/noise.hpp"
 
 namespace emberfold::mcmc::detail {
@@ -140,7 +141,7 @@ graph::AttributeGraph appearance(const Particles& particles, const MotionModel& 
 
 void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
   const auto sides = neighbours(p);
-  const auto push = draw_noise(p, sides, model, seed, purpose, step);
+  const auto push = draw_noise(p, model, seed, purpose, step);
   const std::vector<Particle> now(p.list);
   for (std::size_t i = 0; i < now.size(); ++i) {
     const Particle& me = now[i];
@@ -162,9 +163,9 @@ void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose pu
 
 void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
   // Two frames of the stationary state: fields of the noise's own shape, as alike as the motion makes them.
-  const auto sides = neighbours(p);
-  const auto before = draw_noise(p, sides, model, seed, Purpose::start, 0);
-  const auto fresh = draw_noise(p, sides, model, seed, Purpose::start, 1);
+  const std::uint32_t of = p.ids.empty() ? 0 : p.ids.front();
+  const auto before = draw_noise(p, model, seed, Purpose::start, 0, of);
+  const auto fresh = draw_noise(p, model, seed, Purpose::start, 1, of);
   const auto pair = [](const Autoregression& m, double deviation, double first, double second) {
     const double alike = m.a1 / (1 - m.a2);
     return std::pair{deviation * first, deviation * (alike * first + std::sqrt(1 - alike * alike) * second)};
@@ -183,6 +184,38 @@ void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
     sway(p, model, seed, Purpose::start, step);
 }
 
+namespace {
+
+// What appears beside others sways as they do: of each deviation the part that its neighbour's tells,
+// exp(−h²/2 range²) at h px from the nearest, is that one's. The variance stays.
+void go_along(Particles& fresh, const Particles& there, const MotionModel& model) {
+  if (there.list.empty()) return;
+  std::vector<Point> places;
+  for (const auto& particle : there.list) places.push_back(particle.rest.position);
+  const double reach = 3 * std::max({model.sway.range, model.contrast.range, 1.0});
+  const graph::detail::Near near(places, reach);
+  for (Particle& me : fresh.list) {
+    double least = reach * reach;
+    const Particle* nearest = nullptr;
+    for (const auto j : near.around(me.rest.position)) {
+      const Point apart = places[j] - me.rest.position;
+      if (graph::dot(apart, apart) < least) least = graph::dot(apart, apart), nearest = &there.list[j];
+    }
+    if (!nearest) continue;
+    const auto mix = [&](double range, auto mine, auto other) {
+      if (!(range > 0)) return mine;
+      const double alike = std::exp(-0.5 * least / (range * range));
+      return other * alike + mine * std::sqrt(1 - alike * alike);
+    };
+    me.offset = mix(model.sway.range, me.offset, nearest->offset);
+    me.offset_before = mix(model.sway.range, me.offset_before, nearest->offset_before);
+    me.gain = mix(model.contrast.range, me.gain, nearest->gain);
+    me.gain_before = mix(model.contrast.range, me.gain_before, nearest->gain_before);
+  }
+}
+
+}  // namespace
+
 void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, int age,
                  const MotionModel& model, std::uint64_t seed) {
   Particles fresh;
@@ -198,6 +231,7 @@ void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, 
   const auto number = [&](graph::VertexId id) { return static_cast<std::uint32_t>(graph.index_of(id)); };
   for (const auto& edge : graph.edges()) fresh.edges.emplace_back(number(edge.a), number(edge.b));
   settle(fresh, model, seed);
+  go_along(fresh, p, model);
   const auto before = static_cast<std::uint32_t>(p.list.size());
   for (const auto& [a, b] : fresh.edges) p.edges.emplace_back(a + before, b + before);
   p.ids.insert(p.ids.end(), fresh.ids.begin(), fresh.ids.end());

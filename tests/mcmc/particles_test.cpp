@@ -102,21 +102,25 @@ TEST_CASE("Noise without a range is each patch's own and sway and contrast know 
   CHECK_THAT(crossed, Catch::Matchers::WithinAbs(0, five_sigma(0, n)));
 }
 
-TEST_CASE("Strokes at one place move on their own and so do seeds and purposes", "[particles]") {
+TEST_CASE("Strokes near each other sway alike and far apart on their own and so do seeds and purposes",
+          "[particles]") {
   const auto model = noise_alone(20, 20);
-  auto p = particles({{{50, 50}, {55, 50}}, {{50, 50}, {55, 50}}}), other = p, start = p;
+  auto p = particles({{{50, 50}, {55, 50}}, {{50, 70}, {55, 70}}, {{250, 50}, {255, 50}}}), other = p,
+       start = p;
   constexpr int n = 8000;
-  double strokes = 0, seeds = 0, purposes = 0;
+  double near = 0, far = 0, seeds = 0, purposes = 0;
   for (int step = 0; step < n; ++step) {
     const auto number = static_cast<std::uint32_t>(step);
     sway(p, model, 1, Purpose::motion, number);
     sway(other, model, 2, Purpose::motion, number);
     sway(start, model, 1, Purpose::start, number);
-    strokes += p.list[0].offset.x * p.list[2].offset.x / n;
+    near += p.list[0].offset.x * p.list[2].offset.x / n;
+    far += p.list[0].offset.x * p.list[4].offset.x / n;
     seeds += p.list[0].offset.x * other.list[0].offset.x / n;
     purposes += p.list[0].offset.x * start.list[0].offset.x / n;
   }
-  CHECK_THAT(strokes, Catch::Matchers::WithinAbs(0, five_sigma(0, n)));
+  CHECK_THAT(near, Catch::Matchers::WithinAbs(std::exp(-0.5), five_sigma(0.5, n)));
+  CHECK_THAT(far, Catch::Matchers::WithinAbs(0, five_sigma(0, n)));
   CHECK_THAT(seeds, Catch::Matchers::WithinAbs(0, five_sigma(0, n)));
   CHECK_THAT(purposes, Catch::Matchers::WithinAbs(0, five_sigma(0, n)));
 }
@@ -128,7 +132,10 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
   model.sway = {law.a1, law.a2, 0, law.noise, law.range, 0};
   model.contrast = {0.5, 0.2, 0, 0.1, law.range, 0};
   std::vector<std::vector<Point>> strokes;
-  for (int i = 0; i < 6000; ++i) strokes.push_back({{100, 100}, {105, 100}});
+  for (int i = 0; i < 6000; ++i) {  // so far from each other that they know nothing of each other
+    const Point at{250.0 * (i % 80), 250.0 * (i / 80)};
+    strokes.push_back({at, at + Point{5, 0}});
+  }
   auto p = particles(strokes);
   settle(p, model, 7);
   const auto check = [&] {
@@ -148,6 +155,36 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
   check();
   for (std::uint32_t step = 0; step < 25; ++step) sway(p, model, 7, Purpose::motion, step);
   check();
+}
+
+TEST_CASE("What appears beside others sways as they do", "[particles]") {
+  auto model = made::empty_model(2000, 2000);
+  model.sway = {1.6, -0.7, 0, 0.3, 20, 0};
+  model.contrast = {0.5, 0.2, 0, 0.1, 20, 0};
+  const double variance = std::pow(stationary_deviation(model.sway), 2);
+  constexpr int n = 3000;
+  double at_once = 0, near = 0, far = 0, power = 0;
+  for (int i = 0; i < n; ++i) {
+    auto p = particles({{{500, 500}}});
+    const auto seed = static_cast<std::uint64_t>(i);
+    settle(p, model, seed);
+    for (const Point place : {Point{500, 500}, {500, 520}, {900, 900}}) {
+      auto both = p;
+      add_settled(both, made::straight(1), place, 0, model, seed);
+      const auto &old = both.list[0], &fresh = both.list[1];
+      if (place.x > 600) {
+        far += old.offset.x * fresh.offset.x / n;
+      } else if (place.y > 510) {
+        near += old.offset.x * fresh.offset.x / n, power += fresh.offset.x * fresh.offset.x / n;
+      } else {
+        at_once += std::abs(old.offset.x - fresh.offset.x) + std::abs(old.gain_before - fresh.gain_before);
+      }
+    }
+  }
+  CHECK_THAT(at_once, Catch::Matchers::WithinAbs(0, 1e-9));
+  CHECK_THAT(near / variance, Catch::Matchers::WithinAbs(std::exp(-0.5), five_sigma(0.5, n)));
+  CHECK_THAT(power / variance, Catch::Matchers::WithinAbs(1, five_sigma(1, n)));
+  CHECK_THAT(far / variance, Catch::Matchers::WithinAbs(0, five_sigma(0, n)));
 }
 
 TEST_CASE("A motion without noise decays as its law says, each coordinate and the contrast", "[particles]") {
