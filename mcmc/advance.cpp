@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "graph/events.hpp"
+#include "mcmc/exclusion.hpp"
 #include "mcmc/operators.hpp"
 #include "mcmc/rates.hpp"
 
@@ -64,6 +65,7 @@ std::array<int, 6> advance(Particles& particles, const MotionModel& model, std::
                            std::uint32_t frame) {
   sway(particles, model, seed, Purpose::motion, frame);
   const int left = carry(particles, model);
+  keep_apart(particles, model);
   auto done = operate(particles, model, seed, frame);
   done[static_cast<std::size_t>(graph::EventType::death)] += left;
   return done;

@@ -240,8 +240,13 @@ nlohmann::json header(const core::ModelArchive& archive) {
 }
 
 Circumstances read_circumstances(const Json& json) {
-  return {numbers<kSince>(json, "death"), numbers<kSince>(json, "parting"), numbers<kSince>(json, "uniting"),
-          numbers<kGaps>(json, "bridging"), number(json, "pace")};
+  return {numbers<kSince>(json, "death"),   numbers<kSince>(json, "parting"),
+          numbers<kSince>(json, "uniting"), numbers<kGaps>(json, "bridging"),
+          numbers<kTurns>(json, "turning"), number(json, "pace")};
+}
+
+Exclusion read_exclusion(const Json& json) {
+  return {number(json, "alike"), number(json, "lines"), number(json, "mixed")};
 }
 
 }  // namespace
@@ -274,7 +279,12 @@ core::ModelArchive to_archive(const MotionModel& model) {
                          {"parting", rates.circumstances.parting},
                          {"uniting", rates.circumstances.uniting},
                          {"bridging", rates.circumstances.bridging},
+                         {"turning", rates.circumstances.turning},
                          {"pace", rates.circumstances.pace}}}}},
+                     {"exclusion",
+                      {{"alike", model.exclusion.alike},
+                       {"lines", model.exclusion.lines},
+                       {"mixed", model.exclusion.mixed}}},
                      {"appearing", model.appearing},
                      {"vanishing", model.vanishing}};
   core::ModelArchive archive;
@@ -332,6 +342,7 @@ MotionModel motion_model(const core::ModelArchive& archive) {
   if (rates.contains("hold")) model.rates.hold = number(rates, "hold");
   if (rates.contains("circumstances"))
     model.rates.circumstances = read_circumstances(part(rates, "circumstances"));
+  if (json.contains("exclusion")) model.exclusion = read_exclusion(part(json, "exclusion"));
   model.appearing = numbers<8>(json, "appearing");
   model.vanishing = numbers<8>(json, "vanishing");
   const double cell = number(json, "cell");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "mcmc/rates.hpp"
 #include "mcmc/sites.hpp"
@@ -70,11 +71,15 @@ struct Past {
 struct Tallies {
   Tally<kSince> death, parting, uniting;
   Tally<kGaps> bridging;
+  Tally<kTurns> turning;
 };
 
-void expect(const graph::AttributeGraph& graph, const Past& past, double frame, const OperatorRates& rates,
-            Tallies& tallies) {
-  const auto parts = graph::components(graph);
+std::size_t class_of(const graph::AttributeGraph& graph, const Sites::Pair& pair) {
+  return turn_class(turn_towards(graph, pair));
+}
+
+void expect(const graph::AttributeGraph& graph, const graph::Components& parts, const Sites& found,
+            const Past& past, double frame, const OperatorRates& rates, Tallies& tallies) {
   for (const auto& stroke : strokes(parts)) {
     const auto age = past.age(graph.vertices()[stroke[0]].subgraph, frame);
     tallies.death.expected[age] +=
@@ -83,7 +88,6 @@ void expect(const graph::AttributeGraph& graph, const Past& past, double frame, 
   const auto place = [&](std::uint32_t v) { return graph.patch(v).position; };
   const auto add = [&](Tally<kSince>& tally, const std::vector<Happening>& what, std::uint32_t v,
                        double rate) { tally.expected[since_class(since(what, place(v), frame))] += rate; };
-  const Sites found = sites(graph, parts, rates.reach);
   for (const auto v : found.inner)
     add(tallies.parting, past.unions, v, rates.split * rates.parting.at(place(v)));
   for (const auto& arm : found.arms)
@@ -93,11 +97,14 @@ void expect(const graph::AttributeGraph& graph, const Past& past, double frame, 
     tallies.bridging.expected[gap_class(graph::distance(place(pair.a), place(pair.b)))] += rate;
   };
   for (const auto& pair : found.facing) add_pair(pair, rates.merge);
-  for (const auto& pair : found.beside) add_pair(pair, rates.connect);
+  for (const auto& pair : found.beside) {
+    add_pair(pair, rates.connect);
+    tallies.turning.expected[class_of(graph, pair)] += rates.connect;
+  }
 }
 
-void count(const graph::Event& event, const graph::AttributeGraph& before, const Past& past,
-           Tallies& tallies) {
+void count(const graph::Event& event, const graph::AttributeGraph& before, const Sites& found,
+           const Past& past, Tallies& tallies) {
   const double frame = event.frame;
   if (event.type == EventType::death) ++tallies.death.happened[past.age(event.before.at(0), frame)];
   if (is_parting(event.type))
@@ -105,6 +112,10 @@ void count(const graph::Event& event, const graph::AttributeGraph& before, const
   if (!is_union(event.type)) return;
   ++tallies.uniting.happened[since_class(since(past.partings, event.position, frame))];
   ++tallies.bridging.happened[gap_class(gap_between(before, event.before.at(0), event.before.at(1)))];
+  const auto of = [&](std::uint32_t v) { return before.vertices()[v].subgraph; };
+  for (const auto& pair : found.beside)
+    if (std::minmax(of(pair.a), of(pair.b)) == std::minmax(event.before.at(0), event.before.at(1)))
+      ++tallies.turning.happened[class_of(before, pair)];
 }
 
 }  // namespace
@@ -115,6 +126,10 @@ std::size_t since_class(double frames) {
 
 std::size_t gap_class(double px) {
   return static_cast<std::size_t>(std::ranges::upper_bound(widths, px) - widths.begin());
+}
+
+std::size_t turn_class(double angle) {
+  return std::min(kTurns - 1, static_cast<std::size_t>(angle / (std::numbers::pi / 6)));
 }
 
 double since(std::span<const Happening> all, graph::Point place, double frame) {
@@ -136,15 +151,18 @@ Circumstances estimate_circumstances(std::span<const graph::MotionGraph> samples
     const auto& frames = samples[i].sketch.frames;
     for (std::size_t t = 1; t < frames.size(); ++t) {
       past.forget(static_cast<double>(t));
-      expect(frames[t - 1], past, static_cast<double>(t), rates, tallies);
+      const auto& before = frames[t - 1];
+      const auto parts = graph::components(before);
+      const Sites found = sites(before, parts, rates.reach);
+      expect(before, parts, found, past, static_cast<double>(t), rates, tallies);
       const auto first = event;
       for (; event != events[i].end() && event->frame == static_cast<int>(t); ++event)
-        count(*event, frames[t - 1], past, tallies);
+        count(*event, before, found, past, tallies);
       std::for_each(first, event, [&](const graph::Event& one) { past.note(one); });
     }
   }
-  return {tallies.death.relative(), tallies.parting.relative(), tallies.uniting.relative(),
-          tallies.bridging.relative(), 1};
+  return {tallies.death.relative(),    tallies.parting.relative(), tallies.uniting.relative(),
+          tallies.bridging.relative(), tallies.turning.relative(), 1};
 }
 
 }  // namespace emberfold::mcmc

@@ -12,6 +12,7 @@ namespace emberfold::mcmc {
 
 std::size_t since_class(double frames);
 std::size_t gap_class(double px);
+std::size_t turn_class(double angle);  ///< rad, 0…π
 
 /// Something that happened at a place, px, and when, frame.
 struct Happening {

@@ -7,9 +7,10 @@
 #include <span>
 
 #include "core/error.hpp"
-#include "mcmc/circumstances.hpp"
 #include "mcmc/balance.hpp"
+#include "mcmc/circumstances.hpp"
 #include "mcmc/drift.hpp"
+#include "mcmc/exclusion.hpp"
 #include "mcmc/exemplars.hpp"
 #include "mcmc/lineages.hpp"
 #include "mcmc/moments.hpp"
@@ -21,6 +22,7 @@ namespace {
 
 constexpr std::size_t shortest = 12;  // frames: shorter lineages tell no rest
 constexpr double few = 5;             // samples in a cell
+constexpr double most_share = 10;     // of the usual sway
 constexpr std::size_t most_exemplars = 300;
 constexpr double renewal = 1e-3;  // of a stroke in a frame, to begin with
 
@@ -109,7 +111,7 @@ CellMap usual_density(std::span<const graph::MotionGraph> samples) {
 // The SD of the travel about its mean in each cell, less what the sketch adds, over what is usual; where
 // little was seen nearer to 1.
 CellMap sway_by_place(std::span<const Followed> samples, const Autoregression& sway, const CellMap& grid) {
-  CellMap squares = grid, counts = grid;
+  CellMap roots = grid, counts = grid;
   const double share = 1 / static_cast<double>(samples.size());
   for (const auto& [all, travel] : samples)
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -117,17 +119,19 @@ CellMap sway_by_place(std::span<const Followed> samples, const Autoregression& s
       const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / double(travel[i].size());
       for (std::size_t k = 0; k < travel[i].size(); ++k) {
         const auto cell = grid.index(all[i].samples[k].position);
-        squares.values[cell] += share * (travel[i][k] - mean) * (travel[i][k] - mean);
+        roots.values[cell] += share * std::sqrt(std::abs(travel[i][k] - mean));
         counts.values[cell] += share;
       }
     }
   CellMap shares = grid;
   const double error = sway.measurement * sway.measurement;
   const double usual = sway.noise > 0 ? std::pow(stationary_deviation(sway), 2) : 0;
-  const auto s = spread(squares, 1), n = spread(counts, 1);
+  const auto s = spread(roots, 1), n = spread(counts, 1);
   for (std::size_t c = 0; c < shares.values.size(); ++c) {
-    const double variance = (s[c] + few * (usual + error)) / (n[c] + few);
-    shares.values[c] = usual > 0 ? std::sqrt(std::clamp((variance - error) / usual, 0.01, 9.0)) : 1;
+    const double variance =
+        RobustVariance::variance((s[c] + few * RobustVariance::root(usual + error)) / (n[c] + few));
+    shares.values[c] =
+        usual > 0 ? std::clamp(std::sqrt(std::max(variance - error, 0.0) / usual), 0.1, most_share) : 1;
   }
   return shares;
 }
@@ -247,6 +251,7 @@ FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& opt
   const auto deviation = deviations(last, followed.back().lineages, followed.back().travel);
   model.exemplars = sample_exemplars(last, deviation, most_exemplars);
   model.density = usual_density(samples);
+  model.exclusion = estimate_exclusion(samples);
   const auto usual = usual_frame(last);
   model.first = at_rest(last.sketch.frames[usual], deviation[usual]);
   model.first_swing = swings(last, deviation, usual, model.sway_share);

@@ -19,6 +19,7 @@ constexpr double fewest = 100;                                  // steps, window
 constexpr double little = 1e-12;                                // a variance that is none
 constexpr double most_swing = 1.5;  // times the variance seen, of what paths are too short to show
 constexpr double bin = 5;           // px, of distances
+constexpr std::size_t of_late = 4;  // frames: the sketch's errors have no say in what moves for so long
 constexpr double parallel = 0.8;    // cosine: curves that turn more say nothing of each other
 
 // Deviations from the lineage's mean, and the neighbours' mean deviation less its own, frame by frame.
@@ -87,15 +88,15 @@ double coupling(const Moments& m) {
 struct Likeness {
   double share = 1, range = 0;
 };
-Likeness likeness(const Moments& m, double variance) {
+Likeness likeness(const Moments& m) {
   Likeness best;
   double least = std::numeric_limits<double>::infinity();
   for (double range = 2; range < 200; range *= 1.1) {
     double pp = 0, pc = 0, cc = 0;
     for (std::size_t i = 0; i < m.pairs.size(); ++i) {
       const double h = bin * (static_cast<double>(i) + 0.5), p = std::exp(-0.5 * h * h / (range * range));
-      if (m.pairs[i] < fewest) continue;
-      const double c = m.products[i] / m.pairs[i] / variance;
+      if (m.pairs[i] < fewest || m.squares[i] <= little) continue;
+      const double c = m.products[i] / m.squares[i];
       pp += p * p, pc += p * c, cc += c * c;
     }
     if (pp <= 0) continue;
@@ -124,13 +125,12 @@ double from_rest(const std::vector<detail::Path>& paths, const Autoregression& m
   std::size_t longest = 0;
   for (const auto& path : paths) longest = std::max(longest, path.own.size());
   const auto shares = about_mean(m, error_share, longest);
-  double squares = 0, frames = 0, expected = 0;
+  RobustVariance all;
   for (const auto& path : paths) {
-    for (const double d : path.own) squares += d * d;
-    const auto n = static_cast<double>(path.own.size());
-    frames += n, expected += n * shares[path.own.size()];
+    const double share = std::max(shares[path.own.size()], 1 / most_swing);
+    for (const double d : path.own) all.add(d / std::sqrt(share));
   }
-  return squares / std::max(expected, frames / most_swing);
+  return all.value();
 }
 
 // Noise and measurement of all paths' mean variance; of the noise, what goes on along the curves.
@@ -139,22 +139,23 @@ void take_noise(const Observed& seen, const detail::SwayLaw& law, Autoregression
   const double swing = std::pow(stationary_deviation(motion), 2), error = std::pow(law.measurement, 2);
   const double error_share = error / (swing + error);
   const double all = from_rest(seen.paths, motion, error_share);
-  const Moments& m = seen.moments;
-  Likeness along;
-  if (m.windows > 0 && m.own(0, 0) > little) along = likeness(m, m.own(0, 0) / m.windows);
+  const Likeness along = likeness(seen.moments);
   motion.range = along.range;
   motion.measurement = std::sqrt(error_share * all);
   motion.noise *= std::sqrt(all * std::min(along.share, 1 - error_share) / swing);
 }
 
-// The frame's pairs of lineages on one stroke.
+// The frame's pairs of lineages on one stroke: how alike they have moved of late. Means of lineages that
+// begin and end at different times would not be comparable.
 void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t frame,
                const std::vector<std::uint32_t>& there, const std::vector<detail::Lineage>& all,
                const Series& deviation, bool turns) {
   const auto parts = graph::components(graph);
   std::vector<std::vector<std::uint32_t>> strokes(parts.count);
   const auto at = [&](std::uint32_t i) { return frame - static_cast<std::size_t>(all[i].first); };
-  for (const auto i : there) strokes[parts.of_vertex[all[i].samples[at(i)].vertex]].push_back(i);
+  for (const auto i : there)
+    if (at(i) >= of_late) strokes[parts.of_vertex[all[i].samples[at(i)].vertex]].push_back(i);
+  const auto moved = [&](std::uint32_t i) { return deviation[i][at(i)] - deviation[i][at(i) - of_late]; };
   for (const auto& stroke : strokes)
     for (std::size_t p = 0; p < stroke.size(); ++p)
       for (std::size_t q = 0; q < p; ++q) {
@@ -163,8 +164,10 @@ void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t fr
         const auto apart = static_cast<std::size_t>(graph::distance(a.position, b.position) / bin);
         const double facing = graph::dot(a.normal, b.normal);
         if (apart >= sums.pairs.size() || std::abs(facing) < parallel) continue;
-        const double product = deviation[stroke[p]][at(stroke[p])] * deviation[stroke[q]][at(stroke[q])];
-        sums.products[apart] += turns && facing < 0 ? -product : product;
+        const double one = moved(stroke[p]),
+                     other = turns && facing < 0 ? -moved(stroke[q]) : moved(stroke[q]);
+        sums.products[apart] += one * other;
+        sums.squares[apart] += (one * one + other * other) / 2;
         ++sums.pairs[apart];
       }
 }
@@ -174,7 +177,10 @@ void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t fr
 Moments& Moments::operator+=(const Moments& other) {
   own += other.own;
   windows += other.windows;
-  for (std::size_t i = 0; i < pairs.size(); ++i) products[i] += other.products[i], pairs[i] += other.pairs[i];
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    products[i] += other.products[i], squares[i] += other.squares[i];
+    pairs[i] += other.pairs[i];
+  }
   return *this;
 }
 

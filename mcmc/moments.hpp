@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,27 @@ struct Moments {
   using Matrix = Eigen::Matrix<double, 2 * kLags, 2 * kLags>;
   Matrix own = Matrix::Zero();  ///< Σ ψ ψᵀ
   double windows = 0;           ///< how many
-  /// Σ d(t) d′(t) over pairs of lineages on one stroke, and how many, by their distance: up to 5 px, 10 px …
-  std::array<double, 8> products{}, pairs{};
+  /// Of pairs of lineages on one stroke, with s = d(t) − d(t−4): Σ s s′, Σ (s² + s′²)/2, and how many, by
+  /// their distance: up to 5 px, 10 px …
+  std::array<double, 12> products{}, squares{}, pairs{};
 
   Moments& operator+=(const Moments& other);
+};
+
+/// Of normal numbers their variance, with little said by some that have gone astray: from the mean root of
+/// their moduli (Cressie and Hawkins 1980).
+class RobustVariance {
+ public:
+  /// Of numbers of this variance the mean root of the moduli.
+  static double root(double variance) { return std::pow(kOfOne * variance, 0.25); }
+  static double variance(double root) { return std::pow(root, 4) / kOfOne; }
+
+  void add(double value) { roots_ += std::sqrt(std::abs(value)), ++count_; }
+  [[nodiscard]] double value() const { return count_ > 0 ? variance(roots_ / count_) : 0; }
+
+ private:
+  static constexpr double kOfOne = 0.45695;  // (E√|z|)⁴ of a standard normal z
+  double roots_ = 0, count_ = 0;
 };
 
 /// One attribute of every lineage: a series for each, of its samples' length.

@@ -138,12 +138,18 @@ void validate(const MotionModel& model) {
   check(model.rates.hold >= 0 && model.rates.hold <= 1000, "hold",
         "is " + shown(model.rates.hold) + " frames; allowed is 0…1000");
   const auto& after = model.rates.circumstances;
-  for (const auto* multiples : {&after.death, &after.parting, &after.uniting, &after.bridging})
-    for (const double multiple : *multiples)
+  const auto check_multiples = [&](const auto& multiples) {
+    for (const double multiple : multiples)
       check(multiple >= 0 && multiple <= 1e6, "circumstances",
             "holds " + shown(multiple) + ", which is out of range");
+  };
+  for (const auto* multiples : {&after.death, &after.parting, &after.uniting, &after.bridging})
+    check_multiples(*multiples);
+  check_multiples(after.turning);
   check(after.pace >= 1e-3 && after.pace <= 1e3, "circumstances",
         "has a pace of " + shown(after.pace) + "; allowed is 0.001…1000");
+  for (const double far : {model.exclusion.alike, model.exclusion.lines, model.exclusion.mixed})
+    check(far >= 0 && far <= 1000, "exclusion", "holds " + shown(far) + " px; allowed is 0…1000");
   for (const double share : model.appearing) check_share(share, "appearing");
   for (const double share : model.vanishing) check_share(share, "vanishing");
   for (const auto& exemplar : model.exemplars) {

@@ -44,8 +44,9 @@ constexpr std::size_t kSizes = 7;
 std::size_t size_class(std::size_t patches);
 
 /// Classes of how long ago something was (mcmc/circumstances.hpp): below 4, 6, 9, 16, 32 frames, and longer
-/// or not known; and of how wide a gap is: below 5, 7, 10, 14, 20 px, and wider.
-constexpr std::size_t kSince = 6, kGaps = 6;
+/// or not known; of how wide a gap is: below 5, 7, 10, 14, 20 px, and wider; and of how far a stroke has to
+/// turn to reach another: below 30°, 60°, 90°, and farther.
+constexpr std::size_t kSince = 6, kGaps = 6, kTurns = 4;
 
 /// How much more often than usual something happens where, and so long after, something else was; about 1.
 struct Circumstances {
@@ -53,7 +54,8 @@ struct Circumstances {
   std::array<double, kSince> parting = {1, 1, 1, 1, 1, 1};  ///< split, disconnect: after a union near there
   std::array<double, kSince> uniting = {1, 1, 1, 1, 1, 1};  ///< merge, connect: after a parting near there
   std::array<double, kGaps> bridging = {1, 1, 1,
-                                        1, 1, 1};  ///< merge, connect: by the gap between the strokes
+                                        1, 1, 1};     ///< merge, connect: by the gap between the strokes
+  std::array<double, kTurns> turning = {1, 1, 1, 1};  ///< connect: by where the other stroke lies
   double pace = 1;  ///< frames of the clip it was learned from that pass in one
   bool operator==(const Circumstances&) const = default;
 };
@@ -85,6 +87,14 @@ struct Exemplar {
   bool operator==(const Exemplar&) const = default;
 };
 
+/// px: nearer than this patches of two strokes hardly ever come to each other; 0: nothing is known.
+struct Exclusion {
+  double alike = 0;  ///< lines of one sign, or steps
+  double lines = 0;  ///< a ridge and a valley
+  double mixed = 0;  ///< a line and a step
+  bool operator==(const Exclusion&) const = default;
+};
+
 /// How a patch of the first frame moved as it was seen: what an auto-regression of two frames goes on from.
 struct Swing {
   graph::Point offset, offset_before;  ///< px from rest where the sway is usual (sway_share), and a frame ago
@@ -103,6 +113,7 @@ struct MotionModel {
   Autoregression contrast;   ///< of the logarithm of the contrast
   CellMap drift_x, drift_y;  ///< px a frame: how the rest shapes travel
   OperatorRates rates;
+  Exclusion exclusion;
   CellMap density;  ///< patches usually around each cell; births keep to it
   std::array<double, 8> appearing{},
       vanishing{};                  ///< share of the contrast, so many frames after birth or before death

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
 
 #include "mcmc/drift.hpp"
+#include "mcmc/exclusion.hpp"
 #include "mcmc/rates.hpp"
 #include "mcmc/sites.hpp"
 
@@ -14,6 +17,7 @@ namespace emberfold::mcmc::detail {
 namespace {
 
 using graph::EventType;
+using graph::Patch;
 using graph::Point;
 using Index = std::uint32_t;
 
@@ -51,6 +55,10 @@ struct Scene {
     const Point from = graph.patch(a).position, to = graph.patch(b).position;
     return after(model.rates.circumstances.uniting, since(particles.partings, from, frame)) *
            model.rates.circumstances.bridging[gap_class(graph::distance(from, to))];
+  }
+  // Of an end and a patch of another stroke that it does not continue.
+  [[nodiscard]] double turning(const Sites::Pair& pair) const {
+    return model.rates.circumstances.turning[turn_class(turn_towards(graph, pair))];
   }
   [[nodiscard]] double after(const std::array<double, kSince>& multiples, double frames) const {
     return multiples[since_class(frames * model.rates.circumstances.pace)];
@@ -166,17 +174,16 @@ void come_apart(Scene& scene, const Sites& found) {
   }
 }
 
-Particle between(const Particle& a, const Particle& b, double u) {
+// u of the way from one to the other, now at `place`.
+Particle between(const Particle& a, const Particle& b, double u, Point place, Point direction) {
   const auto mix = [&](double p, double q) { return p + u * (q - p); };
   const auto mix_points = [&](Point p, Point q) { return p + (q - p) * u; };
   Particle result;
   result.rest = a.rest;
-  result.rest.position = mix_points(a.rest.position, b.rest.position);
-  const Point chord = b.rest.position - a.rest.position;
   const Point along{std::cos(a.rest.theta), std::sin(a.rest.theta)};
   // Left and right are those of the end it sets out from.
-  const double sense = graph::dot(chord, along) < 0 ? -1 : 1;
-  result.rest.theta = std::atan2(sense * chord.y, sense * chord.x);
+  const double sense = graph::dot(direction, along) < 0 ? -1 : 1;
+  result.rest.theta = std::atan2(sense * direction.y, sense * direction.x);
   result.rest.width = mix(a.rest.width, b.rest.width);
   result.rest.blur = mix(a.rest.blur, b.rest.blur);
   result.rest.contrast = mix(a.rest.contrast, b.rest.contrast);
@@ -186,20 +193,54 @@ Particle between(const Particle& a, const Particle& b, double u) {
     result.rest.middle[c] = levels(a.rest.middle[c], b.rest.middle[c]);
     result.rest.right[c] = levels(a.rest.right[c], b.rest.right[c]);
   }
+  result.share = mix(a.share, b.share);
   result.offset = mix_points(a.offset, b.offset);
   result.offset_before = mix_points(a.offset_before, b.offset_before);
   result.gain = mix(a.gain, b.gain), result.gain_before = mix(a.gain_before, b.gain_before);
+  result.rest.position = place - result.offset * result.share;
   return result;
 }
+
+// The way from one patch to another, u from 0 to 1, that goes on as the stroke ends at `a`, and at `b` where
+// that is an end: Hermite's cubic.
+class Way {
+ public:
+  Way(const graph::AttributeGraph& graph, Index a, Index b)
+      : from_(graph.patch(a).position), to_(graph.patch(b).position) {
+    leave_ = outwards(graph, a, to_ - from_);
+    arrive_ = outwards(graph, b, from_ - to_) * -1;
+  }
+  [[nodiscard]] Point at(double u) const {
+    const double v = 1 - u;
+    return from_ * (v * v * (1 + 2 * u)) + leave_ * (v * v * u) + to_ * (u * u * (3 - 2 * u)) -
+           arrive_ * (u * u * v);
+  }
+  [[nodiscard]] Point direction(double u) const {
+    return at(std::min(1.0, u + 0.05)) - at(std::max(0.0, u - 0.05));
+  }
+
+ private:
+  // As long as the chord; the chord itself where the stroke does not end, or would have to turn back.
+  static Point outwards(const graph::AttributeGraph& graph, Index end, Point chord) {
+    if (graph.degree(end) != 1) return chord;
+    const Point out = graph.patch(end).position - graph.patch(graph.neighbours(end)[0]).position;
+    const double length = graph::norm(out);
+    if (length <= 0 || graph::dot(out, chord) <= 0) return chord;
+    return out * (graph::norm(chord) / length);
+  }
+  Point from_, to_, leave_, arrive_;
+};
 
 void bridge(Scene& scene, Index a, Index b) {
   Particles& p = scene.particles;
   const Particle from = p.list[a], to = p.list[b];
   const int patches = std::max(
       0, static_cast<int>(std::lround(graph::distance(from.position(), to.position()) / spacing)) - 1);
+  const Way way(scene.graph, a, b);
   Index last = a;
   for (int i = 1; i <= patches; ++i) {
-    const Index next = p.add(between(from, to, i / (patches + 1.0)));
+    const double u = i / (patches + 1.0);
+    const Index next = p.add(between(from, to, u, way.at(u), way.direction(u)));
     scene.hold(next);
     p.edges.emplace_back(last, next);
     last = next;
@@ -210,9 +251,11 @@ void bridge(Scene& scene, Index a, Index b) {
 }
 
 void unite(Scene& scene, const std::vector<Sites::Pair>& pairs, double rate, EventType type) {
-  for (const auto& [a, b] : pairs) {
+  for (const auto& pair : pairs) {
+    const auto& [a, b] = pair;
     if (scene.held(a) || scene.held(b)) continue;
-    if (!scene.bring(a, rate * scene.uniting(a, b)) || scene.busy[scene.parts.of_vertex[b]]) continue;
+    const double bent = type == EventType::connect ? scene.turning(pair) : 1;
+    if (!scene.bring(a, rate * bent * scene.uniting(a, b)) || scene.busy[scene.parts.of_vertex[b]]) continue;
     scene.take(a);
     scene.take(b);
     scene.count(type);
@@ -269,9 +312,14 @@ int poisson(double mean, core::Rng& rng) {
   return count;
 }
 
-// px from where a stroke would lie to what is there; at most `enough`.
-double clearance(const Scene& scene, const graph::AttributeGraph& stroke, Point place, double enough) {
-  double nearest = enough * enough;
+// How free a stroke would lie at a place, 0…1: of its distance to each other stroke, over what it had to its
+// nearest when it was seen, or what strokes keep anyway, the least; the mean over its patches.
+double freedom(const Scene& scene, const Exemplar& exemplar, Point place) {
+  const auto& [stroke, seen_at, seen_clearance] = exemplar;
+  const double asked = std::clamp(seen_clearance, 1.0, most_clearance);
+  const auto& exclusion = scene.model.exclusion;
+  const double enough = std::max({asked, exclusion.alike, exclusion.lines, exclusion.mixed});
+  std::vector<double> least(stroke.size(), 1.0);
   Point low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()},
       high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const auto& vertex : stroke.vertices()) {
@@ -283,12 +331,13 @@ double clearance(const Scene& scene, const graph::AttributeGraph& stroke, Point 
     const Point q = other.patch.position;
     if (q.x < low.x - enough || q.y < low.y - enough || q.x > high.x + enough || q.y > high.y + enough)
       continue;
-    for (const auto& vertex : stroke.vertices()) {
-      const Point apart = vertex.patch.position + place - q;
-      nearest = std::min(nearest, graph::dot(apart, apart));
+    for (std::uint32_t v = 0; v < stroke.size(); ++v) {
+      const Patch& patch = stroke.patch(v);
+      const double need = std::max(asked, kept_apart(exclusion, patch, other.patch));
+      least[v] = std::min(least[v], graph::distance(patch.position + place, q) / need);
     }
   }
-  return std::sqrt(nearest);
+  return std::accumulate(least.begin(), least.end(), 0.0) / static_cast<double>(least.size());
 }
 
 // An exemplar and a place about where it was seen: as much by itself as it was there, or as nearly so as some
@@ -308,8 +357,7 @@ Cradle find_cradle(Scene& scene, const std::vector<double>& weights) {
     const Point place = exemplar.place + Point{scene.rng.normal(), scene.rng.normal()} * astray;
     const double crowded = scene.crowd.at(place);
     if (best.exemplar && scene.rng.uniform() * crowded * crowded > 1) continue;
-    const double asked = std::clamp(exemplar.clearance, 1.0, most_clearance);
-    const double free = clearance(scene, exemplar.graph, place, asked) / asked;
+    const double free = freedom(scene, exemplar, place);
     if (free > most_free) best = {&exemplar, place}, most_free = free;
   }
   return best;
@@ -333,6 +381,12 @@ void give_birth(Scene& scene, std::uint64_t seed) {
     scene.count(EventType::birth);
     const auto first = static_cast<Index>(scene.particles.list.size());
     add_settled(scene.particles, cradle.exemplar->graph, cradle.place, 0, model, seed);
+    // It lies there as it sways.
+    const auto fresh = std::span(scene.particles.list).subspan(first);
+    Point astray;
+    for (const auto& particle : fresh) astray = astray + particle.offset * particle.share;
+    astray = astray * (1 / static_cast<double>(fresh.size()));
+    for (auto& particle : fresh) particle.rest.position = particle.rest.position - astray;
     for (Index v = first; v < scene.particles.list.size(); ++v) scene.hold(v);
   }
 }

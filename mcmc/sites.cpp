@@ -131,4 +131,10 @@ Sites sites(const AttributeGraph& graph, const graph::Components& parts, double 
   return result;
 }
 
+double turn_towards(const AttributeGraph& graph, const Sites::Pair& pair) {
+  const Point at = graph.patch(pair.a).position;
+  if (graph.degree(pair.a) == 0) return 0;
+  return turn(at - graph.patch(graph.neighbours(pair.a)[0]).position, graph.patch(pair.b).position - at);
+}
+
 }  // namespace emberfold::mcmc

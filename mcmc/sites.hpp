@@ -28,4 +28,7 @@ constexpr std::size_t kPiece = 4;
 /// Ordered by vertex. O(n log n).
 Sites sites(const graph::AttributeGraph& graph, const graph::Components& parts, double reach);
 
+/// How far the stroke that ends at `pair.a` would have to turn there towards `pair.b`; rad, 0…π.
+double turn_towards(const graph::AttributeGraph& graph, const Sites::Pair& pair);
+
 }  // namespace emberfold::mcmc

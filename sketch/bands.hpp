@@ -19,10 +19,12 @@ inline constexpr double kLeastReach = 1.5, kMostReach = 12;  ///< px to each sid
 inline constexpr double kLeastBlur = 0.2;                    ///< px: below, a pixel does not show it
 inline constexpr double kSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
 
+inline constexpr double kLeastMargin = 1;  ///< px beyond the core: else a sharp line holds no pixel of its sides
+
 /// How far to each side a patch's profile changes, px.
 inline double profile_reach(const graph::Patch& patch) {
-  return std::clamp(std::max(patch.width, 0.0) / 2 + 2 * std::max(patch.blur, kLeastBlur), kLeastReach,
-                    kMostReach);
+  const double margin = std::max(2 * std::max(patch.blur, kLeastBlur), kLeastMargin);
+  return std::clamp(std::max(patch.width, 0.0) / 2 + margin, kLeastReach, kMostReach);
 }
 
 inline double between(double a, double b, double s) {

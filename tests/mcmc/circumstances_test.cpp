@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "mcmc/synthesize.hpp"
 #include "tests/catch.hpp"
@@ -58,6 +59,10 @@ TEST_CASE("How long ago and how wide have classes", "[circumstances]") {
   CHECK(mcmc::since_class(std::numeric_limits<double>::infinity()) == 5);
   const std::vector<std::pair<double, std::size_t>> gaps{{0, 0}, {5, 1}, {9.9, 2}, {13, 3}, {14, 4}, {20, 5}};
   for (const auto& [px, expected] : gaps) CHECK(mcmc::gap_class(px) == expected);
+  const std::vector<std::pair<double, std::size_t>> turns{{0, 0},  {29, 0}, {31, 1},
+                                                          {61, 2}, {91, 3}, {180, 3}};
+  for (const auto& [degrees, expected] : turns)
+    CHECK(mcmc::turn_class(degrees * std::numbers::pi / 180) == expected);
 }
 
 TEST_CASE("The latest happening near a place counts", "[circumstances]") {
@@ -106,6 +111,42 @@ TEST_CASE("Gaps are bridged by their width", "[circumstances]") {
   for (const auto& event : graph::stroke_events(motion)) {
     apart += event.type == graph::EventType::split ? 1 : event.type == graph::EventType::merge ? -1 : 0;
     CHECK(apart >= 0);
+  }
+}
+
+TEST_CASE("Strokes connect by how far they have to turn and that is found again", "[circumstances]") {
+  // Above a long line each time: one that ends towards it, and two whose ends pass it by, at 45° and at 80°.
+  auto model = made::empty_model(640, 480);
+  make::Frame frame;
+  const auto towards = [&](graph::Point end, double degrees) {
+    const double turn = degrees * std::numbers::pi / 180;
+    const graph::Point back{-std::sin(turn), -std::cos(turn)};
+    frame.line(make::segment(end + back * 40, end, 9));
+  };
+  for (int row = 0; row < 4; ++row) {
+    const double y = 110.0 * row + 90;
+    frame.line(make::segment({20, y}, {620, y}, 121));
+    for (int column = 0; column < 4; ++column) {
+      const double x = 40 + 150.0 * column;
+      towards({x, y - 12}, 0);
+      towards({x + 50, y - 12}, 45);
+      towards({x + 110, y - 12}, 80);
+    }
+  }
+  model.first = frame.graph();
+  for (double& value : model.density.values) value = 1;
+  model.rates.reach = 14, model.rates.connect = 0.02, model.rates.disconnect = 0.02,
+  model.rates.disconnect_gap = 12;
+  SECTION("alike") {
+    const auto found = found_in(model, 1000).turning;
+    for (const std::size_t turn : {0, 1, 2}) CHECK_THAT(found[turn], WithinRel(1, 0.35));
+  }
+  SECTION("only those that end towards the other") {
+    model.rates.circumstances.turning = {1, 0, 0, 0};
+    const auto found = found_in(model, 1000).turning;
+    CHECK(found[0] > 0.6);
+    CHECK(found[1] < 0.1);
+    CHECK(found[2] < 0.1);
   }
 }
 

@@ -203,6 +203,31 @@ TEST_CASE("At a rate of one ends in line merge and ends beside a line connect", 
   CHECK(strokes(clip(model, 3).motion.sketch.frames[2]) == 2);
 }
 
+TEST_CASE("A bridge leaves as the stroke ends and sways as its ends do", "[operators]") {
+  make::Frame frame;
+  frame.line(make::segment({60, 20}, {60, 60}, 9));
+  frame.line(
+      make::segment({20, 72}, {200, 92}, 37));  // the nearest patch lies aside of where the other points
+  auto model = showing(frame);
+  model.rates.connect = 1;
+  model.sway = {0.9, 0, 0, 0.5, 20, 0};
+  for (double& share : model.sway_share.values) share = 0.01;
+  const auto joined = clip(model, 2).motion.sketch.frames[1];
+  REQUIRE(strokes(joined) == 1);
+  REQUIRE(joined.size() >= frame.vertices.size() + 2);
+  // Nothing turns sharply on the way, and what joins what hardly sways hardly sways.
+  for (auto v = static_cast<std::uint32_t>(frame.vertices.size()); v + 1 < joined.size(); ++v) {
+    REQUIRE(joined.degree(v) == 2);
+    const auto sides = joined.neighbours(v);
+    const graph::Point in = joined.patch(v).position - joined.patch(sides[0]).position,
+                       out = joined.patch(sides[1]).position - joined.patch(v).position;
+    CHECK(std::abs(graph::dot(in, out)) > 0.85 * graph::norm(in) * graph::norm(out));
+  }
+  const auto later = clip(model, 40).motion.sketch.frames[39];
+  for (auto v = static_cast<std::uint32_t>(frame.vertices.size()); v < joined.size(); ++v)
+    CHECK(graph::distance(later.patch(v).position, joined.patch(v).position) < 0.3);
+}
+
 TEST_CASE("Events read off a synthesized clip are those that the operators carried out", "[operators]") {
   SECTION("births") {
     auto model = made::empty_model();

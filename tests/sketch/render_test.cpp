@@ -197,6 +197,7 @@ TEST_CASE("The band has the reach and the ends that the header tells", "[sketch]
   CHECK(rows_of(40, 5) == 25);   // at most 12
   CHECK(rows_of(-7, 0.1) == 3);  // no negative widths
   CHECK(rows_of(8, 1) == 13);    // 6
+  CHECK(rows_of(3, 0.1) == 5);   // a sharp line holds a pixel of each side
   // Alone: 2.5 px to each side.
   const auto lone = sketch::draw_fitted(chain({stroke_patch({40, 30}, kPi / 2)}), {80, 60}, 1);
   CHECK(cv::countNonZero(lone.mask) == 7 * 5);
