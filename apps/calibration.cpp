@@ -61,9 +61,6 @@ std::vector<mcmc::Census> calibrate(mcmc::FitResult& fitted, const mcmc::Census&
     const double step = 1.0 / (1 + round);
     for (std::size_t i = 0; i < wanted.events.size(); ++i)
       correct(wanted.events[i], usual.events[i], seen.events[i], one, step);
-    for (std::size_t s = 0; s < wanted.strokes.size(); ++s)
-      correct(wanted.strokes[s], usual.strokes[s], seen.strokes[s], one, step);
-    correct(wanted.patches, usual.patches, seen.patches, one, step);
     mcmc::balance(model, wanted, seed, context.with_progress({}));
     if (context.cancelled()) throw Interrupted{};
   }

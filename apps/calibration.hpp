@@ -14,7 +14,7 @@
 namespace emberfold::apps {
 
 struct CalibrateOptions {
-  int calibrate = 0;  ///< 0…20 rounds; 0: rates stay as they were learned from the graphs
+  int calibrate = 2;  ///< 0…20 rounds; 0: rates stay as they were learned from the graphs
 
   void validate() const;
 };
@@ -34,9 +34,10 @@ mcmc::Census seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDra
 /// Corrects the rates of a learned model until clips drawn from it show to a bottom-up analysis what the clip
 /// itself, `source`, showed to one: a detector misses some of what happens in graphs and makes up other
 /// things, and only what is drawn tells how much (indirect inference: Gourieroux, Monfort & Renault 1993). In
-/// each round as many frames as the clip has, at most 150, are drawn and analysed; what the model is balanced
-/// to is multiplied by (source / seen)^(1 / round). Returns what each round saw before its correction. Throws
-/// Interrupted.
+/// each round as many frames as the clip has, at most 150, are drawn and analysed; the frequency of each kind
+/// of event that the model is balanced to is multiplied by (source / seen)^(1 / round). How many strokes
+/// there are and how large is left alone: what is not seen of them lies under others, and more would hide
+/// more. Returns what each round saw before its correction. Throws Interrupted.
 std::vector<mcmc::Census> calibrate(mcmc::FitResult& fitted, const mcmc::Census& source,
                                     const ReadingAndDrawing& how, const CalibrateOptions& options,
                                     std::uint64_t seed, const core::Context& context);

@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "apps/calibration.hpp"
 #include "apps/clip_part.hpp"
 #include "apps/clip_strokes.hpp"
 #include "apps/compared_models.hpp"
@@ -14,6 +15,8 @@
 #include "apps/interrupt.hpp"
 #include "core/error.hpp"
 #include "dytex/synthesize.hpp"
+#include "graph/events.hpp"
+#include "mcmc/census.hpp"
 #include "mcmc/fit.hpp"
 #include "mcmc/predict.hpp"
 #include "mcmc/synthesize.hpp"
@@ -97,6 +100,21 @@ double ground_numbers(const Ground& ground) {
   return static_cast<double>(ground.levels.total()) * std::max(1, ground.levels.channels());
 }
 
+/// What was fitted is made ready to be drawn from, as `analyze` does: sharpening, then rates.
+void prepare_drawing(Strokes& strokes, mcmc::FitResult& fitted, const graph::MotionGraph& motion,
+                     const ModelInput& input) {
+  const auto& session = input.session;
+  const std::uint64_t seed = session.common.seed;
+  ClipPart part(input.source, 0, input.first);
+  const double wanted =
+      clip_flank_gradient(part, first_frames(input.sketched.sketch, input.first), session.context).mean();
+  strokes.sharpening = fit_sharpening(fitted.model, strokes.drawn_ground, wanted, seed, session.context);
+  calibrate(fitted, mcmc::census(motion, graph::stroke_events(motion)),
+            {input.options.sketch, input.options.match, strokes.drawn_look()}, CalibrateOptions{}, seed,
+            session.context.with_progress({}));
+  strokes.drawn = fitted.model;
+}
+
 }  // namespace
 
 std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const KnownModels& known) {
@@ -112,25 +130,19 @@ std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const Know
     mcmc::FitOptions options;
     options.seed = session.common.seed;
     options.balance = known.motion_model == nullptr;  // it serves drawing alone
-    auto fitted =
-        mcmc::fit(match_strokes(first_frames(sketch, input.first), input.options.match, session.context),
-                  options, session.context);
+    const auto motion =
+        match_strokes(first_frames(sketch, input.first), input.options.match, session.context);
+    auto fitted = mcmc::fit(motion, options, session.context);
     if (fitted.status == core::Status::cancelled) throw Interrupted{};
     for (const auto& note : fitted.notes) session.warn("motion model: " + note);
-    strokes.model = std::move(fitted.model);
+    strokes.model = fitted.model;
+    if (known.motion_model != nullptr)
+      strokes.drawn = *known.motion_model, strokes.sharpening = *known.sharpening;
+    else
+      prepare_drawing(strokes, fitted, motion, input);
   } catch (const core::InputError& error) {
     session.warn(std::string("no motion model: ") + error.what());
     return nullptr;
-  }
-  strokes.drawn = known.motion_model != nullptr ? *known.motion_model : strokes.model;
-  if (known.sharpening != nullptr) {
-    strokes.sharpening = *known.sharpening;
-  } else {
-    ClipPart part(input.source, 0, input.first);
-    const double wanted =
-        clip_flank_gradient(part, first_frames(sketch, input.first), session.context).mean();
-    strokes.sharpening =
-        fit_sharpening(strokes.drawn, strokes.drawn_ground, wanted, session.common.seed, session.context);
   }
   if (input.first < input.frames) {
     // Steadying takes back what later frames show to be flicker; whoever foretells cannot know them.

@@ -45,7 +45,7 @@ TEST_CASE("calibration tells what the clip showed and what each round saw") {
     REQUIRE(result.exit == 0);
     return Json::parse(result.out);
   };
-  const auto plain = analyze("plain", {});
+  const auto plain = analyze("plain", {"--calibrate", "0"});
   CHECK(plain["calibration"].is_null());
   const auto told = analyze("told", {"--calibrate", "2", "--threads", "1"});
   const auto& calibration = told["calibration"];
