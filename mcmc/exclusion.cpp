@@ -85,6 +85,10 @@ double kept_apart(const Exclusion& exclusion, const Patch& a, const Patch& b) {
   }
 }
 
+double most_kept_apart(const Exclusion& exclusion) {
+  return std::max({exclusion.alike, exclusion.lines, exclusion.mixed});
+}
+
 Exclusion estimate_exclusion(std::span<const graph::MotionGraph> samples) {
   Counts seen{}, expected{};
   for (const auto& motion : samples)
@@ -111,7 +115,7 @@ constexpr int relaxations = 2, smoothings = 2;
 std::vector<Point> pushes(const Particles& p, const graph::Components& parts, const Exclusion& exclusion) {
   std::vector<Point> places;
   for (const auto& particle : p.list) places.push_back(particle.position());
-  const graph::detail::Near near(places, std::max({exclusion.alike, exclusion.lines, exclusion.mixed}));
+  const graph::detail::Near near(places, most_kept_apart(exclusion));
   std::vector<Point> result(p.list.size());
   for (std::uint32_t v = 0; v < p.list.size(); ++v) {
     if (p.list[v].leaving >= 0) continue;
@@ -132,8 +136,7 @@ std::vector<Point> pushes(const Particles& p, const graph::Components& parts, co
 }  // namespace
 
 void keep_apart(Particles& p, const MotionModel& model) {
-  if (p.list.empty() || std::max({model.exclusion.alike, model.exclusion.lines, model.exclusion.mixed}) <= 0)
-    return;
+  if (p.list.empty() || most_kept_apart(model.exclusion) <= 0) return;
   const auto sides = neighbours(p);
   const auto parts = graph::components(shape(p));
   for (int i = 0; i < relaxations; ++i) {

@@ -13,6 +13,9 @@ namespace emberfold::mcmc {
 /// px that patches of two strokes keep between them.
 double kept_apart(const Exclusion& exclusion, const graph::Patch& a, const graph::Patch& b);
 
+/// The most that patches of any kind do.
+double most_kept_apart(const Exclusion& exclusion);
+
 /// For each kind of pair the greatest distance, up to 12 px, within which patches have one of another stroke
 /// a fifth as often as they would had they been set down elsewhere nearby; 0 where so few would that nothing
 /// can be said. O(patches).

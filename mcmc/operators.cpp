@@ -207,8 +207,8 @@ class Way {
  public:
   Way(const graph::AttributeGraph& graph, Index a, Index b)
       : from_(graph.patch(a).position), to_(graph.patch(b).position) {
-    leave_ = outwards(graph, a, to_ - from_);
-    arrive_ = outwards(graph, b, from_ - to_) * -1;
+    leave_ = set_out(graph, a, to_ - from_);
+    arrive_ = set_out(graph, b, from_ - to_) * -1;
   }
   [[nodiscard]] Point at(double u) const {
     const double v = 1 - u;
@@ -221,9 +221,9 @@ class Way {
 
  private:
   // As long as the chord; the chord itself where the stroke does not end, or would have to turn back.
-  static Point outwards(const graph::AttributeGraph& graph, Index end, Point chord) {
+  static Point set_out(const graph::AttributeGraph& graph, Index end, Point chord) {
     if (graph.degree(end) != 1) return chord;
-    const Point out = graph.patch(end).position - graph.patch(graph.neighbours(end)[0]).position;
+    const Point out = outwards(graph, end);
     const double length = graph::norm(out);
     if (length <= 0 || graph::dot(out, chord) <= 0) return chord;
     return out * (graph::norm(chord) / length);
@@ -315,10 +315,10 @@ int poisson(double mean, core::Rng& rng) {
 // How free a stroke would lie at a place, 0…1: of its distance to each other stroke, over what it had to its
 // nearest when it was seen, or what strokes keep anyway, the least; the mean over its patches.
 double freedom(const Scene& scene, const Exemplar& exemplar, Point place) {
-  const auto& [stroke, seen_at, seen_clearance] = exemplar;
-  const double asked = std::clamp(seen_clearance, 1.0, most_clearance);
+  const auto& stroke = exemplar.graph;
   const auto& exclusion = scene.model.exclusion;
-  const double enough = std::max({asked, exclusion.alike, exclusion.lines, exclusion.mixed});
+  const double asked = std::clamp(exemplar.clearance, 1.0, most_clearance);
+  const double enough = std::max(asked, most_kept_apart(exclusion));
   std::vector<double> least(stroke.size(), 1.0);
   Point low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()},
       high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};

@@ -26,10 +26,8 @@ double turn(Point a, Point b) {
 }
 
 bool face_each_other(const AttributeGraph& graph, Index a, Index b) {
-  const Point at_a = graph.patch(a).position, at_b = graph.patch(b).position, gap = at_b - at_a;
-  const Point out_a = at_a - graph.patch(graph.neighbours(a)[0]).position,
-              out_b = at_b - graph.patch(graph.neighbours(b)[0]).position;
-  return turn(out_a, gap) < in_line && turn(gap, out_b * -1) < in_line;
+  const Point gap = graph.patch(b).position - graph.patch(a).position;
+  return turn(outwards(graph, a), gap) < in_line && turn(gap, outwards(graph, b) * -1) < in_line;
 }
 
 // The direction in which a curve would end at its k-th patch, coming from the left (step 1) or from the right
@@ -131,10 +129,13 @@ Sites sites(const AttributeGraph& graph, const graph::Components& parts, double 
   return result;
 }
 
+Point outwards(const AttributeGraph& graph, Index end) {
+  return graph.patch(end).position - graph.patch(graph.neighbours(end)[0]).position;
+}
+
 double turn_towards(const AttributeGraph& graph, const Sites::Pair& pair) {
-  const Point at = graph.patch(pair.a).position;
   if (graph.degree(pair.a) == 0) return 0;
-  return turn(at - graph.patch(graph.neighbours(pair.a)[0]).position, graph.patch(pair.b).position - at);
+  return turn(outwards(graph, pair.a), graph.patch(pair.b).position - graph.patch(pair.a).position);
 }
 
 }  // namespace emberfold::mcmc

@@ -28,6 +28,9 @@ constexpr std::size_t kPiece = 4;
 /// Ordered by vertex. O(n log n).
 Sites sites(const graph::AttributeGraph& graph, const graph::Components& parts, double reach);
 
+/// From its neighbour to the end of a stroke, px: where the stroke would go on.
+graph::Point outwards(const graph::AttributeGraph& graph, std::uint32_t end);
+
 /// How far the stroke that ends at `pair.a` would have to turn there towards `pair.b`; rad, 0…π.
 double turn_towards(const graph::AttributeGraph& graph, const Sites::Pair& pair);
 

@@ -15,18 +15,6 @@ using Catch::Matchers::WithinRel;
 
 namespace {
 
-/// Strokes of 5 patches come and go all over a large frame.
-mcmc::MotionModel coming_and_going() {
-  auto model = made::empty_model(640, 480);
-  for (int i = 0; i < 60; ++i)
-    model.exemplars.push_back({made::straight(5), {40 + 62.0 * (i % 10), 40 + 80.0 * (i / 10)}, 10});
-  model.rates.birth_by_size[1] = 1;
-  for (double& value : model.rates.birth.values) value = 2.0 / (640 * 480);
-  for (double& value : model.density.values) value = 0.1;
-  model.rates.death_by_size.fill(0.06);
-  return model;
-}
-
 /// Rows of two strokes in line, 15 px apart, and of one: they unite and come apart.
 mcmc::MotionModel uniting_and_parting() {
   auto model = made::empty_model(640, 480);
@@ -74,7 +62,7 @@ TEST_CASE("The latest happening near a place counts", "[circumstances]") {
 }
 
 TEST_CASE("Deaths by age are found as they were made", "[circumstances]") {
-  auto model = coming_and_going();
+  auto model = made::coming_and_going(5, 10, 0.1, 0.06);
   SECTION("as often at any age") {
     const auto found = found_in(model, 400);
     // In a crowd all die more often. The youngest are too young to die in their first frame.
@@ -151,7 +139,7 @@ TEST_CASE("Strokes connect by how far they have to turn and that is found again"
 }
 
 TEST_CASE("At twice the speed what depends on time does so twice as soon", "[circumstances]") {
-  auto model = coming_and_going();
+  auto model = made::coming_and_going(5, 10, 0.1, 0.06);
   model.rates.circumstances.death = {0, 0, 0, 1, 1, 1};
   const auto youngest = [](const mcmc::MotionModel& m) {
     const auto motion = mcmc::synthesize(m, 150, 2).motion;

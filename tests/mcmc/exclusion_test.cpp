@@ -23,21 +23,16 @@ graph::MotionGraph clip_of(std::vector<graph::AttributeGraph> frames) {
   return motion;
 }
 
-void flatten(make::Frame& frame, std::size_t from) {
-  for (std::size_t v = from; v < frame.vertices.size(); ++v) frame.vertices[v].patch.width = 0;
-}
-
-/// Ridges `apart` px from each other or more, at random; each with a valley `beside` px below it, unless that
-/// is 0, and a step as far above.
+/// Ridges `apart` px from each other or more, at random; each with a valley `beside` px below it and a step
+/// as far above.
 graph::AttributeGraph folds(double apart, double beside, core::Rng& rng) {
   make::Frame frame;
   for (double y = 10; y < 470; y += apart + rng.uniform(0, 20)) {
     frame.line(make::segment({20, y}, {620, y}, 121));
-    if (beside <= 0) continue;
     frame.line(make::segment({20, y + beside}, {620, y + beside}, 121), -40);
     const auto first = frame.vertices.size();
     frame.line(make::segment({20, y - beside}, {620, y - beside}, 121));
-    flatten(frame, first);
+    for (auto v = first; v < frame.vertices.size(); ++v) frame.vertices[v].patch.width = 0;
   }
   return frame.graph();
 }
@@ -112,13 +107,7 @@ TEST_CASE("What comes too near makes way, and what goes on beyond an end does no
 }
 
 TEST_CASE("Strokes are born and sway as far apart as they are to be", "[exclusion]") {
-  auto model = made::empty_model(640, 480);
-  for (int i = 0; i < 60; ++i)
-    model.exemplars.push_back({made::straight(9), {40 + 62.0 * (i % 10), 40 + 80.0 * (i / 10)}, 8});
-  model.rates.birth_by_size[2] = 1;
-  for (double& value : model.rates.birth.values) value = 2.0 / (640 * 480);
-  for (double& value : model.density.values) value = 0.25;
-  model.rates.death_by_size.fill(0.03);
+  auto model = made::coming_and_going(9, 8, 0.25, 0.03);
   model.sway = {0.97, 0, 0, 0.8, 20, 0};
   const auto near = [&] {
     const auto motion = mcmc::synthesize(model, 200, 2).motion;

@@ -38,6 +38,18 @@ inline graph::AttributeGraph straight(int patches, double theta = 0, double cont
   return frame.graph();
 }
 
+/// Strokes of so many patches are born at 60 places all over a large frame, and die.
+inline mcmc::MotionModel coming_and_going(int patches, double clearance, double density, double death) {
+  auto model = empty_model(640, 480);
+  for (int i = 0; i < 60; ++i)
+    model.exemplars.push_back({straight(patches), {40 + 62.0 * (i % 10), 40 + 80.0 * (i / 10)}, clearance});
+  model.rates.birth_by_size[mcmc::size_class(static_cast<std::size_t>(patches))] = 1;
+  for (double& value : model.rates.birth.values) value = 2.0 / (640 * 480);
+  for (double& value : model.density.values) value = density;
+  model.rates.death_by_size.fill(death);
+  return model;
+}
+
 /// Every part another number, so that none can stand in for another.
 inline mcmc::MotionModel full_model() {
   auto model = empty_model(100, 60);  // 7 x 4 cells
@@ -54,12 +66,9 @@ inline mcmc::MotionModel full_model() {
   r.death_by_size = {0.3, 0.2, 0.1, 0.05, 0.04, 0.03, 0.02};
   r.split = 0.011, r.merge = 0.012, r.connect = 0.013, r.disconnect = 0.014;
   r.reach = 23, r.split_gap = 11, r.disconnect_gap = 12, r.hold = 3;
-  r.circumstances = {{0.1, 0.9, 1.1, 1.2, 1.3, 1.4},
-                     {1.5, 0.6, 0.7, 0.8, 1.6, 1.7},
-                     {1.8, 1.9, 0.4, 0.3, 0.2, 2.1},
-                     {2.2, 2.3, 2.4, 0.5, 2.5, 2.6},
-                     {2.7, 2.8, 0.35, 0.15},
-                     1.5};
+  r.circumstances = {{0.1, 0.9, 1.1, 1.2, 1.3, 1.4}, {1.5, 0.6, 0.7, 0.8, 1.6, 1.7},
+                     {1.8, 1.9, 0.4, 0.3, 0.2, 2.1}, {2.2, 2.3, 2.4, 0.5, 2.5, 2.6},
+                     {2.7, 2.8, 0.35, 0.15},         1.5};
   model.exclusion = {8, 2.5, 1.5};
   model.appearing = {0.1, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 1};
   model.vanishing = {0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1, 1};
