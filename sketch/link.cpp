@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "sketch/nearest.hpp"
 #include "sketch/order.hpp"
 
 namespace emberfold::sketch {
@@ -110,8 +111,8 @@ class Linker {
 
   // The best of the three neighbours ahead, or of the pixels one further where those are empty.
   std::optional<std::size_t> step(Point position, double theta, double heading) const {
-    const int octant = static_cast<int>(std::lround(theta / (kPi / 4)));
-    const int x = static_cast<int>(std::lround(position.x)), y = static_cast<int>(std::lround(position.y));
+    const int octant = nearest(theta / (kPi / 4));
+    const int x = nearest(position.x), y = nearest(position.y);
     std::optional<std::size_t> best;
     for (int reach = 1; reach <= 2 && !best; ++reach) {
       double least = 1e9;
@@ -144,8 +145,7 @@ class Linker {
   // Double responses: points to the sides that run in parallel, nearer than two lines of this size could be
   // told apart.
   void spend_beside(const CreasePoint& p) {
-    const int x = static_cast<int>(std::lround(p.position.x)),
-              y = static_cast<int>(std::lround(p.position.y));
+    const int x = nearest(p.position.x), y = nearest(p.position.y);
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
     const double reach = std::max(kDouble, space_[static_cast<std::size_t>(p.level)].sigma);
     const int box = static_cast<int>(std::ceil(reach));

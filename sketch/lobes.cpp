@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "sketch/nearest.hpp"
+
 namespace emberfold::sketch {
 
 using graph::Point;
@@ -14,37 +16,87 @@ namespace {
 // How much less than a response its explanation may be: by stronger lines, and by all.
 constexpr double kOfOne = 1.4, kOfAll = 1.6;
 
-// Where accepted lines run: each pixel near one refers to its point.
+struct Box {
+  int left, top, right, bottom;
+  [[nodiscard]] bool meets(const Box& o) const {
+    return left <= o.right && o.left <= right && top <= o.bottom && o.top <= bottom;
+  }
+};
+
+// The pixels next to a point and its own.
+Box around(const CreasePoint& p) {
+  const int x = nearest(p.position.x), y = nearest(p.position.y);
+  return {x - 1, y - 1, x + 1, y + 1};
+}
+
+// Where accepted lines run: each pixel near one refers to its point; where several are near, to that which
+// was added last.
 class Accepted {
  public:
-  Accepted(cv::Size frame) : index_(frame, -1) {}
+  explicit Accepted(cv::Size frame) : index_(frame, -1) {}
 
   void add(const Chain& chain) {
+    Line line{&chain, static_cast<int>(points_.size()), around(chain.points.front())};
     for (const CreasePoint& p : chain.points) {
-      const int x = static_cast<int>(std::lround(p.position.x)),
-                y = static_cast<int>(std::lround(p.position.y));
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx)
-          if (x + dx >= 0 && y + dy >= 0 && x + dx < index_.cols && y + dy < index_.rows)
-            index_(y + dy, x + dx) = static_cast<int>(points_.size());
+      const Box box = around(p);
+      line.box = {std::min(line.box.left, box.left), std::min(line.box.top, box.top),
+                  std::max(line.box.right, box.right), std::max(line.box.bottom, box.bottom)};
+      const int number = static_cast<int>(points_.size());
+      visit(box, [&](int& entry) { entry = number; });
       points_.push_back(&p);
     }
+    lines_.push_back(line);
+  }
+
+  // As if it had not been added: what lies below it shows again.
+  void remove(const Chain& chain) {
+    const auto found = std::ranges::find(lines_, &chain, &Line::chain);
+    const Line line = *found;
+    lines_.erase(found);
+    const int end = line.first + static_cast<int>(chain.points.size());
+    for (const CreasePoint& p : chain.points)
+      visit(around(p), [&](int& entry) {
+        if (entry >= line.first && entry < end) entry = -1;
+      });
+    for (const Line& other : lines_)
+      if (other.box.meets(line.box)) show(other, line.box);
   }
 
   // The first point met on the way from p along u.
   [[nodiscard]] const CreasePoint* first_on(Point p, Point u, double reach) const {
     for (double d = 1; d <= reach; d += 1) {
-      const int x = static_cast<int>(std::lround(p.x + d * u.x)),
-                y = static_cast<int>(std::lround(p.y + d * u.y));
+      const int x = nearest(p.x + d * u.x), y = nearest(p.y + d * u.y);
       if (x < 0 || y < 0 || x >= index_.cols || y >= index_.rows) return nullptr;
-      if (index_(y, x) >= 0) return points_[static_cast<std::size_t>(index_(y, x))];
+      if (const int entry = index_(y, x); entry >= 0) return points_[static_cast<std::size_t>(entry)];
     }
     return nullptr;
   }
 
  private:
+  struct Line {
+    const Chain* chain;
+    int first;  // of its points
+    Box box;
+  };
+
+  void show(const Line& line, const Box& where) {
+    int number = line.first;
+    for (const CreasePoint& p : line.chain->points) {
+      if (const Box box = around(p); box.meets(where))
+        visit(box, [&](int& entry) { entry = std::max(entry, number); });
+      ++number;
+    }
+  }
+
+  template <class Visit>
+  void visit(const Box& box, Visit act) {
+    for (int y = std::max(box.top, 0); y <= std::min(box.bottom, index_.rows - 1); ++y)
+      for (int x = std::max(box.left, 0); x <= std::min(box.right, index_.cols - 1); ++x) act(index_(y, x));
+  }
+
   cv::Mat1i index_;
   std::vector<const CreasePoint*> points_;
+  std::vector<Line> lines_;
 };
 
 // What the line through q adds to the second derivative at p, seen at scale sigma, with its opposite sign.
@@ -92,25 +144,26 @@ double mean_strength(const Chain& chain) {
          static_cast<double>(chain.points.size());
 }
 
+// The lines that were accepted, and which of them were dropped.
+struct Judged {
+  Accepted ridges, valleys;
+  std::vector<double> share;  // of its response that stronger lines explain, of each chain
+  std::vector<bool> dropped;
+
+  [[nodiscard]] Accepted& of(CreaseKind kind) { return kind == CreaseKind::ridge ? ridges : valleys; }
+  [[nodiscard]] Accepted& opposite(CreaseKind kind) { return kind == CreaseKind::ridge ? valleys : ridges; }
+};
+
 // What lies between two lines of the other sign was judged by the stronger of them alone if it came before
 // the weaker one: each line that was accepted is judged anew by all others that were.
-void drop_between(const std::vector<Chain>& chains, const std::vector<std::size_t>& order, cv::Size frame,
-                  const ScaleSpace& space, const std::vector<double>& share, std::vector<bool>& dropped) {
+void drop_between(const std::vector<Chain>& chains, const std::vector<std::size_t>& order,
+                  const ScaleSpace& space, Judged& judged) {
   constexpr double kLeast = 0.2;  // of the response: less was explained by the stronger of the two
-  if (std::ranges::none_of(order, [&](std::size_t c) { return !dropped[c] && share[c] >= kLeast; })) return;
-  const auto accepted = [&](CreaseKind kind) {
-    Accepted lines(frame);
-    for (const std::size_t c : order)
-      if (!dropped[c] && chains[c].kind == kind) lines.add(chains[c]);
-    return lines;
-  };
-  Accepted ridges = accepted(CreaseKind::ridge), valleys = accepted(CreaseKind::valley);
   for (const std::size_t c : order) {
-    if (dropped[c] || share[c] < kLeast) continue;
-    const bool ridge = chains[c].kind == CreaseKind::ridge;
-    if (explained(chains[c], ridge ? valleys : ridges, space) * kOfAll <= 1) continue;
-    dropped[c] = true;
-    (ridge ? ridges : valleys) = accepted(chains[c].kind);
+    if (judged.dropped[c] || judged.share[c] < kLeast) continue;
+    if (explained(chains[c], judged.opposite(chains[c].kind), space) * kOfAll <= 1) continue;
+    judged.dropped[c] = true;
+    judged.of(chains[c].kind).remove(chains[c]);
   }
 }
 
@@ -123,20 +176,19 @@ std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& sp
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return strength[a] > strength[b]; });
-  Accepted ridges(frame), valleys(frame);
-  std::vector<bool> dropped(chains.size(), false);
-  std::vector<double> share(chains.size(), 0);
+  Judged judged{Accepted(frame), Accepted(frame), std::vector<double>(chains.size(), 0),
+                std::vector<bool>(chains.size(), false)};
   for (const std::size_t c : order) {
-    if (chains[c].kind == CreaseKind::step) continue;
-    const bool ridge = chains[c].kind == CreaseKind::ridge;
-    share[c] = explained(chains[c], ridge ? valleys : ridges, space);
-    dropped[c] = share[c] * kOfOne > 1 || blurred_ground(chains[c], space);
-    if (!dropped[c]) (ridge ? ridges : valleys).add(chains[c]);
+    const Chain& chain = chains[c];
+    if (chain.kind == CreaseKind::step) continue;
+    judged.share[c] = explained(chain, judged.opposite(chain.kind), space);
+    judged.dropped[c] = judged.share[c] * kOfOne > 1 || blurred_ground(chain, space);
+    if (!judged.dropped[c]) judged.of(chain.kind).add(chain);
   }
-  drop_between(chains, order, frame, space, share, dropped);
+  drop_between(chains, order, space, judged);
   std::vector<Chain> kept;
   for (std::size_t c = 0; c < chains.size(); ++c)
-    if (!dropped[c]) kept.push_back(std::move(chains[c]));
+    if (!judged.dropped[c]) kept.push_back(std::move(chains[c]));
   return kept;
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sketch/creases.hpp"
+#include "sketch/nearest.hpp"
 #include "sketch/order.hpp"
 #include "sketch/row_pass.hpp"
 
@@ -17,12 +18,6 @@ namespace {
 
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
-
-// The nearest whole number, as std::lround has it, without a call: half less the last bit, so that what is
-// just below a half is not rounded up by the sum.
-int nearest(double v) {
-  return static_cast<int>(v + std::copysign(0.49999999999999994, v));
-}
 
 // visit(x, y) for the pixels on the way across a crease point, as far as `reach` to both sides.
 template <class Visit>
