@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "sketch/nearest.hpp"
 
@@ -29,8 +30,7 @@ Box around(const CreasePoint& p) {
   return {x - 1, y - 1, x + 1, y + 1};
 }
 
-// Where accepted lines run: each pixel near one refers to its point; where several are near, to that which
-// was added last.
+// Where accepted lines run: each pixel near one refers to its nearest point, whatever the order they come in.
 class Accepted {
  public:
   explicit Accepted(cv::Size frame) : index_(frame, -1) {}
@@ -41,9 +41,8 @@ class Accepted {
       const Box box = around(p);
       line.box = {std::min(line.box.left, box.left), std::min(line.box.top, box.top),
                   std::max(line.box.right, box.right), std::max(line.box.bottom, box.bottom)};
-      const int number = static_cast<int>(points_.size());
-      visit(box, [&](int& entry) { entry = number; });
       points_.push_back(&p);
+      claim(box, static_cast<int>(points_.size()) - 1);
     }
     lines_.push_back(line);
   }
@@ -55,7 +54,7 @@ class Accepted {
     lines_.erase(found);
     const int end = line.first + static_cast<int>(chain.points.size());
     for (const CreasePoint& p : chain.points)
-      visit(around(p), [&](int& entry) {
+      visit(around(p), [&](int& entry, Point) {
         if (entry >= line.first && entry < end) entry = -1;
       });
     for (const Line& other : lines_)
@@ -82,16 +81,29 @@ class Accepted {
   void show(const Line& line, const Box& where) {
     int number = line.first;
     for (const CreasePoint& p : line.chain->points) {
-      if (const Box box = around(p); box.meets(where))
-        visit(box, [&](int& entry) { entry = std::max(entry, number); });
+      if (const Box box = around(p); box.meets(where)) claim(box, number);
       ++number;
     }
+  }
+
+  // Of two points as near, the stronger has the pixel.
+  void claim(const Box& box, int number) {
+    const auto place = [this](int entry) -> const CreasePoint& {
+      return *points_[static_cast<std::size_t>(entry)];
+    };
+    visit(box, [&](int& entry, Point pixel) {
+      const auto rank = [&](int of) {
+        return std::pair(graph::distance(place(of).position, pixel), -place(of).strength);
+      };
+      if (entry < 0 || rank(number) < rank(entry)) entry = number;
+    });
   }
 
   template <class Visit>
   void visit(const Box& box, Visit act) {
     for (int y = std::max(box.top, 0); y <= std::min(box.bottom, index_.rows - 1); ++y)
-      for (int x = std::max(box.left, 0); x <= std::min(box.right, index_.cols - 1); ++x) act(index_(y, x));
+      for (int x = std::max(box.left, 0); x <= std::min(box.right, index_.cols - 1); ++x)
+        act(index_(y, x), Point{static_cast<double>(x), static_cast<double>(y)});
   }
 
   cv::Mat1i index_;
@@ -112,7 +124,7 @@ double explained(const Chain& chain, const Accepted& opposite, const ScaleSpace&
   const std::size_t own = middle_level(chain.points, space);
   const double sigma = space[own].sigma, reach = kReach * 1.5 * sigma + 4;
   double seen = 0, predicted = 0;
-  for (std::size_t i = 0; i < chain.points.size(); i += 2) {
+  for (std::size_t i = 0; i < chain.points.size(); ++i) {
     const Point p = chain.points[i].position, u = direction(chain, i), across{-u.y, u.x};
     seen += std::abs(space[own].hessian_at(p).along(across));
     for (const Point side : {across, across * -1})

@@ -36,6 +36,24 @@ cv::Mat1f scene() {
   });
 }
 
+/// Bright and dark lines of all widths and directions, some 8 px apart.
+cv::Mat1f thicket() {
+  std::vector<Cover> bright, dark;
+  for (int i = 0; i < 60; ++i) {
+    const auto part = [&](double step) { return std::fmod(i * step, 1.0); };  // evenly over 0…1
+    const Point middle{kSize.width * part(0.6180339887), kSize.height * part(0.7548776662)};
+    const Point half = unit(kPi * part(0.5698402910)) * (12 + 20 * part(0.3247179572));
+    (i % 2 == 0 ? bright : dark)
+        .push_back(segment(middle - half, middle + half, 1.5 + 4 * part(0.2207440846), 1));
+  }
+  return draw(kSize, [&](Point p) {
+    double up = 1, down = 1;
+    for (const Cover& line : bright) up *= 1 - line(p);
+    for (const Cover& line : dark) down *= 1 - line(p);
+    return 120 + 70 * (down - up);
+  });
+}
+
 using Mapping = std::function<Point(Point)>;
 
 /// The share of `from`, mapped, that has a vertex of `to` within `tolerance` px.
@@ -142,6 +160,19 @@ TEST_CASE("Mirrored, turned, transposed, brighter, fainter and negative frames h
       CHECK(vertices >= 0.98);
       CHECK(edges >= 0.98);
     }
+  }
+}
+
+TEST_CASE("Where curves lie close to each other, flipped and turned frames have the same sketch as well") {
+  const cv::Mat1f frame = with_noise(thicket(), 2, 3);
+  const AttributeGraph original = sketch::extract(frame, {});
+  REQUIRE(original.size() > 200);
+  for (const auto& [name, changed, map] : symmetric_frames(frame)) {
+    if (name == "half the contrast" || name == "negative") continue;
+    const AttributeGraph found = sketch::extract(changed, {});
+    INFO(name << ": " << found.size() << " of " << original.size() << " patches");
+    const double share = share_at_vertices(original, found, map, 0.1);
+    CHECK(share >= 0.99);
   }
 }
 
