@@ -228,7 +228,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
   infer_motion(sketches, options, made, session);
   const auto& motion = made.motion;
   const auto& events = made.events;
-  const auto ground = still_ground(sketches.clip.grounds);
+  auto ground = still_ground(sketches.clip.grounds);
+  ground.backdrop = measure_backdrop(*source, session.context);
   const double wanted = clip_flank_gradient(*source, motion.sketch, session.context).mean();
   const auto& sharpening = made.sharpening =
       fit_sharpening(made.fitted.model, ground, wanted, session.common.seed, session.context);

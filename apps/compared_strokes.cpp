@@ -97,7 +97,9 @@ std::vector<cv::Mat> draw_hybrid(const Strokes& strokes, const dytex::LinearDyna
 }
 
 double ground_numbers(const Ground& ground) {
-  return static_cast<double>(ground.levels.total()) * std::max(1, ground.levels.channels());
+  const auto& [levels, still] = ground.backdrop;
+  const double pixels = levels.empty() ? 0 : static_cast<double>(cv::countNonZero(still) * levels.channels());
+  return pixels + static_cast<double>(ground.levels.total()) * std::max(1, ground.levels.channels());
 }
 
 /// What was fitted is made ready to be drawn from, as `analyze` does: sharpening, then rates.
@@ -123,7 +125,13 @@ std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const Know
   Strokes strokes;
   strokes.fill = input.options.fill, strokes.info = input.source.info();
   strokes.ground = still_ground(std::span(grounds).first(static_cast<std::size_t>(input.first)));
-  strokes.drawn_ground = known.motion_model != nullptr ? still_ground(grounds) : strokes.ground;
+  ClipPart part(input.source, 0, input.first);
+  strokes.ground.backdrop = measure_backdrop(part, session.context);
+  strokes.drawn_ground = strokes.ground;
+  if (known.motion_model != nullptr) {
+    strokes.drawn_ground = still_ground(grounds);
+    strokes.drawn_ground.backdrop = measure_backdrop(input.source, session.context);
+  }
   strokes.sketches = sketch.frames;
   strokes.level = mean_level(input.source);
   try {

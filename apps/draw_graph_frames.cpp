@@ -173,7 +173,8 @@ graph::AttributeGraph mostly_there(const FrameParts& parts) {
 cv::Mat draw_frame(const FrameParts& parts, const FrameLook& look) {
   cv::Mat ground;
   if (!parts.ground.empty()) parts.ground.convertTo(ground, CV_32F);
-  const auto [part, presence] = draw_strokes(parts, look, ground);
+  auto [part, presence] = draw_strokes(parts, look, ground);
+  if (!ground.empty() && !look.ground.backdrop.empty()) part.mask.setTo(0, look.ground.backdrop.still);
   if (!ground.empty())
     return core::to_bytes(sketch::fill_onto(part.levels, part.mask, ground, joint_reach, look.fill).levels);
   const auto empty = cv::Scalar::all(static_cast<double>(look.empty_level));

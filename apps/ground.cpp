@@ -141,7 +141,7 @@ Ground still_ground(std::span<const FrameGround> frames) {
 
 sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& ground,
                                const cv::Mat& presence) {
-  if (ground.empty() || cv::countNonZero(ground.still) == 0) return part;
+  if (ground.empty()) return part;
   cv::Mat still;
   cv::resize(ground.still, still, {ground.still.cols * kGroundCell, ground.still.rows * kGroundCell}, 0, 0,
              cv::INTER_NEAREST);
@@ -152,11 +152,18 @@ sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& gro
   sketch::Sketchable held{part.levels.clone(), part.mask.clone()};
   spread_out(fitting, part.levels.size()).copyTo(held.levels, still);
   held.mask.setTo(255, still);
+  if (!ground.backdrop.empty()) {
+    cv::Mat levels;
+    ground.backdrop.levels.convertTo(levels, CV_32F);
+    with_channels(levels, part.levels.channels()).copyTo(held.levels, ground.backdrop.still);
+    held.mask.setTo(255, ground.backdrop.still);
+  }
   return held;
 }
 
 void add_ground(core::ModelArchive& archive, const Ground& ground) {
   add_seen_levels(archive, ground.seen);
+  add_backdrop(archive, ground.backdrop);
   if (ground.empty()) return;
   const auto rows = static_cast<std::size_t>(ground.levels.rows),
              columns = static_cast<std::size_t>(ground.levels.cols),
@@ -194,6 +201,7 @@ Ground read_ground(const core::ModelArchive& archive, cv::Size frame) {
   std::ranges::transform(*flags, ground.still.begin<uchar>(),
                          [](std::uint8_t flag) { return flag ? 255 : 0; });
   ground.seen = read_seen_levels(archive, frame);
+  ground.backdrop = read_backdrop(archive, frame);
   return ground;
 }
 

@@ -5,6 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "apps/backdrop.hpp"
 #include "apps/seen_levels.hpp"
 #include "core/model_archive.hpp"
 #include "graph/attribute_graph.hpp"
@@ -30,12 +31,13 @@ struct Ground {
   cv::Mat
       still;  ///< CV_8U, 255 where the ground was seen in a fifth of the frames and kept within a few levels
   SeenLevels seen = {};  ///< of all frames, strokes and all
+  Backdrop backdrop = {};
   [[nodiscard]] bool empty() const { return levels.empty(); }
 };
 /// Of these frames, at least one. O(cells · frames).
 Ground still_ground(std::span<const FrameGround> frames);
 
-/// What patches show and, farther than some px from all of them, the still ground. Channels as the part's.
+/// What patches show; the backdrop, which covers them; and, farther than some px from all of them, the still ground. Channels as the part's.
 /// `presence` (CV_32F, 0…1): how much there is of what the part shows; what is there in part keeps the ground
 /// off from so much nearer. Empty: all of it.
 sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& ground,

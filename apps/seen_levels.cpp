@@ -8,12 +8,12 @@
 #include <numbers>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/byte_arrays.hpp"
 #include "core/error.hpp"
 #include "sketch/bands.hpp"
 
@@ -88,19 +88,6 @@ void keep_within(graph::Patch& patch, const SeenLevels& seen) {
   if (step && before != after) patch.contrast = after;
 }
 
-const std::vector<std::uint8_t>& bytes_of(const core::ModelArchive& archive, const std::string& name,
-                                          cv::Size size, std::size_t channels) {
-  const auto found = archive.arrays.find(name);
-  if (found == archive.arrays.end()) throw core::IoError("motion model: " + name + ".npy is missing");
-  const auto* const values = std::get_if<std::vector<std::uint8_t>>(&found->second.data);
-  const std::vector shape{static_cast<std::size_t>(size.height), static_cast<std::size_t>(size.width),
-                          channels};
-  if (!values || found->second.fortran_order || found->second.shape != shape)
-    throw core::IoError("motion model: " + name + ".npy must be uint8, " + std::to_string(shape[0]) + " x " +
-                        std::to_string(shape[1]) + " x " + std::to_string(channels));
-  return *values;
-}
-
 }  // namespace
 
 SeenLevels measure_seen(const cv::Mat& levels) {
@@ -131,13 +118,8 @@ graph::AttributeGraph within(const graph::AttributeGraph& graph, const SeenLevel
 
 void add_seen_levels(core::ModelArchive& archive, const SeenLevels& seen) {
   if (seen.empty()) return;
-  for (const auto& [name, values] : {std::pair{"seen_low", &seen.low}, std::pair{"seen_high", &seen.high}}) {
-    const cv::Mat row = values->reshape(1, 1);
-    archive.arrays[name] = {{static_cast<std::size_t>(values->rows), static_cast<std::size_t>(values->cols),
-                             static_cast<std::size_t>(values->channels())},
-                            false,
-                            std::vector<std::uint8_t>(row.begin<uchar>(), row.end<uchar>())};
-  }
+  archive.arrays["seen_low"] = byte_array(seen.low);
+  archive.arrays["seen_high"] = byte_array(seen.high);
 }
 
 SeenLevels read_seen_levels(const core::ModelArchive& archive, cv::Size frame) {
@@ -148,7 +130,7 @@ SeenLevels read_seen_levels(const core::ModelArchive& archive, cv::Size frame) {
   const cv::Size size = cells(frame);
   SeenLevels seen{cv::Mat(size, grey ? CV_8UC1 : CV_8UC3), cv::Mat(size, grey ? CV_8UC1 : CV_8UC3)};
   for (const auto& [name, values] : {std::pair{"seen_low", &seen.low}, std::pair{"seen_high", &seen.high}})
-    std::ranges::copy(bytes_of(archive, name, size, grey ? 1 : 3), values->data);
+    std::ranges::copy(byte_array(archive, name, size, grey ? 1 : 3), values->data);
   for (std::size_t i = 0; i < seen.low.total() * seen.low.elemSize(); ++i)
     if (seen.low.data[i] > seen.high.data[i])
       throw core::IoError("motion model: seen_low.npy lies above seen_high.npy in a cell");

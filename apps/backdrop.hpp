@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "core/model_archive.hpp"
+
+// What a clip shows behind all that moves: a bridge behind a flag. Nothing moves in a new clip where nothing
+// ever moved in its source.
+namespace emberfold::apps {
+
+/// A frame of pixels that kept still through a whole clip. Empty where it is not known.
+struct Backdrop {
+  cv::Mat levels;  ///< CV_8U, 1 or 3 channels: means; 0 where the clip did not keep still
+  cv::Mat still;   ///< CV_8U, 255 where it did
+  [[nodiscard]] bool empty() const { return levels.empty(); }
+};
+
+/// Of all frames of a clip, from its first: still is what varies by an SD of no more than 5 grey levels in
+/// every channel, as far as 2 px about it do too. Reads the clip once, some frames at a time; throws
+/// Interrupted.
+Backdrop measure_backdrop(core::FrameSource& source, const core::Context& context);
+
+/// The arrays "backdrop" and "backdrop_still" beside a motion model's own.
+void add_backdrop(core::ModelArchive& archive, const Backdrop& backdrop);
+/// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
+Backdrop read_backdrop(const core::ModelArchive& archive, cv::Size frame);
+
+}  // namespace emberfold::apps
