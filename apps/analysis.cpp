@@ -11,6 +11,7 @@
 #include "apps/pictures.hpp"
 #include "apps/rate_map.hpp"
 #include "apps/report.hpp"
+#include "apps/residual_texture.hpp"
 #include "apps/sampling.hpp"
 #include "apps/sharpening.hpp"
 #include "apps/stream_frames.hpp"
@@ -117,11 +118,12 @@ void need_two_frames(const std::string& clip, std::int64_t frames) {
 }
 
 /// Writes the motion model; what was not taken as measured becomes warnings.
-void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, const Sharpening& sharpening,
-                  OutputFolder& output, Session& session) {
+void write_fitted(const mcmc::FitResult& fitted, const Ground& ground, const ResidualTexture& residual,
+                  const Sharpening& sharpening, OutputFolder& output, Session& session) {
   for (const auto& note : fitted.notes) session.warn("model: " + note);
   auto archive = mcmc::to_archive(fitted.model);
   add_ground(archive, ground);
+  add_residual(archive, residual);
   add_sharpening(archive, sharpening);
   write_model(output, "model", archive);
 }
@@ -235,7 +237,9 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
       fit_sharpening(made.fitted.model, ground, wanted, session.common.seed, session.context);
   const auto look = sharpened(model_look(made.fitted.model, ground, options.fill), sharpening);
   Json calibration = calibrate_model(sketches, look, options, made, session);
-  write_fitted(made.fitted, ground, sharpening, output, session);
+  const auto residual = measure_residual(*source, motion.sketch.frames,
+                                         model_look(made.fitted.model, ground, options.fill), session.context);
+  write_fitted(made.fitted, ground, residual, sharpening, output, session);
   Json texture;
   if (options.texture > 0) {
     stages.begin("texture");

@@ -7,52 +7,72 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "apps/byte_arrays.hpp"
+#include "apps/model_arrays.hpp"
 #include "apps/interrupt.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
-constexpr double kRestless = 5;  // grey levels, SD over the frames: what moves more is not still
-constexpr int kMargin = 2;       // px that have to be still about a pixel
+constexpr double kMost = 14;           // grey levels that noise may take a pixel off its mean
+constexpr double kShaken = 1.5;        // px: what a camera's shaking may take an edge off its place
+constexpr double kRarely = 0.01;       // of the frames in which it may be farther off
+constexpr int kMargin = 2;             // px that have to be still about a pixel
+constexpr std::int64_t kEnough = 240;  // frames, evenly chosen, tell
 
-/// 255 where the sum of squared deviations is small in every channel.
-cv::Mat still_pixels(const cv::Mat& deviations, double most) {
-  std::vector<cv::Mat> channels;
-  cv::split(deviations, channels);
-  cv::Mat still = channels[0] <= most;
-  for (std::size_t c = 1; c < channels.size(); ++c) still &= channels[c] <= most;
-  const int side = 2 * kMargin + 1;
-  cv::erode(still, still, cv::Mat::ones(side, side, CV_8U));
-  return still;
+template <class Visit>
+std::int64_t visit_some(core::FrameSource& source, const core::Context& context, const Visit& visit) {
+  const std::int64_t every = std::max<std::int64_t>(1, source.info().frames.value_or(0) / kEnough);
+  std::int64_t count = 0;
+  source.rewind();
+  cv::Mat frame = source.next();
+  for (std::int64_t t = 0; !frame.empty(); frame = source.next(), ++t) {
+    if (context.cancelled()) throw Interrupted{};
+    if (t % every != 0) continue;
+    visit(core::to_levels(frame, source.info()));
+    ++count;
+  }
+  return count;
+}
+
+/// How far noise and shaking may take each value off this mean.
+cv::Mat slack(const cv::Mat& mean) {
+  cv::Mat along_x, along_y, slope;
+  cv::Sobel(mean, along_x, CV_32F, 1, 0, 3, 0.125);
+  cv::Sobel(mean, along_y, CV_32F, 0, 1, 3, 0.125);
+  cv::sqrt(along_x.mul(along_x) + along_y.mul(along_y), slope);
+  return cv::Mat(slope * kShaken + cv::Scalar::all(kMost));
+}
+
+/// 1 where any channel is set.
+cv::Mat any_channel(const cv::Mat& set) {
+  cv::Mat greatest;
+  cv::reduce(set.reshape(1, static_cast<int>(set.total())), greatest, 1, cv::REDUCE_MAX);
+  return cv::Mat(greatest.reshape(1, set.rows) / 255);
 }
 
 }  // namespace
 
 Backdrop measure_backdrop(core::FrameSource& source, const core::Context& context) {
-  cv::Mat sum, squares;
-  double count = 0;
-  source.rewind();
-  for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next()) {
-    if (context.cancelled()) throw Interrupted{};
-    const cv::Mat levels = core::to_levels(frame, source.info());
-    if (sum.empty()) {
-      sum = cv::Mat::zeros(levels.size(), CV_64FC(levels.channels()));
-      squares = sum.clone();
-    }
+  cv::Mat sum;
+  const auto count = visit_some(source, context, [&](const cv::Mat& levels) {
+    if (sum.empty()) sum = cv::Mat::zeros(levels.size(), CV_64FC(levels.channels()));
     cv::accumulate(levels, sum);
-    cv::accumulateSquare(levels, squares);
-    ++count;
-  }
+  });
   if (count == 0) return {};
-  const cv::Mat mean = sum / count;
+  cv::Mat mean, off, times = cv::Mat::zeros(sum.size(), CV_16U);
+  sum.convertTo(mean, CV_32F, 1 / static_cast<double>(count));
+  const cv::Mat most = slack(mean);
+  visit_some(source, context, [&](const cv::Mat& levels) {
+    cv::absdiff(levels, mean, off);
+    cv::add(times, any_channel(off > most), times, cv::noArray(), CV_16U);
+  });
   Backdrop backdrop;
-  backdrop.still = still_pixels(squares / count - mean.mul(mean), kRestless * kRestless);
+  const int side = 2 * kMargin + 1;
+  cv::erode(times <= kRarely * static_cast<double>(count), backdrop.still, cv::Mat::ones(side, side, CV_8U));
   backdrop.levels = cv::Mat::zeros(mean.size(), CV_8UC(mean.channels()));
-  cv::Mat bytes;
-  mean.convertTo(bytes, CV_8U);
-  bytes.copyTo(backdrop.levels, backdrop.still);
+  mean.convertTo(off, CV_8U);
+  off.copyTo(backdrop.levels, backdrop.still);
   return backdrop;
 }
 
@@ -63,14 +83,10 @@ void add_backdrop(core::ModelArchive& archive, const Backdrop& backdrop) {
 }
 
 Backdrop read_backdrop(const core::ModelArchive& archive, cv::Size frame) {
-  const auto found = archive.arrays.find("backdrop");
-  if (found == archive.arrays.end() && !archive.arrays.contains("backdrop_still")) return {};
-  const bool grey =
-      found != archive.arrays.end() && found->second.shape.size() == 3 && found->second.shape.back() == 1;
-  Backdrop backdrop{cv::Mat(frame, grey ? CV_8UC1 : CV_8UC3), cv::Mat(frame, CV_8U)};
-  std::ranges::copy(byte_array(archive, "backdrop", frame, grey ? 1 : 3), backdrop.levels.data);
-  std::ranges::transform(byte_array(archive, "backdrop_still", frame, 1), backdrop.still.data,
-                         [](std::uint8_t flag) -> std::uint8_t { return flag != 0 ? 255 : 0; });
+  if (!archive.arrays.contains("backdrop") && !archive.arrays.contains("backdrop_still")) return {};
+  Backdrop backdrop{read_bytes(archive, "backdrop", frame, channels_of(archive, "backdrop")),
+                    read_bytes(archive, "backdrop_still", frame, 1)};
+  backdrop.still = backdrop.still != 0;
   return backdrop;
 }
 

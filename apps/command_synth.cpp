@@ -108,11 +108,11 @@ class Outputs {
 void write_clips(const Synth& asked, Outputs& outputs, ModelFrames& frames, const Session& session) {
   try {
     session.context.report("synthesize", 0);
-    while (outputs.frames() < asked.frames) {
-      const int count = std::min(frames.batch(), asked.frames - outputs.frames());
-      for (const auto& frame : frames.next(count, session.context)) outputs.write(frame);
+    const auto write = [&](const cv::Mat& frame) {
+      outputs.write(frame);
       session.context.report("synthesize", double(outputs.frames()) / asked.frames);
-    }
+    };
+    frames.each(asked.frames, write, session.context);
     session.check_stop();
   } catch (const Interrupted&) {
     if (outputs.frames() == 0) throw;
@@ -184,8 +184,9 @@ void add_synthesis(CLI::App& app, Chosen& chosen) {
   command
       ->add_option_function<std::string>(
           "--fill", [asked](const std::string& text) { asked->fill_kind = model_fill(text); },
-          "What lies between strokes: what diffuses from them, or what 'analyze --texture' learned")
-      ->type_name("diffusion|dytex")
+          "What lies between strokes: what diffuses from them; that under a Gaussian texture as the clip's "
+          "residual; or what 'analyze --texture' learned")
+      ->type_name("diffusion|texture|dytex")
       ->default_str("diffusion");
   command->add_option("--motion", asked->motion, "Write the graphs and their links too (motion.jsonl)")
       ->type_name("FILE");

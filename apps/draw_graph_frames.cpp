@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/fade_levels.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/rest_on_ground.hpp"
 #include "core/clip.hpp"
@@ -19,9 +20,6 @@ namespace emberfold::apps {
 namespace {
 constexpr double joint_reach = 8;  // px within which a ground takes the strokes' levels
 
-constexpr int coarse = 4;  // of the fill that patches fade into: a cell is so many px
-constexpr float there = 0.999F;
-constexpr int fade_steps = 6;       // a fade's, as fading.hpp has it
 constexpr double detail_scale = 4;  // px, SD: what is finer in a ground goes on through lines
 
 template <class Change>
@@ -29,64 +27,6 @@ graph::AttributeGraph changed(const graph::AttributeGraph& graph, const Change& 
   std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
   for (std::size_t i = 0; i < vertices.size(); ++i) change(i, vertices[i].patch);
   return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
-}
-
-/// The fill of these patches in coarse cells: good enough for levels to begin from.
-cv::Mat fill_coarsely(const sketch::Sketchable& part, const FrameLook& look) {
-  const auto held = with_ground(part, look.ground);
-  const auto cells = [](int length) { return (length + coarse - 1) / coarse; };
-  cv::Mat weight, weights, levels, seen;
-  held.mask.convertTo(weight, CV_32F, 1 / 255.0);
-  cv::resize(weight, weight, {cells(held.mask.cols), cells(held.mask.rows)}, 0, 0, cv::INTER_AREA);
-  held.levels.copyTo(seen, held.mask);
-  cv::resize(seen, levels, weight.size(), 0, 0, cv::INTER_AREA);
-  cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(levels.channels()), cv::max(weight, 1e-3)),
-            weights);
-  levels /= weights;
-  const cv::Mat known = weight > 0.05;
-  if (cv::countNonZero(known) == 0)
-    return {levels.size(), levels.type(), cv::Scalar::all(static_cast<double>(look.empty_level))};
-  return sketch::fill(levels, known, look.fill).levels;
-}
-
-/// What the patches that are not quite there show. The frame's smooth part is the mean, over all shares s, of
-/// the fill of those patches of which at least s is there: so a stroke that begins to fade tells on all
-/// others by as little as on itself. To it comes what each patch's own levels have beyond it, by its share.
-void fade(sketch::Sketchable& part, const cv::Mat& presence, const FrameLook& look) {
-  const cv::Mat all = fill_coarsely(part, look);
-  cv::Mat sum = cv::Mat::zeros(all.size(), all.type()), mask = part.mask, level = all;
-  for (int k = 0; k <= fade_steps; ++k) {  // between the shares that a fade goes through
-    const float share = k < fade_steps ? (static_cast<float>(k) + 0.5F) / fade_steps : 1;
-    const cv::Mat left = part.mask & (presence >= share - (1 - there));
-    if (cv::norm(left, mask, cv::NORM_INF) != 0) level = fill_coarsely({part.levels, left}, look);
-    mask = left;
-    sum += level * (k == 0 || k == fade_steps ? 0.5 / fade_steps : 1.0 / fade_steps);
-  }
-  cv::Mat from, whole;
-  cv::resize(sum, from, part.mask.size(), 0, 0, cv::INTER_LINEAR);
-  cv::resize(all, whole, part.mask.size(), 0, 0, cv::INTER_LINEAR);
-  const int channels = part.levels.channels();
-  for (int y = 0; y < part.mask.rows; ++y) {
-    const auto* drawn = part.mask.ptr(y);
-    const auto *share = presence.ptr<float>(y), *begin = from.ptr<float>(y), *own = whole.ptr<float>(y);
-    auto* levels = part.levels.ptr<float>(y);
-    for (int x = 0; x < part.mask.cols; ++x)
-      for (int c = x * channels; drawn[x] != 0 && share[x] < there && c < (x + 1) * channels; ++c)
-        levels[c] = begin[c] + share[x] * (levels[c] - own[c]);
-  }
-}
-
-/// The same on a ground, which is what is there without them.
-void fade_onto(sketch::Sketchable& part, const cv::Mat& presence, const cv::Mat& ground) {
-  const int channels = part.levels.channels();
-  for (int y = 0; y < part.mask.rows; ++y) {
-    const auto* drawn = part.mask.ptr(y);
-    const auto *share = presence.ptr<float>(y), *begin = ground.ptr<float>(y);
-    auto* levels = part.levels.ptr<float>(y);
-    for (int x = 0; x < part.mask.cols; ++x)
-      for (int c = x * channels; drawn[x] != 0 && share[x] < there && c < (x + 1) * channels; ++c)
-        levels[c] = begin[c] + share[x] * (levels[c] - begin[c]);
-  }
 }
 
 /// A line's core gets farther from its sides, a step's sides from each other.
@@ -125,23 +65,30 @@ void lay_detail(cv::Mat& levels, const cv::Mat& ground, const cv::Mat& lines) {
 
 /// The strokes of a frame; those that come and go are drawn between `ground` (or what would be there without
 /// them) and themselves.
-DrawnStrokes draw_strokes(const FrameParts& parts, const FrameLook& look, const cv::Mat& ground) {
+DrawnStrokes draw_strokes(const FrameParts& parts, const FrameLook& look, const WholeGround& still,
+                          const cv::Mat& ground) {
   const bool detailed = look.new_places && !ground.empty();
   const auto graph = as_drawn(parts, look, ground);
-  auto part = sketch::draw_fitted(graph, look.size, look.channels);
-  const bool all_there = std::ranges::all_of(parts.presence, [](float share) { return share >= there; });
-  if (all_there && !detailed) return {std::move(part), {}};
-  const auto shares = changed(graph, [&](std::size_t i, graph::Patch& patch) {
-    patch.left = {parts.presence.empty() ? 1 : parts.presence[i], graph::on_step(patch) ? 0.0F : 1.0F, 0};
-    patch.middle = patch.right = patch.left;
-  });
-  std::array<cv::Mat, 3> drawn;  // presence, share of lines
-  cv::split(sketch::draw_fitted(shares, look.size, 3).levels, drawn.data());
-  const cv::Mat& presence = drawn[0];
-  if (detailed) lay_detail(part.levels, ground, drawn[1]);
+  const bool all_there = std::ranges::all_of(parts.presence, [](float share) { return share >= kAllThere; });
+  const auto behind_backdrop = [&](sketch::Sketchable drawn) {
+    if (!still.fixed.empty()) drawn.mask.setTo(0, still.fixed);
+    return drawn;
+  };
+  if (all_there && !detailed)
+    return {behind_backdrop(sketch::draw_fitted(graph, look.size, look.channels)), {}};
+  std::vector<std::array<float, 2>> shares;  // presence, share of lines
+  for (std::size_t i = 0; i < graph.size(); ++i)
+    shares.push_back(
+        {parts.presence.empty() ? 1 : parts.presence[i], graph::on_step(graph.patch(i)) ? 0.0F : 1.0F});
+  auto [whole, told] = sketch::draw_fitted(graph, look.size, look.channels, shares);
+  sketch::Sketchable part = behind_backdrop(std::move(whole));
+  std::array<cv::Mat, 2> drawn;
+  cv::split(told, drawn.data());
+  const auto& [presence, lines] = drawn;
+  if (detailed) lay_detail(part.levels, ground, lines);
   if (all_there) return {std::move(part), {}};
   if (ground.empty())
-    fade(part, presence, look);
+    fade(part, presence, still, look.empty_level, look.fill);
   else
     fade_onto(part, presence, ground);
   return {std::move(part), presence};
@@ -149,7 +96,8 @@ DrawnStrokes draw_strokes(const FrameParts& parts, const FrameLook& look, const 
 }  // namespace
 
 DrawnFrame draw_around(const sketch::Sketchable& part, const cv::Scalar& empty,
-                       const sketch::FillOptions& options, const Ground& ground, const cv::Mat& presence) {
+                       const sketch::FillOptions& options, const WholeGround& ground,
+                       const cv::Mat& presence) {
   const auto held = with_ground(part, ground, presence);
   if (cv::countNonZero(held.mask) == 0)
     return {cv::Mat(held.levels.size(), held.levels.type(), empty), 0, true};
@@ -170,22 +118,27 @@ graph::AttributeGraph mostly_there(const FrameParts& parts) {
   return {std::move(vertices), std::move(edges)};
 }
 
-cv::Mat draw_frame(const FrameParts& parts, const FrameLook& look) {
+FramePainter::FramePainter(const FrameLook& look)
+    : look_(look), still_(whole_ground(look.ground, look.size, look.channels)) {}
+
+cv::Mat FramePainter::draw(const FrameParts& parts) const {
   cv::Mat ground;
   if (!parts.ground.empty()) parts.ground.convertTo(ground, CV_32F);
-  auto [part, presence] = draw_strokes(parts, look, ground);
-  if (!ground.empty() && !look.ground.backdrop.empty()) part.mask.setTo(0, look.ground.backdrop.still);
+  const auto [part, presence] = draw_strokes(parts, look_, still_, ground);
   if (!ground.empty())
-    return core::to_bytes(sketch::fill_onto(part.levels, part.mask, ground, joint_reach, look.fill).levels);
-  const auto empty = cv::Scalar::all(static_cast<double>(look.empty_level));
-  return core::to_bytes(draw_around(part, empty, look.fill, look.ground, presence).levels);
+    return core::to_bytes(sketch::fill_onto(part.levels, part.mask, ground, joint_reach, look_.fill).levels);
+  const auto empty = cv::Scalar::all(static_cast<double>(look_.empty_level));
+  cv::Mat levels = draw_around(part, empty, look_.fill, still_, presence).levels;
+  if (!parts.residual.empty()) cv::add(levels, parts.residual, levels, cv::noArray(), CV_32F);
+  return core::to_bytes(levels);
 }
 
 std::vector<cv::Mat> draw_batch(std::span<const FrameParts> parts, const FrameLook& look,
                                 const core::Context& context) {
   std::vector<cv::Mat> frames(parts.size());
-  const auto status = core::parallel_for(parts.size(), context,
-                                         [&](std::size_t i) { frames[i] = draw_frame(parts[i], look); });
+  const FramePainter painter(look);
+  const auto status =
+      core::parallel_for(parts.size(), context, [&](std::size_t i) { frames[i] = painter.draw(parts[i]); });
   if (status == core::Status::cancelled) throw Interrupted{};
   return frames;
 }

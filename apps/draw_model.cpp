@@ -13,6 +13,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/stream_frames.hpp"
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "dytex/synthesize.hpp"
 
 namespace emberfold::apps {
@@ -60,8 +61,8 @@ Json SynthesisFigures::json() const {
   return {{"patches_per_frame", mean(patches)}, {"strokes_per_frame", mean(strokes)}, {"operators", counts}};
 }
 
-ModelFrames::ModelFrames(mcmc::Synthesis strokes, FrameLook look, std::function<cv::Mat()> ground)
-    : strokes_(std::move(strokes)), look_(std::move(look)), ground_(std::move(ground)) {
+ModelFrames::ModelFrames(mcmc::Synthesis strokes, FrameLook look, Between between)
+    : strokes_(std::move(strokes)), look_(std::move(look)), between_(std::move(between)) {
   look_.new_places = true;
 }
 
@@ -81,23 +82,45 @@ ModelFrames::Drawn ModelFrames::take() {
   return drawn;
 }
 
+FrameParts ModelFrames::next_parts() {
+  Drawn drawn = take();
+  figures_.patches.push_back(drawn.graph.size());
+  figures_.strokes.push_back(graph::components(drawn.graph).count);
+  for (std::size_t k = 0; k < figures_.operators.size(); ++k)
+    figures_.operators[k] += static_cast<std::size_t>(drawn.operators[k]);
+  std::vector<const graph::AttributeGraph*> coming;
+  for (const auto& later : ahead_) coming.push_back(&later.graph);
+  auto fading = fader_.next(drawn.graph, coming);
+  FrameParts parts{std::move(fading.graph), {}, std::move(fading.presence)};
+  if (between_) between_(parts);
+  return parts;
+}
+
+void ModelFrames::each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context) {
+  const FramePainter painter(look_);
+  const auto room = frames_at_once(look_.size.width, look_.size.height, look_.channels);
+  std::vector<FrameParts> parts(room);
+  std::vector<cv::Mat> frames(room);
+  const auto status =
+      core::parallel_stream(static_cast<std::size_t>(count), room, context,
+                            {[&](std::size_t i) { parts[i % room] = next_parts(); },
+                             [&](std::size_t i) { frames[i % room] = painter.draw(parts[i % room]); },
+                             [&](std::size_t i) { take(std::move(frames[i % room])); }});
+  if (status == core::Status::cancelled) throw Interrupted{};
+}
+
 std::vector<cv::Mat> ModelFrames::next(int count, const core::Context& context) {
-  return draw_batch(parts(count, context), look_, context);
+  std::vector<cv::Mat> frames;
+  each(
+      count, [&](cv::Mat frame) { frames.push_back(std::move(frame)); }, context);
+  return frames;
 }
 
 std::vector<FrameParts> ModelFrames::parts(int count, const core::Context& context) {
   std::vector<FrameParts> all;
   for (int i = 0; i < count; ++i) {
     if (context.cancelled()) throw Interrupted{};
-    Drawn drawn = take();
-    figures_.patches.push_back(drawn.graph.size());
-    figures_.strokes.push_back(graph::components(drawn.graph).count);
-    for (std::size_t k = 0; k < figures_.operators.size(); ++k)
-      figures_.operators[k] += static_cast<std::size_t>(drawn.operators[k]);
-    std::vector<const graph::AttributeGraph*> coming;
-    for (const auto& later : ahead_) coming.push_back(&later.graph);
-    auto fading = fader_.next(drawn.graph, coming);
-    all.push_back({std::move(fading.graph), ground_ ? ground_() : cv::Mat{}, std::move(fading.presence)});
+    all.push_back(next_parts());
   }
   return all;
 }
@@ -120,7 +143,14 @@ ModelFrames hybrid_frames(const mcmc::MotionModel& model,
   };
   const auto ground = std::make_shared<Drawn>(Drawn{texture, dytex::Synthesis(*texture, options)});
   return {mcmc::Synthesis(model, seed, start), std::move(look),
-          [ground] { return ground->synthesis.next(); }};
+          [ground](FrameParts& parts) { parts.ground = ground->synthesis.next(); }};
+}
+
+ModelFrames residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual, FrameLook look,
+                            std::uint64_t seed, mcmc::Start start) {
+  const auto frames = std::make_shared<ResidualFrames>(residual, look.size, seed);
+  return {mcmc::Synthesis(model, seed, start), std::move(look),
+          [frames](FrameParts& parts) { parts.residual = frames->next(); }};
 }
 
 }  // namespace emberfold::apps

@@ -14,6 +14,7 @@
 
 #include "apps/draw_graph_frames.hpp"
 #include "apps/fading.hpp"
+#include "apps/residual_texture.hpp"
 #include "core/context.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/motion_model.hpp"
@@ -36,10 +37,14 @@ struct SynthesisFigures {
 /// same frames whatever the number of threads and of calls.
 class ModelFrames {
  public:
-  /// `ground`: called once for each frame, in order, for what FrameParts takes; none: the diffusion.
-  ModelFrames(mcmc::Synthesis strokes, FrameLook look, std::function<cv::Mat()> ground = {});
+  /// `between`: called once for each frame, in order, to add a ground or a residual; none: the diffusion.
+  using Between = std::function<void(FrameParts&)>;
+  ModelFrames(mcmc::Synthesis strokes, FrameLook look, Between between = {});
 
-  /// The next `count` frames, CV_8U, drawn on several threads. Throws Interrupted.
+  /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take`, in order and one at a
+  /// time, while the next ones are drawn. At most as many are held as batch() tells. Throws Interrupted.
+  void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {});
+  /// All of them at once.
   std::vector<cv::Mat> next(int count, const core::Context& context = {});
   /// What the next `count` frames are drawn from, instead of them.
   std::vector<FrameParts> parts(int count, const core::Context& context = {});
@@ -55,10 +60,11 @@ class ModelFrames {
     std::array<int, 6> operators{};
   };
   Drawn take();
+  FrameParts next_parts();
 
   mcmc::Synthesis strokes_;
   FrameLook look_;
-  std::function<cv::Mat()> ground_;
+  Between between_;
   SynthesisFigures figures_;
   std::deque<Drawn> ahead_;
   Fader fader_;
@@ -69,5 +75,9 @@ class ModelFrames {
 ModelFrames hybrid_frames(const mcmc::MotionModel& model,
                           std::shared_ptr<const dytex::LinearDynamicTexture> texture, FrameLook look,
                           std::uint64_t seed, mcmc::Start start = mcmc::Start::data);
+
+/// Strokes of a motion model, what diffuses from them, and the clip's residual on all.
+ModelFrames residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual, FrameLook look,
+                            std::uint64_t seed, mcmc::Start start = mcmc::Start::data);
 
 }  // namespace emberfold::apps

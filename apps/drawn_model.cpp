@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* texture_folder = "texture";
-constexpr std::array kFills = {ModelFill::diffusion, ModelFill::dytex};
+constexpr std::array kFills = {ModelFill::diffusion, ModelFill::texture, ModelFill::dytex};
 
 bool never_changes(const mcmc::OperatorRates& rates) {
   const auto zero = [](double rate) { return rate == 0; };
@@ -52,10 +52,18 @@ std::shared_ptr<const dytex::LinearDynamicTexture> open_texture(const std::strin
   return std::make_shared<dytex::LinearDynamicTexture>(std::move(texture));
 }
 
+ResidualTexture open_residual(const core::ModelArchive& archive, const mcmc::MotionModel& model) {
+  auto residual = read_residual(archive, {model.width, model.height});
+  if (residual.empty())
+    throw core::IoError("holds no residual of its clip: nothing to draw a texture from");
+  return residual;
+}
+
 }  // namespace
 
 std::string_view name(ModelFill fill) {
-  return fill == ModelFill::diffusion ? "diffusion" : "dytex";
+  if (fill == ModelFill::diffusion) return "diffusion";
+  return fill == ModelFill::texture ? "texture" : "dytex";
 }
 
 ModelFill model_fill(const std::string& text) {
@@ -74,6 +82,7 @@ DrawnModel open_drawn_model(const std::string& folder, ModelFill fill) {
     opened.motion = mcmc::motion_model(archive);
     opened.ground = read_ground(archive, {opened.motion.width, opened.motion.height});
     opened.sharpening = read_sharpening(archive);
+    if (fill == ModelFill::texture) opened.residual = open_residual(archive, opened.motion);
     check_drawable(opened.motion);
   } catch (const core::IoError& error) {
     throw core::IoError(folder + ": " + error.what());
@@ -86,6 +95,8 @@ ModelFrames model_frames(const DrawnModel& model, const sketch::FillOptions& fil
                          mcmc::Start start) {
   FrameLook look = sharpened(model_look(model.motion, model.ground, fill), model.sharpening);
   if (model.texture) return hybrid_frames(model.motion, model.texture, std::move(look), seed, start);
+  if (!model.residual.empty())
+    return residual_frames(model.motion, model.residual, std::move(look), seed, start);
   return {mcmc::Synthesis(model.motion, seed, start), std::move(look)};
 }
 

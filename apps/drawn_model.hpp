@@ -10,6 +10,7 @@
 #include "apps/ground.hpp"
 #include "apps/ground_texture.hpp"
 #include "apps/output_folder.hpp"
+#include "apps/residual_texture.hpp"
 #include "apps/sharpening.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/motion_model.hpp"
@@ -20,6 +21,7 @@ namespace emberfold::apps {
 /// What lies between the strokes of a new clip.
 enum class ModelFill {
   diffusion,  ///< what diffuses from the strokes and the still ground
+  texture,    ///< and on it a Gaussian texture as the clip's residual
   dytex       ///< a linear dynamic texture of what is no stroke
 };
 std::string_view name(ModelFill fill);
@@ -31,6 +33,7 @@ struct DrawnModel {
   mcmc::MotionModel motion;
   Ground ground;
   Sharpening sharpening;
+  ResidualTexture residual;                                    ///< with ModelFill::texture
   std::shared_ptr<const dytex::LinearDynamicTexture> texture;  ///< with ModelFill::dytex
 };
 

@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <string>
-#include <variant>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
+#include "apps/model_arrays.hpp"
 #include "core/clip.hpp"
-#include "core/error.hpp"
 
 namespace emberfold::apps {
 
@@ -20,7 +17,7 @@ namespace {
 constexpr double beside = 8;        // px about a patch that are not ground
 constexpr double seen_share = 0.2;  // of the frames
 constexpr double restless = 8;      // levels, SD over the frames, beyond which a ground is not still
-constexpr double away = 12;         // px from all patches, from where on the ground is held
+constexpr float straight = 0.955F, aslant = 1.3693F;  // a step's length to a neighbour, px
 
 cv::Size cells(cv::Size frame) {
   return {(frame.width + kGroundCell - 1) / kGroundCell, (frame.height + kGroundCell - 1) / kGroundCell};
@@ -41,14 +38,14 @@ cv::Mat spread_out(const Ground& ground, cv::Size frame) {
 /// The distance from what the mask shows, px, of what is there in part as if it were farther off. A chamfer
 /// of two passes (Borgefors 1986, as OpenCV's DIST_MASK_3).
 cv::Mat way_off(const cv::Mat& mask, const cv::Mat& presence) {
-  constexpr float straight = 0.955F, aslant = 1.3693F, far = 1e6F;
+  constexpr float far = 1e6F;
   const int rows = mask.rows, columns = mask.cols;
   cv::Mat distance(rows + 2, columns + 2, CV_32F, cv::Scalar(far));
   for (int y = 0; y < rows; ++y) {
     float* line = distance.ptr<float>(y + 1) + 1;
     for (int x = 0; x < columns; ++x)
       if (mask.at<uchar>(y, x) != 0)
-        line[x] = presence.empty() ? 0 : static_cast<float>(away) * (1 - presence.at<float>(y, x));
+        line[x] = presence.empty() ? 0 : static_cast<float>(kGroundAway) * (1 - presence.at<float>(y, x));
   }
   for (int y = 1; y <= rows; ++y) {
     const float* above = distance.ptr<float>(y - 1);
@@ -73,16 +70,6 @@ cv::Mat with_channels(const cv::Mat& levels, int channels) {
   cv::Mat colour;
   cv::cvtColor(levels, colour, cv::COLOR_GRAY2BGR);
   return colour;
-}
-
-std::string shape_of(const core::NpyArray& array) {
-  std::string text;
-  for (const auto size : array.shape) text += (text.empty() ? "" : " x ") + std::to_string(size);
-  return text;
-}
-
-[[noreturn]] void refuse(const std::string& name, const std::string& why) {
-  throw core::IoError("motion model: " + name + ".npy " + why);
 }
 
 }  // namespace
@@ -139,67 +126,59 @@ Ground still_ground(std::span<const FrameGround> frames) {
   return ground;
 }
 
-sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& ground,
-                               const cv::Mat& presence) {
-  if (ground.empty()) return part;
+WholeGround whole_ground(const Ground& ground, cv::Size frame, int channels) {
+  const bool fixed = !ground.backdrop.empty();
+  if (ground.empty() || (!fixed && cv::countNonZero(ground.still) == 0)) return {};
+  const Ground fitting{with_channels(ground.levels, channels), ground.still};
   cv::Mat still;
   cv::resize(ground.still, still, {ground.still.cols * kGroundCell, ground.still.rows * kGroundCell}, 0, 0,
              cv::INTER_NEAREST);
-  still = still(cv::Rect({0, 0}, part.mask.size())).clone();
-  still.setTo(0, way_off(part.mask, presence) <= away);
-  still.setTo(0, part.mask);
-  const Ground fitting{with_channels(ground.levels, part.levels.channels()), ground.still};
-  sketch::Sketchable held{part.levels.clone(), part.mask.clone()};
-  spread_out(fitting, part.levels.size()).copyTo(held.levels, still);
-  held.mask.setTo(255, still);
-  if (!ground.backdrop.empty()) {
+  WholeGround whole{spread_out(fitting, frame), still(cv::Rect({0, 0}, frame)).clone(), {}};
+  if (fixed) {
     cv::Mat levels;
     ground.backdrop.levels.convertTo(levels, CV_32F);
-    with_channels(levels, part.levels.channels()).copyTo(held.levels, ground.backdrop.still);
-    held.mask.setTo(255, ground.backdrop.still);
+    with_channels(levels, channels).copyTo(whole.levels, ground.backdrop.still);
+    whole.fixed = ground.backdrop.still;
   }
+  return whole;
+}
+
+sketch::Sketchable with_ground(const sketch::Sketchable& part, const WholeGround& ground,
+                               const cv::Mat& presence) {
+  if (ground.empty()) return part;
+  cv::Mat still = ground.still & (way_off(part.mask, presence) > kGroundAway) & ~part.mask;
+  if (!ground.fixed.empty()) still |= ground.fixed;
+  sketch::Sketchable held{part.levels.clone(), part.mask | still};
+  ground.levels.copyTo(held.levels, still);
   return held;
+}
+
+cv::Mat greatest_near(const cv::Mat& ranks) {
+  constexpr int reach = static_cast<int>(kGroundAway / straight);
+  cv::Mat near = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_8U), greatest;
+  for (int y = -reach; y <= reach; ++y)
+    for (int x = -reach; x <= reach; ++x) {
+      const int diagonal = std::min(std::abs(x), std::abs(y)), rest = std::abs(std::abs(x) - std::abs(y));
+      near.at<uchar>(y + reach, x + reach) =
+          diagonal * double{aslant} + rest * double{straight} <= kGroundAway ? 1 : 0;
+    }
+  cv::dilate(ranks, greatest, near);
+  return greatest;
 }
 
 void add_ground(core::ModelArchive& archive, const Ground& ground) {
   add_seen_levels(archive, ground.seen);
   add_backdrop(archive, ground.backdrop);
   if (ground.empty()) return;
-  const auto rows = static_cast<std::size_t>(ground.levels.rows),
-             columns = static_cast<std::size_t>(ground.levels.cols),
-             channels = static_cast<std::size_t>(ground.levels.channels());
-  const cv::Mat levels = ground.levels.clone(), still = ground.still.clone();
-  const auto* const values = levels.ptr<float>();
-  archive.arrays["ground"] = {
-      {rows, columns, channels}, false, std::vector<float>(values, values + rows * columns * channels)};
-  archive.arrays["ground_still"] = {
-      {rows, columns}, false, std::vector<std::uint8_t>(still.begin<uchar>(), still.end<uchar>())};
+  archive.arrays["ground"] = float_array(ground.levels);
+  archive.arrays["ground_still"] = byte_array(ground.still);
 }
 
 Ground read_ground(const core::ModelArchive& archive, cv::Size frame) {
-  const auto levels = archive.arrays.find("ground"), still = archive.arrays.find("ground_still");
-  if (levels == archive.arrays.end() && still == archive.arrays.end()) return {};
-  if (levels == archive.arrays.end()) refuse("ground", "is missing");
-  if (still == archive.arrays.end()) refuse("ground_still", "is missing");
-  const cv::Size size = cells(frame);
-  const auto rows = static_cast<std::size_t>(size.height), columns = static_cast<std::size_t>(size.width);
-  const auto& shape = levels->second.shape;
-  const auto* const values = std::get_if<std::vector<float>>(&levels->second.data);
-  if (!values || levels->second.fortran_order || shape.size() != 3 || shape[0] != rows ||
-      shape[1] != columns || (shape[2] != 1 && shape[2] != 3))
-    refuse("ground", "is " + shape_of(levels->second) + "; expected float32, " + std::to_string(rows) +
-                         " x " + std::to_string(columns) + " x 1 or 3");
-  for (const float value : *values)
-    if (!(std::abs(value) <= 1e6F)) refuse("ground", "holds a number that is not finite or out of range");
-  const auto* const flags = std::get_if<std::vector<std::uint8_t>>(&still->second.data);
-  if (!flags || still->second.fortran_order || still->second.shape != std::vector<std::size_t>{rows, columns})
-    refuse("ground_still", "is " + shape_of(still->second) + "; expected uint8, " + std::to_string(rows) +
-                               " x " + std::to_string(columns));
-  const int channels = static_cast<int>(shape[2]);
-  Ground ground{cv::Mat(size, CV_32FC(channels)), cv::Mat(size, CV_8U)};
-  std::copy(values->begin(), values->end(), ground.levels.ptr<float>());
-  std::ranges::transform(*flags, ground.still.begin<uchar>(),
-                         [](std::uint8_t flag) { return flag ? 255 : 0; });
+  if (!archive.arrays.contains("ground") && !archive.arrays.contains("ground_still")) return {};
+  Ground ground{read_floats(archive, "ground", cells(frame), channels_of(archive, "ground")),
+                read_bytes(archive, "ground_still", cells(frame), 1)};
+  ground.still = ground.still != 0;
   ground.seen = read_seen_levels(archive, frame);
   ground.backdrop = read_backdrop(archive, frame);
   return ground;

@@ -37,11 +37,25 @@ struct Ground {
 /// Of these frames, at least one. O(cells · frames).
 Ground still_ground(std::span<const FrameGround> frames);
 
-/// What patches show; the backdrop, which covers them; and, farther than some px from all of them, the still ground. Channels as the part's.
-/// `presence` (CV_32F, 0…1): how much there is of what the part shows; what is there in part keeps the ground
-/// off from so much nearer. Empty: all of it.
-sketch::Sketchable with_ground(const sketch::Sketchable& part, const Ground& ground,
+/// A still ground pixel by pixel, made once for all frames that hold it. Empty where nothing is still.
+struct WholeGround {
+  cv::Mat levels;      ///< CV_32F, 1 or 3 channels, white = 255; anything where it is not still
+  cv::Mat still;       ///< CV_8U, 255 where it is
+  cv::Mat fixed = {};  ///< CV_8U, 255 where nothing may cover it, the backdrop; may be empty
+  [[nodiscard]] bool empty() const { return still.empty(); }
+};
+WholeGround whole_ground(const Ground& ground, cv::Size frame, int channels);
+
+/// What patches show; what is fixed; and, farther than kGroundAway px from all patches, the still ground.
+/// Channels as the part's. `presence` (CV_32F, 0…1): how much there is of what the part shows; what is there
+/// in part keeps the ground off from so much nearer. Empty: all of it.
+constexpr double kGroundAway = 12;
+sketch::Sketchable with_ground(const sketch::Sketchable& part, const WholeGround& ground,
                                const cv::Mat& presence = {});
+
+/// At each pixel the greatest of `ranks` (CV_8U) that lie within kGroundAway px, by the distance that
+/// with_ground goes by.
+cv::Mat greatest_near(const cv::Mat& ranks);
 
 /// The arrays "ground" and "ground_still" beside a motion model's own, and those of the levels seen.
 void add_ground(core::ModelArchive& archive, const Ground& ground);

@@ -5,6 +5,10 @@
 #include <memory>
 #include <new>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <CLI/CLI.hpp>
 
 #include "apps/command.hpp"
@@ -102,6 +106,15 @@ std::string misuse_message(const CLI::App& app, const CLI::ParseError& error) {
   return what + word + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
 }
 
+// Frames are drawn in images that come and go by the dozen. Given back to the system each time, their pages
+// cost a third of the time when they are touched again.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
+}
+
 int run(apps::Console& console, const apps::Chosen& chosen, const std::string& line) {
   const apps::InterruptWatch watch;
   apps::Session session{console,
@@ -167,6 +180,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
 int main(int count, char** words) {
   // Beyond a limit on file sizes a write shall fail, like on a full disk, not end the process.
   std::signal(SIGXFSZ, SIG_IGN);
+  keep_freed_memory();
   apps::Console console;
   try {
     return parse_and_run(count, words, console);

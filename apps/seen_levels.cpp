@@ -13,7 +13,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "apps/byte_arrays.hpp"
+#include "apps/model_arrays.hpp"
 #include "core/error.hpp"
 #include "sketch/bands.hpp"
 
@@ -123,14 +123,10 @@ void add_seen_levels(core::ModelArchive& archive, const SeenLevels& seen) {
 }
 
 SeenLevels read_seen_levels(const core::ModelArchive& archive, cv::Size frame) {
-  const auto found = archive.arrays.find("seen_low");
-  if (found == archive.arrays.end() && !archive.arrays.contains("seen_high")) return {};
-  const bool grey =
-      found != archive.arrays.end() && found->second.shape.size() == 3 && found->second.shape.back() == 1;
-  const cv::Size size = cells(frame);
-  SeenLevels seen{cv::Mat(size, grey ? CV_8UC1 : CV_8UC3), cv::Mat(size, grey ? CV_8UC1 : CV_8UC3)};
-  for (const auto& [name, values] : {std::pair{"seen_low", &seen.low}, std::pair{"seen_high", &seen.high}})
-    std::ranges::copy(byte_array(archive, name, size, grey ? 1 : 3), values->data);
+  if (!archive.arrays.contains("seen_low") && !archive.arrays.contains("seen_high")) return {};
+  const int channels = channels_of(archive, "seen_low");
+  const SeenLevels seen{read_bytes(archive, "seen_low", cells(frame), channels),
+                        read_bytes(archive, "seen_high", cells(frame), channels)};
   for (std::size_t i = 0; i < seen.low.total() * seen.low.elemSize(); ++i)
     if (seen.low.data[i] > seen.high.data[i])
       throw core::IoError("motion model: seen_low.npy lies above seen_high.npy in a cell");

@@ -9,6 +9,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/parallel_reduce.h>
 
 namespace emberfold::core {
@@ -27,6 +28,41 @@ Status parallel_for(std::size_t count, const Context& context, const std::functi
         }
       },
       tbb::simple_partitioner());
+  return cancelled ? Status::cancelled : Status::done;
+}
+
+Status parallel_stream(std::size_t count, std::size_t at_once, const Context& context,
+                       const StreamSteps& steps) {
+  std::size_t next = 0;
+  std::atomic<bool> cancelled{false};
+  bool broken = false;  // an item was left out: nothing may follow it
+  struct Item {
+    std::size_t index;
+    bool made;
+  };
+  const auto stops = [&] { return cancelled = cancelled || context.cancelled(); };
+  const auto begin = [&](tbb::flow_control& flow) -> Item {
+    if (next == count || stops()) {
+      flow.stop();
+      return {};
+    }
+    steps.before(next);
+    return {next++, false};
+  };
+  const auto make = [&](Item item) -> Item {
+    if (stops()) return item;
+    steps.body(item.index);
+    return {item.index, true};
+  };
+  const auto end = [&](Item item) {
+    broken = broken || !item.made;
+    if (!broken) steps.after(item.index);
+  };
+  using enum tbb::filter_mode;
+  tbb::parallel_pipeline(std::max<std::size_t>(at_once, 1),
+                         tbb::make_filter<void, Item>(serial_in_order, begin) &
+                             tbb::make_filter<Item, Item>(parallel, make) &
+                             tbb::make_filter<Item, void>(serial_in_order, end));
   return cancelled ? Status::cancelled : Status::done;
 }
 

@@ -15,6 +15,18 @@ namespace emberfold::core {
 /// rethrown.
 Status parallel_for(std::size_t count, const Context& context, const std::function<void(std::size_t)>& body);
 
+/// Calls before(i), body(i) and after(i) for every i in [0, count): `before` and `after` in order, one call
+/// of each at a time, `body` on as many threads as the process allows, all three side by side. At most
+/// `at_once` ≥ 1 items are under way: before(i) comes after after(i − at_once) has returned, so that i %
+/// at_once may name an item's place. After a cancel nothing more is begun, items under way go on to their
+/// `after` as far as all those before them do, and the result is Status::cancelled. The first exception is
+/// rethrown.
+struct StreamSteps {
+  std::function<void(std::size_t)> before, body, after;
+};
+Status parallel_stream(std::size_t count, std::size_t at_once, const Context& context,
+                       const StreamSteps& steps);
+
 /// Sum of term(i) over [0, count), the same bits at any thread count: blocks of `grain` terms are summed in
 /// order, and the block sums are added along a fixed tree. `grain` is part of the result's definition.
 double deterministic_sum(std::size_t count, std::size_t grain,

@@ -19,7 +19,8 @@ inline constexpr double kLeastReach = 1.5, kMostReach = 12;  ///< px to each sid
 inline constexpr double kLeastBlur = 0.2;                    ///< px: below, a pixel does not show it
 inline constexpr double kSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
 
-inline constexpr double kLeastMargin = 1;  ///< px beyond the core: else a sharp line holds no pixel of its sides
+inline constexpr double kLeastMargin =
+    1;  ///< px beyond the core: else a sharp line holds no pixel of its sides
 
 /// How far to each side a patch's profile changes, px.
 inline double profile_reach(const graph::Patch& patch) {
@@ -161,14 +162,14 @@ void cover_blob(const graph::Patch& blob, const BlobShape& shape, cv::Size size,
       if (shape.holds(x - px, y - py)) paint(x, y);
 }
 
-/// paint(patch, shape, x, y) for every pixel of every blob.
+/// paint(vertex, shape, x, y) for every pixel of every blob.
 template <class Paint>
 void cover_blobs(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const graph::Patch& patch = graph.patch(i);
     if (graph.degree(i) != 0 || patch.type != graph::PatchType::blob) continue;
     const BlobShape shape(patch);
-    cover_blob(patch, shape, size, [&](int x, int y) { paint(patch, shape, x, y); });
+    cover_blob(patch, shape, size, [&](int x, int y) { paint(i, shape, x, y); });
   }
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <span>
+
 #include <opencv2/core/mat.hpp>
 
 #include "graph/attribute_graph.hpp"
@@ -24,6 +27,16 @@ struct Sketchable {
 /// its disc. `channels` 1 (the levels' luma) or 3. InputError for any other, or an empty size. O(pixels of
 /// the mask) beside clearing the frame.
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels);
+
+/// draw_fitted, and what is told of each patch beside its levels: two numbers, which go over from patch to
+/// patch and are weighed as the levels are.
+struct ToldSketch {
+  Sketchable part;
+  cv::Mat told;  ///< CV_32FC2, 0 off the mask
+};
+/// `told`: for each patch, by index; InputError where their number is another.
+ToldSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels,
+                       std::span<const std::array<float, 2>> told);
 
 /// The same part of the frame as draw_fitted covers, with the frame's own pixels. `levels`: CV_32F, 1 or 3
 /// channels.

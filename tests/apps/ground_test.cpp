@@ -87,7 +87,7 @@ TEST_CASE("Ground: frames keep it away from strokes, and strokes keep their plac
   const auto ground = still_ground(seen);
   const auto graph = line(50, 0, 69);
   const auto alone = sketch::draw_fitted(graph, {100, 70}, 1);
-  const auto drawn = draw_around(alone, cv::Scalar::all(0), {}, ground);
+  const auto drawn = draw_around(alone, cv::Scalar::all(0), {}, whole_ground(ground, {100, 70}, 1));
   CHECK(drawn.share == alone.share());
   for (int y = 0; y < 70; ++y)
     for (int x = 0; x < 100; ++x) {
@@ -98,7 +98,8 @@ TEST_CASE("Ground: frames keep it away from strokes, and strokes keep their plac
         CHECK_THAT(drawn.levels.at<float>(y, x), Catch::Matchers::WithinAbs(20 + 0.5 * x, 0.6));
     }
   // Without strokes the ground is all there is; without either the level that is told.
-  CHECK_THAT(draw_around(sketch::draw_fitted({}, {100, 70}, 3), cv::Scalar::all(9), {}, ground)
+  CHECK_THAT(draw_around(sketch::draw_fitted({}, {100, 70}, 3), cv::Scalar::all(9), {},
+                         whole_ground(ground, {100, 70}, 3))
                  .levels.at<cv::Vec3f>(30, 40)[2],
              Catch::Matchers::WithinAbs(40, 0.6));
   CHECK(draw_around(sketch::draw_fitted({}, {100, 70}, 1), cv::Scalar::all(9), {}).levels.at<float>(3, 3) ==

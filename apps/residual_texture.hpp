@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "apps/draw_graph_frames.hpp"
+#include "apps/ground.hpp"
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "core/model_archive.hpp"
+#include "dytex/gaussian_texture.hpp"
+#include "graph/attribute_graph.hpp"
+
+// What a clip shows between its strokes that diffusion does not: grain, ripples, smoke too faint for a stroke.
+// Told by how it goes together in space and from frame to frame, and how strong it is where.
+namespace emberfold::apps {
+
+struct ResidualTexture {
+  /// Grey: the levels'. Colour: luma's, and that of blue and red less luma. In units of `strength`.
+  std::vector<dytex::GaussianTexture> textures;
+  cv::Mat strength;  ///< CV_32F, ≥ 0: luma's SD, grey levels, over cells of kGroundCell px
+  [[nodiscard]] bool empty() const { return textures.empty(); }
+};
+
+/// Of a clip and its sketch, a graph for each frame: what some twenty pairs of neighbouring frames show
+/// beyond their drawing in this look, 3 px and more from patches. Empty where there is nothing such, or one
+/// frame alone. Reads the clip twice; throws Interrupted.
+ResidualTexture measure_residual(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
+                                 const FrameLook& look, const core::Context& context);
+
+/// New frames of it without an end, the same at any number of threads.
+class ResidualFrames {
+ public:
+  ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed);
+  /// CV_8S, 1 or 3 channels: to be added to a frame.
+  cv::Mat next();
+
+ private:
+  std::vector<dytex::GaussianTextureFrames> frames_;
+  cv::Mat strength_;
+};
+
+/// The arrays "residual_within", "residual_ahead" and "residual_strength" beside a motion model's own.
+void add_residual(core::ModelArchive& archive, const ResidualTexture& residual);
+/// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
+ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame);
+
+}  // namespace emberfold::apps

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+// A texture that is Gaussian, and the same everywhere and at all times: all there is to it is how pixels a few
+// px and a frame apart go together. As a linear dynamic texture its modes are waves, each with a pole of its
+// own. (Xia, Ferradans, Peyré & Aujol 2014, "Synthesizing and mixing stationary Gaussian texture models".)
+namespace emberfold::dytex {
+
+/// Lags go to so many px both ways; a table of them is square, lag 0 in its middle.
+constexpr int kTextureReach = 31;
+constexpr int kTextureLags = 2 * kTextureReach + 1;
+
+/// One number a pixel, mean 0.
+struct GaussianTexture {
+  cv::Mat within;  ///< CV_32F, kTextureLags²: E[x(p) x(p + d)], d by row and column
+  cv::Mat ahead;   ///< likewise, of the next frame: E[x_t(p) x_{t+1}(p + d)]
+  [[nodiscard]] bool empty() const { return within.empty(); }
+};
+
+/// Learns a texture from pairs of neighbouring frames, of which pixels may be hidden.
+class GaussianTextureLearner {
+ public:
+  explicit GaussianTextureLearner(cv::Size frame);
+  /// CV_32F values and CV_8U masks of what of them is seen (not 0), of the frame's size. O(pixels log pixels).
+  void add(const cv::Mat& now, const cv::Mat& seen_now, const cv::Mat& next, const cv::Mat& seen_next);
+  /// Means over all pairs of pixels so far apart that were seen, drawn to 0 towards the greatest lags (Hann)
+  /// so that what lies beyond them is nothing. 0 at lags that were never seen.
+  [[nodiscard]] GaussianTexture learned() const;
+
+ private:
+  void sum_up(cv::Mat& sum, const cv::Mat& spectrum, const cv::Mat& other) const;
+
+  cv::Size frame_, padded_;
+  cv::Mat within_, within_count_, ahead_, ahead_count_;  // spectra, as cv::dft packs them
+};
+
+/// New frames of a texture without an end; the same at any number of threads. Wave k goes
+/// z_{t+1} = ρ z_t + √(S (1 − |ρ|²)) w_t with w white, S and ρ S the transforms of `within` and `ahead`,
+/// |ρ| ≤ 0.99: what ρ turns by is drift. Seamless from edge to edge. The first frame is as any other.
+class GaussianTextureFrames {
+ public:
+  /// `stream`: names textures that are drawn with one seed.
+  GaussianTextureFrames(const GaussianTexture& texture, cv::Size frame, std::uint64_t seed,
+                        std::uint32_t stream = 0);
+  /// CV_32F. O(pixels log pixels).
+  cv::Mat next();
+
+ private:
+  [[nodiscard]] cv::Mat white();
+
+  cv::Size frame_, padded_;
+  cv::Mat pole_, force_, state_;  // spectra, as cv::dft packs them
+  std::uint64_t seed_;
+  std::uint32_t stream_, frames_ = 0;
+};
+
+}  // namespace emberfold::dytex
