@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -22,7 +22,6 @@ constexpr std::size_t kPairs = 20;
 constexpr int kMargin = 3;            // px beside a patch that its own misfit may tell in
 constexpr float kLeastStrength = 0.5F;  // grey levels: of less, rounding is all there is
 constexpr double kSeenShare = 0.02;   // of a cell's pixels over all frames, to tell how strong it is
-constexpr double kOfBlue = 0.114, kOfRed = 0.299, kOfGreen = 0.587;
 
 /// What a frame shows beyond its drawing, and where that may be looked at.
 struct Residual {
@@ -92,42 +91,75 @@ cv::Mat spread(const cv::Mat& values, cv::Size frame) {
   return whole(cv::Rect({0, 0}, frame)).clone();
 }
 
-/// Luma, and blue and red less luma.
-std::vector<cv::Mat> parts_of(const cv::Mat& levels) {
-  if (levels.channels() == 1) return {levels};
-  std::array<cv::Mat, 3> colours;
-  cv::split(levels, colours.data());
-  const cv::Mat luma = core::luma(levels);
-  return {luma, colours[0] - luma, colours[2] - luma};
+cv::Mat in_channels(const cv::Mat& plane, int channels) {
+  cv::Mat all;
+  cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(channels), plane), all);
+  return all;
 }
 
-cv::Mat levels_of(const std::vector<cv::Mat>& parts) {
-  if (parts.size() == 1) return parts[0];
-  const cv::Mat green = parts[0] - (kOfBlue * parts[1] + kOfRed * parts[2]) / kOfGreen;
-  cv::Mat levels;
-  cv::merge(std::vector<cv::Mat>{parts[0] + parts[1], green, parts[0] + parts[2]}, levels);
-  return levels;
+/// Each pixel's channels times a square table.
+cv::Mat turned(const cv::Mat& values, const cv::Mat& table) {
+  cv::Mat result;
+  cv::transform(values, result, table);
+  return result;
 }
 
-/// Luma's SD by cell; what was hardly seen takes it from cells around. Empty where nothing was seen.
-cv::Mat measure_strength(ResidualReader& reader, cv::Size frame) {
-  cv::Mat squares = cv::Mat::zeros(cells(frame), CV_32F), counts = squares.clone();
+/// Mean and strength by cell; what was hardly seen takes them from cells around. Empty where nothing was
+/// seen.
+ResidualTexture measure_cells(ResidualReader& reader, cv::Size frame, int channels) {
+  cv::Mat sums = cv::Mat::zeros(cells(frame), CV_32FC(channels)), squares = sums.clone(),
+          counts = cv::Mat::zeros(cells(frame), CV_32F);
   int frames = 0;
   reader.each_pair([&](const Residual& now, const Residual& next) {
     for (const auto* residual : {&now, &next}) {
       cv::Mat seen;
       residual->seen.convertTo(seen, CV_32F, 1 / 255.0);
-      const cv::Mat luma = core::luma(residual->values);
-      squares += over_cells(luma.mul(luma).mul(seen));
+      const cv::Mat values = residual->values.mul(in_channels(seen, channels));
+      sums += over_cells(values);
+      squares += over_cells(values.mul(values));
       counts += over_cells(seen);
       ++frames;
     }
   });
   const cv::Mat known = counts > kSeenShare * frames;
   if (cv::countNonZero(known) == 0) return {};
-  cv::Mat strength;
-  cv::sqrt(squares / cv::max(counts, 1e-6), strength);
-  return sketch::fill(strength, known).levels;
+  const cv::Mat count = in_channels(cv::max(counts, 1e-6), channels), mean = sums / count;
+  cv::Mat variance, strength;
+  cv::transform(squares / count - mean.mul(mean), variance,
+                cv::Mat(1, channels, CV_32F, cv::Scalar(1.0 / channels)));
+  cv::sqrt(cv::max(variance, 0), strength);
+  return {{}, {}, sketch::fill(mean, known).levels, sketch::fill(strength, known).levels};
+}
+
+/// The residual about its mean in units of its strength.
+class Normalised {
+ public:
+  Normalised(const ResidualTexture& residual, const FrameLook& look)
+      : mean_(spread(residual.mean, look.size)),
+        unit_(in_channels(cv::max(spread(residual.strength, look.size), kLeastStrength), look.channels)) {}
+  [[nodiscard]] cv::Mat operator()(const Residual& residual) const {
+    return (residual.values - mean_) / unit_;
+  }
+
+ private:
+  cv::Mat mean_, unit_;
+};
+
+/// The principal components of what colours there are.
+cv::Mat measure_colours(ResidualReader& reader, const Normalised& normalised, int channels) {
+  cv::Mat products = cv::Mat::zeros(channels, channels, CV_64F), strengths, colours;
+  reader.each_pair([&](const Residual& now, const Residual& next) {
+    for (const auto* residual : {&now, &next}) {
+      cv::Mat values = normalised(*residual), product;
+      values.setTo(0, residual->seen == 0);
+      cv::mulTransposed(values.reshape(1, static_cast<int>(values.total())), product, true, cv::noArray(), 1,
+                        CV_64F);
+      products += product;
+    }
+  });
+  cv::eigen(products, strengths, colours);
+  colours.convertTo(colours, CV_32F);
+  return colours;
 }
 
 }  // namespace
@@ -136,32 +168,37 @@ ResidualTexture measure_residual(core::FrameSource& source, std::span<const grap
                                  const FrameLook& look, const core::Context& context) {
   if (graphs.size() < 2) return {};
   ResidualReader reader(source, graphs, look, context);
-  ResidualTexture residual;
-  residual.strength = measure_strength(reader, look.size);
+  auto residual = measure_cells(reader, look.size, look.channels);
   if (residual.strength.empty()) return {};
-  const cv::Mat unit = cv::max(spread(residual.strength, look.size), kLeastStrength);
-  std::vector<dytex::GaussianTextureLearner> learners(static_cast<std::size_t>(look.channels == 1 ? 1 : 3),
-                                                      dytex::GaussianTextureLearner(look.size));
+  const Normalised normalised(residual, look);
+  residual.colours = measure_colours(reader, normalised, look.channels);
+  std::vector<dytex::GaussianTextureLearner> learners;
+  for (int i = 0; i < look.channels; ++i) learners.emplace_back(look.size);
   reader.each_pair([&](const Residual& now, const Residual& next) {
-    const auto before = parts_of(now.values), after = parts_of(next.values);
+    std::array<std::vector<cv::Mat>, 2> components;
+    cv::split(turned(normalised(now), residual.colours), components[0]);
+    cv::split(turned(normalised(next), residual.colours), components[1]);
     for (std::size_t i = 0; i < learners.size(); ++i)
-      learners[i].add(before[i] / unit, now.seen, after[i] / unit, next.seen);
+      learners[i].add(components[0][i], now.seen, components[1][i], next.seen);
   });
   for (const auto& learner : learners) residual.textures.push_back(learner.learned());
   return residual;
 }
 
 ResidualFrames::ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed)
-    : strength_(spread(residual.strength, frame)) {
+    : colours_(residual.colours.t()),
+      mean_(spread(residual.mean, frame)),
+      strength_(in_channels(spread(residual.strength, frame), residual.mean.channels())) {
   for (std::size_t i = 0; i < residual.textures.size(); ++i)
     frames_.emplace_back(residual.textures[i], frame, seed, static_cast<std::uint32_t>(i));
 }
 
 cv::Mat ResidualFrames::next() {
-  std::vector<cv::Mat> parts;
-  for (auto& frames : frames_) parts.push_back(frames.next().mul(strength_));
-  cv::Mat bytes;
-  levels_of(parts).convertTo(bytes, CV_8S);
+  std::vector<cv::Mat> components;
+  for (auto& frames : frames_) components.push_back(frames.next());
+  cv::Mat all, bytes;
+  cv::merge(components, all);
+  cv::Mat(mean_ + turned(all, colours_).mul(strength_)).convertTo(bytes, CV_8S);
   return bytes;
 }
 
@@ -177,13 +214,13 @@ void add_residual(core::ModelArchive& archive, const ResidualTexture& residual) 
   cv::merge(ahead, all_ahead);
   archive.arrays["residual_within"] = float_array(all_within);
   archive.arrays["residual_ahead"] = float_array(all_ahead);
+  archive.arrays["residual_colours"] = float_array(residual.colours);
+  archive.arrays["residual_mean"] = float_array(residual.mean);
   archive.arrays["residual_strength"] = float_array(residual.strength);
 }
 
 ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame) {
-  if (!archive.arrays.contains("residual_within") && !archive.arrays.contains("residual_ahead") &&
-      !archive.arrays.contains("residual_strength"))
-    return {};
+  if (!archive.arrays.contains("residual_within")) return {};
   const cv::Size lags(dytex::kTextureLags, dytex::kTextureLags);
   const int count = channels_of(archive, "residual_within");
   std::vector<cv::Mat> within, ahead;
@@ -191,6 +228,8 @@ ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame)
   cv::split(read_floats(archive, "residual_ahead", lags, count), ahead);
   ResidualTexture residual;
   for (std::size_t i = 0; i < within.size(); ++i) residual.textures.push_back({within[i], ahead[i]});
+  residual.colours = read_floats(archive, "residual_colours", {count, count}, 1);
+  residual.mean = read_floats(archive, "residual_mean", cells(frame), count);
   residual.strength = read_floats(archive, "residual_strength", cells(frame), 1);
   double least = 0;
   cv::minMaxIdx(residual.strength, &least);

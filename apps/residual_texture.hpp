@@ -21,15 +21,17 @@
 namespace emberfold::apps {
 
 struct ResidualTexture {
-  /// Grey: the levels'. Colour: luma's, and that of blue and red less luma. In units of `strength`.
+  /// Of each principal component of its colours, greatest first; one where it is grey. In units of `strength`.
   std::vector<dytex::GaussianTexture> textures;
-  cv::Mat strength;  ///< CV_32F, ≥ 0: luma's SD, grey levels, over cells of kGroundCell px
+  cv::Mat colours;   ///< CV_32F, square, a row a component: blue, green, red; orthonormal
+  cv::Mat mean;      ///< CV_32F, 1 or 3 channels, grey levels, over cells of kGroundCell px
+  cv::Mat strength;  ///< CV_32F, ≥ 0, likewise: the SD about it, of all channels together
   [[nodiscard]] bool empty() const { return textures.empty(); }
 };
 
 /// Of a clip and its sketch, a graph for each frame: what some twenty pairs of neighbouring frames show
 /// beyond their drawing in this look, 3 px and more from patches. Empty where there is nothing such, or one
-/// frame alone. Reads the clip twice; throws Interrupted.
+/// frame alone. Reads the clip three times; throws Interrupted.
 ResidualTexture measure_residual(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                                  const FrameLook& look, const core::Context& context);
 
@@ -42,10 +44,10 @@ class ResidualFrames {
 
  private:
   std::vector<dytex::GaussianTextureFrames> frames_;
-  cv::Mat strength_;
+  cv::Mat colours_, mean_, strength_;
 };
 
-/// The arrays "residual_within", "residual_ahead" and "residual_strength" beside a motion model's own.
+/// The arrays "residual_within", "_ahead", "_colours", "_mean" and "_strength" beside a motion model's own.
 void add_residual(core::ModelArchive& archive, const ResidualTexture& residual);
 /// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
 ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame);

@@ -31,7 +31,8 @@ core::Clip wall(int frames, int type = CV_8UC3) {
   for (int t = 0; t < frames; ++t) {
     cv::Mat frame(kSize, type, cv::Scalar(150, 140, 130));
     const int shaken = static_cast<int>(rng.below(3)) - 1;
-    cv::rectangle(frame, cv::Rect(20 + shaken, 0, 6, kSize.height), cv::Scalar(30, 40, 50), cv::FILLED);
+    cv::rectangle(frame, cv::Rect(18 + shaken, 0, 12, kSize.height), cv::Scalar(30, 40, 50), cv::FILLED);
+    cv::GaussianBlur(frame, frame, {}, 1.2);  // as lenses do
     if (t % 25 == 7)
       cv::rectangle(frame, cv::Rect(70, 0, 5, kSize.height), cv::Scalar(240, 240, 240), cv::FILLED);
     const cv::Mat noise = noise_frame(kSize, type, static_cast<std::uint64_t>(t), 9);
@@ -63,7 +64,7 @@ TEST_CASE("Backdrop: still is what noise and shaking alone move, even where some
       CHECK(backdrop.levels.ptr(30)[x * backdrop.levels.channels()] == 0);
     }
     CHECK(std::abs(int{backdrop.levels.ptr(30)[40 * backdrop.levels.channels()]} - 150) <= 1);
-    CHECK(std::abs(int{backdrop.levels.ptr(30)[23 * backdrop.levels.channels()]} - 30) <= 1);
+    CHECK(std::abs(int{backdrop.levels.ptr(30)[23 * backdrop.levels.channels()]} - 30) <= 2);
   }
 }
 

@@ -127,7 +127,7 @@ TEST_CASE("Seen levels: kept beside a model bit by bit, and refused where they d
   refused(broken, "seen_high.npy is missing");
   broken = archive;
   broken.arrays["seen_low"].shape = {13, 9, 3};
-  refused(broken, "seen_low.npy must be uint8, 9 x 13 x 3");
+  refused(broken, "seen_low.npy is 13 x 9 x 3; expected uint8, 9 x 13 x 3");
   broken = archive;
   std::swap(broken.arrays["seen_low"], broken.arrays["seen_high"]);
   refused(broken, "lies above");

@@ -235,7 +235,7 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(2, {"-o", out.string(), "--frames", "0"}, {"--frames", "0"});
   refused(2, {"-o", out.string(), "--frames", "-3"}, {"--frames", "-3"});
   refused(2, {"-o", out.string(), "--frames", "many"}, {"--frames", "many"});
-  refused(2, {"-o", out.string(), "--fill", "paint"}, {"--fill", "paint", "diffusion"});
+  refused(2, {"-o", out.string(), "--fill", "paint"}, {"--fill", "paint", "diffusion, texture, dytex"});
   refused(2, {"-o", out.string(), "--tolerance", "0"}, {"--tolerance", "0"});
   refused(2, {"-o", (made.temp / "new.gif").string()}, {".gif"});
   refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
@@ -379,6 +379,31 @@ TEST_CASE("analyze learns what lies between strokes where asked, and synth draws
   CHECK(run_command({"synth", cut, "-o", out.string(), "-q", "--frames", "2"}).exit == 0);
   check_refused({"analyze", made.clip, "-o", (made.temp / "c").string(), "--texture", "501", "-q"}, 2,
                 {"--texture is 501"}, made.temp / "c");
+}
+
+TEST_CASE("synth lays the clip's residual on new frames where asked") {
+  const Learned made;
+  const auto plain = made.temp / "plain.avi";
+  const auto draw = [&](const fs::path& out, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"synth", made.model, "-o", out.string(), "--frames", "6", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+  };
+  draw(plain, {});
+  for (const char* threads : {"1", "4"})
+    draw(made.temp / ("texture" + std::string(threads) + ".avi"), {"--fill", "texture", "--threads", threads});
+  CHECK(bytes_of(made.temp / "texture1.avi") == bytes_of(made.temp / "texture4.avi"));
+  CHECK(bytes_of(made.temp / "texture1.avi") != bytes_of(plain));
+  // A model of before there was such a thing.
+  const auto old = made.temp / "old", out = made.temp / "out.avi";
+  fs::copy(made.model, old, fs::copy_options::recursive);
+  for (const char* name : {"within", "ahead", "colours", "mean", "strength"})
+    fs::remove(old / ("residual_" + std::string(name) + ".npy"));
+  std::string index = bytes_of(old / "model.json");
+  INFO(index);
+  check_refused({"synth", old.string(), "-o", out.string(), "-q", "--fill", "texture"}, 1, {"residual"}, out);
 }
 
 TEST_CASE("models that nothing can be drawn from are refused with the reason") {
