@@ -130,6 +130,7 @@ cv::Mat FramePainter::draw(const FrameParts& parts) const {
   const auto empty = cv::Scalar::all(static_cast<double>(look_.empty_level));
   cv::Mat levels = draw_around(part, empty, look_.fill, still_, presence).levels;
   if (!parts.residual.empty()) cv::add(levels, parts.residual, levels, cv::noArray(), CV_32F);
+  lay_backdrop(levels, still_);
   return core::to_bytes(levels);
 }
 

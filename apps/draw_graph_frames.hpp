@@ -48,7 +48,7 @@ struct FrameParts {
   /// How much of each patch is there, 0…1, for those that come and go: its levels lie between its own and
   /// what would be there without it. Empty: all of all.
   std::vector<float> presence = {};
-  cv::Mat residual = {};  ///< CV_8S, as the frame: added to all that is drawn
+  cv::Mat residual = {};  ///< CV_8S, as the frame: added to all but the backdrop
 };
 
 /// The patches of which at least half is there.

@@ -17,6 +17,7 @@ namespace {
 constexpr double beside = 8;        // px about a patch that are not ground
 constexpr double seen_share = 0.2;  // of the frames
 constexpr double restless = 8;      // levels, SD over the frames, beyond which a ground is not still
+constexpr double soft = 6;          // px of a backdrop's edge over which strokes pass behind it
 constexpr float straight = 0.955F, aslant = 1.3693F;  // a step's length to a neighbour, px
 
 cv::Size cells(cv::Size frame) {
@@ -133,12 +134,15 @@ WholeGround whole_ground(const Ground& ground, cv::Size frame, int channels) {
   cv::Mat still;
   cv::resize(ground.still, still, {ground.still.cols * kGroundCell, ground.still.rows * kGroundCell}, 0, 0,
              cv::INTER_NEAREST);
-  WholeGround whole{spread_out(fitting, frame), still(cv::Rect({0, 0}, frame)).clone(), {}};
+  WholeGround whole{spread_out(fitting, frame), still(cv::Rect({0, 0}, frame)).clone()};
   if (fixed) {
     cv::Mat levels;
     ground.backdrop.levels.convertTo(levels, CV_32F);
     with_channels(levels, channels).copyTo(whole.levels, ground.backdrop.still);
-    whole.fixed = ground.backdrop.still;
+    cv::Mat inside;
+    cv::distanceTransform(ground.backdrop.still, inside, cv::DIST_L2, 3);
+    whole.share = cv::min(inside / soft, 1.0);
+    whole.fixed = whole.share >= 1;
   }
   return whole;
 }
@@ -153,8 +157,19 @@ sketch::Sketchable with_ground(const sketch::Sketchable& part, const WholeGround
   return held;
 }
 
+void lay_backdrop(cv::Mat& levels, const WholeGround& ground) {
+  const int channels = levels.channels();
+  for (int y = 0; y < ground.share.rows; ++y) {
+    const auto *share = ground.share.ptr<float>(y), *behind = ground.levels.ptr<float>(y);
+    auto* drawn = levels.ptr<float>(y);
+    for (int x = 0; x < ground.share.cols; ++x)
+      for (int c = x * channels; share[x] > 0 && c < (x + 1) * channels; ++c)
+        drawn[c] += share[x] * (behind[c] - drawn[c]);
+  }
+}
+
 cv::Mat greatest_near(const cv::Mat& ranks) {
-  constexpr int reach = static_cast<int>(kGroundAway / straight);
+  constexpr int reach = static_cast<int>(kGroundAway / double{straight});
   cv::Mat near = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_8U), greatest;
   for (int y = -reach; y <= reach; ++y)
     for (int x = -reach; x <= reach; ++x) {

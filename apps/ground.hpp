@@ -42,6 +42,7 @@ struct WholeGround {
   cv::Mat levels;      ///< CV_32F, 1 or 3 channels, white = 255; anything where it is not still
   cv::Mat still;       ///< CV_8U, 255 where it is
   cv::Mat fixed = {};  ///< CV_8U, 255 where nothing may cover it, the backdrop; may be empty
+  cv::Mat share = {};  ///< CV_32F, as `fixed`: of the backdrop, 1 where it is fixed, less towards its edge
   [[nodiscard]] bool empty() const { return still.empty(); }
 };
 WholeGround whole_ground(const Ground& ground, cv::Size frame, int channels);
@@ -52,6 +53,9 @@ WholeGround whole_ground(const Ground& ground, cv::Size frame, int channels);
 constexpr double kGroundAway = 12;
 sketch::Sketchable with_ground(const sketch::Sketchable& part, const WholeGround& ground,
                                const cv::Mat& presence = {});
+
+/// Lets the backdrop, where there is one, take its share of what was drawn.
+void lay_backdrop(cv::Mat& levels, const WholeGround& ground);
 
 /// At each pixel the greatest of `ranks` (CV_8U) that lie within kGroundAway px, by the distance that
 /// with_ground goes by.

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t kPairs = 20;
 constexpr int kMargin = 3;            // px beside a patch that its own misfit may tell in
+constexpr double kCoarse = 4;         // px, SD: of what is coarser diffusion and strokes have to tell
 constexpr float kLeastStrength = 0.5F;  // grey levels: of less, rounding is all there is
 constexpr double kSeenShare = 0.02;   // of a cell's pixels over all frames, to tell how strong it is
 
@@ -29,11 +30,32 @@ struct Residual {
   cv::Mat seen;    // CV_8U
 };
 
+cv::Mat in_channels(const cv::Mat& plane, int channels) {
+  cv::Mat all;
+  cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(channels), plane), all);
+  return all;
+}
+
+/// Less its mean around, over what of it is seen.
+cv::Mat fine_part(const Residual& residual) {
+  cv::Mat weights, sums;
+  residual.seen.convertTo(weights, CV_32F, 1 / 255.0);
+  weights = in_channels(weights, residual.values.channels());
+  cv::GaussianBlur(residual.values.mul(weights), sums, {}, kCoarse);
+  cv::GaussianBlur(weights, weights, {}, kCoarse);
+  return residual.values - sums / cv::max(weights, 1e-3);
+}
+
 class ResidualReader {
  public:
   ResidualReader(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                  const FrameLook& look, const core::Context& context)
-      : source_(source), graphs_(graphs), painter_(look), size_(look.size), context_(context) {}
+      : source_(source),
+        graphs_(graphs),
+        painter_(look),
+        size_(look.size),
+        backdrop_(look.ground.backdrop.still),
+        context_(context) {}
 
   /// Hands over the pairs of frames.
   template <class Visit>
@@ -60,13 +82,17 @@ class ResidualReader {
     painter_.draw({graph}).convertTo(drawn, CV_32F);
     const int side = 2 * kMargin + 1;
     cv::dilate(sketch::draw_fitted(graph, size_, 1).mask, patches, cv::Mat::ones(side, side, CV_8U));
-    return {core::to_levels(frame, source_.info()) - drawn, patches == 0};
+    Residual residual{core::to_levels(frame, source_.info()) - drawn, patches == 0};
+    if (!backdrop_.empty()) residual.seen.setTo(0, backdrop_);
+    residual.values = fine_part(residual);
+    return residual;
   }
 
   core::FrameSource& source_;
   std::span<const graph::AttributeGraph> graphs_;
   FramePainter painter_;
   cv::Size size_;
+  cv::Mat backdrop_;
   const core::Context& context_;
 };
 
@@ -91,12 +117,6 @@ cv::Mat spread(const cv::Mat& values, cv::Size frame) {
   return whole(cv::Rect({0, 0}, frame)).clone();
 }
 
-cv::Mat in_channels(const cv::Mat& plane, int channels) {
-  cv::Mat all;
-  cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(channels), plane), all);
-  return all;
-}
-
 /// Each pixel's channels times a square table.
 cv::Mat turned(const cv::Mat& values, const cv::Mat& table) {
   cv::Mat result;
@@ -104,45 +124,38 @@ cv::Mat turned(const cv::Mat& values, const cv::Mat& table) {
   return result;
 }
 
-/// Mean and strength by cell; what was hardly seen takes them from cells around. Empty where nothing was
-/// seen.
-ResidualTexture measure_cells(ResidualReader& reader, cv::Size frame, int channels) {
-  cv::Mat sums = cv::Mat::zeros(cells(frame), CV_32FC(channels)), squares = sums.clone(),
-          counts = cv::Mat::zeros(cells(frame), CV_32F);
+/// SD by cell; what was hardly seen takes it from cells around. Empty where nothing was seen.
+cv::Mat measure_strength(ResidualReader& reader, cv::Size frame) {
+  cv::Mat squares = cv::Mat::zeros(cells(frame), CV_32F), counts = squares.clone();
   int frames = 0;
   reader.each_pair([&](const Residual& now, const Residual& next) {
     for (const auto* residual : {&now, &next}) {
-      cv::Mat seen;
+      cv::Mat seen, square;
       residual->seen.convertTo(seen, CV_32F, 1 / 255.0);
-      const cv::Mat values = residual->values.mul(in_channels(seen, channels));
-      sums += over_cells(values);
-      squares += over_cells(values.mul(values));
+      const int channels = residual->values.channels();
+      cv::transform(residual->values.mul(residual->values), square,
+                    cv::Mat(1, channels, CV_32F, cv::Scalar(1.0 / channels)));
+      squares += over_cells(square.mul(seen));
       counts += over_cells(seen);
       ++frames;
     }
   });
   const cv::Mat known = counts > kSeenShare * frames;
   if (cv::countNonZero(known) == 0) return {};
-  const cv::Mat count = in_channels(cv::max(counts, 1e-6), channels), mean = sums / count;
-  cv::Mat variance, strength;
-  cv::transform(squares / count - mean.mul(mean), variance,
-                cv::Mat(1, channels, CV_32F, cv::Scalar(1.0 / channels)));
-  cv::sqrt(cv::max(variance, 0), strength);
-  return {{}, {}, sketch::fill(mean, known).levels, sketch::fill(strength, known).levels};
+  cv::Mat strength;
+  cv::sqrt(squares / cv::max(counts, 1e-6), strength);
+  return sketch::fill(strength, known).levels;
 }
 
-/// The residual about its mean in units of its strength.
+/// The residual in units of its strength.
 class Normalised {
  public:
-  Normalised(const ResidualTexture& residual, const FrameLook& look)
-      : mean_(spread(residual.mean, look.size)),
-        unit_(in_channels(cv::max(spread(residual.strength, look.size), kLeastStrength), look.channels)) {}
-  [[nodiscard]] cv::Mat operator()(const Residual& residual) const {
-    return (residual.values - mean_) / unit_;
-  }
+  Normalised(const cv::Mat& strength, const FrameLook& look)
+      : unit_(in_channels(cv::max(spread(strength, look.size), kLeastStrength), look.channels)) {}
+  [[nodiscard]] cv::Mat operator()(const Residual& residual) const { return residual.values / unit_; }
 
  private:
-  cv::Mat mean_, unit_;
+  cv::Mat unit_;
 };
 
 /// The principal components of what colours there are.
@@ -168,9 +181,10 @@ ResidualTexture measure_residual(core::FrameSource& source, std::span<const grap
                                  const FrameLook& look, const core::Context& context) {
   if (graphs.size() < 2) return {};
   ResidualReader reader(source, graphs, look, context);
-  auto residual = measure_cells(reader, look.size, look.channels);
+  ResidualTexture residual;
+  residual.strength = measure_strength(reader, look.size);
   if (residual.strength.empty()) return {};
-  const Normalised normalised(residual, look);
+  const Normalised normalised(residual.strength, look);
   residual.colours = measure_colours(reader, normalised, look.channels);
   std::vector<dytex::GaussianTextureLearner> learners;
   for (int i = 0; i < look.channels; ++i) learners.emplace_back(look.size);
@@ -187,8 +201,7 @@ ResidualTexture measure_residual(core::FrameSource& source, std::span<const grap
 
 ResidualFrames::ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed)
     : colours_(residual.colours.t()),
-      mean_(spread(residual.mean, frame)),
-      strength_(in_channels(spread(residual.strength, frame), residual.mean.channels())) {
+      strength_(in_channels(spread(residual.strength, frame), static_cast<int>(residual.textures.size()))) {
   for (std::size_t i = 0; i < residual.textures.size(); ++i)
     frames_.emplace_back(residual.textures[i], frame, seed, static_cast<std::uint32_t>(i));
 }
@@ -198,7 +211,7 @@ cv::Mat ResidualFrames::next() {
   for (auto& frames : frames_) components.push_back(frames.next());
   cv::Mat all, bytes;
   cv::merge(components, all);
-  cv::Mat(mean_ + turned(all, colours_).mul(strength_)).convertTo(bytes, CV_8S);
+  cv::Mat(turned(all, colours_).mul(strength_)).convertTo(bytes, CV_8S);
   return bytes;
 }
 
@@ -215,7 +228,6 @@ void add_residual(core::ModelArchive& archive, const ResidualTexture& residual) 
   archive.arrays["residual_within"] = float_array(all_within);
   archive.arrays["residual_ahead"] = float_array(all_ahead);
   archive.arrays["residual_colours"] = float_array(residual.colours);
-  archive.arrays["residual_mean"] = float_array(residual.mean);
   archive.arrays["residual_strength"] = float_array(residual.strength);
 }
 
@@ -229,7 +241,6 @@ ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame)
   ResidualTexture residual;
   for (std::size_t i = 0; i < within.size(); ++i) residual.textures.push_back({within[i], ahead[i]});
   residual.colours = read_floats(archive, "residual_colours", {count, count}, 1);
-  residual.mean = read_floats(archive, "residual_mean", cells(frame), count);
   residual.strength = read_floats(archive, "residual_strength", cells(frame), 1);
   double least = 0;
   cv::minMaxIdx(residual.strength, &least);

@@ -16,22 +16,22 @@
 #include "dytex/gaussian_texture.hpp"
 #include "graph/attribute_graph.hpp"
 
-// What a clip shows between its strokes that diffusion does not: grain, ripples, smoke too faint for a stroke.
-// Told by how it goes together in space and from frame to frame, and how strong it is where.
+// The fine texture that a clip shows between its strokes and diffusion does not: grain, ripples, cloth. Told by
+// how it goes together in space and from frame to frame, and how strong it is where.
 namespace emberfold::apps {
 
 struct ResidualTexture {
   /// Of each principal component of its colours, greatest first; one where it is grey. In units of `strength`.
   std::vector<dytex::GaussianTexture> textures;
   cv::Mat colours;   ///< CV_32F, square, a row a component: blue, green, red; orthonormal
-  cv::Mat mean;      ///< CV_32F, 1 or 3 channels, grey levels, over cells of kGroundCell px
-  cv::Mat strength;  ///< CV_32F, ≥ 0, likewise: the SD about it, of all channels together
+  cv::Mat strength;  ///< CV_32F, ≥ 0, over cells of kGroundCell px: SD of all channels together, grey levels
   [[nodiscard]] bool empty() const { return textures.empty(); }
 };
 
 /// Of a clip and its sketch, a graph for each frame: what some twenty pairs of neighbouring frames show
-/// beyond their drawing in this look, 3 px and more from patches. Empty where there is nothing such, or one
-/// frame alone. Reads the clip three times; throws Interrupted.
+/// beyond their drawing in this look, 3 px and more from patches and before no backdrop, less its mean within
+/// some 4 px (Gaussian): what is coarser tells where strokes were missed. Empty where there is nothing such,
+/// or one frame alone. Reads the clip three times; throws Interrupted.
 ResidualTexture measure_residual(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                                  const FrameLook& look, const core::Context& context);
 
@@ -44,10 +44,10 @@ class ResidualFrames {
 
  private:
   std::vector<dytex::GaussianTextureFrames> frames_;
-  cv::Mat colours_, mean_, strength_;
+  cv::Mat colours_, strength_;
 };
 
-/// The arrays "residual_within", "_ahead", "_colours", "_mean" and "_strength" beside a motion model's own.
+/// The arrays "residual_within", "_ahead", "_colours" and "_strength" beside a motion model's own.
 void add_residual(core::ModelArchive& archive, const ResidualTexture& residual);
 /// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
 ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame);

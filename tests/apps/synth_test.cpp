@@ -399,7 +399,7 @@ TEST_CASE("synth lays the clip's residual on new frames where asked") {
   // A model of before there was such a thing.
   const auto old = made.temp / "old", out = made.temp / "out.avi";
   fs::copy(made.model, old, fs::copy_options::recursive);
-  for (const char* name : {"within", "ahead", "colours", "mean", "strength"})
+  for (const char* name : {"within", "ahead", "colours", "strength"})
     fs::remove(old / ("residual_" + std::string(name) + ".npy"));
   std::string index = bytes_of(old / "model.json");
   INFO(index);
