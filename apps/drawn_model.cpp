@@ -52,10 +52,15 @@ std::shared_ptr<const dytex::LinearDynamicTexture> open_texture(const std::strin
   return std::make_shared<dytex::LinearDynamicTexture>(std::move(texture));
 }
 
-ResidualTexture open_residual(const core::ModelArchive& archive, const mcmc::MotionModel& model) {
+ResidualTexture open_residual(const core::ModelArchive& archive, const mcmc::MotionModel& model,
+                              const Ground& ground) {
   auto residual = read_residual(archive, {model.width, model.height});
   if (residual.empty())
-    throw core::IoError("holds no residual of its clip: nothing to draw a texture from");
+    throw core::IoError("holds no residual of its clip to draw a texture from; 'emberfold analyze' measures it");
+  const auto channels = static_cast<std::size_t>(model_look(model, ground, {}).channels);
+  if (residual.textures.size() != channels)
+    throw core::IoError("motion model: residual_within.npy is of " + std::to_string(residual.textures.size()) +
+                        " channels, its frames have " + std::to_string(channels));
   return residual;
 }
 
@@ -82,7 +87,7 @@ DrawnModel open_drawn_model(const std::string& folder, ModelFill fill) {
     opened.motion = mcmc::motion_model(archive);
     opened.ground = read_ground(archive, {opened.motion.width, opened.motion.height});
     opened.sharpening = read_sharpening(archive);
-    if (fill == ModelFill::texture) opened.residual = open_residual(archive, opened.motion);
+    if (fill == ModelFill::texture) opened.residual = open_residual(archive, opened.motion, opened.ground);
     check_drawable(opened.motion);
   } catch (const core::IoError& error) {
     throw core::IoError(folder + ": " + error.what());

@@ -8,6 +8,7 @@
 #include "apps/clip_writer.hpp"
 #include "apps/draw_model.hpp"
 #include "apps/drawn_model.hpp"
+#include "apps/model_arrays.hpp"
 #include "apps/model_folder.hpp"
 #include "apps/output_folder.hpp"
 #include "apps/sharpening.hpp"
@@ -401,9 +402,18 @@ TEST_CASE("synth lays the clip's residual on new frames where asked") {
   fs::copy(made.model, old, fs::copy_options::recursive);
   for (const char* name : {"within", "ahead", "colours", "strength"})
     fs::remove(old / ("residual_" + std::string(name) + ".npy"));
-  std::string index = bytes_of(old / "model.json");
-  INFO(index);
-  check_refused({"synth", old.string(), "-o", out.string(), "-q", "--fill", "texture"}, 1, {"residual"}, out);
+  const auto refused = [&](const fs::path& model, const std::vector<std::string>& what) {
+    check_refused({"synth", model.string(), "-o", out.string(), "-q", "--fill", "texture"}, 1, what, out);
+  };
+  refused(old, {"old", "holds no residual", "emberfold analyze"});
+  // One channel for frames of three.
+  auto archive = read_model(made.model, kMotionFormat);
+  for (const auto& [name, rows] : {std::pair{"within", 63}, {"ahead", 63}, {"colours", 1}})
+    archive.arrays["residual_" + std::string(name)] = float_array(cv::Mat(rows, rows, CV_32F, cv::Scalar(1)));
+  OutputFolder output(made.temp / "grey");
+  write_model(output, "model", archive);
+  output.commit();
+  refused(made.temp / "grey/model", {"residual_within.npy is of 1 channels, its frames have 3"});
 }
 
 TEST_CASE("models that nothing can be drawn from are refused with the reason") {
