@@ -15,6 +15,7 @@
 #include "apps/overlay.hpp"
 #include "apps/report_model.hpp"
 #include "apps/summary.hpp"
+#include "dytex/edit.hpp"
 #include "graph/motion_io.hpp"
 #include "mcmc/synthesize.hpp"
 
@@ -123,6 +124,19 @@ void write_clips(const Synth& asked, Outputs& outputs, ModelFrames& frames, cons
   outputs.finish();
 }
 
+/// What lies between the strokes goes at their speed, and their way.
+void edit_fill(DrawnModel& model, const mcmc::MotionEdit& edit, Session& session) {
+  model.residual.speed = edit.reverse ? -edit.speed : edit.speed;
+  if (!model.texture) return;
+  std::vector<dytex::Edit> edits;
+  if (edit.speed != 1) edits.push_back({dytex::Flow{edit.speed}});
+  if (edit.reverse) edits.push_back({dytex::Reverse{}});
+  if (edits.empty()) return;
+  auto result = dytex::edit(*model.texture, edits);
+  for (const auto& note : result.notes) session.warn("texture: " + note);
+  model.texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(result.texture));
+}
+
 Json summarise(const Synth& asked, const mcmc::MotionModel& model, const ModelFrames& frames,
                const Session& session) {
   const FrameLook& look = frames.look();
@@ -149,6 +163,7 @@ void run_synth(Synth asked, Session& session) {
   auto opened = open_drawn_model(asked.model, asked.fill_kind);
   stages.begin("edit");
   opened.motion = edited(std::move(opened.motion), asked.edit, session);
+  edit_fill(opened, asked.edit.edit, session);
   stages.begin("synthesize");
   auto frames = model_frames(opened, asked.fill, session.common.seed, asked.edit.start());
   Outputs outputs(asked, opened.motion, frames.look(), session);

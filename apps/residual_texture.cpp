@@ -203,7 +203,7 @@ ResidualFrames::ResidualFrames(const ResidualTexture& residual, cv::Size frame, 
     : colours_(residual.colours.t()),
       strength_(in_channels(spread(residual.strength, frame), static_cast<int>(residual.textures.size()))) {
   for (std::size_t i = 0; i < residual.textures.size(); ++i)
-    frames_.emplace_back(residual.textures[i], frame, seed, static_cast<std::uint32_t>(i));
+    frames_.emplace_back(residual.textures[i], frame, seed, static_cast<std::uint32_t>(i), residual.speed);
 }
 
 cv::Mat ResidualFrames::next() {

@@ -25,6 +25,7 @@ struct ResidualTexture {
   std::vector<dytex::GaussianTexture> textures;
   cv::Mat colours;   ///< CV_32F, square, a row a component: blue, green, red; orthonormal
   cv::Mat strength;  ///< CV_32F, ≥ 0, over cells of kGroundCell px: SD of all channels together, grey levels
+  double speed = 1;  ///< at which new frames go, below 0 backwards; no part of a model
   [[nodiscard]] bool empty() const { return textures.empty(); }
 };
 

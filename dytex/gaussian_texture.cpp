@@ -52,6 +52,12 @@ cv::Mat spectrum_of(const cv::Mat& lags, cv::Size size) {
   return spectrum;
 }
 
+std::complex<float> at_speed(std::complex<float> pole, double speed) {
+  if (speed == 1) return pole;
+  return std::polar(static_cast<float>(std::pow(std::abs(pole), std::abs(speed))),
+                    static_cast<float>(speed * double{std::arg(pole)}));
+}
+
 /// A full spectrum of real numbers as cv::dft packs it.
 cv::Mat packed(const cv::Mat& full) {
   cv::Mat real, spectrum;
@@ -109,7 +115,7 @@ GaussianTexture GaussianTextureLearner::learned() const {
 }
 
 GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv::Size frame,
-                                             std::uint64_t seed, std::uint32_t stream)
+                                             std::uint64_t seed, std::uint32_t stream, double speed)
     : frame_(frame), padded_(padded(frame)), seed_(seed), stream_(stream) {
   using Complex = std::complex<float>;
   const cv::Mat power = spectrum_of(texture.within, padded_);
@@ -120,7 +126,7 @@ GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv:
     for (int x = 0; x < power.cols; ++x) {
       const float strength = std::max(0.0F, s[x].real());  // a table of finite means may be off by a little
       const float size = std::abs(rho[x]), kept = std::min(size, kGreatestPole * strength);
-      rho[x] = strength > 0 && size > 0 ? rho[x] * (kept / size / strength) : 0;
+      rho[x] = strength > 0 && size > 0 ? at_speed(rho[x] * (kept / size / strength), speed) : 0;
       w[x] = std::sqrt(strength * (1 - std::norm(rho[x])));
       z[x] = std::sqrt(strength);
     }

@@ -44,9 +44,10 @@ class GaussianTextureLearner {
 /// |ρ| ≤ 0.99: what ρ turns by is drift. Seamless from edge to edge. The first frame is as any other.
 class GaussianTextureFrames {
  public:
-  /// `stream`: names textures that are drawn with one seed.
+  /// `stream`: names textures that are drawn with one seed. `speed`: time runs so many times as fast, below 0
+  /// backwards: ρ becomes |ρ|^|speed| and turns by its angle times `speed`; each frame is as strong.
   GaussianTextureFrames(const GaussianTexture& texture, cv::Size frame, std::uint64_t seed,
-                        std::uint32_t stream = 0);
+                        std::uint32_t stream = 0, double speed = 1);
   /// CV_32F. O(pixels log pixels).
   cv::Mat next();
 

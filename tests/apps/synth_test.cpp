@@ -357,6 +357,15 @@ TEST_CASE("analyze learns what lies between strokes where asked, and synth draws
   const auto expected = frames.next(30);
   for (std::size_t t = 0; t < 30; ++t) CHECK(same_pixels(drawn.frames[t], expected[t]));
 
+  // The texture is edited with the strokes; by nothing if by nothing.
+  for (const auto& [speed, same] : {std::pair{"1", true}, {"2", false}}) {
+    const auto edited = made.temp / ("speed" + std::string(speed) + ".avi");
+    REQUIRE(run_command({"synth", model, "-o", edited.string(), "--frames", "30", "--fill", "dytex", "-q",
+                         "--speed", speed})
+                .exit == 0);
+    CHECK((bytes_of(edited) == bytes_of(fs::path(folder) / "new.avi")) == same);
+  }
+
   const auto out = made.temp / "out.avi";
   const auto refused = [&](const std::string& path, const std::vector<std::string>& what) {
     check_refused({"synth", path, "-o", out.string(), "-q", "--fill", "dytex"}, 1, what, out);
@@ -397,6 +406,11 @@ TEST_CASE("synth lays the clip's residual on new frames where asked") {
     draw(made.temp / ("texture" + std::string(threads) + ".avi"), {"--fill", "texture", "--threads", threads});
   CHECK(bytes_of(made.temp / "texture1.avi") == bytes_of(made.temp / "texture4.avi"));
   CHECK(bytes_of(made.temp / "texture1.avi") != bytes_of(plain));
+  // It goes at the strokes' speed.
+  draw(made.temp / "back.avi", {"--fill", "texture", "--reverse"});
+  draw(made.temp / "neutral.avi", {"--fill", "texture", "--speed", "1"});
+  CHECK(bytes_of(made.temp / "back.avi") != bytes_of(made.temp / "texture1.avi"));
+  CHECK(bytes_of(made.temp / "neutral.avi") == bytes_of(made.temp / "texture1.avi"));
   // A model of before there was such a thing.
   const auto old = made.temp / "old", out = made.temp / "out.avi";
   fs::copy(made.model, old, fs::copy_options::recursive);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dytex/gaussian_texture.hpp"
 
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -51,27 +52,50 @@ TEST_CASE("Gaussian texture: frames go together as the texture says, and drift a
   GaussianTextureFrames frames(texture, {150, 110}, 5);
   constexpr int kFrames = 200;
   double mean = 0;
-  cv::Mat_<double> within = cv::Mat_<double>::zeros(1, 4), ahead = within.clone();
-  const std::pair<int, int> lags[] = {{0, 0}, {2, 0}, {0, 3}, {-4, 5}};
+  std::array<double, 4> within{}, ahead{};
+  const std::array<std::pair<int, int>, 4> lags{{{0, 0}, {2, 0}, {0, 3}, {-4, 5}}};
   cv::Mat before = frames.next();
   for (int t = 1; t < kFrames; ++t) {
     const cv::Mat now = frames.next();
     REQUIRE(now.size() == cv::Size(150, 110));
     mean += cv::mean(now)[0] / kFrames;
-    for (int i = 0; i < 4; ++i) {
-      within(i) += going_together(now, now, lags[i].first, lags[i].second) / (kFrames - 1);
-      ahead(i) += going_together(before, now, lags[i].first, lags[i].second) / (kFrames - 1);
+    for (std::size_t i = 0; i < 4; ++i) {
+      within[i] += going_together(now, now, lags[i].first, lags[i].second) / (kFrames - 1);
+      ahead[i] += going_together(before, now, lags[i].first, lags[i].second) / (kFrames - 1);
     }
     before = now;
   }
   CHECK_THAT(mean, WithinAbs(0, 0.1));
-  for (int i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 4; ++i) {
     const auto [dx, dy] = lags[i];
     CAPTURE(dx, dy);
-    CHECK_THAT(within(i),
+    CHECK_THAT(within[i],
                WithinAbs(double{texture.within.at<float>(kMiddle + dy, kMiddle + dx)}, 0.12));
-    CHECK_THAT(ahead(i), WithinAbs(double{texture.ahead.at<float>(kMiddle + dy, kMiddle + dx)}, 0.12));
+    CHECK_THAT(ahead[i], WithinAbs(double{texture.ahead.at<float>(kMiddle + dy, kMiddle + dx)}, 0.12));
   }
+}
+
+TEST_CASE("Gaussian texture: at another speed frames are as strong and go so much farther, backwards too") {
+  const auto texture = drifting(4, 3, 0.8, 1);
+  const auto ahead = [&](double speed, int dx) {
+    GaussianTextureFrames frames(texture, {150, 110}, 5, 0, speed);
+    double together = 0, strength = 0;
+    cv::Mat before = frames.next();
+    for (int t = 0; t < 100; ++t) {
+      const cv::Mat now = frames.next();
+      together += going_together(before, now, dx, 0) / 100;
+      strength += now.dot(now) / (150 * 110) / 100;
+      before = now;
+    }
+    CHECK_THAT(strength, WithinAbs(4, 0.1));
+    return together;
+  };
+  // Where the peak of the correlation lies it is 0.8 to the power of the speed times the variance.
+  CHECK_THAT(ahead(1, 1), WithinAbs(3.2, 0.1));
+  CHECK_THAT(ahead(2, 2), WithinAbs(2.56, 0.1));
+  CHECK_THAT(ahead(-1, -1), WithinAbs(3.2, 0.1));
+  CHECK_THAT(ahead(-2, -2), WithinAbs(2.56, 0.1));
+  CHECK(ahead(-1, 1) < 2.5);
 }
 
 TEST_CASE("Gaussian texture: the first frame is as strong as any") {
