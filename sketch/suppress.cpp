@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "sketch/creases.hpp"
 #include "sketch/nearest.hpp"
@@ -19,19 +20,46 @@ namespace {
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
 
-// visit(x, y) for the pixels on the way across a crease point, as far as `reach` to both sides.
-template <class Visit>
-void visit_across(const CreasePoint& p, Point normal, double reach, cv::Size frame, Visit visit) {
-  const int halves = static_cast<int>(2 * reach);
-  int last_x = -1, last_y = -1;  // two halves often lie in one pixel
-  for (int h = -halves; h <= halves; ++h) {
-    const int x = nearest(p.position.x + 0.5 * h * normal.x), y = nearest(p.position.y + 0.5 * h * normal.y);
-    if ((x == last_x && y == last_y) || x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
-    last_x = x;
-    last_y = y;
-    visit(x, y);
+// What the pixels on the way across a point hold, at every half pixel to both sides; −1 outside. `stride`: of
+// the entries' rows.
+EMBERFOLD_ROW_PASS void entries_across(const int* __restrict entry, cv::Size size, int stride, Point at,
+                                       Point normal, int halves, int* __restrict found) {
+  for (int i = 0; i < 2 * halves + 1; ++i) {
+    const double way = 0.5 * (i - halves);
+    const int x = nearest(at.x + way * normal.x), y = nearest(at.y + way * normal.y);
+    const bool inside = (x >= 0) & (y >= 0) & (x < size.width) & (y < size.height);
+    const int here = entry[inside ? y * stride + x : 0];
+    found[i] = inside ? here : -1;
   }
 }
+
+// The points of a map on the way across other points.
+class Across {
+ public:
+  explicit Across(const cv::Mat1i& index) : index_(index) {}
+
+  // As far as `reach` to both sides of p, in order, each once: two halves often lie in one pixel.
+  std::span<const int> points(const CreasePoint& p, Point normal, double reach) {
+    const int halves = static_cast<int>(2 * reach);
+    const auto count = 2 * static_cast<std::size_t>(halves) + 1;
+    if (found_.size() < count) found_.resize(count);
+    entries_across(index_[0], index_.size(), static_cast<int>(index_.step1()), p.position, normal, halves,
+                   found_.data());
+    std::size_t kept = 0;  // without branches: nobody can foretell which pixels hold points
+    int last = -1;
+    for (std::size_t i = 0; i < count; ++i) {
+      const int here = found_[i];
+      found_[kept] = here;
+      kept += (here >= 0) & (here != last) ? 1 : 0;
+      last = here;
+    }
+    return {found_.data(), kept};
+  }
+
+ private:
+  const cv::Mat1i& index_;
+  std::vector<int> found_;
+};
 
 // visit(x, y, the pixel's entry) for every pixel that refers to a point, in row order.
 template <class Visit>
@@ -53,13 +81,13 @@ void visit_points(cv::Mat1i& index, Visit visit) {
 }
 
 // Drops the points that are marked and numbers the rest anew, in row order.
-void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
+void keep_unmarked(CreaseMap& map, const std::vector<char>& marked) {
   std::vector<CreasePoint> kept;
   kept.reserve(map.points.size());
   visit_points(map.index, [&](int, int, int& entry) {
     const auto old = static_cast<std::size_t>(entry);
-    entry = marked[old] ? -1 : static_cast<int>(kept.size());
-    if (!marked[old]) kept.push_back(map.points[old]);
+    entry = marked[old] != 0 ? -1 : static_cast<int>(kept.size());
+    if (marked[old] == 0) kept.push_back(map.points[old]);
   });
   map.points = std::move(kept);
 }
@@ -130,17 +158,17 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
                 static_cast<float>(kLobeShare * p.contrast));
   }
   const cv::Mat1f dark = shadow.finish();
-  std::vector<bool> marked(lines.points.size(), false);
+  std::vector<char> marked(lines.points.size(), 0);
   visit_points(lines.index, [&](int x, int y, int entry) {
     const auto i = static_cast<std::size_t>(entry);
-    marked[i] = lines.points[i].contrast < double{dark(y / 2, x / 2)};
+    marked[i] = lines.points[i].contrast < double{dark(y / 2, x / 2)} ? 1 : 0;
   });
   keep_unmarked(lines, marked);
 }
 
 void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space) {
   const auto channel = [&](const CreasePoint& p) { return space[static_cast<std::size_t>(p.level)].channel; };
-  std::vector<bool> marked(lines.points.size(), false);
+  std::vector<char> marked(lines.points.size(), 0);
   for (std::size_t i = 0; i < lines.points.size(); ++i) {
     const CreasePoint& p = lines.points[i];
     const int cx = nearest(p.position.x), cy = nearest(p.position.y);
@@ -149,7 +177,7 @@ void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleS
       for (int x = std::max(0, cx - reach); x <= std::min(lines.index.cols - 1, cx + reach); ++x) {
         if (opposite.index(y, x) < 0) continue;
         const CreasePoint& q = opposite.points[static_cast<std::size_t>(opposite.index(y, x))];
-        if (channel(q) != channel(p) && q.strength > p.strength) marked[i] = true;
+        if (channel(q) != channel(p) && q.strength > p.strength) marked[i] = 1;
       }
   }
   keep_unmarked(lines, marked);
@@ -159,18 +187,18 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
   constexpr double kMargin = 1.6;  // a line whose sides differ by half has one flank that is a third higher
   std::vector<int> owner(steps.points.size(), -1);  // of each step's point beside a line: the strongest such
                                                     // line's point
+  Across across(steps.index);
   const auto point = [&](int i) -> const CreasePoint& { return lines.points[static_cast<std::size_t>(i)]; };
   for (std::size_t i = 0; i < lines.points.size(); ++i) {
     const CreasePoint& p = lines.points[i];
     const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
     const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
-    visit_across(p, {nx, ny}, reach, steps.index.size(), [&](int x, int y) {
-      if (steps.index(y, x) < 0) return;
-      int& line = owner[static_cast<std::size_t>(steps.index(y, x))];
+    for (const int step : across.points(p, {nx, ny}, reach)) {
+      int& line = owner[static_cast<std::size_t>(step)];
       if (line < 0 || point(line).contrast < p.contrast) line = static_cast<int>(i);
-    });
+    }
   }
-  std::vector<bool> marked(steps.points.size(), false);
+  std::vector<char> marked(steps.points.size(), 0);
   for (std::size_t at = 0; at < steps.points.size(); ++at) {
     if (owner[at] < 0) continue;
     const CreasePoint& line = point(owner[at]);
@@ -178,33 +206,33 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
     const double s = space[static_cast<std::size_t>(line.level)].sigma,
                  sigma = space[static_cast<std::size_t>(steps.points[at].level)].sigma;
     const double slope = 0.607 * line.contrast * s / (s * s + sigma * sigma);
-    marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma;
+    marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma ? 1 : 0;
   }
   keep_unmarked(steps, marked);
 }
 
 void thin(CreaseMap& map, const ScaleSpace& space) {
-  std::vector<bool> marked(map.points.size(), false);
+  std::vector<char> marked(map.points.size(), 0);
+  Across across(map.index);
   std::vector<char> settled(map.points.size(), 0);  // marked, or had their turn
   for (const std::size_t i : strongest_first(map.points, &CreasePoint::strength)) {
-    if (marked[i]) continue;
+    if (marked[i] != 0) continue;
     settled[i] = 1;
     const CreasePoint& p = map.points[i];
     const double reach = std::max(1.5, 1.25 * space[static_cast<std::size_t>(p.level)].sigma);
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
-    visit_across(p, normal, reach, map.index.size(), [&](int x, int y) {
-      if (map.index(y, x) < 0) return;
-      const auto j = static_cast<std::size_t>(map.index(y, x));
-      if (settled[j] != 0) return;
+    for (const int other : across.points(p, normal, reach)) {
+      const auto j = static_cast<std::size_t>(other);
+      if (settled[j] != 0) continue;
       const CreasePoint& q = map.points[j];
-      if (q.strength >= p.strength) return;
+      if (q.strength >= p.strength) continue;
       const Point v = q.position - p.position;
-      const double across = std::abs(v.x * normal.x + v.y * normal.y),
+      const double aside = std::abs(v.x * normal.x + v.y * normal.y),
                    along = std::abs(v.x * normal.y - v.y * normal.x);
-      if (across > 0.5 && across <= reach && along < 1 &&
+      if (aside > 0.5 && aside <= reach && along < 1 &&
           graph::orientation_difference(p.theta, q.theta) < std::numbers::pi / 4)
-        settled[j] = 1, marked[j] = true;
-    });
+        settled[j] = 1, marked[j] = 1;
+    }
   }
   keep_unmarked(map, marked);
 }
