@@ -20,16 +20,15 @@ namespace {
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
 
-// What the pixels on the way across a point hold, at every half pixel to both sides; −1 outside. `stride`: of
-// the entries' rows.
-EMBERFOLD_ROW_PASS void entries_across(const int* __restrict entry, cv::Size size, int stride, Point at,
-                                       Point normal, int halves, int* __restrict found) {
-  for (int i = 0; i < 2 * halves + 1; ++i) {
-    const double way = 0.5 * (i - halves);
+// The pixels on the way across a point, at every half pixel to both sides, by their distance from the first;
+// −1 outside. `stride`: from row to row.
+EMBERFOLD_ROW_PASS void pixels_across(Point at, Point normal, int halves, cv::Size size, int stride,
+                                      int* __restrict pixel) {
+  for (int i = 0; i <= 2 * halves; ++i) {
+    const double way = 0.5 * static_cast<double>(i - halves);
     const int x = nearest(at.x + way * normal.x), y = nearest(at.y + way * normal.y);
-    const bool inside = (x >= 0) & (y >= 0) & (x < size.width) & (y < size.height);
-    const int here = entry[inside ? y * stride + x : 0];
-    found[i] = inside ? here : -1;
+    const int outside = (x | y | (size.width - 1 - x) | (size.height - 1 - y)) >> 31;  // −1, or 0 inside
+    pixel[i] = (y * stride + x) | outside;
   }
 }
 
@@ -43,12 +42,12 @@ class Across {
     const int halves = static_cast<int>(2 * reach);
     const auto count = 2 * static_cast<std::size_t>(halves) + 1;
     if (found_.size() < count) found_.resize(count);
-    entries_across(index_[0], index_.size(), static_cast<int>(index_.step1()), p.position, normal, halves,
-                   found_.data());
-    std::size_t kept = 0;  // without branches: nobody can foretell which pixels hold points
+    pixels_across(p.position, normal, halves, index_.size(), static_cast<int>(index_.step1()), found_.data());
+    const int* entries = index_[0];
     int last = -1;
+    std::size_t kept = 0;  // without branches: nobody can foretell which pixels hold points
     for (std::size_t i = 0; i < count; ++i) {
-      const int here = found_[i];
+      const int pixel = found_[i], here = entries[std::max(pixel, 0)] | pixel >> 31;
       found_[kept] = here;
       kept += (here >= 0) & (here != last) ? 1 : 0;
       last = here;
@@ -80,16 +79,22 @@ void visit_points(cv::Mat1i& index, Visit visit) {
   }
 }
 
-// Drops the points that are marked and numbers the rest anew, in row order.
-void keep_unmarked(CreaseMap& map, const std::vector<char>& marked) {
+// Keeps the points for which keep(x, y, the pixel's entry), in row order.
+template <class Keep>
+void keep_where(CreaseMap& map, Keep keep) {
   std::vector<CreasePoint> kept;
   kept.reserve(map.points.size());
-  visit_points(map.index, [&](int, int, int& entry) {
+  visit_points(map.index, [&](int x, int y, int& entry) {
     const auto old = static_cast<std::size_t>(entry);
-    entry = marked[old] != 0 ? -1 : static_cast<int>(kept.size());
-    if (marked[old] == 0) kept.push_back(map.points[old]);
+    const bool stays = keep(x, y, old);
+    entry = stays ? static_cast<int>(kept.size()) : -1;
+    if (stays) kept.push_back(map.points[old]);
   });
   map.points = std::move(kept);
+}
+
+void keep_unmarked(CreaseMap& map, const std::vector<char>& marked) {
+  keep_where(map, [&](int, int, std::size_t entry) { return marked[entry] == 0; });
 }
 
 EMBERFOLD_ROW_PASS void raise_row(const float* from, int width, float* __restrict to) {
@@ -103,6 +108,14 @@ class Shadow {
   Shadow(int width, int height) : width_(width), height_(height) {}
 
   void cast(cv::Point centre, int radius, float value) {
+    const auto r = static_cast<std::size_t>(radius);
+    if (told_.size() <= r) told_.resize(r + 1);
+    if (told_[r].empty()) told_[r] = cv::Mat1f(height_, width_, 0.0F);
+    if (cv::Rect(0, 0, width_, height_).contains(centre)) {
+      float& told = told_[r](centre);
+      if (value <= told) return;  // several points lie in a cell
+      told = value;
+    }
     const std::vector<int>& halves = halves_of(radius);
     for (int y = std::max(0, centre.y - radius); y <= std::min(height_ - 1, centre.y + radius); ++y) {
       const int half = halves[static_cast<std::size_t>(std::abs(y - centre.y))];
@@ -140,6 +153,7 @@ class Shadow {
 
   int width_, height_;
   std::vector<std::vector<int>> halves_;
+  std::vector<cv::Mat1f> told_;     // [radius](y, x): the greatest cast from there
   std::vector<cv::Mat1f> lengths_;  // [k](y, x): the greatest noted from x on over 2^k pixels
 };
 
@@ -158,12 +172,9 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
                 static_cast<float>(kLobeShare * p.contrast));
   }
   const cv::Mat1f dark = shadow.finish();
-  std::vector<char> marked(lines.points.size(), 0);
-  visit_points(lines.index, [&](int x, int y, int entry) {
-    const auto i = static_cast<std::size_t>(entry);
-    marked[i] = lines.points[i].contrast < double{dark(y / 2, x / 2)} ? 1 : 0;
+  keep_where(lines, [&](int x, int y, std::size_t entry) {
+    return lines.points[entry].contrast >= double{dark(y / 2, x / 2)};
   });
-  keep_unmarked(lines, marked);
 }
 
 void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space) {
