@@ -71,8 +71,12 @@ void visit_found(const std::vector<float>& row, int first, int last, Visit visit
       for (int j = 0; j < kBlock; ++j) any |= found[x0 + j] != 0 ? 1 : 0;
       if (any == 0) continue;
     }
-    for (int x = x0; x < end; ++x)
-      if (found[x] != 0) visit(x);
+    int place[kBlock], count = 0;  // without branches: nobody can foretell which they are
+    for (int x = x0; x < end; ++x) {
+      place[count] = x;
+      count += found[x] != 0 ? 1 : 0;
+    }
+    for (int i = 0; i < count; ++i) visit(place[i]);
   }
 }
 

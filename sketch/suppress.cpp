@@ -82,79 +82,88 @@ void visit_points(cv::Mat1i& index, Visit visit) {
 // Keeps the points for which keep(x, y, the pixel's entry), in row order.
 template <class Keep>
 void keep_where(CreaseMap& map, Keep keep) {
-  std::vector<CreasePoint> kept;
+  std::vector<std::size_t> kept;
   kept.reserve(map.points.size());
   visit_points(map.index, [&](int x, int y, int& entry) {
     const auto old = static_cast<std::size_t>(entry);
     const bool stays = keep(x, y, old);
     entry = stays ? static_cast<int>(kept.size()) : -1;
-    if (stays) kept.push_back(map.points[old]);
+    if (stays) kept.push_back(old);
   });
-  map.points = std::move(kept);
+  if (std::is_sorted(kept.begin(), kept.end())) {
+    for (std::size_t i = 0; i < kept.size(); ++i) map.points[i] = map.points[kept[i]];
+    map.points.resize(kept.size());
+    return;
+  }
+  std::vector<CreasePoint> points;
+  points.reserve(kept.size());
+  for (const std::size_t i : kept) points.push_back(map.points[i]);
+  map.points = std::move(points);
 }
 
 void keep_unmarked(CreaseMap& map, const std::vector<char>& marked) {
   keep_where(map, [&](int, int, std::size_t entry) { return marked[entry] == 0; });
 }
 
-EMBERFOLD_ROW_PASS void raise_row(const float* from, int width, float* __restrict to) {
-  for (int x = 0; x < width; ++x) to[x] = std::max(to[x], from[x]);
+// to[x] = the greatest of itself and both others.
+EMBERFOLD_ROW_PASS void raise_row(const float* a, const float* b, int width, float* __restrict to) {
+  for (int x = 0; x < width; ++x) {
+    const float more = a[x] > b[x] ? a[x] : b[x];
+    to[x] = to[x] > more ? to[x] : more;
+  }
 }
 
-// The greatest of many discs' values at every pixel. A disc's rows are intervals; each is covered by two of
-// length 2^k, which are noted at their first pixel and halved at the end.
+EMBERFOLD_ROW_PASS void greater_row(const float* a, const float* b, int width, float* __restrict to) {
+  for (int x = 0; x < width; ++x) to[x] = a[x] > b[x] ? a[x] : b[x];
+}
+
+// The greatest of many discs' values (≥ 0) at every pixel: all discs of one radius row by row. A disc's rows
+// are intervals; each is covered by two of length 2^k.
 class Shadow {
  public:
   Shadow(int width, int height) : width_(width), height_(height) {}
 
   void cast(cv::Point centre, int radius, float value) {
     const auto r = static_cast<std::size_t>(radius);
-    if (told_.size() <= r) told_.resize(r + 1);
-    if (told_[r].empty()) told_[r] = cv::Mat1f(height_, width_, 0.0F);
-    if (cv::Rect(0, 0, width_, height_).contains(centre)) {
-      float& told = told_[r](centre);
-      if (value <= told) return;  // several points lie in a cell
-      told = value;
-    }
-    const std::vector<int>& halves = halves_of(radius);
-    for (int y = std::max(0, centre.y - radius); y <= std::min(height_ - 1, centre.y + radius); ++y) {
-      const int half = halves[static_cast<std::size_t>(std::abs(y - centre.y))];
-      const int first = std::max(0, centre.x - half), last = std::min(width_ - 1, centre.x + half);
-      if (first > last) continue;
-      const auto k = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(last - first + 1)) - 1);
-      while (lengths_.size() <= k) lengths_.emplace_back(height_, width_, 0.0F);
-      float* row = lengths_[k][y];
-      for (const int x : {first, last + 1 - (1 << k)}) row[x] = std::max(row[x], value);
-    }
+    if (discs_.size() <= r) discs_.resize(r + 1);
+    if (discs_[r].empty()) discs_[r] = cv::Mat1f(height_, width_ + 2 * radius, 0.0F);
+    float& told =
+        discs_[r](std::clamp(centre.y, 0, height_ - 1), radius + std::clamp(centre.x, 0, width_ - 1));
+    told = std::max(told, value);
   }
 
-  cv::Mat1f finish() {
-    if (lengths_.empty()) return cv::Mat1f(height_, width_, 0.0F);
-    for (std::size_t k = lengths_.size() - 1; k > 0; --k) {
-      const int half = 1 << (k - 1);
-      for (int y = 0; y < height_; ++y) {
-        raise_row(lengths_[k][y], width_, lengths_[k - 1][y]);
-        raise_row(lengths_[k][y], width_ - half, lengths_[k - 1][y] + half);
-      }
-    }
-    return lengths_.front();
+  [[nodiscard]] cv::Mat1f finish() const {
+    cv::Mat1f dark(height_, width_, 0.0F);
+    for (std::size_t r = 0; r < discs_.size(); ++r)
+      for (int y = 0; y < discs_[r].rows; ++y) spread(discs_[r][y], static_cast<int>(r), y, dark);
+    return dark;
   }
 
  private:
-  // How far a disc reaches to either side, for each distance from its middle row.
-  const std::vector<int>& halves_of(int radius) {
-    const auto r = static_cast<std::size_t>(radius);
-    if (halves_.size() <= r) halves_.resize(r + 1);
-    if (halves_[r].empty())
-      for (int dy = 0; dy <= radius; ++dy)
-        halves_[r].push_back(static_cast<int>(std::sqrt(double(radius) * radius - double(dy) * dy)));
-    return halves_[r];
+  // A row of discs of one radius, its first pixel `radius` after its begin.
+  void spread(const float* discs, int radius, int y, cv::Mat1f& dark) const {
+    const int all = width_ + 2 * radius;
+    if (std::all_of(discs, discs + all, [](float value) { return value == 0; })) return;
+    std::vector<std::vector<float>> lengths;  // [k][x]: the greatest from x on over 2^k pixels
+    lengths.emplace_back(discs, discs + all);
+    for (int length = 1; 2 * length <= 2 * radius + 1; length *= 2) {
+      const std::vector<float>& last = lengths.back();
+      std::vector<float> next(last.size());
+      greater_row(last.data(), last.data() + length, all - length, next.data());
+      lengths.push_back(std::move(next));
+    }
+    for (int away = 0; away <= radius; ++away) {
+      const int half = static_cast<int>(std::sqrt(double(radius) * radius - double(away) * away));
+      const auto k = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(2 * half + 1)) - 1);
+      const float* first = lengths[k].data() + radius - half;
+      const float* second = lengths[k].data() + radius + half + 1 - (1 << k);
+      if (y - away >= 0) raise_row(first, second, width_, dark[y - away]);
+      if (away > 0 && y + away < height_) raise_row(first, second, width_, dark[y + away]);
+    }
   }
 
   int width_, height_;
-  std::vector<std::vector<int>> halves_;
-  std::vector<cv::Mat1f> told_;     // [radius](y, x): the greatest cast from there
-  std::vector<cv::Mat1f> lengths_;  // [k](y, x): the greatest noted from x on over 2^k pixels
+  std::vector<cv::Mat1f> discs_;  // [radius](y, radius + x): the greatest cast from there
 };
 
 }  // namespace
