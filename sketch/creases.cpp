@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/between_pixels.hpp"
 #include "sketch/median.hpp"
@@ -24,28 +25,59 @@ constexpr double kStepContrast = 3.5449077018110318;
 // How far from the pixel's centre the subpixel place may lie (Steger: 0.5; a margin keeps lines connected).
 constexpr double kPixelReach = 0.6;
 
-struct Principal {
-  float value;   // the eigenvalue of greater magnitude
-  float nx, ny;  // its direction
+// Second derivatives at places of a row, of each its eigenvalue of greater magnitude and the direction of
+// that.
+struct Principals {
+  std::vector<int> x;  // of the places
+  std::vector<float> xx, xy, yy, value, nx, ny;
+  explicit Principals(int width) : x(static_cast<std::size_t>(width)) {
+    for (auto* column : {&xx, &xy, &yy, &value, &nx, &ny}) column->resize(x.size());
+  }
 };
 
 // Squares of single precision neither overflow nor vanish in double precision.
-float length_of(float x, float y) {
+inline float length_of(float x, float y) {
   return static_cast<float>(std::sqrt(double{x} * double{x} + double{y} * double{y}));
 }
 
-Principal principal(const Hessian& h) {
-  const float half_trace = 0.5F * (h.xx + h.yy), half_difference = 0.5F * (h.xx - h.yy);
-  const float radius = length_of(half_difference, h.xy);
-  const float value = half_trace >= 0 ? half_trace + radius : half_trace - radius;
-  // Of the two rows of H − value·I, the one with the larger entries gives the direction without cancellation.
-  float nx = h.xy, ny = value - h.xx;
-  if (std::abs(value - h.yy) > std::abs(ny)) {
-    nx = value - h.yy;
-    ny = h.xy;
+EMBERFOLD_ROW_PASS void principal_row(const float* __restrict xx, const float* __restrict xy,
+                                      const float* __restrict yy, int count, float* __restrict values,
+                                      float* __restrict along_x, float* __restrict along_y) {
+  for (int i = 0; i < count; ++i) {
+    const float half_trace = 0.5F * (xx[i] + yy[i]), half_difference = 0.5F * (xx[i] - yy[i]);
+    const float radius = length_of(half_difference, xy[i]);
+    const float value = half_trace >= 0 ? half_trace + radius : half_trace - radius;
+    // Of the two rows of H − value·I, the one with the larger entries gives the direction without
+    // cancellation.
+    const float over_x = value - xx[i], over_y = value - yy[i];
+    const bool other = std::abs(over_y) > std::abs(over_x);
+    const float nx = other ? over_y : xy[i], ny = other ? xy[i] : over_x;
+    const float length = length_of(nx, ny), divisor = length > 0 ? length : 1;
+    values[i] = value;
+    along_x[i] = length > 0 ? nx / divisor : 1;
+    along_y[i] = length > 0 ? ny / divisor : 0;
   }
-  const float length = length_of(nx, ny);
-  return length > 0 ? Principal{value, nx / length, ny / length} : Principal{value, 1, 0};
+}
+
+// visit(x) for the places in [first, last) where a row is not 0.
+template <class Visit>
+void visit_found(const std::vector<float>& row, int first, int last, Visit visit) {
+  constexpr int kBlock = 16;
+  const float* found = row.data();
+  for (int x0 = first; x0 < last; x0 += kBlock) {
+    const int end = std::min(x0 + kBlock, last);
+    if (end == x0 + kBlock) {  // most blocks are empty
+      int any = 0;
+      for (int j = 0; j < kBlock; ++j) any |= found[x0 + j] != 0 ? 1 : 0;
+      if (any == 0) continue;
+    }
+    int place[kBlock], count = 0;  // without branches: nobody can foretell which they are
+    for (int x = x0; x < end; ++x) {
+      place[count] = x;
+      count += found[x] != 0 ? 1 : 0;
+    }
+    for (int i = 0; i < count; ++i) visit(place[i]);
+  }
 }
 
 // A map to which points are added; their theta comes last, as most give way to others.
@@ -177,6 +209,80 @@ int first_sample(int size, int step) {
   return first;
 }
 
+double line_contrast(double sigma) {
+  return kLineContrast * sigma * sigma;
+}
+
+struct Principal {
+  float value;   // the eigenvalue of greater magnitude
+  float nx, ny;  // its direction
+};
+
+// Of the level at which points are looked for.
+struct AtLevel {
+  int number;
+  double ground, least, normalise;
+};
+
+// Puts the line through a pixel into the map, if there is one.
+void put_line(Growing& map, const ScaleLevel& level, cv::Point at, const Principal& p, const AtLevel& of) {
+  const double response = std::abs(double{p.value});
+  if (response < of.least) return;
+  const double strength = response * of.normalise;
+  if (!map.beats(at.x, at.y, strength)) return;
+  const Point g = level.gradient(at.x, at.y);
+  const double nx = double{p.nx}, ny = double{p.ny};
+  const double t = -(g.x * nx + g.y * ny) / double{p.value};
+  if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) return;
+  const cv::Mat1i& frame = map.map.index;
+  if (!inside(frame, {at.x + level.sigma * nx, at.y + level.sigma * ny}) ||
+      !inside(frame, {at.x - level.sigma * nx, at.y - level.sigma * ny}))
+    return;
+  map.put(at.x, at.y,
+          {{at.x + t * nx, at.y + t * ny},
+           0,
+           response / of.ground,
+           strength,
+           response * line_contrast(level.sigma),
+           of.number},
+          {nx, ny});
+}
+
+double step_contrast(double sigma) {
+  return kStepContrast * sigma;
+}
+
+// Puts the step through a pixel into the map, if there is one. `magnitude`: of the level's gradients.
+void put_step(Growing& map, const ScaleLevel& level, cv::Point at, const cv::Mat1f& magnitude,
+              const AtLevel& of) {
+  const double here = double{magnitude(at)};
+  if (here < of.least || !map.beats(at.x, at.y, here * of.normalise)) return;
+  const Point g = level.gradient(at.x, at.y);
+  const double nx = g.x / here, ny = g.y / here;
+  const auto both = [&](double away) {
+    return std::pair(between_pixels(magnitude, at.x + away * nx, at.y + away * ny),
+                     between_pixels(magnitude, at.x - away * nx, at.y - away * ny));
+  };
+  const auto [ahead, behind] = both(1);
+  const double bend = 2 * here - (ahead + behind);
+  if (bend <= 0) return;
+  const double t = 0.5 * (ahead - behind) / bend;
+  if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) return;
+  // A slope that goes on to both sides is shading, not a step: only what rises above it counts.
+  const auto [far_ahead, far_behind] = both(2.5 * level.sigma);
+  const double slope = 0.5 * (far_ahead + far_behind);
+  const double rise = here - slope;
+  if (rise < of.least) return;
+  map.put(at.x, at.y,
+          {{at.x + t * nx, at.y + t * ny},
+           0,
+           rise / of.ground,
+           rise * of.normalise,
+           rise * step_contrast(level.sigma),
+           of.number},
+          {nx, ny});
+}
+
 }  // namespace
 
 Ground measure_ground(const ScaleSpace& space, double noise) {
@@ -211,42 +317,33 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
 
 Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits limits) {
   Growing ridges = empty_map(space, CreaseKind::ridge), valleys = empty_map(space, CreaseKind::valley);
-  const cv::Mat1i& frame = ridges.map.index;
-  const int width = frame.cols, height = frame.rows;
+  const int width = ridges.map.index.cols, height = ridges.map.index.rows;
   std::vector<float> found(static_cast<std::size_t>(width));
+  Principals places(width);
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
-    const double to_contrast = kLineContrast * level.sigma * level.sigma;
-    const double least = std::max(limits.significance * ground.second[k], limits.contrast / to_contrast);
+    const double least =
+        std::max(limits.significance * ground.second[k], limits.contrast / line_contrast(level.sigma));
     const double normalise = std::pow(level.sigma, 1.5);
     for (int y = 0; y < height; ++y) {
       line_row(level.smooth[y], level.smooth[y + 1], level.smooth[y + 2], width, static_cast<float>(least),
                found.data());
-      for (int x = 0; x < width; ++x) {
+      std::size_t count = 0;
+      visit_found(found, 0, width, [&](int x) {
         const double roughly = double{found[static_cast<std::size_t>(x)]};
-        if (roughly == 0) continue;
-        Growing& map = roughly < 0 ? ridges : valleys;
-        if (!map.beats(x, y, 1.001 * normalise * std::abs(roughly))) continue;
-        const Principal p = principal(level.hessian(x, y));
-        const double response = std::abs(double{p.value});
-        if (response < least) continue;
-        const double strength = response * normalise;
-        if (!map.beats(x, y, strength)) continue;
-        const Point g = level.gradient(x, y);
-        const double nx = double{p.nx}, ny = double{p.ny};
-        const double t = -(g.x * nx + g.y * ny) / double{p.value};
-        if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
-        if (!inside(frame, {x + level.sigma * nx, y + level.sigma * ny}) ||
-            !inside(frame, {x - level.sigma * nx, y - level.sigma * ny}))
-          continue;
-        map.put(x, y,
-                {{x + t * nx, y + t * ny},
-                 0,
-                 response / ground.second[k],
-                 strength,
-                 response * to_contrast,
-                 static_cast<int>(k)},
-                {nx, ny});
+        const Growing& map = roughly < 0 ? ridges : valleys;
+        if (!map.beats(x, y, 1.001 * normalise * std::abs(roughly))) return;
+        const Hessian h = level.hessian(x, y);
+        places.x[count] = x;
+        places.xx[count] = h.xx, places.xy[count] = h.xy, places.yy[count] = h.yy;
+        ++count;
+      });
+      principal_row(places.xx.data(), places.xy.data(), places.yy.data(), static_cast<int>(count),
+                    places.value.data(), places.nx.data(), places.ny.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        Growing& map = found[static_cast<std::size_t>(places.x[i])] < 0 ? ridges : valleys;
+        put_line(map, level, {places.x[i], y}, {places.value[i], places.nx[i], places.ny[i]},
+                 {static_cast<int>(k), ground.second[k], least, normalise});
       }
     }
   }
@@ -260,41 +357,16 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
   cv::Mat1f magnitude(height, width);
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
-    const double to_contrast = kStepContrast * level.sigma, normalise = std::sqrt(level.sigma);
-    const double least = std::max(limits.significance * ground.first[k], limits.contrast / to_contrast);
+    const double least =
+        std::max(limits.significance * ground.first[k], limits.contrast / step_contrast(level.sigma));
+    const AtLevel of{static_cast<int>(k), ground.first[k], least, std::sqrt(level.sigma)};
     for (int y = 0; y < height; ++y)
       magnitude_row(level.smooth[y], level.smooth[y + 1], level.smooth[y + 2], width, magnitude[y]);
     for (int y = 1; y + 1 < height; ++y) {
       step_row({magnitude[y - 1], magnitude[y], magnitude[y + 1]},
                {level.smooth[y], level.smooth[y + 1], level.smooth[y + 2]}, width, static_cast<float>(least),
                found.data());
-      for (int x = 1; x + 1 < width; ++x) {
-        if (found[static_cast<std::size_t>(x)] == 0.0F) continue;
-        const double here = double{magnitude(y, x)};
-        if (here < least || !map.beats(x, y, here * normalise)) continue;
-        const Point g = level.gradient(x, y);
-        const double nx = g.x / here, ny = g.y / here;
-        const double ahead = between_pixels(magnitude, x + nx, y + ny),
-                     behind = between_pixels(magnitude, x - nx, y - ny);
-        const double bend = 2 * here - (ahead + behind);
-        if (bend <= 0) continue;
-        const double t = 0.5 * (ahead - behind) / bend;
-        if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) continue;
-        // A slope that goes on to both sides is shading, not a step: only what rises above it counts.
-        const double far = 2.5 * level.sigma;
-        const double slope = 0.5 * (between_pixels(magnitude, x + far * nx, y + far * ny) +
-                                    between_pixels(magnitude, x - far * nx, y - far * ny));
-        const double rise = here - slope;
-        if (rise < least) continue;
-        map.put(x, y,
-                {{x + t * nx, y + t * ny},
-                 0,
-                 rise / ground.first[k],
-                 rise * normalise,
-                 rise * to_contrast,
-                 static_cast<int>(k)},
-                {nx, ny});
-      }
+      visit_found(found, 1, width - 1, [&](int x) { put_step(map, level, {x, y}, magnitude, of); });
     }
   }
   return map.finish();

@@ -137,12 +137,12 @@ Bow shape_at(const Ruler& ruler, double at) {
   return chord(ruler, at);
 }
 
-// SD of the profile about a place, as the points' scales tell.
-double spread_at(const Ruler& ruler, const ScaleSpace& space, double at) {
+// SD of the profile about a place, as the points' scales tell; `logarithms`: of the scales.
+double spread_at(const Ruler& ruler, const std::vector<double>& logarithms, double at) {
   double log_sigma = 0, count = 0;
   for (double reach = 6; count == 0; reach *= 2)
     visit_around(ruler, at, reach, [&](std::size_t i, double) {
-      log_sigma += std::log(space[static_cast<std::size_t>(ruler.chain.points[i].level)].sigma);
+      log_sigma += logarithms[static_cast<std::size_t>(ruler.chain.points[i].level)];
       count += 1;
     });
   return std::exp(log_sigma / count);
@@ -153,7 +153,8 @@ constexpr double kRibReach = 1.8;  // in spacings
 class Cutter {
  public:
   Cutter(const Network& network, const ScaleSpace& space, const cv::Mat& levels, double spacing, double noise)
-      : network_(network), space_(space), levels_(levels), spacing_(spacing), noise_(noise) {
+      : network_(network), levels_(levels), spacing_(spacing), noise_(noise) {
+    for (const ScaleLevel& level : space) logarithms_.push_back(std::log(level.sigma));
     for (const Chain& chain : network.chains)
       rulers_.push_back({chain, arc_lengths(chain), space[middle_level(chain.points, space)].channel});
   }
@@ -176,13 +177,13 @@ class Cutter {
 
  private:
   // The patch at a station, `aside` px from the curve, free to move or not.
-  [[nodiscard]] Patch fit(const Station& station, double aside, bool moves) const {
+  [[nodiscard]] Patch fit(const Station& station, const Bow& shape, double aside, bool moves) const {
     const Ruler& ruler = rulers_[station.chain];
     const double at = wrapped(ruler, station.s), length = ruler.length();
-    const Bow shape = shape_at(ruler, at);
     // Ribs along the curve as far as it goes, the nearer the more they count.
     const double reach = kRibReach * spacing_;
     std::vector<Rib> ribs;
+    ribs.reserve(static_cast<std::size_t>(reach / 1.5) * 2 + 2);
     for (double t = -std::floor(reach / 1.5) * 1.5; t < reach; t += 1.5) {
       if (!ruler.chain.closed && (at + t < -0.5 || at + t > length + 0.5)) continue;
       const Point u = shape.along(t);
@@ -190,24 +191,24 @@ class Cutter {
       ribs.push_back({shape.at(t) + across * aside, across, 1 - std::abs(t) / reach});
     }
     const Point u = shape.along(0), across{-u.y, u.x};
-    const FitOptions options{spread_at(ruler, space_, at), moves, noise_, axis_of(ruler.channel)};
+    const FitOptions options{spread_at(ruler, logarithms_, at), moves, noise_, axis_of(ruler.channel)};
     return fit_patch(levels_, shape.at(0) + across * aside, std::atan2(u.y, u.x), ruler.chain.kind, ribs,
                      options);
   }
 
   std::uint32_t add(const Station& station, bool moves) {
     const auto id = static_cast<std::uint32_t>(vertices_.size());
-    vertices_.push_back({VertexId{id}, {}, fit(station, 0, moves)});
+    const Ruler& ruler = rulers_[station.chain];
+    shapes_.push_back(shape_at(ruler, wrapped(ruler, station.s)));
+    vertices_.push_back({VertexId{id}, {}, fit(station, shapes_.back(), 0, moves)});
     stations_.push_back(station);
     return id;
   }
 
   // How far a patch moved to its right, off its curve.
   [[nodiscard]] double moved(std::uint32_t id) const {
-    const Station& station = stations_[id];
-    const Ruler& ruler = rulers_[station.chain];
     const Patch& patch = vertices_[id].patch;
-    const Point off = patch.position - shape_at(ruler, wrapped(ruler, station.s)).at(0);
+    const Point off = patch.position - shapes_[id].at(0);
     return graph::dot(off, {-std::sin(patch.theta), std::cos(patch.theta)});
   }
 
@@ -229,7 +230,7 @@ class Cutter {
       const double usual = 0.5 * (around[around.size() / 2] + around[(around.size() - 1) / 2]);
       const std::uint32_t id = ids[static_cast<std::size_t>(i)];
       if (std::abs(usual - offset[static_cast<std::size_t>(i)]) > kOtherwise)
-        vertices_[id].patch = fit(stations_[id], usual, false);
+        vertices_[id].patch = fit(stations_[id], shapes_[id], usual, false);
     }
   }
 
@@ -297,14 +298,15 @@ class Cutter {
   }
 
   const Network& network_;
-  const ScaleSpace& space_;
   const cv::Mat& levels_;
   double spacing_;
   double noise_;
+  std::vector<double> logarithms_;  // of the scales
   std::vector<Ruler> rulers_;
   std::vector<std::map<double, std::uint32_t>> stops_;
   std::vector<Vertex> vertices_;
   std::vector<Station> stations_;  // of the vertices
+  std::vector<Bow> shapes_;        // of the curves there
   std::uint32_t met_ = 0;          // vertices before it are those of meetings
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges_;
 };

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <string>
 
 #include "core/error.hpp"
@@ -57,22 +56,39 @@ double Draft::length() const {
 }
 
 double Draft::change(const Edit& edit) const {
-  std::map<Slot, int> turns;  // what becomes of degrees
-  for (const auto& [a, b] : edit.cut) --turns[a], --turns[b];
-  for (const auto& [a, b] : edit.tie) ++turns[a], ++turns[b];
+  std::vector<std::pair<Slot, int>> turns;  // what becomes of degrees; ascending
+  turns.reserve(2 * (edit.cut.size() + edit.tie.size()));
+  for (const auto& [a, b] : edit.cut) turns.insert(turns.end(), {{a, -1}, {b, -1}});
+  for (const auto& [a, b] : edit.tie) turns.insert(turns.end(), {{a, 1}, {b, 1}});
+  std::sort(turns.begin(), turns.end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    if (kept > 0 && turns[kept - 1].first == turns[i].first)
+      turns[kept - 1].second += turns[i].second;
+    else
+      turns[kept++] = turns[i];
+  }
+  turns.resize(kept);
+  std::vector<char> done(kept, 0);
+  const auto find = [&](Slot slot) {
+    const auto at = std::ranges::lower_bound(turns, slot, {}, &std::pair<Slot, int>::first);
+    return at != turns.end() && at->first == slot ? static_cast<std::size_t>(at - turns.begin()) : kept;
+  };
   double nats = 0;
   for (const Slot slot : edit.remove) {
     nats -= degree_cost(degree(slot)) - patch(slot).gain;
-    turns.erase(slot);
+    if (const std::size_t turn = find(slot); turn < kept) done[turn] = 1;
   }
   for (const auto& [slot, patch] : edit.add) {
-    const auto turn = turns.find(slot);
-    nats += degree_cost(turn == turns.end() ? 0 : static_cast<std::size_t>(turn->second)) - patch.gain;
-    turns.erase(slot);
+    const std::size_t turn = find(slot);
+    const bool turns_here = turn < kept && done[turn] == 0;
+    nats += degree_cost(turns_here ? static_cast<std::size_t>(turns[turn].second) : 0) - patch.gain;
+    if (turns_here) done[turn] = 1;
   }
-  for (const auto& [slot, turn] : turns)
-    nats += degree_cost(static_cast<std::size_t>(static_cast<int>(degree(slot)) + turn)) -
-            degree_cost(degree(slot));
+  for (std::size_t i = 0; i < kept; ++i)
+    if (const auto& [slot, turn] = turns[i]; done[i] == 0)
+      nats += degree_cost(static_cast<std::size_t>(static_cast<int>(degree(slot)) + turn)) -
+              degree_cost(degree(slot));
   return nats;
 }
 

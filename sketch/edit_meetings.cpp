@@ -121,6 +121,7 @@ void reach_stroke(Editor& editor, const End& end, Slot target) {
   const Draft& draft = editor.draft();
   const Patch &first = draft.patch(end.slot), &hit = draft.patch(target);
   const Point gap = hit.position - end.place;
+  if (graph::dot(gap, gap) > 1.000001 * kLongest * kLongest) return;
   const double length = graph::norm(gap);
   if (draft.degree(target) < 1 || length > kLongest || !graph::same_kind(first, hit)) return;
   if (graph::dot(end.heading, gap) < kAhead * length) return;

@@ -26,12 +26,18 @@ std::vector<Point> places(const Draft& draft, const std::vector<Slot>& held) {
   return points;
 }
 
+constexpr double kAlong = 3;  // px along a patch that are its own
+
+double own_across(const Patch& patch) {
+  constexpr double kLeast = 1.5;
+  return std::max(kLeast, patch.width / 2 + patch.blur);
+}
+
 bool on(const Patch& patch, Point place) {
-  constexpr double kAlong = 3, kLeastAcross = 1.5;
   const Point apart = place - patch.position;
   const double c = std::cos(patch.theta), s = std::sin(patch.theta);
-  const double across = std::max(kLeastAcross, patch.width / 2 + patch.blur);
-  return std::abs(apart.x * c + apart.y * s) <= kAlong && std::abs(apart.y * c - apart.x * s) <= across;
+  return std::abs(apart.x * c + apart.y * s) <= kAlong &&
+         std::abs(apart.y * c - apart.x * s) <= own_across(patch);
 }
 
 double level_at(const cv::Mat1f& luma, Point p) {
@@ -98,6 +104,10 @@ CreaseKind kind_of(const Patch& patch) {
 }  // namespace
 
 bool overlap(const Patch& a, const Patch& b) {
+  // Most are too far apart, however they lie; a millionth more than rounding makes.
+  const double across = std::max(own_across(a), own_across(b));
+  const Point apart = b.position - a.position;
+  if (graph::dot(apart, apart) > 1.000001 * (kAlong * kAlong + across * across)) return false;
   return on(a, b.position) || on(b, a.position);
 }
 

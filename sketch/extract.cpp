@@ -115,8 +115,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   remove_lobes(valleys, all_ridges, space);
   const LinkLimits limits{options.significance};
   std::vector<Chain> chains = link(ridges, space, limits);
-  const auto add = [&](const std::vector<Chain>& more) {
-    chains.insert(chains.end(), more.begin(), more.end());
+  const auto add = [&](std::vector<Chain> more) {
+    chains.insert(chains.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   };
   add(link(valleys, space, limits));
   if (options.edges) {

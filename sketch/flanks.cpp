@@ -86,7 +86,11 @@ bool beside(const Patch& patch, double width, const Patch& other) {
 class Flanks {
  public:
   explicit Flanks(const AttributeGraph& graph)
-      : graph_(graph), curves_(curves(graph)), cells_(graph, reach(graph)), gone_(graph.size(), false) {
+      : graph_(graph),
+        curves_(curves(graph)),
+        cells_(graph, reach(graph)),
+        gone_(graph.size(), false),
+        asked_of_(graph.size(), 0) {
     for (const Curve& curve : curves_) width_.push_back(median_width(graph, curve));
   }
 
@@ -115,12 +119,14 @@ class Flanks {
     return std::hypot(kAlong, widest + kBeside);
   }
 
-  [[nodiscard]] bool is_flank(const Curve& curve, double width) const {
+  [[nodiscard]] bool is_flank(const Curve& curve, double width) {
+    ++asked_;
+    for (const auto v : curve) asked_of_[v] = asked_;
     const auto flanked = [&](std::uint32_t v) {
       const Patch& patch = graph_.patch(v);
       return cells_.any_near(patch.position, [&](std::uint32_t other) {
-        return !gone_[other] && std::ranges::find(curve, other) == curve.end() &&
-               may_flank(patch, width, graph_.patch(other)) && beside(patch, width, graph_.patch(other));
+        return !gone_[other] && asked_of_[other] != asked_ && may_flank(patch, width, graph_.patch(other)) &&
+               beside(patch, width, graph_.patch(other));
       });
     };
     return static_cast<double>(std::ranges::count_if(curve, flanked)) >=
@@ -132,6 +138,8 @@ class Flanks {
   std::vector<double> width_;
   Cells cells_;
   std::vector<bool> gone_;
+  std::vector<std::size_t> asked_of_;  // which curve a vertex was last asked of: a meeting lies on several
+  std::size_t asked_ = 0;
 };
 
 }  // namespace

@@ -38,20 +38,20 @@ constexpr double kDouble = 1.5;  // px: nearer points are the same line's, which
 class Linker {
  public:
   Linker(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits)
-      : map_(map), space_(space), limits_(limits), spent_(map.points.size(), false) {}
+      : map_(map), space_(space), limits_(limits), spent_(map.points.size(), 0) {}
 
   std::vector<Chain> run() {
     std::vector<Chain> chains;
     // By strength, which is comparable between scales: a shoulder that is significant at a coarse scale only
     // must not spend the line beside it.
     for (const std::size_t seed : strongest_first(map_.points, &CreasePoint::strength))
-      if (!spent_[seed] && map_.points[seed].significance >= limits_.seed) chains.push_back(grow(seed));
+      if (spent_[seed] == 0 && map_.points[seed].significance >= limits_.seed) chains.push_back(grow(seed));
     return chains;
   }
 
  private:
   Chain grow(std::size_t seed) {
-    spent_[seed] = true;
+    spent_[seed] = 1;
     const CreasePoint& start = map_.points[seed];
     spend_beside(start);
     Chain chain{map_.kind, {}, false};
@@ -102,7 +102,7 @@ class Linker {
       CreasePoint point = map_.points[*next];
       theta = point.theta = directed(point.theta, theta);
       heading += 0.3 * turn(heading, theta);
-      spent_[*next] = true;
+      spent_[*next] = 1;
       spend_beside(point);
       found.push_back(point);
     }
@@ -138,7 +138,7 @@ class Linker {
   std::optional<std::size_t> at(int x, int y) const {
     if (x < 0 || y < 0 || x >= map_.index.cols || y >= map_.index.rows) return std::nullopt;
     const int i = map_.index(y, x);
-    if (i < 0 || spent_[static_cast<std::size_t>(i)]) return std::nullopt;
+    if (i < 0 || spent_[static_cast<std::size_t>(i)] != 0) return std::nullopt;
     return static_cast<std::size_t>(i);
   }
 
@@ -149,24 +149,36 @@ class Linker {
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
     const double reach = std::max(kDouble, space_[static_cast<std::size_t>(p.level)].sigma);
     const int box = static_cast<int>(std::ceil(reach));
-    for (int dy = -box; dy <= box; ++dy)
-      for (int dx = -box; dx <= box; ++dx) {
-        const auto beside = at(x + dx, y + dy);
-        if (!beside) continue;
-        const CreasePoint& q = map_.points[*beside];
+    const Point way{normal.y, -normal.x};
+    // Points lie within 0.6 px of their pixel's middle, both ways: of each row the pixels are looked at whose
+    // points may lie near enough along the crease.
+    constexpr double kAlong = 0.8, kAway = 0.86;
+    const bool narrow = std::abs(way.x) > 1e-3;
+    const double half = narrow ? (kAlong + kAway) / std::abs(way.x) + 1 : 1e6;
+    const int left = std::max(x - box, 0), right = std::min(x + box, map_.index.cols - 1);
+    for (int row = std::max(y - box, 0); row <= std::min(y + box, map_.index.rows - 1); ++row) {
+      const double middle = p.position.x - (narrow ? (row - p.position.y) * way.y / way.x : 0);
+      const int first = std::max(left, static_cast<int>(middle - half)),
+                last = std::min(right, static_cast<int>(middle + half));
+      const int* entries = map_.index[row];
+      for (int column = first; column <= last; ++column) {
+        if (entries[column] < 0) continue;
+        const auto beside = static_cast<std::size_t>(entries[column]);
+        if (spent_[beside] != 0) continue;
+        const CreasePoint& q = map_.points[beside];
         const Point v = q.position - p.position;
-        const double across = std::abs(graph::dot(v, normal)),
-                     along = std::abs(graph::dot(v, {normal.y, -normal.x}));
-        if (across <= (q.strength < p.strength ? reach : kDouble) && along < 0.8 &&
+        const double across = std::abs(graph::dot(v, normal)), along = std::abs(graph::dot(v, way));
+        if (across <= (q.strength < p.strength ? reach : kDouble) && along < kAlong &&
             graph::orientation_difference(p.theta, q.theta) < kPi / 5)
-          spent_[*beside] = true;
+          spent_[beside] = 1;
       }
+    }
   }
 
   const CreaseMap& map_;
   const ScaleSpace& space_;
   LinkLimits limits_;
-  std::vector<bool> spent_;
+  std::vector<char> spent_;
 };
 
 }  // namespace

@@ -63,10 +63,14 @@ class Accepted {
 
   // The first point met on the way from p along u.
   [[nodiscard]] const CreasePoint* first_on(Point p, Point u, double reach) const {
+    const int* const first = index_[0];
+    const auto columns = static_cast<unsigned>(index_.cols), rows = static_cast<unsigned>(index_.rows);
     for (double d = 1; d <= reach; d += 1) {
-      const int x = nearest(p.x + d * u.x), y = nearest(p.y + d * u.y);
-      if (x < 0 || y < 0 || x >= index_.cols || y >= index_.rows) return nullptr;
-      if (const int entry = index_(y, x); entry >= 0) return points_[static_cast<std::size_t>(entry)];
+      const auto x = static_cast<unsigned>(nearest(p.x + d * u.x)),
+                 y = static_cast<unsigned>(nearest(p.y + d * u.y));
+      if (x >= columns || y >= rows) return nullptr;  // below 0 too
+      if (const int entry = first[std::size_t{y} * columns + x]; entry >= 0)
+        return points_[static_cast<std::size_t>(entry)];
     }
     return nullptr;
   }
@@ -88,14 +92,21 @@ class Accepted {
 
   // Of two points as near, the stronger has the pixel.
   void claim(const Box& box, int number) {
-    const auto place = [this](int entry) -> const CreasePoint& {
-      return *points_[static_cast<std::size_t>(entry)];
-    };
+    constexpr double kSure = 1e-9;  // of a square: far more than rounding makes
+    const CreasePoint& p = *points_[static_cast<std::size_t>(number)];
     visit(box, [&](int& entry, Point pixel) {
-      const auto rank = [&](int of) {
-        return std::pair(graph::distance(place(of).position, pixel), -place(of).strength);
+      if (entry < 0) {
+        entry = number;
+        return;
+      }
+      const CreasePoint& q = *points_[static_cast<std::size_t>(entry)];
+      const Point to_p = p.position - pixel, to_q = q.position - pixel;
+      const double square = graph::dot(to_p, to_p), other = graph::dot(to_q, to_q);
+      if (square > (1 + kSure) * other) return;
+      const auto rank = [](const CreasePoint& point, Point away) {
+        return std::pair(graph::norm(away), -point.strength);
       };
-      if (entry < 0 || rank(number) < rank(entry)) entry = number;
+      if (square < (1 - kSure) * other || rank(p, to_p) < rank(q, to_q)) entry = number;
     });
   }
 
@@ -111,11 +122,14 @@ class Accepted {
   std::vector<Line> lines_;
 };
 
-// What the line through q adds to the second derivative at p, seen at scale sigma, with its opposite sign.
+// What the line through q adds to the second derivative at p, seen at scale sigma, with its opposite sign; 0
+// near the line, where it adds none.
 double lobe(const CreasePoint& q, Point p, double sigma, const ScaleSpace& space) {
   const double s = space[static_cast<std::size_t>(q.level)].sigma, spread2 = s * s + sigma * sigma;
+  const Point away = p - q.position;
+  if (graph::dot(away, away) < 0.999 * spread2) return 0;
   const double d2 = std::pow(graph::distance(p, q.position), 2) / spread2;
-  return q.contrast * s * std::pow(spread2, -1.5) * (d2 - 1) * std::exp(-0.5 * d2);
+  return std::max(0.0, q.contrast * s * std::pow(spread2, -1.5) * (d2 - 1) * std::exp(-0.5 * d2));
 }
 
 /// The share of a line's response that lines of the other sign explain.
@@ -130,7 +144,7 @@ double explained(const Chain& chain, const Accepted& opposite, const ScaleSpace&
     for (const Point side : {across, across * -1})
       if (const CreasePoint* q = opposite.first_on(p, side, reach);
           q != nullptr && space[static_cast<std::size_t>(q->level)].channel == space[own].channel)
-        predicted += std::max(0.0, lobe(*q, p, sigma, space));
+        predicted += lobe(*q, p, sigma, space);
   }
   return seen > 0 ? predicted / seen : 0;
 }

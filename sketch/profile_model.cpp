@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "sketch/row_pass.hpp"
 
@@ -11,10 +12,9 @@ namespace emberfold::sketch {
 
 namespace {
 
-constexpr std::size_t kLanes = 8;
+constexpr int kLanes = 8;
 // left, middle, right, offset, width, blur
 constexpr std::size_t kNumbers = 6;
-constexpr std::size_t kProducts = kNumbers * (kNumbers + 1) / 2;
 
 struct Normal {
   float density, below;
@@ -53,20 +53,21 @@ EMBERFOLD_ROW_PASS void bar_slopes(const float* __restrict level, float first, i
                                    float* __restrict by) {
   constexpr int k = static_cast<int>(kMostSamples);
   const float up = s.middle - s.left, down = s.right - s.middle, scale = 1 / s.blur;
-  for (int i = 0; i < padded; ++i) {
-    const float there = i < count ? 1.0F : 0.0F;
-    const float d = first + static_cast<float>(kSampleStep) * static_cast<float>(i);
-    const float enter_at = (d + s.half_width) * scale, leave_at = (d - s.half_width) * scale;
-    const Normal enter = normal_at(enter_at), leave = normal_at(leave_at);
-    const float rise = there * up * scale * enter.density, fall = there * down * scale * leave.density;
-    by[i] = there - there * enter.below;
-    by[k + i] = there * (enter.below - leave.below);
-    by[2 * k + i] = there * leave.below;
-    by[3 * k + i] = -(rise + fall);
-    by[4 * k + i] = 0.5F * (rise - fall);
-    by[5 * k + i] = -(rise * enter_at + fall * leave_at);
-    by[6 * k + i] = there * (level[i] - (s.left + up * enter.below + down * leave.below));
-  }
+  for (int block = 0; block < padded; block += kLanes)
+    for (int i = block; i < block + kLanes; ++i) {
+      const float there = i < count ? 1.0F : 0.0F;
+      const float d = first + static_cast<float>(kSampleStep) * static_cast<float>(i);
+      const float enter_at = (d + s.half_width) * scale, leave_at = (d - s.half_width) * scale;
+      const Normal enter = normal_at(enter_at), leave = normal_at(leave_at);
+      const float rise = there * up * scale * enter.density, fall = there * down * scale * leave.density;
+      by[i] = there - there * enter.below;
+      by[k + i] = there * (enter.below - leave.below);
+      by[2 * k + i] = there * leave.below;
+      by[3 * k + i] = -(rise + fall);
+      by[4 * k + i] = 0.5F * (rise - fall);
+      by[5 * k + i] = -(rise * enter_at + fall * leave_at);
+      by[6 * k + i] = there * (level[i] - (s.left + up * enter.below + down * leave.below));
+    }
 }
 
 // The same of a step, whose two edges are one, without the columns of its middle and width.
@@ -74,29 +75,77 @@ EMBERFOLD_ROW_PASS void step_slopes(const float* __restrict level, float first, 
                                     Shape s, float* __restrict by) {
   constexpr int k = static_cast<int>(kMostSamples);
   const float up = s.right - s.left, scale = 1 / s.blur;
-  for (int i = 0; i < padded; ++i) {
-    const float there = i < count ? 1.0F : 0.0F;
-    const float at = (first + static_cast<float>(kSampleStep) * static_cast<float>(i)) * scale;
-    const Normal edge = normal_at(at);
-    const float rise = there * up * scale * edge.density;
-    by[i] = there - there * edge.below;
-    by[2 * k + i] = there * edge.below;
-    by[3 * k + i] = -rise;
-    by[5 * k + i] = -(rise * at);
-    by[6 * k + i] = there * (level[i] - (s.left + up * edge.below));
-  }
+  for (int block = 0; block < padded; block += kLanes)
+    for (int i = block; i < block + kLanes; ++i) {
+      const float there = i < count ? 1.0F : 0.0F;
+      const float at = (first + static_cast<float>(kSampleStep) * static_cast<float>(i)) * scale;
+      const Normal edge = normal_at(at);
+      const float rise = there * up * scale * edge.density;
+      by[i] = there - there * edge.below;
+      by[2 * k + i] = there * edge.below;
+      by[3 * k + i] = -rise;
+      by[5 * k + i] = -(rise * at);
+      by[6 * k + i] = there * (level[i] - (s.left + up * edge.below));
+    }
+}
+
+// The columns of the three levels alone, and the section itself: what fitting levels needs.
+EMBERFOLD_ROW_PASS void level_columns(const float* __restrict level, float first, int count, int padded,
+                                      float half_width, float blur, float* __restrict by) {
+  constexpr int k = static_cast<int>(kMostSamples);
+  const float scale = 1 / blur;
+  for (int block = 0; block < padded; block += kLanes)
+    for (int i = block; i < block + kLanes; ++i) {
+      const float there = i < count ? 1.0F : 0.0F;
+      const float d = first + static_cast<float>(kSampleStep) * static_cast<float>(i);
+      const float enter = normal_at((d + half_width) * scale).below;
+      const float leave = normal_at((d - half_width) * scale).below;
+      by[i] = there - there * enter;
+      by[k + i] = there * (enter - leave);
+      by[2 * k + i] = there * leave;
+      by[6 * k + i] = there * level[i];
+    }
+}
+
+// The same of a step, without its middle.
+EMBERFOLD_ROW_PASS void step_level_columns(const float* __restrict level, float first, int count, int padded,
+                                           float blur, float* __restrict by) {
+  constexpr int k = static_cast<int>(kMostSamples);
+  const float scale = 1 / blur;
+  for (int block = 0; block < padded; block += kLanes)
+    for (int i = block; i < block + kLanes; ++i) {
+      const float there = i < count ? 1.0F : 0.0F;
+      const float edge =
+          normal_at((first + static_cast<float>(kSampleStep) * static_cast<float>(i)) * scale).below;
+      by[i] = there - there * edge;
+      by[2 * k + i] = there * edge;
+      by[6 * k + i] = there * level[i];
+    }
+}
+
+// Samples in whole vectors.
+int padded(const Section& section) {
+  return (static_cast<int>(section.count) + kLanes - 1) / kLanes * kLanes;
+}
+
+float first_place(const Section& section, float offset) {
+  return -0.5F * static_cast<float>(kSampleStep) * static_cast<float>(static_cast<int>(section.count) - 1) -
+         offset;
 }
 
 void slopes(const Section& section, Shape s, Slopes& out) {
-  const int count = static_cast<int>(section.count), lanes = static_cast<int>(kLanes);
-  const int padded = (count + lanes - 1) / lanes * lanes;
-  const float first = -0.5F * static_cast<float>(kSampleStep) * static_cast<float>(count - 1) - s.offset;
+  const int count = static_cast<int>(section.count), all = padded(section);
   const auto row = s.half_width > 0 ? bar_slopes : step_slopes;
-  row(section.level.data(), first, count, padded, s, out.data());
+  row(section.level.data(), first_place(section, s.offset), count, all, s, out.data());
 }
 
-constexpr std::size_t product_of(std::size_t a, std::size_t b) {
-  return a >= b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a;
+void columns(const Section& section, float offset, float half_width, float blur, Slopes& out) {
+  const int count = static_cast<int>(section.count), all = padded(section);
+  const float first = first_place(section, offset);
+  if (half_width > 0)
+    level_columns(section.level.data(), first, count, all, half_width, blur, out.data());
+  else
+    step_level_columns(section.level.data(), first, count, all, blur, out.data());
 }
 
 // Which of the model's numbers a fit is free to choose.
@@ -109,73 +158,115 @@ struct Free {
   }
 };
 
-// Σ over the samples of each product of the free columns, in eight partial sums added in order.
-EMBERFOLD_ROW_PASS void products(const Slopes& slopes, std::size_t count, const Free& free,
-                                 double* normal_matrix, double* moment, double* squares) {
-  const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
-  const auto sum = [&](std::size_t a, std::size_t b) {
-    const float* x = slopes.data() + a * kMostSamples;
-    const float* y = slopes.data() + b * kMostSamples;
-    float lane[kLanes] = {};
-    for (std::size_t i = 0; i < padded; i += kLanes)
-      for (std::size_t l = 0; l < kLanes; ++l) lane[l] += x[i + l] * y[i + l];
-    return double{((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]))};
-  };
-  for (std::size_t i = 0; i < free.count; ++i) {
-    const std::size_t a = free.number[i];
-    for (std::size_t j = 0; j <= i; ++j)
-      normal_matrix[product_of(a, free.number[j])] = sum(a, free.number[j]);
-    moment[a] = sum(a, kNumbers);
+// Where the product of two columns lies, a ≥ b: the free numbers' in order, the residuals' after them.
+constexpr std::size_t product_of(std::size_t a, std::size_t b) {
+  return a * (a + 1) / 2 + b;
+}
+constexpr std::size_t kProducts = product_of(kNumbers, kNumbers) + 1;
+
+using Four [[gnu::vector_size(16)]] = float;  // what every x86-64 has in a register
+
+// lane[8·b …]: the sums of the products of column kLast with itself and those before it, in eight parts.
+template <std::size_t kLast>
+[[gnu::always_inline]] inline void sum_products(const float* const* column, int samples, float* lane) {
+  for (int half = 0; half < kLanes; half += 4) {
+    Four sum[kLast + 1] = {};
+    for (int i = half; i < samples; i += kLanes) {
+      Four x, y;
+      std::memcpy(&x, column[kLast] + i, sizeof x);
+      for (std::size_t b = 0; b <= kLast; ++b) {
+        std::memcpy(&y, column[b] + i, sizeof y);
+        sum[b] += x * y;
+      }
+    }
+    for (std::size_t b = 0; b <= kLast; ++b) std::memcpy(lane + kLanes * b + half, &sum[b], sizeof sum[b]);
   }
-  *squares = sum(kNumbers, kNumbers);
 }
 
-// Solves the system of the free numbers by Cholesky; the others' results are 0. False where it is
-// singular.
-bool solve(const std::array<double, kProducts>& matrix, const std::array<double, kNumbers>& right,
-           const Free& free, double damping, std::array<double, kNumbers>& result) {
-  const std::size_t n = free.count;
-  const auto& used = free.number;
-  double l[kNumbers][kNumbers];                // written as far as it is read, as are the others
-  std::array<double, kNumbers> y, reciprocal;  // of the diagonal
-  for (std::size_t a = 0; a < n; ++a) {
-    double rest = right[used[a]];
+[[gnu::always_inline]] inline void add_pairs(const float* __restrict from, std::size_t count,
+                                             float* __restrict to) {
+  for (std::size_t i = 0; i < count; ++i) to[i] = from[2 * i] + from[2 * i + 1];
+}
+
+// Σ over the samples of each product of two of the columns, two to six of free numbers and the residuals, in
+// eight partial sums added in order.
+EMBERFOLD_ROW_PASS void products(const float* const* column, std::size_t columns, int samples,
+                                 double* __restrict total) {
+  float lane[kLanes * kProducts], pair[kLanes / 2 * kProducts];  // written as far as they are read
+  sum_products<0>(column, samples, lane);
+  sum_products<1>(column, samples, lane + kLanes * product_of(1, 0));
+  sum_products<2>(column, samples, lane + kLanes * product_of(2, 0));
+  if (columns > 3) sum_products<3>(column, samples, lane + kLanes * product_of(3, 0));
+  if (columns > 4) sum_products<4>(column, samples, lane + kLanes * product_of(4, 0));
+  if (columns > 5) sum_products<5>(column, samples, lane + kLanes * product_of(5, 0));
+  if (columns > 6) sum_products<6>(column, samples, lane + kLanes * product_of(6, 0));
+  const std::size_t sums = product_of(columns, 0);
+  add_pairs(lane, 4 * sums, pair);
+  add_pairs(pair, 2 * sums, lane);
+  for (std::size_t i = 0; i < sums; ++i) total[i] = double{lane[2 * i] + lane[2 * i + 1]};
+}
+
+// The normal equations of the free numbers, the moments and the residuals' squares below them.
+using System = std::array<double, kProducts>;
+using Solution = std::array<double, kNumbers>;  // of the free numbers, in order
+
+// Solves the system by Cholesky. False where it is singular.
+template <std::size_t kFree>
+bool solve_all(const System& system, double damping, Solution& result) {
+  double l[kFree][kFree], y[kFree], reciprocal[kFree];  // of the diagonal
+  for (std::size_t a = 0; a < kFree; ++a) {
+    double rest = system[product_of(kFree, a)];
     for (std::size_t b = 0; b < a; ++b) {
-      double v = matrix[product_of(used[a], used[b])];
+      double v = system[product_of(a, b)];
       for (std::size_t k = 0; k < b; ++k) v -= l[a][k] * l[b][k];
       l[a][b] = v * reciprocal[b];
       rest -= l[a][b] * y[b];
     }
-    double v = matrix[product_of(used[a], used[a])];
+    double v = system[product_of(a, a)];
     v += damping * v + 1e-9;
     for (std::size_t k = 0; k < a; ++k) v -= l[a][k] * l[a][k];
-    if (!(v > 0)) return result = {}, false;
+    if (!(v > 0)) return false;
     reciprocal[a] = 1 / std::sqrt(v);
     y[a] = rest * reciprocal[a];
   }
-  result = {};
-  for (std::size_t a = n; a-- > 0;) {
+  for (std::size_t a = kFree; a-- > 0;) {
     double v = y[a];
-    for (std::size_t k = a + 1; k < n; ++k) v -= l[k][a] * result[used[k]];
-    result[used[a]] = v * reciprocal[a];
+    for (std::size_t k = a + 1; k < kFree; ++k) v -= l[k][a] * result[k];
+    result[a] = v * reciprocal[a];
   }
   return true;
 }
 
-struct System {
-  std::array<double, kProducts> matrix{};
-  std::array<double, kNumbers> moment{};
-  double squares = 0;
-};
+bool solve(const System& system, const Free& free, double damping, Solution& result) {
+  switch (free.count) {
+    case 2:
+      return solve_all<2>(system, damping, result);
+    case 3:
+      return solve_all<3>(system, damping, result);
+    case 4:
+      return solve_all<4>(system, damping, result);
+    case 5:
+      return solve_all<5>(system, damping, result);
+    default:
+      return solve_all<6>(system, damping, result);
+  }
+}
+
+System system_of(const Slopes& slopes, int samples, const Free& free) {
+  std::array<const float*, kNumbers + 1> column{};
+  for (std::size_t a = 0; a < free.count; ++a) column[a] = slopes.data() + free.number[a] * kMostSamples;
+  column[free.count] = slopes.data() + kNumbers * kMostSamples;
+  System system;  // written as far as it is read
+  products(column.data(), free.count + 1, samples, system.data());
+  return system;
+}
 
 System system_at(const Section& section, const Profile& p, const Free& free, Slopes& work) {
   slopes(section,
          {static_cast<float>(p.offset), static_cast<float>(0.5 * p.width), static_cast<float>(p.blur),
           static_cast<float>(p.left), static_cast<float>(p.middle), static_cast<float>(p.right)},
          work);
-  System s;
-  products(work, section.count, free, s.matrix.data(), s.moment.data(), &s.squares);
-  return s;
+  return system_of(work, padded(section), free);
 }
 
 constexpr double square(double v) {
@@ -195,14 +286,16 @@ Profile with_levels(const Section& section, Profile shape) {
   Slopes work;  // written before it is read
   const bool bar = shape.width > 0;
   const Free free({true, bar, true, false, false, false});
-  const System s = system_at(section, shape, free, work);
-  std::array<double, kNumbers> level{};
-  shape.residual = s.squares;
-  if (!solve(s.matrix, s.moment, free, 0, level)) return shape;
+  columns(section, static_cast<float>(shape.offset), static_cast<float>(0.5 * shape.width),
+          static_cast<float>(shape.blur), work);
+  const System system = system_of(work, padded(section), free);
+  Solution level;
+  shape.residual = system[product_of(free.count, free.count)];
+  if (!solve(system, free, 0, level)) return shape;
   shape.left = level[0];
-  shape.right = level[2];
-  shape.middle = bar ? level[1] : 0.5 * (level[0] + level[2]);
-  for (std::size_t a = 0; a < 3; ++a) shape.residual -= level[a] * s.moment[a];
+  shape.right = level[free.count - 1];
+  shape.middle = bar ? level[1] : 0.5 * (shape.left + shape.right);
+  for (std::size_t a = 0; a < free.count; ++a) shape.residual -= level[a] * system[product_of(free.count, a)];
   shape.residual = std::max(shape.residual, 0.0);
   return shape;
 }
@@ -213,16 +306,19 @@ Profile refine(const Section& section, Profile start, const ProfileBounds& bound
   const bool bar = start.width > 0;
   const Free free({true, bar, true, bounds.offset > 0, bar, true});
   const auto strange = [&](const Profile& p) { return prior * square(std::log(p.blur / usual_blur)); };
+  const std::size_t n = free.count, squares = product_of(n, n);
   Slopes work;  // written before it is read
   Profile best = start;
   System at = system_at(section, best, free, work);
-  double cost = at.squares + strange(best), damping = 1e-3;
+  double cost = at[squares] + strange(best), damping = 1e-3;
   for (int step = 0; step < steps; ++step) {
-    System pulled = at;
-    pulled.matrix[product_of(5, 5)] += prior / square(best.blur);
-    pulled.moment[5] -= prior * std::log(best.blur / usual_blur) / best.blur;
+    System pulled = at;  // the blur is the last of the free numbers
+    pulled[product_of(n - 1, n - 1)] += prior / square(best.blur);
+    pulled[product_of(n, n - 1)] -= prior * std::log(best.blur / usual_blur) / best.blur;
+    Solution solved;
+    if (!solve(pulled, free, damping, solved)) break;
     std::array<double, kNumbers> change{};
-    if (!solve(pulled.matrix, pulled.moment, free, damping, change)) break;
+    for (std::size_t a = 0; a < n; ++a) change[free.number[a]] = solved[a];
     Profile next = best;
     next.left += change[0];
     next.right += change[2];
@@ -235,7 +331,7 @@ Profile refine(const Section& section, Profile start, const ProfileBounds& bound
       next.middle = 0.5 * (next.left + next.right);
     }
     const System there = system_at(section, next, free, work);
-    const double next_cost = there.squares + strange(next);
+    const double next_cost = there[squares] + strange(next);
     if (next_cost >= cost) {
       if ((damping *= 10) > 1e4) break;
       continue;
@@ -248,7 +344,7 @@ Profile refine(const Section& section, Profile start, const ProfileBounds& bound
     damping = std::max(0.2 * damping, 1e-6);
     if (moved < kSettled) break;
   }
-  best.residual = at.squares;
+  best.residual = at[squares];
   return best;
 }
 

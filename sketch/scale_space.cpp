@@ -49,8 +49,10 @@ Hessian ScaleLevel::hessian_at(graph::Point p) const {
   const int width = smooth.cols - 2, height = smooth.rows - 2;
   const Bilinear b = locate(p, width, height);
   const int x1 = std::min(b.x + 1, width - 1), y1 = std::min(b.y + 1, height - 1);
-  const Hessian h00 = hessian(b.x, b.y), h10 = hessian(x1, b.y), h01 = hessian(b.x, y1),
-                h11 = hessian(x1, y1);
+  const float *row = smooth[b.y], *end = smooth[y1];
+  const auto stride = static_cast<std::ptrdiff_t>(smooth.step1());
+  const auto at = [stride](const float* up) { return hessian_of(up, up + stride, up + 2 * stride); };
+  const Hessian h00 = at(row + b.x), h10 = at(row + x1), h01 = at(end + b.x), h11 = at(end + x1);
   const auto mix = [&](float v00, float v10, float v01, float v11) {
     return static_cast<float>((1 - b.fy) * ((1 - b.fx) * double{v00} + b.fx * double{v10}) +
                               b.fy * ((1 - b.fx) * double{v01} + b.fx * double{v11}));

@@ -18,6 +18,12 @@ struct Hessian {
   }
 };
 
+/// From three pixels of each of three rows; summed so that a mirrored or turned frame gives the same bits.
+inline Hessian hessian_of(const float* up, const float* mid, const float* down) {
+  return {(mid[0] + mid[2]) - 2 * mid[1], 0.25F * ((down[2] + up[0]) - (down[0] + up[2])),
+          (up[1] + down[1]) - 2 * mid[1]};
+}
+
 /// The image smoothed by a Gaussian; derivatives are central differences of it.
 struct ScaleLevel {
   double sigma = 1;  ///< px, of the smoothing
@@ -29,12 +35,7 @@ struct ScaleLevel {
   double hessian_sd = 0;   ///< SD of a second derivative (xx or yy) under white noise of SD 1
 
   [[nodiscard]] Hessian hessian(int x, int y) const {
-    const float* up = smooth[y];
-    const float* mid = smooth[y + 1];
-    const float* down = smooth[y + 2];
-    // Summed so that a mirrored or turned frame gives the same bits.
-    return {(mid[x] + mid[x + 2]) - 2 * mid[x + 1], 0.25F * ((down[x + 2] + up[x]) - (down[x] + up[x + 2])),
-            (up[x + 1] + down[x + 1]) - 2 * mid[x + 1]};
+    return hessian_of(smooth[y] + x, smooth[y + 1] + x, smooth[y + 2] + x);
   }
   [[nodiscard]] graph::Point gradient(int x, int y) const {
     const float* mid = smooth[y + 1];

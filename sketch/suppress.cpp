@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "sketch/creases.hpp"
 #include "sketch/nearest.hpp"
@@ -19,19 +20,45 @@ namespace {
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
 
-// visit(x, y) for the pixels on the way across a crease point, as far as `reach` to both sides.
-template <class Visit>
-void visit_across(const CreasePoint& p, Point normal, double reach, cv::Size frame, Visit visit) {
-  const int halves = static_cast<int>(2 * reach);
-  int last_x = -1, last_y = -1;  // two halves often lie in one pixel
-  for (int h = -halves; h <= halves; ++h) {
-    const int x = nearest(p.position.x + 0.5 * h * normal.x), y = nearest(p.position.y + 0.5 * h * normal.y);
-    if ((x == last_x && y == last_y) || x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
-    last_x = x;
-    last_y = y;
-    visit(x, y);
+// The pixels on the way across a point, at every half pixel to both sides, by their distance from the first;
+// −1 outside. `stride`: from row to row.
+EMBERFOLD_ROW_PASS void pixels_across(Point at, Point normal, int halves, cv::Size size, int stride,
+                                      int* __restrict pixel) {
+  for (int i = 0; i <= 2 * halves; ++i) {
+    const double way = 0.5 * static_cast<double>(i - halves);
+    const int x = nearest(at.x + way * normal.x), y = nearest(at.y + way * normal.y);
+    const int outside = (x | y | (size.width - 1 - x) | (size.height - 1 - y)) >> 31;  // −1, or 0 inside
+    pixel[i] = (y * stride + x) | outside;
   }
 }
+
+// The points of a map on the way across other points.
+class Across {
+ public:
+  explicit Across(const cv::Mat1i& index) : index_(index) {}
+
+  // As far as `reach` to both sides of p, in order, each once: two halves often lie in one pixel.
+  std::span<const int> points(const CreasePoint& p, Point normal, double reach) {
+    const int halves = static_cast<int>(2 * reach);
+    const auto count = 2 * static_cast<std::size_t>(halves) + 1;
+    if (found_.size() < count) found_.resize(count);
+    pixels_across(p.position, normal, halves, index_.size(), static_cast<int>(index_.step1()), found_.data());
+    const int* entries = index_[0];
+    int last = -1;
+    std::size_t kept = 0;  // without branches: nobody can foretell which pixels hold points
+    for (std::size_t i = 0; i < count; ++i) {
+      const int pixel = found_[i], here = entries[std::max(pixel, 0)] | pixel >> 31;
+      found_[kept] = here;
+      kept += (here >= 0) & (here != last) ? 1 : 0;
+      last = here;
+    }
+    return {found_.data(), kept};
+  }
+
+ private:
+  const cv::Mat1i& index_;
+  std::vector<int> found_;
+};
 
 // visit(x, y, the pixel's entry) for every pixel that refers to a point, in row order.
 template <class Visit>
@@ -52,67 +79,91 @@ void visit_points(cv::Mat1i& index, Visit visit) {
   }
 }
 
-// Drops the points that are marked and numbers the rest anew, in row order.
-void keep_unmarked(CreaseMap& map, const std::vector<bool>& marked) {
-  std::vector<CreasePoint> kept;
+// Keeps the points for which keep(x, y, the pixel's entry), in row order.
+template <class Keep>
+void keep_where(CreaseMap& map, Keep keep) {
+  std::vector<std::size_t> kept;
   kept.reserve(map.points.size());
-  visit_points(map.index, [&](int, int, int& entry) {
+  visit_points(map.index, [&](int x, int y, int& entry) {
     const auto old = static_cast<std::size_t>(entry);
-    entry = marked[old] ? -1 : static_cast<int>(kept.size());
-    if (!marked[old]) kept.push_back(map.points[old]);
+    const bool stays = keep(x, y, old);
+    entry = stays ? static_cast<int>(kept.size()) : -1;
+    if (stays) kept.push_back(old);
   });
-  map.points = std::move(kept);
+  if (std::is_sorted(kept.begin(), kept.end())) {
+    for (std::size_t i = 0; i < kept.size(); ++i) map.points[i] = map.points[kept[i]];
+    map.points.resize(kept.size());
+    return;
+  }
+  std::vector<CreasePoint> points;
+  points.reserve(kept.size());
+  for (const std::size_t i : kept) points.push_back(map.points[i]);
+  map.points = std::move(points);
 }
 
-EMBERFOLD_ROW_PASS void raise_row(const float* from, int width, float* __restrict to) {
-  for (int x = 0; x < width; ++x) to[x] = std::max(to[x], from[x]);
+void keep_unmarked(CreaseMap& map, const std::vector<char>& marked) {
+  keep_where(map, [&](int, int, std::size_t entry) { return marked[entry] == 0; });
 }
 
-// The greatest of many discs' values at every pixel. A disc's rows are intervals; each is covered by two of
-// length 2^k, which are noted at their first pixel and halved at the end.
+// to[x] = the greatest of itself and both others.
+EMBERFOLD_ROW_PASS void raise_row(const float* a, const float* b, int width, float* __restrict to) {
+  for (int x = 0; x < width; ++x) {
+    const float more = a[x] > b[x] ? a[x] : b[x];
+    to[x] = to[x] > more ? to[x] : more;
+  }
+}
+
+EMBERFOLD_ROW_PASS void greater_row(const float* a, const float* b, int width, float* __restrict to) {
+  for (int x = 0; x < width; ++x) to[x] = a[x] > b[x] ? a[x] : b[x];
+}
+
+// The greatest of many discs' values (≥ 0) at every pixel: all discs of one radius row by row. A disc's rows
+// are intervals; each is covered by two of length 2^k.
 class Shadow {
  public:
   Shadow(int width, int height) : width_(width), height_(height) {}
 
   void cast(cv::Point centre, int radius, float value) {
-    const std::vector<int>& halves = halves_of(radius);
-    for (int y = std::max(0, centre.y - radius); y <= std::min(height_ - 1, centre.y + radius); ++y) {
-      const int half = halves[static_cast<std::size_t>(std::abs(y - centre.y))];
-      const int first = std::max(0, centre.x - half), last = std::min(width_ - 1, centre.x + half);
-      if (first > last) continue;
-      const auto k = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(last - first + 1)) - 1);
-      while (lengths_.size() <= k) lengths_.emplace_back(height_, width_, 0.0F);
-      float* row = lengths_[k][y];
-      for (const int x : {first, last + 1 - (1 << k)}) row[x] = std::max(row[x], value);
-    }
+    const auto r = static_cast<std::size_t>(radius);
+    if (discs_.size() <= r) discs_.resize(r + 1);
+    if (discs_[r].empty()) discs_[r] = cv::Mat1f(height_, width_ + 2 * radius, 0.0F);
+    float& told =
+        discs_[r](std::clamp(centre.y, 0, height_ - 1), radius + std::clamp(centre.x, 0, width_ - 1));
+    told = std::max(told, value);
   }
 
-  cv::Mat1f finish() {
-    if (lengths_.empty()) return cv::Mat1f(height_, width_, 0.0F);
-    for (std::size_t k = lengths_.size() - 1; k > 0; --k) {
-      const int half = 1 << (k - 1);
-      for (int y = 0; y < height_; ++y) {
-        raise_row(lengths_[k][y], width_, lengths_[k - 1][y]);
-        raise_row(lengths_[k][y], width_ - half, lengths_[k - 1][y] + half);
-      }
-    }
-    return lengths_.front();
+  [[nodiscard]] cv::Mat1f finish() const {
+    cv::Mat1f dark(height_, width_, 0.0F);
+    for (std::size_t r = 0; r < discs_.size(); ++r)
+      for (int y = 0; y < discs_[r].rows; ++y) spread(discs_[r][y], static_cast<int>(r), y, dark);
+    return dark;
   }
 
  private:
-  // How far a disc reaches to either side, for each distance from its middle row.
-  const std::vector<int>& halves_of(int radius) {
-    const auto r = static_cast<std::size_t>(radius);
-    if (halves_.size() <= r) halves_.resize(r + 1);
-    if (halves_[r].empty())
-      for (int dy = 0; dy <= radius; ++dy)
-        halves_[r].push_back(static_cast<int>(std::sqrt(double(radius) * radius - double(dy) * dy)));
-    return halves_[r];
+  // A row of discs of one radius, its first pixel `radius` after its begin.
+  void spread(const float* discs, int radius, int y, cv::Mat1f& dark) const {
+    const int all = width_ + 2 * radius;
+    if (std::all_of(discs, discs + all, [](float value) { return value == 0; })) return;
+    std::vector<std::vector<float>> lengths;  // [k][x]: the greatest from x on over 2^k pixels
+    lengths.emplace_back(discs, discs + all);
+    for (int length = 1; 2 * length <= 2 * radius + 1; length *= 2) {
+      const std::vector<float>& last = lengths.back();
+      std::vector<float> next(last.size());
+      greater_row(last.data(), last.data() + length, all - length, next.data());
+      lengths.push_back(std::move(next));
+    }
+    for (int away = 0; away <= radius; ++away) {
+      const int half = static_cast<int>(std::sqrt(double(radius) * radius - double(away) * away));
+      const auto k = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(2 * half + 1)) - 1);
+      const float* first = lengths[k].data() + radius - half;
+      const float* second = lengths[k].data() + radius + half + 1 - (1 << k);
+      if (y - away >= 0) raise_row(first, second, width_, dark[y - away]);
+      if (away > 0 && y + away < height_) raise_row(first, second, width_, dark[y + away]);
+    }
   }
 
   int width_, height_;
-  std::vector<std::vector<int>> halves_;
-  std::vector<cv::Mat1f> lengths_;  // [k](y, x): the greatest noted from x on over 2^k pixels
+  std::vector<cv::Mat1f> discs_;  // [radius](y, radius + x): the greatest cast from there
 };
 
 }  // namespace
@@ -130,17 +181,14 @@ void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace&
                 static_cast<float>(kLobeShare * p.contrast));
   }
   const cv::Mat1f dark = shadow.finish();
-  std::vector<bool> marked(lines.points.size(), false);
-  visit_points(lines.index, [&](int x, int y, int entry) {
-    const auto i = static_cast<std::size_t>(entry);
-    marked[i] = lines.points[i].contrast < double{dark(y / 2, x / 2)};
+  keep_where(lines, [&](int x, int y, std::size_t entry) {
+    return lines.points[entry].contrast >= double{dark(y / 2, x / 2)};
   });
-  keep_unmarked(lines, marked);
 }
 
 void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space) {
   const auto channel = [&](const CreasePoint& p) { return space[static_cast<std::size_t>(p.level)].channel; };
-  std::vector<bool> marked(lines.points.size(), false);
+  std::vector<char> marked(lines.points.size(), 0);
   for (std::size_t i = 0; i < lines.points.size(); ++i) {
     const CreasePoint& p = lines.points[i];
     const int cx = nearest(p.position.x), cy = nearest(p.position.y);
@@ -149,7 +197,7 @@ void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleS
       for (int x = std::max(0, cx - reach); x <= std::min(lines.index.cols - 1, cx + reach); ++x) {
         if (opposite.index(y, x) < 0) continue;
         const CreasePoint& q = opposite.points[static_cast<std::size_t>(opposite.index(y, x))];
-        if (channel(q) != channel(p) && q.strength > p.strength) marked[i] = true;
+        if (channel(q) != channel(p) && q.strength > p.strength) marked[i] = 1;
       }
   }
   keep_unmarked(lines, marked);
@@ -159,18 +207,18 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
   constexpr double kMargin = 1.6;  // a line whose sides differ by half has one flank that is a third higher
   std::vector<int> owner(steps.points.size(), -1);  // of each step's point beside a line: the strongest such
                                                     // line's point
+  Across across(steps.index);
   const auto point = [&](int i) -> const CreasePoint& { return lines.points[static_cast<std::size_t>(i)]; };
   for (std::size_t i = 0; i < lines.points.size(); ++i) {
     const CreasePoint& p = lines.points[i];
     const double reach = 2.5 * space[static_cast<std::size_t>(p.level)].sigma + 1.5;
     const double nx = -std::sin(p.theta), ny = std::cos(p.theta);
-    visit_across(p, {nx, ny}, reach, steps.index.size(), [&](int x, int y) {
-      if (steps.index(y, x) < 0) return;
-      int& line = owner[static_cast<std::size_t>(steps.index(y, x))];
+    for (const int step : across.points(p, {nx, ny}, reach)) {
+      int& line = owner[static_cast<std::size_t>(step)];
       if (line < 0 || point(line).contrast < p.contrast) line = static_cast<int>(i);
-    });
+    }
   }
-  std::vector<bool> marked(steps.points.size(), false);
+  std::vector<char> marked(steps.points.size(), 0);
   for (std::size_t at = 0; at < steps.points.size(); ++at) {
     if (owner[at] < 0) continue;
     const CreasePoint& line = point(owner[at]);
@@ -178,33 +226,33 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
     const double s = space[static_cast<std::size_t>(line.level)].sigma,
                  sigma = space[static_cast<std::size_t>(steps.points[at].level)].sigma;
     const double slope = 0.607 * line.contrast * s / (s * s + sigma * sigma);
-    marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma;
+    marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma ? 1 : 0;
   }
   keep_unmarked(steps, marked);
 }
 
 void thin(CreaseMap& map, const ScaleSpace& space) {
-  std::vector<bool> marked(map.points.size(), false);
+  std::vector<char> marked(map.points.size(), 0);
+  Across across(map.index);
   std::vector<char> settled(map.points.size(), 0);  // marked, or had their turn
   for (const std::size_t i : strongest_first(map.points, &CreasePoint::strength)) {
-    if (marked[i]) continue;
+    if (marked[i] != 0) continue;
     settled[i] = 1;
     const CreasePoint& p = map.points[i];
     const double reach = std::max(1.5, 1.25 * space[static_cast<std::size_t>(p.level)].sigma);
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};
-    visit_across(p, normal, reach, map.index.size(), [&](int x, int y) {
-      if (map.index(y, x) < 0) return;
-      const auto j = static_cast<std::size_t>(map.index(y, x));
-      if (settled[j] != 0) return;
+    for (const int other : across.points(p, normal, reach)) {
+      const auto j = static_cast<std::size_t>(other);
+      if (settled[j] != 0) continue;
       const CreasePoint& q = map.points[j];
-      if (q.strength >= p.strength) return;
+      if (q.strength >= p.strength) continue;
       const Point v = q.position - p.position;
-      const double across = std::abs(v.x * normal.x + v.y * normal.y),
+      const double aside = std::abs(v.x * normal.x + v.y * normal.y),
                    along = std::abs(v.x * normal.y - v.y * normal.x);
-      if (across > 0.5 && across <= reach && along < 1 &&
+      if (aside > 0.5 && aside <= reach && along < 1 &&
           graph::orientation_difference(p.theta, q.theta) < std::numbers::pi / 4)
-        settled[j] = 1, marked[j] = true;
-    });
+        settled[j] = 1, marked[j] = 1;
+    }
   }
   keep_unmarked(map, marked);
 }
