@@ -237,8 +237,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, Ou
       fit_sharpening(made.fitted.model, ground, wanted, session.common.seed, session.context);
   const auto look = sharpened(model_look(made.fitted.model, ground, options.fill), sharpening);
   Json calibration = calibrate_model(sketches, look, options, made, session);
-  const auto residual = measure_residual(*source, motion.sketch.frames,
-                                         model_look(made.fitted.model, ground, options.fill), session.context);
+  const auto residual = measure_residual(
+      *source, motion.sketch.frames, model_look(made.fitted.model, ground, options.fill), session.context);
   write_fitted(made.fitted, ground, residual, sharpening, output, session);
   Json texture;
   if (options.texture > 0) {

@@ -7,8 +7,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "apps/model_arrays.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/model_arrays.hpp"
 
 namespace emberfold::apps {
 

@@ -56,11 +56,13 @@ ResidualTexture open_residual(const core::ModelArchive& archive, const mcmc::Mot
                               const Ground& ground) {
   auto residual = read_residual(archive, {model.width, model.height});
   if (residual.empty())
-    throw core::IoError("holds no residual of its clip to draw a texture from; 'emberfold analyze' measures it");
+    throw core::IoError(
+        "holds no residual of its clip to draw a texture from; 'emberfold analyze' measures it");
   const auto channels = static_cast<std::size_t>(model_look(model, ground, {}).channels);
   if (residual.textures.size() != channels)
-    throw core::IoError("motion model: residual_within.npy is of " + std::to_string(residual.textures.size()) +
-                        " channels, its frames have " + std::to_string(channels));
+    throw core::IoError("motion model: residual_within.npy is of " +
+                        std::to_string(residual.textures.size()) + " channels, its frames have " +
+                        std::to_string(channels));
   return residual;
 }
 

@@ -19,10 +19,10 @@ namespace emberfold::apps {
 namespace {
 
 constexpr std::size_t kPairs = 20;
-constexpr int kMargin = 3;            // px beside a patch that its own misfit may tell in
-constexpr double kCoarse = 4;         // px, SD: of what is coarser diffusion and strokes have to tell
-constexpr float kLeastStrength = 0.5F;  // grey levels: of less, rounding is all there is
-constexpr double kSeenShare = 0.02;   // of a cell's pixels over all frames, to tell how strong it is
+constexpr int kMargin = 3;              // px beside a patch that its own misfit may tell in
+constexpr double kCoarse = 4;           // px, SD: of what is coarser diffusion and strokes have to tell
+constexpr double kLeastStrength = 0.5;  // grey levels: of less, rounding is all there is
+constexpr double kSeenShare = 0.02;     // of a cell's pixels over all frames, to tell how strong it is
 
 /// What a frame shows beyond its drawing, and where that may be looked at.
 struct Residual {

@@ -16,12 +16,13 @@
 #include "dytex/gaussian_texture.hpp"
 #include "graph/attribute_graph.hpp"
 
-// The fine texture that a clip shows between its strokes and diffusion does not: grain, ripples, cloth. Told by
-// how it goes together in space and from frame to frame, and how strong it is where.
+// The fine texture that a clip shows between its strokes and diffusion does not: grain, ripples, cloth. Told
+// by how it goes together in space and from frame to frame, and how strong it is where.
 namespace emberfold::apps {
 
 struct ResidualTexture {
-  /// Of each principal component of its colours, greatest first; one where it is grey. In units of `strength`.
+  /// Of each principal component of its colours, greatest first; one where it is grey. In units of
+  /// `strength`.
   std::vector<dytex::GaussianTexture> textures;
   cv::Mat colours;   ///< CV_32F, square, a row a component: blue, green, red; orthonormal
   cv::Mat strength;  ///< CV_32F, ≥ 0, over cells of kGroundCell px: SD of all channels together, grey levels

@@ -33,7 +33,9 @@ cv::Mat transformed(const cv::Mat& values, cv::Size size) {
 }
 
 /// Where a lag lies in a table that goes round.
-int around(int lag, int length) { return ((lag % length) + length) % length; }
+int around(int lag, int length) {
+  return ((lag % length) + length) % length;
+}
 
 template <class Visit>
 void each_lag(const Visit& visit) {
@@ -52,10 +54,9 @@ cv::Mat spectrum_of(const cv::Mat& lags, cv::Size size) {
   return spectrum;
 }
 
-std::complex<float> at_speed(std::complex<float> pole, double speed) {
+std::complex<float> at_speed(std::complex<float> pole, float speed) {
   if (speed == 1) return pole;
-  return std::polar(static_cast<float>(std::pow(std::abs(pole), std::abs(speed))),
-                    static_cast<float>(speed * double{std::arg(pole)}));
+  return std::polar(std::pow(std::abs(pole), std::abs(speed)), speed * std::arg(pole));
 }
 
 /// A full spectrum of real numbers as cv::dft packs it.
@@ -69,8 +70,7 @@ cv::Mat packed(const cv::Mat& full) {
 }  // namespace
 
 GaussianTextureLearner::GaussianTextureLearner(cv::Size frame) : frame_(frame), padded_(padded(frame)) {
-  for (auto* sum : {&within_, &within_count_, &ahead_, &ahead_count_})
-    *sum = cv::Mat::zeros(padded_, CV_64F);
+  for (auto* sum : {&within_, &within_count_, &ahead_, &ahead_count_}) *sum = cv::Mat::zeros(padded_, CV_64F);
 }
 
 void GaussianTextureLearner::sum_up(cv::Mat& sum, const cv::Mat& spectrum, const cv::Mat& other) const {
@@ -105,7 +105,8 @@ GaussianTexture GaussianTextureLearner::learned() const {
       const auto taper = [](int lag) {
         return (1 + std::cos(std::numbers::pi * lag / (kTextureReach + 1))) / 2;
       };
-      if (std::abs(x) < frame_.width && std::abs(y) < frame_.height && count.at<double>(row, column) > kFewest)
+      if (std::abs(x) < frame_.width && std::abs(y) < frame_.height &&
+          count.at<double>(row, column) > kFewest)
         lags.at<float>(y + kTextureReach, x + kTextureReach) = static_cast<float>(
             taper(x) * taper(y) * sum.at<double>(row, column) / count.at<double>(row, column));
     });
@@ -126,7 +127,9 @@ GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv:
     for (int x = 0; x < power.cols; ++x) {
       const float strength = std::max(0.0F, s[x].real());  // a table of finite means may be off by a little
       const float size = std::abs(rho[x]), kept = std::min(size, kGreatestPole * strength);
-      rho[x] = strength > 0 && size > 0 ? at_speed(rho[x] * (kept / size / strength), speed) : 0;
+      rho[x] = strength > 0 && size > 0
+                   ? at_speed(rho[x] * (kept / size / strength), static_cast<float>(speed))
+                   : 0;
       w[x] = std::sqrt(strength * (1 - std::norm(rho[x])));
       z[x] = std::sqrt(strength);
     }

@@ -6,9 +6,10 @@
 
 #include <opencv2/core/mat.hpp>
 
-// A texture that is Gaussian, and the same everywhere and at all times: all there is to it is how pixels a few
-// px and a frame apart go together. As a linear dynamic texture its modes are waves, each with a pole of its
-// own. (Xia, Ferradans, Peyré & Aujol 2014, "Synthesizing and mixing stationary Gaussian texture models".)
+// A texture that is Gaussian, and the same everywhere and at all times: all there is to it is how pixels a
+// few px and a frame apart go together. As a linear dynamic texture its modes are waves, each with a pole of
+// its own. (Xia, Ferradans, Peyré & Aujol 2014, "Synthesizing and mixing stationary Gaussian texture
+// models".)
 namespace emberfold::dytex {
 
 /// Lags go to so many px both ways; a table of them is square, lag 0 in its middle.
@@ -26,7 +27,8 @@ struct GaussianTexture {
 class GaussianTextureLearner {
  public:
   explicit GaussianTextureLearner(cv::Size frame);
-  /// CV_32F values and CV_8U masks of what of them is seen (not 0), of the frame's size. O(pixels log pixels).
+  /// CV_32F values and CV_8U masks of what of them is seen (not 0), of the frame's size. O(pixels log
+  /// pixels).
   void add(const cv::Mat& now, const cv::Mat& seen_now, const cv::Mat& next, const cv::Mat& seen_next);
   /// Means over all pairs of pixels so far apart that were seen, drawn to 0 towards the greatest lags (Hann)
   /// so that what lies beyond them is nothing. 0 at lags that were never seen.

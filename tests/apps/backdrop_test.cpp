@@ -23,8 +23,8 @@ namespace {
 
 const cv::Size kSize(90, 60);
 
-/// A grey wall with a dark pole, noisy, seen by a camera that shakes by a px; a bright bar passes the right of
-/// it in one frame of twenty-five.
+/// A grey wall with a dark pole, noisy, seen by a camera that shakes by a px; a bright bar passes the right
+/// of it in one frame of twenty-five.
 core::Clip wall(int frames, int type = CV_8UC3) {
   core::Clip clip{{kSize.width, kSize.height, CV_MAT_CN(type), CV_8U, 25, 255, frames}, {}};
   core::Rng rng(11);
@@ -106,7 +106,8 @@ TEST_CASE("Backdrop: strokes of a new clip pass behind it, and nothing else of i
       const cv::Mat drawn = draw_frame(parts, look);
       CAPTURE(on_ground, presence);
       const cv::Scalar held = on_ground ? cv::Scalar::all(100) : cv::Scalar(7, 8, 9);
-      if (!on_ground) CHECK(cv::norm(drawn.colRange(0, 34), cv::Mat(60, 34, CV_8UC3, held), cv::NORM_INF) == 0);
+      if (!on_ground)
+        CHECK(cv::norm(drawn.colRange(0, 34), cv::Mat(60, 34, CV_8UC3, held), cv::NORM_INF) == 0);
       // Over 6 px it takes more and more of them.
       for (int x = 34; !on_ground && presence == 1 && x < 40; ++x)
         CHECK(drawn.at<cv::Vec3b>(30, x)[0] < drawn.at<cv::Vec3b>(30, x + 1)[0]);
@@ -129,8 +130,8 @@ TEST_CASE("Backdrop: kept beside a model, bit by bit, and refused where it does 
       return message_of<core::IoError>([&] { read_backdrop(from, frame); });
     };
     const std::string channels = type == CV_8UC1 ? "1" : "3";
-    CHECK(refusal(archive, {90, 61}) == "motion model: backdrop.npy is 60 x 90 x " + channels +
-                                            "; expected uint8, 61 x 90 x " + channels);
+    CHECK(refusal(archive, {90, 61}) ==
+          "motion model: backdrop.npy is 60 x 90 x " + channels + "; expected uint8, 61 x 90 x " + channels);
     auto broken = archive;
     broken.arrays.erase("backdrop");
     CHECK(refusal(broken, kSize) == "motion model: backdrop.npy is missing");

@@ -116,8 +116,7 @@ TEST_CASE("Ground: kept beside a model, bit by bit, and refused where it does no
   CHECK(cv::countNonZero(read.levels != ground.levels) == 0);
   CHECK(cv::countNonZero(read.still != ground.still) == 0);
 
-  CHECK(refusal(archive, {200, 70}) ==
-        "motion model: ground.npy is 5 x 7 x 1; expected float32, 5 x 13 x 1");
+  CHECK(refusal(archive, {200, 70}) == "motion model: ground.npy is 5 x 7 x 1; expected float32, 5 x 13 x 1");
   auto broken = archive;
   std::get<std::vector<float>>(broken.arrays["ground"].data)[3] = std::numeric_limits<float>::quiet_NaN();
   CHECK_THAT(refusal(broken, {100, 70}), Catch::Matchers::Contains("ground.npy holds a number"));

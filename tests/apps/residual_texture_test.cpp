@@ -172,9 +172,9 @@ TEST_CASE("Residual: stops where it is told to, and is kept beside a model bit b
   std::stop_source stop;
   stop.request_stop();
   core::ClipSource source(clip);
-  CHECK_THROWS_AS(
-      measure_residual(source, std::vector(clip.frames.size(), bar()), look(3), core::Context(stop.get_token())),
-      Interrupted);
+  CHECK_THROWS_AS(measure_residual(source, std::vector(clip.frames.size(), bar()), look(3),
+                                   core::Context(stop.get_token())),
+                  Interrupted);
 
   for (const int channels : {1, 3}) {
     const auto residual = measured(noisy(channels));
@@ -186,8 +186,9 @@ TEST_CASE("Residual: stops where it is told to, and is kept beside a model bit b
     const auto refusal = [&](const core::ModelArchive& from, cv::Size frame = kSize) {
       return message_of<core::IoError>([&] { read_residual(from, frame); });
     };
-    CHECK_THAT(refusal(archive, {200, 80}), Catch::Matchers::Contains("residual_strength.npy is 5 x 7 x 1;") &&
-                                                Catch::Matchers::Contains("expected float32, 5 x 13 x 1"));
+    CHECK_THAT(refusal(archive, {200, 80}),
+               Catch::Matchers::Contains("residual_strength.npy is 5 x 7 x 1;") &&
+                   Catch::Matchers::Contains("expected float32, 5 x 13 x 1"));
     for (const char* name : {"colours", "strength", "ahead"}) {
       auto broken = archive;
       broken.arrays.erase("residual_" + std::string(name));

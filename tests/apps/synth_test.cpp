@@ -403,7 +403,8 @@ TEST_CASE("synth lays the clip's residual on new frames where asked") {
   };
   draw(plain, {});
   for (const char* threads : {"1", "4"})
-    draw(made.temp / ("texture" + std::string(threads) + ".avi"), {"--fill", "texture", "--threads", threads});
+    draw(made.temp / ("texture" + std::string(threads) + ".avi"),
+         {"--fill", "texture", "--threads", threads});
   CHECK(bytes_of(made.temp / "texture1.avi") == bytes_of(made.temp / "texture4.avi"));
   CHECK(bytes_of(made.temp / "texture1.avi") != bytes_of(plain));
   // It goes at the strokes' speed.

@@ -69,8 +69,7 @@ TEST_CASE("Gaussian texture: frames go together as the texture says, and drift a
   for (std::size_t i = 0; i < 4; ++i) {
     const auto [dx, dy] = lags[i];
     CAPTURE(dx, dy);
-    CHECK_THAT(within[i],
-               WithinAbs(double{texture.within.at<float>(kMiddle + dy, kMiddle + dx)}, 0.12));
+    CHECK_THAT(within[i], WithinAbs(double{texture.within.at<float>(kMiddle + dy, kMiddle + dx)}, 0.12));
     CHECK_THAT(ahead[i], WithinAbs(double{texture.ahead.at<float>(kMiddle + dy, kMiddle + dx)}, 0.12));
   }
 }
