@@ -74,7 +74,7 @@ DrawnStrokes draw_strokes(const FrameParts& parts, const FrameLook& look, const 
     if (!still.fixed.empty()) drawn.mask.setTo(0, still.fixed);
     return drawn;
   };
-  if (all_there && !detailed)
+  if ((all_there && !detailed) || graph.size() == 0)
     return {behind_backdrop(sketch::draw_fitted(graph, look.size, look.channels)), {}};
   std::vector<std::array<float, 2>> shares;  // presence, share of lines
   for (std::size_t i = 0; i < graph.size(); ++i)

@@ -117,6 +117,19 @@ TEST_CASE("Backdrop: strokes of a new clip pass behind it, and nothing else of i
   CHECK(without.at<cv::Vec3b>(30, 22)[0] > 180);
 }
 
+TEST_CASE("Backdrop: a frame without a stroke shows it, and a ground is shown as it is") {
+  FrameLook look{kSize, 3};
+  look.new_places = true;
+  const std::vector<FrameGround> seen{measure_ground(cv::Mat(kSize, CV_32FC3, cv::Scalar::all(100)), {})};
+  look.ground = still_ground(seen);
+  look.ground.backdrop = {cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
+                          cv::Mat(kSize, CV_8U, cv::Scalar(255))};
+  FrameParts parts;
+  CHECK(cv::norm(draw_frame(parts, look), cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)), cv::NORM_INF) == 0);
+  parts.ground = noise_frame(kSize, CV_8UC3, 3);
+  CHECK(same_pixels(draw_frame(parts, look), parts.ground));
+}
+
 TEST_CASE("Backdrop: kept beside a model, bit by bit, and refused where it does not fit") {
   for (const int type : {CV_8UC1, CV_8UC3}) {
     const auto backdrop = measured(wall(30, type));
