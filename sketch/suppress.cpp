@@ -49,7 +49,7 @@ class Across {
     for (std::size_t i = 0; i < count; ++i) {
       const int pixel = found_[i], here = entries[std::max(pixel, 0)] | pixel >> 31;
       found_[kept] = here;
-      kept += (here >= 0) & (here != last) ? 1 : 0;
+      kept += ((here >= 0) & (here != last)) ? 1 : 0;
       last = here;
     }
     return {found_.data(), kept};
