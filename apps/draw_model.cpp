@@ -98,7 +98,7 @@ FrameParts ModelFrames::next_parts() {
 
 void ModelFrames::each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context) {
   const FramePainter painter(look_);
-  const auto room = frames_at_once(look_.size.width, look_.size.height, look_.channels);
+  const auto room = static_cast<std::size_t>(batch());
   std::vector<FrameParts> parts(room);
   std::vector<cv::Mat> frames(room);
   const auto status =

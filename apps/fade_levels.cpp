@@ -76,6 +76,19 @@ class CoarseFill {
   cv::Mat near_;
 };
 
+/// Where a patch is not quite there: `from`, and by its share what its levels have beyond `beyond`.
+void blend(sketch::Sketchable& part, const cv::Mat& presence, const cv::Mat& from, const cv::Mat& beyond) {
+  const int channels = part.levels.channels();
+  for (int y = 0; y < part.mask.rows; ++y) {
+    const auto* drawn = part.mask.ptr(y);
+    const auto *share = presence.ptr<float>(y), *begin = from.ptr<float>(y), *own = beyond.ptr<float>(y);
+    auto* levels = part.levels.ptr<float>(y);
+    for (int x = 0; x < part.mask.cols; ++x)
+      for (int c = x * channels; drawn[x] != 0 && share[x] < kAllThere && c < (x + 1) * channels; ++c)
+        levels[c] = begin[c] + share[x] * (levels[c] - own[c]);
+  }
+}
+
 }  // namespace
 
 void fade(sketch::Sketchable& part, const cv::Mat& presence, const WholeGround& ground, float empty_level,
@@ -94,27 +107,11 @@ void fade(sketch::Sketchable& part, const cv::Mat& presence, const WholeGround& 
   cv::Mat from, whole;
   cv::resize(sum, from, part.mask.size(), 0, 0, cv::INTER_LINEAR);
   cv::resize(all, whole, part.mask.size(), 0, 0, cv::INTER_LINEAR);
-  const int channels = part.levels.channels();
-  for (int y = 0; y < part.mask.rows; ++y) {
-    const auto* drawn = part.mask.ptr(y);
-    const auto *share = presence.ptr<float>(y), *begin = from.ptr<float>(y), *own = whole.ptr<float>(y);
-    auto* levels = part.levels.ptr<float>(y);
-    for (int x = 0; x < part.mask.cols; ++x)
-      for (int c = x * channels; drawn[x] != 0 && share[x] < kAllThere && c < (x + 1) * channels; ++c)
-        levels[c] = begin[c] + share[x] * (levels[c] - own[c]);
-  }
+  blend(part, presence, from, whole);
 }
 
 void fade_onto(sketch::Sketchable& part, const cv::Mat& presence, const cv::Mat& ground) {
-  const int channels = part.levels.channels();
-  for (int y = 0; y < part.mask.rows; ++y) {
-    const auto* drawn = part.mask.ptr(y);
-    const auto *share = presence.ptr<float>(y), *begin = ground.ptr<float>(y);
-    auto* levels = part.levels.ptr<float>(y);
-    for (int x = 0; x < part.mask.cols; ++x)
-      for (int c = x * channels; drawn[x] != 0 && share[x] < kAllThere && c < (x + 1) * channels; ++c)
-        levels[c] = begin[c] + share[x] * (levels[c] - begin[c]);
-  }
+  blend(part, presence, ground, ground);
 }
 
 }  // namespace emberfold::apps

@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "apps/ground_cells.hpp"
 #include "apps/model_arrays.hpp"
 #include "core/clip.hpp"
 
@@ -19,10 +20,6 @@ constexpr double seen_share = 0.2;  // of the frames
 constexpr double restless = 8;      // levels, SD over the frames, beyond which a ground is not still
 constexpr double soft = 6;          // px of a backdrop's edge over which strokes pass behind it
 constexpr float straight = 0.955F, aslant = 1.3693F;  // a step's length to a neighbour, px
-
-cv::Size cells(cv::Size frame) {
-  return {(frame.width + kGroundCell - 1) / kGroundCell, (frame.height + kGroundCell - 1) / kGroundCell};
-}
 
 // One value a cell spread over the frame: linear between still cells, which alone count.
 cv::Mat spread_out(const Ground& ground, cv::Size frame) {
@@ -76,12 +73,8 @@ cv::Mat with_channels(const cv::Mat& levels, int channels) {
 }  // namespace
 
 FrameGround measure_ground(const cv::Mat& levels, const graph::AttributeGraph& graph) {
-  const cv::Size size = cells(levels.size());
-  cv::Mat whole;
-  cv::copyMakeBorder(levels, whole, 0, size.height * kGroundCell - levels.rows, 0,
-                     size.width * kGroundCell - levels.cols, cv::BORDER_REPLICATE);
-  FrameGround ground{{}, cv::Mat(size, CV_8U, cv::Scalar(255)), measure_seen(levels)};
-  cv::resize(whole, ground.levels, size, 0, 0, cv::INTER_AREA);
+  const cv::Size size = ground_cells(levels.size());
+  FrameGround ground{over_cells(levels), cv::Mat(size, CV_8U, cv::Scalar(255)), measure_seen(levels)};
   const auto cell = [](double at, int count) {
     return std::clamp(static_cast<int>(std::floor((at + 0.5) / kGroundCell)), 0, count - 1);
   };
@@ -191,8 +184,8 @@ void add_ground(core::ModelArchive& archive, const Ground& ground) {
 
 Ground read_ground(const core::ModelArchive& archive, cv::Size frame) {
   if (!archive.arrays.contains("ground") && !archive.arrays.contains("ground_still")) return {};
-  Ground ground{read_floats(archive, "ground", cells(frame), channels_of(archive, "ground")),
-                read_bytes(archive, "ground_still", cells(frame), 1)};
+  Ground ground{read_floats(archive, "ground", ground_cells(frame), channels_of(archive, "ground")),
+                read_bytes(archive, "ground_still", ground_cells(frame), 1)};
   ground.still = ground.still != 0;
   ground.seen = read_seen_levels(archive, frame);
   ground.backdrop = read_backdrop(archive, frame);

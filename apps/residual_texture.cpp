@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/ground_cells.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/model_arrays.hpp"
 #include "core/error.hpp"
@@ -96,20 +97,6 @@ class ResidualReader {
   const core::Context& context_;
 };
 
-cv::Size cells(cv::Size frame) {
-  return {(frame.width + kGroundCell - 1) / kGroundCell, (frame.height + kGroundCell - 1) / kGroundCell};
-}
-
-/// Each cell's mean over its pixels in the frame.
-cv::Mat over_cells(const cv::Mat& values) {
-  const cv::Size count = cells(values.size());
-  cv::Mat whole, means;
-  cv::copyMakeBorder(values, whole, 0, count.height * kGroundCell - values.rows, 0,
-                     count.width * kGroundCell - values.cols, cv::BORDER_REPLICATE);
-  cv::resize(whole, means, count, 0, 0, cv::INTER_AREA);
-  return means;
-}
-
 /// Linear between the middles of cells.
 cv::Mat spread(const cv::Mat& values, cv::Size frame) {
   cv::Mat whole;
@@ -126,7 +113,7 @@ cv::Mat turned(const cv::Mat& values, const cv::Mat& table) {
 
 /// SD by cell; what was hardly seen takes it from cells around. Empty where nothing was seen.
 cv::Mat measure_strength(ResidualReader& reader, cv::Size frame) {
-  cv::Mat squares = cv::Mat::zeros(cells(frame), CV_32F), counts = squares.clone();
+  cv::Mat squares = cv::Mat::zeros(ground_cells(frame), CV_32F), counts = squares.clone();
   int frames = 0;
   reader.each_pair([&](const Residual& now, const Residual& next) {
     for (const auto* residual : {&now, &next}) {
@@ -241,7 +228,7 @@ ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame)
   ResidualTexture residual;
   for (std::size_t i = 0; i < within.size(); ++i) residual.textures.push_back({within[i], ahead[i]});
   residual.colours = read_floats(archive, "residual_colours", {count, count}, 1);
-  residual.strength = read_floats(archive, "residual_strength", cells(frame), 1);
+  residual.strength = read_floats(archive, "residual_strength", ground_cells(frame), 1);
   double least = 0;
   cv::minMaxIdx(residual.strength, &least);
   if (least < 0) throw core::IoError("motion model: residual_strength.npy holds a number below 0");
