@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 bool is_grey(const graph::AttributeGraph& graph) {
   const auto same = [](const graph::Level& l) { return l[0] == l[1] && l[1] == l[2]; };
   return std::ranges::all_of(graph.vertices(), [&](const graph::Vertex& v) {
-    return same(v.patch.left) && same(v.patch.middle) && same(v.patch.right);
+    return same(v.patch.left) && same(v.patch.middle) && same(v.patch.right) && same(v.patch.between);
   });
 }
 

@@ -33,6 +33,8 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("edges", o.edges, "", "Leave step edges out, follow ridges and valleys alone");
   visit("colour", o.colour, "", "Structure from two axes of colour too, not only from luma");
   visit("blobs", o.blobs, "", "Blobs too, where the fill between the strokes leaves more than noise");
+  visit("double_ridges", o.double_ridges, "",
+        "Two lines that run side by side become one double ridge, where that shortens the code");
   visit("budget", o.budget, "SHARE",
         "The patches that gain most, blobs among them, on so much of the frame; 0: all that pay");
 }

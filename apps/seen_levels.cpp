@@ -81,6 +81,8 @@ void keep_within(graph::Patch& patch, const SeenLevels& seen) {
                  right = kept(double{patch.right[c]}, seen, patch.position + aside, channel),
                  sides = (left + right) / 2;
     const double core = step ? 0 : kept(sides + share * height, seen, patch.position, channel) - sides;
+    if (patch.hollow > 0)
+      patch.between[c] += (static_cast<float>(left + right) - patch.left[c] - patch.right[c]) / 2;
     patch.left[c] = static_cast<float>(left), patch.right[c] = static_cast<float>(right);
     patch.middle[c] = static_cast<float>(step || share < 1e-3 ? sides : sides + core / share);
   }

@@ -26,7 +26,7 @@ bool finite(const Patch& p) {
   return std::isfinite(p.position.x) && std::isfinite(p.position.y) && std::isfinite(p.theta) &&
          std::isfinite(p.width) && std::isfinite(p.blur) && std::isfinite(p.contrast) &&
          std::isfinite(p.cost) && std::isfinite(p.gain) && finite(p.left) && finite(p.middle) &&
-         finite(p.right);
+         finite(p.right) && std::isfinite(p.hollow) && finite(p.between);
 }
 
 /// Sorts the vertices, unless they come sorted.

@@ -16,9 +16,9 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr std::array<std::string_view, 14> kVertexKeys = {"id",     "subgraph", "type", "x",        "y",
-                                                          "theta",  "width",    "blur", "contrast", "left",
-                                                          "middle", "right",    "cost", "gain"};
+constexpr std::array<std::string_view, 16> kVertexKeys = {
+    "id",       "subgraph", "type",   "x",     "y",       "theta",  "width", "blur",
+    "contrast", "left",     "middle", "right", "between", "hollow", "cost",  "gain"};
 enum VertexKey : unsigned {
   kId,
   kSubgraph,
@@ -32,6 +32,8 @@ enum VertexKey : unsigned {
   kLeft,
   kMiddle,
   kRight,
+  kBetween,
+  kHollow,
   kCost,
   kGain
 };
@@ -115,7 +117,10 @@ class Handler {
       place_ = Place::done;
       return true;
     }
-    require_all(kVertexKeys, seen_vertex_ | 1U << kCost | 1U << kGain, vertex_name());
+    const bool hollow = ((seen_vertex_ >> kHollow) & 1U) != 0;
+    require_all(kVertexKeys,
+                seen_vertex_ | 1U << kHollow | (hollow ? 0U : 1U << kBetween) | 1U << kCost | 1U << kGain,
+                vertex_name());
     if (const auto wrong = complaint(line.vertices.back().patch); !wrong.empty()) fail(vertex_name() + wrong);
     place_ = Place::vertices;
     return true;
@@ -131,7 +136,7 @@ class Handler {
       count_ = 0;
       return true;
     }
-    if (place_ == Place::vertex && key_ != kUnknown && key_ >= kLeft && key_ <= kRight) {
+    if (place_ == Place::vertex && key_ != kUnknown && key_ >= kLeft && key_ <= kBetween) {
       place_ = Place::level;
       count_ = 0;
       return true;
@@ -277,6 +282,9 @@ class Handler {
       case kContrast:
         vertex.patch.contrast = value;
         return true;
+      case kHollow:
+        vertex.patch.hollow = value;
+        return true;
       case kCost:
         vertex.patch.cost = value;
         return true;
@@ -291,7 +299,16 @@ class Handler {
 
   Level& level() {
     Patch& patch = line.vertices.back().patch;
-    return key_ == kLeft ? patch.left : key_ == kMiddle ? patch.middle : patch.right;
+    switch (key_) {
+      case kLeft:
+        return patch.left;
+      case kMiddle:
+        return patch.middle;
+      case kRight:
+        return patch.right;
+      default:
+        return patch.between;
+    }
   }
 
   /// What no float holds becomes infinite, and is refused with the vertex.

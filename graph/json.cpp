@@ -34,19 +34,29 @@ std::string complaint(const Patch& patch) {
     const char* name;
     double value, least, most = kLargest;
   };
-  const std::array<Field, 8> fields{{{"x", patch.position.x, -kLargest},
+  const std::array<Field, 9> fields{{{"x", patch.position.x, -kLargest},
                                      {"y", patch.position.y, -kLargest},
                                      {"theta", patch.theta, -kLargest},
                                      {"width", patch.width, 0},
                                      {"blur", patch.blur, 0},
+                                     {"hollow", patch.hollow, 0},
                                      {"contrast", patch.contrast, -kLargest},
                                      {"cost", patch.cost, 0, kMostNats},
                                      {"gain", patch.gain, -kMostNats, kMostNats}}};
   for (const Field& field : fields) {
     if (auto text = check(field.name, field.value, field.least, field.most); !text.empty()) return text;
   }
-  for (const auto& [name, level] :
-       {std::pair{"left", patch.left}, {"middle", patch.middle}, {"right", patch.right}}) {
+  if (patch.hollow > patch.width) {
+    std::string text = "\"hollow\" is ";
+    append(text, patch.hollow);
+    text += ", allowed is 0 to \"width\", ";
+    append(text, patch.width);
+    return text;
+  }
+  for (const auto& [name, level] : {std::pair{"left", patch.left},
+                                    {"middle", patch.middle},
+                                    {"right", patch.right},
+                                    {"between", patch.between}}) {
     for (const float value : level) {
       if (auto text = check(name, static_cast<double>(value), -kLargest, kLargest); !text.empty())
         return text;

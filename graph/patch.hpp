@@ -50,9 +50,11 @@ using Level = std::array<float, 3>;
 /// The profile across the patch, at signed distance d along the normal (−sin θ, cos θ), which points right of
 /// the direction θ as the image is seen: a line has the level `left` for d ≪ 0, `middle` on a core of `width`
 /// about d = 0, `right` for d ≫ 0, all blurred by a Gaussian of SD `blur`; a step has no core: `width` is 0
-/// and `middle` the mean of both sides. A blob has no curve: it is a disc about `position` that shows, at (a,
-/// d) along and across, an even ramp from `left` to `right` over its diameter, and on it, in its centre, as
-/// much as `middle` differs from the ramp, falling off by a Gaussian of SD width / 2 + blur.
+/// and `middle` the mean of both sides. A double ridge is a line whose core is hollow: two thin lines, and
+/// `between` on `hollow` px about d = 0, blurred alike. A blob has no curve: it is a disc about `position`
+/// that shows, at (a, d) along and across, an even ramp from `left` to `right` over its diameter, and on it,
+/// in its centre, as much as `middle` differs from the ramp, falling off by a Gaussian of SD width / 2 +
+/// blur.
 struct Patch {
   PatchType type = PatchType::ridge;
   Point position;
@@ -60,10 +62,12 @@ struct Patch {
   double width = 0;     ///< px, of the core before blurring
   double blur = 1;      ///< px, SD
   double contrast = 0;  ///< luma, signed: a line's peak, as seen, above the mean of its sides (ridge > 0 >
-                        ///< valley); a step's right − left
+                        ///< valley); of a double ridge, that of its two lines; a step's right − left
   Level left{}, middle{}, right{};
-  double cost = 0;  ///< nats, ≥ 0: the description length of the numbers above; 0 where nobody counted
-  double gain = 0;  ///< nats that showing the patch saves in coding its frame, the cost paid; likewise
+  double hollow = 0;  ///< px, 0…width, of a double ridge; 0: a line of its core's level
+  Level between{};    ///< where it is hollow
+  double cost = 0;    ///< nats, ≥ 0: the description length of the numbers above; 0 where nobody counted
+  double gain = 0;    ///< nats that showing the patch saves in coding its frame, the cost paid; likewise
 
   bool operator==(const Patch&) const = default;
 };

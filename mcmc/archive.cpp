@@ -19,6 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kFormat = "emberfold.motion_model";
 constexpr int kVersion = 1;
 constexpr std::size_t kPatchColumns = 16;  // x y theta width blur contrast, left middle right of 3, type
+constexpr std::size_t kHollowColumns = 4;  // hollow, between of 3
 constexpr std::size_t kMostPatches = std::size_t{1} << 26;
 
 // --- writing
@@ -39,6 +40,17 @@ void append_patches(std::vector<double>& rows, const graph::AttributeGraph& grap
       for (const float value : level) rows.push_back(static_cast<double>(value));
     rows.push_back(static_cast<double>(p.type));
   }
+}
+
+void append_hollows(std::vector<double>& rows, const graph::AttributeGraph& graph) {
+  for (const auto& vertex : graph.vertices()) {
+    rows.push_back(vertex.patch.hollow);
+    for (const float value : vertex.patch.between) rows.push_back(static_cast<double>(value));
+  }
+}
+
+bool has_double_ridges(const graph::AttributeGraph& graph) {
+  return std::ranges::any_of(graph.vertices(), [](const auto& v) { return v.patch.hollow > 0; });
 }
 
 void append_edges(std::vector<std::int64_t>& rows, const graph::AttributeGraph& graph) {
@@ -163,12 +175,29 @@ graph::Patch read_patch(const double* row, const std::string& name) {
   return p;
 }
 
-// The next graph of a table of patches and one of edges.
+void read_hollow(graph::Patch& patch, const double* row, const std::string& name) {
+  patch.hollow = row[0];
+  for (std::size_t c = 0; c < 3; ++c) patch.between[c] = static_cast<float>(row[1 + c]);
+  if (const auto why = graph::detail::complaint(patch); !why.empty()) refuse(name + ".npy: " + why);
+}
+
+// The next graph of the tables of this kind: "first" or "exemplar".
 struct GraphTables {
-  std::string patches_name, edges_name;
+  std::string patches_name, edges_name, hollows_name;
   const std::vector<double>& patches;
   const std::vector<std::int64_t>& edges;
+  const std::vector<double>* hollows = nullptr;  // missing where there are no double ridges
   std::size_t next_patch = 0, next_edge = 0;
+
+  GraphTables(const core::ModelArchive& archive, const std::string& kind)
+      : patches_name(kind + "_patches"),
+        edges_name(kind + "_edges"),
+        hollows_name(kind + "_hollows"),
+        patches(rows_of<double>(archive, patches_name, kPatchColumns)),
+        edges(rows_of<std::int64_t>(archive, edges_name, 2)) {
+    if (archive.arrays.contains(hollows_name))
+      hollows = &rows_of<double>(archive, hollows_name, kHollowColumns, patches.size() / kPatchColumns);
+  }
 
   graph::AttributeGraph take(std::size_t patch_count, std::size_t edge_count) {
     if (patch_count > patches.size() / kPatchColumns - next_patch ||
@@ -176,10 +205,12 @@ struct GraphTables {
       refuse(patches_name + ".npy and " + edges_name + ".npy hold fewer rows than the exemplars need");
     std::vector<graph::Vertex> vertices;
     std::vector<graph::Edge> joined;
-    for (std::size_t i = 0; i < patch_count; ++i)
-      vertices.push_back({{static_cast<std::uint32_t>(i)},
-                          {},
-                          read_patch(&patches[(next_patch + i) * kPatchColumns], patches_name)});
+    for (std::size_t i = 0; i < patch_count; ++i) {
+      graph::Patch patch = read_patch(&patches[(next_patch + i) * kPatchColumns], patches_name);
+      if (hollows != nullptr)
+        read_hollow(patch, &(*hollows)[(next_patch + i) * kHollowColumns], hollows_name);
+      vertices.push_back({{static_cast<std::uint32_t>(i)}, {}, patch});
+    }
     const auto end = [&](std::size_t at) {
       const std::int64_t index = edges[at];
       if (index < 0 || static_cast<std::size_t>(index) >= patch_count)
@@ -203,9 +234,7 @@ struct GraphTables {
 };
 
 void read_exemplars(const core::ModelArchive& archive, MotionModel& model) {
-  GraphTables tables{"exemplar_patches", "exemplar_edges",
-                     rows_of<double>(archive, "exemplar_patches", kPatchColumns),
-                     rows_of<std::int64_t>(archive, "exemplar_edges", 2)};
+  GraphTables tables(archive, "exemplar");
   const auto& sizes = rows_of<std::int64_t>(archive, "exemplar_sizes", 2);
   const auto& places = rows_of<double>(archive, "exemplar_places", 3, sizes.size() / 2);
   for (std::size_t i = 0; i < sizes.size() / 2; ++i) {
@@ -216,8 +245,7 @@ void read_exemplars(const core::ModelArchive& archive, MotionModel& model) {
          places[3 * i + 2]});
   }
   tables.finish();
-  GraphTables first{"first_patches", "first_edges", rows_of<double>(archive, "first_patches", kPatchColumns),
-                    rows_of<std::int64_t>(archive, "first_edges", 2)};
+  GraphTables first(archive, "first");
   model.first = first.take(first.patches.size() / kPatchColumns, first.edges.size() / 2);
   if (!archive.arrays.contains("first_swing")) return;  // older models do not have it
   const auto& swing = rows_of<double>(archive, "first_swing", 6, model.first.size());
@@ -293,16 +321,18 @@ core::ModelArchive to_archive(const MotionModel& model) {
                     {"density", map_array(model.density)},       {"parting", map_array(rates.parting)},
                     {"sway_share", map_array(model.sway_share)}, {"drift_x", map_array(model.drift_x)},
                     {"drift_y", map_array(model.drift_y)}};
-  std::vector<double> patches, places, first;
+  std::vector<double> patches, places, first, hollows, first_hollows;
   std::vector<std::int64_t> edges, sizes, first_edges;
   for (const auto& exemplar : model.exemplars) {
     append_patches(patches, exemplar.graph);
+    append_hollows(hollows, exemplar.graph);
     append_edges(edges, exemplar.graph);
     sizes.push_back(static_cast<std::int64_t>(exemplar.graph.size()));
     sizes.push_back(static_cast<std::int64_t>(exemplar.graph.edges().size()));
     places.insert(places.end(), {exemplar.place.x, exemplar.place.y, exemplar.clearance});
   }
   append_patches(first, model.first);
+  append_hollows(first_hollows, model.first);
   append_edges(first_edges, model.first);
   archive.arrays["exemplar_patches"] = table(std::move(patches), kPatchColumns);
   archive.arrays["exemplar_edges"] = pairs(std::move(edges));
@@ -310,6 +340,10 @@ core::ModelArchive to_archive(const MotionModel& model) {
   archive.arrays["exemplar_places"] = table(std::move(places), 3);
   archive.arrays["first_patches"] = table(std::move(first), kPatchColumns);
   archive.arrays["first_edges"] = pairs(std::move(first_edges));
+  if (std::ranges::any_of(model.exemplars, [](const auto& e) { return has_double_ridges(e.graph); }))
+    archive.arrays["exemplar_hollows"] = table(std::move(hollows), kHollowColumns);
+  if (has_double_ridges(model.first))
+    archive.arrays["first_hollows"] = table(std::move(first_hollows), kHollowColumns);
   if (model.first_swing.empty()) return archive;
   std::vector<double> swing;
   for (const auto& s : model.first_swing)

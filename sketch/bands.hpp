@@ -11,12 +11,12 @@
 
 #include "graph/attribute_graph.hpp"
 #include "sketch/blob.hpp"
+#include "sketch/profile_shape.hpp"
 
 // Where the patches of a graph lie in the frame, whatever they show there (render.hpp).
 namespace emberfold::sketch {
 
 inline constexpr double kLeastReach = 1.5, kMostReach = 12;  ///< px to each side
-inline constexpr double kLeastBlur = 0.2;                    ///< px: below, a pixel does not show it
 inline constexpr double kSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
 
 inline constexpr double kLeastMargin =

@@ -14,6 +14,7 @@
 #include "sketch/blob.hpp"
 #include "sketch/colour.hpp"
 #include "sketch/median.hpp"
+#include "sketch/profile_shape.hpp"
 
 namespace emberfold::sketch {
 
@@ -134,28 +135,28 @@ class BlurredStep {
   std::array<Node, kNodes> nodes_;
 };
 
-const BlurredStep& blurred_step() {
+const BlurredStep& table_of_steps() {
   static const BlurredStep step;
   return step;
 }
 
 /// A patch's profile in luma.
 struct Profile {
-  const BlurredStep& reached = blurred_step();
-  double left, middle, right, half_width, blur, reach;
+  const BlurredStep& step = table_of_steps();
+  double left, middle, right, between;
+  ProfileShape shape;
+  double reach;
 
   Profile(const graph::Patch& patch, const std::array<float, 3>& axis)
       : left(along(axis, patch.left)),
         middle(along(axis, patch.middle)),
         right(along(axis, patch.right)),
-        half_width(std::max(patch.width, 0.0) / 2),
-        blur(std::max(patch.blur, 0.2)),
-        reach(std::clamp(half_width + 2 * blur, kLeastReach, kMostReach)) {}
+        between(along(axis, patch.between)),
+        shape(patch),
+        reach(std::clamp(shape.half_width + 2 * shape.blur, kLeastReach, kMostReach)) {}
 
   [[nodiscard]] double at(double distance) const {
-    const double enter = reached((distance + half_width) / blur);
-    const double leave = half_width > 0 ? reached((distance - half_width) / blur) : enter;
-    return left + enter * (middle - left) + leave * (right - middle);
+    return shape.at(distance, step).level(left, middle, right, between);
   }
 };
 
@@ -297,7 +298,8 @@ GainFrame prepare_gain(cv::Mat1f mixture, const std::array<float, 3>& axis) {
 }
 
 double coding_cost(const graph::Patch& patch, double pixels) {
-  const int numbers = patch.type == graph::PatchType::blob ? 6 : graph::on_step(patch) ? 5 : 7;
+  const bool blob = patch.type == graph::PatchType::blob;
+  const int numbers = blob ? 6 : graph::on_step(patch) ? 5 : patch.hollow > 0 ? 9 : 7;
   return 0.5 * numbers * std::log1p(pixels);
 }
 

@@ -23,8 +23,8 @@ GainFrame prepare_gain(const cv::Mat& levels);
 /// The same for another mixture of the channels, of these weights.
 GainFrame prepare_gain(cv::Mat1f mixture, const std::array<float, 3>& axis);
 
-/// ½·ln(1 + pixels) nats for each number of the patch that the fill has not: 7 of a line, 5 of a step, 6 of a
-/// blob. `pixels`: > 0, those that tell the numbers, independent of each other.
+/// ½·ln(1 + pixels) nats for each number of the patch that the fill has not: 7 of a line, 9 of a double
+/// ridge, 5 of a step, 6 of a blob. `pixels`: > 0, those that tell the numbers, independent of each other.
 double coding_cost(const graph::Patch& patch, double pixels);
 
 /// What a patch of a frame costs and gains, nats.
@@ -39,7 +39,7 @@ struct Coding {
 /// least 3 px. g is what the fill would show: an even ramp as steep as the difference between the bands that
 /// lie outside the footprint on both sides, at the level that suits the footprint best. `clumping` is that of
 /// a bar of the patch's size. The cost is ½·ln(1 + n) nats for each number that the patch has and the ramp
-/// has not (7, of a step 5), n the footprint's pixels ÷ clumping: the precision at which the pixels tell them
+/// has not (coding_cost), n the footprint's pixels ÷ clumping: the precision at which the pixels tell them
 /// (Rissanen's description length). A blob gains over the best ramp in its disc. Pixels outside the frame are
 /// not there: a patch outside it gains and costs nothing. Patches fitted at places of chance gain more than 0
 /// less than once in 1000 times in white noise, once in 100 in noise that is smooth over 1.6 px. O(pixels of

@@ -75,20 +75,15 @@ double luma_of(const graph::Level& level) {
   return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
 }
 
-double blurred_step(double d) {
-  return 0.5 * std::erfc(-d / std::numbers::sqrt2);
-}
-
 /// RMS of what the patch's own profile leaves of its view.
 double parametric_residual(const graph::Patch& patch, const View& view) {
-  const double half_width = std::max(patch.width, 0.0) / 2, blur = std::max(patch.blur, kLeastBlur);
-  const double left = luma_of(patch.left), middle = luma_of(patch.middle), right = luma_of(patch.right);
+  const ProfileShape shape(patch);
+  const double left = luma_of(patch.left), middle = luma_of(patch.middle), right = luma_of(patch.right),
+               between = luma_of(patch.between);
   double sum = 0;
   for (std::size_t i = 0; i < view.luma.size(); ++i) {
     const double d = view.reach * profile_place(i) * (view.turned ? -1 : 1);
-    const double enter = blurred_step((d + half_width) / blur);
-    const double leave = half_width > 0 ? blurred_step((d - half_width) / blur) : enter;
-    const double off = double{view.luma[i]} - (left + enter * (middle - left) + leave * (right - middle));
+    const double off = double{view.luma[i]} - shape.at(d).level(left, middle, right, between);
     sum += off * off;
   }
   return std::sqrt(sum / static_cast<double>(view.luma.size()));

@@ -32,21 +32,14 @@ Colour colour(const graph::Level& level, int channels) {
   return channels == 3 ? c : Colour{0.114 * c[0] + 0.587 * c[1] + 0.299 * c[2], 0, 0};
 }
 
-double blurred_step(double d) {
-  return 0.5 * std::erfc(-d / std::numbers::sqrt2);
-}
-
 Table parametric(const graph::Patch& patch, int channels) {
-  const double half_width = std::max(patch.width, 0.0) / 2, blur = std::max(patch.blur, kLeastBlur);
+  const ProfileShape shape(patch);
   const Colour left = colour(patch.left, channels), middle = colour(patch.middle, channels),
-               right = colour(patch.right, channels);
+               right = colour(patch.right, channels), between = colour(patch.between, channels);
   Table table{};
   for (std::size_t i = 0; i < kProfileSamples; ++i) {
-    const double d = profile_reach(patch) * profile_place(i);
-    const double enter = blurred_step((d + half_width) / blur);
-    const double leave = half_width > 0 ? blurred_step((d - half_width) / blur) : enter;
-    for (std::size_t c = 0; c < 3; ++c)
-      table[i][c] = left[c] + enter * (middle[c] - left[c]) + leave * (right[c] - middle[c]);
+    const auto reached = shape.at(profile_reach(patch) * profile_place(i));
+    for (std::size_t c = 0; c < 3; ++c) table[i][c] = reached.level(left[c], middle[c], right[c], between[c]);
   }
   return table;
 }

@@ -87,7 +87,13 @@ bool stands_out(const Patch& patch) {
   return sign * (middle - luma(patch.left)) > least && sign * (middle - luma(patch.right)) > least;
 }
 
-/// Across a straight patch, one a pixel.
+CreaseKind kind_of(const Patch& patch) {
+  if (graph::on_step(patch)) return CreaseKind::step;
+  return patch.contrast >= 0 ? CreaseKind::ridge : CreaseKind::valley;
+}
+
+}  // namespace
+
 std::vector<Rib> ribs_across(Point position, double theta, double length) {
   const Point along{std::cos(theta), std::sin(theta)}, across{-along.y, along.x};
   const int rows = std::max(1, static_cast<int>(std::lround(length)));
@@ -95,13 +101,6 @@ std::vector<Rib> ribs_across(Point position, double theta, double length) {
   for (int r = 0; r < rows; ++r) ribs.push_back({position + along * (r - 0.5 * (rows - 1)), across});
   return ribs;
 }
-
-CreaseKind kind_of(const Patch& patch) {
-  if (graph::on_step(patch)) return CreaseKind::step;
-  return patch.contrast >= 0 ? CreaseKind::ridge : CreaseKind::valley;
-}
-
-}  // namespace
 
 bool overlap(const Patch& a, const Patch& b) {
   // Most are too far apart, however they lie; a millionth more than rounding makes.

@@ -23,6 +23,12 @@ struct Proposal {
   std::vector<Slot> concerns;
 };
 
+/// Does the edits that shorten the code most and do not meet; whether there were any.
+bool apply_best(Draft& draft, std::vector<Proposal> proposals);  // refine.cpp
+
+/// Across a straight patch, one a pixel.
+std::vector<Rib> ribs_across(graph::Point position, double theta, double length);
+
 /// Whether one patch lies on the other: within 3 px along it, its core and a blur (1.5 px at least) across.
 bool overlap(const graph::Patch& a, const graph::Patch& b);
 

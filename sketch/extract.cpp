@@ -16,6 +16,7 @@
 #include "sketch/creases.hpp"
 #include "sketch/crossings.hpp"
 #include "sketch/cut.hpp"
+#include "sketch/double_ridges.hpp"
 #include "sketch/fades.hpp"
 #include "sketch/flanks.hpp"
 #include "sketch/join.hpp"
@@ -142,9 +143,10 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   if (space.back().channel > 0)
     for (cv::Mat1f& colour : opponent_colours(levels))
       axes.push_back(prepare_gain(std::move(colour), kColourAxes[axes.size()]));
-  const graph::AttributeGraph strokes =
+  graph::AttributeGraph strokes =
       without_flanks(refine(smoothed(cut_into_patches(network, space, levels, options.spacing, noise), noise),
                             levels, axes, {options.spacing, options.blobs, previous}));
+  if (options.double_ridges) strokes = with_double_ridges(strokes, levels, axes[0]);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;

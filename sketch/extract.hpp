@@ -18,10 +18,11 @@ struct ExtractOptions {
   double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
   double min_evidence =
       28;  ///< SD, ≥ 0: curves whose points' significance (root of the sum of squares) is less are left out
-  double spacing = 5;   ///< px, ≥ 2: from patch to patch along a curve
-  bool edges = true;    ///< step edges too, not only ridges and valleys
-  bool colour = false;  ///< structure from two axes of colour too, not only from luma
-  bool blobs = false;   ///< blobs too, where the fill between the strokes leaves more than noise
+  double spacing = 5;          ///< px, ≥ 2: from patch to patch along a curve
+  bool edges = true;           ///< step edges too, not only ridges and valleys
+  bool colour = false;         ///< structure from two axes of colour too, not only from luma
+  bool blobs = false;          ///< blobs too, where the fill between the strokes leaves more than noise
+  bool double_ridges = false;  ///< two lines side by side become one double ridge, where that pays
   double budget = 0;  ///< 0…1: the patches, blobs among them, that gain most show this share of the frame at
                       ///< most; 0: all that pay
 

@@ -33,8 +33,9 @@ Edit renumbered(Edit edit, Slot first, Slot now) {
   return edit;
 }
 
-/// Does the edits that shorten the code most and do not meet; whether there were any.
-bool round(Draft& draft, std::vector<Proposal> proposals) {
+}  // namespace
+
+bool apply_best(Draft& draft, std::vector<Proposal> proposals) {
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const Proposal& a, const Proposal& b) { return a.change < b.change; });
   const Slot first = draft.slots();
@@ -65,8 +66,6 @@ bool round(Draft& draft, std::vector<Proposal> proposals) {
   return any;
 }
 
-}  // namespace
-
 graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& levels,
                              std::span<const GainFrame> axes, const Refinement& refinement) {
   Draft draft(judged(graph, axes));
@@ -77,7 +76,7 @@ graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& 
     if (refinement.offered != nullptr) propose_offered(editor, *refinement.offered);
     propose_at_ends(editor);
     propose_meetings(editor);
-    if (!round(draft, editor.take())) break;
+    if (!apply_best(draft, editor.take())) break;
   }
   return draft.graph();
 }

@@ -21,8 +21,8 @@ using Colour = std::array<double, 3>;
 
 /// What a band shows at one place of its curve, sides as seen along the curve.
 struct Profile {
-  Colour left{}, middle{}, right{};
-  double half_width = 0, blur = 1;
+  Colour left{}, middle{}, right{}, between{};
+  ProfileShape shape;
 };
 
 Colour colour(const graph::Level& level, int channels) {
@@ -37,26 +37,27 @@ Profile profile(const graph::Patch& patch, bool backwards, int channels) {
   p.left = colour(backwards ? patch.right : patch.left, channels);
   p.middle = colour(patch.middle, channels);
   p.right = colour(backwards ? patch.left : patch.right, channels);
-  p.half_width = std::max(patch.width, 0.0) / 2;
-  p.blur = std::max(patch.blur, kLeastBlur);
+  p.between = patch.hollow > 0 ? colour(patch.between, channels) : p.middle;
+  p.shape = ProfileShape(patch);
   return p;
 }
 
-/// Φ: the share of a unit step, blurred, that is reached at `d` SD.
-double blurred_step(double d) {
-  return 0.5 * (1 + std::erf(d / std::numbers::sqrt2));
+ProfileShape shape_between(const ProfileShape& a, const ProfileShape& b, double s) {
+  ProfileShape shape;
+  shape.half_width = between(a.half_width, b.half_width, s);
+  shape.half_hollow = between(a.half_hollow, b.half_hollow, s);
+  shape.blur = between(a.blur, b.blur, s);
+  return shape;
 }
 
 void add(const Profile& a, const Profile& b, const Foot& at, double weight, int channels, float* sum) {
-  const double half_width = between(a.half_width, b.half_width, at.s);
-  const double blur = between(a.blur, b.blur, at.s);
-  const double enter = blurred_step((at.distance + half_width) / blur);
-  const double leave = half_width > 0 ? blurred_step((at.distance - half_width) / blur) : enter;
+  const ProfileShape::Reached reached = shape_between(a.shape, b.shape, at.s).at(at.distance);
   for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c) {
-    const double left = between(a.left[c], b.left[c], at.s);
-    const double middle = between(a.middle[c], b.middle[c], at.s);
-    const double right = between(a.right[c], b.right[c], at.s);
-    sum[c] += static_cast<float>(weight * (left + enter * (middle - left) + leave * (right - middle)));
+    const auto mixed = [&](const Colour Profile::*level) {
+      return between((a.*level)[c], (b.*level)[c], at.s);
+    };
+    sum[c] += static_cast<float>(weight * reached.level(mixed(&Profile::left), mixed(&Profile::middle),
+                                                        mixed(&Profile::right), mixed(&Profile::between)));
   }
 }
 

@@ -23,9 +23,9 @@ struct Sketchable {
 /// reaches as far as the profile changes: half a width and two blurs, at least 1.5 and at most 12 px. Where
 /// bands overlap the one whose middle is nearer counts more. A stroke ends 1 px behind its last patch; a
 /// patch without edges shows 5 px of itself. A patch that an edge leaves at more than 50° from its
-/// direction (a junction's, for its side arm) lends that edge its place only. A blob (without edges) shows
-/// its disc. `channels` 1 (the levels' luma) or 3. InputError for any other, or an empty size. O(pixels of
-/// the mask) beside clearing the frame.
+/// direction (a junction's, for its side arm) lends that edge its place only. From a double ridge a line goes
+/// on as the nearer one of its two. A blob (without edges) shows its disc. `channels` 1 (the levels' luma)
+/// or 3. InputError for any other, or an empty size. O(pixels of the mask) beside clearing the frame.
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels);
 
 /// draw_fitted, and what is told of each patch beside its levels: two numbers, which go over from patch to

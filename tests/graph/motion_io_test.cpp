@@ -108,6 +108,30 @@ TEST_CASE("A grey level is one number, a colour three, and both are read", "[gra
   CHECK(motion.links[1] == std::vector<graph::Link>{{{0}, {2}}, {{1}, {3}}});
 }
 
+TEST_CASE("A double ridge tells its hollow, what is between, and nobody else does", "[graph][io]") {
+  const std::string right = R"("right":100})", hollow = R"("right":100,"hollow":1.25,"between":)";
+  const auto motion = read(replaced(good(), right, hollow + "[7,8,9]}"));
+  CHECK(motion.sketch.frames[0].patch(0).hollow == 1.25);
+  CHECK(motion.sketch.frames[0].patch(0).between == graph::Level{7, 8, 9});
+  CHECK(motion.sketch.frames[0].patch(1).hollow == 0);
+  CHECK(written(motion) == written(read(written(motion))));
+  CHECK(has(written(motion), hollow + "[7,8,9]}"));
+  CHECK_FALSE(has(written(read(good())), "hollow"));
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {R"("right":100,"hollow":1})", "\"between\" is missing"},
+      {R"("right":100,"hollow":-1,"between":5})", "\"hollow\" is -1, allowed is 0 to 1000000"},
+      {R"("right":100,"hollow":3,"between":5})", "\"hollow\" is 3, allowed is 0 to \"width\", 2"},
+      {R"("right":100,"hollow":"1","between":5})", "\"hollow\" must be a number"},
+      {R"("right":100,"hollow":1,"between":[5]})", "\"between\" must be one number or three"},
+      {R"("right":100,"hollow":1,"between":1e300})", "\"between\""}};
+  for (const auto& [with, cause] : cases) {
+    const auto message = refusal(replaced(good(), right, with));
+    CAPTURE(message);
+    CHECK(has(message, cause));
+    CHECK(has(message, "line 2"));
+  }
+}
+
 TEST_CASE("What a reader may meet and take", "[graph][io]") {
   const auto motion = read(good());
   CHECK(read(replaced(good(), R"("frame":1,)", R"("frame":1,"note":{"a":[1,{"b":null}],"id":7},)")) ==

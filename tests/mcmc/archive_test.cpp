@@ -104,6 +104,33 @@ TEST_CASE("Every number of a model is in its archive", "[archive]") {
   }
 }
 
+TEST_CASE("A model's double ridges are in its archive, and broken ones are refused", "[archive]") {
+  auto model = made::full_model();
+  const auto make_double = [](graph::AttributeGraph& graph) {
+    std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+    auto& patch = vertices[1].patch;
+    patch.type = graph::PatchType::double_ridge;
+    patch.width = 8, patch.hollow = 4.5, patch.between = {10, 20, 30};
+    graph = {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+  };
+  make_double(model.first);
+  make_double(model.exemplars[0].graph);
+  const auto archive = mcmc::to_archive(model);
+  CHECK(mcmc::motion_model(archive) == model);
+  for (const std::string name : {"first_hollows", "exemplar_hollows"}) {
+    const auto refused = [&](auto&& broken) {
+      auto other = archive;
+      broken(other.arrays[name]);
+      CHECK_THROWS_WITH(mcmc::motion_model(other), Catch::Matchers::ContainsSubstring(name));
+    };
+    using Values = std::vector<double>;
+    refused([](core::NpyArray& a) { std::get<Values>(a.data)[4] = 8.5; });  // wider than the core
+    refused([](core::NpyArray& a) { std::get<Values>(a.data)[4] = -1; });
+    refused([](core::NpyArray& a) { std::get<Values>(a.data)[5] = std::nan(""); });
+    refused([](core::NpyArray& a) { a.shape[0] -= 1, std::get<Values>(a.data).resize(4 * a.shape[0]); });
+  }
+}
+
 TEST_CASE("An archive without one of its arrays is refused", "[archive]") {
   const auto archive = mcmc::to_archive(made::full_model());
   REQUIRE(archive.arrays.size() == 13);
