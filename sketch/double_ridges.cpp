@@ -2,7 +2,6 @@
 #include "sketch/double_ridges.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -14,9 +13,8 @@
 #include <opencv2/core.hpp>
 
 #include "sketch/double_profile.hpp"
+#include "sketch/drawn_change.hpp"
 #include "sketch/editor.hpp"
-#include "sketch/fill.hpp"
-#include "sketch/render.hpp"
 
 namespace emberfold::sketch {
 
@@ -30,7 +28,6 @@ constexpr double kParallel = 0.3;         // rad
 constexpr std::size_t kLeastPatches = 3;  // of a double ridge
 constexpr std::size_t kNear = 3;          // patches before and after one
 constexpr std::size_t kMostRest = 2;      // patches of a line's end that go with it
-constexpr double kMargin = 24;            // px about a pair that is judged
 
 Point normal(const Patch& patch) {
   return {-std::sin(patch.theta), std::cos(patch.theta)};
@@ -85,9 +82,7 @@ class Pairing {
     std::vector<Proposal> all;
     for (std::size_t i = 0; i < strokes_.size(); ++i)
       for (const bool backwards : {false, true})
-        for (const Pair& pair : pairs(i, backwards))
-          for (const Rests rests : {Rests::go, Rests::stay})
-            if (auto proposal = proposed(pair, rests)) all.push_back(std::move(*proposal));
+        for (const Pair& pair : pairs(i, backwards)) propose(all, pair);
     return all;
   }
 
@@ -213,20 +208,30 @@ class Pairing {
     return std::find(edit.remove.begin(), edit.remove.end(), slot) != edit.remove.end();
   }
 
-  /// What lies on the ridges goes; false where that is a meeting of others.
+  [[nodiscard]] static bool tied(const Edit& edit, Slot slot) {
+    return std::ranges::any_of(edit.tie, [&](const Tie& t) { return t.first == slot || t.second == slot; });
+  }
+
+  /// What lies on the ridges goes, and patches that would be left alone; false where that is a meeting of
+  /// others.
   bool clear(Edit& edit, const std::vector<Patch>& ridges) const {
     for (const Patch& ridge : ridges)
       for (const Slot slot : editor_.around(ridge.position)) {
-        if (removed(edit, slot) || !overlap(ridge, draft_.patch(slot))) continue;
-        if (std::ranges::any_of(edit.tie, [&](const Tie& t) { return t.first == slot || t.second == slot; }))
-          continue;
+        if (removed(edit, slot) || tied(edit, slot) || !overlap(ridge, draft_.patch(slot))) continue;
         if (draft_.degree(slot) > 2) return false;
         drop(edit, draft_, slot);
       }
+    const std::vector<Slot> gone = edit.remove;
+    for (const Slot slot : gone)
+      for (const Slot next : draft_.neighbours(slot))
+        if (!removed(edit, next) && !tied(edit, next) &&
+            std::ranges::all_of(draft_.neighbours(next), [&](Slot other) { return removed(edit, other); }))
+          drop(edit, draft_, next);
     return true;
   }
 
-  [[nodiscard]] std::optional<Proposal> proposed(const Pair& pair, Rests rests) const {
+  /// What the double ridge would change; nothing if that can't be done.
+  [[nodiscard]] std::optional<Edit> edit_of(const Pair& pair, Rests rests) const {
     const auto [low, high] = std::minmax(pair.other_first, pair.other_last);
     const bool along = pair.other_first <= pair.other_last;
     Edit edit;
@@ -249,69 +254,22 @@ class Pairing {
     if (!clear(edit, pair.ridges)) return std::nullopt;
     for (const Tie& t : edit.tie)
       if (removed(edit, t.first) || removed(edit, t.second)) return std::nullopt;
-    const double change = code_change(edit);
-    if (!(change < -1)) return std::nullopt;
-    std::vector<Slot> concerns = edit.remove;
-    for (const Tie& t : edit.tie)
-      if (t.first < first) concerns.push_back(t.first);
-    return Proposal{change, std::move(edit), std::move(concerns)};
+    return edit;
   }
 
-  /// The pixels about an edit.
-  [[nodiscard]] cv::Rect box_of(const Edit& edit) const {
-    double left = luma_.luma.cols, right = 0, top = luma_.luma.rows, bottom = 0;
-    const auto hold = [&](Point p) {
-      left = std::min(left, p.x), right = std::max(right, p.x);
-      top = std::min(top, p.y), bottom = std::max(bottom, p.y);
-    };
-    for (const Slot slot : edit.remove) hold(draft_.patch(slot).position);
-    for (const auto& [slot, patch] : edit.add) hold(patch.position);
-    const cv::Rect box(cv::Point(static_cast<int>(left - kMargin), static_cast<int>(top - kMargin)),
-                       cv::Point(static_cast<int>(right + kMargin), static_cast<int>(bottom + kMargin)));
-    return box & cv::Rect({}, luma_.luma.size());
-  }
-
-  /// What is drawn within the box.
-  [[nodiscard]] Sketchable drawn(const Draft& draft, const cv::Rect& box) const {
-    std::vector<std::optional<graph::VertexId>> id(draft.slots());
-    std::vector<graph::Vertex> vertices;
-    std::vector<graph::Edge> edges;
-    const Point corner{static_cast<double>(box.x), static_cast<double>(box.y)};
-    for (Slot slot = 0; slot < draft.slots(); ++slot) {
-      if (!draft.holds(slot)) continue;
-      Patch patch = draft.patch(slot);
-      patch.position = patch.position - corner;
-      if (patch.position.x < -kMargin || patch.position.x > box.width + kMargin ||
-          patch.position.y < -kMargin || patch.position.y > box.height + kMargin)
-        continue;
-      id[slot] = {static_cast<std::uint32_t>(vertices.size())};
-      vertices.push_back({*id[slot], {}, patch});
-      for (const Slot other : draft.neighbours(slot))
-        if (other < slot && id[other]) edges.push_back({*id[other], *id[slot]});
+  void propose(std::vector<Proposal>& all, const Pair& pair) const {
+    std::size_t gone = 0;
+    for (const Rests rests : {Rests::go, Rests::stay}) {
+      std::optional<Edit> edit = edit_of(pair, rests);
+      if (!edit || edit->remove.size() == gone) continue;  // there is no such rest
+      gone = edit->remove.size();
+      const double change = drawn_change(draft_, *edit, luma_);
+      if (!(change < -1)) continue;
+      std::vector<Slot> concerns = edit->remove;
+      for (const Tie& t : edit->tie)
+        if (t.first < draft_.slots()) concerns.push_back(t.first);
+      all.push_back({change, std::move(*edit), std::move(concerns)});
     }
-    return draw_fitted({std::move(vertices), std::move(edges)}, box.size(), 1);
-  }
-
-  /// Nats: what the edit changes of what is drawn, and of the costs of patches and degrees.
-  [[nodiscard]] double code_change(const Edit& edit) const {
-    const cv::Rect box = box_of(edit);
-    if (box.empty()) return 0;
-    Draft edited = draft_;
-    edited.apply(edit);
-    const Sketchable before = drawn(draft_, box), after = drawn(edited, box);
-    const cv::Mat1f seen = luma_.luma(box);
-    const cv::Mat1b either = before.mask | after.mask;
-    // Beyond what either shows the frame is given: what changes there is no matter of this edit.
-    const auto squared_error = [&](const Sketchable& shown) {
-      cv::Mat1f levels = seen.clone();
-      shown.levels.copyTo(levels, shown.mask);
-      return cv::norm(fill(levels, shown.mask | ~either).levels, seen, cv::NORM_L2SQR);
-    };
-    double costs = draft_.change(edit);  // of the degrees, once the gains are taken off
-    for (const Slot slot : edit.remove) costs -= draft_.patch(slot).gain + draft_.patch(slot).cost;
-    for (const auto& [slot, patch] : edit.add) costs += patch.gain + patch.cost;
-    const double noise = 2 * luma_.noise * luma_.noise * luma_.clumping[1];
-    return (squared_error(after) - squared_error(before)) / noise + costs;
   }
 
   const Draft& draft_;

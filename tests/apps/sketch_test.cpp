@@ -84,7 +84,8 @@ TEST_CASE("a budget of the sketch is kept in every frame and told", "[slow]") {
   }
 }
 
-TEST_CASE("anchors show the share asked for with the patches and bring the frame more than 3 dB nearer", "[slow]") {
+TEST_CASE("anchors show the share asked for with the patches and bring the frame more than 3 dB nearer",
+          "[slow]") {
   const TempFolder temp;
   for (const std::string patches : {"fitted", "pixels"}) {
     const auto alone = sketched("builtin:fire", temp / "alone",
@@ -330,6 +331,57 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   CHECK(Json::parse(bytes_of(out / "summary.json"))["options"]["drawing"]["anchors"] == 0.2);
 }
 
+TEST_CASE("double ridges go from the sketch through files and models into new clips", "[slow]") {
+  const TempFolder temp;
+  // Two lines 8 px apart that sway together.
+  const auto writer = create_clip(temp / "rails.avi", {120, 90}, 25, false);
+  for (int t = 0; t < 24; ++t) {
+    cv::Mat1f frame(90, 120, 60.0F);
+    for (int y = 0; y < 90; ++y)
+      for (int x = 15; x < 105; ++x)
+        for (const double rail : {41.0, 49.0}) {
+          const double d = y - rail - 3 * std::sin(0.04 * x + 0.3 * t);
+          frame(y, x) += static_cast<float>(110 * std::exp(-d * d / 4));
+        }
+    cv::Mat byte;
+    frame.convertTo(byte, CV_8U);
+    writer->write(byte);
+  }
+  writer->finish();
+  const auto clip = (temp / "rails.avi").string();
+  const auto summary = sketched(clip, temp / "sketch", {"--double-ridges"});
+  CHECK(summary["options"]["sketch"]["double_ridges"] == true);
+  const auto two = sketched(clip, temp / "two", {});
+  CHECK(summary["sketch"]["psnr"]["mean"] > two["sketch"]["psnr"]["mean"].get<double>() - 1);
+  std::istringstream lines(bytes_of(temp / "sketch" / "sketch.jsonl"));
+  const auto sketch = graph::read_sketch(lines, "sketch.jsonl");
+  for (const auto& frame : sketch.frames) {
+    CHECK(graph::components(frame).count == 1);
+    REQUIRE(frame.size() > 10);
+    for (std::size_t i = 0; i < frame.size(); ++i) {
+      CHECK_THAT((frame.patch(i).width + frame.patch(i).hollow) / 2, WithinAbs(8, 1));
+      if (frame.degree(i) == 2) CHECK(frame.patch(i).type == graph::PatchType::double_ridge);
+    }
+  }
+  const auto analysed = run_command({"analyze", clip, "-o", (temp / "model").string(), "--double-ridges",
+                                     "--bottom-up", "--calibrate", "0", "-q"});
+  INFO(analysed.err);
+  REQUIRE(analysed.exit == 0);
+  const auto drawn = run_command({"synth", (temp / "model" / "model").string(), "-o",
+                                  (temp / "new.avi").string(), "--frames", "10", "-q"});
+  INFO(drawn.err);
+  REQUIRE(drawn.exit == 0);
+  // Across the new clip's middle lie two lines, too, with a dip between them.
+  for (const auto& frame : frames_of(temp / "new.avi")) {
+    const cv::Mat column = grey(frame).col(60);
+    int peaks = 0;
+    for (int y = 1; y + 1 < column.rows; ++y)
+      peaks += column.at<uchar>(y) > 110 && column.at<uchar>(y) > column.at<uchar>(y - 1) &&
+               column.at<uchar>(y) >= column.at<uchar>(y + 1);
+    CHECK(peaks == 2);
+  }
+}
+
 TEST_CASE("the smallest and the oddest pictures go through every way of drawing", "[slow]") {
   const TempFolder temp;
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 2), cv::Size(3, 90), cv::Size(120, 2)})
@@ -337,9 +389,9 @@ TEST_CASE("the smallest and the oddest pictures go through every way of drawing"
       const auto name = std::to_string(size.width) + "x" + std::to_string(size.height);
       cv::imwrite((temp / "picture.png").string(), noise_frame(size, CV_8UC3, 5));
       INFO(name << " " << fill);
-      const auto summary =
-          sketched((temp / "picture.png").string(), temp / name,
-                   {"--fill", fill, "--film", "--heat-film", "0", "--anchors", "--warm", "--blobs"});
+      const auto summary = sketched((temp / "picture.png").string(), temp / name,
+                                    {"--fill", fill, "--film", "--heat-film", "0", "--anchors", "--warm",
+                                     "--blobs", "--double-ridges"});
       CHECK(frames_of(temp / name / "film.mp4").size() == 1);
       CHECK(frames_of(temp / name / "heat.mp4").size() >= 2);
       CHECK(summary["sketch"]["psnr"]["mean"] > 5);
