@@ -186,8 +186,8 @@ bool Editor::overlaps(const Patch& patch, std::span<const Slot> besides) const {
 }
 
 std::vector<Slot> Editor::around(Point place) const {
-  std::vector<Slot> found;
-  for (const auto i : near_.around(place)) found.push_back(held_[i]);
+  std::vector<Slot> found = near_.around(place);
+  for (Slot& slot : found) slot = held_[slot];
   return found;
 }
 
