@@ -15,6 +15,7 @@
 #include "sketch/colour.hpp"
 #include "sketch/median.hpp"
 #include "sketch/profile_shape.hpp"
+#include "sketch/row_pass.hpp"
 
 namespace emberfold::sketch {
 
@@ -106,29 +107,32 @@ double along(const std::array<float, 3>& axis, const graph::Level& level) {
          double{axis[2]} * double{level[2]};
 }
 
-/// Φ between −kFar and kFar, from a table and its first two derivatives there: within 1e-8.
+/// Φ between −kFar and kFar, from a table and its first two derivatives there: within 1e-8. Without a branch,
+/// so that a loop goes into vectors: beyond, the table has a node more at each end.
 class BlurredStep {
  public:
   BlurredStep() {
     constexpr double kToDensity = 0.3989422804014327;  // 1 / √(2π)
-    for (int i = 0; i < kNodes; ++i) {
+    nodes_.front() = {0, 0};
+    for (int i = 1; i + 1 < kNodes; ++i) {
       const double x = at(i);
       nodes_[static_cast<std::size_t>(i)] = {0.5 * std::erfc(-x / std::numbers::sqrt2),
                                              kToDensity * std::exp(-0.5 * x * x)};
     }
+    nodes_.back() = {1, 0};
   }
   double operator()(double x) const {
-    if (!(x > -kFar)) return 0;
-    if (!(x < kFar)) return 1;
-    const int i = static_cast<int>((x + kFar) * kPerUnit + 0.5);
-    const double from = at(i), d = x - from;
-    const auto& [below, density] = nodes_[static_cast<std::size_t>(i)];
-    return below + density * d * (1 - 0.5 * d * (from - d * (from * from - 1) / 3));
+    constexpr double kBeyond = kFar + 2.0 / kPerUnit;
+    const double above = x > -kFar ? x : -kBeyond, near = above < kFar ? above : kBeyond;
+    const int i = static_cast<int>((near + kFar) * kPerUnit + 0.5) + 1;
+    const double from = at(i), d = near - from;
+    const Node& node = nodes_[static_cast<std::size_t>(i)];
+    return node.below + node.density * d * (1 - 0.5 * d * (from - d * (from * from - 1) / 3));
   }
 
  private:
-  static constexpr int kFar = 6, kPerUnit = 32, kNodes = 2 * kFar * kPerUnit + 1;
-  static double at(int node) { return double(node) / kPerUnit - kFar; }
+  static constexpr int kFar = 6, kPerUnit = 32, kNodes = 2 * kFar * kPerUnit + 4;
+  static double at(int node) { return double(node - 1) / kPerUnit - kFar; }
   struct Node {
     double below, density;
   };
@@ -155,25 +159,33 @@ struct Profile {
         shape(patch),
         reach(std::clamp(shape.half_width + 2 * shape.blur, kLeastReach, kMostReach)) {}
 
-  [[nodiscard]] double at(double distance) const {
-    return shape.at(distance, step).level(left, middle, right, between);
+  [[nodiscard]] double level_of(const ProfileShape::Reached& reached) const {
+    return reached.level(left, middle, right, between);
   }
 };
 
 /// The share of a pixel that lies within `limit` of a line that is `distance` away from its middle.
 double share_within(double distance, double limit) {
-  return std::clamp(limit - std::abs(distance) + 0.5, 0.0, 1.0);
+  return std::min(std::max(limit - std::abs(distance) + 0.5, 0.0), 1.0);
 }
 
-/// Weighted sums over the pixels of a footprint; v the distance across, i the level above the patch's middle.
-struct Sums {
-  double w = 0, v = 0, i = 0, vv = 0, vi = 0, ii = 0;
-  double profile = 0;  // of the squared difference between the level and the profile
+/// Weighted sums over pixels; v the distance across, i the level above the patch's middle.
+struct Band {
+  double w = 0, v = 0, i = 0;
 
-  void add(double weight, double across, double level, double difference) {
+  void add(double weight, double across, double level) {
     w += weight;
     v += weight * across;
     i += weight * level;
+  }
+};
+
+struct Sums : Band {
+  double vv = 0, vi = 0, ii = 0;
+  double profile = 0;  // of the squared difference between the level and the profile
+
+  void add(double weight, double across, double level, double difference) {
+    Band::add(weight, across, level);
     vv += weight * across * across;
     vi += weight * across * level;
     ii += weight * level * level;
@@ -194,19 +206,34 @@ struct Sums {
 
 struct Footprint {
   Sums inside;
-  std::array<Sums, 2> bands;  // left, right of it
+  Band left, right;  // of it
 
   /// Levels per px from one band to the other; level where one of them is hardly there.
   [[nodiscard]] double slope() const {
-    const Sums &a = bands[0], &b = bands[1];
+    const Band &a = left, &b = right;
     if (a.w < 1 || b.w < 1) return 0;
     return (b.i / b.w - a.i / a.w) / (b.v / b.w - a.v / a.w);
   }
 };
 
-Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& profile) {
+/// 6 px along and 53 across hold at most their area, half their edge and one.
+constexpr std::size_t kMostPixels = 400;
+using Column = std::array<double, kMostPixels>;
+
+/// The pixels that a patch and its bands may lie on.
+struct Pixels {
+  int count = 0;
+  Column along, across, level;  // distances from the patch; the level above its middle
+};
+struct Weights {
+  Column inside, left, right;
+  Column difference;  // from the level to the profile
+};
+
+/// Where the pixels lie.
+void place(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& profile, double outer,
+           Pixels& pixels) {
   const double c = std::cos(patch.theta), s = std::sin(patch.theta);
-  const double outer = 2 * profile.reach + kBand;
   const double wide = std::abs(c) * (kAlong + 0.5) + std::abs(s) * (outer + 0.5);
   const double high = std::abs(s) * (kAlong + 0.5) + std::abs(c) * (outer + 0.5);
   // Clamped while still a double: a position may lie anywhere.
@@ -214,9 +241,8 @@ Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& 
   const auto last = [](double at, int size) {
     return static_cast<int>(std::floor(std::min(at, size - 1.0)));
   };
-  Footprint seen;
   const auto [px, py] = patch.position;
-  if (!(px - wide < luma.cols && px + wide > -1 && py - high < luma.rows && py + high > -1)) return seen;
+  if (!(px - wide < luma.cols && px + wide > -1 && py - high < luma.rows && py + high > -1)) return;
   // A row meets the footprint where it is near enough along it and across it.
   const auto narrow = [](double& from, double& to, double rate, double offset, double limit) {
     if (std::abs(rate) < 1e-9) return;
@@ -224,24 +250,63 @@ Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& 
     from = std::max(from, std::min(a, b));
     to = std::min(to, std::max(a, b));
   };
-  for (int y = first(py - high); y <= last(py + high, luma.rows); ++y) {
+  std::size_t count = 0;
+  for (int y = first(py - high), end_y = last(py + high, luma.rows); y <= end_y; ++y) {
     const double dy = y - py;
     double from = -wide, to = wide;
     narrow(from, to, c, dy * s, kAlong + 0.5);
     narrow(from, to, -s, dy * c, outer + 0.5);
     const float* row = luma[y];
-    for (int x = first(px + from); x <= last(px + to, luma.cols); ++x) {
+    const int end_x = last(px + to, luma.cols);
+    for (int x = first(px + from); x <= end_x && count < kMostPixels; ++x, ++count) {
       const double dx = x - px;
-      const double along = share_within(dx * c + dy * s, kAlong);
-      if (along <= 0) continue;
-      const double across = dy * c - dx * s;
-      const double within = share_within(across, profile.reach);
-      const double level = double{row[x]} - profile.middle;
-      if (within > 0)
-        seen.inside.add(along * within, across, level, level + profile.middle - profile.at(across));
-      const double beside = along * (share_within(across, outer) - within);
-      if (beside > 0) seen.bands[across > 0 ? 1 : 0].add(beside, across, level, 0);
+      pixels.along[count] = dx * c + dy * s;
+      pixels.across[count] = dy * c - dx * s;
+      pixels.level[count] = double{row[x]} - profile.middle;
     }
+  }
+  pixels.count = static_cast<int>(count);
+}
+
+/// What the pixels tell, and by which weights; `shape`: the profile's.
+[[gnu::always_inline]] inline void weigh_as(const ProfileShape shape, const Profile profile, double outer,
+                                            const Pixels& pixels, Weights& weights) {
+  for (int i = 0; i < pixels.count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double along = share_within(pixels.along[at], kAlong), across = pixels.across[at];
+    const double within = share_within(across, profile.reach);
+    const double beside = along * (share_within(across, outer) - within);
+    weights.inside[at] = along * within;
+    weights.left[at] = across > 0 ? 0 : beside;
+    weights.right[at] = across > 0 ? beside : 0;
+    weights.difference[at] =
+        pixels.level[at] + profile.middle - profile.level_of(shape.at(across, profile.step));
+  }
+}
+
+/// Lines, steps and what is hollow each in a loop of their own, without a branch.
+EMBERFOLD_ROW_PASS void weigh(const Profile& profile, double outer, const Pixels& pixels,
+                              Weights& __restrict weights) {
+  ProfileShape shape;
+  shape.blur = profile.shape.blur;
+  if (!(profile.shape.half_width > 0)) return weigh_as(shape, profile, outer, pixels, weights);
+  shape.half_width = profile.shape.half_width;
+  if (profile.shape.half_hollow <= 0) return weigh_as(shape, profile, outer, pixels, weights);
+  weigh_as(profile.shape, profile, outer, pixels, weights);
+}
+
+Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& profile) {
+  const double outer = 2 * profile.reach + kBand;
+  Pixels pixels;  // the columns are written before they are read
+  Weights weights;
+  place(luma, patch, profile, outer, pixels);
+  weigh(profile, outer, pixels, weights);
+  Footprint seen;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels.count); ++i) {
+    const double across = pixels.across[i], level = pixels.level[i];
+    seen.inside.add(weights.inside[i], across, level, weights.difference[i]);
+    seen.left.add(weights.left[i], across, level);
+    seen.right.add(weights.right[i], across, level);
   }
   return seen;
 }

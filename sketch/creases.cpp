@@ -3,16 +3,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <utility>
 
-#include "core/between_pixels.hpp"
 #include "sketch/median.hpp"
 #include "sketch/row_pass.hpp"
 
 namespace emberfold::sketch {
 
-using core::between_pixels;
 using graph::Point;
 
 namespace {
@@ -25,12 +26,14 @@ constexpr double kStepContrast = 3.5449077018110318;
 // How far from the pixel's centre the subpixel place may lie (Steger: 0.5; a margin keeps lines connected).
 constexpr double kPixelReach = 0.6;
 
-// Second derivatives at places of a row, of each its eigenvalue of greater magnitude and the direction of
-// that.
+// Derivatives at places of a row, and of each second one its eigenvalue of greater magnitude and the
+// direction of that.
 struct Principals {
+  std::size_t count = 0;
   std::vector<int> x;  // of the places
+  std::vector<Point> gradient;
   std::vector<float> xx, xy, yy, value, nx, ny;
-  explicit Principals(int width) : x(static_cast<std::size_t>(width)) {
+  explicit Principals(int width) : x(static_cast<std::size_t>(width)), gradient(x.size()) {
     for (auto* column : {&xx, &xy, &yy, &value, &nx, &ny}) column->resize(x.size());
   }
 };
@@ -59,26 +62,35 @@ EMBERFOLD_ROW_PASS void principal_row(const float* __restrict xx, const float* _
   }
 }
 
-// visit(x) for the places in [first, last) where a row is not 0.
-template <class Visit>
-void visit_found(const std::vector<float>& row, int first, int last, Visit visit) {
-  constexpr int kBlock = 16;
-  const float* found = row.data();
-  for (int x0 = first; x0 < last; x0 += kBlock) {
-    const int end = std::min(x0 + kBlock, last);
-    if (end == x0 + kBlock) {  // most blocks are empty
-      int any = 0;
-      for (int j = 0; j < kBlock; ++j) any |= found[x0 + j] != 0 ? 1 : 0;
-      if (any == 0) continue;
-    }
-    int place[kBlock], count = 0;  // without branches: nobody can foretell which they are
-    for (int x = x0; x < end; ++x) {
-      place[count] = x;
-      count += found[x] != 0 ? 1 : 0;
-    }
-    for (int i = 0; i < count; ++i) visit(place[i]);
-  }
+EMBERFOLD_ROW_PASS void mark_row(const float* values, int width, std::uint8_t* __restrict marks) {
+  for (int x = 0; x < width; ++x) marks[x] = values[x] != 0 ? 1 : 0;
 }
+
+// A row of a level: what is found in it is not 0.
+class FoundRow {
+ public:
+  explicit FoundRow(int width)
+      : width_(width), values_(static_cast<std::size_t>(width)), marks_((values_.size() + 7) / 8 * 8) {}
+
+  [[nodiscard]] float* values() { return values_.data(); }
+
+  // visit(x) for what is found, from the left. Most of a row is empty: eight places are looked at at once.
+  template <class Visit>
+  void visit(Visit visit) {
+    mark_row(values_.data(), width_, marks_.data());
+    for (std::size_t first = 0; first < marks_.size(); first += 8) {
+      std::uint64_t eight;
+      std::memcpy(&eight, marks_.data() + first, sizeof eight);
+      if constexpr (std::endian::native == std::endian::big) eight = __builtin_bswap64(eight);
+      for (; eight != 0; eight &= eight - 1) visit(static_cast<int>(first) + std::countr_zero(eight) / 8);
+    }
+  }
+
+ private:
+  int width_;
+  std::vector<float> values_;
+  std::vector<std::uint8_t> marks_;
+};
 
 // A map to which points are added; their theta comes last, as most give way to others.
 struct Growing {
@@ -116,9 +128,14 @@ bool inside(const cv::Mat1i& frame, Point p) {
   return p.x >= 0 && p.y >= 0 && p.x <= frame.cols - 1 && p.y <= frame.rows - 1;
 }
 
+constexpr std::size_t kUsualShare = 8;  // of all pixels, one in so many has a point of a kind, or fewer
+
 Growing empty_map(const ScaleSpace& space, CreaseKind kind) {
   const cv::Mat1f& smooth = space.front().smooth;
-  return {{kind, {}, cv::Mat1i(smooth.rows - 2, smooth.cols - 2, -1)}, {}};
+  Growing map{{kind, {}, no_points({smooth.cols - 2, smooth.rows - 2})}, {}};
+  map.map.points.reserve(map.map.index.total() / kUsualShare);
+  map.normals.reserve(map.map.points.capacity());
+  return map;
 }
 
 // find_lines for a whole row in single precision: the eigenvalue of greater magnitude where it reaches
@@ -213,37 +230,32 @@ double line_contrast(double sigma) {
   return kLineContrast * sigma * sigma;
 }
 
-struct Principal {
-  float value;   // the eigenvalue of greater magnitude
-  float nx, ny;  // its direction
-};
-
 // Of the level at which points are looked for.
 struct AtLevel {
   int number;
   double ground, least, normalise;
 };
 
-// Puts the line through a pixel into the map, if there is one.
-void put_line(Growing& map, const ScaleLevel& level, cv::Point at, const Principal& p, const AtLevel& of) {
-  const double response = std::abs(double{p.value});
+// Puts the line through a pixel of row y into the map, if there is one.
+void put_line(Growing& map, const Principals& row, std::size_t i, int y, double sigma, const AtLevel& of) {
+  const double value = double{row.value[i]}, response = std::abs(value);
   if (response < of.least) return;
+  const int x = row.x[i];
   const double strength = response * of.normalise;
-  if (!map.beats(at.x, at.y, strength)) return;
-  const Point g = level.gradient(at.x, at.y);
-  const double nx = double{p.nx}, ny = double{p.ny};
-  const double t = -(g.x * nx + g.y * ny) / double{p.value};
+  if (!map.beats(x, y, strength)) return;
+  const Point g = row.gradient[i];
+  const double nx = double{row.nx[i]}, ny = double{row.ny[i]};
+  const double t = -(g.x * nx + g.y * ny) / value;
   if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) return;
   const cv::Mat1i& frame = map.map.index;
-  if (!inside(frame, {at.x + level.sigma * nx, at.y + level.sigma * ny}) ||
-      !inside(frame, {at.x - level.sigma * nx, at.y - level.sigma * ny}))
+  if (!inside(frame, {x + sigma * nx, y + sigma * ny}) || !inside(frame, {x - sigma * nx, y - sigma * ny}))
     return;
-  map.put(at.x, at.y,
-          {{at.x + t * nx, at.y + t * ny},
+  map.put(x, y,
+          {{x + t * nx, y + t * ny},
            0,
            response / of.ground,
            strength,
-           response * line_contrast(level.sigma),
+           response * line_contrast(sigma),
            of.number},
           {nx, ny});
 }
@@ -252,38 +264,78 @@ double step_contrast(double sigma) {
   return kStepContrast * sigma;
 }
 
-// Puts the step through a pixel into the map, if there is one. `magnitude`: of the level's gradients.
-void put_step(Growing& map, const ScaleLevel& level, cv::Point at, const cv::Mat1f& magnitude,
-              const AtLevel& of) {
-  const double here = double{magnitude(at)};
-  if (here < of.least || !map.beats(at.x, at.y, here * of.normalise)) return;
-  const Point g = level.gradient(at.x, at.y);
-  const double nx = g.x / here, ny = g.y / here;
-  const auto both = [&](double away) {
-    return std::pair(between_pixels(magnitude, at.x + away * nx, at.y + away * ny),
-                     between_pixels(magnitude, at.x - away * nx, at.y - away * ny));
+// Steps to be, in a row: their pixels, and of each the gradient's direction and its magnitude there and to
+// both sides along it, near and far.
+struct StepRow {
+  std::size_t count = 0;
+  std::vector<int> x;
+  std::vector<double> here, nx, ny, ahead, behind, far_ahead, far_behind;
+  explicit StepRow(int width) : x(static_cast<std::size_t>(width)) {
+    for (auto* column : {&here, &nx, &ny, &ahead, &behind, &far_ahead, &far_behind}) column->resize(x.size());
+  }
+};
+
+EMBERFOLD_ROW_PASS void divide_row(const double* by, int count, double* __restrict x, double* __restrict y) {
+  for (int i = 0; i < count; ++i) x[i] /= by[i], y[i] /= by[i];
+}
+
+// core::between_pixels at places of a row, moved by `away` along their directions.
+EMBERFOLD_ROW_PASS void between_row(const float* values, int stride, cv::Size size, const int* x, int y,
+                                    const double* nx, const double* ny, double away, int count,
+                                    double* __restrict out) {
+  const double right_end = size.width - 1.0, lower_end = size.height - 1.0;
+  for (int i = 0; i < count; ++i) {
+    const double px = std::min(std::max(x[i] + away * nx[i], 0.0), right_end);
+    const double py = std::min(std::max(y + away * ny[i], 0.0), lower_end);
+    const int left = static_cast<int>(px), top = static_cast<int>(py);
+    const int right = left + 1 < size.width ? 1 : 0, below = top + 1 < size.height ? stride : 0;
+    const double u = px - left, v = py - top;
+    const int at = top * stride + left;
+    const double a = double{values[at]}, b = double{values[at + right]}, c = double{values[at + below]},
+                 d = double{values[at + below + right]};
+    out[i] = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
+  }
+}
+
+void look_ahead(const cv::Mat1f& magnitude, int y, double sigma, StepRow& row) {
+  const int count = static_cast<int>(row.count), stride = static_cast<int>(magnitude.step1());
+  divide_row(row.here.data(), count, row.nx.data(), row.ny.data());
+  const auto look = [&](double away, std::vector<double>& out) {
+    between_row(magnitude[0], stride, magnitude.size(), row.x.data(), y, row.nx.data(), row.ny.data(), away,
+                count, out.data());
   };
-  const auto [ahead, behind] = both(1);
-  const double bend = 2 * here - (ahead + behind);
+  look(1, row.ahead), look(-1, row.behind);
+  look(2.5 * sigma, row.far_ahead), look(-2.5 * sigma, row.far_behind);
+}
+
+// Puts a step of a row into the map, if it is one.
+void put_step(Growing& map, const StepRow& row, std::size_t i, int y, double sigma, const AtLevel& of) {
+  const double here = row.here[i], nx = row.nx[i], ny = row.ny[i];
+  const double bend = 2 * here - (row.ahead[i] + row.behind[i]);
   if (bend <= 0) return;
-  const double t = 0.5 * (ahead - behind) / bend;
+  const double t = 0.5 * (row.ahead[i] - row.behind[i]) / bend;
   if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) return;
   // A slope that goes on to both sides is shading, not a step: only what rises above it counts.
-  const auto [far_ahead, far_behind] = both(2.5 * level.sigma);
-  const double slope = 0.5 * (far_ahead + far_behind);
+  const double slope = 0.5 * (row.far_ahead[i] + row.far_behind[i]);
   const double rise = here - slope;
   if (rise < of.least) return;
-  map.put(at.x, at.y,
-          {{at.x + t * nx, at.y + t * ny},
+  map.put(row.x[i], y,
+          {{row.x[i] + t * nx, y + t * ny},
            0,
            rise / of.ground,
            rise * of.normalise,
-           rise * step_contrast(level.sigma),
+           rise * step_contrast(sigma),
            of.number},
           {nx, ny});
 }
 
 }  // namespace
+
+cv::Mat1i no_points(cv::Size frame) {
+  cv::Mat1i index(frame);
+  std::fill_n(index[0], index.total(), -1);
+  return index;
+}
 
 Ground measure_ground(const ScaleSpace& space, double noise) {
   constexpr double kMedianToSd = 1.4826;
@@ -318,33 +370,29 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
 Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits limits) {
   Growing ridges = empty_map(space, CreaseKind::ridge), valleys = empty_map(space, CreaseKind::valley);
   const int width = ridges.map.index.cols, height = ridges.map.index.rows;
-  std::vector<float> found(static_cast<std::size_t>(width));
+  FoundRow found(width);
   Principals places(width);
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
     const double least =
         std::max(limits.significance * ground.second[k], limits.contrast / line_contrast(level.sigma));
-    const double normalise = std::pow(level.sigma, 1.5);
+    const AtLevel of{static_cast<int>(k), ground.second[k], least, std::pow(level.sigma, 1.5)};
     for (int y = 0; y < height; ++y) {
-      line_row(level.smooth[y], level.smooth[y + 1], level.smooth[y + 2], width, static_cast<float>(least),
-               found.data());
-      std::size_t count = 0;
-      visit_found(found, 0, width, [&](int x) {
-        const double roughly = double{found[static_cast<std::size_t>(x)]};
-        const Growing& map = roughly < 0 ? ridges : valleys;
-        if (!map.beats(x, y, 1.001 * normalise * std::abs(roughly))) return;
-        const Hessian h = level.hessian(x, y);
-        places.x[count] = x;
-        places.xx[count] = h.xx, places.xy[count] = h.xy, places.yy[count] = h.yy;
-        ++count;
+      const float *up = level.smooth[y], *mid = level.smooth[y + 1], *down = level.smooth[y + 2];
+      line_row(up, mid, down, width, static_cast<float>(least), found.values());
+      places.count = 0;
+      found.visit([&](int x) {
+        const float *above = up + x, *here = mid + x, *below = down + x;
+        const Hessian h = hessian_of(above, here, below);
+        places.x[places.count] = x;
+        places.gradient[places.count] = gradient_of(above, here, below);
+        places.xx[places.count] = h.xx, places.xy[places.count] = h.xy, places.yy[places.count] = h.yy;
+        ++places.count;
       });
-      principal_row(places.xx.data(), places.xy.data(), places.yy.data(), static_cast<int>(count),
+      principal_row(places.xx.data(), places.xy.data(), places.yy.data(), static_cast<int>(places.count),
                     places.value.data(), places.nx.data(), places.ny.data());
-      for (std::size_t i = 0; i < count; ++i) {
-        Growing& map = found[static_cast<std::size_t>(places.x[i])] < 0 ? ridges : valleys;
-        put_line(map, level, {places.x[i], y}, {places.value[i], places.nx[i], places.ny[i]},
-                 {static_cast<int>(k), ground.second[k], least, normalise});
-      }
+      for (std::size_t i = 0; i < places.count; ++i)
+        put_line(places.value[i] < 0 ? ridges : valleys, places, i, y, level.sigma, of);
     }
   }
   return {ridges.finish(), valleys.finish()};
@@ -353,7 +401,8 @@ Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits lim
 CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits limits) {
   Growing map = empty_map(space, CreaseKind::step);
   const int width = map.map.index.cols, height = map.map.index.rows;
-  std::vector<float> found(static_cast<std::size_t>(width));
+  FoundRow found(width);
+  StepRow steps(width);
   cv::Mat1f magnitude(height, width);
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
@@ -363,10 +412,21 @@ CreaseMap find_steps(const ScaleSpace& space, const Ground& ground, CreaseLimits
     for (int y = 0; y < height; ++y)
       magnitude_row(level.smooth[y], level.smooth[y + 1], level.smooth[y + 2], width, magnitude[y]);
     for (int y = 1; y + 1 < height; ++y) {
-      step_row({magnitude[y - 1], magnitude[y], magnitude[y + 1]},
-               {level.smooth[y], level.smooth[y + 1], level.smooth[y + 2]}, width, static_cast<float>(least),
-               found.data());
-      visit_found(found, 1, width - 1, [&](int x) { put_step(map, level, {x, y}, magnitude, of); });
+      const float *up = level.smooth[y], *mid = level.smooth[y + 1], *down = level.smooth[y + 2];
+      const float* sizes = magnitude[y];
+      step_row({magnitude[y - 1], sizes, magnitude[y + 1]}, {up, mid, down}, width, static_cast<float>(least),
+               found.values());
+      steps.count = 0;
+      found.visit([&](int x) {
+        const double here = double{sizes[x]};
+        if (here < of.least || !map.beats(x, y, here * of.normalise)) return;
+        const Point g = gradient_of(up + x, mid + x, down + x);
+        steps.x[steps.count] = x;
+        steps.here[steps.count] = here, steps.nx[steps.count] = g.x, steps.ny[steps.count] = g.y;
+        ++steps.count;
+      });
+      look_ahead(magnitude, y, level.sigma, steps);
+      for (std::size_t i = 0; i < steps.count; ++i) put_step(map, steps, i, y, level.sigma, of);
     }
   }
   return map.finish();

@@ -30,6 +30,9 @@ struct CreaseMap {
   cv::Mat1i index;  ///< of the point in a pixel, −1 where there is none
 };
 
+/// The index of a map without points.
+cv::Mat1i no_points(cv::Size frame);
+
 /// What counts as significant: SD of the second (lines) and first (steps) derivatives on structureless
 /// ground, for each level.
 struct Ground {

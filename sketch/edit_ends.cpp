@@ -45,10 +45,10 @@ void grow(Editor& editor, const std::vector<Slot>& slots) {
   for (std::size_t n = 0; n < kMost; ++n) {
     heading += bend;
     const Point place = last.position + Point{std::cos(heading), std::sin(heading)} * editor.spacing();
+    // What goes on behind a gap is not this stroke.
+    if (editor.shown(last, last.position, place, contrast, kShows) < kShows) return;
     const auto next = editor.like(last, place, backwards ? heading + std::numbers::pi : heading, contrast);
     if (!next || editor.overlaps(*next, {slots.data(), 1})) return;
-    // What goes on behind a gap is not this stroke.
-    if (editor.shown(last, last.position, place, contrast) < kShows) return;
     const Slot slot = draft.slots() + static_cast<Slot>(n);
     edit.add.emplace_back(slot, *next);
     edit.tie.push_back(n == 0 ? tie(slots[0], slot) : tie(slot - 1, slot));

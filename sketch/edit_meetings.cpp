@@ -49,7 +49,7 @@ std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point 
   const double hidden =
       graph::orientation_difference(heading, end.theta) < from_side ? 0 : end.width / 2 + 2 * end.blur;
   const Point seen_to = from + step * std::max(1 - hidden / length, 0.0);
-  if (hidden < length && editor.shown(begin, from, seen_to, contrast) < kShows) return std::nullopt;
+  if (hidden < length && editor.shown(begin, from, seen_to, contrast, kShows) < kShows) return std::nullopt;
   std::vector<Patch> patches;
   for (int i = 1; i < pieces; ++i) {
     const auto next = editor.like(begin, from + step * (double(i) / pieces), theta, contrast);
@@ -91,7 +91,7 @@ void join_ends(Editor& editor, const End& a, const End& b) {
       first.contrast);
   const std::array<Slot, 2> both{a.slot, b.slot};
   if (length < 0.6 * editor.spacing()) {
-    if (editor.shown(first, a.place, b.place, contrast) < kShows) return;
+    if (editor.shown(first, a.place, b.place, contrast, kShows) < kShows) return;
     const Slot before = draft.neighbours(a.slot)[0], after = draft.neighbours(b.slot)[0];
     if (before == after) return;
     const Point along = draft.patch(after).position - draft.patch(before).position;

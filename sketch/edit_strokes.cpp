@@ -42,7 +42,7 @@ void cut_faded(Editor& editor, const std::vector<Slot>& stroke) {
                                    std::abs(draft.patch(stroke[i + 1]).contrast));
     if (patch.gain > 0 || std::abs(patch.contrast) > 0.5 * beside) continue;
     if (editor.shown(draft.patch(stroke[i - 1]), draft.patch(stroke[i - 1]).position,
-                     draft.patch(stroke[i + 1]).position, beside) > 0.5)
+                     draft.patch(stroke[i + 1]).position, beside, 0.5) > 0.5)
       continue;
     Edit edit;
     drop(edit, draft, stroke[i]);

@@ -129,19 +129,18 @@ Editor::Editor(const Draft& draft, const cv::Mat& levels, std::span<const GainFr
       held_(slots_held(draft)),
       near_(places(draft, held_), kRadius) {}
 
-double Editor::shown(const Patch& patch, Point from, Point to, double contrast) const {
+double Editor::shown(const Patch& patch, Point from, Point to, double contrast, double enough) const {
   const Point step = to - from;
   const double length = graph::norm(step), expected = difference(patch);
   if (!(length > 0) || std::abs(expected) < 1e-6 || contrast == 0) return 0;
   const Point along = step * (1 / length);
   const bool backwards = along.x * std::cos(patch.theta) + along.y * std::sin(patch.theta) < 0;
   const Point normal = backwards ? Point{along.y, -along.x} : Point{-along.y, along.x};
-  double least = 1;
-  for (int i = 1; i < length; ++i) {
-    double seen = 0;
-    for (const double a : {-1.0, 0.0, 1.0})
-      seen += across(axes_[0].luma, patch, from + along * (i + a), normal) / 3;
-    least = std::min(least, seen / expected * std::abs(patch.contrast / contrast));
+  const auto third = [&](int i) { return across(axes_[0].luma, patch, from + along * i, normal) / 3; };
+  double least = 1, before = 0, here = third(0), after = third(1);
+  for (int i = 1; i < length && least >= enough; ++i) {
+    before = std::exchange(here, std::exchange(after, third(i + 1)));
+    least = std::min(least, (before + here + after) / expected * std::abs(patch.contrast / contrast));
   }
   return least;
 }
@@ -187,8 +186,8 @@ bool Editor::overlaps(const Patch& patch, std::span<const Slot> besides) const {
 }
 
 std::vector<Slot> Editor::around(Point place) const {
-  std::vector<Slot> found;
-  for (const auto i : near_.around(place)) found.push_back(held_[i]);
+  std::vector<Slot> found = near_.around(place);
+  for (Slot& slot : found) slot = held_[slot];
   return found;
 }
 

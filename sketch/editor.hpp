@@ -53,9 +53,10 @@ class Editor {
   std::optional<graph::Patch> like(const graph::Patch& patch, graph::Point position, double theta,
                                    double contrast);
   /// The least share of `contrast` that shows on the way from one place to another, a pixel at a time: luma's
-  /// difference across it, as the patch's profile has it. Finer than a fitted patch, so less sure.
-  [[nodiscard]] double shown(const graph::Patch& patch, graph::Point from, graph::Point to,
-                             double contrast) const;
+  /// difference across it, as the patch's profile has it. Finer than a fitted patch, so less sure. Looks no
+  /// further where less than `enough` shows.
+  [[nodiscard]] double shown(const graph::Patch& patch, graph::Point from, graph::Point to, double contrast,
+                             double enough) const;
   /// Its cost and gain.
   [[nodiscard]] graph::Patch judged(graph::Patch patch) const;
   /// Whether a patch at this place would lie on a patch of the draft that is none of `besides`.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "sketch/degree.hpp"
@@ -28,36 +28,56 @@ constexpr double kStepGain = 0.7;  // of a line's gain: a flank that is a step s
 constexpr double kRamp = 3;        // blurs: the width of a step
 constexpr double kShare = 0.4;     // of a curve's patches
 
+double width(const Patch& patch) {
+  return graph::on_step(patch) ? kRamp * patch.blur : patch.width;
+}
+
 /// Patches by the cell of a grid that they lie in.
 class Cells {
  public:
   Cells(const AttributeGraph& graph, double side) : side_(side) {
-    for (std::uint32_t i = 0; i < graph.size(); ++i) cells_[key(graph.patch(i).position, 0, 0)].push_back(i);
+    places_.reserve(graph.size());
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
+      const Patch& patch = graph.patch(i);
+      places_.push_back({key(patch.position, 0, 0), patch.position, width(patch), i});
+    }
+    std::ranges::sort(places_, {}, [](const Place& place) { return std::pair(place.key, place.index); });
   }
 
+  /// Whether it matches a patch that lies beside one at p of this width, not farther off than `beside` has
+  /// it.
   template <class Match>
-  [[nodiscard]] bool any_near(Point p, const Match& match) const {
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx)
-        if (const auto found = cells_.find(key(p, dx, dy));
-            found != cells_.end() && std::ranges::any_of(found->second, match))
-          return true;
+  [[nodiscard]] bool any_near(Point p, double width, const Match& match) const {
+    for (int dy = -1; dy <= 1; ++dy) {
+      const std::int64_t last = key(p, 1, dy);
+      for (auto at = std::ranges::lower_bound(places_, key(p, -1, dy), {}, &Place::key);
+           at != places_.end() && at->key <= last; ++at) {
+        const Point off = at->position - p;
+        const double across = 0.5 * (width + at->width) + kBeside;
+        if (dot(off, off) <= kMore * (kAlong * kAlong + across * across) && match(at->index)) return true;
+      }
+    }
     return false;
   }
 
  private:
+  static constexpr double kMore = 1.000001;  // than rounding makes
+
+  struct Place {
+    std::int64_t key;
+    Point position;
+    double width;
+    std::uint32_t index;
+  };
+
   [[nodiscard]] std::int64_t key(Point p, int dx, int dy) const {
     const auto cell = [&](double at) { return static_cast<std::int64_t>(std::floor(at / side_)); };
     return (cell(p.y) + dy) * (std::int64_t{1} << 32) + cell(p.x) + dx;
   }
 
   double side_;
-  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> cells_;
+  std::vector<Place> places_;  // by their cells
 };
-
-double width(const Patch& patch) {
-  return graph::on_step(patch) ? kRamp * patch.blur : patch.width;
-}
 
 double median_width(const AttributeGraph& graph, const Curve& curve) {
   std::vector<double> widths;
@@ -124,7 +144,7 @@ class Flanks {
     for (const auto v : curve) asked_of_[v] = asked_;
     const auto flanked = [&](std::uint32_t v) {
       const Patch& patch = graph_.patch(v);
-      return cells_.any_near(patch.position, [&](std::uint32_t other) {
+      return cells_.any_near(patch.position, width, [&](std::uint32_t other) {
         return !gone_[other] && asked_of_[other] != asked_ && may_flank(patch, width, graph_.patch(other)) &&
                beside(patch, width, graph_.patch(other));
       });

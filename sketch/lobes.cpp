@@ -33,7 +33,7 @@ Box around(const CreasePoint& p) {
 // Where accepted lines run: each pixel near one refers to its nearest point, whatever the order they come in.
 class Accepted {
  public:
-  explicit Accepted(cv::Size frame) : index_(frame, -1) {}
+  explicit Accepted(cv::Size frame) : index_(no_points(frame)) {}
 
   void add(const Chain& chain) {
     Line line{&chain, static_cast<int>(points_.size()), around(chain.points.front())};

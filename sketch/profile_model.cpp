@@ -164,23 +164,21 @@ constexpr std::size_t product_of(std::size_t a, std::size_t b) {
 }
 constexpr std::size_t kProducts = product_of(kNumbers, kNumbers) + 1;
 
-using Four [[gnu::vector_size(16)]] = float;  // what every x86-64 has in a register
+using Lanes [[gnu::vector_size(4 * kLanes)]] = float;  // two registers where none is as wide
 
 // lane[8·b …]: the sums of the products of column kLast with itself and those before it, in eight parts.
 template <std::size_t kLast>
 [[gnu::always_inline]] inline void sum_products(const float* const* column, int samples, float* lane) {
-  for (int half = 0; half < kLanes; half += 4) {
-    Four sum[kLast + 1] = {};
-    for (int i = half; i < samples; i += kLanes) {
-      Four x, y;
-      std::memcpy(&x, column[kLast] + i, sizeof x);
-      for (std::size_t b = 0; b <= kLast; ++b) {
-        std::memcpy(&y, column[b] + i, sizeof y);
-        sum[b] += x * y;
-      }
+  Lanes sum[kLast + 1] = {};
+  for (int i = 0; i < samples; i += kLanes) {
+    Lanes x, y;
+    std::memcpy(&x, column[kLast] + i, sizeof x);
+    for (std::size_t b = 0; b <= kLast; ++b) {
+      std::memcpy(&y, column[b] + i, sizeof y);
+      sum[b] += x * y;
     }
-    for (std::size_t b = 0; b <= kLast; ++b) std::memcpy(lane + kLanes * b + half, &sum[b], sizeof sum[b]);
   }
+  std::memcpy(lane, sum, sizeof sum);
 }
 
 [[gnu::always_inline]] inline void add_pairs(const float* __restrict from, std::size_t count,

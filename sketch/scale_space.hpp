@@ -24,6 +24,10 @@ inline Hessian hessian_of(const float* up, const float* mid, const float* down) 
           (up[1] + down[1]) - 2 * mid[1]};
 }
 
+inline graph::Point gradient_of(const float* up, const float* mid, const float* down) {
+  return {0.5 * (double{mid[2]} - double{mid[0]}), 0.5 * (double{down[1]} - double{up[1]})};
+}
+
 /// The image smoothed by a Gaussian; derivatives are central differences of it.
 struct ScaleLevel {
   double sigma = 1;  ///< px, of the smoothing
@@ -38,9 +42,7 @@ struct ScaleLevel {
     return hessian_of(smooth[y] + x, smooth[y + 1] + x, smooth[y + 2] + x);
   }
   [[nodiscard]] graph::Point gradient(int x, int y) const {
-    const float* mid = smooth[y + 1];
-    return {0.5 * (double{mid[x + 2]} - double{mid[x]}),
-            0.5 * (double{smooth[y + 2][x + 1]} - double{smooth[y][x + 1]})};
+    return gradient_of(smooth[y] + x, smooth[y + 1] + x, smooth[y + 2] + x);
   }
   /// Bilinear between pixels, clamped to the frame.
   [[nodiscard]] Hessian hessian_at(graph::Point p) const;

@@ -7,16 +7,7 @@
 
 namespace emberfold::sketch {
 
-using graph::Point;
-
 namespace {
-
-// Between four pixels: `right` and `below` are how far on those to the right and below lie.
-inline float between(const float* pixel, std::ptrdiff_t right, std::ptrdiff_t below, float fx, float fy) {
-  const float upper = (1 - fx) * pixel[0] + fx * pixel[right];
-  const float lower = (1 - fx) * pixel[below] + fx * pixel[below + right];
-  return (1 - fy) * upper + fy * lower;
-}
 
 // Where the samples of a rib lie: the pixel to their upper left, as a distance from the frame's first, and
 // how far beyond it.
@@ -25,58 +16,55 @@ struct Spots {
   Samples fx, fy;
 };
 
-EMBERFOLD_ROW_PASS void place_spots(const Rib& rib, int count, int step, int stride, Spots& spots) {
-  const int last = count - 1;
-  const double first = 0.5 * static_cast<double>(last);
+// A frame's size and how its pixels follow each other in memory; at its border those next to them are not
+// read.
+struct Layout {
+  int width, height, step, stride;
+  [[nodiscard]] int right() const { return width > 1 ? step : 0; }
+  [[nodiscard]] int below() const { return height > 1 ? stride : 0; }
+};
+
+// Beyond the frame at its border.
+EMBERFOLD_ROW_PASS void place_spots(const Rib& rib, int count, Layout frame, Spots& __restrict spots) {
+  const double first = 0.5 * static_cast<double>(count - 1);
   const double px = rib.position.x, py = rib.position.y, ax = rib.across.x, ay = rib.across.y;
+  const double right_end = frame.width - 1.0, lower_end = frame.height - 1.0;
+  const int last_x = std::max(frame.width - 2, 0), last_y = std::max(frame.height - 2, 0);
   for (int i = 0; i < count; ++i) {
-    const double d = kSampleStep * (static_cast<double>(std::min(i, last)) - first);
-    const auto x = static_cast<float>(px + ax * d), y = static_cast<float>(py + ay * d);
-    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+    const double d = kSampleStep * (static_cast<double>(i) - first);
+    const auto x = static_cast<float>(std::min(std::max(px + ax * d, 0.0), right_end)),
+               y = static_cast<float>(std::min(std::max(py + ay * d, 0.0), lower_end));
+    const int x0 = std::min(static_cast<int>(x), last_x), y0 = std::min(static_cast<int>(y), last_y);
     const auto at = static_cast<std::size_t>(i);
-    spots.pixel[at] = y0 * stride + x0 * step;
+    spots.pixel[at] = y0 * frame.stride + x0 * frame.step;
     spots.fx[at] = x - static_cast<float>(x0);
     spots.fy[at] = y - static_cast<float>(y0);
   }
 }
 
-EMBERFOLD_ROW_PASS void add_spots(const float* __restrict frame, const Spots& spots, int count, int step,
-                                  int stride, float weight, float* __restrict level) {
+// Between four pixels each; `right` and `below` are how far on those to the right and below lie.
+EMBERFOLD_ROW_PASS void add_spots(const float* __restrict frame, const Spots& spots, int count, int right,
+                                  int below, float weight, float* __restrict level) {
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    level[i] += weight * between(frame + spots.pixel[at], step, stride, spots.fx[at], spots.fy[at]);
+    const float* pixel = frame + spots.pixel[at];
+    const float fx = spots.fx[at], fy = spots.fy[at];
+    const float upper = (1 - fx) * pixel[0] + fx * pixel[right];
+    const float lower = (1 - fx) * pixel[below] + fx * pixel[below + right];
+    level[i] += weight * ((1 - fy) * upper + fy * lower);
   }
 }
 
 // Adds the levels along a rib; beyond the frame those of its border.
 void add_rib(const cv::Mat& levels, const Rib& rib, float weight, std::span<Section> sections) {
-  const std::size_t count = sections[0].count;
-  const auto channels = static_cast<std::ptrdiff_t>(sections.size());
-  const auto stride = static_cast<std::ptrdiff_t>(levels.step1());
+  const Layout frame{levels.cols, levels.rows, static_cast<int>(sections.size()),
+                     static_cast<int>(levels.step1())};
+  const int count = static_cast<int>(sections[0].count);
   const auto* first = levels.ptr<float>();
-  const auto inside = [&](double d) {
-    const Point q = rib.position + rib.across * d;
-    return q.x >= 0 && q.y >= 0 && q.x < levels.cols - 1.001 && q.y < levels.rows - 1.001;
-  };
-  if (inside(sections[0].place(0)) && inside(sections[0].place(count - 1))) {
-    const int samples = static_cast<int>(count), step = static_cast<int>(channels);
-    Spots spots;  // written as far as it is read
-    place_spots(rib, samples, step, static_cast<int>(stride), spots);
-    for (Section& section : sections)
-      add_spots(first++, spots, samples, step, static_cast<int>(stride), weight, section.level.data());
-    return;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const Point q = rib.position + rib.across * sections[0].place(i);
-    const auto x = static_cast<float>(std::clamp(q.x, 0.0, levels.cols - 1.0)),
-               y = static_cast<float>(std::clamp(q.y, 0.0, levels.rows - 1.0));
-    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-    const float* pixel = first + y0 * stride + x0 * channels;
-    for (Section& section : sections)
-      section.level[i] +=
-          weight * between(pixel++, x0 + 1 < levels.cols ? channels : 0, y0 + 1 < levels.rows ? stride : 0,
-                           x - static_cast<float>(x0), y - static_cast<float>(y0));
-  }
+  Spots spots;  // written as far as it is read
+  place_spots(rib, count, frame, spots);
+  for (Section& section : sections)
+    add_spots(first++, spots, count, frame.right(), frame.below(), weight, section.level.data());
 }
 
 }  // namespace

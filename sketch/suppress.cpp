@@ -20,15 +20,15 @@ namespace {
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
 
-// The pixels on the way across a point, at every half pixel to both sides, by their distance from the first;
-// −1 outside. `stride`: from row to row.
-EMBERFOLD_ROW_PASS void pixels_across(Point at, Point normal, int halves, cv::Size size, int stride,
-                                      int* __restrict pixel) {
+// What the pixels hold on the way across a point, at every half pixel to both sides; −1 outside. `stride`:
+// from row to row.
+EMBERFOLD_ROW_PASS void entries_across(const int* entries, Point at, Point normal, int halves, cv::Size size,
+                                       int stride, int* __restrict found) {
   for (int i = 0; i <= 2 * halves; ++i) {
     const double way = 0.5 * static_cast<double>(i - halves);
     const int x = nearest(at.x + way * normal.x), y = nearest(at.y + way * normal.y);
     const int outside = (x | y | (size.width - 1 - x) | (size.height - 1 - y)) >> 31;  // −1, or 0 inside
-    pixel[i] = (y * stride + x) | outside;
+    found[i] = entries[(y * stride + x) & ~outside] | outside;
   }
 }
 
@@ -42,12 +42,12 @@ class Across {
     const int halves = static_cast<int>(2 * reach);
     const auto count = 2 * static_cast<std::size_t>(halves) + 1;
     if (found_.size() < count) found_.resize(count);
-    pixels_across(p.position, normal, halves, index_.size(), static_cast<int>(index_.step1()), found_.data());
-    const int* entries = index_[0];
+    entries_across(index_[0], p.position, normal, halves, index_.size(), static_cast<int>(index_.step1()),
+                   found_.data());
     int last = -1;
     std::size_t kept = 0;  // without branches: nobody can foretell which pixels hold points
     for (std::size_t i = 0; i < count; ++i) {
-      const int pixel = found_[i], here = entries[std::max(pixel, 0)] | pixel >> 31;
+      const int here = found_[i];
       found_[kept] = here;
       kept += ((here >= 0) & (here != last)) ? 1 : 0;
       last = here;
@@ -126,35 +126,48 @@ class Shadow {
   void cast(cv::Point centre, int radius, float value) {
     const auto r = static_cast<std::size_t>(radius);
     if (discs_.size() <= r) discs_.resize(r + 1);
-    if (discs_[r].empty()) discs_[r] = cv::Mat1f(height_, width_ + 2 * radius, 0.0F);
-    float& told =
-        discs_[r](std::clamp(centre.y, 0, height_ - 1), radius + std::clamp(centre.x, 0, width_ - 1));
+    Discs& discs = discs_[r];
+    if (discs.any.empty()) {
+      discs.value = cv::Mat1f(height_, width_ + 2 * radius, 0.0F);
+      discs.any.resize(static_cast<std::size_t>(height_), 0);
+    }
+    const int y = std::clamp(centre.y, 0, height_ - 1);
+    float& told = discs.value(y, radius + std::clamp(centre.x, 0, width_ - 1));
     told = std::max(told, value);
+    discs.any[static_cast<std::size_t>(y)] = 1;
   }
 
   [[nodiscard]] cv::Mat1f finish() const {
     cv::Mat1f dark(height_, width_, 0.0F);
+    Lengths lengths;
     for (std::size_t r = 0; r < discs_.size(); ++r)
-      for (int y = 0; y < discs_[r].rows; ++y) spread(discs_[r][y], static_cast<int>(r), y, dark);
+      for (std::size_t y = 0; y < discs_[r].any.size(); ++y)
+        if (discs_[r].any[y] != 0) spread(discs_[r], static_cast<int>(r), static_cast<int>(y), lengths, dark);
     return dark;
   }
 
  private:
-  // A row of discs of one radius, its first pixel `radius` after its begin.
-  void spread(const float* discs, int radius, int y, cv::Mat1f& dark) const {
+  // Discs of one radius.
+  struct Discs {
+    cv::Mat1f value;        // (y, radius + x): the greatest cast from there
+    std::vector<char> any;  // whether a row has some
+  };
+  using Lengths = std::vector<std::vector<float>>;  // [k][x]: the greatest from x on over 2^k pixels
+
+  // A row of discs; `lengths`: to work in.
+  void spread(const Discs& discs, int radius, int y, Lengths& lengths, cv::Mat1f& dark) const {
     const int all = width_ + 2 * radius;
-    if (std::all_of(discs, discs + all, [](float value) { return value == 0; })) return;
-    std::vector<std::vector<float>> lengths;  // [k][x]: the greatest from x on over 2^k pixels
-    lengths.emplace_back(discs, discs + all);
-    for (int length = 1; 2 * length <= 2 * radius + 1; length *= 2) {
-      const std::vector<float>& last = lengths.back();
-      std::vector<float> next(last.size());
-      greater_row(last.data(), last.data() + length, all - length, next.data());
-      lengths.push_back(std::move(next));
+    const std::size_t levels = last_level(radius) + 1;
+    if (lengths.size() < levels) lengths.resize(levels);
+    lengths[0].assign(discs.value[y], discs.value[y] + all);
+    for (std::size_t k = 1; k < levels; ++k) {
+      const int length = 1 << (k - 1);
+      lengths[k].resize(lengths[0].size());
+      greater_row(lengths[k - 1].data(), lengths[k - 1].data() + length, all - length, lengths[k].data());
     }
     for (int away = 0; away <= radius; ++away) {
       const int half = static_cast<int>(std::sqrt(double(radius) * radius - double(away) * away));
-      const auto k = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(2 * half + 1)) - 1);
+      const std::size_t k = last_level(half);
       const float* first = lengths[k].data() + radius - half;
       const float* second = lengths[k].data() + radius + half + 1 - (1 << k);
       if (y - away >= 0) raise_row(first, second, width_, dark[y - away]);
@@ -162,8 +175,13 @@ class Shadow {
     }
   }
 
+  // The greatest k for which 2^k pixels lie within `half` of a disc's middle.
+  static std::size_t last_level(int half) {
+    return static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(2 * half + 1)) - 1);
+  }
+
   int width_, height_;
-  std::vector<cv::Mat1f> discs_;  // [radius](y, radius + x): the greatest cast from there
+  std::vector<Discs> discs_;  // by radius
 };
 
 }  // namespace
