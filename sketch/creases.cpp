@@ -236,13 +236,28 @@ struct AtLevel {
   double ground, least, normalise;
 };
 
-// Puts the line through a pixel of row y into the map, if there is one.
-void put_line(Growing& map, const Principals& row, std::size_t i, int y, double sigma, const AtLevel& of) {
-  const double value = double{row.value[i]}, response = std::abs(value);
-  if (response < of.least) return;
+// The second derivative along the normal, t px along it from a pixel where it is `value`: to second order,
+// from the pixels around. It hardly changes along the line, so across it bends by its Laplacian.
+double second_derivative(const ScaleLevel& level, int x, int y, Point normal, double value, double t) {
+  const cv::Mat1f& smooth = level.smooth;
+  if (x < 1 || y < 1 || x + 4 > smooth.cols || y + 4 > smooth.rows) return value;
+  const auto at = [&](int u, int v) { return level.hessian(u, v).along(normal); };
+  const double left = at(x - 1, y), right = at(x + 1, y), above = at(x, y - 1), below = at(x, y + 1);
+  const double slope = 0.5 * (normal.x * (right - left) + normal.y * (below - above));
+  const double bend = (left + right) + (above + below) - 4 * value;
+  return value + t * (slope + 0.5 * t * bend);
+}
+
+// Puts the line through a pixel of row y into the map, if there is one. It responds as it does at its
+// subpixel place: beside a slope the pixel's own response depends on where in the pixel the line runs, and
+// levels, whose lines lie beside each other there, would take turns.
+void put_line(Growing& map, const Principals& row, std::size_t i, int y, const ScaleLevel& level,
+              const AtLevel& of) {
+  constexpr double kLeastShare = 0.7, kMostShare = 1.4;  // of the pixel's own response
+  const double value = double{row.value[i]}, sigma = level.sigma;
+  if (std::abs(value) < of.least) return;
   const int x = row.x[i];
-  const double strength = response * of.normalise;
-  if (!map.beats(x, y, strength)) return;
+  if (!map.beats(x, y, kMostShare * std::abs(value) * of.normalise)) return;
   const Point g = row.gradient[i];
   const double nx = double{row.nx[i]}, ny = double{row.ny[i]};
   const double t = -(g.x * nx + g.y * ny) / value;
@@ -250,11 +265,14 @@ void put_line(Growing& map, const Principals& row, std::size_t i, int y, double 
   const cv::Mat1i& frame = map.map.index;
   if (!inside(frame, {x + sigma * nx, y + sigma * ny}) || !inside(frame, {x - sigma * nx, y - sigma * ny}))
     return;
+  const double there = second_derivative(level, x, y, {nx, ny}, value, t);
+  const double response = std::abs(value) * std::clamp(there / value, kLeastShare, kMostShare);
+  if (response < of.least) return;
   map.put(x, y,
           {{x + t * nx, y + t * ny},
            0,
            response / of.ground,
-           strength,
+           response * of.normalise,
            response * line_contrast(sigma),
            of.number},
           {nx, ny});
@@ -392,7 +410,7 @@ Lines find_lines(const ScaleSpace& space, const Ground& ground, CreaseLimits lim
       principal_row(places.xx.data(), places.xy.data(), places.yy.data(), static_cast<int>(places.count),
                     places.value.data(), places.nx.data(), places.ny.data());
       for (std::size_t i = 0; i < places.count; ++i)
-        put_line(places.value[i] < 0 ? ridges : valleys, places, i, y, level.sigma, of);
+        put_line(places.value[i] < 0 ? ridges : valleys, places, i, y, level, of);
     }
   }
   return {ridges.finish(), valleys.finish()};

@@ -44,7 +44,7 @@ class Linker {
     std::vector<Chain> chains;
     // By strength, which is comparable between scales: a shoulder that is significant at a coarse scale only
     // must not spend the line beside it.
-    for (const std::size_t seed : strongest_first(map_.points, &CreasePoint::strength))
+    for (const std::size_t seed : strongest_first(map_.points, &CreasePoint::strength, map_.index.size()))
       if (spent_[seed] == 0 && map_.points[seed].significance >= limits_.seed) chains.push_back(grow(seed));
     return chains;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -12,10 +13,11 @@
 
 namespace emberfold::sketch {
 
-/// The points' indices, those with the greatest `value` (≥ 0; compared in single precision) first; equal ones
-/// in their order. O(n): by digits of eleven bits, the last first.
+/// The points' indices, those with the greatest `value` (≥ 0; compared in single precision) first; of equal
+/// ones the one nearest to the frame's middle, so that a mirrored frame has the mirrored order. O(n) but for
+/// those: by digits of eleven bits, the last first.
 inline std::vector<std::size_t> strongest_first(const std::vector<CreasePoint>& points,
-                                                double CreasePoint::*value) {
+                                                double CreasePoint::*value, cv::Size frame) {
   constexpr std::uint32_t kBits = 11, kDigits = 3, kMask = (1U << kBits) - 1;
   struct Key {
     std::uint32_t value, point;
@@ -32,6 +34,17 @@ inline std::vector<std::size_t> strongest_first(const std::vector<CreasePoint>& 
   for (std::uint32_t d = 0; d < kDigits; ++d) {
     for (const Key& key : keys) sorted[first[d][key.value >> (d * kBits) & kMask]++] = key;
     keys.swap(sorted);
+  }
+  const graph::Point middle{0.5 * (frame.width - 1), 0.5 * (frame.height - 1)};
+  const auto nearer = [&](const Key& a, const Key& b) {
+    return graph::distance(points[a.point].position, middle) <
+           graph::distance(points[b.point].position, middle);
+  };
+  for (auto first = keys.begin(); first != keys.end();) {
+    const auto last =
+        std::find_if(first + 1, keys.end(), [&](const Key& k) { return k.value != first->value; });
+    if (last - first > 1) std::stable_sort(first, last, nearer);
+    first = last;
   }
   std::vector<std::size_t> order(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].point;

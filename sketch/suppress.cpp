@@ -253,7 +253,7 @@ void thin(CreaseMap& map, const ScaleSpace& space) {
   std::vector<char> marked(map.points.size(), 0);
   Across across(map.index);
   std::vector<char> settled(map.points.size(), 0);  // marked, or had their turn
-  for (const std::size_t i : strongest_first(map.points, &CreasePoint::strength)) {
+  for (const std::size_t i : strongest_first(map.points, &CreasePoint::strength, map.index.size())) {
     if (marked[i] != 0) continue;
     settled[i] = 1;
     const CreasePoint& p = map.points[i];
