@@ -64,42 +64,42 @@ double variance(const cv::Mat1f& luma, int x0, int y0) {
          (kCount - 3);
 }
 
-double box_sum(const cv::Mat1f& luma, int x0, int y0, cv::Size size) {
+template <int kWide, int kHigh>
+double box_sum(const cv::Mat1f& luma, cv::Point corner) {
   double sum = 0;
-  for (int y = y0; y < y0 + size.height; ++y) {
-    const float* row = luma[y] + x0;
+  for (int y = 0; y < kHigh; ++y) {
+    const float* row = luma[corner.y + y] + corner.x;
     float along = 0;
-    for (int x = 0; x < size.width; ++x) along += row[x];
+    for (int x = 0; x < kWide; ++x) along += row[x];
     sum += double{along};
   }
   return sum;
 }
 
-/// The mean of a bar, `width` px across and 5 along, above those of its two sides of the same size: no even
-/// slope shows in it. `across`: (1, 0) or (0, 1).
-double bar_contrast(const cv::Mat1f& luma, cv::Point corner, cv::Point across, int width) {
-  const cv::Size size(across.x * width + across.y * kBarLength, across.y * width + across.x * kBarLength);
-  const auto part = [&](int i) {
-    return box_sum(luma, corner.x + i * width * across.x, corner.y + i * width * across.y, size);
-  };
-  return (part(1) - 0.5 * (part(0) + part(2))) / (kBarLength * width);
+/// The mean of a bar above those of its two sides of the same size, each `apart` from the last: no even slope
+/// shows in it.
+template <int kWide, int kHigh>
+double bar_contrast(const cv::Mat1f& luma, cv::Point corner, cv::Point apart) {
+  const auto part = [&](int i) { return box_sum<kWide, kHigh>(luma, corner + i * apart); };
+  return (part(1) - 0.5 * (part(0) + part(2))) / (kWide * kHigh);
 }
 
 /// How much more a bar's contrast varies, both ways, than on white noise of this SD: 3/2 of the variance of a
 /// bar's mean.
-double measure_clumping(const cv::Mat1f& luma, int width, double noise) {
+template <int kWidth>
+double measure_clumping(const cv::Mat1f& luma, double noise) {
   std::vector<float> contrasts;
-  for (const cv::Point across : {cv::Point{1, 0}, cv::Point{0, 1}}) {
-    const int columns = across.x * 3 * width + across.y * kBarLength;
-    const int rows = across.y * 3 * width + across.x * kBarLength;
-    visit_windows(luma.size(), {columns, rows}, [&](int x, int y) {
-      contrasts.push_back(static_cast<float>(std::abs(bar_contrast(luma, {x, y}, across, width))));
-    });
-  }
+  const auto add = [&](double contrast) { contrasts.push_back(static_cast<float>(std::abs(contrast))); };
+  visit_windows(luma.size(), {3 * kWidth, kBarLength}, [&](int x, int y) {
+    add(bar_contrast<kWidth, kBarLength>(luma, {x, y}, {kWidth, 0}));
+  });
+  visit_windows(luma.size(), {kBarLength, 3 * kWidth}, [&](int x, int y) {
+    add(bar_contrast<kBarLength, kWidth>(luma, {x, y}, {0, kWidth}));
+  });
   if (contrasts.empty()) return 1;
   constexpr double kMedianToSd = 1.4826;
   const double sd = kMedianToSd * double{median(std::move(contrasts))};
-  return std::max(1.0, sd * sd * kBarLength * width / (1.5 * noise * noise));
+  return std::max(1.0, sd * sd * kBarLength * kWidth / (1.5 * noise * noise));
 }
 
 double along(const std::array<float, 3>& axis, const graph::Level& level) {
@@ -357,8 +357,8 @@ GainFrame prepare_gain(cv::Mat1f mixture, const std::array<float, 3>& axis) {
   if (variances.empty()) return frame;
   constexpr double kMedian = 0.9915;  // of χ²/78 with 78 degrees of freedom
   frame.noise = std::max(kQuantisation, std::sqrt(double{median(std::move(variances))} / kMedian));
-  for (std::size_t i = 0; i < kBars.size(); ++i)
-    frame.clumping[i] = measure_clumping(frame.luma, kBars[i], frame.noise);
+  frame.clumping = {measure_clumping<kBars[0]>(frame.luma, frame.noise),
+                    measure_clumping<kBars[1]>(frame.luma, frame.noise)};
   return frame;
 }
 

@@ -368,15 +368,15 @@ Ground measure_ground(const ScaleSpace& space, double noise) {
     second.reserve(samples);
     first.reserve(samples);
     const int down = std::min(step, std::max(height - 1, 1)), across = std::min(step, std::max(width - 1, 1));
-    for (int y = first_sample(height, down); y < height; y += down)
+    for (int y = first_sample(height, down); y < height; y += down) {
+      const float *above = level.smooth[y], *here = level.smooth[y + 1], *below = level.smooth[y + 2];
       for (int x = first_sample(width, across); x < width; x += across) {
-        const Hessian h = level.hessian(x, y);
-        const Point g = level.gradient(x, y);
-        second.push_back(std::abs(h.xx));
-        second.push_back(std::abs(h.yy));
-        first.push_back(static_cast<float>(std::abs(g.x)));
-        first.push_back(static_cast<float>(std::abs(g.y)));
+        const Hessian h = hessian_of(above + x, here + x, below + x);
+        const Point g = gradient_of(above + x, here + x, below + x);
+        second.insert(second.end(), {std::abs(h.xx), std::abs(h.yy)});
+        first.insert(first.end(), {static_cast<float>(std::abs(g.x)), static_cast<float>(std::abs(g.y))});
       }
+    }
     ground.second.push_back(
         std::max(noise * level.hessian_sd, kMedianToSd * double{median(std::move(second))}));
     ground.first.push_back(

@@ -204,6 +204,15 @@ EMBERFOLD_ROW_PASS void products(const float* const* column, std::size_t columns
   for (std::size_t i = 0; i < sums; ++i) total[i] = double{lane[2 * i] + lane[2 * i + 1]};
 }
 
+// The last of these sums alone, the same bits.
+EMBERFOLD_ROW_PASS double squares(const float* column, int samples) {
+  float lane[kLanes], pair[kLanes / 2];
+  sum_products<0>(&column, samples, lane);
+  add_pairs(lane, 4, pair);
+  add_pairs(pair, 2, lane);
+  return double{lane[0] + lane[1]};
+}
+
 // The normal equations of the free numbers, the moments and the residuals' squares below them.
 using System = std::array<double, kProducts>;
 using Solution = std::array<double, kNumbers>;  // of the free numbers, in order
@@ -259,12 +268,11 @@ System system_of(const Slopes& slopes, int samples, const Free& free) {
   return system;
 }
 
-System system_at(const Section& section, const Profile& p, const Free& free, Slopes& work) {
+void slopes_at(const Section& section, const Profile& p, Slopes& out) {
   slopes(section,
          {static_cast<float>(p.offset), static_cast<float>(0.5 * p.width), static_cast<float>(p.blur),
           static_cast<float>(p.left), static_cast<float>(p.middle), static_cast<float>(p.right)},
-         work);
-  return system_of(work, padded(section), free);
+         out);
 }
 
 constexpr double square(double v) {
@@ -304,11 +312,14 @@ Profile refine(const Section& section, Profile start, const ProfileBounds& bound
   const bool bar = start.width > 0;
   const Free free({true, bar, true, bounds.offset > 0, bar, true});
   const auto strange = [&](const Profile& p) { return prior * square(std::log(p.blur / usual_blur)); };
-  const std::size_t n = free.count, squares = product_of(n, n);
+  const std::size_t n = free.count;
+  const int samples = padded(section);
   Slopes work;  // written before it is read
+  const float* residuals = work.data() + kNumbers * kMostSamples;
   Profile best = start;
-  System at = system_at(section, best, free, work);
-  double cost = at[squares] + strange(best), damping = 1e-3;
+  slopes_at(section, best, work);
+  System at = system_of(work, samples, free);
+  double cost = at[product_of(n, n)] + strange(best), damping = 1e-3;
   for (int step = 0; step < steps; ++step) {
     System pulled = at;  // the blur is the last of the free numbers
     pulled[product_of(n - 1, n - 1)] += prior / square(best.blur);
@@ -328,21 +339,21 @@ Profile refine(const Section& section, Profile start, const ProfileBounds& bound
     } else {
       next.middle = 0.5 * (next.left + next.right);
     }
-    const System there = system_at(section, next, free, work);
-    const double next_cost = there[squares] + strange(next);
-    if (next_cost >= cost) {
+    slopes_at(section, next, work);
+    const double next_cost = squares(residuals, samples) + strange(next);
+    if (next_cost >= cost) {  // one in three: the other sums are of no use
       if ((damping *= 10) > 1e4) break;
       continue;
     }
     const double moved = std::max({std::abs(next.offset - best.offset), std::abs(next.width - best.width),
                                    std::abs(next.blur - best.blur)});
     best = next;
-    at = there;
+    at = system_of(work, samples, free);
     cost = next_cost;
     damping = std::max(0.2 * damping, 1e-6);
     if (moved < kSettled) break;
   }
-  best.residual = at[squares];
+  best.residual = at[product_of(n, n)];
   return best;
 }
 
