@@ -23,6 +23,7 @@ constexpr double kSameStroke =
     4;  // px, mean: a stroke that comes back this near to where it was is the same stroke
 constexpr double kNearMiddle = 20;  // px: its middle may move more than its patches do, by what it grew
 constexpr double kWidestTear = 25;  // px: pieces farther apart are not joined
+constexpr double kWidestGap = 60;   // px: but where they part and unite in one place, a stretch was missed
 
 /// A frame while it is being changed.
 struct Draft {
@@ -205,15 +206,16 @@ void cut(Draft& draft, SubgraphId stroke, Point place) {
   if (first != near.end()) draft.edges.erase(first->second);
 }
 
-/// Joins two of these strokes by their nearest patches; where there are more than two, near the place.
-void mend(Draft& draft, std::span<const SubgraphId> strokes, Point place) {
+/// Joins two of these strokes by their nearest patches, nearer than `widest` px; where there are more than
+/// two, near the place.
+void mend(Draft& draft, std::span<const SubgraphId> strokes, Point place, double widest) {
   std::vector<const Vertex*> members;
   for (const Vertex& v : draft.vertices) {
     if (std::ranges::find(strokes, v.subgraph) != strokes.end()) members.push_back(&v);
   }
   const bool several = std::ranges::any_of(
       members, [&](const Vertex* v) { return v->subgraph != strokes[0] && v->subgraph != strokes[1]; });
-  double least = kWidestTear;
+  double least = widest;
   std::optional<Edge> nearest;
   for (const Vertex* a : members) {
     for (const Vertex* b : members) {
@@ -296,7 +298,8 @@ class Undoing {
       if (ends[0] && ends[1]) {
         const int end = parts ? std::min(*ends[0], *ends[1]) : std::max(*ends[0], *ends[1]);
         const auto [first, last] = frames_of(end);
-        for (int t = first; t < last; ++t) mend(drafts[static_cast<std::size_t>(t)], pieces, joint.position);
+        for (int t = first; t < last; ++t)
+          mend(drafts[static_cast<std::size_t>(t)], pieces, joint.position, kWidestTear);
         undone[i] = true;
         continue;
       }
@@ -330,16 +333,14 @@ class Undoing {
         return std::ranges::find(second.before, s) != second.before.end();
       });
     };
-    if (separates(first) && unites(second) &&
-        (first.after == second.before ||
-         (shared() && distance(first.position, second.position) < kSamePlace))) {
+    const bool same_place = distance(first.position, second.position) < kSamePlace;
+    if (separates(first) && unites(second) && (first.after == second.before || (shared() && same_place))) {
       std::vector<SubgraphId> pieces = first.after;
       pieces.insert(pieces.end(), second.before.begin(), second.before.end());
-      each([&](Draft& draft) { mend(draft, pieces, first.position); });
+      each([&](Draft& draft) { mend(draft, pieces, first.position, same_place ? kWidestGap : kWidestTear); });
       return true;
     }
-    if (unites(first) && separates(second) && first.after == second.before &&
-        distance(first.position, second.position) < kSamePlace) {
+    if (unites(first) && separates(second) && first.after == second.before && same_place) {
       each([&](Draft& draft) { cut(draft, first.after[0], first.position); });
       return true;
     }

@@ -70,11 +70,14 @@ double drawn_change(const Draft& draft, const Edit& edit, const GainFrame& luma)
   edited.apply(edit);
   const Sketchable before = drawn(draft, near, box), after = drawn(edited, near, box);
   const cv::Mat1f seen = luma.luma(box);
-  const cv::Mat1b either = before.mask | after.mask;
+  cv::Mat either, beyond;
+  cv::bitwise_or(before.mask, after.mask, either);
+  cv::bitwise_not(either, beyond);
   const auto squared_error = [&](const Sketchable& shown) {
-    cv::Mat1f levels = seen.clone();
+    cv::Mat levels = seen.clone(), held;
     shown.levels.copyTo(levels, shown.mask);
-    return cv::norm(fill(levels, shown.mask | ~either).levels, seen, cv::NORM_L2SQR);
+    cv::bitwise_or(shown.mask, beyond, held);
+    return cv::norm(fill(levels, held).levels, seen, cv::NORM_L2SQR);
   };
   double costs = draft.change(edit);  // of the degrees, once the gains are taken off
   for (const Slot slot : edit.remove) costs -= draft.patch(slot).gain + draft.patch(slot).cost;
