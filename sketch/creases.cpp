@@ -236,21 +236,20 @@ struct AtLevel {
   double ground, least, normalise;
 };
 
-// The second derivative along the normal, t px along it from a pixel where it is `value`: to second order,
-// from the pixels around. It hardly changes along the line, so across it bends by its Laplacian.
-double second_derivative(const ScaleLevel& level, int x, int y, Point normal, double value, double t) {
+// How the second derivative along the normal grows in that direction, t px along it from a pixel where it is
+// `value`, from the pixels around: across the line it bends by its Laplacian, along it hardly at all.
+double third_derivative(const ScaleLevel& level, int x, int y, Point normal, double value, double t) {
   const cv::Mat1f& smooth = level.smooth;
-  if (x < 1 || y < 1 || x + 4 > smooth.cols || y + 4 > smooth.rows) return value;
+  if (x < 1 || y < 1 || x + 4 > smooth.cols || y + 4 > smooth.rows) return 0;
   const auto at = [&](int u, int v) { return level.hessian(u, v).along(normal); };
   const double left = at(x - 1, y), right = at(x + 1, y), above = at(x, y - 1), below = at(x, y + 1);
   const double slope = 0.5 * (normal.x * (right - left) + normal.y * (below - above));
-  const double bend = (left + right) + (above + below) - 4 * value;
-  return value + t * (slope + 0.5 * t * bend);
+  return slope + t * ((left + right) + (above + below) - 4 * value);
 }
 
-// Puts the line through a pixel of row y into the map, if there is one. It responds as it does at its
-// subpixel place: beside a slope the pixel's own response depends on where in the pixel the line runs, and
-// levels, whose lines lie beside each other there, would take turns.
+// Puts the line through a pixel of row y into the map, if there is one. On a slope the response rises to one
+// side, so that the pixel's own depends on where in it the line runs; scales, whose lines lie beside each
+// other there, would take turns. What the rise at the line's subpixel place adds is taken for that.
 void put_line(Growing& map, const Principals& row, std::size_t i, int y, const ScaleLevel& level,
               const AtLevel& of) {
   constexpr double kLeastShare = 0.7, kMostShare = 1.4;  // of the pixel's own response
@@ -265,8 +264,8 @@ void put_line(Growing& map, const Principals& row, std::size_t i, int y, const S
   const cv::Mat1i& frame = map.map.index;
   if (!inside(frame, {x + sigma * nx, y + sigma * ny}) || !inside(frame, {x - sigma * nx, y - sigma * ny}))
     return;
-  const double there = second_derivative(level, x, y, {nx, ny}, value, t);
-  const double response = std::abs(value) * std::clamp(there / value, kLeastShare, kMostShare);
+  const double risen = 1 + t * third_derivative(level, x, y, {nx, ny}, value, t) / value;
+  const double response = std::abs(value) * std::clamp(risen, kLeastShare, kMostShare);
   if (response < of.least) return;
   map.put(x, y,
           {{x + t * nx, y + t * ny},

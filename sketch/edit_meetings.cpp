@@ -166,6 +166,49 @@ void meet_in_corner(Editor& editor, const End& a, const End& b) {
   editor.propose(std::move(edit), {a.slot, b.slot});
 }
 
+/// Corners whose arms make less than 110°; their headings point away from the arms.
+std::vector<End> sharp_corners(const Draft& draft) {
+  constexpr double kLeastSum = 1.15;  // of the arms' unit vectors: 2 cos 55°
+  std::vector<End> corners;
+  for (Slot slot = 0; slot < draft.slots(); ++slot) {
+    if (!draft.holds(slot) || draft.degree(slot) != 2) continue;
+    const Point place = draft.patch(slot).position;
+    Point sum;
+    for (const Slot arm : draft.neighbours(slot)) {
+      const Point away = place - draft.patch(arm).position;
+      if (const double length = graph::norm(away); length > 0) sum = sum + away * (1 / length);
+    }
+    if (const double size = graph::norm(sum); size > kLeastSum)
+      corners.push_back({slot, place, sum * (1 / size)});
+  }
+  return corners;
+}
+
+/// Where two strokes cross at a small angle, both pairs of arms may have met in corners, back to back: they
+/// are joined, if the stroke shows between them. Near the corners their arms hide its sides.
+void join_corners(Editor& editor, const End& a, const End& b) {
+  constexpr double kFacing = 0.87, kLeast = 6;  // cos 30°; px
+  const Draft& draft = editor.draft();
+  const Patch &first = draft.patch(a.slot), &second = draft.patch(b.slot);
+  const Point gap = b.place - a.place;
+  const double length = graph::norm(gap);
+  if (length < kLeast || length > kLongest || !graph::same_kind(first, second)) return;
+  if (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length) return;
+  const double theta = std::atan2(gap.y, gap.x), contrast = fainter(first, second);
+  const int pieces = static_cast<int>(std::lround(length / editor.spacing()));
+  const std::array<Slot, 2> both{a.slot, b.slot};
+  std::vector<Patch> patches;
+  for (int i = 1; i < pieces; ++i) {
+    const auto next = editor.like(first, a.place + gap * (double(i) / pieces), theta, contrast);
+    if (!next || editor.overlaps(*next, both)) return;
+    patches.push_back(*next);
+  }
+  Edit edit;
+  Slot next = draft.slots();
+  bridge(edit, next, a.slot, patches, b.slot);
+  editor.propose(std::move(edit), {a.slot, b.slot});
+}
+
 /// Two junctions next to each other become one.
 void merge_junctions(Editor& editor, Slot a, Slot b) {
   const Draft& draft = editor.draft();
@@ -202,6 +245,9 @@ void propose_meetings(Editor& editor) {
         meet_in_corner(editor, ends[i], ends[j]);
       }
     }
+  const std::vector<End> corners = sharp_corners(draft);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (std::size_t j = i + 1; j < corners.size(); ++j) join_corners(editor, corners[i], corners[j]);
   for (Slot a = 0; a < draft.slots(); ++a) {
     if (!draft.holds(a) || draft.degree(a) < 3) continue;
     for (const Slot b : draft.neighbours(a))

@@ -100,6 +100,24 @@ TEST_CASE("What flickers for up to three frames makes no events, what lasts long
   }
 }
 
+TEST_CASE("A wide stretch that is missed for a moment is mended, one that is missed for longer is not",
+          "[graph][steady]") {
+  const std::vector<Line> whole = {{{40, 10}, {40, 110}}},
+                          torn = {{{40, 10}, {40, 35}}, {{40, 80}, {40, 110}}};
+  CHECK(events_with(whole, torn, 5, 7, 3).empty());
+  const auto events = events_with(whole, torn, 4, 9, 3);
+  REQUIRE(events.size() == 2);
+  CHECK((events[0].type == EventType::disconnect || events[0].type == EventType::split));
+  // Two strokes that part here and unite far away are two strokes in between.
+  const std::vector<Line> other = {{{40, 10}, {40, 35}},
+                                   {
+                                       {40, 80},
+                                       {40, 110},
+                                   },
+                                   {{40, 35}, {20, 35}}};
+  CHECK_FALSE(events_with(whole, other, 5, 9, 3).empty());
+}
+
 TEST_CASE("A stroke at the clip's first or last frames is left out only if it is there for one frame",
           "[graph][steady]") {
   CHECK(events_with(kStroke, kCompany, 0, 1, 3).empty());

@@ -147,6 +147,7 @@ TEST_CASE("Two lines side by side become one double ridge, if that is asked for"
   CHECK(count(one, PatchType::double_ridge) == one.size() - 2);
   const Point along = (to - from) * (1 / graph::distance(from, to));
   for (const graph::Vertex& v : one.vertices()) {
+    if (v.patch.hollow <= 0) continue;  // the rest of a line's end
     const Point off = v.patch.position - from;
     CHECK(std::abs(off.y * along.x - off.x * along.y) < 0.3);
     CHECK(v.patch.contrast * sign > 0);

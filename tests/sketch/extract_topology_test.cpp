@@ -119,6 +119,39 @@ TEST_CASE("Lines that cross at a right angle are one component with one junction
   }
 }
 
+TEST_CASE("A soft line on a steep slope of the ground is one stroke") {
+  // The scales of such a line lie beside each other, by up to 4 px.
+  for (int k = 0; k < 12; ++k) {
+    const double theta = 0.13 + kPi * k / 12;
+    const Point along = unit(theta), across = unit(theta + kPi / 2);
+    const auto frame = with_noise(draw({160, 160},
+                                       [&](Point p) {
+                                         const Point off = p - Point{80.2, 79.6};
+                                         const double d = graph::dot(off, across), s = graph::dot(off, along);
+                                         const double line = std::exp(-d * d / (2 * 3.7 * 3.7));
+                                         return 155 - 60 * reached(d - 8, 5) +
+                                                45 * line * reached(s + 55, 2) * reached(55 - s, 2);
+                                       }),
+                                  2, static_cast<std::uint64_t>(k + 1));
+    const AttributeGraph found = sketch::extract(frame, {});
+    std::vector<graph::VertexId> lines;
+    double least = 1e9, most = -1e9;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const graph::Patch& p = found.patch(i);
+      const Point off = p.position - Point{80.2, 79.6};
+      if (graph::on_step(p) || p.contrast < 0 || std::abs(graph::dot(off, across)) > 8) continue;
+      lines.push_back(found.vertices()[i].id);
+      least = std::min(least, graph::dot(off, along)), most = std::max(most, graph::dot(off, along));
+    }
+    std::size_t ends = 0;
+    for (const auto id : lines) ends += found.degree(found.index_of(id)) == 1 ? 1U : 0U;
+    INFO("angle " << theta << ": " << lines.size() << " patches, " << ends << " ends, from " << least
+                  << " to " << most);
+    CHECK(ends == 2);
+    CHECK(most - least > 85);
+  }
+}
+
 TEST_CASE("A gap of 8 px parts a stroke, one of 1 px does not") {
   for (const double width : {3.0, 4.0, 6.0}) {
     INFO("width " << width);

@@ -177,3 +177,41 @@ TEST_CASE("A warm start finds a faint stroke of the frame before and nothing tha
   CHECK(faint_patches(extract(gone, strict, before)) == 0);
   CHECK(extract(gone, strict, before) == extract(gone, strict));
 }
+
+TEST_CASE("Corners back to back, where two lines cross at a small angle, are joined, others are not") {
+  const Point middle{80.3, 60.2};
+  const auto frame_with = [&](bool crossing) {
+    std::vector<Cover> shapes;
+    for (const double lean : {0.4, -0.4}) {
+      if (crossing) {
+        shapes.push_back(segment(middle - unit(lean) * 45, middle + unit(lean) * 45, 3, 1));
+        continue;
+      }
+      // Two angles whose points are 14 px apart.
+      shapes.push_back(segment(middle + Point{7, 0}, middle + Point{7, 0} + unit(lean) * 40, 3, 1));
+      shapes.push_back(segment(middle - Point{7, 0}, middle - Point{7, 0} - unit(lean) * 40, 3, 1));
+    }
+    return with_noise(draw(kSize, shapes, 60, 60), 2, 5);
+  };
+  const auto bent = [&](const cv::Mat1f& frame) {
+    const graph::AttributeGraph arms =
+        without(extract(frame, {}), [&](Point p) { return std::abs(p.x - middle.x) < 11; });
+    REQUIRE(graph::components(arms).count == 4);
+    std::vector<graph::Vertex> vertices(arms.vertices().begin(), arms.vertices().end());
+    std::vector<graph::Edge> edges(arms.edges().begin(), arms.edges().end());
+    for (const double side : {-1.0, 1.0}) {
+      graph::Vertex corner = vertices.front();
+      corner.id = {vertices.back().id.value + 1};
+      corner.patch.position = middle + Point{side * 7, 0};
+      for (std::size_t i = 0; i < arms.size(); ++i)
+        if (arms.degree(i) == 1 && graph::distance(arms.patch(i).position, corner.patch.position) < 12)
+          edges.push_back({arms.vertices()[i].id, corner.id});
+      vertices.push_back(corner);
+    }
+    return graph::AttributeGraph(std::move(vertices), std::move(edges));
+  };
+  const cv::Mat1f crossing = frame_with(true), apart = frame_with(false);
+  REQUIRE(graph::components(bent(crossing)).count == 2);
+  CHECK(graph::components(refined(bent(crossing), crossing)).count == 1);
+  CHECK(graph::components(refined(bent(apart), apart)).count == 2);
+}
