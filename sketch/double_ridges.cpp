@@ -126,10 +126,8 @@ class Pairing {
   void even_out(std::vector<Patch>& ridges) const {
     const std::vector<Patch> before = ridges;
     for (std::size_t i = 0; i < ridges.size(); ++i) {
-      const std::span<const Patch> near =
-          std::span(before)
-              .subspan(i < kNear ? 0 : i - kNear)
-              .first(std::min(i, kNear) + 1 + std::min(kNear, before.size() - 1 - i));
+      const std::size_t first = i < kNear ? 0 : i - kNear, last = std::min(i + kNear + 1, before.size());
+      const auto near = std::span(before).subspan(first, last - first);
       const double thickness = median_of(near, [](const Patch& p) { return (p.width - p.hollow) / 2; });
       Patch start = ridges[i];
       start.width = start.hollow + 2 * thickness;
@@ -283,10 +281,10 @@ class Pairing {
 }  // namespace
 
 graph::AttributeGraph with_double_ridges(const graph::AttributeGraph& graph, const cv::Mat& levels,
-                                         const GainFrame& luma) {
+                                         const GainFrame& luma, double spacing) {
   Draft draft(graph);
   Tried tried;
-  const Editor editor(draft, levels, {&luma, 1}, {}, tried);
+  const Editor editor(draft, levels, {&luma, 1}, {spacing}, tried);
   apply_best(draft, Pairing(draft, editor, levels, luma).proposals());
   return draft.graph();
 }

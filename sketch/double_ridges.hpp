@@ -13,8 +13,8 @@ namespace emberfold::sketch {
 /// them. Where the lines go on by themselves, the double ridge forks; what is left of a line's end, two
 /// patches at most, may go. A pair is judged as it would be drawn (drawn_change); the pairs that save most
 /// come first. `graph`: of `levels` (CV_32F, 1 or 3 channels), its patches judged; `luma`: their luma,
-/// prepared. O(patches · log) beside some milliseconds for each pair.
+/// prepared; `spacing`: px from patch to patch. O(patches · log) beside some milliseconds for each pair.
 graph::AttributeGraph with_double_ridges(const graph::AttributeGraph& graph, const cv::Mat& levels,
-                                         const GainFrame& luma);
+                                         const GainFrame& luma, double spacing);
 
 }  // namespace emberfold::sketch

@@ -146,7 +146,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   graph::AttributeGraph strokes =
       without_flanks(refine(smoothed(cut_into_patches(network, space, levels, options.spacing, noise), noise),
                             levels, axes, {options.spacing, options.blobs, previous}));
-  if (options.double_ridges) strokes = with_double_ridges(strokes, levels, axes[0]);
+  if (options.double_ridges) strokes = with_double_ridges(strokes, levels, axes[0], options.spacing);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;
