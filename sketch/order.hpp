@@ -40,11 +40,10 @@ inline std::vector<std::size_t> strongest_first(const std::vector<CreasePoint>& 
     return graph::distance(points[a.point].position, middle) <
            graph::distance(points[b.point].position, middle);
   };
-  for (auto first = keys.begin(); first != keys.end();) {
-    const auto last =
-        std::find_if(first + 1, keys.end(), [&](const Key& k) { return k.value != first->value; });
-    if (last - first > 1) std::stable_sort(first, last, nearer);
-    first = last;
+  for (auto run = keys.begin(); run != keys.end();) {
+    const auto end = std::find_if(run + 1, keys.end(), [&](const Key& k) { return k.value != run->value; });
+    if (end - run > 1) std::stable_sort(run, end, nearer);
+    run = end;
   }
   std::vector<std::size_t> order(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].point;
