@@ -66,7 +66,8 @@ double kept(double level, const SeenLevels& seen, graph::Point place, int channe
 
 /// What is seen of how much a line's core differs from its sides: its blur takes the rest.
 double seen_share(const graph::Patch& patch) {
-  return std::erf(patch.width / (2 * std::numbers::sqrt2 * std::max(patch.blur, sketch::kLeastBlur)));
+  const double line = patch.hollow > 0 ? (patch.width - patch.hollow) / 2 : patch.width;
+  return std::erf(line / (2 * std::numbers::sqrt2 * std::max(patch.blur, sketch::kLeastBlur)));
 }
 
 void keep_within(graph::Patch& patch, const SeenLevels& seen) {

@@ -333,16 +333,19 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
 
 TEST_CASE("double ridges go from the sketch through files and models into new clips", "[slow]") {
   const TempFolder temp;
-  // Two lines 8 px apart that sway together.
-  const auto writer = create_clip(temp / "rails.avi", {120, 90}, 25, false);
-  for (int t = 0; t < 24; ++t) {
-    cv::Mat1f frame(90, 120, 60.0F);
-    for (int y = 0; y < 90; ++y)
-      for (int x = 15; x < 105; ++x)
-        for (const double rail : {41.0, 49.0}) {
-          const double d = y - rail - 3 * std::sin(0.04 * x + 0.3 * t);
+  // Two lines 8 px apart that sway together; below them a third that comes and goes.
+  const auto writer = create_clip(temp / "rails.avi", {120, 100}, 25, false);
+  for (int t = 0; t < 36; ++t) {
+    cv::Mat1f frame(100, 120, 60.0F);
+    const auto add_line = [&](double height, double sway) {
+      for (int y = 0; y < frame.rows; ++y)
+        for (int x = 15; x < 105; ++x) {
+          const double d = y - height - sway * std::sin(0.04 * x + 0.3 * t);
           frame(y, x) += static_cast<float>(110 * std::exp(-d * d / 4));
         }
+    };
+    add_line(31, 3), add_line(39, 3);
+    if (t % 18 >= 6) add_line(75, 2);
     cv::Mat byte;
     frame.convertTo(byte, CV_8U);
     writer->write(byte);
@@ -352,13 +355,14 @@ TEST_CASE("double ridges go from the sketch through files and models into new cl
   const auto summary = sketched(clip, temp / "sketch", {"--double-ridges"});
   CHECK(summary["options"]["sketch"]["double_ridges"] == true);
   const auto two = sketched(clip, temp / "two", {});
-  CHECK(summary["sketch"]["psnr"]["mean"] > two["sketch"]["psnr"]["mean"].get<double>() - 1);
+  CHECK(summary["sketch"]["psnr"]["mean"] > two["sketch"]["psnr"]["mean"].get<double>() - 2);
   std::istringstream lines(bytes_of(temp / "sketch" / "sketch.jsonl"));
   const auto sketch = graph::read_sketch(lines, "sketch.jsonl");
   for (const auto& frame : sketch.frames) {
-    CHECK(graph::components(frame).count == 1);
+    CHECK(graph::components(frame).count <= 2);
     REQUIRE(frame.size() > 10);
     for (std::size_t i = 0; i < frame.size(); ++i) {
+      if (frame.patch(i).position.y > 55) continue;
       CHECK_THAT((frame.patch(i).width + frame.patch(i).hollow) / 2, WithinAbs(8, 1));
       if (frame.degree(i) == 2) CHECK(frame.patch(i).type == graph::PatchType::double_ridge);
     }
@@ -375,7 +379,7 @@ TEST_CASE("double ridges go from the sketch through files and models into new cl
   for (const auto& frame : frames_of(temp / "new.avi")) {
     const cv::Mat column = grey(frame).col(60);
     int peaks = 0;
-    for (int y = 1; y + 1 < column.rows; ++y)
+    for (int y = 1; y < 55; ++y)
       peaks += column.at<uchar>(y) > 110 && column.at<uchar>(y) > column.at<uchar>(y - 1) &&
                column.at<uchar>(y) >= column.at<uchar>(y + 1);
     CHECK(peaks == 2);

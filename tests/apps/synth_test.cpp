@@ -126,7 +126,7 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
     // The graphs' own picture, but for what comes and goes.
     apart += cv::norm(drawn.frames[t], draw_frame(motion.sketch.frames[t], look), cv::NORM_L1);
   }
-  CHECK(apart / (40 * 3 * 160 * 120) < 4);
+  CHECK(apart / (40 * 3 * 160 * 120) < 6);
   CHECK(patches > 40 * 20);
 
   const Json summary = Json::parse(result.out);
