@@ -21,7 +21,7 @@ enum class DoubleFit { all, place };
 /// of each channel suit that shape best. Its blur keeps near the start's as fit_patch's does. None where the
 /// fit leaves its place, becomes wider than kWidestDouble, or does not show two lines of the start's sign
 /// with a dip between them of a quarter of their contrast at least. `levels`: CV_32F, 1 or 3 channels;
-/// `noise`: grey levels, SD of the pixels. Some 100 µs.
+/// `noise`: grey levels, SD of the pixels. Some 250 µs; `place` 170.
 std::optional<graph::Patch> fit_double_ridge(const cv::Mat& levels, const graph::Patch& start,
                                              std::span<const Rib> ribs, double noise,
                                              DoubleFit fit = DoubleFit::all);
