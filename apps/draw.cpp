@@ -9,6 +9,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "sketch/bands.hpp"
+
 namespace emberfold::apps {
 
 namespace {
@@ -148,12 +150,6 @@ struct Way {
   std::size_t vertex;
 };
 
-/// Of a double ridge the line on its right (1) or left (−1); else its place.
-graph::Point line_at(const graph::Patch& patch, double side) {
-  const double aside = patch.hollow > 0 ? (patch.width + patch.hollow) / 4 : 0;
-  return patch.position + graph::Point{-std::sin(patch.theta), std::cos(patch.theta)} * (side * aside);
-}
-
 double sign_of(double value) {
   return value < 0 ? -1 : 1;
 }
@@ -174,7 +170,8 @@ void append_ways(std::vector<Way>& ways, const graph::AttributeGraph& graph, con
         const graph::Point along{std::cos(patch.theta), std::sin(patch.theta)}, right{-along.y, along.x};
         const graph::Point step = graph.patch(curve[i < last ? i + 1 : i - 1]).position - patch.position;
         const double forwards = sign_of(graph::dot(step, along)) * (i < last ? 1 : -1);
-        way.points.push_back(place(line_at(patch, two ? side * forwards : sign_of(graph::dot(step, right)))));
+        way.points.push_back(
+            place(sketch::line_at(patch, two ? side * forwards : sign_of(graph::dot(step, right)))));
       }
       ways.push_back(std::move(way));
     }

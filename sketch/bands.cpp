@@ -55,8 +55,7 @@ bool forks(const graph::Patch& patch, const graph::Patch& other) {
 graph::Point leave(const graph::Patch& patch, const graph::Patch& other) {
   if (!forks(patch, other)) return patch.position;
   const graph::Point t = direction(patch.theta), normal{-t.y, t.x};
-  const double aside = (patch.width + patch.hollow) / 4;  // to the middle of either line
-  return patch.position + normal * std::copysign(aside, graph::dot(other.position - patch.position, normal));
+  return line_at(patch, std::copysign(1.0, graph::dot(other.position - patch.position, normal)));
 }
 
 Band alone(const graph::AttributeGraph& graph, std::size_t vertex) {

@@ -28,6 +28,13 @@ inline double profile_reach(const graph::Patch& patch) {
   return std::clamp(std::max(patch.width, 0.0) / 2 + margin, kLeastReach, kMostReach);
 }
 
+/// Of a double ridge the middle of its line on the right (`side` 1) or on the left (−1); else the patch's
+/// place.
+inline graph::Point line_at(const graph::Patch& patch, double side) {
+  const double aside = patch.hollow > 0 ? side * (patch.width + patch.hollow) / 4 : 0;
+  return patch.position + graph::Point{-std::sin(patch.theta), std::cos(patch.theta)} * aside;
+}
+
 inline double between(double a, double b, double s) {
   return a + s * (b - a);
 }

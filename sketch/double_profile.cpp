@@ -2,14 +2,13 @@
 #include "sketch/double_profile.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <vector>
 
 #include <Eigen/Dense>
 #include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/NumericalDiff>
 
+#include "sketch/colour.hpp"
 #include "sketch/profile_shape.hpp"
 #include "sketch/sections.hpp"
 
@@ -89,13 +88,6 @@ struct Residual {
   }
 };
 
-/// SD of a section's sample: neighbouring ones share half of their noise, twice its variance counts.
-double section_noise(std::span<const Rib> ribs, double noise) {
-  double sum = 0, squares = 0;
-  for (const Rib& rib : ribs) sum += rib.weight, squares += rib.weight * rib.weight;
-  return noise * std::sqrt(2 * squares) / sum;
-}
-
 /// Whether it stayed where it began and can be told from one line.
 bool plausible(const Shape& x, const Shape& start) {
   const ProfileShape shape = shape_of(x);
@@ -121,14 +113,14 @@ std::optional<Patch> fit_double_ridge(const cv::Mat& levels, const Patch& start,
   const double reach = start.width / 2 + kBeyond + 2 * start.blur;
   const auto half =
       std::min(static_cast<std::size_t>(std::ceil(reach / kSampleStep)), (kMostSamples - 1) / 2);
-  const Sections sections = cut_across(levels, ribs, 2 * half + 1, {0.114F, 0.587F, 0.299F});
+  const Sections sections = cut_across(levels, ribs, 2 * half + 1, kColourAxes[0]);
   const double start_blur = std::hypot(start.blur, std::sqrt(kInterpolation));
   const Shape from(
       0, std::log(std::max(start.hollow, 0.5)),
       std::log(std::max((start.width - start.hollow) / 2 - kThinnest, fit == DoubleFit::all ? 0.2 : 1e-6)),
       std::log(start_blur));
   const Residual residual{sections.seen, values_of(sections.seen), from, fit == DoubleFit::all ? 4 : 2,
-                          section_noise(ribs, noise) / kBlurSpread};
+                          std::sqrt(section_variance(ribs, noise)) / kBlurSpread};
   Eigen::NumericalDiff<Residual> model(residual);
   Eigen::LevenbergMarquardt<Eigen::NumericalDiff<Residual>> solver(model);
   solver.parameters.maxfev = 200;

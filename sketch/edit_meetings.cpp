@@ -35,6 +35,20 @@ std::vector<End> free_ends(const Draft& draft) {
   return ends;
 }
 
+/// Patches evenly along a step, its ends left out, like the one at its begin; none if one of them does not
+/// fit.
+std::optional<std::vector<Patch>> row_like(Editor& editor, const Patch& begin, Point from, Point step,
+                                           double theta, double contrast, std::span<const Slot> besides) {
+  const int pieces = static_cast<int>(std::lround(graph::norm(step) / editor.spacing()));
+  std::vector<Patch> patches;
+  for (int i = 1; i < pieces; ++i) {
+    const auto next = editor.like(begin, from + step * (double(i) / pieces), theta, contrast);
+    if (!next || editor.overlaps(*next, besides)) return std::nullopt;
+    patches.push_back(*next);
+  }
+  return patches;
+}
+
 /// Patches along the straight way from one place to another, both left out, as the patch at its begin shows
 /// it; none if it does not show throughout. `from_side`: rad, a stroke whose direction is another by so much
 /// is come to from the side.
@@ -44,19 +58,12 @@ std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point 
   const Point to = end.position, step = to - from;
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
   const double theta = std::cos(begin.theta - heading) < 0 ? heading + kPi : heading;
-  const int pieces = static_cast<int>(std::lround(length / editor.spacing()));
   // Where a stroke comes in from the side, its own sides hide that the way goes on.
   const double hidden =
       graph::orientation_difference(heading, end.theta) < from_side ? 0 : end.width / 2 + 2 * end.blur;
   const Point seen_to = from + step * std::max(1 - hidden / length, 0.0);
   if (hidden < length && editor.shown(begin, from, seen_to, contrast, kShows) < kShows) return std::nullopt;
-  std::vector<Patch> patches;
-  for (int i = 1; i < pieces; ++i) {
-    const auto next = editor.like(begin, from + step * (double(i) / pieces), theta, contrast);
-    if (!next || editor.overlaps(*next, besides)) return std::nullopt;
-    patches.push_back(*next);
-  }
-  return patches;
+  return row_like(editor, begin, from, step, theta, contrast, besides);
 }
 
 /// Adds a row of patches between two that are there or are added.
@@ -194,18 +201,13 @@ void join_corners(Editor& editor, const End& a, const End& b) {
   const double length = graph::norm(gap);
   if (length < kLeast || length > kLongest || !graph::same_kind(first, second)) return;
   if (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length) return;
-  const double theta = std::atan2(gap.y, gap.x), contrast = fainter(first, second);
-  const int pieces = static_cast<int>(std::lround(length / editor.spacing()));
   const std::array<Slot, 2> both{a.slot, b.slot};
-  std::vector<Patch> patches;
-  for (int i = 1; i < pieces; ++i) {
-    const auto next = editor.like(first, a.place + gap * (double(i) / pieces), theta, contrast);
-    if (!next || editor.overlaps(*next, both)) return;
-    patches.push_back(*next);
-  }
+  const auto patches =
+      row_like(editor, first, a.place, gap, std::atan2(gap.y, gap.x), fainter(first, second), both);
+  if (!patches) return;
   Edit edit;
   Slot next = draft.slots();
-  bridge(edit, next, a.slot, patches, b.slot);
+  bridge(edit, next, a.slot, *patches, b.slot);
   editor.propose(std::move(edit), {a.slot, b.slot});
 }
 

@@ -62,13 +62,7 @@ Profile fit_profile(const Section& section, CreaseKind kind, std::span<const Rib
   const ProfileBounds bounds{options.moves ? 0.5 + 0.35 * options.spread : 0, 0.8, 4.5 * options.spread + 2,
                              least_blur, 2.5 * options.spread + 1};
   const Profile start = best_start(section, kind, options.spread, options.moves, least_blur);
-  // Neighbouring samples share half of their noise: twice its variance counts.
-  double sum = 0, squares = 0;
-  for (const Rib& rib : ribs) {
-    sum += rib.weight;
-    squares += rib.weight * rib.weight;
-  }
-  const double variance = 2 * options.noise * options.noise * squares / (sum * sum);
+  const double variance = section_variance(ribs, options.noise);
   const Profile fitted =
       refine(section, start, bounds, kSteps,
              kind == CreaseKind::step ? 0 : variance / (kBlurSpread * kBlurSpread), kUsualBlur);

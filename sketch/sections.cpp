@@ -69,6 +69,15 @@ void add_rib(const cv::Mat& levels, const Rib& rib, float weight, std::span<Sect
 
 }  // namespace
 
+double section_variance(std::span<const Rib> ribs, double noise) {
+  double sum = 0, squares = 0;
+  for (const Rib& rib : ribs) {
+    sum += rib.weight;
+    squares += rib.weight * rib.weight;
+  }
+  return 2 * noise * noise * squares / (sum * sum);
+}
+
 Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count,
                     const std::array<float, 3>& axis) {
   const auto channels = static_cast<std::size_t>(levels.channels());

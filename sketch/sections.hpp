@@ -22,6 +22,10 @@ struct Sections {
   Section seen;
 };
 
+/// The variance of a section's sample in noise of this SD: neighbouring samples share half of it, twice
+/// counts.
+double section_variance(std::span<const Rib> ribs, double noise);
+
 /// `levels`: CV_32F, 1 or 3 channels; beyond the frame they are those of its border. `ribs`: not empty.
 /// `count`: of samples, ≤ kMostSamples. `axis`: the weights of blue, green and red by which it is seen.
 Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count,
