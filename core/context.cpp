@@ -6,15 +6,23 @@
 
 namespace emberfold::core {
 
-Context::Context(std::stop_token stop, Progress progress)
-    : stop_(std::move(stop)), progress_(std::move(progress)) {}
+Context::Context(std::stop_token stop, Progress progress, Warn warning)
+    : stop_(std::move(stop)), progress_(std::move(progress)), warning_(std::move(warning)) {}
+
+void Context::check() const {
+  if (cancelled()) throw Cancelled{};
+}
 
 void Context::report(std::string_view stage, double fraction) const {
   if (progress_) progress_(stage, std::clamp(fraction, 0.0, 1.0));
 }
 
+void Context::warn(const std::string& text) const {
+  if (warning_) warning_(text);
+}
+
 Context Context::with_progress(Progress progress) const {
-  return Context(stop_, std::move(progress));
+  return Context(stop_, std::move(progress), warning_);
 }
 
 }  // namespace emberfold::core

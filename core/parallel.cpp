@@ -28,7 +28,8 @@ Status parallel_for(std::size_t count, const Context& context, const std::functi
         }
       },
       tbb::simple_partitioner());
-  return cancelled ? Status::cancelled : Status::done;
+  if (cancelled) throw Cancelled{};
+  return Status::done;
 }
 
 Status parallel_stream(std::size_t count, std::size_t at_once, const Context& context,
@@ -63,7 +64,8 @@ Status parallel_stream(std::size_t count, std::size_t at_once, const Context& co
                          tbb::make_filter<void, Item>(serial_in_order, begin) &
                              tbb::make_filter<Item, Item>(parallel, make) &
                              tbb::make_filter<Item, void>(serial_in_order, end));
-  return cancelled ? Status::cancelled : Status::done;
+  if (cancelled) throw Cancelled{};
+  return Status::done;
 }
 
 double deterministic_sum(std::size_t count, std::size_t grain,

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "core/error.hpp"
-#include "dytex/components.hpp"
-#include "dytex/dynamics.hpp"
-#include "dytex/frame_bands.hpp"
-#include "dytex/gram.hpp"
-#include "dytex/order.hpp"
+#include "dytex/learning/components.hpp"
+#include "dytex/learning/dynamics.hpp"
+#include "dytex/learning/frame_blocks.hpp"
+#include "dytex/learning/gram.hpp"
+#include "dytex/learning/model_order.hpp"
 
 namespace emberfold::dytex {
 

@@ -9,7 +9,7 @@
 #include <opencv2/core/hal/interface.h>
 
 #include "core/error.hpp"
-#include "dytex/decompose.hpp"
+#include "dytex/learning/decompositions.hpp"
 
 namespace emberfold::dytex {
 

@@ -12,9 +12,9 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
-#include "dytex/decompose.hpp"
-#include "dytex/draw_frames.hpp"
-#include "dytex/loop.hpp"
+#include "dytex/learning/decompositions.hpp"
+#include "dytex/synthesis/draw_frames.hpp"
+#include "dytex/synthesis/loop.hpp"
 
 namespace emberfold::dytex {
 

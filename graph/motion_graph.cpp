@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/error.hpp"
-#include "graph/gap.hpp"
+#include "graph/matching/frame_links.hpp"
 
 namespace emberfold::graph {
 

@@ -11,22 +11,22 @@
 
 #include "core/clip.hpp"
 #include "core/error.hpp"
-#include "sketch/coding_gain.hpp"
-#include "sketch/colour.hpp"
-#include "sketch/creases.hpp"
-#include "sketch/crossings.hpp"
-#include "sketch/cut.hpp"
-#include "sketch/double_ridges.hpp"
-#include "sketch/fades.hpp"
-#include "sketch/flanks.hpp"
-#include "sketch/join.hpp"
-#include "sketch/link.hpp"
-#include "sketch/lobes.hpp"
-#include "sketch/median.hpp"
-#include "sketch/pursuit.hpp"
-#include "sketch/refine.hpp"
-#include "sketch/scale_space.hpp"
-#include "sketch/smooth.hpp"
+#include "core/math/robust.hpp"
+#include "sketch/detection/colour.hpp"
+#include "sketch/detection/contrast_gaps.hpp"
+#include "sketch/detection/creases.hpp"
+#include "sketch/detection/crossings.hpp"
+#include "sketch/detection/curve_tracing.hpp"
+#include "sketch/detection/flanks.hpp"
+#include "sketch/detection/junctions.hpp"
+#include "sketch/detection/lobes.hpp"
+#include "sketch/detection/scale_space.hpp"
+#include "sketch/patches/double_ridges.hpp"
+#include "sketch/patches/patch_placement.hpp"
+#include "sketch/patches/patch_smoothing.hpp"
+#include "sketch/refinement/coding_length.hpp"
+#include "sketch/refinement/pursuit.hpp"
+#include "sketch/refinement/refine.hpp"
 
 namespace emberfold::sketch {
 
@@ -48,11 +48,12 @@ double evidence(const Chain& chain) {
 }
 
 // The two axes of colour as further channels of both.
-void add_colour(ScaleSpace& space, Ground& ground, const cv::Mat& levels, const ExtractOptions& options) {
+void add_colour(ScaleSpace& space, NoiseLevels& ground, const cv::Mat& levels,
+                const ExtractOptions& options) {
   int channel = 0;
   for (const cv::Mat1f& colour : opponent_colours(levels)) {
     ScaleSpace more = scale_space(colour, options.finest_scale, options.scales, ++channel);
-    const Ground own = measure_ground(more, estimate_noise(colour));
+    const NoiseLevels own = measure_noise_levels(more, estimate_noise(colour));
     space.insert(space.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
     ground.second.insert(ground.second.end(), own.second.begin(), own.second.end());
     ground.first.insert(ground.first.end(), own.first.begin(), own.first.end());
@@ -84,7 +85,7 @@ double estimate_noise(const cv::Mat& luma) {
     for (int x = 0; x + 1 < luma.cols; x += 2)
       detail.push_back(std::abs(0.5F * (upper[x] - upper[x + 1] - lower[x] + lower[x + 1])));
   }
-  return std::max(kQuantisation, kMedianToSd * double{median(std::move(detail))});
+  return std::max(kQuantisation, kMedianToSd * double{core::median_of_positive(std::move(detail))});
 }
 
 namespace {
@@ -99,7 +100,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   const cv::Mat1f luma = core::luma(levels);
   const double noise = estimate_noise(luma);
   ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
-  Ground ground = measure_ground(space, noise);
+  NoiseLevels ground = measure_noise_levels(space, noise);
   if (options.colour && levels.channels() == 3) add_colour(space, ground, levels, options);
 
   const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};

@@ -1,4 +1,4 @@
-// What the page carries, taken apart again (apps/packed_text.hpp tells how it was put together).
+// What the page carries, taken apart again (apps/page/packed_text.hpp tells how it was put together).
 
 async function inflated(text) {
   const binary = atob(text.trim()), bytes = new Uint8Array(binary.length);

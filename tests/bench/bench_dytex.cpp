@@ -13,8 +13,8 @@
 
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
-#include "dytex/draw_frames.hpp"
 #include "dytex/learn.hpp"
+#include "dytex/synthesis/draw_frames.hpp"
 #include "dytex/synthesize.hpp"
 
 using namespace emberfold;

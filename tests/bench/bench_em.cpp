@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/rng.hpp"
-#include "dytex/em.hpp"
+#include "dytex/estimation/em.hpp"
 
 using namespace emberfold;
 

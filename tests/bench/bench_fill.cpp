@@ -14,7 +14,7 @@
 #endif
 
 #include "core/rng.hpp"
-#include "sketch/fill.hpp"
+#include "sketch/inpainting/fill.hpp"
 
 using namespace emberfold;
 

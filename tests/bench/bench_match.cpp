@@ -4,7 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "graph/match.hpp"
+#include "graph/matching/match.hpp"
 #include "tests/bench/swaying.hpp"
 
 using namespace emberfold;

@@ -4,10 +4,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "graph/match.hpp"
-#include "mcmc/fit.hpp"
-#include "mcmc/predict.hpp"
-#include "mcmc/synthesize.hpp"
+#include "graph/matching/match.hpp"
+#include "mcmc/learning/fit.hpp"
+#include "mcmc/simulation/predict.hpp"
+#include "mcmc/simulation/synthesize.hpp"
 #include "tests/bench/swaying.hpp"
 
 using namespace emberfold;

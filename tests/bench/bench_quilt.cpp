@@ -9,9 +9,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/rng.hpp"
-#include "dytex/quilt.hpp"
-#include "dytex/quilt_measures.hpp"
-#include "dytex/quilt_render.hpp"
+#include "dytex/quilting/quilt.hpp"
+#include "dytex/quilting/quilt_measures.hpp"
+#include "dytex/quilting/render.hpp"
 
 using namespace emberfold;
 

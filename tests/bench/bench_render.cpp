@@ -7,8 +7,8 @@
 #include <benchmark/benchmark.h>
 
 #include "core/rng.hpp"
-#include "sketch/fill.hpp"
-#include "sketch/render.hpp"
+#include "sketch/inpainting/fill.hpp"
+#include "sketch/rendering/render.hpp"
 
 using namespace emberfold;
 

@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #ifdef EMBERFOLD_BENCH_APPS
-#include "apps/builtin_clip.hpp"
+#include "apps/builtin/builtin_clip.hpp"
 #endif
 #include "core/clip.hpp"
 #include "core/parallel.hpp"

@@ -8,11 +8,11 @@
 
 #ifdef EMBERFOLD_BENCH_APPS
 
-#include "apps/draw_model.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
-#include "graph/match.hpp"
-#include "mcmc/fit.hpp"
+#include "graph/matching/match.hpp"
+#include "mcmc/learning/fit.hpp"
+#include "pipeline/clip_synthesis.hpp"
 #include "tests/bench/swaying.hpp"
 
 using namespace emberfold;
@@ -49,7 +49,7 @@ std::shared_ptr<const dytex::LinearDynamicTexture> made_texture() {
   return texture;
 }
 
-void draw(benchmark::State& state, apps::ModelFrames frames) {
+void draw(benchmark::State& state, pipeline::ClipSynthesis frames) {
   const core::ThreadLimit limit(2);
   for (auto _ : state) benchmark::DoNotOptimize(frames.next(frames.batch()).data());
   state.SetItemsProcessed(state.iterations() * frames.batch());
@@ -58,8 +58,8 @@ void draw(benchmark::State& state, apps::ModelFrames frames) {
   state.counters["patches"] = patches / static_cast<double>(frames.figures().patches.size());
 }
 
-apps::FrameLook colour_look(const mcmc::MotionModel& model) {
-  auto look = apps::model_look(model, {}, {});
+sketch::RenderOptions colour_look(const mcmc::MotionModel& model) {
+  auto look = pipeline::render_options(model, {}, {});
   look.channels = 3;
   return look;
 }
@@ -71,7 +71,7 @@ void synth_diffusion(benchmark::State& state) {
 
 void synth_dytex(benchmark::State& state) {
   const auto model = learned_model(static_cast<std::size_t>(state.range(0)));
-  draw(state, apps::hybrid_frames(model, made_texture(), colour_look(model), 1));
+  draw(state, pipeline::hybrid_frames(model, made_texture(), colour_look(model), 1));
 }
 
 BENCHMARK(synth_diffusion)->Arg(200)->Arg(800)->Unit(benchmark::kMillisecond)->UseRealTime();

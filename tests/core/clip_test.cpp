@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "tests/catch.hpp"
+#include "tests/support/catch.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;

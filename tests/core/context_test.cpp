@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/catch.hpp"
+#include "tests/support/catch.hpp"
 
 using namespace emberfold;
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "core/error.hpp"
-#include "tests/catch.hpp"
+#include "tests/support/catch.hpp"
 
 using namespace emberfold;
 using core::NpyArray;

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "core/error.hpp"
-#include "tests/catch.hpp"
-#include "tests/statistics.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/statistics.hpp"
 
 using namespace emberfold;
 using core::Rng;

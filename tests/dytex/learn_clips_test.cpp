@@ -6,8 +6,8 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "dytex/learn.hpp"
-#include "tests/catch.hpp"
-#include "tests/dytex/make.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/matrices.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;

@@ -11,9 +11,9 @@
 #include <Eigen/SVD>
 
 #include "core/error.hpp"
-#include "dytex/dynamics.hpp"
-#include "tests/catch.hpp"
-#include "tests/dytex/make.hpp"
+#include "dytex/learning/dynamics.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/matrices.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;

@@ -9,10 +9,10 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "dytex/draw_frames.hpp"
 #include "dytex/learn.hpp"
-#include "tests/catch.hpp"
-#include "tests/dytex/make.hpp"
+#include "dytex/synthesis/draw_frames.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/matrices.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;

@@ -8,14 +8,14 @@
 
 #include "core/npy.hpp"
 #include "core/parallel.hpp"
-#include "dytex/archive.hpp"
 #include "dytex/learn.hpp"
+#include "dytex/model/archive.hpp"
 #include "dytex/synthesize.hpp"
 #include "graph/attribute_graph.hpp"
-#include "graph/motion_io.hpp"
-#include "mcmc/fit.hpp"
-#include "mcmc/synthesize.hpp"
-#include "sketch/fill.hpp"
+#include "graph/io/motion_io.hpp"
+#include "mcmc/learning/fit.hpp"
+#include "mcmc/simulation/synthesize.hpp"
+#include "sketch/inpainting/fill.hpp"
 
 using namespace emberfold;
 

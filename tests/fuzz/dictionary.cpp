@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An archive as one run of bytes: see archive.hpp.
-#include "sketch/dictionary.hpp"
+#include "sketch/dictionary/dictionary.hpp"
 
 #include <istream>
 #include <ostream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An archive as one run of bytes: see archive.hpp.
-#include "mcmc/motion_model.hpp"
+#include "mcmc/model/motion_model.hpp"
 
 #include <istream>
 #include <ostream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "graph/motion_io.hpp"
+#include "graph/io/motion_io.hpp"
 #include "tests/fuzz/check.hpp"
 
 using namespace emberfold;

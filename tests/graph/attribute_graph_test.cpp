@@ -5,8 +5,8 @@
 #include <set>
 
 #include "core/error.hpp"
-#include "tests/catch.hpp"
-#include "tests/graph/make.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/graphs.hpp"
 
 using namespace emberfold;
 using graph::AttributeGraph;

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "core/error.hpp"
-#include "tests/catch.hpp"
-#include "tests/graph/make.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/graphs.hpp"
 
 using namespace emberfold;
 

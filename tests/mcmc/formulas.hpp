@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/mcmc/small_models.hpp"
+#include "tests/mcmc/sampler/small_models.hpp"
 
 namespace emberfold::formula {
 

@@ -12,8 +12,8 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "sketch/extract.hpp"
-#include "tests/catch.hpp"
-#include "tests/sketch/scene.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/sketch_scene.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;

@@ -9,8 +9,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "tests/catch.hpp"
-#include "tests/sketch/scene.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/sketch_scene.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;

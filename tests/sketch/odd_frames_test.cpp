@@ -12,10 +12,10 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/fill.hpp"
-#include "sketch/render.hpp"
-#include "tests/catch.hpp"
-#include "tests/sketch/scene.hpp"
+#include "sketch/inpainting/fill.hpp"
+#include "sketch/rendering/render.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/sketch_scene.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;

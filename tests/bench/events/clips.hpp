@@ -8,7 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "graph/events.hpp"
+#include "graph/events/events.hpp"
 #include "graph/motion_graph.hpp"
 
 namespace emberfold::figures {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "graph/assignment.hpp"
-#include "graph/joints.hpp"
+#include "graph/events/joints.hpp"
+#include "graph/matching/assignment.hpp"
 
 namespace emberfold::figures {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "graph/events.hpp"
+#include "graph/events/events.hpp"
 #include "graph/motion_graph.hpp"
 
 // A peer: tracking by linear assignment, first from frame to frame, then of the tracks' pieces to each other

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/parallel.hpp"
-#include "graph/score.hpp"
+#include "graph/events/event_score.hpp"
 #include "tests/bench/events/clips.hpp"
 #include "tests/bench/events/lap.hpp"
 #include "tests/bench/events/reliability.hpp"

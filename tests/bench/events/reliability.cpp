@@ -11,8 +11,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "graph/assignment.hpp"
-#include "graph/score.hpp"
+#include "graph/events/event_score.hpp"
+#include "graph/matching/assignment.hpp"
 
 namespace emberfold::figures {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/events.hpp"
+#include "graph/events/events.hpp"
 
 namespace emberfold::figures {
 

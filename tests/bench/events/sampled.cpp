@@ -3,11 +3,11 @@
 
 #include <ctime>
 
-#include "apps/sampling.hpp"
-#include "apps/starts.hpp"
 #include "core/clip.hpp"
-#include "graph/match.hpp"
-#include "mcmc/fit.hpp"
+#include "graph/matching/match.hpp"
+#include "mcmc/learning/fit.hpp"
+#include "mcmc/sampler/multi_chain.hpp"
+#include "pipeline/readings.hpp"
 
 namespace emberfold::figures {
 
@@ -38,11 +38,11 @@ std::optional<Found> sampled_events(const EventClip& clip) {
   frames.info.channels = 1, frames.info.depth = CV_32F, frames.info.white = 255;
   frames.frames.assign(clip.frames.begin(), clip.frames.end());
   core::ClipSource source(frames);
-  const apps::StartOptions options;
-  const auto sketches = apps::sketch_starts(source, {}, options, 1, {});
+  const pipeline::StartOptions options;
+  const auto sketches = pipeline::sketch_starts(source, {}, options, 1, {});
   const std::clock_t begin = std::clock();
-  const auto starts = apps::match_starts(sketches, {}, options, {});
-  auto sampled = apps::sample_motion(starts, apps::readings(options), {}, 1, {});
+  const auto starts = pipeline::match_starts(sketches, {}, options, {});
+  auto sampled = mcmc::sample_chains(starts, pipeline::backward_readings(options), {}, 1, {});
   Found found{std::move(sampled.events), 0, 0, 0, {}};
   found.a1 = sampled.fitted.model.sway.a1, found.a2 = sampled.fitted.model.sway.a2;
   found.seconds = since(begin);

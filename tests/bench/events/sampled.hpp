@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "graph/events.hpp"
+#include "graph/events/events.hpp"
 #include "tests/bench/events/clips.hpp"
 
 namespace emberfold::figures {

@@ -9,7 +9,7 @@
 #include "graph/attribute_graph.hpp"
 #include "sketch/extract.hpp"
 #include "tests/bench/figures/measures.hpp"
-#include "tests/sketch/scene.hpp"
+#include "tests/support/sketch_scene.hpp"
 
 namespace emberfold::figures {
 

@@ -6,7 +6,7 @@
 
 #include "sketch/extract.hpp"
 #include "tests/bench/figures/measures.hpp"
-#include "tests/sketch/scene.hpp"
+#include "tests/support/sketch_scene.hpp"
 
 namespace emberfold::figures {
 

@@ -7,8 +7,8 @@
 
 #include "core/parallel.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/fill.hpp"
-#include "sketch/render.hpp"
+#include "sketch/inpainting/fill.hpp"
+#include "sketch/rendering/render.hpp"
 #include "tests/bench/figures/cpu_time.hpp"
 #include "tests/bench/figures/measures.hpp"
 

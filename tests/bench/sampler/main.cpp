@@ -15,18 +15,19 @@
 
 #include <sys/resource.h>
 
-#include "apps/clip_reader.hpp"
-#include "apps/sketch_clip.hpp"
+#include "apps/builtin/open_clip.hpp"
+#include "core/io/clip_reader.hpp"
 #include "core/parallel.hpp"
-#include "graph/events.hpp"
-#include "graph/match.hpp"
-#include "mcmc/chain.hpp"
-#include "mcmc/diagnostics.hpp"
-#include "mcmc/fit.hpp"
-#include "mcmc/prior.hpp"
-#include "mcmc/sway_blocks.hpp"
-#include "mcmc/tallies.hpp"
-#include "mcmc/weigh.hpp"
+#include "graph/events/events.hpp"
+#include "graph/matching/match.hpp"
+#include "mcmc/learning/fit.hpp"
+#include "mcmc/sampler/candidate_weights.hpp"
+#include "mcmc/sampler/chain.hpp"
+#include "mcmc/sampler/diagnostics.hpp"
+#include "mcmc/sampler/displacement_gibbs.hpp"
+#include "mcmc/sampler/prior.hpp"
+#include "mcmc/sampler/sufficient_statistics.hpp"
+#include "pipeline/sketch_clip.hpp"
 
 using namespace emberfold;
 

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/io/clip_reader.hpp"
+
+namespace emberfold::apps {
+
+/// Opens a clip as io::open_video does, or builtin:fire|cloth|river|rust, made from options.seed and kept in
+/// memory. core::InputError for another built-in name.
+std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::ReadOptions& options,
+                                             const core::Warn& warn);
+
+}  // namespace emberfold::apps

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What makes fire, cloth and river differ: numbers and rest shapes. Inner header of the built-in clips.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "apps/builtin/scene.hpp"
+#include "core/rng.hpp"
+
+namespace emberfold::apps {
+
+/// Purposes of the random streams of a scene.
+enum class Purpose : std::uint32_t { wind = 1, body, gap, bridge, ground, noise };
+
+struct Style {
+  double area_per_body;        ///< px² of ground for each body that shows
+  double births;               ///< for each body that shows, in 100 frames
+  double gaps, bridges;        ///< tried, for each body that shows, in 100 frames
+  double life;                 ///< frames, typical
+  double pole_radius, period;  ///< of the sway; period in frames
+  std::array<double, 3> sway;  ///< standard deviation of the modes, px
+  double contrast_low, contrast_high;
+  double sigma_low, sigma_high;                  ///< px
+  double valleys;                                ///< share of valleys
+  double flicker, flicker_wave, flicker_period;  ///< amplitude, px, frames (positive: runs along the line)
+};
+
+const Style& style_of(BuiltinScene scene);
+
+/// Rest curves, direction and the like of a new body somewhere in the picture; no curves where the place does
+/// not fit. `flow` (four phases) is what all bodies of a clip share.
+Body draw_body(const BuiltinOptions& options, const std::array<double, 4>& flow,
+               std::optional<cv::Point2d> beside, core::Rng& rng);
+
+}  // namespace emberfold::apps

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inner header of the built-in clips.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "apps/builtin/scene.hpp"
+#include "core/rng.hpp"
+
+namespace emberfold::apps {
+
+/// White noise in time, smooth in space: what the sway of neighbours has in common.
+class Wind {
+ public:
+  explicit Wind(const BuiltinOptions& options);
+
+  /// The modes q of a body for the frames first…last: its auto-regression, long settled, driven by the gusts
+  /// about the middle of its first curve and, for a small part, by noise of its own from `rng`. `sd`:
+  /// stationary standard deviation of each mode, px.
+  [[nodiscard]] std::vector<std::array<double, 3>> sway(const Body& body, int first, int last,
+                                                        const std::array<double, 3>& sd, core::Rng rng) const;
+
+ private:
+  int columns_, rows_;
+  std::vector<std::array<double, 3>>
+      gusts_;  ///< by frame, from `settle` frames before the first, and by bump
+};
+
+}  // namespace emberfold::apps

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/cli/summary.hpp"
+
+#include <cstdio>
+
+namespace emberfold::apps {
+
+using Json = nlohmann::ordered_json;
+
+Json begin_summary(const std::string& command, const Session& session) {
+  return {{"format", "emberfold.summary"},
+          {"version", 1},
+          {"command", command},
+          {"emberfold", kVersion},
+          {"command_line", session.command_line},
+          {"seed", session.common.seed}};
+}
+
+Json clip_json(const std::string& clip, const core::ClipInfo& info, int frames) {
+  return {{"name", clip},    {"width", info.width}, {"height", info.height}, {"channels", info.channels},
+          {"fps", info.fps}, {"frames", frames}};
+}
+
+Json reading_json(const io::ReadOptions& read) {
+  Json out = options_json(read);
+  out["grey"] = read.grey;
+  out["range"] = std::to_string(read.first) + ":" + (read.last ? std::to_string(*read.last) : "");
+  return out;
+}
+
+Json score_json(const graph::Score& score) {
+  const auto classes = [](const std::vector<graph::ClassScore>& list) {
+    Json out = Json::object();
+    for (const auto& s : list)
+      out[s.name] = {{"true", s.in_truth},         {"found", s.found},     {"hit", s.hit},
+                     {"precision", s.precision()}, {"recall", s.recall()}, {"f1", s.f1()}};
+    return out;
+  };
+  return {{"four", classes(score.four)}, {"six", classes(score.six)}};
+}
+
+std::string score_table(const graph::Score& score) {
+  std::string out;
+  const auto table = [&](const char* reading, const std::vector<graph::ClassScore>& list) {
+    out += std::string(reading) + " classes            true found   hit  precision  recall     F1\n";
+    for (const auto& s : list) {
+      std::array<char, 128> line{};
+      std::snprintf(line.data(), line.size(), "  %-20s%5zu %5zu %5zu  %9.3f %7.3f %6.3f\n", s.name.c_str(),
+                    s.in_truth, s.found, s.hit, s.precision(), s.recall(), s.f1());
+      out += line.data();
+    }
+  };
+  table("four", score.four);
+  table("six", score.six);
+  return out;
+}
+
+std::string json_text(const Json& value) {
+  return value.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace emberfold::apps

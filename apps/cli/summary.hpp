@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/command.hpp"
+#include "apps/cli/option_fields.hpp"
+#include "core/clip.hpp"
+#include "core/io/staged_output.hpp"
+#include "graph/events/event_score.hpp"
+
+// The parts of summary.json that the commands share.
+namespace emberfold::apps {
+
+/// Format, command, version and seed.
+nlohmann::ordered_json begin_summary(const std::string& command, const Session& session);
+
+/// What was read.
+nlohmann::ordered_json clip_json(const std::string& clip, const core::ClipInfo& info, int frames);
+
+/// The fields of an options struct by name.
+template <class Options>
+nlohmann::ordered_json options_json(const Options& options) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::object();
+  visit_fields(options, [&](const char* name, const auto& value, auto&&...) { out[name] = value; });
+  return out;
+}
+nlohmann::ordered_json reading_json(const io::ReadOptions& read);
+
+/// {"four": {class: {"true", "found", "hit", "precision", "recall", "f1"}}, "six": …}
+nlohmann::ordered_json score_json(const graph::Score& score);
+
+/// The score as a table, one for each reading.
+std::string score_table(const graph::Score& score);
+
+/// Indented, a newline at the end; bytes that are no UTF-8 are replaced.
+std::string json_text(const nlohmann::ordered_json& value);
+
+}  // namespace emberfold::apps

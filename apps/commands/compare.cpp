@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <concepts>
+#include <memory>
+#include <type_traits>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/builtin/open_clip.hpp"
+#include "apps/cli/command_line.hpp"
+#include "apps/cli/summary.hpp"
+#include "apps/comparison/comparison.hpp"
+#include "apps/report/comparison_report.hpp"
+
+namespace emberfold::apps {
+
+// The groups of options that several commands have are in option_fields.hpp.
+template <class Options, class Visit>
+requires std::same_as<std::remove_const_t<Options>, pipeline::CompareOptions>
+void visit_fields(Options& o, Visit&& visit) {
+  visit("learn_share", o.learn_share, "SHARE",
+        "Of the clip, from its beginning, that models learn from; the rest is foretold");
+  visit("steps", o.steps, "N", "Foretell up to so many frames ahead");
+  visit("frames", o.frames, "N", "Frames of each clip drawn from a model; 0: as many as the source has");
+  visit("hybrid", o.hybrid, "", "Leave the hybrid of motion model and linear dynamic texture out");
+  visit("star", o.star, "", "Leave the spatio-temporal auto-regression out");
+  visit("strokes", o.strokes, "", "Do not find strokes in the drawn clips (half the time)");
+  visit("curve", o.curve, "", "Quality against the number of parameters too, from models of many sizes");
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Compare {
+  Reading reading;
+  std::string other, output;
+  pipeline::CompareOptions options;
+};
+
+Json options_of(const Compare& asked, const io::ReadOptions& read) {
+  Json options = {{"reading", reading_json(read)},
+                  {"sketch", options_json(asked.options.sketch)},
+                  {"match", options_json(asked.options.match)},
+                  {"strokes", asked.options.strokes}};
+  if (!asked.other.empty()) return options;
+  options["comparison"] = options_json(asked.options);
+  options["fill"] = options_json(asked.options.fill);
+  options["learn"] = options_json(asked.options.learn);
+  return options;
+}
+
+void run_compare(const Compare& asked, Session& session) {
+  const io::ReadOptions read = check_reading(asked.reading, session);
+  check_options(asked.options);
+  check_options(asked.options.sketch);
+  check_options(asked.options.match);
+  check_options(asked.options.fill);
+  check_options(asked.options.learn);
+  io::OutputFolder output(asked.output);
+  Stages stages;
+  stages.begin("compare");
+  const auto open = [&](const std::string& name) {
+    return open_clip(name, read, [&](const std::string& text) { session.warn(text); });
+  };
+  const auto source = open(asked.reading.clip);
+  Comparison comparison;
+  if (asked.other.empty()) {
+    comparison = compare_clip(*source, asked.reading.clip, asked.options, {}, output, session);
+  } else {
+    const auto other = open(asked.other);
+    comparison =
+        compare_clips(*source, asked.reading.clip, *other, asked.other, asked.options, output, session);
+  }
+  stages.end();
+  Json summary = begin_summary("compare", session);
+  summary["options"] = options_of(asked, read);
+  summary["measures"] = comparison.measures;
+  comparison.files.emplace_back("report.html");
+  summary["files"] = comparison.files;
+  summary["warnings"] = session.warnings;
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  output.write("report.html", [&](std::ostream& out) { out << make_comparison_report(comparison, summary); });
+  session.check_stop();
+  output.commit();
+  session.print(session.common.json ? json_text(summary) : comparison_table(comparison.measures));
+  for (const auto& sentence : comparison.measures["words"]) session.console.say(sentence.get<std::string>());
+  session.console.say("the report is " + (output.path() / "report.html").string());
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "compare", "Hold a clip against what its models foretell and draw, or against another clip");
+  command->footer(
+      "  emberfold compare flag.avi -o out/compare\n"
+      "  emberfold compare flame.mp4 -o out/compare --range 0:60 --scale 0.5\n"
+      "  emberfold compare river.mp4 -o out/compare --scale 0.5 --frames 1000 --curve\n"
+      "  emberfold compare flag.avi flag_synthesized.avi -o out/compare --json");
+  const auto asked = std::make_shared<Compare>();
+  add_reading(*command, asked->reading);
+  command->add_option("OTHER", asked->other, "Another clip to hold the first one against")->type_name("");
+  add_output(*command, asked->output);
+  add_fields(*command, asked->options, "Comparison");
+  add_fields(*command, asked->options.sketch, "Sketching");
+  add_fields(*command, asked->options.match, "Matching");
+  add_fields(*command, asked->options.fill, "Filling");
+  add_fields(*command, asked->options.learn, "Linear dynamic texture");
+  add_common(*command, chosen.common, "Print the content of summary.json instead of a table");
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_compare(*asked, session); }; });
+}
+
+}  // namespace emberfold::apps

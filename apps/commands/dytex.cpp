@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/commands/dytex.hpp"
+
+namespace emberfold::apps {
+
+CLI::Option* add_start(CLI::App& command, std::string& start) {
+  return command
+      .add_option("--start", start,
+                  "The first state: drawn by chance, the mean frame, or that of a learned frame")
+      ->type_name("stationary|mean|N")
+      ->default_str(start);
+}
+
+void set_start(dytex::SynthesisOptions& options, const std::string& start,
+               const dytex::LinearDynamicTexture& texture, const std::string& model) {
+  if (start == "stationary") return;
+  if (start == "mean") {
+    options.from_mean = true;
+    return;
+  }
+  const auto last = texture.states.cols() - 1;
+  const auto refuse = [&] {
+    throw Misuse("--start is " + one_line(start) +
+                 "; allowed is stationary, mean, or a frame of the clip that " + model +
+                 " was learned from, 0 to " + std::to_string(last));
+  };
+  int frame = 0;
+  try {
+    parse_number("--start", start, frame);
+  } catch (const CLI::ValidationError&) {
+    refuse();
+  }
+  if (frame < 0 || frame > last) refuse();
+  options.first_frame = frame;
+}
+
+std::unique_ptr<io::VideoWriter> create_output(const std::string& path, const core::ClipInfo& info) {
+  try {
+    return io::create_video(path, {info.width, info.height}, info.fps, info.channels == 3);
+  } catch (const core::InputError& error) {
+    throw Misuse("--output: " + std::string(error.what()));
+  }
+}
+
+void add_texture_model(CLI::App& command, std::string& model) {
+  command.add_option("MODEL", model, "The folder that 'emberfold dytex learn' wrote")
+      ->required()
+      ->type_name("");
+}
+
+void add_dytex(CLI::App& app, Chosen& chosen) {
+  auto* command =
+      app.add_subcommand("dytex", "Linear dynamic textures: learn, edit, synthesize, foretell, compare");
+  command->footer(
+      "  emberfold dytex learn flag.avi -o out/flag\n"
+      "  emberfold dytex edit out/flag -o out/storm --speed 1.5 --intensity 2\n"
+      "  emberfold dytex synth out/storm -o storm.mp4\n"
+      "  emberfold dytex info out/flag\n"
+      "  emberfold dytex distance out/flag out/river\n"
+      "  emberfold dytex classify clips -o out/classes\n"
+      "  emberfold dytex compress out/flag -o out/small --precision f16\n"
+      "  emberfold dytex page out/flag -o flag.html");
+  command->require_subcommand(0, 1);
+  add_dytex_learn(*command, chosen);
+  add_dytex_edit(*command, chosen);
+  add_dytex_synth(*command, chosen);
+  add_dytex_compose(*command, chosen);
+  add_dytex_page(*command, chosen);
+  add_dytex_info(*command, chosen);
+  add_dytex_forecast(*command, chosen);
+  add_dytex_curve(*command, chosen);
+  add_dytex_distance(*command, chosen);
+  add_dytex_classify(*command, chosen);
+  add_dytex_compress(*command, chosen);
+  for (auto* one : command->get_subcommands([](CLI::App*) { return true; })) one->group("Commands");
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/summary.hpp"
+#include "apps/commands/dytex.hpp"
+#include "apps/textures/texture_edits.hpp"
+#include "apps/textures/texture_modes.hpp"
+#include "core/io/model_folder.hpp"
+#include "dytex/editing/edit.hpp"
+#include "dytex/model/archive.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The edits as the command line's words give them one by one.
+struct Editing {
+  std::string model, output;
+  std::vector<dytex::Edit> edits;
+  std::optional<int> channel;  // of those to come
+  bool keep_contrast = true;   // by those to come
+
+  template <class What>
+  void add(const What& what) {
+    edits.push_back({what, channel, keep_contrast});
+  }
+  void add_preset(const std::string& name) {
+    for (dytex::Edit edit : dytex::preset(name)) {
+      edit.channel = channel;
+      edits.push_back(edit);
+    }
+  }
+};
+
+bool has_channel(const dytex::Edit& edit) {
+  return edit.channel.has_value();
+}
+
+/// "speed is 4, allowed …" names a field; the user knows the option.
+Misuse option_misuse(const std::string& message) {
+  constexpr std::array kOptions{"speed",  "flow", "intensity", "directions", "coarse",
+                                "medium", "fine", "weights",   "channel",    "preset"};
+  for (const char* option : kOptions)
+    if (message.starts_with(option)) return Misuse("--" + message);
+  return Misuse(message);
+}
+
+dytex::EditResult edited(const Editing& asked, dytex::LinearDynamicTexture texture) {
+  if (texture.channels.size() == 0 && std::ranges::any_of(asked.edits, &has_channel))
+    throw Misuse(
+        "--channel needs a model per channel, and " + asked.model +
+        " shows all by the same components; learn one with 'emberfold dytex learn --channels separate'");
+  try {
+    return dytex::edit(std::move(texture), asked.edits);
+  } catch (const core::InputError& error) {
+    throw option_misuse(error.what());
+  }
+}
+
+void check_edits(const Editing& asked) {
+  if (asked.edits.empty())
+    throw Misuse("nothing to edit: give --speed, --intensity, --preset or others, see --help");
+  try {
+    for (const dytex::Edit& edit : asked.edits) dytex::validate(edit);
+  } catch (const core::InputError& error) {
+    throw option_misuse(error.what());
+  }
+}
+
+/// SD of what the model shows, levels: √(tr W P W / m).
+double amplitude(const dytex::LinearDynamicTexture& texture) {
+  if (texture.components() == 0) return 0;
+  const Eigen::VectorXd variances = dytex::stationary_covariance(texture.A, texture.B).diagonal();
+  return std::sqrt(texture.weights.cwiseAbs2().dot(variances.head(texture.components())) /
+                   static_cast<double>(texture.pixels()));
+}
+
+Json edit_summary(const Editing& asked, const std::vector<std::string>& history, double before,
+                  const dytex::EditResult& result, const Session& session) {
+  Json summary = begin_summary("dytex edit", session);
+  summary["model"] = asked.model;
+  summary["edits"] = history;
+  summary["dropped_poles"] = result.dropped;
+  summary["amplitude"] = {{"before", before}, {"after", amplitude(result.texture)}};
+  summary["texture"] = texture_json(result.texture);
+  summary["files"] = {{"model.json", "what the model is, and its edits"}, {"summary.json", "all figures"}};
+  summary["warnings"] = session.warnings;
+  return summary;
+}
+
+void run_edit(const Editing& asked, Session& session) {
+  check_edits(asked);
+  io::ModelFolder folder(asked.output);
+  Stages stages;
+  stages.begin("read");
+  auto [texture, history] = read_texture_and_edits(asked.model);
+  stages.begin("edit");
+  const double before = amplitude(texture);
+  const dytex::EditResult result = edited(asked, std::move(texture));
+  for (const std::string& note : result.notes) session.warn(note);
+  history.push_back(edit_words(asked.edits));
+  stages.begin("write");
+  core::ModelView view = dytex::archive_view(result.texture);
+  view.text = with_edit_history(view.text, history);
+  io::write_model(folder.output(), "", view);
+  stages.end();
+  Json summary = edit_summary(asked, history, before, result, session);
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  folder.output().write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  session.check_stop();
+  folder.commit();
+  std::ostringstream said;
+  said.precision(3);
+  said << "edited: " << history.back() << "; amplitude " << before << " to " << amplitude(result.texture)
+       << " levels; the model is " << asked.output;
+  session.console.say(said.str());
+  if (session.common.json) session.print(json_text(summary));
+}
+
+/// An option that adds an edit where it stands, as often as it is given.
+template <class Take>
+void add_edit(CLI::App& command, const std::string& name, const std::string& unit, const std::string& about,
+              const std::string& group, const Take& take) {
+  command.add_option_function<std::string>(name, take, about)
+      ->trigger_on_parse()
+      ->type_name(unit)
+      ->group(group);
+}
+
+template <class Make>
+void add_factor(CLI::App& command, const std::shared_ptr<Editing>& asked, const std::string& name,
+                const std::string& about, const std::string& group, const Make& make) {
+  add_edit(command, name, "X", about, group, [asked, name, make](const std::string& text) {
+    double value = 0;
+    parse_number(name, text, value);
+    asked->add(make(value));
+  });
+}
+
+void add_motion_options(CLI::App& command, const std::shared_ptr<Editing>& asked) {
+  const std::string group = "Motion";
+  add_factor(command, asked, "--speed", "Phases of the poles times this, -3 to 3; lifetimes stay", group,
+             [](double x) { return dytex::Speed{x}; });
+  add_factor(command, asked, "--flow", "Time itself by this, 0.01 to 100: A becomes its power", group,
+             [](double x) { return dytex::Flow{x}; });
+  command
+      .add_flag_function(
+          "--reverse", [asked](std::int64_t) { asked->add(dytex::Reverse{}); }, "Exactly backwards")
+      ->trigger_on_parse()
+      ->group(group);
+}
+
+void add_strength_options(CLI::App& command, const std::shared_ptr<Editing>& asked) {
+  const std::string group = "Strength";
+  add_factor(command, asked, "--intensity", "Variance of the noise, and so of all motion, times this, 0 to 3",
+             group, [](double x) { return dytex::Intensity{x}; });
+  add_edit(command, "--directions", "X,X,...", "The same for each eigenvalue of the noise, the largest first",
+           group, [asked](const std::string& text) { asked->add(dytex::Directions{parse_numbers(text)}); });
+  add_factor(command, asked, "--coarse", "Components 1 to 5 times this, 0 to 10", group, [](double x) {
+    return dytex::Scales{x, 1, 1};
+  });
+  add_factor(command, asked, "--medium", "Components 6 to 15 times this", group, [](double x) {
+    return dytex::Scales{1, x, 1};
+  });
+  add_factor(command, asked, "--fine", "Components from 16 on times this", group, [](double x) {
+    return dytex::Scales{1, 1, x};
+  });
+  add_edit(command, "--weights", "X,X,...|FILE", "Each component, the first first, times its number", group,
+           [asked](const std::string& text) { asked->add(dytex::Weights{parse_numbers(text)}); });
+  std::string names;
+  for (const auto& info : dytex::presets()) names += (names.empty() ? "" : "|") + std::string(info.name);
+  add_edit(command, "--preset", "NAME", "One of " + names, group, [asked](const std::string& name) {
+    try {
+      asked->add_preset(name);
+    } catch (const core::InputError& error) {
+      throw option_misuse(error.what());
+    }
+  });
+}
+
+void add_manner_options(CLI::App& command, const std::shared_ptr<Editing>& asked) {
+  const std::string group = "For the edits after it";
+  add_edit(command, "--channel", "b|g|r|all", "They change this channel only, of a model per channel", group,
+           [asked](const std::string& text) {
+             try {
+               asked->channel = parse_channel(text);
+             } catch (const core::InputError& error) {
+               throw option_misuse(error.what());
+             }
+           });
+  for (const bool keep : {false, true})
+    command
+        .add_flag_function(
+            keep ? "--contrast" : "--no-contrast",
+            [asked, keep](std::int64_t) { asked->keep_contrast = keep; },
+            keep ? "They do again"
+                 : "Speed and flow leave the noise as it is, rather than keep what is shown as strong")
+        ->trigger_on_parse()
+        ->group(group);
+}
+
+}  // namespace
+
+void add_dytex_edit(CLI::App& dytex, Chosen& chosen) {
+  auto* command =
+      dytex.add_subcommand("edit", "Change how a linear dynamic texture moves; edits act in their order");
+  command->footer(
+      "  emberfold dytex edit out/flag -o out/slow --speed 0.5\n"
+      "  emberfold dytex edit out/sea -o out/storm --preset rough-sea --flow 1.5\n"
+      "  emberfold dytex edit out/fire -o out/odd --reverse --coarse 0.5 --fine 2 --intensity 1.5");
+  const auto asked = std::make_shared<Editing>();
+  add_texture_model(*command, asked->model);
+  command->add_option("-o,--output", asked->output, "Folder for the edited model")
+      ->type_name("MODEL2")
+      ->required();
+  add_motion_options(*command, asked);
+  add_strength_options(*command, asked);
+  add_manner_options(*command, asked);
+  add_common(*command, chosen.common, "Print the content of summary.json");
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_edit(*asked, session); }; });
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/commands/dytex_em.hpp"
+
+#include <sstream>
+
+#include "apps/builtin/open_clip.hpp"
+#include "apps/cli/interrupt.hpp"
+#include "apps/commands/dytex.hpp"
+#include "core/clip.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+std::string with_em_names(const std::string& message) {
+  return with_option_name(with_option_name(message, "em_iterations"), "em_tolerance");
+}
+
+}  // namespace
+
+void add_em_options(CLI::App& command, EmAsked& asked) {
+  const char* group = "Maximum likelihood";
+  auto& options = asked.options;
+  command.add_flag("--em", asked.em, "Go on from the closed form to the most likely model, by EM")
+      ->group(group);
+  add_number(command, "--em-iterations", options.iterations, "N", "How often, at most")->group(group);
+  add_number(command, "--em-tolerance", options.tolerance, "SHARE",
+             "Stop where the log-likelihood grows by less than this share of it")
+      ->group(group);
+  command
+      .add_flag("--noise-per-value", options.noise_per_value,
+                "Learn how noisy each value of a frame is, not only all together (implies --em)")
+      ->group(group);
+  command
+      .add_option(
+          "--missing", asked.missing,
+          "A clip of the same size, white where CLIP is not known: nothing there is looked at (implies --em)")
+      ->type_name("MASK")
+      ->group(group);
+  command
+      .add_option("--filled", asked.filled,
+                  "Also write CLIP with what is hidden filled in: .mp4, .avi (lossless), or a folder of PNG")
+      ->type_name("OUT")
+      ->group(group);
+}
+
+void check_em(const EmAsked& asked, const dytex::LearnOptions& learning) {
+  if (asked.wanted()) {
+    const auto refuse = [](const std::string& option) {
+      throw Misuse("EM goes on from a closed form of " + option + " alone");
+    };
+    if (learning.lags != 1) refuse("--lags 1");
+    if (learning.channels != dytex::Channels::joint) refuse("--channels joint");
+    if (learning.method != dytex::Method::closed_form) refuse("--method closed-form");
+  }
+  if (!asked.filled.empty() && asked.missing.empty())
+    throw Misuse("--filled is what --missing hides, filled in; there is no --missing");
+  try {
+    asked.options.validate();
+  } catch (const core::InputError& error) {
+    throw Misuse("--em-" + std::string(error.what()));
+  }
+}
+
+EmStage::EmStage(const EmAsked& asked, core::FrameSource& source, const io::ReadOptions& read,
+                 Session& session)
+    : asked_(asked), source_(source), session_(session) {
+  if (asked.missing.empty()) return;
+  const auto mask = open_clip(asked.missing, read, [&](const std::string& text) { session.warn(text); });
+  try {
+    missing_ = dytex::Missing(*mask, source.info(), session.context);
+    session.check_stop();
+    held_ = std::make_unique<dytex::HeldSource>(source, missing_, session.context);
+    session.check_stop();
+  } catch (const core::InputError& error) {
+    throw Misuse("--missing " + asked.missing + ": " + error.what());
+  }
+  if (held_->never_seen() > 0)
+    session.warn(std::to_string(held_->never_seen()) +
+                 (held_->never_seen() == 1 ? " pixel is" : " pixels are") + " hidden in every frame");
+}
+
+void EmStage::improve(dytex::LinearDynamicTexture& texture) {
+  if (!asked_.wanted()) return;
+  dytex::EmResult result;
+  try {
+    result = dytex::maximise_likelihood(source_, texture, asked_.options, missing_, session_.context);
+  } catch (const core::InputError& error) {
+    throw Misuse("--em: " + with_em_names(without_struct_name(error.what())));
+  }
+  for (const auto& note : result.notes) session_.warn(note);
+  texture = std::move(result.texture);
+  const auto& log = result.log_likelihood;
+  figures_ = {{"iterations", log.empty() ? 0 : log.size() - 1},
+              {"converged", result.converged},
+              {"log_likelihood", log},
+              {"likelihood_r", result.likelihood_r},
+              {"passes", result.passes},
+              {"options",
+               {{"iterations", asked_.options.iterations},
+                {"tolerance", asked_.options.tolerance},
+                {"noise_per_value", asked_.options.noise_per_value},
+                {"missing", asked_.missing.empty() ? nlohmann::ordered_json(nullptr)
+                                                   : nlohmann::ordered_json(asked_.missing)}}}};
+  if (log.size() < 2) return;
+  std::ostringstream said;
+  said.precision(10);
+  for (std::size_t i = 0; i < log.size(); ++i) said << (i > 0 ? "\n" : "") << "log-likelihood " << log[i];
+  session_.console.say(said.str());
+}
+
+void EmStage::write_filled(const dytex::LinearDynamicTexture& texture) {
+  if (asked_.filled.empty()) return;
+  const auto writer = create_output(asked_.filled, source_.info());
+  dytex::FilledSource filled(source_, missing_, texture);
+  filled.rewind();
+  const double frames = static_cast<double>(texture.states.cols());
+  int t = 0;
+  for (cv::Mat frame = filled.next(); !frame.empty(); frame = filled.next()) {
+    session_.check_stop();
+    session_.context.report("fill", t++ / frames);
+    writer->write(core::to_bytes(core::to_levels(frame, source_.info())));
+  }
+  writer->finish();
+  session_.console.say("the filled clip is " + asked_.filled);
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <memory>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "apps/builtin/open_clip.hpp"
+#include "apps/cli/interrupt.hpp"
+#include "apps/cli/summary.hpp"
+#include "apps/commands/dytex.hpp"
+#include "apps/commands/dytex_em.hpp"
+#include "apps/textures/texture_modes.hpp"
+#include "apps/textures/texture_picture.hpp"
+#include "core/io/mask_file.hpp"
+#include "core/io/model_folder.hpp"
+#include "dytex/learn.hpp"
+#include "dytex/model/archive.hpp"
+#include "dytex/model/layers.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The words of an option and what they stand for.
+template <class Value>
+using Words = std::vector<std::pair<std::string, Value>>;
+
+const Words<dytex::Order> kOrders{{"auto", dytex::Order::held_out},
+                                  {"gavish-donoho", dytex::Order::gavish_donoho},
+                                  {"held-out", dytex::Order::held_out}};
+const Words<dytex::Channels> kChannels{{"joint", dytex::Channels::joint},
+                                       {"separate", dytex::Channels::separate}};
+const Words<dytex::Method> kMethods{{"closed-form", dytex::Method::closed_form},
+                                    {"n4sid", dytex::Method::n4sid},
+                                    {"pem", dytex::Method::prediction_error}};
+const Words<dytex::Stable> kStable{{"yule-walker", dytex::Stable::yule_walker}, {"soc", dytex::Stable::soc}};
+const Words<dytex::Noise> kNoise{{"normal", dytex::Noise::normal}, {"resampled", dytex::Noise::resampled}};
+
+template <class Value>
+Value value_of(const Words<Value>& words, const std::string& word) {
+  return std::ranges::find(words, word, &Words<Value>::value_type::first)->second;
+}
+
+struct Learn {
+  Reading reading;
+  std::string output, mask;
+  dytex::LearnOptions options;
+  bool asked_components = false, asked_energy = false, asked_order = false;
+  double energy = 0.95;
+  EmAsked em;
+  int memory = static_cast<int>(dytex::LearnOptions{}.memory >> 20);  // MiB
+  std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
+};
+
+// Fifty components are the default for a long clip; a short one has fewer.
+void fit_to_length(Learn& asked, const core::ClipInfo& info, const Session& session) {
+  if (!info.frames) return;
+  const auto most = *info.frames - 1;
+  if (most < 1)
+    throw core::IoError(asked.reading.clip + " holds one frame; a dynamic texture needs at least two");
+  if (asked.asked_energy || asked.asked_order || asked.options.components <= most) return;
+  if (asked.asked_components)
+    throw Misuse("--components is " + std::to_string(asked.options.components) + "; " + asked.reading.clip +
+                 " has " + std::to_string(*info.frames) + " frames, so allowed is 1 to " +
+                 std::to_string(most));
+  asked.options.components = static_cast<int>(most);
+  session.console.say(asked.reading.clip + " has " + std::to_string(*info.frames) +
+                      " frames: " + std::to_string(most) + " components are learned");
+}
+
+const char* transition_name(dytex::Transition transition) {
+  switch (transition) {
+    case dytex::Transition::least_squares:
+      return "least_squares";
+    case dytex::Transition::yule_walker:
+      return "yule_walker";
+    case dytex::Transition::soc:
+      return "soc";
+    case dytex::Transition::n4sid:
+      return "n4sid";
+    case dytex::Transition::prediction_error:
+      return "prediction_error";
+  }
+  return "";
+}
+
+Json learn_summary(const Learn& asked, const io::ReadOptions& read, const core::ClipInfo& info,
+                   const dytex::LearnResult& learned, const Session& session) {
+  Json summary = begin_summary("dytex learn", session);
+  const auto& texture = learned.texture;
+  summary["clip"] = clip_json(asked.reading.clip, info, static_cast<int>(texture.states.cols()));
+  Json options = {{"components", asked.options.components}};
+  options["energy"] = asked.options.energy ? Json(*asked.options.energy) : Json(nullptr);
+  options.update({{"order", asked.asked_order ? Json(asked.order) : Json(nullptr)},
+                  {"channels", asked.channels},
+                  {"lags", asked.options.lags},
+                  {"method", asked.method},
+                  {"stable", asked.stable},
+                  {"noise", asked.noise},
+                  {"memory_mb", asked.memory}});
+  options["mask"] = asked.mask.empty() ? Json(nullptr) : Json(asked.mask);
+  summary["options"] = {{"reading", reading_json(read)}, {"learn", std::move(options)}};
+  summary["texture"] = texture_json(texture);
+  Json held_out = Json::array();
+  for (const auto& [n, error] : learned.held_out) held_out.push_back({n, error});
+  summary["learning"] = {{"transition", transition_name(learned.transition)},
+                         {"least_squares_radius", learned.least_squares_radius},
+                         {"held_out_errors", std::move(held_out)},
+                         {"passes", learned.passes}};
+  summary["files"] = {{"model.json", "what the model is"},
+                      {"components.png", "its mean, first components and the courses of their states"},
+                      {"summary.json", "all figures"}};
+  summary["warnings"] = session.warnings;
+  return summary;
+}
+
+void write_picture(io::OutputFolder& output, const dytex::LinearDynamicTexture& texture) {
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(".png", draw_components(texture), bytes))
+    throw core::IoError("cannot write " + (output.path() / "components.png").string() + " as PNG");
+  output.write("components.png", [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  });
+}
+
+void check_learning(const dytex::LearnOptions& options) {
+  try {
+    options.validate();
+  } catch (const core::InputError& error) {
+    auto message = without_struct_name(error.what());
+    for (const char* field : {"components", "energy", "lags"}) message = with_option_name(message, field);
+    throw Misuse(message);
+  }
+}
+
+/// Learns from the region inside the mask alone, where there is one.
+dytex::LearnResult learn_region(const Learn& asked, core::FrameSource& source, const core::Context& context) {
+  if (asked.mask.empty()) return dytex::learn(source, asked.options, context);
+  const cv::Mat mask = io::read_mask(asked.mask);
+  std::unique_ptr<dytex::RegionSource> region;
+  try {
+    region = std::make_unique<dytex::RegionSource>(source, mask);
+  } catch (const core::InputError& error) {
+    throw Misuse("--mask: " + asked.mask + ": " + error.what());
+  }
+  auto learned = dytex::learn(*region, asked.options, context);
+  dytex::confine(learned.texture, mask);
+  return learned;
+}
+
+dytex::LearnResult learn_texture(const Learn& asked, core::FrameSource& source, Session& session) {
+  try {
+    auto learned = learn_region(asked, source, session.context);
+    return learned;
+  } catch (const Misuse&) {
+    throw;
+  } catch (const core::InputError& error) {
+    // "lags: …" keeps its beginning: it is the option's name.
+    throw Misuse(asked.reading.clip + ": " + with_option_name(error.what(), "components"));
+  }
+}
+
+void take_words(Learn& asked) {
+  dytex::LearnOptions& options = asked.options;
+  if (asked.asked_energy) options.energy = asked.energy;
+  if (asked.asked_order) options.order = value_of(kOrders, asked.order);
+  options.channels = value_of(kChannels, asked.channels);
+  options.method = value_of(kMethods, asked.method);
+  options.stable = value_of(kStable, asked.stable);
+  options.noise = value_of(kNoise, asked.noise);
+  if (asked.memory < 1)
+    throw Misuse("--memory is " + std::to_string(asked.memory) + " MiB, must be at least 1");
+  options.memory = static_cast<std::size_t>(asked.memory) << 20;
+}
+
+void run_learn(Learn asked, Session& session) {
+  take_words(asked);
+  const io::ReadOptions read = check_reading(asked.reading, session);
+  check_learning(asked.options);
+  asked.em.options.memory = asked.options.memory;
+  check_em(asked.em, asked.options);
+  io::ModelFolder folder(asked.output);
+  Stages stages;
+  stages.begin("learn");
+  const auto source =
+      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  fit_to_length(asked, source->info(), session);
+  EmStage em(asked.em, *source, read, session);
+  auto learned = learn_texture(asked, em.source(), session);
+  for (const auto& note : learned.notes) session.warn(asked.em.wanted() ? "closed form: " + note : note);
+  em.improve(learned.texture);
+  stages.begin("write");
+  io::write_model(folder.output(), "", dytex::archive_view(learned.texture));
+  write_picture(folder.output(), learned.texture);
+  stages.end();
+  em.write_filled(learned.texture);
+  Json summary = learn_summary(asked, read, source->info(), learned, session);
+  summary["learning"]["em"] = em.figures();
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  folder.output().write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  session.check_stop();
+  folder.commit();
+  std::ostringstream said;
+  said.precision(4);
+  said << learned.texture.components() << " components with "
+       << 100 * share_of_variance(learned.texture, learned.texture.components()) << " % of the variance of "
+       << learned.texture.states.cols() << " frames; the model is " << asked.output;
+  session.console.say(said.str());
+  if (session.common.json) session.print(json_text(summary));
+}
+
+template <class Value>
+CLI::Option* add_words(CLI::App& command, const std::string& name, std::string& word,
+                       const Words<Value>& words, const std::string& about) {
+  std::vector<std::string> all;
+  std::string text;
+  for (const auto& one : words) {
+    all.push_back(one.first);
+    text += (text.empty() ? "" : "|") + one.first;
+  }
+  return command.add_option(name, word, about)
+      ->type_name(text)
+      ->check(CLI::IsMember(all).description(""))
+      ->default_str(word);
+}
+
+void add_model_options(CLI::App& command, Learn& asked) {
+  const char* group = "Model";
+  add_words(command, "--channels", asked.channels, kChannels,
+            "Components of all channels together, or of one each; the channels share the noise")
+      ->group(group);
+  add_number(command, "--lags", asked.options.lags, "N", "From how many frames the next one follows")
+      ->group(group);
+  add_words(command, "--method", asked.method, kMethods,
+            "How the motion is found: n4sid and pem take the states to be measured with noise")
+      ->group(group);
+  add_words(command, "--stable", asked.stable, kStable,
+            "What is taken where least squares is not stable: what keeps the variance, or what errs least")
+      ->group(group);
+  add_words(command, "--noise", asked.noise, kNoise,
+            "What drives the model: normal noise, or what the fit left of the clip, drawn again")
+      ->group(group);
+}
+
+}  // namespace
+
+void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
+  auto* command = dytex.add_subcommand("learn", "Learn a linear dynamic texture from a clip");
+  command->footer(
+      "  emberfold dytex learn flag.avi -o out/flag\n"
+      "  emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100\n"
+      "  emberfold dytex learn flag.avi -o out/flag --energy 0.95\n"
+      "  emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2 --noise resampled\n"
+      "  emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4");
+  const auto asked = std::make_shared<Learn>();
+  add_reading(*command, asked->reading);
+  add_output(*command, asked->output);
+  auto* components =
+      add_number(*command, "-n,--components", asked->options.components, "N", "Order: how many components");
+  auto* energy = add_number(*command, "--energy", asked->energy, "SHARE",
+                            "Instead: the fewest components with this share of the variance");
+  energy->default_str("");
+  energy->excludes(components);
+  auto* order =
+      add_words(*command, "--order", asked->order, kOrders,
+                "Instead: as many components as stand out of noise (gavish-donoho), or foretell the "
+                "last fifth of the clip best (held-out, auto)");
+  order->excludes(components)->excludes(energy);
+  auto* memory = add_number(*command, "--memory", asked->memory, "MIB",
+                            "For frames held at a time; more passes over the clip where they do not fit");
+  auto* mask =
+      command->add_option("--mask", asked->mask, "Learn the part inside alone: an image, white inside");
+  mask->type_name("MASK");
+  for (auto* option : {components, energy, order, memory, mask}) option->group("Learning");
+  add_model_options(*command, *asked);
+  add_em_options(*command, asked->em);
+  add_common(*command, chosen.common, "Print the content of summary.json");
+  command->callback([asked, components, energy, order, &chosen] {
+    asked->asked_components = components->count() > 0;
+    asked->asked_energy = energy->count() > 0;
+    asked->asked_order = order->count() > 0;
+    chosen.run = [asked](Session& session) { run_learn(*asked, session); };
+  });
+}
+
+}  // namespace emberfold::apps

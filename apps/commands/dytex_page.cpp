@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/summary.hpp"
+#include "apps/commands/dytex.hpp"
+#include "apps/page/texture_page.hpp"
+#include "core/io/files.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Page {
+  std::string model, output;
+};
+
+std::string page_text(const TexturePage& page, const std::string& output) {
+  char text[160];
+  std::snprintf(text, sizeof text, "; %.1f MB, frames within %.1f grey levels of the model's",
+                double(page.html.size()) / 1e6, page.largest_error);
+  return "the page is " + output + text;
+}
+
+void run_page(const Page& asked, Session& session) {
+  const io::StagedFile file(asked.output);
+  Stages stages;
+  stages.begin("read");
+  const auto [texture, edits] = read_texture_and_edits(asked.model);
+  stages.begin("make");
+  const TexturePage page = make_texture_page({&texture, asked.model, edits, kVersion});
+  session.check_stop();
+  stages.begin("write");
+  file.write([&](std::ostream& out) { out << page.html; });
+  file.finish();
+  stages.end();
+  session.console.say(page_text(page, asked.output));
+  if (!session.common.json) return;
+  Json summary = begin_summary("dytex page", session);
+  summary["model"] = asked.model;
+  summary["output"] = asked.output;
+  summary["bytes"] = page.html.size();
+  summary["error"] = {{"rms", page.error}, {"largest", page.largest_error}};
+  summary["warnings"] = session.warnings;
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  session.print(json_text(summary));
+}
+
+}  // namespace
+
+void add_dytex_page(CLI::App& dytex, Chosen& chosen) {
+  auto* command = dytex.add_subcommand(
+      "page", "Make one HTML file that runs a linear dynamic texture live in a browser, with sliders");
+  command->footer(
+      "  emberfold dytex page out/flag -o flag.html\n"
+      "  emberfold dytex page out/sea -o sea.html && xdg-open sea.html");
+  const auto asked = std::make_shared<Page>();
+  add_texture_model(*command, asked->model);
+  command->add_option("-o,--output", asked->output, "The page to write")->type_name("FILE.html")->required();
+  add_common(*command, chosen.common, "Print figures as JSON");
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_page(*asked, session); }; });
+}
+
+}  // namespace emberfold::apps

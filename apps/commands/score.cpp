@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/command_line.hpp"
+#include "apps/cli/summary.hpp"
+#include "core/io/files.hpp"
+#include "graph/io/motion_io.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+struct Score {
+  std::string truth, events;
+  graph::ScoreOptions options;
+};
+
+void run_score(const Score& asked, const Session& session) {
+  check_options(asked.options);
+  const auto read = [](const std::string& name) {
+    auto in = io::open_file(name);
+    return graph::read_events(in, name);
+  };
+  const auto score = graph::score_events(read(asked.truth), read(asked.events), asked.options);
+  session.print(session.common.json ? json_text(score_json(score)) : score_table(score));
+}
+
+}  // namespace
+
+void add_score(CLI::App& app, Chosen& chosen) {
+  auto* command = app.add_subcommand("score", "Hold found events against true ones: precision, recall, F1");
+  command->footer(
+      "  emberfold score truth.json out/fire/events.json\n"
+      "  emberfold score truth.json out/fire/events.json --frames 1 --radius 10 --json");
+  const auto asked = std::make_shared<Score>();
+  command->add_option("TRUTH", asked->truth, "A scene's truth.json")->required()->type_name("");
+  command->add_option("EVENTS", asked->events, "The events.json to score")->required()->type_name("");
+  add_fields(*command, asked->options, "Tolerance");
+  add_common(*command, chosen.common, "Print JSON instead of a table");
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_score(*asked, session); }; });
+}
+
+}  // namespace emberfold::apps

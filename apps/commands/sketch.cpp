@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/builtin/open_clip.hpp"
+#include "apps/cli/command_line.hpp"
+#include "apps/cli/summary.hpp"
+#include "apps/sketching/sketch_dictionary.hpp"
+#include "apps/sketching/sketch_film.hpp"
+#include "apps/sketching/sketch_frames.hpp"
+#include "apps/sketching/sketch_heat.hpp"
+#include "core/io/staged_output.hpp"
+#include "graph/io/motion_io.hpp"
+#include "pipeline/reconstruct.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Sketch {
+  Reading reading;
+  std::string output, patches = "fitted", fill = "diffusion";
+  SketchRequest request;
+  DictionaryRequest dictionary;
+  bool own_budget = false, own_regions = false;
+};
+
+// The names are those that the parser lets through.
+pipeline::PatchDrawing patches_named(const std::string& name) {
+  if (name == "learned") return pipeline::PatchDrawing::learned;
+  return name == "pixels" ? pipeline::PatchDrawing::pixels : pipeline::PatchDrawing::fitted;
+}
+
+sketch::GroundFill fill_named(const std::string& name) {
+  if (name == "julesz") return sketch::GroundFill::julesz;
+  return name == "efros-leung" ? sketch::GroundFill::efros_leung : sketch::GroundFill::diffusion;
+}
+
+void refuse(const std::string& option, const std::string& value, const std::string& allowed) {
+  throw Misuse(option + " is " + value + "; allowed is " + allowed);
+}
+
+// What is asked for, whole: with what follows from other options.
+SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, const Session& session) {
+  SketchRequest request = asked.request;
+  request.first_frame = read.first;
+  request.patches = patches_named(asked.patches);
+  request.ground.kind = fill_named(asked.fill);
+  request.ground.seed = session.common.seed;
+  check_options(request.extract);
+  check_options(request.ground.fill);
+  if (request.patches == pipeline::PatchDrawing::learned && !asked.dictionary.any())
+    throw Misuse("--patches learned needs a dictionary: give --learn-dictionary or --dictionary FOLDER");
+  const int regions = request.ground.texture.regions;
+  const auto& texture = request.ground.texture;
+  if (regions != 0 && (regions < texture.fewest || regions > texture.most))
+    refuse("--regions", std::to_string(regions),
+           "0 (as many as fit best) or " + std::to_string(texture.fewest) + " to " +
+               std::to_string(texture.most));
+  if (asked.own_regions && request.ground.kind == sketch::GroundFill::diffusion)
+    throw Misuse("--regions is for --fill julesz or efros-leung; the diffusion knows no textures");
+  if (request.anchors < 0 || request.anchors > 1 || std::isnan(request.anchors))
+    refuse("--anchors", number_text(request.anchors), "0 (none) to 1, a share of the frame");
+  // Measured to be the best split between patches and anchors.
+  if (request.anchors > 0 && !asked.own_budget) request.extract.budget = request.anchors / 4;
+  if (request.heat_frame && *request.heat_frame < 0)
+    refuse("--heat-film", std::to_string(*request.heat_frame), "a frame's number, from 0");
+  return request;
+}
+
+void check_heat_frame(const SketchRequest& request, std::optional<std::int64_t> frames) {
+  if (request.heat_frame && frames && *frames > 0 && *request.heat_frame >= *frames)
+    refuse(
+        "--heat-film", std::to_string(*request.heat_frame),
+        "0 to " + std::to_string(*frames - 1) + ", for " + std::to_string(*frames) + " frames are sketched");
+}
+
+void warn_of(const SketchRun& run, Session& session) {
+  const auto& figures = run.figures;
+  if (figures.not_converged > 0)
+    session.warn("the fill stopped before its tolerance in " + std::to_string(figures.not_converged) +
+                 " frames");
+  if (figures.without_room > 0)
+    session.warn("in " + std::to_string(figures.without_room) +
+                 " frames the patches alone show as much as --anchors allows; they have no anchors");
+}
+
+Json asked_json(const Sketch& asked, const SketchRequest& request, const io::ReadOptions& read) {
+  Json fill = {{"kind", asked.fill}};
+  if (request.ground.kind != sketch::GroundFill::diffusion) fill["regions"] = request.ground.texture.regions;
+  fill.update(options_json(request.ground.fill));
+  Json drawing = {{"patches", asked.patches}, {"anchors", request.anchors}};
+  Json extract = options_json(request.extract);
+  extract["warm"] = request.warm;
+  return {{"reading", reading_json(read)}, {"sketch", extract}, {"fill", fill}, {"drawing", drawing}};
+}
+
+Json summarise(const Sketch& asked, const SketchRequest& request, const io::ReadOptions& read,
+               const core::ClipInfo& info, const SketchRun& run, const Session& session) {
+  Json summary = begin_summary("sketch", session);
+  const auto& figures = run.figures;
+  summary["clip"] = clip_json(asked.reading.clip, info, static_cast<int>(run.sketch.frames.size()));
+  summary["options"] = asked_json(asked, request, read);
+  summary["sketch"] = {{"patches_per_frame", pipeline::spread_json(figures.patches)},
+                       {"sketchable_share", pipeline::spread_json(figures.patch_share)},
+                       {"anchor_share", pipeline::spread_json(figures.anchor_share)},
+                       {"fill", asked.fill},
+                       {"psnr", pipeline::spread_json(figures.psnr)}};
+  summary["per_frame"] = {{"patches", figures.patches},
+                          {"sketchable_share", figures.patch_share},
+                          {"anchor_share", figures.anchor_share},
+                          {"psnr", figures.psnr}};
+  if (request.ground.kind != sketch::GroundFill::diffusion) {
+    summary["sketch"]["regions"] = pipeline::spread_json(figures.regions);
+    summary["per_frame"]["regions"] = figures.regions;
+  }
+  if (request.ground.kind == sketch::GroundFill::julesz) {
+    summary["sketch"]["histogram_distance"] = pipeline::spread_json(figures.histogram_distance);
+    summary["per_frame"]["histogram_distance"] = figures.histogram_distance;
+  }
+  summary["warnings"] = session.warnings;
+  return summary;
+}
+
+// All files but the summary.
+SketchRun write_sketched(const std::string& clip, const SketchRequest& request, core::FrameSource& source,
+                         io::OutputFolder& output, Stages& stages, Session& session) {
+  try {
+    SketchRun run = sketch_frames(source, request, output, session);
+    if (run.sketch.frames.empty()) throw core::IoError(clip + " holds no frame");
+    check_heat_frame(request, static_cast<std::int64_t>(run.sketch.frames.size()));
+    warn_of(run, session);
+    if (request.film) {
+      stages.begin("picture");
+      write_film_picture(source, request, run, output, session);
+    }
+    if (request.heat_frame) {
+      stages.begin("heat");
+      write_heat_film(source, request, run, output, session);
+    }
+    stages.begin("write");
+    output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, run.sketch); });
+    return run;
+  } catch (const core::IoError& error) {
+    throw core::IoError(output.of_final(error.what()));
+  }
+}
+
+void run_sketch(const Sketch& asked, Session& session) {
+  const io::ReadOptions read = check_reading(asked.reading, session);
+  SketchRequest request = check_request(asked, read, session);
+  io::OutputFolder output(asked.output);
+  Stages stages;
+  stages.begin("sketch");
+  const auto source =
+      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  check_heat_frame(request, source->info().frames);
+  const auto dictionary = prepare_dictionary(asked.dictionary, *source, request.extract, session);
+  if (dictionary) request.dictionary = &*dictionary;
+  const SketchRun run = write_sketched(asked.reading.clip, request, *source, output, stages, session);
+  stages.end();
+  Json summary = summarise(asked, request, read, source->info(), run, session);
+  if (dictionary) summary["dictionary"] = run.codes.json(dictionary->dictionary);
+  if (asked.dictionary.learn) write_dictionary(output, dictionary->dictionary);
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  session.check_stop();
+  output.commit();
+  session.console.say(std::to_string(run.sketch.frames.size()) + " frames sketched into " +
+                      output.path().string());
+  if (session.common.json) session.print(json_text(summary));
+}
+
+// A share that may be left out.
+void parse_anchors(const std::string& text, double& share) {
+  constexpr double kUsual = 0.2;
+  share = kUsual;
+  if (text.empty()) return;
+  try {
+    parse_number("--anchors", text, share);
+  } catch (const CLI::ValidationError&) {
+    throw CLI::ValidationError("--anchors",
+                               "'" + text +
+                                   "' is not a number; where no share is told, another option or "
+                                   "nothing may follow");
+  }
+}
+
+void add_drawing(CLI::App& command, Sketch& asked) {
+  auto& request = asked.request;
+  const char* group = "Drawing";
+  command
+      .add_option("--patches", asked.patches,
+                  "Draw patches from their attributes (fitted), with the frame's own pixels, or as a "
+                  "dictionary tells them (learned)")
+      ->type_name("fitted|pixels|learned")
+      ->check(CLI::IsMember({"fitted", "pixels", "learned"}).description(""))
+      ->default_str(asked.patches)
+      ->group(group);
+  auto* learn = command
+                    .add_flag("--learn-dictionary", asked.dictionary.learn,
+                              "Learn what the clip's patches look like: dictionary/, dictionary.png")
+                    ->group(group);
+  command.add_option("--dictionary", asked.dictionary.folder, "Use a dictionary that was learned before")
+      ->type_name("FOLDER")
+      ->excludes(learn)
+      ->group(group);
+  command
+      .add_option("--fill", asked.fill,
+                  "Draw the rest by heat diffusion, or as texture: with the frame's filter histograms "
+                  "(julesz), or of copied pixels (efros-leung); both draw numbers from --seed")
+      ->type_name("diffusion|julesz|efros-leung")
+      ->check(CLI::IsMember({"diffusion", "julesz", "efros-leung"}).description(""))
+      ->default_str(asked.fill)
+      ->group(group);
+  add_number(command, "--regions", request.ground.texture.regions, "N",
+             "Textures that julesz and efros-leung tell apart, 3 to 7; 0: as many as fit best")
+      ->group(group);
+  command
+      .add_option_function<std::string>(
+          "--anchors", [&request](const std::string& text) { parse_anchors(text, request.anchors); },
+          "Hold pixels where the diffusion needs them, until they and the patches show this share of the "
+          "frame, 0.2 where none is told; without --budget the patches get a quarter of it")
+      ->type_name("[SHARE]")
+      ->expected(0, 1)
+      ->group(group);
+  command
+      .add_flag("--film", request.film,
+                "Write film.mp4: input, graph, sketchable part, reconstruction; and film.png of the middle "
+                "frame")
+      ->group(group);
+  command
+      .add_option_function<std::string>(
+          "--heat-film",
+          [&request](const std::string& text) {
+            int frame = 0;
+            parse_number("--heat-film", text, frame);
+            request.heat_frame = frame;
+          },
+          "Write heat.mp4: the diffusion of this frame (0: the first that is sketched) as it goes on, from "
+          "patches on grey to rest")
+      ->type_name("FRAME")
+      ->group(group);
+}
+
+}  // namespace
+
+void add_sketch(CLI::App& app, Chosen& chosen) {
+  auto* command =
+      app.add_subcommand("sketch", "Draw the primal sketch of every frame, and the frame from its sketch");
+  command->footer(
+      "  emberfold sketch fire.mp4 -o out/sketch\n"
+      "  emberfold sketch photo.png -o out/photo --patches pixels\n"
+      "  emberfold sketch fire.mp4 -o out/film --anchors --film --heat-film 40\n"
+      "  emberfold sketch river.mp4 -o out/texture --fill julesz --range 0:10");
+  const auto asked = std::make_shared<Sketch>();
+  add_reading(*command, asked->reading);
+  add_output(*command, asked->output);
+  add_drawing(*command, *asked);
+  add_fields(*command, asked->request.extract, "Sketching");
+  command
+      ->add_flag("--warm", asked->request.warm,
+                 "Begin each frame's sketch with that of the frame before, so that faint strokes flicker "
+                 "less; frames are then sketched one by one")
+      ->group("Sketching");
+  add_fields(*command, asked->request.ground.fill, "Filling");
+  add_common(*command, chosen.common, "Print the content of summary.json");
+  command->callback([asked, &chosen, command] {
+    asked->own_budget = command->count("--budget") > 0;
+    asked->own_regions = command->count("--regions") > 0;
+    chosen.run = [asked](Session& session) { run_sketch(*asked, session); };
+  });
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/command_line.hpp"
+#include "apps/cli/edit_options.hpp"
+#include "apps/cli/interrupt.hpp"
+#include "apps/cli/summary.hpp"
+#include "apps/pictures/draw.hpp"
+#include "apps/pictures/overlay.hpp"
+#include "apps/report/report_model.hpp"
+#include "core/io/clip_writer.hpp"
+#include "core/io/files.hpp"
+#include "dytex/editing/edit.hpp"
+#include "graph/io/motion_io.hpp"
+#include "mcmc/simulation/synthesize.hpp"
+#include "pipeline/clip_model.hpp"
+#include "pipeline/clip_synthesis.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+pipeline::ModelFill parse_fill(const std::string& text) {
+  if (const auto fill = pipeline::model_fill(text)) return *fill;
+  throw Misuse("--fill is " + text + ", allowed is one of diffusion, texture, dytex");
+}
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+struct Synth {
+  std::string model, output, overlay, motion;
+  pipeline::ModelFill fill_kind = pipeline::ModelFill::diffusion;
+  int frames = 300;
+  sketch::FillOptions fill;
+  EditOptions edit;
+};
+
+std::unique_ptr<io::VideoWriter> create_output(const std::string& path, cv::Size size, double fps,
+                                               bool colour) {
+  try {
+    return io::create_video(path, size, fps, colour);
+  } catch (const core::InputError& error) {
+    throw Misuse(error.what());
+  }
+}
+
+void check(Synth& asked) {
+  if (asked.frames < 1 || asked.frames > 1'000'000)
+    throw Misuse("--frames is " + std::to_string(asked.frames) + ", must be in 1…1000000");
+  check_options(asked.fill);
+  check(asked.edit);
+}
+
+/// The graphs with their links, where somebody asks for them: all are held.
+std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::MotionModel& model,
+                                              const Session& session) {
+  if (asked.motion.empty() && asked.overlay.empty()) return std::nullopt;
+  auto made = mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.edit.start());
+  return std::move(made.motion);
+}
+
+/// What is written; nothing takes its name before finish().
+class Outputs {
+ public:
+  Outputs(const Synth& asked, const mcmc::MotionModel& model, const sketch::RenderOptions& look,
+          const Session& session)
+      : asked_(asked),
+        fps_(model.fps),
+        info_{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}},
+        clip_(create_output(asked.output, look.size, model.fps, look.channels == 3)) {
+    if (!asked.motion.empty()) motion_file_.emplace(asked.motion);
+    motion_ = make_motion(asked, model, session);
+    if (!asked.overlay.empty()) events_ = graph::stroke_events(*motion_);
+  }
+
+  void write(const cv::Mat& frame) {
+    clip_->write(frame);
+    const int t = frames_++;
+    if (asked_.overlay.empty()) return;
+    const cv::Mat shown = draw_overlay(to_colour_bytes(frame, info_),
+                                       motion_->sketch.frames[static_cast<std::size_t>(t)], t, events_);
+    if (!overlay_) overlay_ = create_output(asked_.overlay, shown.size(), fps_, true);
+    overlay_->write(shown);
+  }
+
+  /// All of one length, that of the frames written.
+  void finish() {
+    if (motion_file_) {
+      motion_->sketch.frames.resize(static_cast<std::size_t>(frames_));
+      motion_->links.resize(static_cast<std::size_t>(frames_));
+      motion_file_->write([&](std::ostream& out) { graph::write_motion(out, *motion_); });
+    }
+    if (overlay_) overlay_->finish();
+    if (motion_file_) motion_file_->finish();
+    clip_->finish();
+  }
+  [[nodiscard]] int frames() const { return frames_; }
+
+ private:
+  const Synth& asked_;
+  double fps_;
+  core::ClipInfo info_;
+  std::unique_ptr<io::VideoWriter> clip_, overlay_;
+  std::optional<io::StagedFile> motion_file_;
+  std::optional<graph::MotionGraph> motion_;
+  std::vector<graph::Event> events_;
+  int frames_ = 0;
+};
+
+/// Draws and writes all that was asked for. Whoever interrupts it keeps the frames that there are.
+void write_clips(const Synth& asked, Outputs& outputs, pipeline::ClipSynthesis& frames,
+                 const Session& session) {
+  try {
+    session.context.report("synthesize", 0);
+    const auto write = [&](const cv::Mat& frame) {
+      outputs.write(frame);
+      session.context.report("synthesize", double(outputs.frames()) / asked.frames);
+    };
+    frames.each(asked.frames, write, session.context);
+    session.check_stop();
+  } catch (const core::Cancelled&) {
+    if (outputs.frames() == 0) throw;
+    outputs.finish();
+    throw core::Cancelled{asked.output + " holds the " + std::to_string(outputs.frames()) + " of " +
+                          std::to_string(asked.frames) + " frames that were drawn"};
+  }
+  outputs.finish();
+}
+
+/// What lies between the strokes goes at their speed, and their way.
+void edit_fill(pipeline::ClipModel& model, const mcmc::MotionEdit& edit, Session& session) {
+  model.residual.speed = edit.reverse ? -edit.speed : edit.speed;
+  if (!model.texture) return;
+  std::vector<dytex::Edit> edits;
+  if (edit.speed != 1) edits.push_back({dytex::Flow{edit.speed}});
+  if (edit.reverse) edits.push_back({dytex::Reverse{}});
+  if (edits.empty()) return;
+  auto result = dytex::edit(*model.texture, edits);
+  for (const auto& note : result.notes) session.warn("texture: " + note);
+  model.texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(result.texture));
+}
+
+Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipeline::ClipSynthesis& frames,
+               const Session& session) {
+  const sketch::RenderOptions& look = frames.look();
+  Json summary = begin_summary("synth", session);
+  summary["model"] = {{"folder", asked.model}, {"learned_from_frames", model.frames}};
+  summary["model"].update(motion_model_figures(model));
+  const core::ClipInfo info{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}};
+  summary["clip"] = clip_json(asked.output, info, asked.frames);
+  summary["options"] = {{"synth", {{"frames", asked.frames}, {"fill", pipeline::name(asked.fill_kind)}}},
+                        {"edit", edit_json(asked.edit)},
+                        {"fill", options_json(asked.fill)}};
+  summary["synthesis"] = frames.figures().json();
+  summary["files"] = {{asked.output, "the new clip"}};
+  if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
+  if (!asked.overlay.empty()) summary["files"][asked.overlay] = "the clip under its graph, with its events";
+  summary["warnings"] = session.warnings;
+  return summary;
+}
+
+void run_synth(Synth asked, Session& session) {
+  check(asked);
+  Stages stages;
+  stages.begin("read");
+  auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
+  stages.begin("edit");
+  opened.motion = edited(std::move(opened.motion), asked.edit, session);
+  edit_fill(opened, asked.edit.edit, session);
+  stages.begin("synthesize");
+  auto frames = pipeline::clip_synthesis(opened, asked.fill, session.common.seed, asked.edit.start());
+  Outputs outputs(asked, opened.motion, frames.look(), session);
+  write_clips(asked, outputs, frames, session);
+  stages.end();
+  session.console.say(std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " +
+                      asked.output);
+  if (!session.common.json) return;
+  Json summary = summarise(asked, opened.motion, frames, session);
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  session.print(json_text(summary));
+}
+
+}  // namespace
+
+void add_synthesis(CLI::App& app, Chosen& chosen) {
+  auto* command = app.add_subcommand("synth", "Draw a new clip from a motion model");
+  command->footer(
+      "  emberfold synth out/fire/model -o new_fire.mp4\n"
+      "  emberfold synth out/fire/model -o new_fire.mp4 --fill dytex\n"
+      "  emberfold synth out/fire/model -o frames --frames 1000 --seed 7 --motion new_fire.jsonl");
+  const auto asked = std::make_shared<Synth>();
+  command->add_option("MODEL", asked->model, "The model's folder, as analyze writes it (DIR/model)")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("-o,--output", asked->output,
+                   "The new clip: .mp4 (H.264), .avi (lossless), or no extension (a folder of PNG)")
+      ->type_name("OUT")
+      ->required();
+  add_number(*command, "--frames", asked->frames, "N", "How many frames");
+  command
+      ->add_option_function<std::string>(
+          "--fill", [asked](const std::string& text) { asked->fill_kind = parse_fill(text); },
+          "What lies between strokes: what diffuses from them; that under a Gaussian texture as the clip's "
+          "residual; or what 'analyze --texture' learned")
+      ->type_name("diffusion|texture|dytex")
+      ->default_str("diffusion");
+  command->add_option("--motion", asked->motion, "Write the graphs and their links too (motion.jsonl)")
+      ->type_name("FILE");
+  command->add_option("--overlay", asked->overlay, "Write the clip under its graph too, with its events")
+      ->type_name("OUT");
+  add_fields(*command, asked->fill, "Filling");
+  add_edit_options(*command, asked->edit);
+  add_common(*command, chosen.common, "Print what was drawn as JSON");
+  command->callback(
+      [asked, &chosen] { chosen.run = [asked](Session& session) { run_synth(*asked, session); }; });
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/comparison/comparison_words.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "apps/comparison/comparison_json.hpp"
+
+namespace emberfold::apps {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+std::optional<double> value_of(const Json& holder, const std::string& key) {
+  if (!holder.is_object() || !holder.contains(key) || !holder[key].is_number()) return std::nullopt;
+  return holder[key].get<double>();
+}
+
+std::string number(double value, int digits) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+std::string small_letters(std::string text) {
+  text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+// "a, b and c"
+std::string listed(const std::vector<std::string>& parts) {
+  std::string out;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+  return out;
+}
+
+// "0.31 dB, noise floor 0.58"; "20 %, noise floor 2".
+std::string against(double value, double floor, const std::string& unit) {
+  const bool share = unit == "share";
+  const auto text = [&](double one) { return share ? number(100 * one, 0) : number(one, 2); };
+  return text(value) + (share ? " %" : unit.empty() ? "" : " " + unit) + ", noise floor " + text(floor);
+}
+
+struct Standing {
+  std::vector<std::string> nearest, farthest, equal;  // names of measures
+};
+
+// `others`: that there are other models to be nearer than.
+std::string model_words(const Held& model, const Standing& standing, std::size_t measures, bool others) {
+  const std::string name = "The " + model.label;
+  std::string out;
+  const bool equal = standing.equal.size() == measures;
+  const bool stands_out = others && !(standing.nearest.empty() && standing.farthest.empty() && equal);
+  if (stands_out) {
+    out = name + (standing.nearest.empty() ? " is by no measure the nearest to the source"
+                                           : " is nearest to the source in " + listed(standing.nearest));
+    out += standing.farthest.empty() ? ". " : "; it is the farthest in " + listed(standing.farthest) + ". ";
+  }
+  const std::string it = stands_out ? "it" : "the " + model.label;
+  const std::string as_near = " lies about as near to the source as the source's own halves to each other.";
+  if (equal) return out + "By every measure " + it + as_near;
+  if (standing.equal.empty()) return out + "By every measure the source's own halves are more alike.";
+  return out + "In " + listed(standing.equal) + " " + it + as_near;
+}
+
+// What the strokes bring: the hybrid against the texture that it lies on, alone.
+std::vector<std::string> hybrid_words(const Json& measures) {
+  const auto &hybrid = distances_of(measures, "hybrid"),
+             &texture = distances_of(measures, "linear_dynamic_texture");
+  std::vector<std::string> nearer, farther;
+  for (const auto& measure : all_measures()) {
+    const auto own = value_of(hybrid, measure.key), other = value_of(texture, measure.key);
+    if (!own || !other || *own == *other) continue;
+    (*own < *other ? nearer : farther).push_back(small_letters(measure.name));
+  }
+  if (nearer.empty() && farther.empty()) return {};
+  std::string out = "Against the linear dynamic texture the hybrid ";
+  if (!nearer.empty()) out += "wins in " + listed(nearer);
+  if (!farther.empty()) out += std::string(nearer.empty() ? "" : "; it ") + "loses in " + listed(farther);
+  return {out + "."};
+}
+
+std::vector<std::string> synthesis_words(const Json& measures) {
+  auto held = held_clips(measures);
+  std::erase_if(held, [](const Held& one) { return one.key == "noise_floor"; });
+  const auto& floor = distances_of(measures, "noise_floor");
+  std::vector<Standing> standings(held.size());
+  std::size_t told = 0;
+  for (const auto& measure : all_measures()) {
+    const auto least = value_of(floor, measure.key);
+    std::vector<std::optional<double>> values;
+    double best = std::numeric_limits<double>::infinity(), worst = -1;
+    for (const auto& one : held) {
+      values.push_back(value_of(distances_of(measures, one.key), measure.key));
+      if (values.back()) best = std::min(best, *values.back()), worst = std::max(worst, *values.back());
+    }
+    if (worst < 0) continue;
+    ++told;
+    const auto name = small_letters(measure.name);
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      if (!values[i]) continue;
+      if (*values[i] <= best && best < worst) standings[i].nearest.push_back(name);
+      // Nobody loses who is as near as can be asked for.
+      if (least && at_floor(*values[i], *least))
+        standings[i].equal.push_back(name);
+      else if (*values[i] >= worst && best < worst)
+        standings[i].farthest.push_back(name);
+    }
+  }
+  std::vector<std::string> words;
+  constexpr double kUnlike = 3;  // dB: half or twice the power
+  if (const auto apart = value_of(floor, "temporal_db"); apart && *apart > kUnlike)
+    words.push_back("The source changes its character: the spectra in time of its own halves lie " +
+                    number(*apart, 1) +
+                    " dB apart. To lie no farther from it than such a noise floor says little.");
+  for (std::size_t i = 0; i < held.size() && told > 0; ++i)
+    words.push_back(model_words(held[i], standings[i], told, held.size() > 1));
+  return words;
+}
+
+// Those of `named` (key, name) whose frames so many steps on have the best PSNR, to a tenth of a dB.
+struct Foretellers {
+  std::vector<std::string> names;
+  std::string decibels;
+  double psnr = -1;
+};
+Foretellers best_of(const Json& methods, std::size_t step,
+                    const std::vector<std::pair<std::string, std::string>>& named) {
+  Foretellers best;
+  for (const auto& [key, name] : named) {
+    if (!methods.contains(key)) continue;
+    const auto& value = methods[key]["by_step"]["psnr"][step];
+    if (!value.is_number()) continue;
+    const auto text = number(value.get<double>(), 1);
+    if (text == best.decibels)
+      best.names.push_back(name);
+    else if (value.get<double>() > best.psnr)
+      best = {{name}, text, value.get<double>()};
+  }
+  return best;
+}
+
+// Who foretells best, one step on and as far as was asked, beside the better of two ways without a model.
+std::vector<std::string> prediction_words(const Json& measures) {
+  if (!measures.contains("prediction") || !measures["prediction"].is_object()) return {};
+  const auto& [methods, steps] = std::tie(measures["prediction"]["methods"], measures["prediction"]["steps"]);
+  std::vector<std::pair<std::string, std::string>> models;
+  for (const auto& model : measures["models"])
+    models.emplace_back(model["key"].get<std::string>(), "the " + model["label"].get<std::string>());
+  std::vector<std::string> words;
+  for (const std::size_t s : {std::size_t{0}, steps.size() - 1}) {
+    if (s == 0 && !words.empty()) break;
+    const auto best = best_of(methods, s, models);
+    if (best.names.empty()) continue;
+    const auto without = best_of(methods, s,
+                                 {{"frame_before", "showing the frame before again"},
+                                  {"mean_image", "the mean image of the first part"}});
+    const std::string ahead =
+        steps[s] == 1 ? "the next frame best" : "best " + steps[s].dump() + " frames ahead";
+    std::string text = "Of the models " + listed(best.names) +
+                       (best.names.size() > 1 ? " foretell " : " foretells ") + ahead + ", at " +
+                       best.decibels + " dB";
+    if (!without.names.empty())
+      text += (without.decibels == best.decibels ? ", no better than "
+               : without.psnr > best.psnr        ? ", behind "
+                                                 : ", ahead of ") +
+              listed(without.names) + " (" + without.decibels + " dB)";
+    words.push_back(text + ".");
+  }
+  return words;
+}
+
+std::vector<std::string> stroke_words(const Json& measures) {
+  std::vector<std::string> words;
+  const std::string of = measures.contains("other") ? "the first clip" : "the source";
+  const auto& source = distances_of(measures, "source");
+  if (source.contains("strokes") && source["strokes"]["strokes_a_frame"] == 0)
+    return {"No stroke is found in " + of + "."};
+  for (const auto& one : held_clips(measures)) {
+    const auto& distances = distances_of(measures, one.key);
+    if (one.key == "noise_floor" || !distances.contains("inside")) continue;
+    const auto& inside = distances["inside"];
+    std::vector<std::string> outside;
+    for (const auto& [name, within] : inside.items())
+      if (!within.get<bool>()) outside.push_back(name == "lifetime" || name == "length" ? name : name + "s");
+    words.push_back(
+        (one.key == "other" ? "In the other clip " : "In the clip of the " + one.label + " ") +
+        std::to_string(inside.size() - outside.size()) + " of " + std::to_string(inside.size()) +
+        " figures of strokes (the rates of six events, lifetime, length) lie in the 95 % intervals of " + of +
+        (outside.empty() ? "." : "; outside: " + listed(outside) + "."));
+  }
+  return words;
+}
+
+std::vector<std::string> pair_words(const Json& measures) {
+  std::vector<std::string> same, apart;
+  const auto &other = distances_of(measures, "other"), &floor = distances_of(measures, "noise_floor");
+  for (const auto& measure : all_measures()) {
+    const auto value = value_of(other, measure.key), least = value_of(floor, measure.key);
+    if (!value) continue;
+    const auto name = small_letters(measure.name);
+    if (least && at_floor(*value, *least))
+      same.push_back(name);
+    else
+      apart.push_back(name + (least ? " (" + against(*value, *least, measure.unit) + ")" : ""));
+  }
+  if (apart.empty()) return {"No measure tells the clips apart."};
+  return {"The clips are told apart by " + listed(apart) + ".",
+          same.empty() ? "By every measure the first clip's own halves are more alike."
+                       : "In " + listed(same) + " they are about as alike as the first clip's own halves."};
+}
+
+}  // namespace
+
+bool at_floor(double distance, double floor) {
+  constexpr double kRounding = 0.002;
+  return distance <= 1.25 * floor + kRounding;
+}
+
+std::vector<std::string> comparison_words(const Json& measures) {
+  if (measures.contains("other")) {
+    auto words = pair_words(measures);
+    for (auto& text : stroke_words(measures)) words.push_back(std::move(text));
+    return words;
+  }
+  auto words = synthesis_words(measures);
+  for (auto* more : {&hybrid_words, &prediction_words, &stroke_words})
+    for (auto& text : more(measures)) words.push_back(std::move(text));
+  return words;
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "apps/cli/command.hpp"
+#include "apps/pictures/draw.hpp"
+#include "apps/report/report.hpp"
+#include "core/clip.hpp"
+#include "core/io/staged_output.hpp"
+#include "graph/events/events.hpp"
+#include "graph/motion_graph.hpp"
+#include "pipeline/image_evidence.hpp"
+#include "pipeline/reconstruct.hpp"
+
+namespace emberfold::apps {
+
+struct PictureOptions {
+  sketch::FillOptions fill;
+  bool reconstruction = false;  ///< reconstruct every frame and write reconstruction.avi
+};
+
+/// What the second run through a clip finds and draws.
+struct Pictures {
+  ReportInput report;               ///< its pictures alone are set
+  std::vector<double> share, psnr;  ///< of the frames that were reconstructed
+  pipeline::GainTotals gains;       ///< of these frames' patches
+  int not_converged = 0;
+  cv::Mat mean;  ///< of all frames, CV_8UC3
+};
+
+/// A picture as PNG into the folder.
+void write_png(io::OutputFolder& output, const std::string& name, const cv::Mat& picture);
+
+/// Writes overlay.mp4, matches/ and, where asked for, reconstruction.avi, and makes the report's pictures.
+/// `events` are ordered by frame.
+Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
+                       std::span<const graph::Event> events, const PictureOptions& options,
+                       io::OutputFolder& output, const Session& session);
+
+}  // namespace emberfold::apps

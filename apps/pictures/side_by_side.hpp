@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/io/clip_writer.hpp"
+
+namespace emberfold::apps {
+
+/// Where pictures lie beside each other, each under its label and at least 240 px high; larger ones keep
+/// their size as long as all of them are at most 3840 px wide.
+class PanelRow {
+ public:
+  /// `sizes`: of the pictures.
+  explicit PanelRow(std::span<const cv::Size> sizes);
+  /// Pictures CV_8UC1 or CV_8UC3, and a label for each, cut where it does not fit; CV_8UC3.
+  [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> pictures, std::span<const std::string> labels) const;
+  [[nodiscard]] cv::Size size() const { return size_; }
+
+ private:
+  [[nodiscard]] cv::Rect place(std::size_t index) const;
+
+  std::vector<cv::Size> panels_;
+  cv::Size size_;
+};
+
+/// Pictures of one size in rows of at most `most`, as alike in length as can be, each under its label.
+cv::Mat compose_rows(std::span<const cv::Mat> pictures, std::span<const std::string> labels,
+                     std::size_t most);
+
+/// A video of clips beside each other.
+class SideBySide {
+ public:
+  /// `sizes`: of the clips' frames, one for each label.
+  SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
+             std::span<const cv::Size> sizes, double fps);
+  /// A frame of each, CV_8UC1 or CV_8UC3.
+  void write(std::span<const cv::Mat> frames) { writer_->write(row_.compose(frames, labels_)); }
+  void finish() { writer_->finish(); }
+
+ private:
+  PanelRow row_;
+  std::vector<std::string> labels_;
+  std::unique_ptr<io::VideoWriter> writer_;
+};
+
+}  // namespace emberfold::apps

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dytex/quilting/render.hpp"
+
+namespace emberfold::apps {
+
+/// How a quilt's course in time is told on the command line.
+struct ControlRequest {
+  /// A number, a .npy file (height × width, or height × width × 2 with offsets), an image, gradient:right
+  /// (left, down, up), depth:IMAGE, distance:IMAGE (of a mask); empty: 1 and 0.
+  std::string rate, offset;
+  double slow = 0, fast = 1;    ///< rates of black and white
+  double early = 0, late = 30;  ///< offsets of black and white, frames
+  std::string fit = "exact";    ///< where a map has another size: exact refuses it, stretch, centre
+  std::string between = "linear", ends = "clamp";
+  double jitter = 0;  ///< frames
+
+  [[nodiscard]] bool plain() const { return rate.empty() && offset.empty() && jitter == 0; }
+};
+
+/// "a:b" as two numbers; Misuse, naming `option`, where it is none.
+void parse_pair(const std::string& option, const std::string& text, double& first, double& second);
+
+/// The control of an output of this size. Misuse where the request cannot be, core::InputError or
+/// core::IoError where a file cannot.
+dytex::TimeControl make_control(const ControlRequest& request, cv::Size size, cv::Size block,
+                                std::uint64_t seed);
+
+}  // namespace emberfold::apps

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/quilting/job.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "apps/cli/interrupt.hpp"
+#include "apps/cli/summary.hpp"
+#include "apps/pictures/draw.hpp"
+#include "apps/pictures/quilt_picture.hpp"
+#include "apps/quilting/checkpoint.hpp"
+#include "apps/quilting/output.hpp"
+#include "apps/report/quilt_report.hpp"
+#include "core/io/files.hpp"
+#include "dytex/quilting/quilt_measures.hpp"
+
+namespace emberfold::apps {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+struct Found {
+  dytex::QuiltMap map;
+  std::optional<dytex::QuiltResult> result;  ///< where it was sought
+};
+
+Found seek_map(const QuiltClips& clips, const QuiltRequest& request, const QuiltTarget& target,
+               Session& session) {
+  cv::Mat guide;
+  const auto sources = quilt_sources(clips, request, guide);
+  const auto held = clips.held();
+  QuiltCheckpoint checkpoint(target.checkpoint, request, held);
+  const auto placed = request.resume ? checkpoint.read() : std::vector<dytex::QuiltChoice>{};
+  if (!placed.empty())
+    session.console.say(std::to_string(placed.size()) +
+                        " blocks were placed before: " + checkpoint.file().string());
+  dytex::QuiltRun run;
+  run.guide = guide;
+  run.placed = placed;
+  std::vector<dytex::QuiltChoice> done = placed;
+  run.keep = [&](std::span<const dytex::QuiltChoice> so_far) {
+    done.assign(so_far.begin(), so_far.end());
+    checkpoint.keep(so_far);
+  };
+  try {
+    auto result = dytex::quilt(sources, request.quilt, session.context, run);
+    checkpoint.keep(result.choices, true);
+    return {result.map, std::move(result)};
+  } catch (const core::Cancelled&) {
+    checkpoint.keep(done, true);
+    throw core::Cancelled(std::to_string(done.size()) + " blocks are kept in " + checkpoint.file().string() +
+                          "; --resume goes on");
+  }
+}
+
+dytex::QuiltMap read_map(const std::string& name, const std::vector<cv::Size>& sizes) {
+  auto stream = io::open_file(name);
+  try {
+    return dytex::quilt_map(core::read_npy(stream), sizes);
+  } catch (const core::IoError& error) {
+    throw core::IoError(name + ": " + error.what());
+  } catch (const core::InputError& error) {
+    throw core::InputError(name + ": " + error.what());
+  }
+}
+
+// A single frame of a plain map shows one frame of the clip: no other one is read.
+bool reads_one_frame(const QuiltRequest& request) {
+  return !request.apply.empty() && request.frame && request.control.plain();
+}
+
+io::ReadOptions reading_of(const QuiltRequest& request) {
+  io::ReadOptions read = request.read;
+  if (!reads_one_frame(request)) return read;
+  read.first += *request.frame;
+  if (read.last && read.first >= *read.last)
+    throw Misuse("--frame is " + std::to_string(*request.frame) + ", but --range holds only " +
+                 std::to_string(*request.read.last - request.read.first) + " frames");
+  read.last = read.first + 1;
+  return read;
+}
+
+FramePlan plan_of(const QuiltRequest& request, const QuiltClips& clips) {
+  if (reads_one_frame(request)) return {0, 1, false};
+  if (request.frame) return {*request.frame, 1, false};
+  if (request.frames) return {0, *request.frames, false};
+  if (clips.is_held()) return {0, clips.held().front()->frames(), false};
+  return {0, clips.info().frames.value_or(0), true};
+}
+
+Json found_json(const Found& found, const QuiltClips& clips) {
+  Json out = Json::object();
+  std::span<const dytex::QuiltChoice> choices;
+  if (found.result) {
+    choices = found.result->choices;
+    double compared = 0, equals = 0;
+    for (const auto& choice : choices)
+      compared += static_cast<double>(choice.compared), equals += static_cast<double>(choice.equals);
+    const auto mean = [&](double sum) {
+      return std::round(10 * sum / static_cast<double>(choices.size())) / 10;
+    };
+    out = {{"blocks", choices.size()},        {"columns", found.result->columns},
+           {"rows", found.result->rows},      {"components", found.result->components},
+           {"compared_mean", mean(compared)}, {"equals_mean", mean(equals)}};
+  }
+  if (!clips.is_held()) return out;
+  const auto held = clips.held();
+  const auto measures = dytex::measure_quilt(found.map, choices, held);
+  if (found.result) out["verbatim_blocks"] = measures.verbatim_blocks;
+  out["largest_piece"] = measures.largest_piece;
+  out["source_share"] = measures.source_share;
+  out["seam_share"] = measures.seam_share;
+  out["seam_step"] = measures.seam_step;
+  out["other_step"] = measures.other_step;
+  out["seam_ratio"] = measures.seam_ratio();
+  return out;
+}
+
+Json summarise(const QuiltRequest& request, const QuiltTarget& target, const Found& found,
+               const QuiltClips& clips, std::int64_t frames, const Session& session) {
+  Json summary = begin_summary("quilt", session);
+  const auto known = clips.info().frames.value_or(0);
+  summary["clip"] = clip_json(request.clips.front(), clips.info(),
+                              clips.is_held() ? clips.held().front()->frames() : static_cast<int>(known));
+  summary["clips"] = request.clips;
+  summary["options"] = request_json(request);
+  summary["options"]["reading"] = reading_json(request.read);
+  summary["quilt"] = found_json(found, clips);
+  summary["output"] = {{"name", target.path().string()},
+                       {"width", found.map.size.width},
+                       {"height", found.map.size.height},
+                       {"frames", frames}};
+  summary["warnings"] = session.warnings;
+  return summary;
+}
+
+void write_pictures(io::OutputFolder& output, const QuiltRequest& request, const Found& found,
+                    const QuiltClips& clips, const std::vector<QuiltedFrame>& drawn, const Json& summary) {
+  QuiltPictures pictures;
+  const auto sizes = clips.sizes();
+  const auto& source = *clips.held().front();
+  pictures.map = draw_quilt_map(found.map, sizes);
+  pictures.seams = draw_seams(drawn[drawn.size() / 2].picture, found.map);
+  for (const auto& [frame, picture] : drawn)
+    pictures.pairs.push_back(
+        {frame, to_colour_bytes(frame_of(source, std::min(frame, source.frames() - 1)), clips.info()),
+         picture});
+  write_png(output.staged("map.png"), output.path() / "map.png", pictures.map);
+  write_png(output.staged("seams.png"), output.path() / "seams.png", pictures.seams);
+  const auto page = make_quilt_report(request.clips.front(), pictures, summary);
+  output.write("report.html", [&](std::ostream& out) { out << page; });
+}
+
+// Whether the frames can be drawn as the clip is read, and nothing but the clip is wanted.
+bool streams(const QuiltRequest& request, const QuiltTarget& target, const QuiltClips& clips,
+             const dytex::TimeControl& control) {
+  const FramePlan plan = plan_of(request, clips);
+  return !request.apply.empty() && !target.whole && plan.count > 0 &&
+         is_streamable(control, plan.first + plan.count, clips.info(),
+                       static_cast<std::size_t>(request.memory) * 1'000'000);
+}
+
+}  // namespace
+
+void run_quilt(QuiltRequest& request, Session& session) {
+  QuiltTarget target = quilt_target(request);
+  Stages stages;
+  stages.begin("read");
+  QuiltClips clips(request, reading_of(request), session);
+  complete_request(request, clips.sizes().front());
+  Found found;
+  if (!request.apply.empty()) found.map = read_map(request.apply, clips.sizes());
+  const cv::Size size = request.apply.empty() ? request.quilt.size : found.map.size;
+  const auto control = make_control(request.control, size, request.quilt.block, request.quilt.seed);
+  io::OutputFolder output(target.folder);
+  if (!streams(request, target, clips, control)) clips.hold(target.folder, session);
+  const FramePlan plan = plan_of(request, clips);
+  name_clip(target, request, clips.info(), plan.count);
+  if (request.apply.empty()) {
+    stages.begin("quilt");
+    found = seek_map(clips, request, target, session);
+  }
+  stages.begin("render");
+  write_quilt_map(output, request, found.map, control);
+  const auto written = write_quilt_clip(output, target, found.map, clips, control, plan, session);
+  stages.begin("write");
+  Json summary = summarise(request, target, found, clips, written.frames, session);
+  if (target.whole) write_pictures(output, request, found, clips, written.some, summary);
+  stages.end();
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+  summary["mapped_mb"] = std::round(static_cast<double>(clips.mapped_bytes()) / 1e5) / 10;
+  if (target.whole) output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  session.check_stop();
+  output.commit();
+  std::error_code ignored;
+  if (request.apply.empty()) fs::remove(target.checkpoint, ignored);
+  session.console.say(std::to_string(written.frames) + (written.frames == 1 ? " frame" : " frames") + " of " +
+                      std::to_string(size.width) + "x" + std::to_string(size.height) + " quilted into " +
+                      target.path().string());
+  if (session.common.json) session.print(json_text(summary));
+}
+
+}  // namespace emberfold::apps

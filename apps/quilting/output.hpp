@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "apps/quilting/request.hpp"
+#include "apps/quilting/write.hpp"
+#include "core/io/staged_output.hpp"
+
+namespace emberfold::apps {
+
+/// Where a quilt goes: into a folder with everything, or to a clip's own name with its map beside it.
+struct QuiltTarget {
+  bool whole = true;  ///< a folder with pictures and report
+  std::filesystem::path folder;
+  std::string clip;     ///< its name in the folder
+  bool single = false;  ///< it is one PNG
+  std::filesystem::path checkpoint;
+
+  [[nodiscard]] std::filesystem::path path() const { return folder / clip; }
+};
+
+/// core::IoError where there is no such folder to put a clip into.
+QuiltTarget quilt_target(const QuiltRequest& request);
+
+/// Names the clip, once what it holds is known; Misuse where it cannot be what its name says.
+void name_clip(QuiltTarget& target, const QuiltRequest& request, const core::ClipInfo& info,
+               std::int64_t frames);
+
+/// map.npy or the request's own name for it, and time.npy where times differ from place to place.
+void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const dytex::QuiltMap& map,
+                     const dytex::TimeControl& control);
+
+/// A frame as drawn, CV_8UC3.
+struct QuiltedFrame {
+  int frame = 0;
+  cv::Mat picture;
+};
+
+/// Which frames of the output are drawn.
+struct FramePlan {
+  std::int64_t first = 0, count = 0;
+  bool to_end = false;  ///< fewer where the clip is shorter than it tells
+};
+
+struct WrittenClip {
+  std::int64_t frames = 0;
+  std::vector<QuiltedFrame> some;  ///< the first, the middle and the last one
+};
+
+/// Draws and writes the clip. Throws core::Cancelled.
+WrittenClip write_quilt_clip(io::OutputFolder& output, const QuiltTarget& target, const dytex::QuiltMap& map,
+                             const QuiltClips& clips, const dytex::TimeControl& control,
+                             const FramePlan& plan, Session& session);
+
+}  // namespace emberfold::apps

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/quilting/request.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/command.hpp"
+
+namespace emberfold::apps {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+bool parse_whole(std::string_view text, int& value) {
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return !text.empty() && error == std::errc{} && stop == text.data() + text.size();
+}
+
+std::string size_text(cv::Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+// "QuiltOptions.guide_weight is …" as the command line names it.
+std::string as_option(const std::string& message) {
+  std::string name = message.substr(0, message.find(' '));
+  const std::string rest = message.substr(name.size());
+  if (!name.starts_with("QuiltOptions.")) return message;
+  name = name.substr(std::string("QuiltOptions.").size());
+  std::ranges::replace(name, '_', '-');
+  return "--" + name + rest;
+}
+
+}  // namespace
+
+cv::Size parse_size(const std::string& option, const std::string& text) {
+  cv::Size size;
+  const auto cross = text.find('x');
+  const std::string_view view = text;
+  const bool right = cross == std::string::npos ? parse_whole(view, size.width)
+                                                : parse_whole(view.substr(0, cross), size.width) &&
+                                                      parse_whole(view.substr(cross + 1), size.height);
+  if (!right)
+    throw Misuse(option + " is '" + text + "'; give a width and a height, as 640x480, or one number");
+  if (cross == std::string::npos) size.height = size.width;
+  return size;
+}
+
+void complete_request(QuiltRequest& request, cv::Size source) {
+  auto& quilt = request.quilt;
+  if (!request.own_size) quilt.size = {2 * source.width, 2 * source.height};
+  if (!request.own_block) {
+    const int side = std::clamp(std::min(source.width, source.height) / 2, 2, 64);
+    quilt.block = {side, side};
+  }
+  if (!request.own_overlap) quilt.overlap = std::max(1, std::min(quilt.block.width, quilt.block.height) / 4);
+  if (!request.own_apart) quilt.apart = std::min(quilt.block.width, quilt.block.height) / 2;
+  try {
+    quilt.validate();
+  } catch (const core::InputError& error) {
+    throw Misuse(as_option(error.what()));
+  }
+  if (request.apply.empty() && (quilt.block.width > source.width || quilt.block.height > source.height))
+    throw Misuse("--block is " + size_text(quilt.block) + ", but " + request.clips.front() + " has only " +
+                 size_text(source) + " pixels");
+}
+
+void check_request(const QuiltRequest& request) {
+  const auto refuse = [](const std::string& option, const std::string& value, const std::string& allowed) {
+    throw Misuse(option + " is " + value + "; allowed is " + allowed);
+  };
+  if (request.masks.size() > request.clips.size())
+    throw Misuse("there are " + std::to_string(request.masks.size()) + " masks for " +
+                 std::to_string(request.clips.size()) + (request.clips.size() == 1 ? " clip" : " clips"));
+  if (request.flatten != 0 && !(request.flatten >= 1 && request.flatten <= 4096))
+    refuse("--flatten", std::to_string(request.flatten), "1 to 4096 pixels, or 0 for not at all");
+  if (request.frames && (*request.frames < 1 || *request.frames > 1'000'000))
+    refuse("--frames", std::to_string(*request.frames), "1 to 1000000");
+  if (request.frame && (*request.frame < 0 || *request.frame > 1'000'000))
+    refuse("--frame", std::to_string(*request.frame), "0 to 1000000");
+  if (request.memory < 0 || request.memory > 1'000'000)
+    refuse("--memory", std::to_string(request.memory), "0 to 1000000 MB");
+  if (!request.apply.empty() &&
+      (request.own_size || request.resume || !request.guide.empty() || !request.masks.empty()))
+    throw Misuse(
+        "--apply takes the map as it is: --size, --resume, --guide and --mask have nothing to do there");
+  const std::string extension = std::filesystem::path(request.output).extension().string();
+  if (!extension.empty() && extension != ".mp4" && extension != ".avi" && extension != ".png")
+    throw Misuse("-o is " + request.output +
+                 "; give a name in .mp4, .avi or (for one frame) .png, or that of a folder");
+  if (!extension.empty() && !request.format.empty())
+    throw Misuse("--format is for a folder; the clip " + request.output + " tells its own");
+  dytex::QuiltOptions sizes_aside = request.quilt;
+  sizes_aside.tileable = false;
+  if (!request.own_block) sizes_aside.block = {64, 64};
+  if (!request.own_overlap) sizes_aside.overlap = 1;
+  try {
+    sizes_aside.validate();
+  } catch (const core::InputError& error) {
+    throw Misuse(as_option(error.what()));
+  }
+}
+
+Json request_json(const QuiltRequest& request) {
+  const auto& quilt = request.quilt;
+  const auto& control = request.control;
+  Json out = Json::object();
+  if (request.apply.empty())
+    out["quilt"] = {{"size", {quilt.size.width, quilt.size.height}},
+                    {"block", {quilt.block.width, quilt.block.height}},
+                    {"overlap", quilt.overlap},
+                    {"components", quilt.components},
+                    {"tolerance", quilt.tolerance},
+                    {"floor", quilt.floor},
+                    {"apart", quilt.apart},
+                    {"guide", request.guide},
+                    {"guide_weight", quilt.guide_weight},
+                    {"masks", request.masks},
+                    {"tileable", quilt.tileable},
+                    {"exact", quilt.exact}};
+  else
+    out["apply"] = request.apply;
+  out["flatten"] = request.flatten;
+  out["control"] = {{"rate", control.rate},       {"rates", {control.slow, control.fast}},
+                    {"offset", control.offset},   {"offsets", {control.early, control.late}},
+                    {"jitter", control.jitter},   {"fit", control.fit},
+                    {"between", control.between}, {"ends", control.ends}};
+  return out;
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "graph/events/events.hpp"
+#include "mcmc/model/motion_model.hpp"
+
+// What the report tells of models and of the clips drawn from them, as JSON of bounded size.
+namespace emberfold::apps {
+
+/// Clips that play in step, side by side in one video.
+struct ReportClips {
+  std::vector<std::string> names;  ///< from left to right
+  std::vector<unsigned char> mp4;  ///< H.264, at most kClipBytes
+  int width = 0, height = 0;       ///< px, of one clip in it
+  int frames = 0;
+  double fps = 25;
+};
+
+/// A table: a row for each measure, a column for each clip it was taken of.
+struct ReportMeasures {
+  struct Row {
+    std::string name, about;
+    std::vector<std::optional<double>> values;  ///< by column
+  };
+  std::vector<std::string> columns;
+  std::vector<Row> rows;
+  std::string note;
+};
+
+nlohmann::ordered_json report_clips(const ReportClips& clips);
+nlohmann::ordered_json report_measures(const ReportMeasures& measures);
+
+/// Θ as the page shows it: coefficients and poles, rates beside the counts of `events`, maps of at most 4000
+/// cells, some exemplars.
+nlohmann::ordered_json report_motion_model(const mcmc::MotionModel& model,
+                                           std::span<const graph::Event> events);
+
+/// {"sway": …, "contrast": …, "rates": …}: the same figures for summary.json.
+nlohmann::ordered_json motion_model_figures(const mcmc::MotionModel& model);
+
+nlohmann::ordered_json report_eigenvalues(std::span<const std::complex<double>> eigenvalues);
+
+}  // namespace emberfold::apps

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sketching/sketch_frames.hpp"
+
+#include <memory>
+#include <utility>
+
+#include "apps/pictures/draw.hpp"
+#include "apps/pictures/overlay.hpp"
+#include "apps/sketching/sketch_film.hpp"
+#include "apps/sketching/sketch_progress.hpp"
+#include "core/clip/frame_stream.hpp"
+#include "core/io/clip_writer.hpp"
+#include "core/rng.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+struct Made {
+  graph::AttributeGraph graph;
+  SketchedFrame drawn;
+  cv::Mat overlay, film;
+};
+
+// How much of a frame's time its sketch takes, about: for the progress alone.
+double sketch_part(const SketchRequest& request) {
+  if (request.ground.kind != sketch::GroundFill::diffusion) return 0.02;
+  return request.anchors > 0 ? 0.15 : 0.6;
+}
+
+// Sketches that begin with the frame before's, until their frames are drawn.
+class WarmSketches {
+ public:
+  void add(const cv::Mat& levels, const sketch::ExtractOptions& options) {
+    graphs_.push_back(last_ ? sketch::extract(levels, options, *last_) : sketch::extract(levels, options));
+    last_ = graphs_.back();
+  }
+  [[nodiscard]] const graph::AttributeGraph& at(int t) const {
+    return graphs_[static_cast<std::size_t>(t - first_)];
+  }
+  void forget_before(int t) {
+    graphs_.erase(graphs_.begin(), graphs_.begin() + (t - first_));
+    first_ = t;
+  }
+
+ private:
+  std::vector<graph::AttributeGraph> graphs_;
+  std::optional<graph::AttributeGraph> last_;
+  int first_ = 0;
+};
+
+// The videos of the run, each begun with its first frame.
+class SketchVideos {
+ public:
+  SketchVideos(io::OutputFolder& output, const core::ClipInfo& info)
+      : output_(output),
+        fps_(info.fps),
+        reconstruction_(io::create_video(output.staged("reconstruction.avi"), {info.width, info.height},
+                                         info.fps, info.channels == 3)) {}
+  void write(const Made& made) {
+    reconstruction_->write(made.drawn.reconstruction.bytes);
+    add(overlay_, "overlay.mp4", made.overlay);
+    if (!made.film.empty()) add(film_, "film.mp4", made.film);
+  }
+  void finish() {
+    for (auto* writer : {&reconstruction_, &overlay_, &film_})
+      if (*writer) (*writer)->finish();
+  }
+
+ private:
+  void add(std::unique_ptr<io::VideoWriter>& writer, const char* name, const cv::Mat& frame) {
+    if (!writer) writer = io::create_video(output_.staged(name), frame.size(), fps_, true);
+    writer->write(frame);
+  }
+
+  io::OutputFolder& output_;
+  double fps_;
+  std::unique_ptr<io::VideoWriter> reconstruction_, overlay_, film_;
+};
+
+}  // namespace
+
+SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& graph, int t,
+                            const SketchRequest& request, const core::Context& context) {
+  constexpr std::uint32_t kStream = 0x66696c6c;  // apart from what else is drawn with the seed
+  const auto frame = static_cast<std::uint64_t>(request.first_frame + t);
+  core::Rng rng(request.ground.seed,
+                {static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32), kStream});
+  sketch::GroundOptions ground = request.ground;
+  const std::uint64_t high = rng.bits();
+  ground.seed = high << 32 | rng.bits();
+  SketchedFrame result;
+  if (request.dictionary != nullptr) result.codes = encode_frame(levels, graph, *request.dictionary);
+  const auto patches = request.patches == pipeline::PatchDrawing::learned
+                           ? sketch::draw_learned(graph, result.codes, request.dictionary->dictionary,
+                                                  levels.size(), levels.channels())
+                           : pipeline::draw_patches(levels, graph, request.patches);
+  result.held = request.anchors > 0 ? pipeline::add_anchors(patches, levels, request.anchors) : patches;
+  if (context.cancelled()) throw core::Cancelled{};
+  result.reconstruction = pipeline::reconstruct(levels, result.held, ground, context);
+  result.patch_share = patches.share();
+  result.anchor_share = result.reconstruction.share - result.patch_share;
+  return result;
+}
+
+void FrameFigures::add(const SketchedFrame& frame, std::size_t patch_count, const SketchRequest& request) {
+  patches.push_back(static_cast<double>(patch_count));
+  patch_share.push_back(frame.patch_share);
+  anchor_share.push_back(frame.anchor_share);
+  psnr.push_back(frame.reconstruction.psnr);
+  regions.push_back(frame.reconstruction.regions);
+  histogram_distance.push_back(frame.reconstruction.histogram_distance);
+  not_converged += frame.reconstruction.converged ? 0 : 1;
+  without_room += request.anchors > 0 && frame.patch_share >= request.anchors ? 1 : 0;
+}
+
+SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request, io::OutputFolder& output,
+                        const Session& session) {
+  const auto& info = source.info();
+  SketchRun run;
+  run.sketch.width = info.width, run.sketch.height = info.height, run.sketch.fps = info.fps;
+  SketchVideos videos(output, info);
+  const SketchFilm film({info.width, info.height}, request);
+  const double part = sketch_part(request);
+  FrameProgress progress(session.context, "sketch", info.frames);
+  WarmSketches warm;
+  core::stream_frames(
+      source, "sketch", info.frames, session.context,
+      [&](int t, const cv::Mat& frame) {
+        if (!request.warm) return;
+        warm.add(core::to_levels(frame, info), request.extract);
+        progress.tell(t, part);
+      },
+      [&](int t, const cv::Mat& frame) {
+        const cv::Mat levels = core::to_levels(frame, info);
+        Made made{request.warm                    ? warm.at(t)
+                  : request.dictionary != nullptr ? request.dictionary->graph(t, levels, request.extract)
+                                                  : sketch::extract(levels, request.extract),
+                  {},
+                  {},
+                  {}};
+        const auto context = progress.step(t, part);
+        context.report("sketch", 0);
+        made.drawn = draw_sketched(levels, made.graph, t, request, context);
+        const cv::Mat bytes = to_colour_bytes(frame, info);
+        made.overlay = draw_types(bytes, made.graph, t);
+        if (request.film) made.film = film.picture(bytes, made.graph, made.drawn, t);
+        made.drawn.held = {};
+        progress.tell(t, 1);
+        return made;
+      },
+      [&](int t, const Made& made) {
+        videos.write(made);
+        run.sketch.append(made.graph);
+        run.figures.add(made.drawn, made.graph.size(), request);
+        run.codes.add(made.drawn.codes);
+        if (request.warm) warm.forget_before(t + 1);
+      });
+  if (!run.sketch.frames.empty()) videos.finish();
+  return run;
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/cli/command.hpp"
+#include "apps/sketching/sketch_dictionary.hpp"
+#include "core/clip.hpp"
+#include "core/io/staged_output.hpp"
+#include "graph/motion_graph.hpp"
+#include "pipeline/reconstruct.hpp"
+#include "sketch/extract.hpp"
+#include "sketch/texture/texture_fill.hpp"
+
+// `emberfold sketch`: a clip's frames, one after the other, as sketches and drawn again.
+namespace emberfold::apps {
+
+struct SketchRequest {
+  sketch::ExtractOptions extract;
+  sketch::GroundOptions ground;  ///< its seed is the clip's; every frame draws with a stream of its own
+  pipeline::PatchDrawing patches = pipeline::PatchDrawing::fitted;
+  double anchors = 0;                  ///< 0…1: patches and anchors together show this share; 0: no anchors
+  bool warm = false;                   ///< each frame's sketch begins with that of the frame before
+  bool film = false;                   ///< film.mp4 and film.png
+  std::optional<int> heat_frame = {};  ///< heat.mp4 of this frame
+  const SketchDictionary* dictionary = nullptr;  ///< needed for learned patches
+  std::int64_t first_frame = 0;  ///< where the clip's part begins: streams are keyed by the clip's frame
+};
+
+/// A frame drawn again.
+struct SketchedFrame {
+  double patch_share = 0, anchor_share = 0;  ///< of the pixels, 0…1
+  sketch::Sketchable held;                   ///< patches and anchors
+  std::vector<sketch::Code> codes;           ///< of the patches, where there is a dictionary
+  pipeline::Reconstruction reconstruction;
+};
+
+/// `levels`: CV_32F, white = 255; `t`: the frame's number in the clip's part. Throws core::Cancelled.
+SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& graph, int t,
+                            const SketchRequest& request, const core::Context& context);
+
+/// What was found in each frame.
+struct FrameFigures {
+  std::vector<double> patches, patch_share, anchor_share, psnr, regions, histogram_distance;
+  int not_converged = 0;
+  int without_room = 0;  ///< frames whose patches alone reach the share asked for with anchors
+  void add(const SketchedFrame& frame, std::size_t patch_count, const SketchRequest& request);
+};
+
+struct SketchRun {
+  graph::SketchSequence sketch;
+  FrameFigures figures;
+  CodeFigures codes;
+};
+
+/// Sketches the clip, several frames at once, and writes overlay.mp4, reconstruction.avi and, where asked
+/// for, film.mp4. Throws core::Cancelled.
+SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request, io::OutputFolder& output,
+                        const Session& session);
+
+}  // namespace emberfold::apps

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/textures/classification.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include <opencv2/core.hpp>
+#include <opencv2/ml.hpp>
+
+#include "apps/pictures/heat_matrix.hpp"
+#include "core/error.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+using dytex::Measure;
+
+// Rows and columns of `pairs`, which lie as dytex::all_distances() tells.
+class Pairs {
+ public:
+  Pairs(std::span<const dytex::Distances> pairs, std::size_t count) : pairs_(pairs), count_(count) {
+    if (pairs.size() != count * (count + 1) / 2)
+      throw core::InputError("cross_validate: " + std::to_string(pairs.size()) + " pairs are not those of " +
+                             std::to_string(count) + " samples");
+  }
+  [[nodiscard]] const dytex::Distances& at(std::size_t i, std::size_t j) const {
+    const auto [low, high] = std::minmax(i, j);
+    return pairs_[low * count_ - low * (low + 1) / 2 + high];
+  }
+  [[nodiscard]] bool have(Measure measure) const {
+    return std::ranges::all_of(pairs_, [&](const dytex::Distances& pair) {
+      if (measure == Measure::kl) return pair.kl.has_value();
+      return measure == Measure::binet_cauchy || pair.angles.size() > 0;
+    });
+  }
+
+ private:
+  std::span<const dytex::Distances> pairs_;
+  std::size_t count_;
+};
+
+// What is small between samples that are alike.
+double distance_of(const dytex::Distances& pair, Measure measure) {
+  return measure == Measure::kl ? *pair.kl + *pair.kl_back : distance(pair, measure);
+}
+
+// What exp(−…/s) is made of; nothing where the measure has a kernel of its own.
+std::optional<double> exponent_of(const dytex::Distances& pair, Measure measure) {
+  if (measure == Measure::kl) return *pair.kl + *pair.kl_back;
+  if (measure != Measure::martin) return std::nullopt;
+  const double d = distance(pair, measure);
+  return d * d;
+}
+
+double own_kernel(const Pairs& pairs, std::size_t i, std::size_t j, Measure measure) {
+  if (measure == Measure::binet_cauchy) return pairs.at(i, j).binet_cauchy;
+  const auto states = [&](std::size_t k) { return static_cast<double>(pairs.at(k, k).angles.size()); };
+  return pairs.at(i, j).angles.array().cos().square().sum() / std::sqrt(states(i) * states(j));
+}
+
+class TableKernel final : public cv::ml::SVM::Kernel {
+ public:
+  explicit TableKernel(cv::Mat1f table) : table_(std::move(table)) {}
+  [[nodiscard]] int getType() const override { return cv::ml::SVM::CUSTOM; }
+  // Samples are their own numbers.
+  void calc(int count, int, const float* samples, const float* other, float* results) override {
+    for (int k = 0; k < count; ++k)
+      results[k] = table_(static_cast<int>(samples[k]), static_cast<int>(other[0]));
+  }
+
+ private:
+  cv::Mat1f table_;
+};
+
+// The kernel of all samples, its scale from the training samples alone.
+cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const std::size_t> training,
+                       Measure measure) {
+  double scale = 1;
+  if (exponent_of(pairs.at(0, 0), measure)) {
+    std::vector<double> all;
+    for (const std::size_t i : training)
+      for (const std::size_t j : training)
+        if (i < j) all.push_back(*exponent_of(pairs.at(i, j), measure));
+    if (!all.empty()) {
+      const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+      std::ranges::nth_element(all, middle);
+      if (*middle > 0 && std::isfinite(*middle)) scale = *middle;
+    }
+  }
+  cv::Mat1f table(static_cast<int>(count), static_cast<int>(count));
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = i; j < count; ++j) {
+      const auto exponent = exponent_of(pairs.at(i, j), measure);
+      const double value = exponent ? std::exp(-*exponent / scale) : own_kernel(pairs, i, j, measure);
+      table(static_cast<int>(i), static_cast<int>(j)) = table(static_cast<int>(j), static_cast<int>(i)) =
+          static_cast<float>(value);
+    }
+  return table;
+}
+
+using Predict = std::function<void(std::span<const std::size_t> training, std::span<const std::size_t> asked,
+                                   std::vector<std::size_t>& predicted)>;
+
+Predict nearest(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
+  return [&samples, &pairs, measure](auto training, auto asked, auto& predicted) {
+    for (const std::size_t i : asked) {
+      double least = std::numeric_limits<double>::infinity();
+      predicted[i] = samples.label[training.front()];
+      for (const std::size_t j : training)
+        if (const double d = distance_of(pairs.at(i, j), measure); d < least)
+          least = d, predicted[i] = samples.label[j];
+    }
+  };
+}
+
+Predict svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
+  return [&samples, &pairs, measure](auto training, auto asked, auto& predicted) {
+    constexpr double kCost = 10;
+    const auto label_of = [&](std::size_t i) { return static_cast<int>(samples.label[i]); };
+    cv::Mat1f numbers(static_cast<int>(training.size()), 1);
+    cv::Mat1i labels(static_cast<int>(training.size()), 1);
+    std::map<int, int> seen;  // how often each label
+    for (int k = 0; k < numbers.rows; ++k) {
+      const std::size_t i = training[static_cast<std::size_t>(k)];
+      numbers(k, 0) = static_cast<float>(i);
+      labels(k, 0) = label_of(i);
+      ++seen[labels(k, 0)];
+    }
+    if (seen.size() < 2) {  // nothing to tell apart
+      for (const std::size_t i : asked) predicted[i] = samples.label[training.front()];
+      return;
+    }
+    const auto machine = cv::ml::SVM::create();
+    machine->setType(cv::ml::SVM::C_SVC);
+    machine->setC(kCost);
+    cv::Mat1d weights(static_cast<int>(seen.size()), 1);  // classes of few samples count as much as others
+    for (auto weight = weights.begin(); const auto& [label, count] : seen)
+      *weight++ = double(numbers.rows) / (double(seen.size()) * count);
+    machine->setClassWeights(weights);
+    machine->setTermCriteria({cv::TermCriteria::MAX_ITER + cv::TermCriteria::EPS, 100'000, 1e-6});
+    machine->setCustomKernel(
+        cv::makePtr<TableKernel>(kernel_table(pairs, samples.label.size(), training, measure)));
+    machine->train(numbers, cv::ml::ROW_SAMPLE, labels);
+    for (const std::size_t i : asked)
+      predicted[i] = static_cast<std::size_t>(machine->predict(cv::Mat1f(1, 1, static_cast<float>(i))));
+  };
+}
+
+Recognition recognise(const SampleLabels& samples, Measure measure, Classifier classifier,
+                      const Predict& predict) {
+  Recognition result{measure, classifier, std::vector<std::size_t>(samples.label.size()), {}, 0};
+  const std::set<std::size_t> folds(samples.fold.begin(), samples.fold.end());
+  for (const std::size_t fold : folds) {
+    std::vector<std::size_t> training, asked;
+    for (std::size_t i = 0; i < samples.fold.size(); ++i)
+      (samples.fold[i] == fold ? asked : training).push_back(i);
+    predict(training, asked, result.predicted);
+  }
+  const int classes = static_cast<int>(samples.classes);
+  result.confusion = cv::Mat::zeros(classes, classes, CV_64F);
+  for (std::size_t i = 0; i < samples.label.size(); ++i)
+    result.confusion.at<double>(static_cast<int>(samples.label[i]), static_cast<int>(result.predicted[i])) +=
+        1;
+  result.accuracy = cv::trace(result.confusion)[0] / static_cast<double>(samples.label.size());
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::size_t> deal_folds(std::span<const std::size_t> clip_labels, std::size_t folds) {
+  const std::size_t clips = clip_labels.size();
+  if (folds != 0 && (folds < 2 || folds > clips))
+    throw core::InputError("folds is " + std::to_string(folds) +
+                           ", allowed is 0 (a fold for every clip) and 2 to " + std::to_string(clips) +
+                           ", the number of clips");
+  std::vector<std::size_t> order(clips), dealt(clips);
+  for (std::size_t i = 0; i < clips; ++i) order[i] = i;
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return clip_labels[i]; });
+  for (std::size_t k = 0; k < clips; ++k) dealt[order[k]] = folds == 0 ? order[k] : k % folds;
+  return dealt;
+}
+
+const char* name(Classifier classifier) {
+  return classifier == Classifier::nearest ? "nearest" : "svm";
+}
+
+std::vector<Recognition> cross_validate(const SampleLabels& samples,
+                                        std::span<const dytex::Distances> distances) {
+  const Pairs pairs(distances, samples.label.size());
+  if (samples.fold.size() != samples.label.size() ||
+      std::set(samples.fold.begin(), samples.fold.end()).size() < 2)
+    throw core::InputError("cross_validate: every sample needs a fold, of two or more");
+  std::vector<Recognition> results;
+  for (const Classifier classifier : {Classifier::nearest, Classifier::svm})
+    for (const Measure measure : dytex::kMeasures) {
+      if (!pairs.have(measure)) continue;
+      results.push_back(recognise(samples, measure, classifier,
+                                  classifier == Classifier::nearest ? nearest(samples, pairs, measure)
+                                                                    : svm(samples, pairs, measure)));
+    }
+  return results;
+}
+
+cv::Mat draw_recognition(const std::vector<std::string>& classes, std::span<const Recognition> results) {
+  constexpr int kColumns = 4, kGap = 12;
+  std::vector<cv::Mat> panels;
+  cv::Size size;
+  for (const auto& result : results) {
+    std::array<char, 96> title{};
+    std::snprintf(title.data(), title.size(), "%s, %s: %.1f %%", name(result.measure),
+                  name(result.classifier), 100 * result.accuracy);
+    panels.push_back(draw_heat_matrix({title.data(), classes, result.confusion, false, true, 480}));
+    size.width = std::max(size.width, panels.back().cols);
+    size.height = std::max(size.height, panels.back().rows);
+  }
+  const int count = static_cast<int>(panels.size()), columns = std::min(kColumns, std::max(1, count));
+  const int rows = (count + columns - 1) / columns;
+  cv::Mat picture(std::max(1, rows) * (size.height + kGap), columns * (size.width + kGap), CV_8UC3,
+                  cv::Scalar(250, 248, 246));
+  for (int i = 0; i < count; ++i) {
+    const cv::Mat& panel = panels[static_cast<std::size_t>(i)];
+    const cv::Point corner(i % columns * (size.width + kGap), i / columns * (size.height + kGap));
+    panel.copyTo(picture(cv::Rect(corner, panel.size())));
+  }
+  return picture;
+}
+
+}  // namespace emberfold::apps

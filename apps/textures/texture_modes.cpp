@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/textures/texture_modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+#include <Eigen/Eigenvalues>
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+
+namespace emberfold::apps {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json finite(double value, double per) {
+  return std::isfinite(value) ? Json(std::round(value * per) / per) : Json(nullptr);
+}
+
+// A number in a column of a table.
+std::string column(double value, int width, int digits) {
+  std::ostringstream out;
+  if (std::isfinite(value))
+    out << std::fixed << std::setprecision(digits) << std::setw(width) << value;
+  else
+    out << std::setw(width) << '-';
+  return out.str();
+}
+
+}  // namespace
+
+double TextureMode::period() const {
+  return angle > 0 ? 2 * std::numbers::pi / angle : std::numeric_limits<double>::infinity();
+}
+
+double TextureMode::decay() const {
+  if (radius <= 0) return 0;
+  return radius < 1 ? -1 / std::log(radius) : std::numeric_limits<double>::infinity();
+}
+
+std::vector<std::complex<double>> texture_eigenvalues(const dytex::LinearDynamicTexture& texture) {
+  if (texture.order() == 0) return {};
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(texture.A, false);
+  if (solver.info() != Eigen::Success)
+    throw core::NumericalError("the eigenvalues of A could not be computed");
+  std::vector<std::complex<double>> values(solver.eigenvalues().begin(), solver.eigenvalues().end());
+  // A pair stays together: of equal radius and |angle|, the upper one first.
+  std::ranges::stable_sort(values, [](const auto& a, const auto& b) {
+    const auto key = [](const auto& z) { return std::pair{-std::norm(z), std::abs(z.imag())}; };
+    return key(a) != key(b) ? key(a) < key(b) : a.imag() > b.imag();
+  });
+  return values;
+}
+
+std::vector<TextureMode> texture_modes(const dytex::LinearDynamicTexture& texture) {
+  std::vector<TextureMode> modes;
+  for (const auto& value : texture_eigenvalues(texture))
+    if (value.imag() >= 0) modes.push_back({std::abs(value), std::arg(value), value.imag() > 0});
+  return modes;
+}
+
+double share_of_variance(const dytex::LinearDynamicTexture& texture, Eigen::Index count) {
+  const double all = texture.singular.squaredNorm();
+  return all > 0 ? texture.singular.head(std::min(count, texture.singular.size())).squaredNorm() / all : 1;
+}
+
+Json texture_json(const dytex::LinearDynamicTexture& texture) {
+  Json modes = Json::array();
+  for (const auto& mode : texture_modes(texture))
+    modes.push_back({{"radius", finite(mode.radius, 1e6)},
+                     {"period", finite(mode.period(), 1e3)},
+                     {"decay", finite(mode.decay(), 1e3)},
+                     {"pair", mode.pair}});
+  return {{"width", texture.info.width},
+          {"height", texture.info.height},
+          {"channels", texture.info.channels},
+          {"fps", texture.info.fps},
+          {"frames", texture.states.cols()},
+          {"components", texture.components()},
+          {"order", texture.order()},
+          {"per_channel", texture.channels.size() > 0},
+          {"residuals", texture.residuals.cols()},
+          {"noise_inputs", texture.B.cols()},
+          {"share_of_variance", finite(share_of_variance(texture, texture.components()), 1e6)},
+          {"spectral_radius", finite(dytex::spectral_radius(texture.A), 1e6)},
+          {"r", finite(texture.r, 1e6)},
+          {"modes", std::move(modes)}};
+}
+
+std::string texture_table(const dytex::LinearDynamicTexture& texture, std::size_t slowest) {
+  const auto& info = texture.info;
+  std::ostringstream out;
+  out << "linear dynamic texture\n  frames              " << info.width << " x " << info.height << ", "
+      << (info.channels == 3 ? "colour" : "grey") << ", " << info.fps << " a second\n  learned from        "
+      << texture.states.cols() << " frames\n  components          " << texture.components()
+      << (texture.channels.size() > 0 ? ", each of one channel" : "") << "\n  order               "
+      << texture.order() << ", driven by " << texture.B.cols()
+      << (texture.residuals.size() > 0 ? " resampled residuals\n" : " noises\n") << "  share of variance   "
+      << column(100 * share_of_variance(texture, texture.components()), 0, 2) << " %\n  spectral radius     "
+      << column(dytex::spectral_radius(texture.A), 0, 5)
+      << "\n  left out            r = " << std::setprecision(4) << texture.r << " levels^2 (SD "
+      << std::sqrt(texture.r) << " levels" << (texture.noise.size() > 0 ? ", by place)\n" : ")\n");
+  const auto modes = texture_modes(texture);
+  if (modes.empty()) return out.str();
+  out << "\nslowest modes     radius    period     decay   (frames)\n";
+  for (std::size_t i = 0; i < std::min(slowest, modes.size()); ++i)
+    out << std::setw(5) << i + 1 << (modes[i].pair ? " pair   " : " real   ")
+        << column(modes[i].radius, 11, 5) << column(modes[i].period(), 10, 1)
+        << column(modes[i].decay(), 10, 1) << '\n';
+  if (modes.size() > slowest) out << "  and " << modes.size() - slowest << " more\n";
+  return out.str();
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "core/parallel.hpp"
+
+namespace emberfold::core {
+
+/// How many frames are worked on at once: 16, or as many as 192 MB hold in levels, at least one.
+inline std::size_t frames_at_once(int width, int height, int channels) {
+  return static_cast<std::size_t>(std::clamp(192e6 / (4.0 * width * height * channels), 1.0, 16.0));
+}
+
+/// Runs through a clip from its first frame: work(t, frame) on several frames at once, then take(t, result)
+/// in order. Holds a batch of frames and their results, some 16 frames or 192 MB, whichever is less.
+/// `expected`: for the progress alone. Returns how many frames there were; throws Cancelled. What has to be
+/// done frame after frame is before(t, frame): in order, ahead of work(t, frame).
+template <class Before, class Work, class Take>
+int stream_frames(core::FrameSource& source, std::string_view stage, std::optional<std::int64_t> expected,
+                  const core::Context& context, const Before& before, const Work& work, const Take& take) {
+  using Result = decltype(work(0, cv::Mat{}));
+  const auto& info = source.info();
+  const auto batch_size = frames_at_once(info.width, info.height, info.channels);
+  source.rewind();
+  int done = 0;
+  context.report(stage, 0);
+  while (true) {
+    std::vector<cv::Mat> frames;
+    while (frames.size() < batch_size) {
+      cv::Mat frame = source.next();
+      if (frame.empty()) break;
+      before(done + static_cast<int>(frames.size()), frame);
+      frames.push_back(std::move(frame));
+      if (context.cancelled()) throw Cancelled{};
+    }
+    if (frames.empty()) break;
+    std::vector<std::optional<Result>> results(frames.size());
+    core::parallel_for(frames.size(), context, [&](std::size_t i) {
+      results[i].emplace(work(done + static_cast<int>(i), frames[i]));
+    });
+    for (auto& result : results) {
+      take(done++, std::move(*result));
+      if (context.cancelled()) throw Cancelled{};
+    }
+    context.report(stage, expected && *expected > 0 ? double(done) / double(*expected) : 0);
+  }
+  return done;
+}
+
+template <class Work, class Take>
+int stream_frames(core::FrameSource& source, std::string_view stage, std::optional<std::int64_t> expected,
+                  const core::Context& context, const Work& work, const Take& take) {
+  return stream_frames(
+      source, stage, expected, context, [](int, const cv::Mat&) {}, work, take);
+}
+
+}  // namespace emberfold::core

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace emberfold::io {
+
+/// Natural order: runs of digits compare as numbers (img2 before img10), all else byte by byte.
+bool natural_less(std::string_view a, std::string_view b);
+
+/// Whether the name's extension is that of a still image.
+bool is_image_name(const std::filesystem::path& path);
+
+/// Whether the last part of the name holds `*`, `?` or a printf number such as %04d.
+bool is_pattern(const std::filesystem::path& path);
+
+/// Whether a file name fits a pattern: `*` any run, `?` any one byte, `%d` a number without leading zeros,
+/// `%0Nd` a number filled to N digits, `%%` a percent sign.
+bool fits_pattern(std::string_view pattern, std::string_view name);
+
+/// The images of a folder, or the files that fit a pattern's last part, in natural order; hidden files are
+/// passed over. core::IoError where the folder cannot be read or no file is left.
+std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
+std::vector<std::filesystem::path> match_images(const std::filesystem::path& pattern);
+
+/// One image: CV_8U or CV_16U, 1 or 3 channels, turned as its EXIF orientation tells.
+struct ImageFile {
+  cv::Mat pixels;
+  bool had_alpha = false;
+};
+
+/// Reads one image. core::IoError, naming the file: it cannot be opened, is no image, is cut off or damaged
+/// (found for PNG and JPEG), or holds another depth.
+ImageFile read_image(const std::filesystem::path& path);
+
+}  // namespace emberfold::io

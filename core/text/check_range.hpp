@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/error.hpp"
+#include "core/text/format_number.hpp"
+
+namespace emberfold::core {
+
+/// Throws InputError "<field> is <value>; allowed is <low> to <high>" unless low ≤ value ≤ high. A NaN is
+/// refused.
+inline void check_range(std::string_view field, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw InputError(std::string(field) + " is " + number_text(value) + "; allowed is " + number_text(low) +
+                   " to " + number_text(high));
+}
+
+/// Throws InputError "<field> is <value>; allowed is above <low>, up to <high>" unless low < value ≤ high.
+inline void check_above(std::string_view field, double value, double low, double high) {
+  if (value > low && value <= high) return;
+  throw InputError(std::string(field) + " is " + number_text(value) + "; allowed is above " +
+                   number_text(low) + ", up to " + number_text(high));
+}
+
+}  // namespace emberfold::core

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/distances/distances.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "dytex/distances/pair_gram.hpp"
+#include "dytex/learning/decompositions.hpp"
+
+namespace emberfold::dytex {
+
+namespace {
+
+/// Σ (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ over all frames, A's multiplied by `damping`.
+Eigen::MatrixXd observed(const Eigen::MatrixXd& A_p, const Eigen::MatrixXd& A_q,
+                         const Eigen::MatrixXd& products, double damping = 1) {
+  return detail::doubled_sum(damping * A_p.transpose(), damping * A_q, products);
+}
+
+/// F with Fᵀ P F = I on the directions in which the symmetric P is not 0.
+Eigen::MatrixXd whitening(const Eigen::MatrixXd& P) {
+  const auto eigen = detail::symmetric_eigen((P + P.transpose()) / 2);
+  const double least =
+      static_cast<double>(P.rows()) * std::numeric_limits<double>::epsilon() * eigen.values[0];
+  const Eigen::Index rank = (eigen.values.array() > least).count();
+  return eigen.vectors.leftCols(rank) * eigen.values.head(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
+Eigen::VectorXd angles_of(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
+                          const detail::PairGram& gram) {
+  const Eigen::MatrixXd left = whitening(observed(p.A, p.A, block_pp(gram, gram.shown)));
+  const Eigen::MatrixXd right = whitening(observed(q.A, q.A, block_qq(gram, gram.shown)));
+  const Eigen::VectorXd cosines =
+      detail::singular_values(left.transpose() * observed(p.A, q.A, block_pq(gram, gram.shown)) * right);
+  const double rounding =
+      16 * static_cast<double>(left.rows() + right.rows()) * std::numeric_limits<double>::epsilon();
+  return cosines.unaryExpr([&](double c) { return c >= 1 - rounding ? 0.0 : std::acos(c); });
+}
+
+/// The symmetric square root of Q = B Bᵀ.
+Eigen::MatrixXd root(const Eigen::MatrixXd& B) {
+  const auto eigen = detail::symmetric_eigen(B * B.transpose());
+  return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
+}
+
+double trace_kernel(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
+                    const Eigen::MatrixXd& shown, const Eigen::MatrixXd& bare,
+                    const BinetCauchyOptions& options) {
+  if (p.order() == 0 || q.order() == 0) return 0;
+  const Eigen::MatrixXd M = observed(p.A, q.A, shown, std::exp(-options.discount / 2));
+  const Eigen::MatrixXd noises = root(p.B) * bare * root(q.B);
+  const double driven = M.cwiseProduct(noises).sum() / std::expm1(options.discount);
+  return options.first_frame ? driven + p.states.col(0).dot(M * q.states.col(0)) : driven;
+}
+
+double normalised_kernel(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
+                         const detail::PairGram& gram, const BinetCauchyOptions& options) {
+  const auto kernel = [&](const auto& one, const auto& other, const auto& block) {
+    return trace_kernel(one, other, block(gram, gram.shown), block(gram, gram.bare), options);
+  };
+  const double own = kernel(p, p, detail::block_pp) * kernel(q, q, detail::block_qq);
+  if (!(own > 0)) return 0;
+  return std::clamp(kernel(p, q, detail::block_pq) / std::sqrt(own), -1.0, 1.0);
+}
+
+}  // namespace
+
+void BinetCauchyOptions::validate() const {
+  if (!(discount >= 0.001 && discount <= 50))
+    throw core::InputError("BinetCauchyOptions.discount is " + std::to_string(discount) +
+                           ", allowed is 0.001 to 50");
+}
+
+Eigen::VectorXd subspace_angles(const LinearDynamicTexture& p, const LinearDynamicTexture& q) {
+  detail::check_pair(p, q);
+  for (const auto& [texture, which] : {std::pair{&p, "first"}, {&q, "second"}})
+    if (texture->order() == 0)
+      throw core::InputError(std::string("the ") + which + " model has no components, so no angles");
+  return angles_of(p, q, detail::pair_gram(p, q));
+}
+
+double martin_distance(const Eigen::Ref<const Eigen::VectorXd>& angles) {
+  const double sum = angles.array().cos().log().sum();
+  return sum < 0 ? std::sqrt(-2 * sum) : 0;
+}
+
+double grassmann_distance(const Eigen::Ref<const Eigen::VectorXd>& angles) {
+  return angles.norm();
+}
+
+double binet_cauchy(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
+                    const BinetCauchyOptions& options) {
+  options.validate();
+  const auto gram = detail::pair_gram(p, q);
+  return trace_kernel(p, q, block_pq(gram, gram.shown), block_pq(gram, gram.bare), options);
+}
+
+const char* name(Measure measure) {
+  switch (measure) {
+    case Measure::kl:
+      return "kl";
+    case Measure::martin:
+      return "martin";
+    case Measure::binet_cauchy:
+      return "binet-cauchy";
+    case Measure::angles:
+      break;
+  }
+  return "angles";
+}
+
+Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
+                    const BinetCauchyOptions& options) {
+  options.validate();
+  const auto gram = detail::pair_gram(p, q);
+  Distances result;
+  if (detail::has_noise(p) && detail::has_noise(q)) {
+    result.kl = detail::kl_rate(p, q, gram);
+    result.kl_back = detail::kl_rate(q, p, gram.swapped());
+  }
+  if (p.order() > 0 && q.order() > 0) result.angles = angles_of(p, q, gram);
+  result.binet_cauchy = normalised_kernel(p, q, gram, options);
+  return result;
+}
+
+double distance(const Distances& distances, Measure measure) {
+  switch (measure) {
+    case Measure::kl:
+      if (!distances.kl)
+        throw core::InputError(
+            "a model's noise r is 0, so the KL rate is infinite; learn with fewer "
+            "components than the clip has independent frames, so that r is estimated");
+      return *distances.kl;
+    case Measure::binet_cauchy:
+      return std::sqrt(2 - 2 * distances.binet_cauchy);
+    case Measure::martin:
+    case Measure::angles:
+      break;
+  }
+  if (distances.angles.size() == 0)
+    throw core::InputError("a model has no components, so there are no angles");
+  return measure == Measure::martin ? martin_distance(distances.angles)
+                                    : grassmann_distance(distances.angles);
+}
+
+std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> models,
+                                     const BinetCauchyOptions& options, const core::Context& context) {
+  options.validate();
+  for (std::size_t i = 1; i < models.size(); ++i) {
+    try {
+      detail::check_pair(models[0], models[i]);
+    } catch (const core::InputError& error) {
+      throw core::InputError("model " + std::to_string(i) + ": " + error.what());
+    }
+  }
+  std::vector<std::pair<std::size_t, std::size_t>> places;
+  for (std::size_t i = 0; i < models.size(); ++i)
+    for (std::size_t j = i; j < models.size(); ++j) places.emplace_back(i, j);
+  std::vector<Distances> result(places.size());
+  const auto status = core::parallel_for(places.size(), context, [&](std::size_t k) {
+    result[k] = distances(models[places[k].first], models[places[k].second], options);
+  });
+  if (status == core::Status::cancelled) return {};
+  return result;
+}
+
+Eigen::MatrixXd distance_matrix(std::span<const Distances> pairs, Measure measure) {
+  const auto models = static_cast<Eigen::Index>((std::sqrt(8.0 * double(pairs.size()) + 1) - 1) / 2 + 0.5);
+  if (models * (models + 1) / 2 != static_cast<Eigen::Index>(pairs.size()))
+    throw core::InputError("distance_matrix: " + std::to_string(pairs.size()) +
+                           " pairs are not all pairs of any number of models");
+  Eigen::MatrixXd result(models, models);
+  std::size_t k = 0;
+  for (Eigen::Index i = 0; i < models; ++i)
+    for (Eigen::Index j = i; j < models; ++j, ++k) {
+      result(i, j) = result(j, i) = distance(pairs[k], measure);
+      if (measure == Measure::kl) result(j, i) = *pairs[k].kl_back;
+    }
+  return result;
+}
+
+}  // namespace emberfold::dytex

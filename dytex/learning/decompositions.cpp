@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/learning/decompositions.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include "core/error.hpp"
+
+namespace emberfold::dytex::detail {
+
+SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  if (solver.info() != Eigen::Success)
+    throw core::NumericalError("the eigenvalues of a symmetric matrix were not found");
+  SymmetricEigen result{solver.eigenvalues().reverse(), solver.eigenvectors().rowwise().reverse()};
+  for (auto column : result.vectors.colwise()) {
+    Eigen::Index largest = 0;
+    column.cwiseAbs().maxCoeff(&largest);
+    if (column[largest] < 0) column = -column;
+  }
+  return result;
+}
+
+double largest_absolute_eigenvalue(const Eigen::MatrixXd& matrix) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, false);
+  if (solver.info() != Eigen::Success) throw core::NumericalError("the eigenvalues of A were not found");
+  return solver.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix) {
+  const Eigen::Index rows = matrix.rows(), columns = matrix.cols();
+  if (matrix.size() == 0) return Eigen::MatrixXd(rows, 0);
+  Eigen::MatrixXd small = matrix;
+  if (columns > rows) {  // M = Rᵀ Qᵀ: the left half is Rᵀ's
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix.transpose());
+    small = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>().toDenseMatrix().transpose();
+  }
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(small, Eigen::ComputeThinU);
+  const Eigen::VectorXd& s = svd.singularValues();
+  const double least =
+      s[0] * static_cast<double>(std::max(rows, columns)) * std::numeric_limits<double>::epsilon();
+  const Eigen::Index kept = (s.array() > least).count();
+  return svd.matrixU().leftCols(kept) * s.head(kept).asDiagonal();
+}
+
+Eigen::MatrixXd triangular_factor(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return Eigen::MatrixXd(0, matrix.cols());
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
+  return qr.matrixQR().topRows(std::min(matrix.rows(), matrix.cols())).triangularView<Eigen::Upper>();
+}
+
+Eigen::MatrixXd symmetric_factor(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return Eigen::MatrixXd(matrix.rows(), 0);
+  const SymmetricEigen eigen = symmetric_eigen(matrix);
+  const double least = std::max(eigen.values[0], 0.0) * static_cast<double>(matrix.rows()) *
+                       std::numeric_limits<double>::epsilon();
+  const Eigen::Index kept = (eigen.values.array() > least).count();
+  return eigen.vectors.leftCols(kept) * eigen.values.head(kept).cwiseSqrt().asDiagonal();
+}
+
+Eigen::MatrixXd nearest_orthogonal(const Eigen::MatrixXd& matrix) {
+  const ThinSvd svd = thin_svd(matrix);
+  return svd.U * svd.V.transpose();
+}
+
+Eigen::MatrixXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
+  return matrix.completeOrthogonalDecomposition().solve(right);
+}
+
+Eigen::MatrixXd right_divide(const Eigen::MatrixXd& left, const Eigen::MatrixXd& matrix) {
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(matrix);
+  if (cholesky.info() != Eigen::Success) throw core::NumericalError("a covariance is singular");
+  return cholesky.solve(left.transpose()).transpose();
+}
+
+ThinSvd thin_svd(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {Eigen::MatrixXd(matrix.rows(), 0), Eigen::MatrixXd(matrix.cols(), 0), {}};
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  return {svd.matrixU(), svd.matrixV(), svd.singularValues()};
+}
+
+Eigen::MatrixXd thin_q(const Eigen::MatrixXd& matrix) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
+}
+
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix) {
+  return matrix.partialPivLu().inverse();
+}
+
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return {};
+  return Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues();
+}
+
+RealSchur real_schur(const Eigen::MatrixXd& matrix) {
+  const Eigen::RealSchur<Eigen::MatrixXd> solver(matrix);
+  if (solver.info() != Eigen::Success) throw core::NumericalError("the Schur form of A was not found");
+  return {solver.matrixT(), solver.matrixU()};
+}
+
+Eigen::MatrixXd matrix_power(const Eigen::MatrixXd& matrix, double exponent) {
+  return matrix.pow(exponent);
+}
+
+SingularVectors singular_vectors(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0)
+    return {Eigen::MatrixXd::Identity(matrix.rows(), matrix.rows()), Eigen::MatrixXd(matrix.cols(), 0)};
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeThinV);
+  return {svd.matrixU(), svd.matrixV()};
+}
+
+}  // namespace emberfold::dytex::detail

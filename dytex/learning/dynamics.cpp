@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/learning/dynamics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "dytex/learning/decompositions.hpp"
+#include "dytex/learning/stable_fit.hpp"
+#include "dytex/linear_dynamic_texture.hpp"
+#include "dytex/model/innovations.hpp"
+
+namespace emberfold::dytex::detail {
+
+namespace {
+
+constexpr double kNoNoise = 1e-6;  // share of the states' size below which a residual is rounding
+
+/// One block's fit, in states of unit size: A and `states` of the whole state, layer by layer; errors of its
+/// first layer, the only one that noise enters.
+struct Fit {
+  Eigen::MatrixXd A, states;
+  Eigen::MatrixXd noise;        ///< F with F Fᵀ the noise's covariance
+  Eigen::MatrixXd innovations;  ///< of the last frames, as many as were foretold
+};
+
+/// (v(t), …, v(t + 1 − lags)) for t from `first` to `last`, a row each; 0 outside the clip.
+Eigen::MatrixXd lagged(const Eigen::MatrixXd& V, Eigen::Index lags, Eigen::Index first, Eigen::Index last) {
+  const Eigen::Index n = V.cols();
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(last - first + 1, n * lags);
+  for (Eigen::Index k = 0; k < lags; ++k) {
+    const Eigen::Index from = std::max<Eigen::Index>(first - k, 0),
+                       to = std::min<Eigen::Index>(last - k, V.rows() - 1);
+    if (from <= to) rows.block(from + k - first, k * n, to - from + 1, n) = V.middleRows(from, to - from + 1);
+  }
+  return rows;
+}
+
+/// The companion form of x(t+1) = (A₁ … A_lags) (x(t), …): below, each layer becomes the next one's.
+Eigen::MatrixXd companion(const Eigen::MatrixXd& first) {
+  const Eigen::Index n = first.rows(), order = first.cols();
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(order, order);
+  A.topRows(n) = first;
+  A.bottomLeftCorner(order - n, order - n).setIdentity();
+  return A;
+}
+
+/// The states of all frames; what lies before the clip is taken to be its first frame.
+Eigen::MatrixXd all_states(const Eigen::MatrixXd& V, Eigen::Index lags) {
+  Eigen::MatrixXd longer(V.rows() + lags - 1, V.cols());
+  longer.topRows(lags - 1) = V.row(0).replicate(lags - 1, 1);
+  longer.bottomRows(V.rows()) = V;
+  return lagged(longer, lags, lags - 1, longer.rows() - 1).transpose();
+}
+
+Fit regression_of(const Eigen::MatrixXd& V, Eigen::Index lags, const Eigen::MatrixXd& first) {
+  const Eigen::Index frames = V.rows();
+  Fit fit{companion(first), all_states(V, lags), {}, {}};
+  fit.innovations =
+      V.bottomRows(frames - lags).transpose() - first * lagged(V, lags, lags - 1, frames - 2).transpose();
+  fit.noise = fit.innovations / std::sqrt(static_cast<double>(frames - lags));
+  return fit;
+}
+
+Fit least_squares_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
+  const Eigen::Index frames = V.rows();
+  return regression_of(
+      V, lags, least_squares(lagged(V, lags, lags - 1, frames - 2), V.bottomRows(frames - lags)).transpose());
+}
+
+/// With zeros before and behind the clip: always stable, and F Fᵀ = P − A P Aᵀ, P the data's covariance.
+Fit yule_walker_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
+  const Eigen::Index n = V.cols(), frames = V.rows(), rows = frames + lags;
+  const Eigen::MatrixXd past = lagged(V, lags, -1, frames + lags - 2);
+  Eigen::MatrixXd next = Eigen::MatrixXd::Zero(rows, n);
+  next.topRows(frames) = V;
+  // With one lag the states' covariance is the identity.
+  const Eigen::MatrixXd first =
+      lags == 1 ? Eigen::MatrixXd(next.transpose() * past) : least_squares(past, next).transpose();
+  Fit fit = regression_of(V, lags, first);
+  fit.noise = (next.transpose() - first * past.transpose()) / std::sqrt(static_cast<double>(frames));
+  return fit;
+}
+
+bool is_noiseless(const Fit& fit) {
+  // A state of unit size has the variance 1/τ.
+  return fit.noise.norm() <= kNoNoise / std::sqrt(static_cast<double>(fit.states.cols()));
+}
+
+/// x̂(t+1) = A x̂(t) + K (x(t) − x̂(t)) as the state (x, x̂): both rows of A are (K, A − K), and the innovation
+/// enters x. Its eigenvalues are A's and n zeros.
+Fit innovations_fit(const Eigen::MatrixXd& V, const Innovations& found) {
+  const Eigen::Index n = V.cols(), frames = V.rows(), used = frames - found.first;
+  Fit fit{Eigen::MatrixXd(2 * n, 2 * n), Eigen::MatrixXd(2 * n, frames), {}, {}};
+  fit.A << found.K, found.A - found.K, found.K, found.A - found.K;
+  fit.states << V.transpose(), found.forecasts;
+  fit.innovations = (V.transpose() - found.forecasts).rightCols(used);
+  fit.noise = fit.innovations / std::sqrt(static_cast<double>(used));
+  return fit;
+}
+
+std::string number_text(double value) {
+  std::string text = std::to_string(value);
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+/// Least squares where all blocks have a stable one and leave noise; else what is to be taken instead.
+std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOptions& options, Dynamics& result,
+                             const core::Context& context) {
+  std::vector<Fit> fits;
+  std::vector<double> radii;
+  for (const Block& block : blocks) {
+    fits.push_back(least_squares_fit(block.V, options.lags));
+    radii.push_back(spectral_radius(fits.back().A));
+    result.least_squares_radius = std::max(result.least_squares_radius, radii.back());
+    if (radii.back() < 1 && is_noiseless(fits.back())) result.noiseless = true;
+  }
+  const bool stable = result.least_squares_radius < 1;
+  if (stable && !result.noiseless) return fits;
+  const std::string reason = stable ? "the least-squares fit leaves no noise to go on from"
+                                    : "the least-squares fit is not stable (spectral radius " +
+                                          number_text(result.least_squares_radius) + ")";
+  if (options.stable == Stable::soc && !result.noiseless) {
+    result.transition = Transition::soc;
+    result.notes.push_back(reason + ": the best stable fit (SOC) is taken");
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      if (radii[i] >= 1)
+        fits[i] = regression_of(blocks[i].V, 1, stable_fit(blocks[i].s, blocks[i].V, context));
+    return fits;
+  }
+  result.transition = Transition::yule_walker;
+  result.notes.push_back(reason + ": the Yule-Walker fit is taken");
+  for (std::size_t i = 0; i < blocks.size(); ++i) fits[i] = yule_walker_fit(blocks[i].V, options.lags);
+  return fits;
+}
+
+/// The innovations forms; where one is not found, the closed form is kept.
+std::vector<Fit> refined(const std::vector<Block>& blocks, const LearnOptions& options, std::vector<Fit> fits,
+                         Dynamics& result, const core::Context& context) {
+  const bool subspace = options.method == Method::n4sid;
+  std::vector<Fit> better;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const auto found = subspace ? n4sid(blocks[i].V) : prediction_error(blocks[i].V, fits[i].A, context);
+    if (!found) {
+      result.notes.emplace_back(
+          "the subspaces of the clip have no state of as many dimensions as there are "
+          "components: the closed form is kept");
+      return fits;
+    }
+    if (!found->note.empty()) result.notes.push_back(found->note);
+    better.push_back(innovations_fit(blocks[i].V, *found));
+  }
+  result.transition = subspace ? Transition::n4sid : Transition::prediction_error;
+  return better;
+}
+
+/// A block's numbers among the model's: layer by layer, in each in the order of the components.
+std::vector<Eigen::Index> rows_of(const Block& block, Eigen::Index n, Eigen::Index layers) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index layer = 0; layer < layers; ++layer)
+    for (const Eigen::Index place : block.places) rows.push_back(layer * n + place);
+  return rows;
+}
+
+/// v as it was, of mean 0 and covariance I: M^(−1/2) B⁺ (innovations − their mean), M the covariance of the
+/// rest. Empty where there are too few frames.
+Eigen::MatrixXd whitened(const Eigen::MatrixXd& B, const Eigen::MatrixXd& innovations) {
+  Eigen::MatrixXd inputs = least_squares(B, innovations);
+  inputs.colwise() -= inputs.rowwise().mean().eval();
+  const SymmetricEigen covariance =
+      symmetric_eigen(inputs * inputs.transpose() / static_cast<double>(inputs.cols()));
+  const Eigen::Index k = covariance.values.size();
+  constexpr double kLeast = 1e-9;
+  if (k == 0 || covariance.values[k - 1] <= kLeast * covariance.values[0]) return {};
+  return covariance.vectors * covariance.values.cwiseSqrt().cwiseInverse().asDiagonal() *
+         covariance.vectors.transpose() * inputs;
+}
+
+void assemble(const std::vector<Block>& blocks, const std::vector<Fit>& fits, const LearnOptions& options,
+              Dynamics& result) {
+  Eigen::Index n = 0;
+  for (const Block& block : blocks) n += block.V.cols();
+  const Eigen::Index layers = fits[0].A.rows() / blocks[0].V.cols(), order = n * layers;
+  result.A = Eigen::MatrixXd::Zero(order, order);
+  result.states.resize(order, fits[0].states.cols());
+  Eigen::MatrixXd noise(n, fits[0].noise.cols()), innovations(n, fits[0].innovations.cols());
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const Eigen::VectorXd& s = blocks[i].s;
+    const Eigen::VectorXd scale = s.replicate(layers, 1);
+    const auto rows = rows_of(blocks[i], n, layers);
+    result.A(rows, rows) = scale.asDiagonal() * fits[i].A * scale.cwiseInverse().asDiagonal();
+    result.states(rows, Eigen::all) = scale.asDiagonal() * fits[i].states;
+    noise(blocks[i].places, Eigen::all) = s.asDiagonal() * fits[i].noise;
+    innovations(blocks[i].places, Eigen::all) = s.asDiagonal() * fits[i].innovations;
+  }
+  const Eigen::MatrixXd B = left_factor(noise);
+  if (options.noise == Noise::resampled) {
+    result.residuals = whitened(B, innovations);
+    if (result.residuals.size() == 0)
+      result.notes.emplace_back("the frames are too few to draw residuals from: the noise is normal");
+  }
+  result.B = Eigen::MatrixXd::Zero(order, B.cols());
+  result.B.topRows(n) = B;
+}
+
+void check_frames(const std::vector<Block>& blocks, const LearnOptions& options) {
+  for (const Block& block : blocks) {
+    const Eigen::Index n = block.V.cols(), frames = block.V.rows();
+    const auto need = [&](Eigen::Index least, const std::string& what) {
+      if (frames < least)
+        throw core::InputError(what + " of " + std::to_string(n) +
+                               (n == 1 ? " component needs" : " components needs") + " at least " +
+                               std::to_string(least) + " frames, the clip has " + std::to_string(frames));
+    };
+    if (options.lags > 1) need(n * options.lags + 2, "lags: an auto-regression");
+    if (options.method == Method::n4sid) need(n4sid_frames(n), "method: n4sid");
+    if (options.method == Method::prediction_error) need(prediction_error_frames(n), "method: pem");
+  }
+}
+
+}  // namespace
+
+Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options,
+                      const core::Context& context) {
+  Dynamics result;
+  std::vector<Block> blocks;
+  for (const Block& block : all)
+    if (block.V.cols() > 0) blocks.push_back(block);
+  if (blocks.empty()) {
+    result.A = result.B = Eigen::MatrixXd(0, 0);
+    result.states.resize(0, all.empty() ? 0 : all[0].V.rows());
+    return result;
+  }
+  check_frames(blocks, options);
+  std::vector<Fit> fits = closed_form(blocks, options, result, context);
+  if (options.method != Method::closed_form && !result.noiseless)
+    fits = refined(blocks, options, std::move(fits), result, context);
+  assemble(blocks, fits, options, result);
+  return result;
+}
+
+}  // namespace emberfold::dytex::detail

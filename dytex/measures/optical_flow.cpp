@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/measures/optical_flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace emberfold::dytex {
+
+namespace {
+
+cv::Mat reduced_bytes(const cv::Mat& luma, cv::Size size) {
+  cv::Mat out = luma, bytes;
+  if (size != luma.size()) cv::resize(luma, out, size, 0, 0, cv::INTER_AREA);
+  out.convertTo(bytes, CV_8U);
+  return bytes;
+}
+
+}  // namespace
+
+cv::Mat optical_flow(const cv::Mat& luma, const cv::Mat& next) {
+  constexpr double kMostPixels = 1 << 16;
+  const double factor = std::min(1.0, std::sqrt(kMostPixels / (double(luma.cols) * luma.rows)));
+  const cv::Size size(std::max(1, static_cast<int>(luma.cols * factor)),
+                      std::max(1, static_cast<int>(luma.rows * factor)));
+  if (size.width < 8 || size.height < 8) return cv::Mat::zeros(size, CV_32FC2);
+  cv::Mat flow;
+  // Of OpenCV's dense methods the one whose result does not hang on how many threads share the frame.
+  cv::calcOpticalFlowFarneback(reduced_bytes(luma, size), reduced_bytes(next, size), flow, 0.5, 3, 15, 3, 5,
+                               1.1, 0);
+  return size == luma.size()
+             ? flow
+             : cv::Mat(flow.mul(cv::Scalar(double(luma.cols) / size.width, double(luma.rows) / size.height)));
+}
+
+}  // namespace emberfold::dytex

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/model/archive.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core/hal/interface.h>
+
+#include "core/error.hpp"
+
+namespace emberfold::dytex {
+
+namespace {
+
+constexpr std::string_view kFormat = "emberfold.linear_dynamic_texture";
+constexpr int kVersion = 2;
+constexpr std::array<std::pair<int, const char*>, 3> kDepths{
+    {{CV_8U, "u8"}, {CV_16U, "u16"}, {CV_32F, "f32"}}};
+
+template <class Matrix>
+core::NpyView array_of(const Matrix& matrix) {
+  using Scalar = typename Matrix::Scalar;
+  core::NpyView array{{static_cast<std::size_t>(matrix.rows())}, false, {}};
+  if constexpr (Matrix::ColsAtCompileTime != 1) {
+    array.shape.push_back(static_cast<std::size_t>(matrix.cols()));
+    array.fortran_order = true;
+  }
+  array.data = std::span<const Scalar>(matrix.data(), static_cast<std::size_t>(matrix.size()));
+  return array;
+}
+
+[[noreturn]] void fail(const std::string& what) {
+  throw core::IoError("model: " + what);
+}
+
+/// A text from outside as it may stand in a message: short, printable, on one line.
+std::string shown(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  std::string result = "\"";
+  for (const char c : text.substr(0, kLongest)) result += c >= ' ' && c <= '~' && c != '"' ? c : '?';
+  return result + (text.size() > kLongest ? "…\"" : "\"");
+}
+
+nlohmann::json parse(const std::string& text) {
+  constexpr int kDeepest = 16;
+  const auto shallow = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    if (depth > kDeepest) fail("model.json is nested more than " + std::to_string(kDeepest) + " deep");
+    return true;
+  };
+  nlohmann::json json;
+  try {
+    json = nlohmann::json::parse(text, shallow);
+  } catch (const nlohmann::json::exception&) {
+    fail("model.json is no valid JSON");
+  }
+  if (!json.is_object()) fail("model.json holds no object");
+  return json;
+}
+
+const nlohmann::json& entry(const nlohmann::json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end()) fail("model.json has no \"" + std::string(key) + "\"");
+  return *found;
+}
+
+std::string text_entry(const nlohmann::json& json, const char* key) {
+  const nlohmann::json& value = entry(json, key);
+  if (!value.is_string()) fail("\"" + std::string(key) + "\" must be a text");
+  return value.get<std::string>();
+}
+
+std::int64_t whole(const nlohmann::json& json, const char* key, std::int64_t least, std::int64_t most) {
+  const nlohmann::json& value = entry(json, key);
+  const bool fits = value.is_number_integer() &&
+                    (!value.is_number_unsigned() || value.get<std::uint64_t>() <= std::uint64_t{1} << 62);
+  if (!fits || value.get<std::int64_t>() < least || value.get<std::int64_t>() > most)
+    fail("\"" + std::string(key) + "\" is " + shown(value.dump()) + ", must be a whole number from " +
+         std::to_string(least) + " to " + std::to_string(most));
+  return value.get<std::int64_t>();
+}
+
+double number(const nlohmann::json& json, const char* key) {
+  const nlohmann::json& value = entry(json, key);
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    fail("\"" + std::string(key) + "\" is " + shown(value.dump()) + ", must be a finite number");
+  return value.get<double>();
+}
+
+/// The version, of those that can be read.
+std::int64_t check_format(const nlohmann::json& json) {
+  if (const std::string format = text_entry(json, "format"); format != kFormat)
+    fail("\"format\" is " + shown(format) + ", must be \"" + std::string(kFormat) + "\"");
+  constexpr std::int64_t kAny = std::int64_t{1} << 31;
+  const std::int64_t version = whole(json, "version", 1, kAny);
+  if (version > kVersion)
+    fail("version " + std::to_string(version) + " is newer than " + std::to_string(kVersion) +
+         ", the newest that can be read");
+  return version;
+}
+
+core::ClipInfo read_info(const nlohmann::json& json) {
+  constexpr std::int64_t kLargest = 65536, kMostFrames = 1 << 24;
+  core::ClipInfo info;
+  info.width = static_cast<int>(whole(json, "width", 1, kLargest));
+  info.height = static_cast<int>(whole(json, "height", 1, kLargest));
+  info.channels = static_cast<int>(whole(json, "channels", 1, 3));
+  info.frames = whole(json, "frames", 1, kMostFrames);
+  info.fps = number(json, "fps");
+  info.white = number(json, "white");
+  const std::string depth = text_entry(json, "depth");
+  const auto* const known =
+      std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.second == depth; });
+  if (known == kDepths.end()) fail("\"depth\" is " + shown(depth) + R"(, must be "u8", "u16" or "f32")");
+  info.depth = known->first;
+  return info;
+}
+
+std::string shape_text(const std::vector<std::size_t>& shape) {
+  std::string text = "(";
+  for (std::size_t i = 0; i < shape.size(); ++i) text += (i > 0 ? ", " : "") + std::to_string(shape[i]);
+  return text + (shape.size() == 1 ? ",)" : ")");
+}
+
+template <class Scalar>
+using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+const core::NpyArray& array_named(const core::ModelArchive& archive, const char* name) {
+  const auto found = archive.arrays.find(name);
+  if (found == archive.arrays.end()) fail("the array " + std::string(name) + " is missing");
+  return found->second;
+}
+
+/// The numbers of an array whose shape is held against `shape`, of one or two extents.
+template <class Stored>
+const std::vector<Stored>& numbers(const core::NpyArray& array, const char* name, const char* types,
+                                   const std::vector<std::size_t>& shape) {
+  const auto* data = std::get_if<std::vector<Stored>>(&array.data);
+  if (data == nullptr) fail("the array " + std::string(name) + " must hold " + types);
+  if (array.shape != shape)
+    fail("the array " + std::string(name) + " has the shape " + shape_text(array.shape) + ", must have " +
+         shape_text(shape));
+  if (data->size() != shape[0] * (shape.size() > 1 ? shape[1] : 1))
+    fail("the array " + std::string(name) + " has " + std::to_string(data->size()) + " numbers, its shape " +
+         shape_text(shape) + " another number");
+  return *data;
+}
+
+/// Numbers that lie as their array tells, in columns.
+template <class Scalar>
+Columns<Scalar> arranged(const std::vector<Scalar>& data, const core::NpyArray& array) {
+  const auto rows = static_cast<Eigen::Index>(array.shape[0]);
+  const auto columns = static_cast<Eigen::Index>(array.shape.size() > 1 ? array.shape[1] : 1);
+  using Rows = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  if (array.fortran_order || array.shape.size() == 1)
+    return Eigen::Map<const Columns<Scalar>>(data.data(), rows, columns);
+  return Eigen::Map<const Rows>(data.data(), rows, columns);
+}
+
+template <class Scalar>
+Columns<Scalar> read_matrix(const core::ModelArchive& archive, const char* name,
+                            const std::vector<std::size_t>& shape) {
+  const core::NpyArray& array = array_named(archive, name);
+  return arranged(numbers<Scalar>(array, name, std::is_same_v<Scalar, float> ? "float32" : "float64", shape),
+                  array);
+}
+
+/// The mean, or C: float32, float16, or uint8 with its columns' scales and offsets.
+Columns<float> read_levels(const core::ModelArchive& archive, const std::string& name,
+                           const std::vector<std::size_t>& shape) {
+  constexpr const char* kTypes = "float32, float16 or uint8";
+  const core::NpyArray& array = array_named(archive, name.c_str());
+  if (std::holds_alternative<std::vector<core::Half>>(array.data)) {
+    const auto& halves = numbers<core::Half>(array, name.c_str(), kTypes, shape);
+    std::vector<float> wide(halves.size());
+    std::ranges::transform(halves, wide.begin(), core::to_float);
+    return arranged(wide, array);
+  }
+  if (std::holds_alternative<std::vector<std::uint8_t>>(array.data)) {
+    const Columns<std::uint8_t> steps =
+        arranged(numbers<std::uint8_t>(array, name.c_str(), kTypes, shape), array);
+    const std::vector<std::size_t> each{shape.size() > 1 ? shape[1] : 1};
+    const Eigen::VectorXf scale = read_matrix<float>(archive, (name + "_scale").c_str(), each);
+    const Eigen::VectorXf offset = read_matrix<float>(archive, (name + "_offset").c_str(), each);
+    Columns<float> levels = steps.cast<float>() * scale.asDiagonal();
+    levels.rowwise() += offset.transpose();
+    return levels;
+  }
+  return arranged(numbers<float>(array, name.c_str(), kTypes, shape), array);
+}
+
+struct Extents {
+  std::size_t values, components, inputs;
+};
+
+/// What version 1 did not have.
+void read_second_version(const nlohmann::json& json, const core::ModelArchive& archive,
+                         const Extents& extents, LinearDynamicTexture& texture) {
+  texture.weights = read_matrix<double>(archive, "weights", {extents.components});
+  const nlohmann::json& each = entry(json, "noise_per_value");
+  if (!each.is_boolean()) fail("\"noise_per_value\" must be true or false");
+  if (each.get<bool>()) texture.noise = read_matrix<float>(archive, "noise", {extents.values});
+  constexpr std::int64_t kMostResiduals = 1 << 24;
+  const auto residuals = static_cast<std::size_t>(whole(json, "residuals", 0, kMostResiduals));
+  if (residuals > 0)
+    texture.residuals = read_matrix<double>(archive, "residuals", {extents.inputs, residuals});
+  const auto channels = json.find("component_channels");
+  if (channels == json.end()) return;
+  if (!channels->is_array() || channels->size() != extents.components)
+    fail("\"component_channels\" must be a list of " + std::to_string(extents.components) + " numbers");
+  texture.channels.resize(static_cast<Eigen::Index>(channels->size()));
+  for (std::size_t i = 0; i < channels->size(); ++i)
+    texture.channels[static_cast<Eigen::Index>(i)] =
+        static_cast<int>(whole({{"component_channels", (*channels)[i]}}, "component_channels", 0, 2));
+}
+
+}  // namespace
+
+core::ModelView archive_view(const LinearDynamicTexture& texture) {
+  validate(texture);
+  const core::ClipInfo& info = texture.info;
+  const auto* const depth =
+      std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.first == info.depth; });
+  nlohmann::ordered_json json;
+  json["format"] = kFormat;
+  json["version"] = kVersion;
+  json["width"] = info.width;
+  json["height"] = info.height;
+  json["channels"] = info.channels;
+  json["fps"] = info.fps;
+  json["frames"] = *info.frames;
+  json["depth"] = depth->second;
+  json["white"] = info.white;
+  json["components"] = texture.components();
+  json["order"] = texture.order();
+  json["noise_inputs"] = texture.B.cols();
+  json["r"] = texture.r;
+  json["noise_per_value"] = texture.noise.size() > 0;
+  json["residuals"] = texture.residuals.cols();
+  if (texture.channels.size() > 0)
+    json["component_channels"] = std::vector<int>(texture.channels.begin(), texture.channels.end());
+  core::ModelView archive{json.dump(2) + "\n", {}};
+  archive.arrays["mean"] = array_of(texture.mean);
+  archive.arrays["C"] = array_of(texture.C);
+  archive.arrays["weights"] = array_of(texture.weights);
+  archive.arrays["A"] = array_of(texture.A);
+  archive.arrays["B"] = array_of(texture.B);
+  archive.arrays["states"] = array_of(texture.states);
+  archive.arrays["singular"] = array_of(texture.singular);
+  if (texture.noise.size() > 0) archive.arrays["noise"] = array_of(texture.noise);
+  if (texture.residuals.size() > 0) archive.arrays["residuals"] = array_of(texture.residuals);
+  return archive;
+}
+
+core::ModelArchive to_archive(const LinearDynamicTexture& texture) {
+  core::ModelView view = archive_view(texture);
+  core::ModelArchive archive{std::move(view.text), {}};
+  for (const auto& [name, array] : view.arrays) {
+    const auto copied = [](const auto& values) -> core::NpyArray::Data {
+      return std::vector(values.begin(), values.end());
+    };
+    archive.arrays[name] = {array.shape, array.fortran_order, std::visit(copied, array.data)};
+  }
+  return archive;
+}
+
+LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive) {
+  const nlohmann::json json = parse(archive.text);
+  const bool first_version = check_format(json) == 1;
+  LinearDynamicTexture texture;
+  texture.info = read_info(json);
+  texture.r = number(json, "r");
+  constexpr std::int64_t kMostComponents = 1 << 24;
+  const auto n = static_cast<std::size_t>(whole(json, "components", 0, kMostComponents));
+  const auto order = first_version ? n : static_cast<std::size_t>(whole(json, "order", 0, kMostComponents));
+  const auto k = static_cast<std::size_t>(whole(json, "noise_inputs", 0, static_cast<std::int64_t>(order)));
+  const auto m = static_cast<std::size_t>(texture.info.width) *
+                 static_cast<std::size_t>(texture.info.height) *
+                 static_cast<std::size_t>(texture.info.channels);
+  const auto frames = static_cast<std::size_t>(*texture.info.frames);
+  texture.mean = read_levels(archive, "mean", {m});
+  texture.C = read_levels(archive, "C", {m, n});
+  texture.A = read_matrix<double>(archive, "A", {order, order});
+  texture.B = read_matrix<double>(archive, "B", {order, k});
+  texture.states = read_matrix<double>(archive, "states", {order, frames});
+  texture.weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
+  if (!first_version) read_second_version(json, archive, {m, n, k}, texture);
+  const std::size_t spectra =
+      texture.channels.size() > 0 ? static_cast<std::size_t>(texture.info.channels) : 1;
+  texture.singular = read_matrix<double>(archive, "singular", {spectra * frames});
+  try {
+    validate(texture);
+  } catch (const core::InputError& error) {
+    fail(error.what());
+  } catch (const core::NumericalError& error) {
+    fail(error.what());
+  }
+  return texture;
+}
+
+}  // namespace emberfold::dytex

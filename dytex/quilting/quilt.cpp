@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/quilting/quilt.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "dytex/quilting/blocks.hpp"
+#include "dytex/quilting/overlap.hpp"
+#include "dytex/quilting/seam.hpp"
+#include "dytex/quilting/search.hpp"
+
+namespace emberfold::dytex {
+
+namespace {
+
+void check(const char* field, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  std::ostringstream line;
+  line << "QuiltOptions." << field << " is " << value << "; allowed is " << low << " to " << high;
+  throw core::InputError(line.str());
+}
+
+std::string size_text(cv::Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+}  // namespace
+
+void QuiltOptions::validate() const {
+  for (const int side : {size.width, size.height})
+    if (side < 1 || side > 16384)
+      throw core::InputError("QuiltOptions.size is " + size_text(size) + "; allowed is 1 to 16384 each way");
+  for (const int side : {block.width, block.height})
+    if (side < 2 || side > 4096)
+      throw core::InputError("QuiltOptions.block is " + size_text(block) + "; allowed is 2 to 4096 each way");
+  const int most = std::min(block.width, block.height) / 2;
+  if (overlap < 1 || overlap > most)
+    throw core::InputError("QuiltOptions.overlap is " + std::to_string(overlap) + "; allowed is 1 to " +
+                           std::to_string(most) + ", half the shorter side of a block of " +
+                           size_text(block));
+  check("components", components, 1, 256);
+  check("tolerance", tolerance, 0, 10);
+  check("floor", floor, 0, 255);
+  check("apart", apart, 0, 4096);
+  check("guide_weight", guide_weight, 0, 0.99);
+  if (tileable && std::min(size.width, size.height) < 2 * overlap)
+    throw core::InputError("QuiltOptions.size is " + size_text(size) + "; tileable output needs at least " +
+                           std::to_string(2 * overlap) + " pixels each way, twice the overlap");
+}
+
+namespace {
+
+using detail::BlockQuery;
+using detail::QuiltBlock;
+
+void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& options, const QuiltRun& run) {
+  if (sources.empty()) throw core::InputError("quilting needs a source");
+  const Trajectories& first = *sources.front().trajectories;
+  if (!run.guide.empty() && (run.guide.size() != options.size || run.guide.type() != CV_32F))
+    throw core::InputError("the guide is " + size_text(run.guide.size()) + " pixels, the output " +
+                           size_text(options.size));
+  bool fits = false;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const Trajectories& one = *sources[i].trajectories;
+    const std::string name = "source " + std::to_string(i);
+    if (one.frames() != first.frames())
+      throw core::InputError(name + " has " + std::to_string(one.frames()) + " frames, source 0 has " +
+                             std::to_string(first.frames()));
+    if (one.info().channels != first.info().channels || one.info().depth != first.info().depth)
+      throw core::InputError(name + " has other channels or another depth than source 0");
+    if (one.chunk_frames() != first.chunk_frames())
+      throw core::InputError(name + " is kept in other chunks than source 0");
+    for (const auto* picture : {&sources[i].forbidden, &sources[i].guide})
+      if (!picture->empty() && picture->size() != one.size())
+        throw core::InputError(name + " has " + size_text(one.size()) + " pixels, its " +
+                               (picture == &sources[i].guide ? "guide " : "mask ") +
+                               size_text(picture->size()));
+    if (!run.guide.empty() && sources[i].guide.type() != CV_32F)
+      throw core::InputError(name + " has nothing that the guide could be held against");
+    fits = fits || (one.size().width >= options.block.width && one.size().height >= options.block.height);
+  }
+  if (!fits)
+    throw core::InputError("QuiltOptions.block is " + size_text(options.block) + "; the source has only " +
+                           size_text(first.size()) + " pixels");
+}
+
+void check_masks(std::span<const QuiltSource> sources, const QuiltOptions& options) {
+  for (const auto& source : sources) {
+    const cv::Size size = source.trajectories->size();
+    if (size.width < options.block.width || size.height < options.block.height) continue;
+    if (source.forbidden.empty()) return;
+    cv::Mat sums;
+    cv::integral(source.forbidden != 0, sums, CV_64F);
+    if (cv::countNonZero(detail::box_sums(sums, {{{}, options.block}}, options.block) < 0.5) > 0) return;
+  }
+  throw core::InputError("the mask leaves no place for a block of " + size_text(options.block) + " pixels");
+}
+
+/// The output while it grows.
+class Canvas {
+ public:
+  explicit Canvas(const detail::BlockPlan& plan)
+      : plan_(plan),
+        pixels_(static_cast<std::size_t>(plan.canvas.area())),
+        corners_(static_cast<std::size_t>(plan.columns) * static_cast<std::size_t>(plan.rows)) {}
+
+  [[nodiscard]] SourcePixel& at(int x, int y) {
+    const int column = x % plan_.canvas.width, row = y % plan_.canvas.height;  // on a torus
+    return pixels_[static_cast<std::size_t>(row) * static_cast<std::size_t>(plan_.canvas.width) +
+                   static_cast<std::size_t>(column)];
+  }
+
+  [[nodiscard]] BlockQuery query(const QuiltBlock& block, const cv::Mat& guide) {
+    BlockQuery query{block, {}, {}, places_near(block)};
+    for (const auto& run : detail::overlap_runs(block))
+      for (int x = run.x; x < run.x + run.length; ++x)
+        query.there.push_back(at(block.place.x + x, block.place.y + run.y));
+    if (guide.empty()) return query;
+    query.guide.create(block.place.size(), CV_32F);
+    for (int y = 0; y < block.place.height; ++y)
+      for (int x = 0; x < block.place.width; ++x)
+        query.guide.at<float>(y, x) =
+            guide.at<float>(place(block.place.y + y, guide.rows), place(block.place.x + x, guide.cols));
+    return query;
+  }
+
+  /// Whether a block from this place would only go on where its left or upper neighbour ends.
+  [[nodiscard]] bool goes_on(const QuiltBlock& block, const SourcePixel& from) {
+    const auto from_there = [&](int column, int row) {
+      const Corner& there = corner(column, row);
+      return continues(there.from, from, block.place.tl() - there.at);
+    };
+    return (block.column > 0 && from_there(block.column - 1, block.row)) ||
+           (block.row > 0 && from_there(block.column, block.row - 1));
+  }
+
+  void put(const QuiltBlock& block, const SourcePixel& from, const cv::Mat& mask) {
+    for (int y = 0; y < block.place.height; ++y)
+      for (int x = 0; x < block.place.width; ++x)
+        if (mask.at<unsigned char>(y, x) != 0)
+          at(block.place.x + x, block.place.y + y) = {from.source, from.x + x, from.y + y};
+    corner(block.column, block.row) = {from, block.place.tl()};
+  }
+
+  [[nodiscard]] QuiltMap map(cv::Size size) {
+    QuiltMap map{size, {}};
+    map.pixels.reserve(static_cast<std::size_t>(size.area()));
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) map.pixels.push_back(at(x, y));
+    return map;
+  }
+
+ private:
+  struct Corner {
+    SourcePixel from;
+    cv::Point at;
+  };
+  // A guide goes on as at its border where blocks reach beyond it, or begins again on a torus.
+  [[nodiscard]] int place(int i, int size) const { return plan_.wraps ? i % size : std::min(i, size - 1); }
+  Corner& corner(int column, int row) {
+    return corners_[static_cast<std::size_t>(row) * static_cast<std::size_t>(plan_.columns) +
+                    static_cast<std::size_t>(column)];
+  }
+  // The places of the blocks around that were placed before this one, whatever the threads do.
+  std::vector<SourcePixel> places_near(const QuiltBlock& block) {
+    std::vector<SourcePixel> places;
+    for (const cv::Point step :
+         {cv::Point(-1, 0), {-2, 0}, {-2, -1}, {-1, -1}, {0, -1}, {1, -1}, {-1, -2}, {0, -2}, {1, -2}}) {
+      const cv::Point at(block.column + step.x, block.row + step.y);
+      if (at.x >= 0 && at.y >= 0 && at.x < plan_.columns) places.push_back(corner(at.x, at.y).from);
+    }
+    return places;
+  }
+
+  const detail::BlockPlan& plan_;
+  std::vector<SourcePixel> pixels_;
+  std::vector<Corner> corners_;
+};
+
+// Seams between what is there and the block that was chosen.
+cv::Mat cut_block(const detail::BlockSearch& search, const BlockQuery& query, const SourcePixel& at) {
+  const cv::Size size = query.block.place.size();
+  if (query.there.empty()) return {size, CV_8U, cv::Scalar(255)};
+  return detail::block_mask(search.overlap(query).picture(at, size), query.block);
+}
+
+// A block that an earlier run placed; it has to be one that this run could place.
+QuiltChoice replayed(const QuiltChoice& placed, const QuiltBlock& block,
+                     std::span<const QuiltSource> sources) {
+  const auto& at = placed.at;
+  const bool known = at.source >= 0 && static_cast<std::size_t>(at.source) < sources.size();
+  const cv::Size size =
+      known ? sources[static_cast<std::size_t>(at.source)].trajectories->size() : cv::Size();
+  if (placed.column != block.column || placed.row != block.row || at.x < 0 || at.y < 0 ||
+      at.x + block.place.width > size.width || at.y + block.place.height > size.height)
+    throw core::InputError("the blocks placed earlier do not belong to this quilt");
+  return placed;
+}
+
+}  // namespace
+
+QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& options,
+                  const core::Context& context, const QuiltRun& run) {
+  options.validate();
+  check_sources(sources, options, run);
+  check_masks(sources, options);
+  const auto plan = detail::plan_blocks(options.size, options.block, options.overlap, options.tileable);
+  cv::Size least = options.block, most(1, 1);
+  std::size_t blocks = 0;
+  for (const auto& wave : plan.waves)
+    for (const auto& block : wave) {
+      least = {std::min(least.width, block.place.width), std::min(least.height, block.place.height)};
+      most = {std::max(most.width, block.place.width), std::max(most.height, block.place.height)};
+      ++blocks;
+    }
+  context.report("basis", 0);
+  const detail::BlockSearch search(sources, options, least, most, context);
+  Canvas canvas(plan);
+  QuiltResult result{{}, {}, plan.columns, plan.rows, search.components()};
+  for (const auto& wave : plan.waves) {
+    context.check();
+    context.report("quilt", static_cast<double>(result.choices.size()) / static_cast<double>(blocks));
+    std::vector<QuiltChoice> chosen(wave.size());
+    std::vector<cv::Mat> masks(wave.size());
+    const std::size_t done = result.choices.size();
+    core::parallel_for(wave.size(), context, [&](std::size_t i) {
+      const auto query = canvas.query(wave[i], run.guide);
+      chosen[i] = done + i < run.placed.size() ? replayed(run.placed[done + i], wave[i], sources)
+                                               : search.choose(query);
+      chosen[i].continues = canvas.goes_on(wave[i], chosen[i].at);
+      masks[i] = cut_block(search, query, chosen[i].at);
+    });
+    for (std::size_t i = 0; i < wave.size(); ++i) canvas.put(wave[i], chosen[i].at, masks[i]);
+    result.choices.insert(result.choices.end(), chosen.begin(), chosen.end());
+    if (run.keep) run.keep(result.choices);
+  }
+  result.map = canvas.map(options.size);
+  return result;
+}
+
+}  // namespace emberfold::dytex

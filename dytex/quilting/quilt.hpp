@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/context.hpp"
+#include "dytex/quilting/quilt_map.hpp"
+#include "dytex/quilting/trajectories.hpp"
+
+namespace emberfold::dytex {
+
+struct QuiltOptions {
+  cv::Size size{512, 512};  ///< px, of the output, 1 … 16384 each way
+  cv::Size block{64, 64};   ///< px, 2 … 4096 each way; elongated ones suit textures that are
+  int overlap = 16;         ///< px, 1 … half the block's shorter side
+  int components = 16;      ///< k, of the basis in which blocks are compared, 1 … 256
+  double tolerance = 0.1;  ///< blocks with an error up to (1 + tolerance) times the least are equals, 0 … 10
+  double floor = 1;        ///< and so are those below this RMS error, levels of 255, 0 … 255
+  int apart = 0;  ///< px: places nearer than this to what blocks nearby show are left out, 0 … 4096
+  double guide_weight = 0.5;  ///< of the guide against the overlap, 0 … 0.99
+  bool tileable = false;      ///< the output's sides fit each other
+  bool exact = false;         ///< compare every place over all of time, without the basis: slow
+  std::uint64_t seed = 1;
+
+  /// InputError naming field, value and range.
+  void validate() const;
+};
+
+/// What blocks are taken from.
+struct QuiltSource {
+  const Trajectories* trajectories = nullptr;
+  cv::Mat forbidden;  ///< CV_8U of its size, or empty: pixels that are not 0 must not be copied
+  cv::Mat guide;      ///< CV_32F of its size: what the guide is held against; needed with a guide
+};
+
+/// One block as it was placed.
+struct QuiltChoice {
+  int column = 0, row = 0;
+  SourcePixel at;             ///< the block's upper left corner in the source
+  double error = 0;           ///< Σ of squared differences over the overlap and all of time
+  std::int64_t equals = 0;    ///< how many places were within the tolerance
+  std::int64_t compared = 0;  ///< how many were compared over all of time
+  bool continues = false;     ///< it only goes on where its left or upper neighbour ends
+};
+
+struct QuiltRun {
+  cv::Mat guide;  ///< CV_32F of the output's size, or empty
+  /// Blocks placed by an earlier run with the same input and options, in its order: not sought again.
+  std::span<const QuiltChoice> placed;
+  /// Told all blocks up to now from time to time.
+  std::function<void(std::span<const QuiltChoice>)> keep;
+};
+
+struct QuiltResult {
+  QuiltMap map;                      ///< places that were not reached are nowhere
+  std::vector<QuiltChoice> choices;  ///< in the order in which they were placed
+  int columns = 0, rows = 0;         ///< of blocks
+  int components = 0;                ///< of the basis; 0 where whole trajectories are compared
+  core::Status status = core::Status::done;
+};
+
+/// Image quilting (Efros & Freeman 2001) with blocks that span all of time (Enrique et al. 2005): blocks of
+/// the sources are laid one after the other, each overlapping those before; a block is drawn evenly among the
+/// places whose squared difference over the overlap, summed over time and channels, is within the tolerance
+/// of the least one; it is cut along seams of least error, the same in every frame. The search works in a
+/// basis of rank k whose bounds leave over the places to be compared exactly: what is chosen is what an
+/// exhaustive search chooses. With one frame this is quilting of still images.
+///
+/// Sources agree in frames, channels and depth, and chunk_frames. InputError where they do not, where none of
+/// them holds a block, or where the mask forbids every place. The same result at any thread count.
+/// O(blocks · (k · pixels + compared · overlap · frames)).
+QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& options,
+                  const core::Context& context = {}, const QuiltRun& run = {});
+
+}  // namespace emberfold::dytex

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/io/motion_io.hpp"
+
+#include <cmath>
+#include <ostream>
+#include <string>
+
+#include "core/error.hpp"
+#include "core/text/json_reader.hpp"
+#include "graph/io/patch_range.hpp"
+
+namespace emberfold::graph {
+
+namespace {
+
+using core::append_number;
+
+template <class Value>
+void append_field(std::string& text, std::string_view name, Value value) {
+  text += ",\"";
+  text += name;
+  text += "\":";
+  core::append_number(text, value);
+}
+
+void append_level(std::string& text, std::string_view name, const Level& level) {
+  if (level[0] == level[1] && level[1] == level[2] && std::signbit(level[0]) == std::signbit(level[1]) &&
+      std::signbit(level[1]) == std::signbit(level[2])) {
+    append_field(text, name, level[0]);
+    return;
+  }
+  text += ",\"";
+  text += name;
+  text += "\":[";
+  for (std::size_t c = 0; c < level.size(); ++c) {
+    if (c > 0) text += ',';
+    core::append_number(text, level[c]);
+  }
+  text += ']';
+}
+
+void append_vertex(std::string& text, const Vertex& vertex) {
+  const Patch& patch = vertex.patch;
+  if (const auto wrong = detail::range_error(patch); !wrong.empty()) {
+    throw core::InputError("writing a sketch: vertex " + std::to_string(vertex.id.value) + ": " + wrong);
+  }
+  text += "{\"id\":";
+  core::append_number(text, vertex.id.value);
+  append_field(text, "subgraph", vertex.subgraph.value);
+  text += ",\"type\":\"";
+  text += name(patch.type);
+  text += '"';
+  append_field(text, "x", patch.position.x);
+  append_field(text, "y", patch.position.y);
+  append_field(text, "theta", patch.theta);
+  append_field(text, "width", patch.width);
+  append_field(text, "blur", patch.blur);
+  append_field(text, "contrast", patch.contrast);
+  append_level(text, "left", patch.left);
+  append_level(text, "middle", patch.middle);
+  append_level(text, "right", patch.right);
+  if (patch.hollow > 0) {
+    append_field(text, "hollow", patch.hollow);
+    append_level(text, "between", patch.between);
+  }
+  if (patch.cost != 0) append_field(text, "cost", patch.cost);
+  if (patch.gain != 0) append_field(text, "gain", patch.gain);
+  text += '}';
+}
+
+void append_pair(std::string& text, VertexId a, VertexId b) {
+  if (text.back() != '[') text += ',';
+  text += '[';
+  core::append_number(text, a.value);
+  text += ',';
+  core::append_number(text, b.value);
+  text += ']';
+}
+
+/// `links` may be missing: a sketch has none.
+void write(std::ostream& out, const SketchSequence& sketch, const std::vector<std::vector<Link>>* links) {
+  const auto in_range = [](int value) { return value >= 1 && value <= 65536; };
+  if (!in_range(sketch.width) || !in_range(sketch.height)) {
+    throw core::InputError("writing a sketch: its size is " + std::to_string(sketch.width) + " x " +
+                           std::to_string(sketch.height) + ", allowed is 1 to 65536");
+  }
+  if (!(sketch.fps > 0 && sketch.fps <= 1000)) {
+    throw core::InputError("writing a sketch: fps is " + std::to_string(sketch.fps) +
+                           ", allowed is above 0, up to 1000");
+  }
+  std::string text = "{\"format\":\"";
+  text += links != nullptr ? "emberfold.motion" : "emberfold.sketch";
+  text += "\",\"version\":1";
+  append_field(text, "width", static_cast<std::uint32_t>(sketch.width));
+  append_field(text, "height", static_cast<std::uint32_t>(sketch.height));
+  append_field(text, "fps", sketch.fps);
+  append_field(text, "frames", static_cast<std::uint32_t>(sketch.frames.size()));
+  text += "}\n";
+  for (std::size_t t = 0; t < sketch.frames.size(); ++t) {
+    text += "{\"frame\":";
+    core::append_number(text, static_cast<std::uint32_t>(t));
+    text += ",\"vertices\":[";
+    for (const Vertex& vertex : sketch.frames[t].vertices()) {
+      if (text.back() != '[') text += ',';
+      append_vertex(text, vertex);
+    }
+    text += "],\"edges\":[";
+    for (const Edge& edge : sketch.frames[t].edges()) append_pair(text, edge.a, edge.b);
+    if (links != nullptr) {
+      text += "],\"links\":[";
+      for (const Link& link : (*links)[t]) append_pair(text, link.before, link.after);
+    }
+    text += "]}\n";
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    text.clear();
+  }
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!out.flush()) throw core::IoError("a sketch could not be written: the stream failed");
+}
+
+}  // namespace
+
+void write_sketch(std::ostream& out, const SketchSequence& sketch) {
+  write(out, sketch, nullptr);
+}
+
+void write_motion(std::ostream& out, const MotionGraph& motion) {
+  validate(motion);
+  write(out, motion.sketch, &motion.links);
+}
+
+void write_trajectories(std::ostream& out, const MotionGraph& motion) {
+  std::string text = "trajectory,frame,vertex,stroke,x,y,theta,width,blur,contrast\n";
+  std::uint32_t number = 0;
+  for (const Trajectory& course : trajectories(motion)) {
+    auto t = static_cast<std::size_t>(course.first_frame);
+    for (const VertexId id : course.vertices) {
+      const AttributeGraph& graph = motion.sketch.frames[t];
+      const Vertex& vertex = graph.vertices()[graph.index_of(id)];
+      core::append_number(text, number);
+      const auto column = [&text](auto value) {
+        text += ',';
+        core::append_number(text, value);
+      };
+      column(static_cast<std::uint32_t>(t));
+      column(id.value);
+      column(vertex.subgraph.value);
+      column(vertex.patch.position.x);
+      column(vertex.patch.position.y);
+      column(vertex.patch.theta);
+      column(vertex.patch.width);
+      column(vertex.patch.blur);
+      column(vertex.patch.contrast);
+      text += '\n';
+      ++t;
+    }
+    ++number;
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    text.clear();
+  }
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!out.flush()) throw core::IoError("trajectories could not be written: the stream failed");
+}
+
+}  // namespace emberfold::graph

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/io/patch_range.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/text/json_reader.hpp"
+
+namespace emberfold::graph::detail {
+
+namespace {
+std::string whole(double value) {
+  return std::to_string(static_cast<long long>(value));
+}
+}  // namespace
+
+std::string range_error(const Patch& patch) {
+  constexpr double kLargest = 1e6, kMostNats = 1e9;
+  const auto check = [](const char* field, double value, double least, double most) -> std::string {
+    if (value >= least && value <= most) return {};
+    std::string result = "\"" + std::string(field) + "\" is ";
+    if (std::isfinite(value)) {
+      core::append_number(result, value);
+    } else {
+      result += "not finite";
+    }
+    return result + ", allowed is " + (least < 0 ? "-" + whole(most) : "0") + " to " + whole(most);
+  };
+  struct Field {
+    const char* name;
+    double value, least, most = kLargest;
+  };
+  const std::array<Field, 9> fields{{{"x", patch.position.x, -kLargest},
+                                     {"y", patch.position.y, -kLargest},
+                                     {"theta", patch.theta, -kLargest},
+                                     {"width", patch.width, 0},
+                                     {"blur", patch.blur, 0},
+                                     {"hollow", patch.hollow, 0},
+                                     {"contrast", patch.contrast, -kLargest},
+                                     {"cost", patch.cost, 0, kMostNats},
+                                     {"gain", patch.gain, -kMostNats, kMostNats}}};
+  for (const Field& field : fields) {
+    if (auto text = check(field.name, field.value, field.least, field.most); !text.empty()) return text;
+  }
+  if (patch.hollow > patch.width) {
+    std::string text = "\"hollow\" is ";
+    core::append_number(text, patch.hollow);
+    text += ", allowed is 0 to \"width\", ";
+    core::append_number(text, patch.width);
+    return text;
+  }
+  for (const auto& [name, level] : {std::pair{"left", patch.left},
+                                    {"middle", patch.middle},
+                                    {"right", patch.right},
+                                    {"between", patch.between}}) {
+    for (const float value : level) {
+      if (auto text = check(name, static_cast<double>(value), -kLargest, kLargest); !text.empty())
+        return text;
+    }
+  }
+  return {};
+}
+
+}  // namespace emberfold::graph::detail

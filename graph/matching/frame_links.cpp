@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/matching/frame_links.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace emberfold::graph::detail {
+
+Gap gap(const AttributeGraph& before, const AttributeGraph& after, std::span<const Link> links) {
+  Gap result;
+  result.links.reserve(links.size());
+  result.successors.assign(before.size(), 0);
+  result.predecessors.assign(after.size(), 0);
+  for (const Link& link : links) {
+    const std::size_t i = before.index_of(link.before), j = after.index_of(link.after);
+    result.links.emplace_back(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
+    ++result.successors[i];
+    ++result.predecessors[j];
+  }
+  return result;
+}
+
+std::vector<ComponentPair> component_pairs(const AttributeGraph& before, const AttributeGraph& after,
+                                           const Components& parts_before, const Components& parts_after,
+                                           const Gap& gap) {
+  std::vector<ComponentPair> pairs;
+  pairs.reserve(gap.links.size());
+  for (const auto& [i, j] : gap.links) {
+    const Point middle = (before.patch(i).position + after.patch(j).position) * 0.5;
+    pairs.push_back({parts_before.of_vertex[i], parts_after.of_vertex[j], 1, middle});
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const ComponentPair& a, const ComponentPair& b) {
+    return std::tie(a.before, a.after, a.first.x, a.first.y) <
+           std::tie(b.before, b.after, b.first.x, b.first.y);
+  });
+  std::vector<ComponentPair> result;
+  for (const ComponentPair& pair : pairs) {
+    if (!result.empty() && result.back().before == pair.before && result.back().after == pair.after) {
+      ++result.back().links;
+    } else {
+      result.push_back(pair);
+    }
+  }
+  return result;
+}
+
+}  // namespace emberfold::graph::detail

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/matching/time_reversal.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace emberfold::graph {
+
+SketchSequence reversed(const SketchSequence& sketch) {
+  SketchSequence result;
+  result.width = sketch.width, result.height = sketch.height, result.fps = sketch.fps;
+  for (auto frame = sketch.frames.rbegin(); frame != sketch.frames.rend(); ++frame) result.append(*frame);
+  return result;
+}
+
+MotionGraph reversed(const MotionGraph& motion) {
+  validate(motion);
+  MotionGraph result;
+  result.sketch = reversed(motion.sketch);
+  const auto &old = motion.sketch.frames, &now = result.sketch.frames;
+  result.links.resize(now.size());
+  for (std::size_t t = 1; t < now.size(); ++t) {
+    const std::size_t there = old.size() - t;  // the frame that the gap led to
+    for (const Link& link : motion.links[there]) {
+      const std::size_t i = old[there].index_of(link.after), j = old[there - 1].index_of(link.before);
+      result.links[t].push_back({now[t - 1].vertices()[i].id, now[t].vertices()[j].id});
+    }
+    std::sort(result.links[t].begin(), result.links[t].end());
+  }
+  return identify(std::move(result));
+}
+
+namespace {
+
+EventType opposite(EventType type) {
+  switch (type) {
+    case EventType::birth:
+      return EventType::death;
+    case EventType::death:
+      return EventType::birth;
+    case EventType::split:
+      return EventType::merge;
+    case EventType::merge:
+      return EventType::split;
+    case EventType::connect:
+      return EventType::disconnect;
+    case EventType::disconnect:
+      break;
+  }
+  return EventType::connect;
+}
+
+}  // namespace
+
+std::vector<Event> reversed(std::vector<Event> events, int frames) {
+  for (Event& event : events) {
+    event.frame = frames - event.frame;
+    event.type = opposite(event.type);
+    std::swap(event.before, event.after);
+  }
+  sort_events(events);
+  return events;
+}
+
+}  // namespace emberfold::graph

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/learning/moments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/LU>
+
+namespace emberfold::mcmc {
+
+namespace {
+
+constexpr int K = Moments::kLags;
+constexpr std::size_t shortest_window = 12, shortest_path = 6;  // frames of lineages
+constexpr double fewest = 100;                                  // steps, windows, pairs
+constexpr double little = 1e-12;                                // a variance that is none
+constexpr double most_swing = 1.5;  // times the variance seen, of what paths are too short to show
+constexpr double bin = 5;           // px, of distances
+constexpr std::size_t of_late = 4;  // frames: the sketch's errors have no say in what moves for so long
+constexpr double parallel = 0.8;    // cosine: curves that turn more say nothing of each other
+
+// Deviations from the lineage's mean, and the neighbours' mean deviation less its own, frame by frame.
+struct Deviations {
+  Series own, neighbours;
+};
+
+Deviations deviations(const std::vector<detail::Lineage>& all, const detail::Neighbours& sides,
+                      const Series& series, bool turns) {
+  Deviations result{series, series};
+  for (auto& d : result.own) {
+    const double mean = std::accumulate(d.begin(), d.end(), 0.0) / static_cast<double>(d.size());
+    for (double& value : d) value -= mean;
+  }
+  for (auto& g : result.neighbours) std::ranges::fill(g, 0.0);
+  std::vector<std::vector<int>> count(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) count[i].resize(series[i].size());
+  for (std::size_t t = 0; t < sides.frames.size(); ++t)
+    for (const auto& [a, b, sense] : sides.frames[t]) {
+      const auto at_a = t - static_cast<std::size_t>(all[a].first),
+                 at_b = t - static_cast<std::size_t>(all[b].first);
+      result.neighbours[a][at_a] += (turns ? sense : 1) * result.own[b][at_b];
+      ++count[a][at_a];
+    }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t k = 0; k < count[i].size(); ++k)
+      if (count[i][k] > 0) result.neighbours[i][k] = result.neighbours[i][k] / count[i][k] - result.own[i][k];
+  return result;
+}
+
+using Window = Eigen::Matrix<double, 2 * K, 1>;
+
+Window window(const Deviations& d, std::size_t lineage, std::size_t newest) {
+  Window psi;
+  for (int k = 0; k < K; ++k) {
+    psi[k] = d.own[lineage][newest - static_cast<std::size_t>(k)];
+    psi[K + k] = d.neighbours[lineage][newest - static_cast<std::size_t>(k)];
+  }
+  return psi;
+}
+
+// The coupling by two-stage least squares of ψ[0] on d(t−1), d(t−2) and g(t−1).
+double coupling(const Moments& m) {
+  constexpr std::array<int, 3> regressors{1, 2, K + 1};
+  constexpr std::array<int, 4> instruments{3, 4, K + 3, K + 4};
+  Eigen::Matrix4d w;
+  Eigen::Matrix<double, 4, 3> z;
+  Eigen::Vector4d y;
+  for (std::size_t i = 0; i < instruments.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    y[row] = m.own(instruments[i], 0);
+    for (std::size_t j = 0; j < 4; ++j) w(row, Eigen::Index(j)) = m.own(instruments[i], instruments[j]);
+    for (std::size_t j = 0; j < 3; ++j) z(row, Eigen::Index(j)) = m.own(instruments[i], regressors[j]);
+  }
+  const Eigen::FullPivLU<Eigen::Matrix4d> inner(w);
+  if (!inner.isInvertible()) return 0;
+  const Eigen::FullPivLU<Eigen::Matrix3d> outer(z.transpose() * inner.solve(z));
+  if (!outer.isInvertible()) return 0;
+  const Eigen::Vector3d c = outer.solve(z.transpose() * inner.solve(y));
+  const bool sound =
+      c.allFinite() && c[2] > 0 && c[2] < 0.5 && spectral_radius({c[0], c[1], c[2], 0, 0, 0}) < 1;
+  return sound ? c[2] : 0;
+}
+
+// c exp(−h²/2 range²), fitted to how deviations correlate over distance.
+struct Likeness {
+  double share = 1, range = 0;
+};
+Likeness likeness(const Moments& m) {
+  Likeness best;
+  double least = std::numeric_limits<double>::infinity();
+  for (double range = 2; range < 200; range *= 1.1) {
+    double pp = 0, pc = 0, cc = 0;
+    for (std::size_t i = 0; i < m.pairs.size(); ++i) {
+      const double h = bin * (static_cast<double>(i) + 0.5), p = std::exp(-0.5 * h * h / (range * range));
+      if (m.pairs[i] < fewest || m.squares[i] <= little) continue;
+      const double c = m.products[i] / m.squares[i];
+      pp += p * p, pc += p * c, cc += c * c;
+    }
+    if (pp <= 0) continue;
+    const double share = std::clamp(pc / pp, 0.0, 1.0), off = cc - 2 * share * pc + share * share * pp;
+    if (off < least) least = off, best = {share, range};
+  }
+  return best;
+}
+
+// Of the stationary variance, the share that is about the mean of so many frames, for each number of them.
+std::vector<double> about_mean(const Autoregression& m, double error_share, std::size_t longest) {
+  std::vector<double> shares{1, 0};
+  double before = 1, now = m.a1 / (1 - m.a2), sum = 0, weighted = 0;  // correlations, Σ ρ(k), Σ k ρ(k)
+  for (std::size_t n = 2; n <= longest; ++n) {
+    sum += now, weighted += (static_cast<double>(n) - 1) * now;
+    before = std::exchange(now, m.a1 * now + m.a2 * before);
+    const auto frames = static_cast<double>(n);
+    const double mean = (frames + 2 * (frames * sum - weighted)) / (frames * frames);
+    shares.push_back(1 - (1 - error_share) * mean - error_share / frames);
+  }
+  return shares;
+}
+
+// The variance of all deviations from rest, from those from the paths' means.
+double from_rest(const std::vector<detail::Path>& paths, const Autoregression& m, double error_share) {
+  std::size_t longest = 0;
+  for (const auto& path : paths) longest = std::max(longest, path.own.size());
+  const auto shares = about_mean(m, error_share, longest);
+  RobustVariance all;
+  for (const auto& path : paths) {
+    const double share = std::max(shares[path.own.size()], 1 / most_swing);
+    for (const double d : path.own) all.add(d / std::sqrt(share));
+  }
+  return all.value();
+}
+
+// Noise and measurement of all paths' mean variance; of the noise, what goes on along the curves.
+void take_noise(const Observed& seen, const detail::SwayLaw& law, Autoregression& motion) {
+  motion.noise = law.noise;
+  const double swing = std::pow(stationary_deviation(motion), 2), error = std::pow(law.measurement, 2);
+  const double error_share = error / (swing + error);
+  const double all = from_rest(seen.paths, motion, error_share);
+  const Likeness along = likeness(seen.moments);
+  motion.range = along.range;
+  motion.measurement = std::sqrt(error_share * all);
+  motion.noise *= std::sqrt(all * std::min(along.share, 1 - error_share) / swing);
+}
+
+// The frame's pairs of lineages on one stroke: how alike they have moved of late. Means of lineages that
+// begin and end at different times would not be comparable.
+void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t frame,
+               const std::vector<std::uint32_t>& there, const std::vector<detail::Lineage>& all,
+               const Series& deviation, bool turns) {
+  const auto parts = graph::components(graph);
+  std::vector<std::vector<std::uint32_t>> strokes(parts.count);
+  const auto at = [&](std::uint32_t i) { return frame - static_cast<std::size_t>(all[i].first); };
+  for (const auto i : there)
+    if (at(i) >= of_late) strokes[parts.of_vertex[all[i].samples[at(i)].vertex]].push_back(i);
+  const auto moved = [&](std::uint32_t i) { return deviation[i][at(i)] - deviation[i][at(i) - of_late]; };
+  for (const auto& stroke : strokes)
+    for (std::size_t p = 0; p < stroke.size(); ++p)
+      for (std::size_t q = 0; q < p; ++q) {
+        const auto& a = all[stroke[p]].samples[at(stroke[p])];
+        const auto& b = all[stroke[q]].samples[at(stroke[q])];
+        const auto apart = static_cast<std::size_t>(graph::distance(a.position, b.position) / bin);
+        const double facing = graph::dot(a.normal, b.normal);
+        if (apart >= sums.pairs.size() || std::abs(facing) < parallel) continue;
+        const double one = moved(stroke[p]),
+                     other = turns && facing < 0 ? -moved(stroke[q]) : moved(stroke[q]);
+        sums.products[apart] += one * other;
+        sums.squares[apart] += (one * one + other * other) / 2;
+        ++sums.pairs[apart];
+      }
+}
+
+}  // namespace
+
+Moments& Moments::operator+=(const Moments& other) {
+  own += other.own;
+  windows += other.windows;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    products[i] += other.products[i], squares[i] += other.squares[i];
+    pairs[i] += other.pairs[i];
+  }
+  return *this;
+}
+
+Observed& Observed::operator+=(const Observed& other) {
+  moments += other.moments;
+  paths.insert(paths.end(), other.paths.begin(), other.paths.end());
+  return *this;
+}
+
+Observed observe(const graph::MotionGraph& motion, const std::vector<detail::Lineage>& all,
+                 const Series& series, bool turns) {
+  const Deviations d = deviations(all, detail::neighbours(motion, all), series, turns);
+  const auto tells_rest = [&](std::size_t i) { return d.own[i].size() >= shortest_window; };
+  Observed seen;
+  Moments& sums = seen.moments;
+  std::vector<std::vector<std::uint32_t>> there(motion.sketch.frames.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i) {
+    for (std::size_t t = K - 1; tells_rest(i) && t < d.own[i].size(); ++t) {
+      const Window psi = window(d, i, t);
+      sums.own += psi * psi.transpose();
+      ++sums.windows;
+    }
+    for (std::size_t k = 0; tells_rest(i) && k < all[i].samples.size(); ++k)
+      there[static_cast<std::size_t>(all[i].first) + k].push_back(i);
+    if (d.own[i].size() < shortest_path) continue;
+    detail::Path path{d.own[i], d.own[i]};
+    for (std::size_t k = 0; k < path.around.size(); ++k) path.around[k] += d.neighbours[i][k];
+    seen.paths.push_back(std::move(path));
+  }
+  for (std::size_t t = 0; t < there.size(); ++t)
+    add_pairs(sums, motion.sketch.frames[t], t, there[t], all, d.own, turns);
+  return seen;
+}
+
+Estimate estimate(const Observed& seen, const std::string& what) {
+  Estimate result;
+  double steps = 0, squares = 0, count = 0;
+  for (const auto& path : seen.paths) {
+    steps += static_cast<double>(path.own.size()) - 2, count += static_cast<double>(path.own.size());
+    for (const double d : path.own) squares += d * d;
+  }
+  if (steps < fewest) {
+    result.notes.push_back(what + ": too few long paths to learn a motion from (" +
+                           std::to_string(static_cast<long>(steps)) + " steps, needed " +
+                           std::to_string(static_cast<long>(fewest)) + "); it stands still");
+    return result;
+  }
+  if (squares / count <= little) {
+    result.notes.push_back(what + ": nothing moves; it stands still");
+    return result;
+  }
+  const auto law = detail::likeliest(seen.paths, coupling(seen.moments), std::sqrt(squares / count));
+  result.law = law;
+  result.motion = {law.mean_a1(), law.a2, law.coupling, 0, 0, 0};
+  if (const double radius = spectral_radius({law.a1, law.a2, law.coupling, 0, 0, 0});
+      radius > detail::most_stable - 1e-4)
+    result.notes.push_back(
+        what + ": the likeliest motion grows or never comes to rest; held at a spectral radius of " +
+        std::to_string(radius));
+  take_noise(seen, law, result.motion);
+  return result;
+}
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/learning/operator_rates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include <boost/math/distributions/gamma.hpp>
+
+#include "core/error.hpp"
+#include "mcmc/learning/drift.hpp"
+#include "mcmc/learning/operator_sites.hpp"
+
+namespace emberfold::mcmc {
+
+namespace {
+
+using graph::EventType;
+using graph::Point;
+
+double total(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+constexpr double least_reach = 10, most_reach = 60;  // px
+constexpr double doubt = 0.2;                        // events that the prior is worth
+
+// Happened over could, as if `doubt` of an event more had been seen in the time that takes on average over
+// `all`.
+double rate(const OperatorCounts::Tally& tally, const OperatorCounts::Tally& all) {
+  if (all.could <= 0 || all.happened <= 0) return 0;
+  const double mean = all.happened / all.could;
+  return std::min(1.0, (tally.happened + doubt) / (tally.could + doubt / mean));
+}
+
+constexpr double jeffreys = 0.5;  // events
+
+void add_intervals(const OperatorCounts& counts, RateEstimate& result) {
+  if (counts.gaps <= 0) return;
+  for (std::size_t type = 0; type < counts.events.size(); ++type) {
+    auto& interval = result.a_frame[type];
+    interval = rate_interval(counts.events[type], counts.gaps, counts.events_variance[type], jeffreys, 0);
+    interval.mean = counts.events[type] / counts.gaps;
+    if (counts.events[type] <= 0) interval.low = 0;
+  }
+  OperatorCounts::Tally deaths;
+  for (const auto& tally : counts.death) deaths += tally;
+  if (deaths.happened <= 0) return;
+  for (std::size_t s = 0; s < kSizes; ++s) {
+    const auto& tally = counts.death[s];
+    result.death_by_size[s] = rate_interval(tally.happened, tally.could, tally.variance, doubt,
+                                            doubt * deaths.could / deaths.happened);
+  }
+}
+
+void require_alike(const OperatorCounts& a, const OperatorCounts& b, std::size_t index) {
+  if (a.births.size() == b.births.size() && a.strokes.columns == b.strokes.columns &&
+      a.strokes.rows == b.strokes.rows && a.strokes.cell == b.strokes.cell)
+    return;
+  const auto shape = [](const OperatorCounts& c) {
+    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.strokes.columns) + " x " +
+           std::to_string(c.strokes.rows) + " cells";
+  };
+  throw core::InputError("samples of one clip are alike in frames and size; sample " + std::to_string(index) +
+                         " has " + shape(b) + ", the first " + shape(a));
+}
+
+// Adds a share of `from`.
+void add(double& to, double from, double share) {
+  to += share * from;
+}
+void add(CellMap& to, const CellMap& from, double share) {
+  for (std::size_t c = 0; c < to.values.size(); ++c) to.values[c] += share * from.values[c];
+}
+template <class T>
+void add_all(T& to, const T& from, double share) {
+  for (std::size_t i = 0; i < to.size(); ++i) add(to[i], from[i], share);
+}
+
+// Where what could happen was.
+struct Could {
+  std::array<CellMap, kSizes> die;
+  CellMap split, disconnect;
+};
+
+void count_strokes(const graph::AttributeGraph& graph, OperatorCounts& counts, Could& could) {
+  const auto parts = graph::components(graph);
+  for (const auto& stroke : strokes(parts)) {
+    const auto size = size_class(stroke.size());
+    ++counts.death[size].could;
+    ++could.die[size].values[could.die[size].index(middle(graph, stroke))];
+  }
+  const Sites found = sites(graph, parts, counts.reach);
+  counts.split.could += static_cast<double>(found.inner.size());
+  counts.disconnect.could += static_cast<double>(found.arms.size());
+  const auto at = [&](std::uint32_t v) { return could.split.index(graph.patch(v).position); };
+  for (const auto v : found.inner) ++could.split.values[at(v)];
+  for (const auto& arm : found.arms) ++could.disconnect.values[at(arm.a)];
+  counts.merge.could += static_cast<double>(found.facing.size());
+  counts.connect.could += static_cast<double>(found.beside.size());
+}
+
+std::map<graph::SubgraphId, std::size_t> stroke_sizes(const graph::AttributeGraph& graph) {
+  std::map<graph::SubgraphId, std::size_t> sizes;
+  for (const auto& vertex : graph.vertices()) ++sizes[vertex.subgraph];
+  return sizes;
+}
+
+void count_events(const graph::MotionGraph& motion, std::span<const graph::Event> events,
+                  OperatorCounts& counts) {
+  const CellMap grid = grid_over(motion.sketch.width, motion.sketch.height);
+  counts.births.assign(motion.sketch.frames.size() - 1, grid);
+  counts.deaths = counts.partings = counts.births;
+  for (std::size_t i = 0; i < events.size();) {
+    const int frame = events[i].frame;
+    const auto sizes = stroke_sizes(motion.sketch.frames[static_cast<std::size_t>(frame) - 1]);
+    const auto gap = static_cast<std::size_t>(frame) - 1;
+    for (; i < events.size() && events[i].frame == frame; ++i) {
+      const auto& event = events[i];
+      ++counts.events[static_cast<std::size_t>(event.type)];
+      switch (event.type) {
+        case EventType::birth:
+          ++counts.births[gap].values[grid.index(event.position)];
+          break;
+        case EventType::death:
+          ++counts.deaths[gap].values[grid.index(event.position)];
+          if (const auto found = sizes.find(event.before.at(0)); found != sizes.end())
+            ++counts.death[size_class(found->second)].happened;
+          break;
+        case EventType::split:
+          ++counts.split.happened;
+          ++counts.partings[gap].values[grid.index(event.position)];
+          break;
+        case EventType::merge:
+          ++counts.merge.happened;
+          break;
+        case EventType::connect:
+          ++counts.connect.happened;
+          break;
+        case EventType::disconnect:
+          ++counts.disconnect.happened;
+          ++counts.partings[gap].values[grid.index(event.position)];
+          break;
+      }
+    }
+  }
+}
+
+double quantile(std::vector<double> values, double share, double otherwise) {
+  if (values.empty()) return otherwise;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, values.begin() + at);
+  return values[static_cast<std::size_t>(at)];
+}
+
+// How wide the gaps are that close and open.
+void measure_gaps(const graph::MotionGraph& motion, std::span<const graph::Event> events,
+                  OperatorCounts& counts) {
+  std::vector<double> unions, splits, disconnects;
+  for (const auto& event : events) {
+    const auto& frames = motion.sketch.frames;
+    const auto t = static_cast<std::size_t>(event.frame);
+    if (event.before.size() == 2)
+      unions.push_back(gap_between(frames[t - 1], event.before[0], event.before[1]));
+    if (event.after.size() == 2)
+      (event.type == EventType::split ? splits : disconnects)
+          .push_back(gap_between(frames[t], event.after[0], event.after[1]));
+  }
+  counts.reach = std::clamp(quantile(unions, 0.9, counts.reach), least_reach, most_reach);
+  counts.split_gap = std::min(quantile(splits, 0.5, counts.split_gap), most_reach);
+  counts.disconnect_gap = std::min(quantile(disconnects, 0.5, counts.disconnect_gap), most_reach);
+}
+
+CellMap sum(const std::vector<CellMap>& maps) {
+  CellMap result = maps.at(0);
+  for (std::size_t i = 1; i < maps.size(); ++i)
+    for (std::size_t c = 0; c < result.values.size(); ++c) result.values[c] += maps[i].values[c];
+  return result;
+}
+
+// Σ K n under a Gaussian K of peak 1: what happened around each cell.
+std::vector<double> around(const CellMap& map, double sigma) {
+  auto sums = spread(map, sigma);
+  const double cells = std::max(1.0, 2 * std::numbers::pi * sigma * sigma);
+  for (double& s : sums) s *= cells;
+  return sums;
+}
+
+// (1 + Σ K n) / (1 + Σ K e): events as a multiple of those expected, drawn towards 1 as if by one event.
+std::vector<double> relative(const CellMap& happened, const CellMap& expected, double sigma) {
+  auto n = around(happened, sigma);
+  const auto e = around(expected, sigma);
+  for (std::size_t c = 0; c < n.size(); ++c) n[c] = (1 + n[c]) / (1 + e[c]);
+  return n;
+}
+
+// Log-likelihood of each gap's events under the map made of the others'.
+double left_out(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected, double sigma) {
+  double sum = 0;
+  CellMap others = all, expected_others = expected;
+  const double share = 1 - 1 / static_cast<double>(gaps.size());
+  for (double& e : expected_others.values) e *= share;
+  const auto e = around(expected_others, sigma);
+  const auto n_all = around(all, sigma);
+  for (const auto& gap : gaps) {
+    if (total(gap.values) <= 0) continue;
+    const auto mine = around(gap, sigma);
+    for (std::size_t c = 0; c < gap.values.size(); ++c)
+      if (gap.values[c] > 0 && expected.values[c] > 0)
+        sum += gap.values[c] *
+               std::log((1 + std::max(0.0, n_all[c] - mine[c])) / (1 + e[c]) * expected.values[c]);
+  }
+  // The expected number in a gap: the same for all of them.
+  const auto map = relative(all, expected, sigma);
+  for (std::size_t c = 0; c < map.size(); ++c) sum -= map[c] * expected.values[c];
+  return sum;
+}
+
+CellMap relative_map(const std::vector<CellMap>& gaps, const CellMap& expected) {
+  const CellMap all = sum(gaps);
+  CellMap best = expected;
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const double sigma : {0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 16.0}) {
+    const double likely = left_out(gaps, all, expected, sigma);
+    if (!(likely > highest)) continue;
+    highest = likely;
+    best.values = relative(all, expected, sigma);
+  }
+  if (highest == -std::numeric_limits<double>::infinity()) std::ranges::fill(best.values, 1.0);
+  return best;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint32_t>> strokes(const graph::Components& parts) {
+  std::vector<std::vector<std::uint32_t>> result(parts.count);
+  for (std::uint32_t v = 0; v < parts.of_vertex.size(); ++v) result[parts.of_vertex[v]].push_back(v);
+  return result;
+}
+
+Point middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke) {
+  Point mean;
+  for (const auto v : stroke) mean = mean + graph.patch(v).position;
+  mean = mean * (1.0 / static_cast<double>(stroke.size()));
+  const auto nearest = std::ranges::min_element(
+      stroke, {}, [&](std::uint32_t v) { return graph::distance(graph.patch(v).position, mean); });
+  return graph.patch(*nearest).position;
+}
+
+double gap_between(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b) {
+  std::vector<Point> one, other;
+  for (const auto& v : graph.vertices()) {
+    if (v.subgraph == a) one.push_back(v.patch.position);
+    if (v.subgraph == b) other.push_back(v.patch.position);
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Point p : one)
+    for (const Point q : other) nearest = std::min(nearest, graph::dot(p - q, p - q));
+  return std::sqrt(nearest);
+}
+
+OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const graph::Event> events) {
+  OperatorCounts counts;
+  const auto& frames = motion.sketch.frames;
+  counts.gaps = static_cast<double>(frames.size()) - 1;
+  measure_gaps(motion, events, counts);
+  const CellMap grid = grid_over(motion.sketch.width, motion.sketch.height);
+  Could could{{}, grid, grid};
+  could.die.fill(grid);
+  for (std::size_t t = 0; t + 1 < frames.size(); ++t) count_strokes(frames[t], counts, could);
+  count_events(motion, events, counts);
+  OperatorCounts::Tally all;
+  for (const auto& tally : counts.death) all += tally;
+  counts.strokes = counts.partable = grid;
+  for (std::size_t s = 0; s < kSizes; ++s)
+    for (std::size_t c = 0; c < counts.strokes.values.size(); ++c)
+      counts.strokes.values[c] += could.die[s].values[c] * rate(counts.death[s], all);
+  for (std::size_t c = 0; c < grid.values.size(); ++c)
+    counts.partable.values[c] = could.split.values[c] * rate(counts.split, counts.split) +
+                                could.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
+  return counts;
+}
+
+OperatorCounts mean(std::span<const OperatorCounts> samples) {
+  if (samples.empty()) throw core::InputError("a mean of counts is made of one sample or more; here is none");
+  const auto n = static_cast<double>(samples.size());
+  const double share = 1 / n, unbiased = 1 / std::max(1.0, n - 1);
+  OperatorCounts result;
+  result.reach = result.split_gap = result.disconnect_gap = 0;
+  result.strokes = samples[0].strokes;
+  std::ranges::fill(result.strokes.values, 0.0);
+  result.partable = result.strokes;
+  result.births.assign(samples[0].births.size(), result.strokes);
+  result.deaths = result.partings = result.births;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto& sample = samples[i];
+    require_alike(samples[0], sample, i);
+    add_all(result.births, sample.births, share);
+    add_all(result.deaths, sample.deaths, share);
+    add_all(result.partings, sample.partings, share);
+    add(result.strokes, sample.strokes, share);
+    add(result.partable, sample.partable, share);
+    add(result.reach, sample.reach, share);
+    add(result.split_gap, sample.split_gap, share);
+    add(result.disconnect_gap, sample.disconnect_gap, share);
+    add(result.gaps, sample.gaps, share);
+    add_all(result.events, sample.events, share);
+  }
+  const auto average = [&](auto tally) {
+    OperatorCounts::Tally m;
+    for (const auto& sample : samples)
+      add(m.happened, tally(sample).happened, share), add(m.could, tally(sample).could, share);
+    for (const auto& sample : samples)
+      add(m.variance, std::pow(tally(sample).happened - m.happened, 2), unbiased);
+    return m;
+  };
+  result.split = average([](const auto& c) { return c.split; });
+  result.merge = average([](const auto& c) { return c.merge; });
+  result.connect = average([](const auto& c) { return c.connect; });
+  result.disconnect = average([](const auto& c) { return c.disconnect; });
+  for (std::size_t s = 0; s < kSizes; ++s)
+    result.death[s] = average([s](const auto& c) { return c.death[s]; });
+  for (const auto& sample : samples)
+    for (std::size_t type = 0; type < result.events.size(); ++type)
+      add(result.events_variance[type], std::pow(sample.events[type] - result.events[type], 2), unbiased);
+  return result;
+}
+
+RateInterval rate_interval(double events, double time, double variance, double prior_events,
+                           double prior_time, double probability) {
+  const double shape = events + prior_events, rate = time + prior_time, average = shape / rate;
+  if (!(shape > 0) || !(rate > 0))
+    throw core::InputError("a rate's interval needs more than no events and no time; here are " +
+                           std::to_string(shape) + " in " + std::to_string(rate));
+  const double spread = (shape + variance) / (rate * rate);
+  const boost::math::gamma_distribution<double> gamma(average * average / spread, spread / average);
+  return {average, boost::math::quantile(gamma, (1 - probability) / 2),
+          boost::math::quantile(boost::math::complement(gamma, (1 - probability) / 2))};
+}
+
+RateEstimate estimate_rates(const OperatorCounts& counts) {
+  RateEstimate result;
+  add_intervals(counts, result);
+  OperatorRates& rates = result.rates;
+  OperatorCounts::Tally deaths;
+  for (const auto& tally : counts.death) deaths += tally;
+  for (std::size_t s = 0; s < kSizes; ++s) rates.death_by_size[s] = rate(counts.death[s], deaths);
+  rates.death = relative_map(counts.deaths, counts.strokes);
+  rates.parting = relative_map(counts.partings, counts.partable);
+
+  const double births = total(sum(counts.births).values);
+  const CellMap& grid = counts.strokes;
+  CellMap expected = grid;
+  std::ranges::fill(expected.values, births / static_cast<double>(grid.values.size()));
+  rates.birth = relative_map(counts.births, expected);
+  const double mass = total(rates.birth.values) * grid.cell * grid.cell;
+  for (double& value : rates.birth.values) value *= births / counts.gaps / mass;
+
+  rates.split = rate(counts.split, counts.split);
+  rates.merge = rate(counts.merge, counts.merge);
+  rates.connect = rate(counts.connect, counts.connect);
+  rates.disconnect = rate(counts.disconnect, counts.disconnect);
+  rates.reach = counts.reach, rates.split_gap = counts.split_gap;
+  rates.disconnect_gap = counts.disconnect_gap;
+  if (births + deaths.happened < 10)
+    result.notes.push_back("only " + std::to_string(static_cast<int>(births)) + " births and " +
+                           std::to_string(static_cast<int>(deaths.happened)) +
+                           " deaths: their rates are hardly known");
+  return result;
+}
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "core/text/format_number.hpp"
+#include "core/text/json_reader.hpp"
+#include "graph/io/patch_range.hpp"
+#include "mcmc/model/motion_model.hpp"
+
+namespace emberfold::mcmc {
+
+namespace {
+
+using core::NpyArray;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFormat = "emberfold.motion_model";
+constexpr int kVersion = 1;
+constexpr std::size_t kPatchColumns = 16;  // x y theta width blur contrast, left middle right of 3, type
+constexpr std::size_t kHollowColumns = 4;  // hollow, between of 3
+constexpr std::size_t kMostPatches = std::size_t{1} << 26;
+
+// --- writing
+
+NpyArray table(std::vector<double> values, std::size_t columns) {
+  return {{values.size() / columns, columns}, false, std::move(values)};
+}
+
+NpyArray map_array(const CellMap& map) {
+  return {{static_cast<std::size_t>(map.rows), static_cast<std::size_t>(map.columns)}, false, map.values};
+}
+
+void append_patches(std::vector<double>& rows, const graph::AttributeGraph& graph) {
+  for (const auto& vertex : graph.vertices()) {
+    const auto& p = vertex.patch;
+    rows.insert(rows.end(), {p.position.x, p.position.y, p.theta, p.width, p.blur, p.contrast});
+    for (const auto& level : {p.left, p.middle, p.right})
+      for (const float value : level) rows.push_back(static_cast<double>(value));
+    rows.push_back(static_cast<double>(p.type));
+  }
+}
+
+void append_hollows(std::vector<double>& rows, const graph::AttributeGraph& graph) {
+  for (const auto& vertex : graph.vertices()) {
+    rows.push_back(vertex.patch.hollow);
+    for (const float value : vertex.patch.between) rows.push_back(static_cast<double>(value));
+  }
+}
+
+bool has_double_ridges(const graph::AttributeGraph& graph) {
+  return std::ranges::any_of(graph.vertices(), [](const auto& v) { return v.patch.hollow > 0; });
+}
+
+void append_edges(std::vector<std::int64_t>& rows, const graph::AttributeGraph& graph) {
+  for (const auto& edge : graph.edges()) {
+    rows.push_back(static_cast<std::int64_t>(graph.index_of(edge.a)));
+    rows.push_back(static_cast<std::int64_t>(graph.index_of(edge.b)));
+  }
+}
+
+NpyArray pairs(std::vector<std::int64_t> values) {
+  return {{values.size() / 2, 2}, false, std::move(values)};
+}
+
+Json motion_json(const Autoregression& m) {
+  return {{"a1", m.a1},       {"a2", m.a2},       {"coupling", m.coupling},
+          {"noise", m.noise}, {"range", m.range}, {"measurement", m.measurement}};
+}
+
+// --- reading
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw core::IoError("motion model: " + why);
+}
+
+double number(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number())
+    refuse(std::string("\"") + key + "\" is no number in model.json");
+  return found->get<double>();
+}
+
+int whole(const nlohmann::json& object, const char* key) {
+  const double value = number(object, key);
+  if (!(value >= 0 && value <= 1e9) || value != std::floor(value))
+    refuse(std::string("\"") + key + "\" is " + core::number_text(value) + " in model.json, not a count");
+  return static_cast<int>(value);
+}
+
+const nlohmann::json& part(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_object())
+    refuse(std::string("\"") + key + "\" is missing in model.json");
+  return *found;
+}
+
+template <std::size_t N>
+std::array<double, N> numbers(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_array() || found->size() != N)
+    refuse(std::string("\"") + key + "\" is no list of " + std::to_string(N) + " numbers in model.json");
+  std::array<double, N> values{};
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!(*found)[i].is_number()) refuse(std::string("\"") + key + "\" holds something else than numbers");
+    values[i] = (*found)[i].get<double>();
+  }
+  return values;
+}
+
+Autoregression read_motion(const nlohmann::json& object) {
+  return {number(object, "a1"),    number(object, "a2"),    number(object, "coupling"),
+          number(object, "noise"), number(object, "range"), number(object, "measurement")};
+}
+
+std::string shape_text(const std::vector<std::size_t>& shape) {
+  std::string text;
+  for (const auto size : shape) text += (text.empty() ? "" : " x ") + std::to_string(size);
+  return text;
+}
+
+// The array of this name, of two dimensions, row by row; `rows`: any where not given.
+template <class Value>
+const std::vector<Value>& rows_of(const core::ModelArchive& archive, const std::string& name,
+                                  std::size_t columns, std::optional<std::size_t> rows = {}) {
+  const auto found = archive.arrays.find(name);
+  if (found == archive.arrays.end()) refuse(name + ".npy is missing");
+  const auto& array = found->second;
+  const bool fits =
+      array.shape.size() == 2 && array.shape[1] == columns && (!rows || array.shape[0] == *rows);
+  if (!fits || (array.fortran_order && array.shape[0] > 1 && columns > 1))
+    refuse(name + ".npy is " + shape_text(array.shape) + (array.fortran_order ? " in Fortran order" : "") +
+           "; expected " + (rows ? std::to_string(*rows) : "N") + " x " + std::to_string(columns));
+  if (array.shape[0] > kMostPatches) refuse(name + ".npy has " + std::to_string(array.shape[0]) + " rows");
+  const auto* const values = std::get_if<std::vector<Value>>(&array.data);
+  if (!values)
+    refuse(name + ".npy holds another type than " + (std::is_same_v<Value, double> ? "float64" : "int64"));
+  return *values;
+}
+
+CellMap read_map(const core::ModelArchive& archive, const std::string& name, double cell, int width,
+                 int height) {
+  CellMap map;
+  map.cell = cell;
+  map.columns = static_cast<int>(std::ceil(width / cell));
+  map.rows = static_cast<int>(std::ceil(height / cell));
+  map.values = rows_of<double>(archive, name, static_cast<std::size_t>(map.columns),
+                               static_cast<std::size_t>(map.rows));
+  return map;
+}
+
+graph::Patch read_patch(const double* row, const std::string& name) {
+  for (std::size_t i = 0; i < kPatchColumns; ++i)
+    if (!std::isfinite(row[i])) refuse(name + ".npy holds a number that is not finite");
+  graph::Patch p;
+  p.position = {row[0], row[1]};
+  p.theta = row[2], p.width = row[3], p.blur = row[4], p.contrast = row[5];
+  for (std::size_t c = 0; c < 3; ++c) {
+    p.left[c] = static_cast<float>(row[6 + c]);
+    p.middle[c] = static_cast<float>(row[9 + c]);
+    p.right[c] = static_cast<float>(row[12 + c]);
+  }
+  const double type = row[15];
+  if (!(type >= 0 && type <= static_cast<double>(graph::PatchType::blob)) || type != std::floor(type))
+    refuse(name + ".npy holds a patch of no known type");
+  p.type = static_cast<graph::PatchType>(type);
+  if (const auto why = graph::detail::range_error(p); !why.empty()) refuse(name + ".npy: " + why);
+  return p;
+}
+
+void read_hollow(graph::Patch& patch, const double* row, const std::string& name) {
+  patch.hollow = row[0];
+  for (std::size_t c = 0; c < 3; ++c) patch.between[c] = static_cast<float>(row[1 + c]);
+  if (const auto why = graph::detail::range_error(patch); !why.empty()) refuse(name + ".npy: " + why);
+}
+
+// The next graph of the tables of this kind: "first" or "exemplar".
+struct GraphTables {
+  std::string patches_name, edges_name, hollows_name;
+  const std::vector<double>& patches;
+  const std::vector<std::int64_t>& edges;
+  const std::vector<double>* hollows = nullptr;  // missing where there are no double ridges
+  std::size_t next_patch = 0, next_edge = 0;
+
+  GraphTables(const core::ModelArchive& archive, const std::string& kind)
+      : patches_name(kind + "_patches"),
+        edges_name(kind + "_edges"),
+        hollows_name(kind + "_hollows"),
+        patches(rows_of<double>(archive, patches_name, kPatchColumns)),
+        edges(rows_of<std::int64_t>(archive, edges_name, 2)) {
+    if (archive.arrays.contains(hollows_name))
+      hollows = &rows_of<double>(archive, hollows_name, kHollowColumns, patches.size() / kPatchColumns);
+  }
+
+  graph::AttributeGraph take(std::size_t patch_count, std::size_t edge_count) {
+    if (patch_count > patches.size() / kPatchColumns - next_patch ||
+        edge_count > edges.size() / 2 - next_edge)
+      refuse(patches_name + ".npy and " + edges_name + ".npy hold fewer rows than the exemplars need");
+    std::vector<graph::Vertex> vertices;
+    std::vector<graph::Edge> joined;
+    for (std::size_t i = 0; i < patch_count; ++i) {
+      graph::Patch patch = read_patch(&patches[(next_patch + i) * kPatchColumns], patches_name);
+      if (hollows != nullptr)
+        read_hollow(patch, &(*hollows)[(next_patch + i) * kHollowColumns], hollows_name);
+      vertices.push_back({{static_cast<std::uint32_t>(i)}, {}, patch});
+    }
+    const auto end = [&](std::size_t at) {
+      const std::int64_t index = edges[at];
+      if (index < 0 || static_cast<std::size_t>(index) >= patch_count)
+        refuse(edges_name + ".npy names patch " + std::to_string(index) + " of " +
+               std::to_string(patch_count));
+      return graph::VertexId{static_cast<std::uint32_t>(index)};
+    };
+    for (std::size_t i = 0; i < edge_count; ++i)
+      joined.push_back({end((next_edge + i) * 2), end((next_edge + i) * 2 + 1)});
+    next_patch += patch_count, next_edge += edge_count;
+    try {
+      return {std::move(vertices), std::move(joined)};
+    } catch (const core::InputError& error) {
+      refuse(edges_name + ".npy: " + error.what());
+    }
+  }
+  void finish() const {
+    if (next_patch * kPatchColumns != patches.size() || next_edge * 2 != edges.size())
+      refuse(patches_name + ".npy and " + edges_name + ".npy hold more rows than the exemplars need");
+  }
+};
+
+void read_exemplars(const core::ModelArchive& archive, MotionModel& model) {
+  GraphTables tables(archive, "exemplar");
+  const auto& sizes = rows_of<std::int64_t>(archive, "exemplar_sizes", 2);
+  const auto& places = rows_of<double>(archive, "exemplar_places", 3, sizes.size() / 2);
+  for (std::size_t i = 0; i < sizes.size() / 2; ++i) {
+    if (sizes[2 * i] < 1 || sizes[2 * i + 1] < 0) refuse("exemplar_sizes.npy holds a size that is none");
+    model.exemplars.push_back(
+        {tables.take(static_cast<std::size_t>(sizes[2 * i]), static_cast<std::size_t>(sizes[2 * i + 1])),
+         {places[3 * i], places[3 * i + 1]},
+         places[3 * i + 2]});
+  }
+  tables.finish();
+  GraphTables first(archive, "first");
+  model.first = first.take(first.patches.size() / kPatchColumns, first.edges.size() / 2);
+  if (!archive.arrays.contains("first_swing")) return;  // older models do not have it
+  const auto& swing = rows_of<double>(archive, "first_swing", 6, model.first.size());
+  for (const double* s = swing.data(); s != swing.data() + swing.size(); s += 6)
+    model.first_swing.push_back({{s[0], s[1]}, {s[2], s[3]}, s[4], s[5]});
+}
+
+nlohmann::json header(const core::ModelArchive& archive) {
+  nlohmann::json json;
+  try {
+    json = core::parse_json(archive.text);
+  } catch (const core::IoError& error) {
+    refuse(std::string("model.json: ") + error.what());
+  }
+  if (!json.is_object() || !json.contains("format") || json["format"] != kFormat)
+    refuse(std::string("model.json does not say \"format\": \"") + kFormat + "\"");
+  if (const int version = whole(json, "version"); version != kVersion)
+    refuse("version " + std::to_string(version) + "; this program reads version " + std::to_string(kVersion));
+  return json;
+}
+
+Circumstances read_circumstances(const Json& json) {
+  return {numbers<kSince>(json, "death"),   numbers<kSince>(json, "parting"),
+          numbers<kSince>(json, "uniting"), numbers<kGaps>(json, "bridging"),
+          numbers<kTurns>(json, "turning"), number(json, "pace")};
+}
+
+Exclusion read_exclusion(const Json& json) {
+  return {number(json, "alike"), number(json, "lines"), number(json, "mixed")};
+}
+
+}  // namespace
+
+core::ModelArchive to_archive(const MotionModel& model) {
+  validate(model);
+  const auto& rates = model.rates;
+  const Json json = {{"format", kFormat},
+                     {"version", kVersion},
+                     {"width", model.width},
+                     {"height", model.height},
+                     {"fps", model.fps},
+                     {"frames", model.frames},
+                     {"sway", motion_json(model.sway)},
+                     {"contrast", motion_json(model.contrast)},
+                     {"cell", model.density.cell},
+                     {"rates",
+                      {{"birth_by_size", rates.birth_by_size},
+                       {"death_by_size", rates.death_by_size},
+                       {"split", rates.split},
+                       {"merge", rates.merge},
+                       {"connect", rates.connect},
+                       {"disconnect", rates.disconnect},
+                       {"reach", rates.reach},
+                       {"split_gap", rates.split_gap},
+                       {"disconnect_gap", rates.disconnect_gap},
+                       {"hold", rates.hold},
+                       {"circumstances",
+                        {{"death", rates.circumstances.death},
+                         {"parting", rates.circumstances.parting},
+                         {"uniting", rates.circumstances.uniting},
+                         {"bridging", rates.circumstances.bridging},
+                         {"turning", rates.circumstances.turning},
+                         {"pace", rates.circumstances.pace}}}}},
+                     {"exclusion",
+                      {{"alike", model.exclusion.alike},
+                       {"lines", model.exclusion.lines},
+                       {"mixed", model.exclusion.mixed}}},
+                     {"appearing", model.appearing},
+                     {"vanishing", model.vanishing}};
+  core::ModelArchive archive;
+  archive.text = json.dump(1) + "\n";
+  archive.arrays = {{"birth", map_array(rates.birth)},           {"death", map_array(rates.death)},
+                    {"density", map_array(model.density)},       {"parting", map_array(rates.parting)},
+                    {"sway_share", map_array(model.sway_share)}, {"drift_x", map_array(model.drift_x)},
+                    {"drift_y", map_array(model.drift_y)}};
+  std::vector<double> patches, places, first, hollows, first_hollows;
+  std::vector<std::int64_t> edges, sizes, first_edges;
+  for (const auto& exemplar : model.exemplars) {
+    append_patches(patches, exemplar.graph);
+    append_hollows(hollows, exemplar.graph);
+    append_edges(edges, exemplar.graph);
+    sizes.push_back(static_cast<std::int64_t>(exemplar.graph.size()));
+    sizes.push_back(static_cast<std::int64_t>(exemplar.graph.edges().size()));
+    places.insert(places.end(), {exemplar.place.x, exemplar.place.y, exemplar.clearance});
+  }
+  append_patches(first, model.first);
+  append_hollows(first_hollows, model.first);
+  append_edges(first_edges, model.first);
+  archive.arrays["exemplar_patches"] = table(std::move(patches), kPatchColumns);
+  archive.arrays["exemplar_edges"] = pairs(std::move(edges));
+  archive.arrays["exemplar_sizes"] = pairs(std::move(sizes));
+  archive.arrays["exemplar_places"] = table(std::move(places), 3);
+  archive.arrays["first_patches"] = table(std::move(first), kPatchColumns);
+  archive.arrays["first_edges"] = pairs(std::move(first_edges));
+  if (std::ranges::any_of(model.exemplars, [](const auto& e) { return has_double_ridges(e.graph); }))
+    archive.arrays["exemplar_hollows"] = table(std::move(hollows), kHollowColumns);
+  if (has_double_ridges(model.first))
+    archive.arrays["first_hollows"] = table(std::move(first_hollows), kHollowColumns);
+  if (model.first_swing.empty()) return archive;
+  std::vector<double> swing;
+  for (const auto& s : model.first_swing)
+    swing.insert(swing.end(),
+                 {s.offset.x, s.offset.y, s.offset_before.x, s.offset_before.y, s.gain, s.gain_before});
+  archive.arrays["first_swing"] = table(std::move(swing), 6);
+  return archive;
+}
+
+MotionModel motion_model(const core::ModelArchive& archive) {
+  const auto json = header(archive);
+  MotionModel model;
+  model.width = whole(json, "width"), model.height = whole(json, "height");
+  if (model.width < 1 || model.width > 65536 || model.height < 1 || model.height > 65536)
+    refuse("the frame is " + std::to_string(model.width) + " x " + std::to_string(model.height) +
+           " px; allowed is 1 to 65536 each way");
+  model.fps = number(json, "fps");
+  model.frames = whole(json, "frames");
+  model.sway = read_motion(part(json, "sway"));
+  model.contrast = read_motion(part(json, "contrast"));
+  const auto& rates = part(json, "rates");
+  model.rates.birth_by_size = numbers<kSizes>(rates, "birth_by_size");
+  model.rates.death_by_size = numbers<kSizes>(rates, "death_by_size");
+  model.rates.split = number(rates, "split"), model.rates.merge = number(rates, "merge");
+  model.rates.connect = number(rates, "connect"), model.rates.disconnect = number(rates, "disconnect");
+  model.rates.reach = number(rates, "reach");
+  model.rates.split_gap = number(rates, "split_gap");
+  model.rates.disconnect_gap = number(rates, "disconnect_gap");
+  // Older models do not have them.
+  if (rates.contains("hold")) model.rates.hold = number(rates, "hold");
+  if (rates.contains("circumstances"))
+    model.rates.circumstances = read_circumstances(part(rates, "circumstances"));
+  if (json.contains("exclusion")) model.exclusion = read_exclusion(part(json, "exclusion"));
+  model.appearing = numbers<8>(json, "appearing");
+  model.vanishing = numbers<8>(json, "vanishing");
+  const double cell = number(json, "cell");
+  if (!(cell >= 1 && cell <= 65536))
+    refuse("\"cell\" is " + core::number_text(cell) + "; allowed is 1 to 65536 px");
+  const auto map = [&](const char* name) { return read_map(archive, name, cell, model.width, model.height); };
+  model.rates.birth = map("birth"), model.rates.death = map("death");
+  model.rates.parting = map("parting"), model.sway_share = map("sway_share");
+  model.density = map("density");
+  model.drift_x = map("drift_x"), model.drift_y = map("drift_y");
+  read_exemplars(archive, model);
+  try {
+    validate(model);
+  } catch (const core::InputError& error) {
+    throw core::IoError(error.what());
+  }
+  return model;
+}
+
+}  // namespace emberfold::mcmc

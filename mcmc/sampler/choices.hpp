@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/rng.hpp"
+
+namespace emberfold::mcmc {
+
+/// Where moves take their chances from: random numbers, or every outcome in turn
+/// (mcmc/sampler/ratio_check.hpp).
+class Draws {
+ public:
+  virtual ~Draws() = default;
+  /// Uniform on {0, …, count − 1}; count ≥ 1.
+  virtual std::size_t below(std::size_t count) = 0;
+  /// i with the chance weights[i]; they sum 1. What has the weight 0 is never picked.
+  virtual std::size_t pick(std::span<const double> weights) = 0;
+  virtual double normal(double mean, double sd) = 0;
+
+  bool coin() { return below(2) == 1; }
+};
+
+class RandomDraws final : public Draws {
+ public:
+  explicit RandomDraws(const core::Rng& rng) : rng_(rng) {}
+  std::size_t below(std::size_t count) override { return rng_.below(static_cast<std::uint32_t>(count)); }
+  std::size_t pick(std::span<const double> weights) override {
+    double left = rng_.uniform();
+    std::size_t i = 0;
+    for (; i + 1 < weights.size() && left >= weights[i]; ++i) left -= weights[i];
+    while (i > 0 && weights[i] <= 0) --i;  // where rounding has left something over
+    return i;
+  }
+  double normal(double mean, double sd) override { return mean + sd * rng_.normal(); }
+  double uniform() { return rng_.uniform(); }
+
+ private:
+  core::Rng rng_;
+};
+
+}  // namespace emberfold::mcmc

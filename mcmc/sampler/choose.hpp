@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "mcmc/sampler/hidden_graph.hpp"
+
+// What the moves choose by.
+namespace emberfold::mcmc {
+
+/// log n.
+inline double log_count(std::size_t n) {
+  static const auto logs = [] {
+    std::array<double, 512> table{};
+    for (std::size_t k = 0; k < table.size(); ++k) table[k] = std::log(static_cast<double>(k));
+    return table;
+  }();
+  return n < logs.size() ? logs[n] : std::log(static_cast<double>(n));
+}
+
+/// How many of a list's nodes are to keep, and the n-th of them.
+template <class Keep>
+std::size_t count_if(std::span<const Index> list, Keep keep) {
+  std::size_t count = 0;
+  for (const Index i : list) count += keep(i);
+  return count;
+}
+template <class Keep>
+Index nth(std::span<const Index> list, std::size_t n, Keep keep) {
+  for (const Index i : list)
+    if (keep(i) && n-- == 0) return i;
+  return kNone;
+}
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/sampler/moves.hpp"
+
+#include <array>
+
+namespace emberfold::mcmc {
+
+std::span<const Move> moves() {
+  static constexpr std::array<Move, 9> all = {{{"link, unlink", link_or_unlink, 2, true},
+                                               {"switch", switch_links, 2, true},
+                                               {"relink", relink, 2, true},
+                                               {"connect, cut", connect_or_cut, 3, false},
+                                               {"add, delete", add_or_delete, 2, false},
+                                               {"split, merge", split_or_merge, 1, false},
+                                               {"shift a run", shift_run, 0.5, true},
+                                               {"tie strokes", tie_strokes, 0.03, true},
+                                               {"hand over", hand_over, 0.03, true}}};
+  return all;
+}
+
+}  // namespace emberfold::mcmc

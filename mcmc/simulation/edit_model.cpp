@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/simulation/edit_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
+#include <utility>
+
+#include "core/error.hpp"
+#include "core/rng.hpp"
+#include "graph/events/events.hpp"
+#include "mcmc/simulation/edit_population.hpp"
+#include "mcmc/simulation/rate_balancing.hpp"
+
+namespace emberfold::mcmc {
+
+namespace {
+
+using graph::EventType;
+
+constexpr double most_crowded = 4;  // births over deaths
+constexpr double just_stable = 0.9999;
+constexpr std::size_t placed = 600;  // exemplars of a painted birth map
+
+double sum(const CellMap& map) {
+  return std::accumulate(map.values.begin(), map.values.end(), 0.0);
+}
+
+void check(const char* field, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  const auto text = [](double v) {
+    std::string s = std::to_string(v);
+    s.erase(s.find_last_not_of('0') + 1);
+    if (s.back() == '.') s.pop_back();
+    return s;
+  };
+  throw core::InputError(std::string("MotionEdit.") + field + " is " + text(value) + ", must be in " +
+                         text(least) + "…" + text(most));
+}
+
+// --- speed
+
+double power(double share, double factor) {
+  return 1 - std::pow(1 - std::clamp(share, 0.0, 1.0), factor);
+}
+
+// Shares of so many frames as they are when time runs faster; slower, within the frames that there are.
+void resample(std::array<double, 8>& shares, double factor) {
+  double rising = 0;  // frames until it is all there
+  for (std::size_t k = 0; k < shares.size(); ++k)
+    if (shares[k] < 0.95) rising = static_cast<double>(k) + 1;
+  const double step = std::max(factor, rising / static_cast<double>(shares.size()));
+  const auto was = shares;
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    const double x = static_cast<double>(k) * step;
+    const auto i = static_cast<std::size_t>(x);
+    const auto at = [&](std::size_t j) { return j < was.size() ? was[j] : 1.0; };
+    shares[k] = at(i) + (x - static_cast<double>(i)) * (at(i + 1) - at(i));
+  }
+}
+
+void speed_up(MotionModel& model, double factor, std::uint64_t seed, const core::Context& context) {
+  Census shown = detail::measure(model, seed, context);
+  for (double& events : shown.events) events *= factor;
+  model.sway = at_speed(model.sway, factor);
+  model.contrast = at_speed(model.contrast, factor);
+  for (auto* map : {&model.drift_x, &model.drift_y, &model.rates.birth})
+    for (double& value : map->values) value *= factor;
+  auto& rates = model.rates;
+  for (double& rate : rates.death_by_size) rate = power(rate, factor);
+  for (double* rate : {&rates.split, &rates.merge, &rates.connect, &rates.disconnect})
+    *rate = power(*rate, factor);
+  rates.hold /= factor, rates.circumstances.pace *= factor;
+  resample(model.appearing, factor);
+  resample(model.vanishing, factor);
+  for (auto& swing : model.first_swing) {
+    swing.offset_before = swing.offset + (swing.offset_before - swing.offset) * factor;
+    swing.gain_before = swing.gain + (swing.gain_before - swing.gain) * factor;
+  }
+  balance(model, shown, seed, context);
+}
+
+// --- reversal
+
+// Where strokes die becomes where they are born, and the other way about.
+void swap_maps(MotionModel& model) {
+  auto& rates = model.rates;
+  const double mean = sum(model.density) / static_cast<double>(model.density.values.size());
+  CellMap ends = rates.death, begins = rates.birth;
+  double weight = 0, level = 0;
+  for (std::size_t c = 0; c < ends.values.size(); ++c) {
+    const double there = model.density.values[c] + 0.1 * mean;
+    ends.values[c] *= there;
+    begins.values[c] /= std::max(there, 1e-12);
+    weight += there, level += there * begins.values[c];
+  }
+  if (level > 0)
+    for (double& value : begins.values) value *= weight / level;
+  rates.birth = ends;
+  if (level > 0) rates.death = begins;
+}
+
+// Unions need strokes that lie near each other: not as many can be had as came apart, in any model.
+void note_unmet(const Census& wanted, EditedMotion& result, std::uint64_t seed,
+                const core::Context& context) {
+  const Census seen = detail::measure(result.model, seed, context);
+  for (std::size_t i = 0; i < wanted.events.size(); ++i)
+    if (std::abs(seen.events[i] - wanted.events[i]) > 0.25 * wanted.events[i] + 0.05)
+      result.notes.push_back("backwards " + std::to_string(seen.events[i]) + " " +
+                             std::string(graph::name(static_cast<EventType>(i))) +
+                             " events a frame could be had, " + std::to_string(wanted.events[i]) +
+                             " were wanted");
+}
+
+void turn_back(EditedMotion& result, std::uint64_t seed, const core::Context& context) {
+  MotionModel& model = result.model;
+  Census shown = detail::measure(model, seed, context);
+  auto& rates = model.rates;
+  const auto born = births_by_size(model);
+  std::array<double, kSizes> dying{};
+  double deaths = 0;
+  for (std::size_t s = 0; s < kSizes; ++s) deaths += dying[s] = rates.death_by_size[s] * shown.strokes[s];
+  for (std::size_t s = 0; s < kSizes; ++s) {
+    const double rate = shown.strokes[s] > 0 ? born[s] / shown.strokes[s] : rates.death_by_size[s];
+    rates.death_by_size[s] = std::min(1.0, rate);
+  }
+  swap_maps(model);
+  const auto at = [&](EventType type) -> double& { return shown.events[static_cast<std::size_t>(type)]; };
+  if (deaths > 0)
+    for (double& value : dying) value *= at(EventType::death) / deaths;
+  set_births(model, dying, shown.strokes);
+  // As many unions as there were separations; one that was never seen begins where the other was.
+  const auto exchange = [&](EventType a, EventType b, double& rate_a, double& rate_b) {
+    const double turned_a = at(a) > 0 ? rate_a * at(b) / at(a) : rate_b;
+    rate_b = std::min(1.0, at(b) > 0 ? rate_b * at(a) / at(b) : rate_a);
+    rate_a = std::min(1.0, turned_a);
+    std::swap(at(a), at(b));
+  };
+  exchange(EventType::split, EventType::merge, rates.split, rates.merge);
+  exchange(EventType::disconnect, EventType::connect, rates.disconnect, rates.connect);
+  std::swap(at(EventType::birth), at(EventType::death));
+  for (auto* map : {&model.drift_x, &model.drift_y})
+    for (double& value : map->values) value = -value;
+  std::swap(model.appearing, model.vanishing);
+  for (auto& swing : model.first_swing) {
+    std::swap(swing.offset, swing.offset_before);
+    std::swap(swing.gain, swing.gain_before);
+  }
+  balance(model, shown, seed, context);
+  note_unmet(shown, result, seed, context);
+}
+
+// --- a choice of strokes
+
+double coarseness(const graph::AttributeGraph& graph) {
+  double all = 0;
+  for (const auto& vertex : graph.vertices()) all += vertex.patch.width + 2 * vertex.patch.blur;
+  return all / static_cast<double>(graph.size());
+}
+
+// Half of the exemplars' patches belong to strokes that are coarser.
+double usual_coarseness(const MotionModel& model) {
+  std::vector<std::pair<double, std::size_t>> strokes;
+  std::size_t patches = 0;
+  for (const auto& exemplar : model.exemplars) {
+    strokes.emplace_back(coarseness(exemplar.graph), exemplar.graph.size());
+    patches += exemplar.graph.size();
+  }
+  std::ranges::sort(strokes);
+  std::size_t below = 0;
+  for (const auto& [value, size] : strokes)
+    if ((below += size) * 2 >= patches) return value;
+  return 0;
+}
+
+graph::AttributeGraph stroke(const graph::AttributeGraph& graph, const std::vector<std::uint32_t>& part) {
+  std::vector<graph::Vertex> vertices;
+  for (const auto v : part) vertices.push_back(graph.vertices()[v]);
+  return {std::move(vertices), {}};
+}
+
+// Leaves those of the first frame's strokes that `keep` says.
+template <class Keep>
+void keep_first(MotionModel& model, const Keep& keep) {
+  const auto& graph = model.first;
+  std::vector<bool> kept(graph.size());
+  for (const auto& part : strokes(graph::components(graph)))
+    for (const auto v : part) kept[v] = keep(stroke(graph, part));
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  std::vector<Swing> swings;
+  for (std::uint32_t v = 0; v < graph.size(); ++v) {
+    if (!kept[v]) continue;
+    vertices.push_back(graph.vertices()[v]);
+    if (!model.first_swing.empty()) swings.push_back(model.first_swing[v]);
+  }
+  for (const auto& edge : graph.edges())
+    if (kept[graph.index_of(edge.a)]) edges.push_back(edge);
+  model.first = {std::move(vertices), std::move(edges)};
+  model.first_swing = std::move(swings);
+}
+
+// Returns how many of the births are left.
+double choose(MotionModel& model, StrokeChoice choice) {
+  const double usual = usual_coarseness(model);
+  const auto keep = [&](const graph::AttributeGraph& graph) {
+    return (coarseness(graph) > usual) == (choice == StrokeChoice::coarse);
+  };
+  std::array<double, kSizes> all{}, left{};
+  std::vector<Exemplar> exemplars;
+  for (const auto& exemplar : model.exemplars) {
+    const auto size = size_class(exemplar.graph.size());
+    ++all[size];
+    if (!keep(exemplar.graph)) continue;
+    ++left[size];
+    exemplars.push_back(exemplar);
+  }
+  if (exemplars.empty())
+    throw core::InputError("MotionEdit.strokes: the model's strokes are all alike; none would be left");
+  auto births = births_by_size(model);
+  const double before = std::accumulate(births.begin(), births.end(), 0.0);
+  for (std::size_t s = 0; s < kSizes; ++s) births[s] *= all[s] > 0 ? left[s] / all[s] : 0;
+  set_births(model, births, left);
+  model.exemplars = std::move(exemplars);
+  keep_first(model, keep);
+  for (double& value : model.density.values) value /= 2;
+  return before > 0 ? std::accumulate(births.begin(), births.end(), 0.0) / before : 1;
+}
+
+// --- a painted birth map
+
+void paint_births(MotionModel& model, const CellMap& painted, std::uint64_t seed) {
+  auto& birth = model.rates.birth;
+  if (painted.columns != birth.columns || painted.rows != birth.rows || painted.cell != birth.cell ||
+      painted.values.size() != birth.values.size())
+    throw core::InputError("MotionEdit.birth_map is of another grid than the model's");
+  const double whole = sum(birth), mass = sum(painted);
+  for (std::size_t c = 0; c < birth.values.size(); ++c) birth.values[c] = painted.values[c] / mass * whole;
+  // Strokes that may be born there: each exemplar at some places of the painted map.
+  std::vector<Exemplar> exemplars;
+  const std::size_t copies =
+      std::max<std::size_t>(1, placed / std::max<std::size_t>(1, model.exemplars.size()));
+  for (std::size_t i = 0; i < model.exemplars.size(); ++i)
+    for (std::size_t copy = 0; copy < copies; ++copy) {
+      core::Rng rng(seed, {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(copy), 0});
+      const auto cell = rng.categorical(painted.values);
+      const auto columns = static_cast<std::size_t>(painted.columns);
+      Exemplar one = model.exemplars[i];
+      one.place = {(static_cast<double>(cell % columns) + rng.uniform()) * painted.cell - 0.5,
+                   (static_cast<double>(cell / columns) + rng.uniform()) * painted.cell - 0.5};
+      exemplars.push_back(std::move(one));
+    }
+  model.exemplars = std::move(exemplars);
+}
+
+// --- rates
+
+void change_population(EditedMotion& result, const MotionEdit& edit, std::uint64_t seed,
+                       const core::Context& context) {
+  MotionModel& model = result.model;
+  const Census shown = detail::measure(model, seed, context);
+  detail::WantedEvents wanted;
+  double births = edit.rates[0];
+  if (edit.strokes != StrokeChoice::all) births *= choose(model, edit.strokes);
+  if (edit.birth_map) paint_births(model, *edit.birth_map, seed);
+  auto& rates = model.rates;
+  const auto scale = [&](EventType type, double factor, auto&&... rate) {
+    const auto i = static_cast<std::size_t>(type);
+    if (edit.rates[i] == 1) return;
+    wanted[i] = factor * shown.events[i];
+    ((rate = std::min(1.0, rate * factor)), ...);
+  };
+  for (double& value : rates.birth.values) value *= edit.rates[0];
+  if (births != 1 || edit.birth_map) wanted[0] = births * shown.events[0];
+  for (double& rate : rates.death_by_size) scale(EventType::death, edit.rates[1], rate);
+  scale(EventType::split, edit.rates[2], rates.split);
+  scale(EventType::merge, edit.rates[3], rates.merge);
+  scale(EventType::connect, edit.rates[4], rates.connect);
+  scale(EventType::disconnect, edit.rates[5], rates.disconnect);
+  if (births <= 0 || shown.events[0] <= 0) {
+    if (edit.rates[0] <= 0) result.notes.emplace_back("nothing is born: what is there first dies out");
+    return;
+  }
+  auto notes = detail::settle_population(model, wanted, seed, context);
+  std::ranges::move(notes, std::back_inserter(result.notes));
+}
+
+}  // namespace
+
+void MotionEdit::validate() const {
+  check("speed", speed, 0.1, 10);
+  check("intensity", intensity, 0, 10);
+  check("flicker", flicker, 0, 10);
+  constexpr std::array names = {"births", "deaths", "splits", "merges", "connects", "disconnects"};
+  for (std::size_t i = 0; i < rates.size(); ++i) check(names[i], rates[i], 0, 10);
+  if (rates[0] > most_crowded * rates[1])
+    throw core::InputError("MotionEdit.births is " + std::to_string(rates[0]) + " at deaths of " +
+                           std::to_string(rates[1]) +
+                           ", must be at most 4 times the deaths: the frame would fill up");
+  if (!birth_map) return;
+  for (const double value : birth_map->values) check("birth_map", value, 0, 1e9);
+  if (!(sum(*birth_map) > 0))
+    throw core::InputError("MotionEdit.birth_map is empty: nothing is painted in it");
+}
+
+Autoregression at_speed(const Autoregression& motion, double factor) {
+  const double deviation = stationary_deviation(motion);
+  const std::complex<double> root = std::sqrt(std::complex<double>(motion.a1 * motion.a1 + 4 * motion.a2, 0));
+  const auto power = [factor](std::complex<double> pole) -> std::complex<double> {
+    if (pole == 0.0) return 0;
+    if (pole.imag() == 0) return std::copysign(std::pow(std::abs(pole.real()), factor), pole.real());
+    return std::polar(std::pow(std::abs(pole), factor), std::arg(pole) * factor);
+  };
+  const auto one = power((motion.a1 + root) / 2.0), other = power((motion.a1 - root) / 2.0);
+  Autoregression result = motion;
+  result.a1 = (one + other).real(), result.a2 = -(one * other).real();
+  result.coupling = 1 - std::pow(1 - motion.coupling, factor);
+  while (result.coupling > 0 && spectral_radius(result) > just_stable)
+    result.coupling = result.coupling > 1e-6 ? result.coupling / 2 : 0;
+  if (motion.noise > 0) result.noise *= deviation / stationary_deviation(result);
+  return result;
+}
+
+EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::uint64_t seed,
+                         const core::Context& context) {
+  validate(model);
+  edit.validate();
+  EditedMotion result{model, {}, core::Status::done};
+  if (edit.speed != 1) speed_up(result.model, edit.speed, seed, context);
+  if (edit.reverse) turn_back(result, seed, context);
+  result.model.sway.noise *= edit.intensity;
+  result.model.contrast.noise *= edit.flicker;
+  const bool same_rates = std::ranges::all_of(edit.rates, [](double rate) { return rate == 1; });
+  if (!same_rates || edit.birth_map || edit.strokes != StrokeChoice::all)
+    change_population(result, edit, seed, context);
+  if (context.cancelled()) result.status = core::Status::cancelled;
+  validate(result.model);
+  return result;
+}
+
+}  // namespace emberfold::mcmc

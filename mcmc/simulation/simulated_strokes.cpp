@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/simulation/simulated_strokes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "graph/matching/point_grid.hpp"
+#include "mcmc/simulation/smooth_noise.hpp"
+
+namespace emberfold::mcmc::detail {
+
+namespace {
+
+using graph::Point;
+
+constexpr std::uint32_t coupled_settling = 30;  // frames
+
+double next_value(const Autoregression& m, double now, double before, double around, double push) {
+  return m.a1 * now + m.a2 * before + m.coupling * (around - now) + m.noise * push;
+}
+
+graph::PatchType type_of(const graph::Patch& rest, std::size_t degree) {
+  using enum graph::PatchType;
+  if (degree == 1) return terminator;
+  if (degree == 3) return rest.type == t_junction ? t_junction : y_junction;
+  if (degree > 3) return crossing;
+  if (degree == 2 && rest.type == corner) return corner;
+  if (graph::on_step(rest)) return step;
+  return rest.contrast < 0 ? valley : ridge;
+}
+
+// How far the particle's surroundings have turned from rest.
+double turned(const Particles& p, const std::vector<std::uint32_t>& sides, std::size_t i) {
+  const Particle& me = p.list[i];
+  const Point along{std::cos(me.rest.theta), std::sin(me.rest.theta)};
+  Point at_rest, now;
+  for (const auto j : sides) {
+    const Point chord = p.list[j].rest.position - me.rest.position;
+    const double sense = graph::dot(chord, along) < 0 ? -1 : 1;
+    at_rest = at_rest + chord * sense;
+    now = now + (p.list[j].position() - me.position()) * sense;
+  }
+  return std::atan2(at_rest.x * now.y - at_rest.y * now.x, graph::dot(at_rest, now));
+}
+
+double share_shown(const Particle& particle, const MotionModel& model) {
+  const auto within = [](const auto& shares, int i) {
+    return i >= 0 && i < static_cast<int>(shares.size()) ? shares[static_cast<std::size_t>(i)] : 1.0;
+  };
+  return std::min(within(model.appearing, particle.age), within(model.vanishing, particle.leaving));
+}
+
+graph::AttributeGraph make_graph(const Particles& p, const MotionModel* model) {
+  const auto sides = neighbours(p);
+  std::vector<graph::Vertex> vertices(p.list.size());
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    const Particle& particle = p.list[i];
+    graph::Patch patch = particle.rest;
+    patch.position = particle.position();
+    patch.type = type_of(patch, sides[i].size());
+    patch.theta = std::remainder(patch.theta + turned(p, sides[i], i), 2 * std::numbers::pi);
+    if (model) scale_contrast(patch, std::exp(particle.gain) * share_shown(particle, *model));
+    vertices[i] = {{p.ids[i]}, {}, patch};
+  }
+  std::vector<graph::Edge> edges;
+  edges.reserve(p.edges.size());
+  for (const auto& [a, b] : p.edges) edges.push_back({{p.ids[a]}, {p.ids[b]}});
+  return {std::move(vertices), std::move(edges)};
+}
+
+}  // namespace
+
+namespace {
+
+// The map at a place, linear between the cells' middles.
+double between_cells(const CellMap& map, Point p) {
+  const double x = (p.x + 0.5) / map.cell - 0.5, y = (p.y + 0.5) / map.cell - 0.5;
+  const double u = x - std::floor(x), v = y - std::floor(y);
+  const auto value = [&](double dx, double dy) {
+    return map.at({(std::floor(x) + dx + 0.5) * map.cell - 0.5, (std::floor(y) + dy + 0.5) * map.cell - 0.5});
+  };
+  return (1 - v) * ((1 - u) * value(0, 0) + u * value(1, 0)) + v * ((1 - u) * value(0, 1) + u * value(1, 1));
+}
+
+}  // namespace
+
+void scale_contrast(graph::Patch& patch, double factor) {
+  patch.contrast *= factor;
+  const auto f = static_cast<float>(factor);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float mean = (patch.left[c] + patch.right[c]) / 2;
+    if (graph::on_step(patch)) {
+      patch.left[c] = mean + f * (patch.left[c] - mean);
+      patch.right[c] = mean + f * (patch.right[c] - mean);
+      patch.middle[c] = mean;
+    } else {
+      patch.middle[c] = mean + f * (patch.middle[c] - mean);
+      if (patch.hollow > 0) patch.between[c] = mean + f * (patch.between[c] - mean);
+    }
+  }
+}
+
+std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
+  std::vector<std::vector<std::uint32_t>> result(p.list.size());
+  for (const auto& [a, b] : p.edges) {
+    result[a].push_back(b);
+    result[b].push_back(a);
+  }
+  return result;
+}
+
+std::uint32_t Particles::add(const Particle& particle) {
+  ids.push_back(next_id++);
+  list.push_back(particle);
+  return static_cast<std::uint32_t>(list.size() - 1);
+}
+
+void remove(Particles& p, const std::vector<bool>& marked) {
+  std::vector<std::uint32_t> place(p.list.size());
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    if (marked[i]) continue;
+    p.ids[kept] = p.ids[i];
+    p.list[kept] = p.list[i];
+    place[i] = kept++;
+  }
+  std::erase_if(p.edges, [&](const auto& edge) { return marked[edge.first] || marked[edge.second]; });
+  for (auto& [a, b] : p.edges) a = place[a], b = place[b];
+  p.ids.resize(kept);
+  p.list.resize(kept);
+}
+
+graph::AttributeGraph shape(const Particles& particles) {
+  return make_graph(particles, nullptr);
+}
+
+graph::AttributeGraph appearance(const Particles& particles, const MotionModel& model) {
+  return make_graph(particles, &model);
+}
+
+void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
+  const auto sides = neighbours(p);
+  const auto push = draw_noise(p, model, seed, purpose, step);
+  const std::vector<Particle> now(p.list);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const Particle& me = now[i];
+    Point offset = me.offset;
+    double gain = me.gain;
+    if (!sides[i].empty()) {
+      offset = {}, gain = 0;
+      for (const auto j : sides[i]) offset = offset + now[j].offset, gain += now[j].gain;
+      const double share = 1 / static_cast<double>(sides[i].size());
+      offset = offset * share, gain *= share;
+    }
+    Particle& next = p.list[i];
+    next.offset = {next_value(model.sway, me.offset.x, me.offset_before.x, offset.x, push[i].x),
+                   next_value(model.sway, me.offset.y, me.offset_before.y, offset.y, push[i].y)};
+    next.gain = next_value(model.contrast, me.gain, me.gain_before, gain, push[i].gain);
+    next.offset_before = me.offset, next.gain_before = me.gain;
+  }
+}
+
+void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
+  // Two frames of the stationary state: fields of the noise's own shape, as alike as the motion makes them.
+  const std::uint32_t of = p.ids.empty() ? 0 : p.ids.front();
+  const auto before = draw_noise(p, model, seed, Purpose::start, 0, of);
+  const auto fresh = draw_noise(p, model, seed, Purpose::start, 1, of);
+  const auto pair = [](const Autoregression& m, double deviation, double first, double second) {
+    const double alike = m.a1 / (1 - m.a2);
+    return std::pair{deviation * first, deviation * (alike * first + std::sqrt(1 - alike * alike) * second)};
+  };
+  const double sway_deviation = stationary_deviation(model.sway),
+               gain_deviation = stationary_deviation(model.contrast);
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    Particle& me = p.list[i];
+    std::tie(me.offset_before.x, me.offset.x) = pair(model.sway, sway_deviation, before[i].x, fresh[i].x);
+    std::tie(me.offset_before.y, me.offset.y) = pair(model.sway, sway_deviation, before[i].y, fresh[i].y);
+    std::tie(me.gain_before, me.gain) = pair(model.contrast, gain_deviation, before[i].gain, fresh[i].gain);
+  }
+  // Coupling shapes the state further; the motion itself brings it there.
+  if (model.sway.coupling <= 0 && model.contrast.coupling <= 0) return;
+  for (std::uint32_t step = 2; step < 2 + coupled_settling; ++step)
+    sway(p, model, seed, Purpose::start, step);
+}
+
+namespace {
+
+// What appears beside others sways as they do: of each deviation the part that its neighbour's tells,
+// exp(−h²/2 range²) at h px from the nearest, is that one's. The variance stays.
+void go_along(Particles& fresh, const Particles& there, const MotionModel& model) {
+  if (there.list.empty()) return;
+  std::vector<Point> places;
+  for (const auto& particle : there.list) places.push_back(particle.rest.position);
+  const double reach = 3 * std::max({model.sway.range, model.contrast.range, 1.0});
+  const graph::detail::Near near(places, reach);
+  for (Particle& me : fresh.list) {
+    double least = reach * reach;
+    const Particle* nearest = nullptr;
+    for (const auto j : near.around(me.rest.position)) {
+      const Point apart = places[j] - me.rest.position;
+      if (graph::dot(apart, apart) < least) least = graph::dot(apart, apart), nearest = &there.list[j];
+    }
+    if (!nearest) continue;
+    const auto mix = [&](double range, auto mine, auto other) {
+      if (!(range > 0)) return mine;
+      const double alike = std::exp(-0.5 * least / (range * range));
+      return other * alike + mine * std::sqrt(1 - alike * alike);
+    };
+    me.offset = mix(model.sway.range, me.offset, nearest->offset);
+    me.offset_before = mix(model.sway.range, me.offset_before, nearest->offset_before);
+    me.gain = mix(model.contrast.range, me.gain, nearest->gain);
+    me.gain_before = mix(model.contrast.range, me.gain_before, nearest->gain_before);
+  }
+}
+
+}  // namespace
+
+void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, int age,
+                 const MotionModel& model, std::uint64_t seed) {
+  Particles fresh;
+  fresh.next_id = p.next_id;
+  for (const auto& vertex : graph.vertices()) {
+    Particle particle;
+    particle.rest = vertex.patch;
+    particle.rest.position = particle.rest.position + place;
+    particle.share = between_cells(model.sway_share, particle.rest.position);
+    particle.age = age;
+    fresh.add(particle);
+  }
+  const auto number = [&](graph::VertexId id) { return static_cast<std::uint32_t>(graph.index_of(id)); };
+  for (const auto& edge : graph.edges()) fresh.edges.emplace_back(number(edge.a), number(edge.b));
+  settle(fresh, model, seed);
+  go_along(fresh, p, model);
+  const auto before = static_cast<std::uint32_t>(p.list.size());
+  for (const auto& [a, b] : fresh.edges) p.edges.emplace_back(a + before, b + before);
+  p.ids.insert(p.ids.end(), fresh.ids.begin(), fresh.ids.end());
+  p.list.insert(p.list.end(), fresh.list.begin(), fresh.list.end());
+  p.next_id = fresh.next_id;
+}
+
+}  // namespace emberfold::mcmc::detail

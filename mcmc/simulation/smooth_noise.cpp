@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/simulation/smooth_noise.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+#include "core/rng.hpp"
+
+namespace emberfold::mcmc::detail {
+
+namespace {
+
+using graph::Point;
+
+// Standard normal at every place, correlated between them by exp(−h²/2 range²): white noise on a lattice,
+// weighted by Gaussians. That of one step.
+class Field {
+ public:
+  Field(double range, std::uint64_t seed, std::uint32_t of, std::uint32_t purpose_and_step, int components)
+      : reach_(range / std::numbers::sqrt2),
+        seed_(seed),
+        of_(of),
+        key_(purpose_and_step),
+        components_(components) {}
+
+  std::array<double, 2> at(Point p) {
+    const double u = p.x / reach_, v = p.y / reach_;
+    const auto x0 = static_cast<int>(std::floor(u / spacing)) - 1,
+               y0 = static_cast<int>(std::floor(v / spacing)) - 1;
+    std::array<double, 4> across{}, down{};
+    double power_x = 0, power_y = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double dx = u - spacing * (x0 + static_cast<int>(i)),
+                   dy = v - spacing * (y0 + static_cast<int>(i));
+      across[i] = std::exp(-0.5 * dx * dx), down[i] = std::exp(-0.5 * dy * dy);
+      power_x += across[i] * across[i], power_y += down[i] * down[i];
+    }
+    std::array<double, 2> sum{};
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x) {
+        const double weight = across[static_cast<std::size_t>(x)] * down[static_cast<std::size_t>(y)];
+        const auto& white = node(x0 + x, y0 + y);
+        for (std::size_t c = 0; c < 2; ++c) sum[c] += weight * white[c];
+      }
+    for (double& value : sum) value /= std::sqrt(power_x * power_y);
+    return sum;
+  }
+
+ private:
+  static constexpr double spacing = 1.25;  // of the lattice, in reaches
+
+  const std::array<double, 2>& node(int x, int y) {
+    const auto key = (static_cast<std::uint32_t>(x) << 16U) ^ (static_cast<std::uint32_t>(y) & 0xffffU);
+    const auto [found, is_new] = nodes_.try_emplace(key);
+    if (is_new) {
+      core::Rng rng(seed_, {of_, key, key_});
+      for (int c = 0; c < components_; ++c) found->second[static_cast<std::size_t>(c)] = rng.normal();
+    }
+    return found->second;
+  }
+  double reach_;
+  std::uint64_t seed_;
+  std::uint32_t of_, key_;
+  int components_;
+  std::unordered_map<std::uint32_t, std::array<double, 2>> nodes_;  // looked up, never walked through
+};
+
+constexpr double finest_range = 3;  // px: below it neighbours have nothing in common
+
+}  // namespace
+
+std::vector<Noise> draw_noise(const Particles& p, const MotionModel& model, std::uint64_t seed,
+                              Purpose purpose, std::uint32_t step, std::uint32_t of) {
+  const auto key = [&](std::uint32_t which) {
+    return (step << 4U) | (static_cast<std::uint32_t>(purpose) << 1U) | which;
+  };
+  Field sway(model.sway.range, seed, of, key(0), 2), gain(model.contrast.range, seed, of, key(1), 1);
+  std::vector<Noise> result;
+  for (std::size_t i = 0; i < p.list.size(); ++i) {
+    const Point place = p.list[i].rest.position;
+    core::Rng alone(seed, {p.ids[i], 0, key(8)});
+    Noise noise;
+    if (model.sway.range >= finest_range) {
+      const auto [x, y] = sway.at(place);
+      noise.x = x, noise.y = y;
+    } else {
+      noise.x = alone.normal(), noise.y = alone.normal();
+    }
+    noise.gain = model.contrast.range >= finest_range ? gain.at(place)[0] : alone.normal();
+    result.push_back(noise);
+  }
+  return result;
+}
+
+}  // namespace emberfold::mcmc::detail

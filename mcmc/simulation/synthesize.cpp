@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/simulation/synthesize.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "core/error.hpp"
+#include "mcmc/simulation/linked_frames.hpp"
+#include "mcmc/simulation/simulation_step.hpp"
+
+namespace emberfold::mcmc {
+
+namespace {
+
+// How many frames it takes until next to nothing is left of the strokes that were there first.
+std::uint32_t running_in(const MotionModel& model) {
+  const auto& birth = model.rates.birth;
+  const double births =
+      std::accumulate(birth.values.begin(), birth.values.end(), 0.0) * birth.cell * birth.cell;
+  const auto strokes = static_cast<double>(graph::components(model.first).count);
+  return static_cast<std::uint32_t>(std::clamp(3 * strokes / std::max(births, 1e-3), 60.0, 1000.0));
+}
+
+}  // namespace
+
+struct Synthesis::State {
+  MotionModel model;
+  std::uint64_t seed = 1;
+  detail::Particles particles;
+  std::uint32_t frame = 0;
+  bool shown = false;
+  std::array<int, 6> operators{};
+};
+
+Synthesis::Synthesis(const MotionModel& model, std::uint64_t seed, Start start)
+    : state_(std::make_unique<State>()) {
+  validate(model);
+  state_->model = model;
+  state_->seed = seed;
+  state_->particles = detail::begin(model, seed);
+  if (start == Start::data) return;
+  for (auto left = running_in(model); left > 0; --left)
+    (void)detail::advance(state_->particles, model, seed, ++state_->frame);
+}
+
+Synthesis::~Synthesis() = default;
+Synthesis::Synthesis(Synthesis&&) noexcept = default;
+Synthesis& Synthesis::operator=(Synthesis&&) noexcept = default;
+
+graph::AttributeGraph Synthesis::next() {
+  auto& [model, seed, particles, frame, shown, operators] = *state_;
+  if (shown) operators = detail::advance(particles, model, seed, ++frame);
+  shown = true;
+  return detail::appearance(particles, model);
+}
+
+const std::array<int, 6>& Synthesis::operators() const {
+  return state_->operators;
+}
+
+SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed,
+                           const core::Context& context, Start start) {
+  if (frames < 1) throw core::InputError("frames is " + std::to_string(frames) + "; allowed is 1 and more");
+  SynthesisResult result;
+  detail::LinkedFrames linked;
+  auto& motion = linked.motion;
+  motion.sketch.width = model.width, motion.sketch.height = model.height, motion.sketch.fps = model.fps;
+  Synthesis synthesis(model, seed, start);
+  for (int t = 0; t < frames; ++t) {
+    if (context.cancelled()) {
+      result.status = core::Status::cancelled;
+      break;
+    }
+    linked.append(synthesis.next());
+    context.report("synthesize", (t + 1.0) / frames);
+  }
+  result.motion = graph::identify(std::move(motion));
+  return result;
+}
+
+}  // namespace emberfold::mcmc

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/context.hpp"
+#include "core/error.hpp"
+#include "graph/events/events.hpp"
+#include "mcmc/simulation/rate_balancing.hpp"
+#include "mcmc/simulation/synthesize.hpp"
+#include "pipeline/clip_measures.hpp"
+#include "pipeline/clip_strokes.hpp"
+#include "pipeline/clip_synthesis.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr int kMostFrames = 150, kAtOnce = 8;
+
+/// Multiplied by how many times too few were seen, as if one more had been in all.
+void correct(double& wanted, double source, double seen, double one, double step) {
+  wanted *= std::pow(std::clamp((source + one) / (seen + one), 0.25, 4.0), step);
+}
+
+}  // namespace
+
+void CalibrateOptions::validate() const {
+  if (calibrate < 0 || calibrate > 20)
+    throw core::InputError("CalibrateOptions.calibrate is " + std::to_string(calibrate) +
+                           ", must be in 0…20");
+}
+
+mcmc::Census seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
+                             std::uint64_t seed, const core::Context& context) {
+  ClipSynthesis drawn(mcmc::Synthesis(model, seed, mcmc::Start::stationary), how.look);
+  ClipStrokes strokes(how.look.size, model.fps, how.sketch, how.match);
+  for (int done = 0; done < frames; done += kAtOnce)
+    strokes.add(levels_of(drawn.next(std::min(kAtOnce, frames - done), context)), context);
+  const auto motion = strokes.motion(context.with_progress({}));
+  return mcmc::census(motion, graph::stroke_events(motion));
+}
+
+std::vector<mcmc::Census> calibrate(mcmc::FitResult& fitted, const mcmc::Census& source,
+                                    const ReadingAndDrawing& how, const CalibrateOptions& options,
+                                    std::uint64_t seed, const core::Context& context) {
+  std::vector<mcmc::Census> found;
+  mcmc::MotionModel& model = fitted.model;
+  if (source.patches <= 0 || model.exemplars.empty()) return found;
+  mcmc::Census wanted = fitted.shown, usual = source;
+  reconcile(wanted), reconcile(usual);
+  const int frames = std::clamp(model.frames, 2, kMostFrames);
+  const double one = 1.0 / frames;
+  for (int round = 0; round < options.calibrate; ++round) {
+    context.report("calibrate", double(round) / options.calibrate);
+    found.push_back(seen_when_drawn(model, how, frames, seed + static_cast<std::uint64_t>(round), context));
+    mcmc::Census seen = found.back();
+    reconcile(seen);
+    const double step = 1.0 / (1 + round);
+    for (std::size_t i = 0; i < wanted.events.size(); ++i)
+      correct(wanted.events[i], usual.events[i], seen.events[i], one, step);
+    mcmc::balance(model, wanted, seed, context.with_progress({}));
+    context.check();
+  }
+  return found;
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include <opencv2/core.hpp>
+
+#include "core/clip/clip_range.hpp"
+#include "core/context.hpp"
+#include "core/error.hpp"
+#include "dytex/synthesize.hpp"
+#include "graph/events/events.hpp"
+#include "mcmc/learning/fit.hpp"
+#include "mcmc/simulation/event_census.hpp"
+#include "mcmc/simulation/predict.hpp"
+#include "mcmc/simulation/synthesize.hpp"
+#include "pipeline/background_texture.hpp"
+#include "pipeline/calibration.hpp"
+#include "pipeline/clip_model.hpp"
+#include "pipeline/clip_strokes.hpp"
+#include "pipeline/clip_synthesis.hpp"
+#include "pipeline/compared_models.hpp"
+#include "sketch/rendering/render.hpp"
+
+namespace emberfold::pipeline {
+
+struct Strokes {
+  mcmc::MotionModel model, drawn;                           // learned; drawn from
+  sketch::Background ground, drawn_ground;                  // likewise
+  std::vector<graph::AttributeGraph> sketches;              // of every frame
+  std::map<int, std::vector<graph::AttributeGraph>> ahead;  // by steps: of every frame, foretold
+  sketch::FillOptions fill;
+  core::ClipInfo info;
+  float level = 0;                // of a drawn frame with nothing in it
+  sketch::Sharpening sharpening;  // of drawn clips
+
+  // The graph expected `steps` frames on; of 0 the frame's own.
+  [[nodiscard]] const graph::AttributeGraph& graph(const Moment& moment, int steps) const {
+    const auto& all = steps == 0 ? sketches : ahead.at(steps);
+    return all[static_cast<std::size_t>(moment.frame + steps)];
+  }
+  [[nodiscard]] sketch::RenderOptions look(float empty_level, const sketch::Background& around) const {
+    return {{info.width, info.height}, info.channels, empty_level, fill, around};
+  }
+  // Of a clip that is drawn.
+  [[nodiscard]] sketch::RenderOptions drawn_look() const {
+    return sketch::sharpened(look(level, drawn_ground), sharpening);
+  }
+};
+
+namespace {
+
+graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int count) {
+  graph::SketchSequence first = sketch;
+  first.frames.resize(static_cast<std::size_t>(count));
+  return first;
+}
+
+cv::Mat draw_strokes(const Strokes& strokes, const Moment& moment, int steps) {
+  // Where there is no stroke, the mean level of the newest frame is what is known.
+  const auto level = static_cast<float>(cv::mean(core::luma(moment.past.back()))[0]);
+  return sketch::render_frame(strokes.graph(moment, steps), strokes.look(level, strokes.ground));
+}
+
+float mean_level(core::FrameSource& source) {
+  source.rewind();
+  return static_cast<float>(cv::mean(core::luma(source.next(), source.info()))[0]);
+}
+
+// The texture's numbers that show best what lies between a frame's strokes. What they hide is taken as the
+// texture has it, and the projection repeated: it comes to the least squares over what is seen.
+Eigen::VectorXd state_between(const dytex::LinearDynamicTexture& texture, const cv::Mat& levels,
+                              const graph::AttributeGraph& graph) {
+  constexpr int kRounds = 5;
+  const auto hidden = sketch::draw_fitted(graph, levels.size(), levels.channels()).mask;
+  cv::Mat filled = levels.clone();
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(texture.components());
+  for (int round = 0; round < kRounds; ++round) {
+    dytex::draw(texture, state).copyTo(filled, hidden);
+    state = dytex::project(texture, filled);
+  }
+  return dytex::expected_state(texture, state);
+}
+
+// The frames so many steps (ascending; 0: itself) after a moment.
+std::vector<cv::Mat> draw_hybrid(const Strokes& strokes, const dytex::LinearDynamicTexture& texture,
+                                 const Moment& moment, std::span<const int> steps) {
+  const auto& levels = moment.past.back();
+  const auto level = static_cast<float>(cv::mean(core::luma(levels))[0]);
+  Eigen::VectorXd state = state_between(texture, levels, strokes.graph(moment, 0));
+  std::vector<cv::Mat> drawn;
+  for (int i = 0; drawn.size() < steps.size(); ++i) {
+    if (i > 0) state = texture.A * state;
+    if (i == steps[drawn.size()])
+      drawn.push_back(sketch::render_frame(
+          {strokes.graph(moment, i), core::to_bytes(dytex::draw(texture, state))}, strokes.look(level, {})));
+  }
+  return drawn;
+}
+
+double ground_numbers(const sketch::Background& ground) {
+  const auto& [levels, still] = ground.backdrop;
+  const double pixels = levels.empty() ? 0 : static_cast<double>(cv::countNonZero(still) * levels.channels());
+  return pixels + static_cast<double>(ground.levels.total()) * std::max(1, ground.levels.channels());
+}
+
+/// What was fitted is made ready to be drawn from, as `analyze` does: sharpening, then rates.
+void prepare_drawing(Strokes& strokes, mcmc::FitResult& fitted, const graph::MotionGraph& motion,
+                     const ModelInput& input) {
+  const core::Context& context = input.context;
+  const std::uint64_t seed = input.seed;
+  core::ClipRange part(input.source, 0, input.first);
+  const double wanted =
+      sketch::clip_flank_gradient(part, first_frames(input.sketched.sketch, input.first), context).mean();
+  strokes.sharpening = fit_sharpening(fitted.model, strokes.drawn_ground, wanted, seed, context);
+  calibrate(fitted, mcmc::census(motion, graph::stroke_events(motion)),
+            {input.options.sketch, input.options.match, strokes.drawn_look()}, CalibrateOptions{}, seed,
+            context.with_progress({}));
+  strokes.drawn = fitted.model;
+}
+
+}  // namespace
+
+std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const KnownModels& known) {
+  const auto& [sketch, grounds] = input.sketched;
+  const core::Context& context = input.context;
+  Strokes strokes;
+  strokes.fill = input.options.fill, strokes.info = input.source.info();
+  strokes.ground = sketch::still_background(std::span(grounds).first(static_cast<std::size_t>(input.first)));
+  core::ClipRange part(input.source, 0, input.first);
+  strokes.ground.backdrop = sketch::find_static_pixels(part, context);
+  strokes.drawn_ground = strokes.ground;
+  if (known.motion_model != nullptr) {
+    strokes.drawn_ground = sketch::still_background(grounds);
+    strokes.drawn_ground.backdrop = sketch::find_static_pixels(input.source, context);
+  }
+  strokes.sketches = sketch.frames;
+  strokes.level = mean_level(input.source);
+  try {
+    mcmc::FitOptions options;
+    options.seed = input.seed;
+    options.balance = known.motion_model == nullptr;  // it serves drawing alone
+    const auto motion = match_strokes(first_frames(sketch, input.first), input.options.match, context);
+    auto fitted = mcmc::fit(motion, options, context);
+    for (const auto& note : fitted.notes) context.warn("motion model: " + note);
+    strokes.model = fitted.model;
+    if (known.motion_model != nullptr)
+      strokes.drawn = *known.motion_model, strokes.sharpening = *known.sharpening;
+    else
+      prepare_drawing(strokes, fitted, motion, input);
+  } catch (const core::InputError& error) {
+    context.warn(std::string("no motion model: ") + error.what());
+    return nullptr;
+  }
+  if (input.first < input.frames) {
+    // Steadying takes back what later frames show to be flicker; whoever foretells cannot know them.
+    auto causal = input.options.match;
+    causal.flicker = 0;
+    const auto motion = match_strokes(sketch, causal, context);
+    for (const int step : input.steps) strokes.ahead[step] = mcmc::predict(strokes.model, motion, step);
+  }
+  return std::make_shared<const Strokes>(std::move(strokes));
+}
+
+ComparedModel sketch_model(const std::shared_ptr<const Strokes>& strokes, std::uint64_t seed,
+                           const core::Context& context) {
+  ComparedModel model{"motion_model", "motion model", "synthesized_motion.avi"};
+  model.parameters = parameter_count(strokes->model) + ground_numbers(strokes->ground);
+  model.draw = [strokes, seed, context]() -> ComparedModel::Frames {
+    const auto frames =
+        std::make_shared<ClipSynthesis>(mcmc::Synthesis(strokes->drawn, seed), strokes->drawn_look());
+    return [frames, context](int count) { return frames->next(count, context); };
+  };
+  model.foretell = [strokes](const Moment& moment, std::span<const int> steps) {
+    std::vector<cv::Mat> told;
+    for (const int step : steps) told.push_back(draw_strokes(*strokes, moment, step));
+    return told;
+  };
+  model.reconstruct = [strokes](const Moment& moment) { return draw_strokes(*strokes, moment, 0); };
+  return model;
+}
+
+std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const Strokes>& strokes,
+                                          const ModelInput& input) {
+  const core::Context& context = input.context;
+  core::ClipRange part(input.source, 0, input.first);
+  auto learned = attempt("no hybrid", input.context, [&] {
+    return learn_background_texture(
+        part, std::span(strokes->sketches).first(static_cast<std::size_t>(input.first)), {}, context);
+  });
+  if (!learned) return std::nullopt;
+  for (const auto& note : learned->notes) input.context.warn("hybrid: " + note);
+  const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(learned->texture));
+  ComparedModel model{"hybrid", "hybrid", "synthesized_hybrid.avi"};
+  model.parameters = parameter_count(strokes->model) + parameter_count(*texture);
+  model.draw = [strokes, texture, seed = input.seed, context]() -> ComparedModel::Frames {
+    const auto frames =
+        std::make_shared<ClipSynthesis>(hybrid_frames(strokes->drawn, texture, strokes->drawn_look(), seed));
+    return [frames, context](int count) { return frames->next(count, context); };
+  };
+  model.foretell = [strokes, texture](const Moment& moment, std::span<const int> steps) {
+    return draw_hybrid(*strokes, *texture, moment, steps);
+  };
+  model.reconstruct = [strokes, texture](const Moment& moment) {
+    const int itself = 0;
+    return draw_hybrid(*strokes, *texture, moment, std::span(&itself, 1)).front();
+  };
+  return model;
+}
+
+double parameter_count(const mcmc::MotionModel& model) {
+  // Place, direction, width, blur, contrast, three levels of three channels; type. An edge: its two ends.
+  constexpr double kPatch = 16, kEdge = 2, kScalars = 6 + 6 + 16 + 8;
+  const auto numbers = [](const graph::AttributeGraph& graph) {
+    return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());
+  };
+  double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizes;
+  for (const auto& exemplar : model.exemplars) sum += numbers(exemplar.graph) + 3;
+  for (const auto* map : {&model.sway_share, &model.drift_x, &model.drift_y, &model.rates.birth,
+                          &model.rates.death, &model.rates.parting, &model.density})
+    sum += static_cast<double>(map->values.size());
+  return sum;
+}
+
+double parameter_count(const dytex::LinearDynamicTexture& texture) {
+  return static_cast<double>(texture.mean.size() + texture.C.size() + texture.A.size() + texture.B.size());
+}
+
+}  // namespace emberfold::pipeline

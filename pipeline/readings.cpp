@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/readings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "core/clip/frame_stream.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "core/rng.hpp"
+#include "graph/matching/time_reversal.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr std::uint32_t kNoiseStream = 0x73746172;  // apart from all other draws of the seed
+
+std::size_t copies(const std::vector<StartReading>& readings) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(readings, [](const auto& r) { return r.copy.has_value(); }));
+}
+
+cv::Mat perturbed(const cv::Mat& levels, double sd, std::uint64_t seed, std::uint32_t copy,
+                  std::uint32_t frame) {
+  cv::Mat result = levels.clone();
+  const int channels = result.channels();
+  // Luma is 0.299, 0.587 and 0.114 of independent channels.
+  const double scale = channels == 1 ? sd : sd / std::sqrt(0.299 * 0.299 + 0.587 * 0.587 + 0.114 * 0.114);
+  core::Rng rng(seed, {kNoiseStream, copy, frame});
+  for (int y = 0; y < result.rows; ++y) {
+    auto* row = result.ptr<float>(y);
+    for (int x = 0; x < result.cols * channels; ++x) row[x] += static_cast<float>(scale * rng.normal());
+  }
+  return result;
+}
+
+}  // namespace
+
+void StartOptions::validate() const {
+  if (chains < 1 || chains > 64) {
+    throw core::InputError("starts: chains is " + std::to_string(chains) + ", allowed is 1…64");
+  }
+  if (!(perturb >= 0 && perturb <= 64)) {
+    throw core::InputError("starts: perturb is " + std::to_string(perturb) + ", allowed is 0…64 grey levels");
+  }
+}
+
+std::vector<StartReading> readings(const StartOptions& options) {
+  options.validate();
+  std::vector<StartReading> result;
+  std::size_t copy = 0;
+  for (int k = 0; k < options.chains; ++k) {
+    result.push_back({k % 4 < 2 ? std::nullopt : std::optional(copy++), k % 2 == 1});
+  }
+  return result;
+}
+
+std::vector<bool> backward_readings(const StartOptions& options) {
+  std::vector<bool> backwards;
+  for (const auto& reading : readings(options)) backwards.push_back(reading.backwards);
+  return backwards;
+}
+
+StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOptions& extract,
+                            const StartOptions& options, std::uint64_t seed, const core::Context& context) {
+  const std::size_t count = copies(readings(options));
+  extract.validate();
+  struct Frame {
+    graph::AttributeGraph graph;
+    sketch::FrameBackground ground;
+    std::vector<graph::AttributeGraph> perturbed;
+  };
+  const auto& info = source.info();
+  StartSketches starts;
+  auto& own = starts.clip.sketch;
+  own.width = info.width, own.height = info.height, own.fps = info.fps;
+  starts.perturbed = std::vector<graph::SketchSequence>(count, own);
+  core::stream_frames(
+      source, "sketch", info.frames, context,
+      [&](int t, const cv::Mat& frame) {
+        const cv::Mat levels = core::to_levels(frame, info);
+        Frame made{sketch::extract(levels, extract), {}, {}};
+        made.ground = sketch::measure_background(levels, made.graph);
+        for (std::uint32_t copy = 0; copy < starts.perturbed.size(); ++copy) {
+          const cv::Mat noisy = perturbed(levels, options.perturb, seed, copy, static_cast<std::uint32_t>(t));
+          made.perturbed.push_back(sketch::extract(noisy, extract));
+        }
+        return made;
+      },
+      [&](int, Frame made) {
+        own.append(made.graph);
+        starts.clip.grounds.push_back(std::move(made.ground));
+        for (std::size_t copy = 0; copy < made.perturbed.size(); ++copy)
+          starts.perturbed[copy].append(made.perturbed[copy]);
+      });
+  return starts;
+}
+
+std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, const graph::MatchOptions& match,
+                                             const StartOptions& options, const core::Context& context) {
+  match.validate();
+  const auto wanted = readings(options);
+  if (sketches.perturbed.size() != copies(wanted)) {
+    throw core::InputError("starts: " + std::to_string(sketches.perturbed.size()) + " copies in noise for " +
+                           std::to_string(options.chains) + " chains, which want " +
+                           std::to_string(copies(wanted)));
+  }
+  const auto first_alike = [&](std::size_t k) { return wanted[k].copy || k < 2 ? k : k % 2; };
+  std::vector<graph::MotionGraph> starts(wanted.size());
+  const core::Context quiet = context.with_progress({});  // progress is told from one thread at a time
+  std::mutex telling;
+  std::size_t done = 0;
+  context.report("match", 0);
+  core::parallel_for(starts.size(), context, [&](std::size_t k) {
+    const StartReading& reading = wanted[k];
+    if (first_alike(k) == k) {
+      const auto& sketch = reading.copy ? sketches.perturbed[*reading.copy] : sketches.clip.sketch;
+      auto matched = graph::match(reading.backwards ? graph::reversed(sketch) : sketch, match, quiet);
+      starts[k] = reading.backwards ? graph::reversed(matched.motion) : std::move(matched.motion);
+    }
+    const std::scoped_lock lock(telling);
+    context.report("match", static_cast<double>(++done) / static_cast<double>(starts.size()));
+  });
+  context.check();
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    if (first_alike(k) != k) starts[k] = starts[first_alike(k)];
+  }
+  return starts;
+}
+
+std::vector<graph::MotionGraph> dispersed_starts(core::FrameSource& source,
+                                                 const sketch::ExtractOptions& extract,
+                                                 const graph::MatchOptions& match,
+                                                 const StartOptions& options, std::uint64_t seed,
+                                                 const core::Context& context) {
+  match.validate();
+  return match_starts(sketch_starts(source, extract, options, seed, context), match, options, context);
+}
+
+}  // namespace emberfold::pipeline

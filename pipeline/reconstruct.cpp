@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/reconstruct.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "dytex/measures/sharpness_si_ti.hpp"
+#include "sketch/inpainting/anchors.hpp"
+
+namespace emberfold::pipeline {
+
+sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,
+                                PatchDrawing drawing) {
+  return drawing == PatchDrawing::fitted ? sketch::draw_fitted(graph, levels.size(), levels.channels())
+                                         : sketch::draw_pixels(graph, levels);
+}
+
+sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat& levels, double share) {
+  const auto pixels = static_cast<double>(levels.total());
+  const double room = std::floor(share * pixels + 1e-9) - cv::countNonZero(patches.mask);
+  if (room < 1) return patches;
+  // Half a pixel more, so that rounding does not take one away.
+  const cv::Mat anchors = sketch::anchors(levels, patches, std::min(1.0, (room + 0.5) / pixels));
+  return sketch::with_anchors(patches, levels, anchors);
+}
+
+Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
+                           const sketch::FillOptions& options) {
+  sketch::GroundOptions ground;
+  ground.fill = options;
+  return reconstruct(levels, draw_patches(levels, graph, drawing), ground);
+}
+
+Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held,
+                           const sketch::GroundOptions& ground, const core::Context& context) {
+  const auto drawn = sketch::fill_ground(levels, held, ground, context);
+  Reconstruction result;
+  result.share = held.share();
+  result.converged = drawn.converged;
+  result.regions = drawn.regions;
+  result.histogram_distance = drawn.histogram_distance;
+  result.bytes = core::to_bytes(drawn.levels);
+  cv::Mat shown;
+  result.bytes.convertTo(shown, CV_32F);
+  result.psnr = psnr(shown, levels);
+  return result;
+}
+
+double psnr(const cv::Mat& a, const cv::Mat& b) {
+  return dytex::psnr(dytex::mean_square_error(a, b));
+}
+
+nlohmann::ordered_json spread_json(std::span<const double> values) {
+  if (values.empty()) return nullptr;
+  const auto [low, high] = std::ranges::minmax_element(values);
+  const auto rounded = [](double v) { return std::round(v * 1000) / 1000; };
+  return {{"mean", rounded(std::accumulate(values.begin(), values.end(), 0.0) / double(values.size()))},
+          {"min", rounded(*low)},
+          {"max", rounded(*high)},
+          {"frames", values.size()}};
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/residual_texture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/context.hpp"
+#include "core/error.hpp"
+#include "core/model_arrays.hpp"
+#include "sketch/background/background_cells.hpp"
+#include "sketch/inpainting/fill.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr std::size_t kPairs = 20;
+constexpr int kMargin = 3;              // px beside a patch that its own misfit may tell in
+constexpr double kCoarse = 4;           // px, SD: of what is coarser diffusion and strokes have to tell
+constexpr double kLeastStrength = 0.5;  // grey levels: of less, rounding is all there is
+constexpr double kSeenShare = 0.02;     // of a cell's pixels over all frames, to tell how strong it is
+
+/// What a frame shows beyond its drawing, and where that may be looked at.
+struct Residual {
+  cv::Mat values;  // CV_32F
+  cv::Mat seen;    // CV_8U
+};
+
+cv::Mat in_channels(const cv::Mat& plane, int channels) {
+  cv::Mat all;
+  cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(channels), plane), all);
+  return all;
+}
+
+/// Less its mean around, over what of it is seen.
+cv::Mat fine_part(const Residual& residual) {
+  cv::Mat weights, sums;
+  residual.seen.convertTo(weights, CV_32F, 1 / 255.0);
+  weights = in_channels(weights, residual.values.channels());
+  cv::GaussianBlur(residual.values.mul(weights), sums, {}, kCoarse);
+  cv::GaussianBlur(weights, weights, {}, kCoarse);
+  return residual.values - sums / cv::max(weights, 1e-3);
+}
+
+class ResidualReader {
+ public:
+  ResidualReader(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
+                 const sketch::RenderOptions& look, const core::Context& context)
+      : source_(source),
+        graphs_(graphs),
+        painter_(look),
+        size_(look.size),
+        backdrop_(look.ground.backdrop.still),
+        context_(context) {}
+
+  /// Hands over the pairs of frames.
+  template <class Visit>
+  void each_pair(const Visit& visit) {
+    const std::size_t gaps = graphs_.size() - 1, pairs = std::min(kPairs, gaps);
+    source_.rewind();
+    std::size_t t = 0;
+    cv::Mat frame = source_.next();
+    for (std::size_t i = 0; i < pairs; ++i) {
+      for (; t < i * gaps / pairs; ++t) frame = next();
+      const Residual now = of(frame, graphs_[t]);
+      frame = next();
+      visit(now, of(frame, graphs_[++t]));
+    }
+  }
+
+ private:
+  cv::Mat next() {
+    if (context_.cancelled()) throw core::Cancelled{};
+    return source_.next();
+  }
+  Residual of(const cv::Mat& frame, const graph::AttributeGraph& graph) const {
+    cv::Mat drawn, patches;
+    painter_.draw({graph}).convertTo(drawn, CV_32F);
+    const int side = 2 * kMargin + 1;
+    cv::dilate(sketch::draw_fitted(graph, size_, 1).mask, patches, cv::Mat::ones(side, side, CV_8U));
+    Residual residual{core::to_levels(frame, source_.info()) - drawn, patches == 0};
+    if (!backdrop_.empty()) residual.seen.setTo(0, backdrop_);
+    residual.values = fine_part(residual);
+    return residual;
+  }
+
+  core::FrameSource& source_;
+  std::span<const graph::AttributeGraph> graphs_;
+  sketch::FrameRenderer painter_;
+  cv::Size size_;
+  cv::Mat backdrop_;
+  const core::Context& context_;
+};
+
+/// Linear between the middles of cells.
+cv::Mat spread(const cv::Mat& values, cv::Size frame) {
+  cv::Mat whole;
+  cv::resize(values, whole, {values.cols * sketch::kBackgroundCell, values.rows * sketch::kBackgroundCell}, 0,
+             0, cv::INTER_LINEAR);
+  return whole(cv::Rect({0, 0}, frame)).clone();
+}
+
+/// Each pixel's channels times a square table.
+cv::Mat turned(const cv::Mat& values, const cv::Mat& table) {
+  cv::Mat result;
+  cv::transform(values, result, table);
+  return result;
+}
+
+/// SD by cell; what was hardly seen takes it from cells around. Empty where nothing was seen.
+cv::Mat measure_strength(ResidualReader& reader, cv::Size frame) {
+  cv::Mat squares = cv::Mat::zeros(sketch::background_cells(frame), CV_32F), counts = squares.clone();
+  int frames = 0;
+  reader.each_pair([&](const Residual& now, const Residual& next) {
+    for (const auto* residual : {&now, &next}) {
+      cv::Mat seen, square;
+      residual->seen.convertTo(seen, CV_32F, 1 / 255.0);
+      const int channels = residual->values.channels();
+      cv::transform(residual->values.mul(residual->values), square,
+                    cv::Mat(1, channels, CV_32F, cv::Scalar(1.0 / channels)));
+      squares += sketch::cell_means(square.mul(seen));
+      counts += sketch::cell_means(seen);
+      ++frames;
+    }
+  });
+  const cv::Mat known = counts > kSeenShare * frames;
+  if (cv::countNonZero(known) == 0) return {};
+  cv::Mat strength;
+  cv::sqrt(squares / cv::max(counts, 1e-6), strength);
+  return sketch::fill(strength, known).levels;
+}
+
+/// The residual in units of its strength.
+class Normalised {
+ public:
+  Normalised(const cv::Mat& strength, const sketch::RenderOptions& look)
+      : unit_(in_channels(cv::max(spread(strength, look.size), kLeastStrength), look.channels)) {}
+  [[nodiscard]] cv::Mat operator()(const Residual& residual) const { return residual.values / unit_; }
+
+ private:
+  cv::Mat unit_;
+};
+
+/// The principal components of what colours there are.
+cv::Mat measure_colours(ResidualReader& reader, const Normalised& normalised, int channels) {
+  cv::Mat products = cv::Mat::zeros(channels, channels, CV_64F), strengths, colours;
+  reader.each_pair([&](const Residual& now, const Residual& next) {
+    for (const auto* residual : {&now, &next}) {
+      cv::Mat values = normalised(*residual), product;
+      values.setTo(0, residual->seen == 0);
+      cv::mulTransposed(values.reshape(1, static_cast<int>(values.total())), product, true, cv::noArray(), 1,
+                        CV_64F);
+      products += product;
+    }
+  });
+  cv::eigen(products, strengths, colours);
+  colours.convertTo(colours, CV_32F);
+  return colours;
+}
+
+}  // namespace
+
+ResidualTexture measure_residual(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
+                                 const sketch::RenderOptions& look, const core::Context& context) {
+  if (graphs.size() < 2) return {};
+  ResidualReader reader(source, graphs, look, context);
+  ResidualTexture residual;
+  residual.strength = measure_strength(reader, look.size);
+  if (residual.strength.empty()) return {};
+  const Normalised normalised(residual.strength, look);
+  residual.colours = measure_colours(reader, normalised, look.channels);
+  std::vector<dytex::GaussianTextureLearner> learners;
+  for (int i = 0; i < look.channels; ++i) learners.emplace_back(look.size);
+  reader.each_pair([&](const Residual& now, const Residual& next) {
+    std::array<std::vector<cv::Mat>, 2> components;
+    cv::split(turned(normalised(now), residual.colours), components[0]);
+    cv::split(turned(normalised(next), residual.colours), components[1]);
+    for (std::size_t i = 0; i < learners.size(); ++i)
+      learners[i].add(components[0][i], now.seen, components[1][i], next.seen);
+  });
+  for (const auto& learner : learners) residual.textures.push_back(learner.learned());
+  return residual;
+}
+
+ResidualFrames::ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed)
+    : colours_(residual.colours.t()),
+      strength_(in_channels(spread(residual.strength, frame), static_cast<int>(residual.textures.size()))) {
+  for (std::size_t i = 0; i < residual.textures.size(); ++i)
+    frames_.emplace_back(residual.textures[i], frame, seed, static_cast<std::uint32_t>(i), residual.speed);
+}
+
+cv::Mat ResidualFrames::next() {
+  std::vector<cv::Mat> components;
+  for (auto& frames : frames_) components.push_back(frames.next());
+  cv::Mat all, bytes;
+  cv::merge(components, all);
+  cv::Mat(turned(all, colours_).mul(strength_)).convertTo(bytes, CV_8S);
+  return bytes;
+}
+
+void add_residual(core::ModelArchive& archive, const ResidualTexture& residual) {
+  if (residual.empty()) return;
+  std::vector<cv::Mat> within, ahead;
+  for (const auto& texture : residual.textures) {
+    within.push_back(texture.within);
+    ahead.push_back(texture.ahead);
+  }
+  cv::Mat all_within, all_ahead;
+  cv::merge(within, all_within);
+  cv::merge(ahead, all_ahead);
+  archive.arrays["residual_within"] = core::float_array(all_within);
+  archive.arrays["residual_ahead"] = core::float_array(all_ahead);
+  archive.arrays["residual_colours"] = core::float_array(residual.colours);
+  archive.arrays["residual_strength"] = core::float_array(residual.strength);
+}
+
+ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame) {
+  if (!archive.arrays.contains("residual_within")) return {};
+  const cv::Size lags(dytex::kTextureLags, dytex::kTextureLags);
+  const int count = core::channels_of(archive, "residual_within");
+  std::vector<cv::Mat> within, ahead;
+  cv::split(core::read_floats(archive, "residual_within", lags, count), within);
+  cv::split(core::read_floats(archive, "residual_ahead", lags, count), ahead);
+  ResidualTexture residual;
+  for (std::size_t i = 0; i < within.size(); ++i) residual.textures.push_back({within[i], ahead[i]});
+  residual.colours = core::read_floats(archive, "residual_colours", {count, count}, 1);
+  residual.strength = core::read_floats(archive, "residual_strength", sketch::background_cells(frame), 1);
+  double least = 0;
+  cv::minMaxIdx(residual.strength, &least);
+  if (least < 0) throw core::IoError("motion model: residual_strength.npy holds a number below 0");
+  return residual;
+}
+
+}  // namespace emberfold::pipeline

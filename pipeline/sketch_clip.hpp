@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "graph/motion_graph.hpp"
+#include "sketch/background/still_background.hpp"
+#include "sketch/extract.hpp"
+
+namespace emberfold::pipeline {
+
+/// Every frame's graph, and the ground between its strokes.
+struct SketchedClip {
+  graph::SketchSequence sketch;
+  std::vector<sketch::FrameBackground> grounds;
+};
+
+/// Reads the clip from its first frame, some frames on several threads at once. Throws core::Cancelled.
+SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions& options,
+                         const core::Context& context);
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/inpainting/fill.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "core/error.hpp"
+#include "sketch/inpainting/diffusion.hpp"
+
+namespace emberfold::sketch {
+
+namespace {
+
+/// Of the held pixels of one channel.
+struct Values {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  [[nodiscard]] double middle() const { return (low + high) / 2; }
+};
+
+void check(const cv::Mat& levels, const cv::Mat& mask) {
+  std::ostringstream message;
+  if (levels.dims != 2 || levels.empty() || levels.depth() != CV_32F ||
+      (levels.channels() != 1 && levels.channels() != 3))
+    message << "fill: levels are " << cv::typeToString(levels.type()) << ", " << levels.cols << " × "
+            << levels.rows << "; allowed are CV_32FC1 and CV_32FC3 of at least 1 × 1";
+  else if (mask.dims != 2 || mask.type() != CV_8UC1 || mask.size() != levels.size())
+    message << "fill: the mask is " << cv::typeToString(mask.type()) << ", " << mask.cols << " × "
+            << mask.rows << "; it has to be CV_8UC1 of the levels' size, " << levels.cols << " × "
+            << levels.rows;
+  if (!message.str().empty()) throw core::InputError(message.str());
+}
+
+Values held_values(const cv::Mat& levels, const std::vector<const std::uint8_t*>& held, int channel) {
+  const int channels = levels.channels();
+  Values values;
+  for (int y = 0; y < levels.rows; ++y) {
+    const float* row = levels.ptr<float>(y) + channel;
+    const std::uint8_t* mask = held[static_cast<std::size_t>(y)];
+    float low = std::numeric_limits<float>::infinity(), high = -low;
+    bool finite = true;
+    for (int x = 0; x < levels.cols; ++x) {
+      const bool counts = mask[x] != 0;
+      const float value = row[x * channels];
+      finite &= !counts || std::abs(value) <= std::numeric_limits<float>::max();
+      low = counts && value < low ? value : low;
+      high = counts && value > high ? value : high;
+    }
+    if (!finite) {
+      std::ostringstream message;
+      message << "fill: row " << y
+              << " of the levels holds a number that is not finite where the mask is set";
+      throw core::InputError(message.str());
+    }
+    values.low = std::min(values.low, static_cast<double>(low));
+    values.high = std::max(values.high, static_cast<double>(high));
+  }
+  return values;
+}
+
+void check_held(const cv::Mat& levels, const cv::Mat& mask) {
+  std::vector<const std::uint8_t*> held;
+  for (int y = 0; y < mask.rows; ++y) held.push_back(mask.ptr(y));
+  for (int channel = 0; channel < levels.channels(); ++channel) held_values(levels, held, channel);
+}
+
+template <class Real>
+class Filler {
+ public:
+  Filler(const cv::Mat& levels, const std::vector<const std::uint8_t*>& held, double sink)
+      : levels_(levels), held_(held), diffusion_(levels.cols, levels.rows, held, static_cast<Real>(sink)) {}
+
+  /// Fills one channel of `result`, a copy of the levels. Works on deviations from the middle in units of
+  /// the range, so that rounding does not depend on either.
+  void fill(int channel, const Values& values, const FillOptions& options, FillResult& result) {
+    const int channels = levels_.channels(), width = levels_.cols;
+    const double middle = values.middle(), range = values.high - values.low;
+    auto field = make_board<Real>(width, levels_.rows);
+    auto& cells = diffusion_.row();
+    std::fill(cells.begin(), cells.end(), Real(0));
+    for (int y = 0; y < levels_.rows; ++y) {
+      const float* row = levels_.ptr<float>(y) + channel;
+      const std::uint8_t* held = held_[static_cast<std::size_t>(y)];
+      for (int x = 0; x < width; ++x) {
+        const auto value = static_cast<Real>((static_cast<double>(row[x * channels]) - middle) / range);
+        cells[static_cast<std::size_t>(x)] = held[x] != 0 ? value : Real(0);
+      }
+      split_row(cells.data(), y, field);
+    }
+    const auto outcome = diffusion_.solve(field, options.tolerance / range, options.max_iterations);
+    for (int y = 0; y < levels_.rows; ++y) {
+      join_row(field, y, cells.data());
+      float* row = result.levels.ptr<float>(y) + channel;
+      const std::uint8_t* held = held_[static_cast<std::size_t>(y)];
+      for (int x = 0; x < width; ++x) {
+        // Between the extremes of what is held, as the exact solution is.
+        const double value =
+            std::clamp(middle + range * static_cast<double>(cells[static_cast<std::size_t>(x)]), values.low,
+                       values.high);
+        row[x * channels] = held[x] != 0 ? row[x * channels] : static_cast<float>(value);
+      }
+    }
+    result.iterations = std::max(result.iterations, outcome.iterations);
+    result.error = std::max(result.error, outcome.error * range);
+    result.converged = result.converged && outcome.converged;
+  }
+
+ private:
+  const cv::Mat& levels_;
+  const std::vector<const std::uint8_t*>& held_;
+  Diffusion<Real> diffusion_;
+};
+
+template <class Real>
+void fill_channels(const cv::Mat& levels, const std::vector<const std::uint8_t*>& held,
+                   const std::vector<Values>& values, double sink, const FillOptions& options,
+                   FillResult& result) {
+  Filler<Real> filler(levels, held, sink);
+  for (int channel = 0; channel < levels.channels(); ++channel) {
+    const Values& of_channel = values[static_cast<std::size_t>(channel)];
+    if (of_channel.high > of_channel.low) filler.fill(channel, of_channel, options, result);
+  }
+}
+
+/// Whether single precision would miss the tolerance: in a long strip heat comes from far away through a few
+/// pixels, which multiplies rounding errors by the square of the length.
+bool needs_double(const cv::Size size, double range, double tolerance) {
+  return std::max(size.width, size.height) > 32 * std::min(size.width, size.height) ||
+         tolerance < 3e-5 * range;
+}
+
+/// Solves for the pixels that are not held, of which there are some and not all. With a sink they are drawn
+/// to 0, and the range of each channel lies about that.
+FillResult diffuse(const cv::Mat& levels, const cv::Mat& mask, double sink, const FillOptions& options) {
+  std::vector<const std::uint8_t*> held;
+  for (int y = 0; y < mask.rows; ++y) held.push_back(mask.ptr(y));
+  std::vector<Values> values;
+  double range = 0;
+  cv::Scalar middle;
+  for (int channel = 0; channel < levels.channels(); ++channel) {
+    Values of_channel = held_values(levels, held, channel);
+    if (sink > 0) {
+      of_channel.high = std::max(std::abs(of_channel.low), std::abs(of_channel.high));
+      of_channel.low = -of_channel.high;
+    }
+    values.push_back(of_channel);
+    range = std::max(range, of_channel.high - of_channel.low);
+    middle[channel] = of_channel.middle();
+  }
+  FillResult result;
+  result.levels = levels.clone();
+  // Where the range is zero there is nothing to solve: all is what is held.
+  result.levels.setTo(middle, mask == 0);
+  if (needs_double(levels.size(), range, options.tolerance))
+    fill_channels<double>(levels, held, values, sink, options, result);
+  else
+    fill_channels<float>(levels, held, values, sink, options, result);
+  return result;
+}
+
+void check_ground(const cv::Mat& levels, const cv::Mat& ground, double reach) {
+  std::ostringstream message;
+  if (ground.dims != 2 || ground.type() != levels.type() || ground.size() != levels.size())
+    message << "fill_onto: the ground is " << cv::typeToString(ground.type()) << ", " << ground.cols << " × "
+            << ground.rows << "; it has to be of the levels' type and size, "
+            << cv::typeToString(levels.type()) << ", " << levels.cols << " × " << levels.rows;
+  else if (!(reach >= 1 && reach <= 1e4))
+    message << "fill_onto: reach is " << reach << "; allowed are 1 to 10000 px";
+  else if (!cv::checkRange(ground))
+    message << "fill_onto: the ground holds a number that is not finite";
+  if (!message.str().empty()) throw core::InputError(message.str());
+}
+
+}  // namespace
+
+void FillOptions::validate() const {
+  std::ostringstream message;
+  if (!(tolerance > 0) || !std::isfinite(tolerance))
+    message << "FillOptions.tolerance is " << tolerance << "; it has to be above 0 grey levels";
+  else if (max_iterations < 1)
+    message << "FillOptions.max_iterations is " << max_iterations << "; it has to be at least 1";
+  if (!message.str().empty()) throw core::InputError(message.str());
+}
+
+FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options) {
+  options.validate();
+  check(levels, mask);
+  const int count = cv::countNonZero(mask);
+  if (count == 0) return {cv::Mat(levels.size(), levels.type(), cv::Scalar::all(0))};
+  if (count == mask.rows * mask.cols) {
+    check_held(levels, mask);
+    return {levels.clone()};
+  }
+  return diffuse(levels, mask, 0, options);
+}
+
+FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& ground, double reach,
+                     const FillOptions& options) {
+  options.validate();
+  check(levels, mask);
+  check_ground(levels, ground, reach);
+  const int count = cv::countNonZero(mask);
+  if (count == 0) return {ground.clone()};
+  if (count == mask.rows * mask.cols) {
+    check_held(levels, mask);
+    return {levels.clone()};
+  }
+  FillResult result = diffuse(levels - ground, mask, 1 / (reach * reach), options);
+  result.levels += ground;
+  levels.copyTo(result.levels, mask);
+  return result;
+}
+
+}  // namespace emberfold::sketch

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/inpainting/heat_film.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <sstream>
+
+#include <opencv2/core.hpp>
+
+#include "core/error.hpp"
+
+namespace emberfold::sketch {
+
+namespace {
+
+void check(const cv::Mat& levels, const cv::Mat& mask, double step) {
+  std::ostringstream message;
+  if (levels.dims != 2 || levels.empty() || levels.depth() != CV_32F ||
+      (levels.channels() != 1 && levels.channels() != 3))
+    message << "HeatFlow: levels are " << cv::typeToString(levels.type()) << ", " << levels.cols << " × "
+            << levels.rows << "; allowed are CV_32FC1 and CV_32FC3 of at least 1 × 1";
+  else if (mask.dims != 2 || mask.type() != CV_8UC1 || mask.size() != levels.size())
+    message << "HeatFlow: the mask is " << cv::typeToString(mask.type()) << ", " << mask.cols << " × "
+            << mask.rows << "; it has to be CV_8UC1 of the levels' size, " << levels.cols << " × "
+            << levels.rows;
+  else if (!(step > 0 && step <= HeatFlow::kLargestStep))
+    message << "HeatFlow: the step is " << step << " px²; it has to be above 0 and at most "
+            << HeatFlow::kLargestStep;
+  else if (!cv::checkRange(levels))
+    message << "HeatFlow: the levels hold a number that is not finite";
+  if (!message.str().empty()) throw core::InputError(message.str());
+}
+
+}  // namespace
+
+HeatFlow::HeatFlow(const cv::Mat& levels, const cv::Mat& mask, double step)
+    : width_(levels.cols), height_(levels.rows), channels_(levels.channels()), step_(step) {
+  check(levels, mask, step);
+  const auto stride = static_cast<std::size_t>(width_ + 2) * static_cast<std::size_t>(channels_);
+  const auto row = static_cast<std::size_t>(width_) * static_cast<std::size_t>(channels_);
+  now_.assign(stride * static_cast<std::size_t>(height_ + 2), 0.0F);
+  next_ = now_;
+  rate_.resize(row * static_cast<std::size_t>(height_));
+  low_.assign(row, std::numeric_limits<float>::infinity());
+  high_.assign(row, -std::numeric_limits<float>::infinity());
+  const auto channels = static_cast<std::size_t>(channels_);
+  for (int y = 0; y < height_; ++y) {
+    const auto* values = levels.ptr<float>(y);
+    const auto* held = mask.ptr(y);
+    float* own = now_.data() + stride * static_cast<std::size_t>(y + 1) + channels;
+    float* rate = rate_.data() + row * static_cast<std::size_t>(y);
+    for (std::size_t i = 0; i < row; ++i) {
+      own[i] = values[i];
+      rate[i] = held[i / channels] != 0 ? 0.0F : static_cast<float>(step_);
+      low_[i % channels] = std::min(low_[i % channels], values[i]);
+      high_[i % channels] = std::max(high_[i % channels], values[i]);
+    }
+  }
+  for (std::size_t i = channels; i < row; ++i) {
+    low_[i] = low_[i % channels];
+    high_[i] = high_[i % channels];
+  }
+}
+
+void HeatFlow::step_rows() {
+  const auto channels = static_cast<std::size_t>(channels_),
+             row = static_cast<std::size_t>(width_) * channels;
+  const std::size_t stride = row + 2 * channels;
+  const auto at = [&](int y) { return now_.data() + stride * static_cast<std::size_t>(y + 1); };
+  // The border repeats the outermost pixels, so nothing flows through it.
+  for (int y = 0; y < height_; ++y) {
+    std::copy_n(at(y) + channels, channels, at(y));
+    std::copy_n(at(y) + row, channels, at(y) + row + channels);
+  }
+  std::copy_n(at(0), stride, at(-1));
+  std::copy_n(at(height_ - 1), stride, at(height_));
+  const float *low = low_.data(), *high = high_.data();
+  for (int y = 0; y < height_; ++y) {
+    const float* own = at(y) + channels;
+    const float *west = own - channels, *east = own + channels, *north = own - stride, *south = own + stride;
+    const float* rate = rate_.data() + row * static_cast<std::size_t>(y);
+    float* __restrict to = next_.data() + stride * static_cast<std::size_t>(y + 1) + channels;
+    for (std::size_t i = 0; i < row; ++i) {
+      const float flow = (west[i] + east[i]) + (north[i] + south[i]) - 4 * own[i];
+      const float value = own[i] + rate[i] * flow;
+      // Rounding might carry it over the extremes.
+      const float above = value < low[i] ? low[i] : value;
+      to[i] = above > high[i] ? high[i] : above;
+    }
+  }
+  now_.swap(next_);
+}
+
+void HeatFlow::advance(std::int64_t steps) {
+  if (steps < 0) {
+    std::ostringstream message;
+    message << "HeatFlow: asked for " << steps << " steps; at least 0 are allowed";
+    throw core::InputError(message.str());
+  }
+  for (std::int64_t i = 0; i < steps; ++i) step_rows();
+  steps_ += steps;
+}
+
+cv::Mat HeatFlow::levels() const {
+  cv::Mat result(height_, width_, CV_32FC(channels_));
+  const auto channels = static_cast<std::size_t>(channels_),
+             row = static_cast<std::size_t>(width_) * channels;
+  for (int y = 0; y < height_; ++y)
+    std::copy_n(now_.data() + (row + 2 * channels) * static_cast<std::size_t>(y + 1) + channels, row,
+                result.ptr<float>(y));
+  return result;
+}
+
+std::vector<cv::Mat> heat_film(const cv::Mat& levels, const cv::Mat& mask,
+                               std::span<const std::int64_t> steps, const core::Context& context) {
+  HeatFlow flow(levels, mask);
+  constexpr std::int64_t kBlock = 64;  // steps between two looks at the context
+  std::vector<cv::Mat> film;
+  for (const std::int64_t due : steps) {
+    if (due < flow.steps()) {
+      std::ostringstream message;
+      message << "heat_film: step " << due << " comes after step " << flow.steps()
+              << "; they have to be in order, from 0 on";
+      throw core::InputError(message.str());
+    }
+    while (flow.steps() < due && !context.cancelled()) flow.advance(std::min(kBlock, due - flow.steps()));
+    if (context.cancelled()) break;
+    film.push_back(flow.levels());
+    context.report("diffusing", static_cast<double>(film.size()) / static_cast<double>(steps.size()));
+  }
+  return film;
+}
+
+}  // namespace emberfold::sketch

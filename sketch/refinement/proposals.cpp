@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/refinement/proposals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace emberfold::sketch {
+
+using graph::Patch;
+using graph::Point;
+
+namespace {
+
+std::vector<Slot> slots_held(const Draft& draft) {
+  std::vector<Slot> held;
+  for (Slot slot = 0; slot < draft.slots(); ++slot)
+    if (draft.holds(slot)) held.push_back(slot);
+  return held;
+}
+
+std::vector<Point> places(const Draft& draft, const std::vector<Slot>& held) {
+  std::vector<Point> points;
+  for (const Slot slot : held) points.push_back(draft.patch(slot).position);
+  return points;
+}
+
+constexpr double kAlong = 3;  // px along a patch that are its own
+
+double own_across(const Patch& patch) {
+  constexpr double kLeast = 1.5;
+  return std::max(kLeast, patch.width / 2 + patch.blur);
+}
+
+bool on(const Patch& patch, Point place) {
+  const Point apart = place - patch.position;
+  const double c = std::cos(patch.theta), s = std::sin(patch.theta);
+  return std::abs(apart.x * c + apart.y * s) <= kAlong &&
+         std::abs(apart.y * c - apart.x * s) <= own_across(patch);
+}
+
+double level_at(const cv::Mat1f& luma, Point p) {
+  const double x = std::clamp(p.x, 0.0, luma.cols - 1.0), y = std::clamp(p.y, 0.0, luma.rows - 1.0);
+  const int x0 = std::min(static_cast<int>(x), std::max(luma.cols - 2, 0)),
+            y0 = std::min(static_cast<int>(y), std::max(luma.rows - 2, 0));
+  const int x1 = std::min(x0 + 1, luma.cols - 1), y1 = std::min(y0 + 1, luma.rows - 1);
+  const double fx = x - x0, fy = y - y0;
+  return (1 - fy) * ((1 - fx) * double{luma(y0, x0)} + fx * double{luma(y0, x1)}) +
+         fy * ((1 - fx) * double{luma(y1, x0)} + fx * double{luma(y1, x1)});
+}
+
+/// Where a patch's sides are looked at: what lies there is left and right, almost.
+double beside(const Patch& patch) {
+  return patch.width / 2 + 1.5 * patch.blur;
+}
+
+/// A line's middle above its sides, a step's right above its left, at one place.
+double across(const cv::Mat1f& luma, const Patch& patch, Point place, Point normal) {
+  const double d = beside(patch);
+  const double left = level_at(luma, place - normal * d), right = level_at(luma, place + normal * d);
+  if (graph::on_step(patch)) return right - left;
+  const double in = std::min(patch.width / 4, 1.0);
+  return 0.5 * (level_at(luma, place - normal * in) + level_at(luma, place + normal * in)) -
+         0.5 * (left + right);
+}
+
+/// The same of the patch's own profile.
+double difference(const Patch& patch) {
+  const auto reached = [&](double d) { return 0.5 * std::erfc(-d / (std::numbers::sqrt2 * patch.blur)); };
+  const double d = beside(patch);
+  if (graph::on_step(patch)) return patch.contrast * (reached(d) - reached(-d));
+  const double half = patch.width / 2, in = std::min(patch.width / 4, 1.0);
+  const auto core = [&](double at) { return reached(at + half) - reached(at - half); };
+  return patch.contrast / core(0) * (core(in) - core(d));
+}
+
+/// A line's middle lies beyond both its sides; else it is the flank of something.
+bool stands_out(const Patch& patch) {
+  constexpr double kLeast = 0.25;  // of the contrast
+  if (graph::on_step(patch)) return true;
+  const auto luma = [](const graph::Level& level) {
+    return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+  };
+  const double sign = patch.contrast >= 0 ? 1 : -1, middle = luma(patch.middle);
+  const double least = kLeast * std::abs(patch.contrast);
+  return sign * (middle - luma(patch.left)) > least && sign * (middle - luma(patch.right)) > least;
+}
+
+CreaseKind kind_of(const Patch& patch) {
+  if (graph::on_step(patch)) return CreaseKind::step;
+  return patch.contrast >= 0 ? CreaseKind::ridge : CreaseKind::valley;
+}
+
+}  // namespace
+
+std::vector<Rib> ribs_across(Point position, double theta, double length) {
+  const Point along{std::cos(theta), std::sin(theta)}, across{-along.y, along.x};
+  const int rows = std::max(1, static_cast<int>(std::lround(length)));
+  std::vector<Rib> ribs;
+  for (int r = 0; r < rows; ++r) ribs.push_back({position + along * (r - 0.5 * (rows - 1)), across});
+  return ribs;
+}
+
+bool overlap(const Patch& a, const Patch& b) {
+  // Most are too far apart, however they lie; a millionth more than rounding makes.
+  const double across = std::max(own_across(a), own_across(b));
+  const Point apart = b.position - a.position;
+  if (graph::dot(apart, apart) > 1.000001 * (kAlong * kAlong + across * across)) return false;
+  return on(a, b.position) || on(b, a.position);
+}
+
+Coding best_coding(std::span<const GainFrame> axes, const Patch& patch) {
+  Coding best;
+  for (const GainFrame& frame : axes)
+    if (const Coding told = coding(frame, patch);
+        &frame == axes.data() || told.gain > std::max(best.gain, 0.0))
+      best = told;
+  return best;
+}
+
+Editor::Editor(const Draft& draft, const cv::Mat& levels, std::span<const GainFrame> axes,
+               const Refinement& refinement, Tried& tried)
+    : draft_(draft),
+      levels_(levels),
+      axes_(axes),
+      refinement_(refinement),
+      tried_(tried),
+      held_(slots_held(draft)),
+      near_(places(draft, held_), kRadius) {}
+
+double Editor::shown(const Patch& patch, Point from, Point to, double contrast, double enough) const {
+  const Point step = to - from;
+  const double length = graph::norm(step), expected = difference(patch);
+  if (!(length > 0) || std::abs(expected) < 1e-6 || contrast == 0) return 0;
+  const Point along = step * (1 / length);
+  const bool backwards = along.x * std::cos(patch.theta) + along.y * std::sin(patch.theta) < 0;
+  const Point normal = backwards ? Point{along.y, -along.x} : Point{-along.y, along.x};
+  const auto third = [&](int i) { return across(axes_[0].luma, patch, from + along * i, normal) / 3; };
+  double least = 1, before = 0, here = third(0), after = third(1);
+  for (int i = 1; i < length && least >= enough; ++i) {
+    before = std::exchange(here, std::exchange(after, third(i + 1)));
+    least = std::min(least, (before + here + after) / expected * std::abs(patch.contrast / contrast));
+  }
+  return least;
+}
+
+Patch Editor::judged(Patch patch) const {
+  const Coding told = best_coding(axes_, patch);
+  patch.cost = told.cost;
+  patch.gain = told.gain;
+  return patch;
+}
+
+std::optional<Patch> Editor::like(const Patch& patch, Point position, double theta, double contrast) {
+  const auto [found, fresh] =
+      tried_.try_emplace({position.x, position.y, theta, contrast, patch.width, patch.blur, patch.contrast,
+                          graph::on_step(patch) ? 1.0 : 0.0});
+  if (fresh) found->second = fitted_like(patch, position, theta, contrast);
+  return found->second;
+}
+
+std::optional<Patch> Editor::fitted_like(const Patch& patch, Point position, double theta,
+                                         double contrast) const {
+  if (position.x < 0 || position.y < 0 || position.x > levels_.cols - 1 || position.y > levels_.rows - 1)
+    return std::nullopt;
+  // A step points so that its brighter side is on the right.
+  const bool turned = graph::on_step(patch) && patch.contrast < 0;
+  const double spread = std::sqrt(patch.blur * patch.blur + patch.width * patch.width / 12);
+  theta = std::remainder(theta, 2 * std::numbers::pi);
+  const Patch made =
+      fit_patch(levels_, position, theta, kind_of(patch), ribs_across(position, theta, refinement_.spacing),
+                {spread, true, axes_[0].noise});
+  const double sign = kind_of(patch) == CreaseKind::valley || turned ? -1 : 1;
+  if (sign * made.contrast < 0.5 * std::abs(contrast) || !stands_out(made)) return std::nullopt;
+  return judged(made);
+}
+
+bool Editor::overlaps(const Patch& patch, std::span<const Slot> besides) const {
+  for (const Slot slot : around(patch.position)) {
+    if (std::find(besides.begin(), besides.end(), slot) != besides.end()) continue;
+    const Patch& other = draft_.patch(slot);
+    if (overlap(patch, other)) return true;
+  }
+  return false;
+}
+
+std::vector<Slot> Editor::around(Point place) const {
+  std::vector<Slot> found = near_.around(place);
+  for (Slot& slot : found) slot = held_[slot];
+  return found;
+}
+
+void Editor::propose(Edit edit, std::vector<Slot> concerns) {
+  constexpr double kLeast = 1;  // nat
+  const double change = draft_.change(edit);
+  if (change < -kLeast) proposals_.push_back({change, std::move(edit), std::move(concerns)});
+}
+
+std::vector<std::vector<Slot>> strokes(const Draft& draft) {
+  std::vector<std::vector<Slot>> all;
+  std::vector<char> seen(draft.slots(), 0);
+  const auto walk = [&](Slot from, Slot next) {
+    std::vector<Slot> stroke{from, next};
+    while (draft.degree(stroke.back()) == 2 && stroke.back() != from) {
+      seen[stroke.back()] = 1;
+      const auto sides = draft.neighbours(stroke.back());
+      stroke.push_back(sides[0] == stroke[stroke.size() - 2] ? sides[1] : sides[0]);
+    }
+    return stroke;
+  };
+  for (Slot slot = 0; slot < draft.slots(); ++slot) {
+    if (!draft.holds(slot) || draft.degree(slot) == 2) continue;
+    if (draft.degree(slot) == 0) all.push_back({slot});
+    for (const Slot next : draft.neighbours(slot)) {
+      std::vector<Slot> stroke = walk(slot, next);
+      // Each is walked from both ends; the one that starts lower stays.
+      if (std::pair(stroke.front(), stroke[1]) <= std::pair(stroke.back(), stroke[stroke.size() - 2]))
+        all.push_back(std::move(stroke));
+    }
+  }
+  for (Slot slot = 0; slot < draft.slots(); ++slot)
+    if (draft.holds(slot) && draft.degree(slot) == 2 && seen[slot] == 0) {
+      seen[slot] = 1;
+      all.push_back(walk(slot, draft.neighbours(slot)[0]));
+    }
+  return all;
+}
+
+std::vector<Slot> tail(const Draft& draft, Slot end) {
+  constexpr std::size_t kLong = 6;
+  std::vector<Slot> slots{end, draft.neighbours(end)[0]};
+  while (slots.size() < kLong && draft.degree(slots.back()) == 2) {
+    const auto sides = draft.neighbours(slots.back());
+    slots.push_back(sides[0] == slots[slots.size() - 2] ? sides[1] : sides[0]);
+  }
+  return slots;
+}
+
+double usual_contrast(const Draft& draft, const std::vector<Slot>& slots) {
+  std::vector<double> contrasts;
+  for (const Slot slot : slots) contrasts.push_back(std::abs(draft.patch(slot).contrast));
+  std::nth_element(contrasts.begin(), contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2),
+                   contrasts.end());
+  return contrasts[contrasts.size() / 2];
+}
+
+}  // namespace emberfold::sketch

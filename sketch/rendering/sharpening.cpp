@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/rendering/sharpening.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "core/context.hpp"
+#include "core/error.hpp"
+#include "core/math/bilinear.hpp"
+#include "core/math/image_gradient.hpp"
+
+namespace emberfold::sketch {
+
+namespace {
+
+constexpr std::size_t most_frames = 8;
+constexpr int halvings = 6;  // of the interval that the share lies in
+constexpr double least_share = 0.25, most_gain = 1.5;
+constexpr double border = 4;  // px
+
+/// Of all frames, as they are drawn.
+double drawn_gradient(std::span<const FrameContent> parts, const RenderOptions& look,
+                      const core::Context& context) {
+  const auto frames = render_frames(parts, look, context);
+  FlankGradient all;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    cv::Mat levels;
+    frames[i].convertTo(levels, CV_32F);
+    const auto one = flank_gradient(core::luma(levels), visible_patches(parts[i]));
+    all.sum += one.sum, all.places += one.places;
+  }
+  return all.mean();
+}
+
+/// The value between one that is not steep enough and one that is.
+double bisect(double& value, double too_soft, double steep, const std::function<bool()>& is_steep) {
+  for (int i = 0; i < halvings; ++i) {
+    value = (too_soft + steep) / 2;
+    (is_steep() ? steep : too_soft) = value;
+  }
+  return value = (too_soft + steep) / 2;
+}
+
+}  // namespace
+
+FlankGradient flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph) {
+  const cv::Mat slope = core::sobel(luma).size;
+  FlankGradient result;
+  for (const auto& vertex : graph.vertices()) {
+    const graph::Patch& patch = vertex.patch;
+    if (patch.type == graph::PatchType::blob) continue;
+    const double aside = graph::on_step(patch) ? 0 : std::max(patch.width / 2, patch.blur);
+    const graph::Point normal{-std::sin(patch.theta), std::cos(patch.theta)};
+    for (const double side : {-aside, aside}) {
+      const graph::Point at = patch.position + normal * side;
+      if (!(at.x >= border && at.y >= border && at.x <= luma.cols - 1 - border &&
+            at.y <= luma.rows - 1 - border))
+        continue;
+      result.sum += core::between_pixels(slope, at.x, at.y);
+      ++result.places;
+    }
+  }
+  return result;
+}
+
+FlankGradient clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                  const core::Context& context) {
+  const std::size_t count = sketch.frames.size();
+  const std::size_t every = std::max<std::size_t>(1, (count + most_frames - 1) / most_frames);
+  FlankGradient all;
+  source.rewind();
+  for (std::size_t t = 0; t < count; ++t) {
+    context.check();
+    const cv::Mat frame = source.next();
+    if (frame.empty()) break;
+    if (t % every != every / 2) continue;
+    const auto one = flank_gradient(core::luma(frame, source.info()), sketch.frames[t]);
+    all.sum += one.sum, all.places += one.places;
+  }
+  return all;
+}
+
+Sharpening fit_sharpening(std::span<const FrameContent> parts, RenderOptions look, double wanted,
+                          const core::Context& context) {
+  look.blur_share = look.contrast_gain = 1;
+  const auto is_steep = [&] { return drawn_gradient(parts, look, context) >= wanted; };
+  if (const double fitted = drawn_gradient(parts, look, context); fitted <= 0 || fitted >= wanted) return {};
+  look.blur_share = least_share;
+  if (is_steep()) {
+    bisect(look.blur_share, 1, least_share, is_steep);
+    return {look.blur_share, 1};
+  }
+  bisect(look.contrast_gain, 1, most_gain, is_steep);
+  return {look.blur_share, look.contrast_gain};
+}
+
+RenderOptions sharpened(RenderOptions look, const Sharpening& sharpening) {
+  look.blur_share = sharpening.blur_share;
+  look.contrast_gain = sharpening.contrast_gain;
+  return look;
+}
+
+void add_sharpening(core::ModelArchive& archive, const Sharpening& sharpening) {
+  archive.arrays["sharpening"] = {
+      {2}, false, std::vector<double>{sharpening.blur_share, sharpening.contrast_gain}};
+}
+
+Sharpening read_sharpening(const core::ModelArchive& archive) {
+  const auto found = archive.arrays.find("sharpening");
+  if (found == archive.arrays.end()) return {};
+  const auto* const values = std::get_if<std::vector<double>>(&found->second.data);
+  if (!values || values->size() != 2)
+    throw core::IoError("motion model: sharpening.npy is not two numbers in float64");
+  const Sharpening read{(*values)[0], (*values)[1]};
+  if (!(read.blur_share >= 0.1 && read.blur_share <= 1 && read.contrast_gain >= 1 &&
+        read.contrast_gain <= 10))
+    throw core::IoError("motion model: sharpening.npy is " + std::to_string(read.blur_share) + ", " +
+                        std::to_string(read.contrast_gain) + "; allowed are 0.1…1 and 1…10");
+  return read;
+}
+
+}  // namespace emberfold::sketch

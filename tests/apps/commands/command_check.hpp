@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "core/io/clip_writer.hpp"
+#include "tests/apps/commands/run_command.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/drawn_motion.hpp"
+
+namespace emberfold::tests {
+
+/// A folder of pictures of moving strokes.
+inline std::string write_strokes(const std::filesystem::path& path, cv::Size size, int frames,
+                                 int count = 6) {
+  const auto strokes = made_strokes(count, size.width, size.height, frames);
+  const auto writer = io::create_video(path, size, 25, true);
+  for (int t = 0; t < frames; ++t) writer->write(made_picture(strokes, size.width, size.height, t));
+  writer->finish();
+  return path.string();
+}
+
+inline std::vector<std::string> joined(const std::vector<std::string>& first,
+                                       const std::vector<std::string>& second,
+                                       const std::vector<std::string>& third = {}) {
+  std::vector<std::string> all;
+  for (const auto* part : {&first, &second, &third})
+    for (const auto& word : *part) all.push_back(word);
+  return all;
+}
+
+/// Fails in a way that names every `what`, on one line, and leaves nothing at `output`.
+inline void check_one_line(const std::vector<std::string>& arguments, int exit,
+                           const std::vector<std::string>& what, const std::filesystem::path& output = {}) {
+  const auto result = run_command(arguments);
+  INFO(result.err);
+  CHECK(result.exit == exit);
+  CHECK(result.err.starts_with("emberfold: "));
+  CHECK(std::ranges::count(result.err, '\n') == 1);
+  CHECK(result.out.empty());
+  for (const auto& part : what) CHECK(contains(result.err, part));
+  if (!output.empty()) CHECK_FALSE(std::filesystem::exists(output));
+}
+
+}  // namespace emberfold::tests

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "apps/builtin/open_clip.hpp"
+#include "apps/pictures/side_by_side.hpp"
+#include "core/clip/clip_range.hpp"
+#include "core/io/clip_reader.hpp"
+#include "pipeline/clip_measures.hpp"
+#include "pipeline/prediction.hpp"
+#include "tests/apps/commands/command_check.hpp"
+
+using namespace emberfold;
+using namespace emberfold::apps;
+using namespace emberfold::tests;
+using Catch::Matchers::WithinAbs;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+core::Clip noise_clip(cv::Size size, int frames, std::uint64_t seed, std::uint32_t limit = 256) {
+  core::Clip clip;
+  clip.info.width = size.width, clip.info.height = size.height, clip.info.depth = CV_8U;
+  for (int t = 0; t < frames; ++t)
+    clip.frames.push_back(noise_frame(size, CV_8UC1, seed * 1000 + static_cast<std::uint64_t>(t), limit));
+  return clip;
+}
+
+const std::vector<std::string> kDrawn{"synthesized_motion.avi", "synthesized_hybrid.avi",
+                                      "synthesized_dytex.avi", "synthesized_star.avi"};
+
+std::string write_clip(const fs::path& path, const core::Clip& clip) {
+  const auto writer = io::create_video(path, clip.frames[0].size(), 25, clip.frames[0].channels() == 3);
+  for (const auto& frame : clip.frames) writer->write(frame);
+  writer->finish();
+  return path.string();
+}
+
+}  // namespace
+
+TEST_CASE("a part of a clip is its frames and can be read again") {
+  const auto clip = noise_clip({5, 4}, 9, 1);
+  core::ClipSource source(clip);
+  core::ClipRange part(source, 2, 6);
+  for (int round = 0; round < 2; ++round) {
+    const auto read = core::read_all(part);
+    REQUIRE(read.frames.size() == 4);
+    for (std::size_t t = 0; t < 4; ++t) CHECK(same_pixels(read.frames[t], clip.frames[t + 2]));
+    part.rewind();
+  }
+  CHECK(part.info().frames == 4);
+}
+
+TEST_CASE("a clip's measures are the same however its frames come") {
+  const auto clip = noise_clip({40, 30}, 24, 3);
+  core::ClipSource source(clip);
+  const pipeline::MeasureScale scale{8, 4, 15};
+  pipeline::ClipMeasures measures({40, 30}, scale, 24), at_once({40, 30}, scale, 24);
+  std::vector<cv::Mat> luma;
+  for (const auto& frame : clip.frames) luma.push_back(core::luma(frame, clip.info));
+  measures.add(std::span(luma).first(5), {});
+  measures.add(std::span(luma).subspan(5), {});
+  at_once.add(luma, {});
+  CHECK(measures.temporal() == dytex::temporal_spectrum(source, 8));
+  CHECK(measures.radial() == dytex::radial_spectrum(source, 15));
+  CHECK(pipeline::pixel_figures(measures) == pipeline::pixel_figures(at_once));
+  const auto distances = pipeline::pixel_distances(measures, at_once);
+  for (const auto& [key, value] : distances.items()) CHECK(value == 0);
+  CHECK(pipeline::measure_scale(64, {40, 30}).segment == 32);
+  CHECK(pipeline::measure_scale(31, {40, 30}).segment == 16);
+  CHECK(pipeline::measure_scale(31, {40, 30}).lags == 7);
+  CHECK(pipeline::measure_scale(4, {40, 30}).segment == 4);
+}
+
+TEST_CASE("large frames have the spectrum in time of all their pixels") {
+  const cv::Size size(900, 700);
+  const auto clip = noise_clip(size, 8, 5, 101);
+  pipeline::ClipMeasures measures(size, {4, 1, 64}, 8000);
+  for (const auto& frame : clip.frames) {
+    const auto luma = core::luma(frame, clip.info);
+    measures.add(std::span(&luma, 1), {});
+  }
+  // uniform on 0 … 100: a variance of (101² − 1) / 12
+  CHECK_THAT(measures.temporal()(1), WithinAbs(850, 20));
+}
+
+TEST_CASE("clips beside each other are as high as they should be") {
+  const TempFolder temp;
+  const std::vector<cv::Size> sizes{{64, 48}, {30, 60}};
+  SideBySide beside(temp / "a.mp4", {"one", "a name that is far too long for so narrow a panel"}, sizes, 25);
+  beside.write(std::vector<cv::Mat>{cv::Mat(48, 64, CV_8UC3, cv::Scalar(0, 0, 250)),
+                                    cv::Mat(60, 30, CV_8UC1, cv::Scalar(30))});
+  beside.finish();
+  const auto clip = core::read_all(*apps::open_clip((temp / "a.mp4").string(), {}, {}));
+  CHECK(clip.info.width == 320 + 6 + 120);
+  CHECK(clip.info.height == 240 + 28);
+  const auto pixel = [&](int x) { return clip.frames[0].at<cv::Vec3b>(150, x); };
+  CHECK(pixel(160)[2] > 200);
+  CHECK(pixel(160)[0] < 60);
+  CHECK(std::abs(pixel(380)[1] - 30) < 12);
+}
+
+TEST_CASE("what is foretold is measured against the frame that comes") {
+  // The frames of the second half hold one level more each, the first half is all 10.
+  core::Clip clip = noise_clip({6, 5}, 10, 1);
+  for (int t = 0; t < 10; ++t)
+    clip.frames[static_cast<std::size_t>(t)] =
+        cv::Mat(5, 6, CV_8UC1, cv::Scalar(t < 5 ? 10 : 10 + 4 * (t - 4)));
+  core::ClipSource source(clip);
+  // A model that knows: four more levels with every frame.
+  pipeline::ComparedModel knows{"knows", "knows", ""};
+  knows.foretell = [](const pipeline::Moment& moment, std::span<const int> steps) {
+    std::vector<cv::Mat> told;
+    for (const int step : steps) told.push_back(moment.past.back() + 4 * step);
+    return told;
+  };
+  knows.reconstruct = [](const pipeline::Moment& moment) { return moment.past.back() + 1; };
+  const std::vector<int> steps = pipeline::prediction_steps(3);
+  CHECK(steps == std::vector<int>{1, 2, 3});
+  const auto [measured, reconstruction] =
+      pipeline::measure_prediction(source, 5, 10, steps, std::span(&knows, 1), {});
+  CHECK(measured["first_frame"] == 5);
+  CHECK(measured["moments"] == 5);
+  const auto decibel = [](double mse) { return 10 * std::log10(255 * 255 / mse); };
+  const auto psnr = [&](const char* way) { return measured["methods"][way]["psnr"].get<double>(); };
+  CHECK_THAT(psnr("frame_before"), WithinAbs(decibel(16), 1e-3));
+  CHECK_THAT(psnr("mean_image"), WithinAbs(decibel((16 + 64 + 144 + 256 + 400) / 5.0), 1e-3));
+  CHECK_THAT(measured["per_frame"]["mean_image"][4].get<double>(), WithinAbs(decibel(400), 1e-3));
+  CHECK(psnr("knows") == 100);
+  // Three frames on from frames 4 to 6; two of five moments have no such frame.
+  CHECK_THAT(measured["methods"]["frame_before"]["by_step"]["psnr"][2].get<double>(),
+             WithinAbs(decibel(144), 1e-3));
+  CHECK(measured["methods"]["knows"]["by_step"]["psnr"][2] == 100);
+  CHECK_THAT(reconstruction["knows"]["psnr"].get<double>(), WithinAbs(decibel(1), 1e-3));
+  CHECK_FALSE(reconstruction.contains("frame_before"));
+}
+
+TEST_CASE("compare holds a clip against its models and writes all that it names") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {81, 60}, 40);
+  for (const std::string threads : {"1", "3"}) {
+    const auto result =
+        run_command({"compare", clip, "-o", (temp / threads).string(), "--threads", threads, "--json", "-q"});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    const Json summary = Json::parse(result.out);
+    for (const auto& file : summary["files"]) CHECK(fs::exists(temp / threads / file.get<std::string>()));
+    CHECK(bytes_of(temp / threads / "measures.json") == bytes_of(temp / "1/measures.json"));
+    for (const auto& name : kDrawn) CHECK(bytes_of(temp / threads / name) == bytes_of(temp / "1" / name));
+    CHECK(summary["measures"] == Json::parse(bytes_of(temp / threads / "measures.json")));
+  }
+  const Json measures = Json::parse(bytes_of(temp / "1/measures.json"));
+  CHECK(measures["format"] == "emberfold.measures");
+  CHECK(measures["version"] == 2);
+  CHECK(measures["segment"] == 16);
+  CHECK(measures["prediction"]["first_frame"] == 20);
+  CHECK(measures["prediction"]["steps"] == Json({1, 2, 4, 8}));
+  for (const char* way :
+       {"motion_model", "hybrid", "linear_dynamic_texture", "star", "frame_before", "mean_image"})
+    CHECK(measures["prediction"]["methods"][way]["psnr"] > 10);
+  for (const char* way : {"motion_model", "hybrid", "linear_dynamic_texture"})
+    CHECK(measures["reconstruction"][way]["ssim"] > 0.1);
+  for (const char* way : {"motion_model", "hybrid", "linear_dynamic_texture", "star", "noise_floor"})
+    for (const char* measure : {"temporal_db", "radial_db", "autocorrelation", "patterns", "flow_px",
+                                "crease_sharpness", "si", "ti", "stroke_events"})
+      CHECK(measures["synthesis"][way][measure] >= 0);
+  for (const auto& model : measures["models"]) CHECK(model["parameters"] > 100);
+  CHECK(measures["synthesis"]["source"]["strokes"]["frames"] == 40);
+  CHECK(measures["words"].size() >= 8);
+  const auto& curves = measures["curves"];
+  CHECK(curves["temporal_db"]["source"].size() == 8);
+  CHECK(curves["radial_db"]["hybrid"].size() == 30);
+  CHECK(curves["autocorrelation"]["star"].size() == 5);
+  for (const auto& name : kDrawn)
+    CHECK(core::read_all(*apps::open_clip((temp / "1" / name).string(), {}, {})).frames.size() == 40);
+  const auto video = apps::open_clip((temp / "1/side_by_side.mp4").string(), {}, {});
+  CHECK(video->info().height >= 240);
+  CHECK(video->info().width > 5 * 81 * 240 / 60);
+  const auto page = bytes_of(temp / "1/report.html");
+  for (const char* part : {"What the measures say", "Spectrum in time", "Foretelling", "data:image/jpeg"})
+    CHECK(contains(page, part));
+}
+
+TEST_CASE("compare draws clips of any length and foretells with what it may learn from") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {60, 48}, 24, 4);
+  const auto run = [&](const std::vector<std::string>& more) {
+    const auto result = run_command(
+        joined({"compare", clip, "-o", (temp / "out").string(), "--json", "-q", "--no-star"}, more));
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return Json::parse(result.out)["measures"];
+  };
+  const auto longer = run({"--frames", "40", "--no-strokes", "--no-hybrid"});
+  CHECK(longer["synthesis"]["frames"] == 40);
+  CHECK_FALSE(longer["synthesis"]["motion_model"].contains("strokes"));
+  CHECK(longer["models"].size() == 2);
+  CHECK(
+      core::read_all(*apps::open_clip((temp / "out/synthesized_dytex.avi").string(), {}, {})).frames.size() ==
+      40);
+  CHECK(core::read_all(*apps::open_clip((temp / "out/side_by_side.mp4").string(), {}, {})).frames.size() ==
+        24);
+  const auto whole = run({"--learn-share", "1", "--no-strokes", "--no-hybrid"});
+  CHECK(whole["prediction"].is_null());
+  CHECK(whole["learned_frames"] == 24);
+  CHECK_FALSE(fs::exists(temp / "out/synthesized_star.avi"));
+  const auto curve = run({"--curve", "--no-strokes", "--no-hybrid", "--components", "4"})["size_curve"];
+  std::map<std::string, std::vector<double>> sizes;
+  for (const auto& point : curve["points"]) {
+    sizes[point["model"].get<std::string>()].push_back(point["parameters"].get<double>());
+    CHECK(point["psnr"] > 5);
+    CHECK(point["temporal_db"] >= 0);
+  }
+  // Patches twice as far apart: about half as many numbers beside maps and backdrop.
+  REQUIRE(sizes["motion_model"].size() == 3);
+  CHECK(sizes["motion_model"][1] < 0.9 * sizes["motion_model"][0]);
+  CHECK(sizes["motion_model"][1] - sizes["motion_model"][2] <
+        0.7 * (sizes["motion_model"][0] - sizes["motion_model"][1]));
+  CHECK(curve["points"][1]["what"] == "a patch every 10 px");
+  CHECK(sizes["linear_dynamic_texture"].size() == 12);
+  CHECK(sizes["star"].size() == 3);
+  CHECK(std::ranges::is_sorted(sizes["star"]));
+  const auto& equal = curve["equal"]["linear_dynamic_texture"];
+  CHECK((equal.is_null() || equal["parameters"] <= curve["equal"]["parameters"]));
+}
+
+TEST_CASE("two clips are compared and their distances hold what they should") {
+  const TempFolder temp;
+  const auto a = write_clip(temp / "a", noise_clip({40, 32}, 40, 1)),
+             b = write_clip(temp / "b", noise_clip({40, 32}, 40, 2));
+  const auto faint = write_clip(temp / "faint", noise_clip({40, 32}, 40, 3, 26));
+  const auto small = write_clip(temp / "small", noise_clip({30, 20}, 20, 4));
+  const auto measure = [&](const std::string& one, const std::string& other) {
+    const auto result = run_command({"compare", one, other, "-o", (temp / "out").string(), "--json", "-q"});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return Json::parse(result.out)["measures"];
+  };
+  const auto same = measure(a, a);
+  CHECK(same["distances"]["other"]["temporal_db"] == 0);
+  CHECK(same["distances"]["other"]["radial_db"] == 0);
+  for (const char* key : {"autocorrelation", "patterns", "flow_px", "crease_sharpness", "si", "ti"})
+    CHECK(same["distances"]["other"][key] == 0);
+  CHECK(same["psnr"] == 100);
+  CHECK(same["ssim"] == 1);
+  const auto sample = measure(a, b);
+  CHECK(sample["distances"]["other"]["temporal_db"] < 0.5);
+  CHECK(sample["distances"]["other"]["radial_db"] < 1);
+  // Two independent uniform levels of 0 … 255 lie (256² − 1) / 6 apart in the mean square.
+  CHECK_THAT(sample["psnr"].get<double>(), WithinAbs(10 * std::log10(255.0 * 255 * 6 / 65535), 0.1));
+  // A tenth of the range is a hundredth of the power: 20 dB.
+  const auto weak = measure(a, faint);
+  CHECK_THAT(weak["distances"]["other"]["temporal_db"].get<double>(), WithinAbs(19.9, 0.4));
+  CHECK_THAT(weak["distances"]["other"]["radial_db"].get<double>(), WithinAbs(19.9, 0.8));
+  const auto other_size = measure(a, small);
+  CHECK(other_size["psnr"].is_null());
+  CHECK(other_size["psnr_missing"] == "the sizes differ");
+  CHECK(other_size["distances"]["other"]["temporal_db"] < 1);
+  CHECK(core::read_all(*apps::open_clip((temp / "out/side_by_side.mp4").string(), {}, {})).frames.size() ==
+        20);
+  const auto table = run_command({"compare", a, small, "-o", (temp / "out").string(), "-q"});
+  for (const char* part : {"Spectrum in time", "noise floor", "the sizes differ"})
+    CHECK(contains(table.out, part));
+}
+
+TEST_CASE("a clip without a stroke is compared as far as it goes") {
+  const TempFolder temp;
+  core::Clip flat = noise_clip({20, 16}, 12, 1);
+  for (auto& frame : flat.frames) frame = cv::Mat(16, 20, CV_8UC1, cv::Scalar(90));
+  const auto clip = write_clip(temp / "flat", flat);
+  const auto result = run_command({"compare", clip, "-o", (temp / "out").string(), "--json", "-q"});
+  INFO(result.err);
+  REQUIRE(result.exit == 0);
+  const auto measures = Json::parse(result.out)["measures"];
+  CHECK(measures["prediction"]["methods"]["frame_before"]["psnr"] == 100);
+  CHECK(measures["synthesis"]["noise_floor"]["temporal_db"] == 0);
+}
+
+TEST_CASE("what compare cannot take is refused in one line") {
+  const TempFolder temp;
+  const auto clip = write_clip(temp / "clip", noise_clip({20, 16}, 12, 1)),
+             few = write_clip(temp / "few", noise_clip({20, 16}, 7, 1));
+  const auto out = temp / "out";
+  const auto refused = [&](const std::vector<std::string>& more, int exit,
+                           const std::vector<std::string>& what) {
+    check_one_line(joined({"compare"}, more, {"-o", out.string(), "-q"}), exit, what, out);
+  };
+  refused({few}, 1, {"few", "7 frames", "at least 8"});
+  refused({clip, few}, 1, {"few", "7 frames"});
+  refused({clip, (temp / "no").string()}, 1, {"no such"});
+  refused({clip, "--components", "0"}, 2, {"--components", "0"});
+  refused({clip, "--learn-share", "0"}, 2, {"--learn-share", "0", "up to 1"});
+  refused({clip, "--steps", "65"}, 2, {"--steps", "65", "1 to 64"});
+  refused({clip, "--frames", "3"}, 2, {"--frames", "3"});
+  refused({clip, clip, clip}, 2, {"one argument too many"});
+  REQUIRE(run_command({"dytex", "learn", clip, "-o", (temp / "model").string(), "-q"}).exit == 0);
+  refused({(temp / "model").string()}, 1, {"is no clip but a linear dynamic texture"});
+}
+
+TEST_CASE("Ctrl-C ends compare and dytex learn with nothing left") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {480, 360}, 60, 20);
+  const auto out = temp / "out";
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"compare"}, {"dytex", "learn"}}) {
+    const auto arguments = joined(command, {clip}, {"-o", out.string(), "--threads", "1"});
+    CommandOptions options;
+    options.interrupt_if = [&] { return fs::exists(out); };
+    const auto result = run_command(arguments, options);
+    INFO(result.err);
+    CHECK(result.exit == 130);
+    CHECK_FALSE(fs::exists(out));
+  }
+}

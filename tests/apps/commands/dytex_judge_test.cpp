@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: Apache-2.0
+// distance, classify and compress.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "apps/textures/classification.hpp"
+#include "apps/textures/texture_distances.hpp"
+#include "apps/textures/texture_folder.hpp"
+#include "core/error.hpp"
+#include "core/io/clip_reader.hpp"
+#include "core/rng.hpp"
+#include "dytex/model/compression.hpp"
+#include "tests/apps/commands/command_check.hpp"
+
+using namespace emberfold;
+using namespace emberfold::apps;
+using namespace emberfold::tests;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// Waves that run over the frame: their speed, and how long a whim of theirs lasts, are the class.
+struct Waves {
+  double angle = 0.5;    // rad a frame
+  double radius = 0.95;  // what is left of a deflection after a frame
+};
+
+/// A grey clip of four random sine patterns whose phases a second-order auto-regression moves.
+std::string write_waves(const fs::path& path, const Waves& waves, std::uint64_t seed,
+                        cv::Size size = {24, 20}, int frames = 60) {
+  constexpr int kPatterns = 4;
+  core::Rng rng(seed);
+  std::vector<cv::Mat1f> shapes;
+  for (int k = 0; k < 2 * kPatterns; ++k) {
+    cv::Mat1f shape(size);
+    const double fx = 0.4 + 0.2 * (k / 2), fy = 0.3 + 0.15 * (k / 2 % 3),
+                 quarter = k % 2 * std::numbers::pi / 2;
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x)
+        shape(y, x) = static_cast<float>(20 * std::sin(fx * x + fy * y + quarter));
+    shapes.push_back(shape);
+  }
+  std::vector<std::array<double, 2>> state(kPatterns);
+  const double c = waves.radius * std::cos(waves.angle), s = waves.radius * std::sin(waves.angle);
+  const double drive = std::sqrt(1 - waves.radius * waves.radius);
+  fs::create_directories(path.parent_path());
+  const auto writer = io::create_video(path, size, 25, false);
+  for (int t = -100; t < frames; ++t) {
+    cv::Mat1f levels(size, 128.0F);
+    for (int k = 0; k < kPatterns; ++k) {
+      auto& [u, v] = state[static_cast<std::size_t>(k)];
+      const double next = c * u - s * v + drive * rng.normal();
+      v = s * u + c * v + drive * rng.normal();
+      u = next;
+      levels += static_cast<float>(u) * shapes[static_cast<std::size_t>(2 * k)] +
+                static_cast<float>(v) * shapes[static_cast<std::size_t>(2 * k + 1)];
+    }
+    for (float& value : levels) value += static_cast<float>(2 * rng.normal());
+    if (t >= 0) writer->write(core::to_bytes(levels));
+  }
+  writer->finish();
+  return path.string();
+}
+
+/// classes/slow, /medium, /quick with so many clips each.
+std::string write_classes(const fs::path& folder, int clips, cv::Size size = {24, 20}) {
+  const std::vector<std::pair<std::string, Waves>> kinds{
+      {"slow", {0.15, 0.97}}, {"medium", {0.9, 0.9}}, {"quick", {2, 0.95}}};
+  std::uint64_t seed = 1;
+  for (const auto& [name, waves] : kinds)
+    for (int i = 0; i < clips; ++i)
+      write_waves(folder / name / ("clip" + std::to_string(i)), waves, seed++, size);
+  return folder.string();
+}
+
+std::string learn(const std::string& clip, const fs::path& model, const std::string& components = "8") {
+  REQUIRE(run_command({"dytex", "learn", clip, "-o", model.string(), "-n", components, "-q"}).exit == 0);
+  return model.string();
+}
+
+/// The samples' distances as two groups would have them: near within, far across.
+std::vector<dytex::Distances> grouped(const std::vector<std::size_t>& group) {
+  std::vector<dytex::Distances> pairs;
+  core::Rng rng(1);
+  for (std::size_t i = 0; i < group.size(); ++i)
+    for (std::size_t j = i; j < group.size(); ++j) {
+      const double d = i == j ? 0 : (group[i] == group[j] ? 0.1 : 1) * rng.uniform(0.9, 1);
+      dytex::Distances pair;
+      pair.kl = pair.kl_back = 10 * d;
+      pair.angles = Eigen::Vector2d(d, 1.5 * d);
+      pair.binet_cauchy = 1 - d;
+      pairs.push_back(pair);
+    }
+  return pairs;
+}
+
+}  // namespace
+
+TEST_CASE("dytex distance tells all distances of two models") {
+  const TempFolder temp;
+  const auto a = learn(write_waves(temp / "a", {0.3, 0.95}, 1), temp / "slow");
+  const auto b = learn(write_waves(temp / "b", {1.5, 0.95}, 2), temp / "quick");
+  const auto told = run_command({"dytex", "distance", a, b});
+  INFO(told.err);
+  REQUIRE(told.exit == 0);
+  for (const char* part :
+       {"slow (1) and quick (2)", "1 from 2", "KL rate", "Martin", "Binet-Cauchy", "degrees"})
+    CHECK(contains(told.out, part));
+  const auto p = read_texture(a), q = read_texture(b);
+  const auto result = run_command({"dytex", "distance", a, b, "--json", "-q"});
+  REQUIRE(result.exit == 0);
+  const Json json = Json::parse(result.out);
+  CHECK(json["models"] == Json({a, b}));
+  const Json& measures = json["measures"];
+  CHECK_THAT(measures["kl"][0][1].get<double>(), WithinRel(dytex::kl_rate(p, q), 1e-9));
+  CHECK_THAT(measures["kl"][1][0].get<double>(), WithinRel(dytex::kl_rate(q, p), 1e-9));
+  CHECK(measures["kl"][0][0] == 0);
+  const auto angles = dytex::subspace_angles(p, q);
+  CHECK_THAT(measures["martin"][0][1].get<double>(), WithinRel(dytex::martin_distance(angles), 1e-9));
+  CHECK_THAT(measures["angles"][1][0].get<double>(), WithinRel(angles.norm(), 1e-9));
+  CHECK(json["angles"].size() == 8);
+  const double kernel =
+      dytex::binet_cauchy(p, q) / std::sqrt(dytex::binet_cauchy(p, p) * dytex::binet_cauchy(q, q));
+  CHECK_THAT(measures["binet-cauchy"][0][1].get<double>(), WithinRel(std::sqrt(2 - 2 * kernel), 1e-6));
+  const auto other = Json::parse(
+      run_command({"dytex", "distance", a, b, "--json", "-q", "--discount", "0.1", "--first-frame"}).out);
+  CHECK(other["measures"]["binet-cauchy"][0][1] != measures["binet-cauchy"][0][1]);
+  CHECK(other["measures"]["kl"] == measures["kl"]);
+}
+
+TEST_CASE("dytex distance writes matrix and growth, the same at any number of threads") {
+  const TempFolder temp;
+  std::vector<std::string> models;
+  for (int i = 0; i < 3; ++i)
+    models.push_back(learn(write_waves(temp / ("clip" + std::to_string(i)), {i < 2 ? 0.3 : 1.5, 0.95},
+                                       static_cast<std::uint64_t>(i + 1)),
+                           temp / ("m" + std::to_string(i))));
+  for (const std::string threads : {"1", "2", "8"}) {
+    const auto out = run_command(joined({"dytex", "distance"}, models,
+                                        {"-o", (temp / ("out" + threads)).string(), "--growth", "40",
+                                         "--measure", "kl", "--threads", threads}));
+    INFO(out.err);
+    REQUIRE(out.exit == 0);
+    CHECK(contains(out.out, "KL rate of the row's model from the column's"));
+    for (const char* name : {"matrix.json", "matrix.csv", "matrix.png", "growth.json", "growth.png"})
+      CHECK(bytes_of(temp / ("out" + threads) / name) == bytes_of(temp / "out1" / name));
+  }
+  const Json matrix = Json::parse(bytes_of(temp / "out1" / "matrix.json"));
+  CHECK(matrix["format"] == "emberfold.texture_distances");
+  for (const char* measure : {"kl", "martin", "binet-cauchy", "angles"}) {
+    const Json& rows = matrix["measures"][measure];
+    REQUIRE(rows.size() == 3);
+    CHECK(rows[0][1] < rows[0][2]);  // the same dynamics are nearer
+    CHECK(rows[1][0] < rows[1][2]);
+  }
+  const auto csv = bytes_of(temp / "out1" / "matrix.csv");
+  CHECK(csv.starts_with("model,m0,m1,m2\nm0,0"));
+  CHECK(std::ranges::count(csv, '\n') == 4);
+  const Json growth = Json::parse(bytes_of(temp / "out1" / "growth.json"));
+  REQUIRE(growth["curves"].size() == 2);  // of the first from the others
+  for (const auto& curve : growth["curves"]) {
+    const auto values = curve["divergence"].get<std::vector<double>>();
+    REQUIRE(values.size() == 40);
+    CHECK(std::ranges::is_sorted(values));
+    CHECK_THAT(values[39] - values[38], WithinRel(curve["rate"].get<double>(), 0.3));
+  }
+  for (const char* name : {"matrix.png", "growth.png"})
+    CHECK(cv::imread((temp / "out1" / name).string()).cols > 100);
+}
+
+TEST_CASE("What dytex distance cannot compare is refused in one line") {
+  const TempFolder temp;
+  const auto a = learn(write_waves(temp / "a", {}, 1), temp / "ma");
+  const auto wide = learn(write_waves(temp / "b", {}, 2, {26, 20}), temp / "mb");
+  const auto out = (temp / "out").string();
+  const auto refused = [&](const std::vector<std::string>& more, int exit,
+                           const std::vector<std::string>& what) {
+    check_one_line(joined({"dytex", "distance"}, more, {"-q"}), exit, what, out);
+  };
+  refused({a}, 2, {"one model has no distance"});
+  refused({a, a, "--measure", "cosine"}, 2, {"--measure is cosine", "kl, martin, binet-cauchy, angles"});
+  refused({a, a, "--growth", "5"}, 2, {"--growth", "--output"});
+  refused({a, a, "--growth", "0", "-o", out}, 2, {"--growth is 0", "1 to 100000"});
+  refused({a, a, "--discount", "0"}, 2, {"--discount is 0", "0.001 to 50"});
+  refused({a, wide}, 1, {wide + " has frames of 26 x 20 in grey", "24 x 20 in grey"});
+  refused({a, (temp / "a").string()}, 1, {"is a clip, not a model"});
+  refused({a, (temp / "none").string(), "-o", out}, 1, {"none", "no such"});
+  // A model of as many components as there can be has no noise r.
+  const auto exact = learn(write_waves(temp / "c", {}, 3, {24, 20}, 8), temp / "mc", "7");
+  REQUIRE(read_texture(exact).r == 0);
+  refused({a, exact, "--measure", "kl"}, 1, {exact, "noise r is 0", "fewer components"});
+  const auto told = run_command({"dytex", "distance", a, exact});
+  CHECK(told.exit == 0);
+  CHECK(contains(told.err, "noise r is 0"));
+  CHECK(contains(told.out, "-"));
+  CHECK(Json::parse(run_command({"dytex", "distance", a, exact, "--json"}).out)["measures"]["kl"][0][1]
+            .is_null());
+}
+
+TEST_CASE("Names of models are as long as needed to tell them apart") {
+  CHECK(short_names({"out/a", "out/b/"}) == std::vector<std::string>{"a", "b"});
+  CHECK(short_names({"x/m", "y/m"}) == std::vector<std::string>{"x/m", "y/m"});
+  CHECK(short_names({"m", "m"}) == std::vector<std::string>{"m", "m"});
+}
+
+TEST_CASE("Folds keep a clip together and spread the classes") {
+  const std::vector<std::size_t> labels{0, 1, 0, 1, 0, 1, 0, 2, 2};
+  const auto own = deal_folds(labels, 0);
+  for (std::size_t i = 0; i < labels.size(); ++i) CHECK(own[i] == i);
+  const auto three = deal_folds(labels, 3);
+  for (std::size_t fold = 0; fold < 3; ++fold) CHECK(std::ranges::count(three, fold) == 3);
+  for (std::size_t label = 0; label < 2; ++label) {
+    std::vector<int> of_fold(3);
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      if (labels[i] == label) ++of_fold[three[i]];
+    CHECK(std::ranges::max(of_fold) - std::ranges::min(of_fold) <= 1);
+  }
+  CHECK(three == deal_folds(labels, 3));
+  for (const std::size_t bad : {1, 10})
+    CHECK(message_of<core::InputError>([&] { deal_folds(labels, bad); }) ==
+          "folds is " + std::to_string(bad) +
+              ", allowed is 0 (a fold for every clip) and 2 to 9, the number of clips");
+}
+
+TEST_CASE("Blocks of one clip do not tell each other's label") {
+  // Every clip's blocks are near each other and far from all else, and labels mean nothing: whoever let
+  // blocks of one clip stand on both sides would be right always. Left out together, there is nothing to
+  // know.
+  constexpr std::size_t kClips = 40, kBlocks = 5;
+  SampleLabels samples;
+  samples.classes = 2;
+  std::vector<std::size_t> clip_of, clip_labels;
+  core::Rng rng(5);
+  for (std::size_t clip = 0; clip < kClips; ++clip) clip_labels.push_back(rng.below(2));
+  for (const std::size_t folds : {0, 4}) {
+    const auto fold_of = deal_folds(clip_labels, folds);
+    samples.label.clear(), samples.fold.clear(), clip_of.clear();
+    for (std::size_t clip = 0; clip < kClips; ++clip)
+      for (std::size_t block = 0; block < kBlocks; ++block) {
+        clip_of.push_back(clip);
+        samples.label.push_back(clip_labels[clip]);
+        samples.fold.push_back(fold_of[clip]);
+      }
+    const auto pairs = grouped(clip_of);
+    const auto honest = cross_validate(samples, pairs);
+    REQUIRE(honest.size() == 8);
+    for (const auto& result : honest) {
+      CAPTURE(name(result.measure), name(result.classifier), folds);
+      CHECK(result.accuracy < 0.72);
+    }
+    auto straddling = samples;
+    for (std::size_t i = 0; i < clip_of.size(); ++i) straddling.fold[i] = i % kBlocks;
+    for (const auto& result : cross_validate(straddling, pairs)) {
+      CAPTURE(name(result.measure), name(result.classifier));
+      CHECK(result.accuracy > 0.9);
+    }
+  }
+}
+
+TEST_CASE("Both classifiers know what lies in groups by every measure") {
+  SampleLabels samples;
+  samples.classes = 4;
+  for (std::size_t i = 0; i < 32; ++i) {
+    samples.label.push_back(i % 4);
+    samples.fold.push_back(i);
+  }
+  const auto results = cross_validate(samples, grouped(samples.label));
+  REQUIRE(results.size() == 8);
+  for (const auto& result : results) {
+    CAPTURE(name(result.measure), name(result.classifier));
+    CHECK(result.accuracy == 1);
+    CHECK(result.predicted == samples.label);
+    CHECK(cv::sum(result.confusion)[0] == 32);
+    CHECK(cv::trace(result.confusion)[0] == 32);
+  }
+  // A measure that one pair lacks is left out.
+  auto partly = grouped(samples.label);
+  partly[5].kl.reset();
+  CHECK(cross_validate(samples, partly).size() == 6);
+  CHECK_FALSE(message_of<core::InputError>([&] { cross_validate(samples, {}); }).empty());
+}
+
+TEST_CASE("dytex classify knows synthetic classes by their dynamics") {
+  const TempFolder temp;
+  const auto folder = write_classes(temp / "classes", 4, {49, 21});
+  for (const std::string threads : {"1", "2", "8"}) {
+    const auto result = run_command({"dytex", "classify", folder, "-o", (temp / ("out" + threads)).string(),
+                                     "--blocks", "2x1", "-n", "8", "--threads", threads});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    CHECK(contains(result.out, "24 samples of 12 clips in 3 classes"));
+    for (const char* name : {"classification.json", "confusion.png", "predictions.csv"})
+      CHECK(bytes_of(temp / ("out" + threads) / name) == bytes_of(temp / "out1" / name));
+  }
+  const Json found = Json::parse(bytes_of(temp / "out1" / "classification.json"));
+  CHECK(found["classes"] == Json({"medium", "quick", "slow"}));
+  CHECK(found["samples"] == 24);
+  REQUIRE(found["methods"].size() == 8);
+  for (const auto& method : found["methods"]) {
+    CAPTURE(method["measure"].get<std::string>(), method["classifier"].get<std::string>());
+    int hits = 0, all = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        const int count = method["confusion"][i][j].get<int>();
+        all += count;
+        if (i == j) hits += count;
+      }
+    CHECK(all == 24);
+    CHECK_THAT(method["accuracy"].get<double>(), WithinAbs(hits / 24.0, 1e-12));
+    // KL tells appearance apart to the noise's level, r = 4, which 60 frames do not teach: chance is a third.
+    CHECK(method["accuracy"] >= (method["measure"] == "kl" ? 0.55 : 0.95));
+  }
+  CHECK(std::ranges::count(bytes_of(temp / "out1" / "predictions.csv"), '\n') == 25);
+  CHECK(cv::imread((temp / "out1" / "confusion.png").string()).cols > 400);
+}
+
+TEST_CASE("dytex classify finds nothing where labels mean nothing") {
+  // The same clips, each class with some of every kind.
+  const TempFolder temp;
+  std::uint64_t seed = 1;
+  const std::vector<Waves> kinds{{0.15, 0.97}, {0.9, 0.9}, {2, 0.95}};
+  for (std::size_t i = 0; i < 18; ++i)
+    write_waves(temp / "classes" / ("class" + std::to_string(i % 3)) / ("clip" + std::to_string(i)),
+                kinds[i / 3 % 3], seed++);
+  const auto result = run_command(
+      {"dytex", "classify", (temp / "classes").string(), "-o", (temp / "out").string(), "-n", "8", "--json"});
+  REQUIRE(result.exit == 0);
+  for (const auto& method : Json::parse(result.out)["methods"]) CHECK(method["accuracy"] < 0.67);
+}
+
+TEST_CASE("dytex classify takes models beside clips") {
+  const TempFolder temp;
+  write_classes(temp / "classes", 2);
+  for (const std::string kind : {"slow", "medium", "quick"}) {
+    const auto clip = temp / "classes" / kind / "clip0";
+    learn(clip.string(), temp / "classes" / kind / "model");
+    fs::remove_all(clip);
+  }
+  std::ofstream(temp / "classes" / "README.txt") << "what this is";
+  const auto result = run_command(
+      {"dytex", "classify", (temp / "classes").string(), "-o", (temp / "out").string(), "-n", "8", "--json"});
+  INFO(result.err);
+  REQUIRE(result.exit == 0);
+  CHECK(contains(result.err, "README.txt is passed over"));
+  const Json json = Json::parse(result.out);
+  CHECK(json["samples"] == 6);
+  CHECK(std::ranges::count_if(json["clips"], [](const Json& clip) { return clip["model"].get<bool>(); }) ==
+        3);
+  for (const Json& method : json["methods"])
+    if (method["measure"] == "martin" && method["classifier"] == "nearest") CHECK(method["accuracy"] == 1);
+}
+
+TEST_CASE("What dytex classify cannot take is refused in one line") {
+  const TempFolder temp;
+  const auto folder = write_classes(temp / "classes", 2), out = (temp / "out").string();
+  const auto refused = [&](const std::vector<std::string>& more, int exit,
+                           const std::vector<std::string>& what) {
+    check_one_line(joined({"dytex", "classify"}, more, {"-o", out, "-q"}), exit, what, out);
+  };
+  refused({folder, "--blocks", "2"}, 2, {"--blocks is 2", "COLUMNSxROWS"});
+  refused({folder, "--blocks", "0x2"}, 2, {"--blocks: columns is 0", "1 to 64"});
+  refused({folder, "--blocks", "64x1"}, 1, {"too small"});
+  refused({folder, "--pieces", "0"}, 2, {"--pieces is 0", "1 to 64"});
+  refused({folder, "-n", "0"}, 2, {"--components is 0"});
+  refused({folder, "-n", "59"}, 2, {"--components is 59", "60 frames", "1 to 58"});
+  refused({folder, "--pieces", "10", "-n", "5"}, 2, {"6 frames", "1 to 4"});
+  refused({folder, "--folds", "1"}, 2, {"--folds is 1"});
+  refused({folder, "--folds", "7"}, 2, {"--folds is 7", "2 to 6"});
+  refused({folder, "--discount", "nan"}, 2, {"--discount"});
+  refused({folder, "--range", "9:3"}, 2, {"--range"});
+  refused({(temp / "none").string()}, 1, {"none", "is no folder"});
+  refused({(temp / "classes" / "slow").string()}, 1, {"clip0 holds images itself"});
+  fs::create_directories(temp / "one" / "class");
+  refused({(temp / "one").string()}, 1, {"class has no clip"});
+  write_waves(temp / "one" / "class" / "a", {}, 1);
+  write_waves(temp / "one" / "class" / "b", {}, 1);
+  refused({(temp / "one").string()}, 1, {"holds 1 class;"});
+  write_strokes(temp / "classes" / "slow" / "colour", {24, 20}, 30);
+  refused({folder, "-n", "5"}, 1, {"colour", "--grey"});
+  const auto lone = run_command({"dytex", "classify", folder, "-o", out, "-n", "5", "--grey", "-q"});
+  CHECK(lone.exit == 0);
+}
+
+TEST_CASE("dytex compress keeps a model in fewer bytes that every command reads") {
+  const TempFolder temp;
+  const auto clip = write_waves(temp / "clip", {}, 1, {64, 48}, 40);
+  const auto model = learn(clip, temp / "model");
+  double before = 1000;
+  std::uintmax_t larger = fs::file_size(fs::path(model) / "C.npy");
+  const auto texture = read_texture(model);
+  for (const std::string precision : {"f16", "u8"}) {
+    const auto small = (temp / precision).string();
+    const auto result =
+        run_command({"dytex", "compress", model, clip, "-o", small, "--precision", precision, "--json"});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    CHECK(5 * fs::file_size(fs::path(small) / "C.npy") < 3 * larger);
+    larger = fs::file_size(fs::path(small) / "C.npy");
+    const Json json = Json::parse(result.out)["compression"];
+    CHECK(json["clip_bytes"] == 64 * 48 * 40);
+    std::uintmax_t images = 0;
+    for (const auto& file : fs::directory_iterator(clip)) images += file.file_size();
+    CHECK(json["file_bytes"] == images);
+    std::uintmax_t arrays = 0;
+    for (const auto& file : fs::directory_iterator(small))
+      if (file.path().extension() == ".npy") arrays += file.file_size() - 128;
+    bool found = false;
+    for (const auto& kept : json["kept"]) {
+      if (kept["precision"] != precision || kept["components"] != 8) continue;
+      found = true;
+      CHECK(kept["bytes"] == arrays);
+      CHECK_THAT(kept["psnr"].get<double>(), WithinAbs(kept["psnr_measured"].get<double>(), 0.5));
+      CHECK(kept["psnr"] < before);
+      before = kept["psnr"];
+    }
+    CHECK(found);
+    CHECK(cv::imread(small + "/compression.png").cols == 900);
+    // The rest is the same, and the commands take it.
+    CHECK((read_texture(small).A - texture.A).norm() == 0);
+    CHECK(run_command(
+              {"dytex", "synth", small, "-o", (temp / ("s" + precision)).string(), "--frames", "3", "-q"})
+              .exit == 0);
+    CHECK(run_command({"dytex", "info", small}).exit == 0);
+    const Json apart = Json::parse(run_command({"dytex", "distance", model, small, "--json", "-q"}).out);
+    CHECK(apart["measures"]["martin"][0][1] < 0.2);
+    CHECK(run_command({"dytex", "compress", small, "-o", (temp / "again").string(), "-q"}).exit == 0);
+  }
+  const auto told = run_command({"dytex", "compress", model});
+  CHECK(told.exit == 0);
+  for (const char* part : {"f32", "f16", "u8", "PSNR", "bytes"}) CHECK(contains(told.out, part));
+  CHECK_FALSE(contains(told.out, "measured"));
+}
+
+TEST_CASE("What dytex compress cannot do is refused in one line") {
+  const TempFolder temp;
+  const auto clip = write_waves(temp / "clip", {}, 1);
+  const auto model = learn(clip, temp / "model"), out = (temp / "out").string();
+  const auto refused = [&](const std::vector<std::string>& more, int exit,
+                           const std::vector<std::string>& what) {
+    check_one_line(joined({"dytex", "compress"}, more, {"-q"}), exit, what, out);
+  };
+  refused({model, "-o", out, "--precision", "f64"}, 2, {"--precision is f64", "f32, f16 or u8"});
+  refused({model, "-o", model}, 2, {"--output is the model itself"});
+  refused({clip, "-o", out}, 1, {"is a clip, not a model"});
+  refused({model, clip, "--range", "0:50", "-o", out}, 1, {"50 frames", "learned from 60"});
+  refused({model, clip, "--scale", "0.5", "-o", out}, 1, {"12×10 in grey", "24×20 in grey"});
+  refused({model, (temp / "none.avi").string(), "-o", out}, 1, {"none.avi"});
+}
+
+TEST_CASE("help of distance and classify and compress opens with examples") {
+  for (const std::string command : {"distance", "classify", "compress"}) {
+    const auto help = run_command({"dytex", command, "--help"});
+    CHECK(help.exit == 0);
+    const auto examples = help.out.find("Examples:\n  emberfold dytex " + command);
+    REQUIRE(examples != std::string::npos);
+    CHECK(examples < help.out.find("Usage: emberfold dytex " + command));
+  }
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/comparison/comparison_words.hpp"
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.hpp"
+
+using namespace emberfold::apps;
+using Json = nlohmann::ordered_json;
+
+TEST_CASE("the words say where the hybrid loses") {
+  const auto words_of = [](double hybrid, double texture) {
+    Json measures = {{"models",
+                      {{{"key", "hybrid"}, {"label", "hybrid"}},
+                       {{"key", "linear_dynamic_texture"}, {"label", "linear dynamic texture"}}}}};
+    measures["synthesis"] = {{"hybrid", {{"temporal_db", hybrid}, {"si", 0.1}}},
+                             {"linear_dynamic_texture", {{"temporal_db", texture}, {"si", 0.2}}},
+                             {"noise_floor", {{"temporal_db", 0.1}, {"si", 0.01}}}};
+    return comparison_words(measures).at(2);
+  };
+  const std::string begin = "Against the linear dynamic texture the hybrid wins in ";
+  CHECK(words_of(1, 2) == begin + "spectrum in time and spatial information.");
+  CHECK(words_of(2, 1) == begin + "spatial information; it loses in spectrum in time.");
+}
+
+TEST_CASE("the words name who wins and who loses") {
+  const Json measures = Json::parse(R"({
+    "models": [{"key": "motion_model", "label": "motion model"}, {"key": "star", "label": "STAR model"}],
+    "prediction": {"steps": [1, 4], "methods": {
+      "motion_model": {"by_step": {"psnr": [25.0, 18.0]}}, "star": {"by_step": {"psnr": [24.0, 20.0]}},
+      "frame_before": {"by_step": {"psnr": [26.0, 17.0]}}, "mean_image": {"by_step": {"psnr": [20.5, 21.0]}}}},
+    "synthesis": {"motion_model": {"temporal_db": 1.0, "radial_db": 8.0, "inside": {"birth": true, "death": false}},
+      "star": {"temporal_db": 6.0, "radial_db": 2.0}, "noise_floor": {"temporal_db": 1.1, "radial_db": 0.5}}})");
+  const auto words = comparison_words(measures);
+  REQUIRE(words.size() == 5);
+  const auto tells = [&](std::size_t i, const std::string& part) {
+    INFO(words[i]);
+    CHECK(words[i].find(part) != std::string::npos);
+  };
+  tells(0,
+        "motion model is nearest to the source in spectrum in time; it is the farthest in spectrum in space");
+  tells(0, "In spectrum in time it lies about as near");
+  tells(1, "STAR model is nearest to the source in spectrum in space");
+  tells(1, "By every measure the source's own halves are more alike");
+  tells(2,
+        "motion model foretells the next frame best, at 25.0 dB, behind showing the frame before again (26.0 "
+        "dB)");
+  tells(3,
+        "STAR model foretells best 4 frames ahead, at 20.0 dB, behind the mean image of the first "
+        "part (21.0 dB)");
+  tells(4, "1 of 2 figures of strokes");
+  tells(4, "outside: deaths.");
+  CHECK(at_floor(1.2, 1.0));
+  CHECK_FALSE(at_floor(1.4, 1.0));
+}

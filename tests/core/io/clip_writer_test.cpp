@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/io/clip_writer.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <limits>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <sys/resource.h>
+
+#include "core/error.hpp"
+#include "core/io/clip_reader.hpp"
+#include "core/io/video_check.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/clip_fixture.hpp"
+
+using namespace emberfold;
+using namespace emberfold::tests;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void write(const fs::path& path, const std::vector<cv::Mat>& frames, double fps = 25) {
+  const auto writer = io::create_video(path, frames.at(0).size(), fps, frames.at(0).channels() == 3);
+  for (const auto& frame : frames) writer->write(frame);
+  writer->finish();
+}
+
+core::Clip read(const fs::path& path) {
+  return core::read_all(*io::open_video(path.string(), {}, {}));
+}
+
+std::vector<cv::Mat> noise(cv::Size size, int type, std::uint64_t frames, std::uint32_t limit = 256) {
+  std::vector<cv::Mat> clip;
+  for (std::uint64_t i = 0; i < frames; ++i) clip.push_back(noise_frame(size, type, i, limit));
+  return clip;
+}
+
+}  // namespace
+
+TEST_CASE("avi and PNG give back every byte, grey and colour") {
+  const TempFolder folder;
+  for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3})
+    for (const char* name : {"clip.avi", "clip.AVI", "images"}) {
+      if (CV_MAT_DEPTH(type) == CV_16U && std::string(name) != "images") continue;
+      INFO(name << " type " << type);
+      const auto frames = noise({34, 26}, type, 7, CV_MAT_DEPTH(type) == CV_16U ? 65536 : 256);
+      write(folder / name, frames, 12.5);
+      const core::Clip back = read(folder / name);
+      REQUIRE(back.frames.size() == frames.size());
+      CHECK(back.info.channels == CV_MAT_CN(type));
+      CHECK(back.info.fps == (std::string(name) == "images" ? 25 : 12.5));
+      for (std::size_t i = 0; i < frames.size(); ++i) CHECK(same_pixels(back.frames[i], frames[i]));
+    }
+}
+
+TEST_CASE("an odd size gets its last row and column once more") {
+  const TempFolder folder;
+  const auto frames = noise({33, 21}, CV_8UC3, 2);
+  write(folder / "clip.avi", frames);
+  const core::Clip back = read(folder / "clip.avi");
+  REQUIRE(back.info.width == 34);
+  REQUIRE(back.info.height == 22);
+  for (std::size_t i = 0; i < 2; ++i) {
+    CHECK(same_pixels(back.frames[i](cv::Rect(0, 0, 33, 21)).clone(), frames[i]));
+    CHECK(same_pixels(back.frames[i].col(33).rowRange(0, 21).clone(), frames[i].col(32).clone()));
+    CHECK(same_pixels(back.frames[i].row(21).colRange(0, 33).clone(), frames[i].row(20).clone()));
+  }
+  write(folder / "clip.mp4", frames);
+  CHECK(read(folder / "clip.mp4").info.width == 34);
+  write(folder / "tiny.mp4", noise({1, 1}, CV_8UC1, 3));
+  CHECK(read(folder / "tiny.mp4").frames.size() == 3);
+}
+
+TEST_CASE("mp4 is H.264 in 4:2:0 and close to what was written") {
+  const TempFolder folder;
+  std::vector<cv::Mat> frames;
+  for (int i = 0; i < 12; ++i) {
+    cv::Mat frame(48, 64, CV_8UC3);
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x)
+        frame.at<cv::Vec3b>(y, x) =
+            cv::Vec3b(static_cast<std::uint8_t>(40 + 2 * x), static_cast<std::uint8_t>(60 + 3 * y),
+                      static_cast<std::uint8_t>(100 + 8 * i));
+    frames.push_back(frame);
+  }
+  write(folder / "clip.mp4", frames, 29.97);
+  const core::Clip back = read(folder / "clip.mp4");
+  REQUIRE(back.frames.size() == 12);
+  CHECK_THAT(back.info.fps, Catch::Matchers::WithinAbs(29.97, 0.001));
+  for (std::size_t i = 0; i < 12; ++i) {
+    cv::Mat gap;
+    cv::absdiff(back.frames[i], frames[i], gap);
+    const cv::Scalar mean = cv::mean(gap);
+    CHECK(std::max({mean[0], mean[1], mean[2]}) < 4);
+  }
+  cv::VideoCapture file((folder / "clip.mp4").string(), cv::CAP_FFMPEG);
+  const auto code = static_cast<std::uint32_t>(file.get(cv::CAP_PROP_FOURCC));
+  CHECK((code == 0x31637661U || code == 0x34363248U));  // avc1 or H264
+  CHECK(static_cast<std::uint32_t>(file.get(cv::CAP_PROP_CODEC_PIXEL_FORMAT)) == 0x30323449U);  // I420
+  CHECK(contains(bytes_of(folder / "clip.mp4").substr(0, 64), "ftypisom"));
+
+  write(folder / "again.mp4", frames, 29.97);
+  CHECK(bytes_of(folder / "clip.mp4") == bytes_of(folder / "again.mp4"));
+  std::vector<cv::Mat> grey = noise({32, 32}, CV_8UC1, 2);
+  write(folder / "grey.mp4", grey);
+  CHECK(read(folder / "grey.mp4").frames.size() == 2);
+}
+
+TEST_CASE("nothing appears under the final name before finish, and nothing stays without it") {
+  const TempFolder folder;
+  for (const char* name : {"clip.mp4", "clip.avi", "images"}) {
+    INFO(name);
+    {
+      const auto writer = io::create_video(folder / name, {32, 32}, 25, false);
+      writer->write(noise_frame({32, 32}, CV_8UC1, 1));
+      CHECK_FALSE(fs::exists(folder / name));
+      CHECK_FALSE(fs::is_empty(folder.path()));
+    }
+    CHECK(fs::is_empty(folder.path()));
+    {
+      const auto writer = io::create_video(folder / name, {32, 32}, 25, false);
+      CHECK_FALSE(message_of<core::InputError>([&] { writer->finish(); }).empty());
+    }
+    CHECK(fs::is_empty(folder.path()));
+    write(folder / name, {noise_frame({32, 32}, CV_8UC1, 1)});
+    CHECK(names_in(folder.path()) == std::vector<std::string>{name});
+    fs::remove_all(folder / name);
+  }
+}
+
+TEST_CASE("a clip written over another replaces it only at finish") {
+  const TempFolder folder;
+  for (const char* name : {"clip.avi", "images"}) {
+    write(folder / name, noise({16, 16}, CV_8UC1, 5));
+    {
+      const auto writer = io::create_video(folder / name, {16, 16}, 25, false);
+      writer->write(noise_frame({16, 16}, CV_8UC1, 77));
+      CHECK(read(folder / name).frames.size() == 5);
+      writer->finish();
+      CHECK_FALSE(message_of<core::InputError>([&] { writer->finish(); }).empty());
+      CHECK_FALSE(message_of<core::InputError>([&] {
+                    writer->write(noise_frame({16, 16}, CV_8UC1, 7));
+                  }).empty());
+    }
+    const core::Clip back = read(folder / name);
+    REQUIRE(back.frames.size() == 1);
+    CHECK(same_pixels(back.frames[0], noise_frame({16, 16}, CV_8UC1, 77)));
+  }
+  CHECK(names_in(folder.path()) == std::vector<std::string>{"clip.avi", "images"});
+}
+
+TEST_CASE("a folder with anything else in it is refused and left alone") {
+  const TempFolder folder;
+  fs::create_directory(folder / "images");
+  std::ofstream(folder / "images/letter.txt") << "keep me";
+  cv::imwrite((folder / "images/frame_00000.png").string(), noise_frame({4, 4}, CV_8UC1, 1));
+  const std::string message = message_of<core::IoError>([&] {
+    io::create_video(folder / "images", {4, 4}, 25, false);
+  });
+  CHECK(contains(message, "letter.txt"));
+  CHECK(names_in(folder / "images") == std::vector<std::string>{"frame_00000.png", "letter.txt"});
+
+  {  // the letter comes while the clip is written
+    fs::remove(folder / "images/letter.txt");
+    const auto writer = io::create_video(folder / "images", {4, 4}, 25, false);
+    writer->write(noise_frame({4, 4}, CV_8UC1, 2));
+    std::ofstream(folder / "images/letter.txt") << "keep me";
+    CHECK(contains(message_of<core::IoError>([&] { writer->finish(); }), "letter.txt"));
+  }
+  CHECK(bytes_of(folder / "images/letter.txt") == "keep me");
+  CHECK(names_in(folder.path()) == std::vector<std::string>{"images"});
+}
+
+TEST_CASE("targets and frames that cannot be are refused with a line that says why") {
+  const TempFolder folder;
+  const auto input_error = [](const std::function<void()>& call) {
+    return message_of<core::InputError>(call);
+  };
+  for (const char* name : {"clip.mov", "clip.png", "clip.5"}) {
+    const std::string message = input_error([&] { io::create_video(folder / name, {8, 8}, 25, true); });
+    CHECK(contains(message, ".mp4"));
+    CHECK(contains(message, ".avi"));
+  }
+  CHECK(contains(input_error([&] { io::create_video("", {8, 8}, 25, true); }), "empty"));
+  for (const double fps : {0.0, -1.0, 1001.0, std::numeric_limits<double>::quiet_NaN()})
+    CHECK(contains(input_error([&] {
+                     io::create_video(folder / "a.mp4", {8, 8}, fps, true);
+                   }),
+                   "frame rate"));
+  CHECK(contains(input_error([&] { io::create_video(folder / "a.mp4", {0, 8}, 25, true); }), "width"));
+  CHECK(contains(input_error([&] { io::create_video(folder / "a.mp4", {8, 16385}, 25, true); }), "height"));
+
+  for (const char* name : {"none/clip.mp4", "none/clip.avi", "none/images"})
+    CHECK(contains(message_of<core::IoError>([&] {
+                     io::create_video(folder / name, {8, 8}, 25, true);
+                   }),
+                   "no folder"));
+  fs::create_directory(folder / "taken.mp4");
+  CHECK(contains(message_of<core::IoError>([&] {
+                   io::create_video(folder / "taken.mp4", {8, 8}, 25, true);
+                 }),
+                 "folder"));
+  std::ofstream(folder / "taken") << "a file";
+  CHECK(contains(message_of<core::IoError>([&] {
+                   io::create_video(folder / "taken", {8, 8}, 25, true);
+                 }),
+                 "file"));
+
+  const auto video = io::create_video(folder / "b.avi", {8, 8}, 25, false);
+  CHECK(contains(input_error([&] { video->write(cv::Mat(8, 9, CV_8UC1)); }), "9x8"));
+  CHECK(contains(input_error([&] { video->write(cv::Mat(8, 8, CV_8UC3)); }), "colour"));
+  CHECK(contains(input_error([&] { video->write(cv::Mat(8, 8, CV_16UC1)); }), "8 bits"));
+  CHECK(contains(input_error([&] { video->write(cv::Mat(8, 8, CV_8UC4)); }), "channels"));
+  const auto images = io::create_video(folder / "c/", {8, 8}, 25, true);
+  images->write(noise_frame({8, 8}, CV_8UC1, 1));
+  CHECK(contains(input_error([&] { images->write(cv::Mat(8, 8, CV_16UC1)); }), "do not mix"));
+  images->finish();
+  CHECK(read(folder / "c").info.channels == 3);
+}
+
+TEST_CASE("a video file that lacks its last bytes is known for it") {
+  const TempFolder folder;
+  for (const char* name : {"clip.avi", "clip.mp4"}) {
+    write(folder / name, noise({64, 48}, CV_8UC1, 10));
+    CHECK(io::video_is_whole(folder / name));
+    const auto size = fs::file_size(folder / name);
+    for (const auto less : {std::uintmax_t{1}, size / 3, size - 100, size}) {
+      fs::resize_file(folder / name, size - less);
+      CHECK_FALSE(io::video_is_whole(folder / name));
+    }
+  }
+}
+
+TEST_CASE("a full disk is told, and leaves nothing") {
+  // A limit on the size of files stands in for the full disk: what passes it is refused half way through.
+  const TempFolder folder;
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const auto old_signal = std::signal(SIGXFSZ, SIG_IGN);
+  for (const char* name : {"clip.mp4", "clip.avi", "images"}) {
+    INFO(name);
+    const auto frames = noise({128, 128}, CV_8UC3, 20);
+    const rlimit small{30000, before.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    const std::string message = message_of<core::IoError>([&] { write(folder / name, frames); });
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    CHECK(contains(message, (folder / name).string()));
+    CHECK(fs::is_empty(folder.path()));
+  }
+  std::signal(SIGXFSZ, old_signal);
+}

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/learning/curve_tracks.hpp"
+
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/graphs.hpp"
+#include "tests/support/motion_scene.hpp"
+
+using namespace emberfold;
+using graph::Point;
+using mcmc::detail::Lineage;
+
+namespace {
+
+made::Scene one_stroke(double bend, int frames) {
+  made::Scene scene;
+  scene.frames = frames;
+  scene.strokes = {{{60, 80}, 0.3, 150, bend}};
+  // Wide swings, slow along the stroke: its normal turns little.
+  scene.sway = {1.5, -0.6, 0.5, 40};
+  scene.gain = {0.8, 0, 0.1, 40};
+  return scene;
+}
+
+std::size_t frame_of(const Lineage& lineage, std::size_t k) {
+  return static_cast<std::size_t>(lineage.first) + k;
+}
+
+// The arc length at which the true curve lies nearest a point.
+double arc_at(const made::Stroke& stroke, Point p) {
+  double best = 0, nearest = 1e300;
+  const auto look = [&](double from, double to, double step) {
+    for (double s = from; s <= to; s += step)
+      if (const double d = graph::distance(stroke.at(s), p); d < nearest) nearest = d, best = s;
+  };
+  look(-20, stroke.length + 20, 2);
+  look(best - 2, best + 2, 0.05);
+  return best;
+}
+
+}  // namespace
+
+TEST_CASE("A lineage's travel is the curve's true displacement along its normal", "[lineages]") {
+  for (const double bend : {0.0, 0.012, -0.02}) {
+    const auto scene = one_stroke(bend, 60);
+    const auto truth = made::make(scene, 5);
+    const auto& stroke = scene.strokes[0];
+    const auto all = mcmc::detail::lineages(truth.motion);
+    REQUIRE(all.size() >= 20);
+    std::size_t compared = 0;
+    double squares = 0;
+    for (const auto& lineage : all) {
+      const double s0 = arc_at(stroke, lineage.samples[0].position);
+      const double sense =
+          graph::dot(lineage.samples[0].normal, stroke.normal(s0)) < 0 ? -1 : 1;  // of the lineage's normals
+      for (std::size_t k = 0; k < lineage.samples.size(); ++k) {
+        const auto& sample = lineage.samples[k];
+        const int t = static_cast<int>(frame_of(lineage, k));
+        const double s = arc_at(stroke, sample.position);
+        // On the curve: between patches 5 px apart it is a parabola through both with the turn of their
+        // directions, off by some hundredths of a px.
+        const double off = graph::dot(sample.position - stroke.at(s), stroke.normal(s));
+        CHECK_THAT(off, Catch::Matchers::WithinAbs(truth.sway[0].at(s, t), 0.05));
+        // The travel, against the displacement at the place where the lineage is: each of up to 60 steps goes
+        // along a normal that is turned by the slope of the swings, which makes it longer by half its square,
+        // 0.1 %, and lets the place glide along the curve.
+        const double moved = truth.sway[0].at(s, t) - truth.sway[0].at(s0, lineage.first);
+        squares += std::pow(sense * sample.travel - moved, 2);
+        CHECK_THAT(sense * sample.travel, Catch::Matchers::WithinAbs(moved, 0.5));
+        CHECK_THAT(graph::norm(sample.normal), Catch::Matchers::WithinAbs(1, 1e-12));
+        CHECK_THAT(sample.contrast,
+                   Catch::Matchers::WithinAbs(std::log(stroke.contrast) + truth.gain[0].at(s, t), 0.02));
+        ++compared;
+      }
+    }
+    REQUIRE(compared > 1000);
+    // Of displacements of SD 2 px.
+    CHECK(std::sqrt(squares / double(compared)) < 0.15);
+  }
+}
+
+TEST_CASE("A lineage lives as long as its curve", "[lineages]") {
+  made::Scene scene = one_stroke(0.01, 80);
+  scene.strokes.push_back({{60, 180}, 0, 150, 0, 40, 20, 50});
+  const auto truth = made::make(scene, 6);
+  const auto all = mcmc::detail::lineages(truth.motion);
+  std::array<int, 2> whole{};
+  for (const auto& lineage : all) {
+    const auto where = truth.where[static_cast<std::size_t>(lineage.first)][lineage.samples[0].vertex];
+    const auto& stroke = scene.strokes[where.stroke];
+    CHECK(lineage.first >= stroke.born);
+    CHECK(lineage.last() < std::min(stroke.dies, scene.frames));
+    if (lineage.first == stroke.born && lineage.last() == std::min(stroke.dies, scene.frames) - 1)
+      ++whole[where.stroke];
+    // What is inside the curve by more than what it is sampled anew in, and what it glides, does not end
+    // early.
+    if (where.s > 20 && where.s < stroke.length - 20 && lineage.first == stroke.born)
+      CHECK(lineage.last() >= stroke.born + 20);
+  }
+  // Of the places of a curve of 150 px, one in 5 px.
+  CHECK(whole[0] >= 20);
+  CHECK(whole[1] >= 20);
+}
+
+TEST_CASE("Every place of a curve has a lineage and no two are closer than 2 px", "[lineages]") {
+  made::Scene scene = one_stroke(0.015, 100);
+  scene.strokes.push_back({{180, 190}, -0.2, 120, 0});  // far from the first
+  const auto truth = made::make(scene, 7);
+  const auto all = mcmc::detail::lineages(truth.motion);
+  std::vector<std::vector<Point>> places(100);
+  int before_first = 0;
+  for (const auto& lineage : all) {
+    CHECK(lineage.first >= before_first);
+    before_first = lineage.first;
+    CHECK(lineage.samples[0].travel == 0);
+    for (std::size_t k = 0; k < lineage.samples.size(); ++k)
+      places[frame_of(lineage, k)].push_back(lineage.samples[k].position);
+  }
+  for (std::size_t t = 0; t < places.size(); ++t) {
+    double closest = 1e9;
+    for (std::size_t i = 0; i < places[t].size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        closest = std::min(closest, graph::distance(places[t][i], places[t][j]));
+    CHECK(closest >= 2);
+    const auto& graph = truth.motion.sketch.frames[t];
+    for (std::uint32_t v = 0; v < graph.size(); ++v) {
+      if (graph.degree(v) != 2) continue;
+      double nearest = 1e9;
+      for (const Point p : places[t])
+        nearest = std::min(nearest, graph::distance(p, graph.patch(v).position));
+      // A patch with none within 3 px begins one, another may lie between it and the one that it would begin.
+      CHECK(nearest < 3);
+    }
+  }
+}
+
+TEST_CASE("Without links there are only lineages of one frame", "[lineages]") {
+  auto truth = made::make(one_stroke(0, 5), 3);
+  for (auto& links : truth.motion.links) links.clear();
+  const auto all = mcmc::detail::lineages(truth.motion);
+  std::size_t inner = 0;
+  for (const auto& graph : truth.motion.sketch.frames)
+    for (std::uint32_t v = 0; v < graph.size(); ++v) inner += graph.degree(v) == 2;
+  CHECK(all.size() == inner);
+  for (const auto& lineage : all) CHECK(lineage.samples.size() == 1);
+  CHECK(mcmc::detail::lineages({}).empty());
+}
+
+TEST_CASE("Neighbours lie side by side on one curve and know which way their normals point", "[lineages]") {
+  made::Scene scene = one_stroke(0.01, 40);
+  scene.strokes.push_back({{60, 90}, 0.3, 150, 0.01});  // 10 px beside the first
+  const auto truth = made::make(scene, 8);
+  const auto all = mcmc::detail::lineages(truth.motion);
+  const auto sides = mcmc::detail::neighbours(truth.motion, all);
+  REQUIRE(sides.frames.size() == 40);
+  std::size_t pairs = 0, returned = 0;
+  for (std::size_t t = 0; t < sides.frames.size(); ++t) {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> there;
+    std::map<std::uint32_t, int> count;
+    for (const auto& [a, b, sense] : sides.frames[t]) {
+      there.emplace(a, b);
+      ++count[a];
+    }
+    for (const auto& [a, b, sense] : sides.frames[t]) {
+      const auto& one = all[a].samples[t - static_cast<std::size_t>(all[a].first)];
+      const auto& other = all[b].samples[t - static_cast<std::size_t>(all[b].first)];
+      CHECK(truth.where[t][one.vertex].stroke == truth.where[t][other.vertex].stroke);
+      const Point apart = other.position - one.position;
+      CHECK(graph::norm(apart) < 12);
+      CHECK(graph::norm(apart) >= 2);
+      // Along the curve rather than across.
+      CHECK(std::abs(graph::dot(apart, one.normal)) < 0.5 * graph::norm(apart));
+      CHECK(sense == (graph::dot(one.normal, other.normal) < 0 ? -1 : 1));
+      ++pairs;
+      returned += there.contains({b, a});
+    }
+    // One ahead and one behind; at the ends only one.
+    for (const auto& [lineage, n] : count) CHECK(n <= 2);
+    CHECK(there.size() == sides.frames[t].size());
+  }
+  REQUIRE(pairs > 40 * 2 * 20);
+  // Each is the other's nearest, but where a third lies on the far side of a patch: seldom.
+  CHECK(double(returned) > 0.9 * double(pairs));
+}
+
+TEST_CASE("Normals keep their sense though patches turn round", "[lineages]") {
+  auto truth = made::make(one_stroke(0, 20), 9);
+  // Every second frame's patches run the other way: the same curve.
+  auto& frames = truth.motion.sketch.frames;
+  for (std::size_t t = 1; t < frames.size(); t += 2) {
+    std::vector<graph::Vertex> vertices(frames[t].vertices().begin(), frames[t].vertices().end());
+    for (auto& v : vertices)
+      v.patch.theta = std::remainder(v.patch.theta + std::numbers::pi, 2 * std::numbers::pi);
+    frames[t] = {std::move(vertices), {frames[t].edges().begin(), frames[t].edges().end()}};
+  }
+  const auto turned = mcmc::detail::lineages(truth.motion);
+  const auto plain = mcmc::detail::lineages(made::make(one_stroke(0, 20), 9).motion);
+  REQUIRE(turned.size() == plain.size());
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    REQUIRE(turned[i].samples.size() == plain[i].samples.size());
+    const double sense = graph::dot(turned[i].samples[0].normal, plain[i].samples[0].normal);
+    for (std::size_t k = 0; k < turned[i].samples.size(); ++k) {
+      CHECK_THAT(graph::dot(turned[i].samples[k].normal, plain[i].samples[k].normal),
+                 Catch::Matchers::WithinAbs(sense, 1e-6));
+      CHECK_THAT(turned[i].samples[k].travel * sense,
+                 Catch::Matchers::WithinAbs(plain[i].samples[k].travel, 1e-6));
+    }
+  }
+}
+
+TEST_CASE("Patches take what they are told and those that are told nothing their neighbours'", "[lineages]") {
+  make::Frame frame;
+  frame.line(make::segment({0, 50}, {45, 50}, 10));
+  frame.line(make::segment({0, 90}, {20, 90}, 5));
+  const auto graph = frame.graph();
+  SECTION("the same for all stays, with every patch of the stroke told and only some") {
+    for (const bool all : {true, false}) {
+      std::vector<mcmc::detail::Told> told;
+      for (std::uint32_t v = 0; v < 10; ++v)
+        if (all || v == 4 || v == 6) told.push_back({v, {2, -1}});
+      const auto values = mcmc::detail::on_patches(graph, told);
+      REQUIRE(values.size() == graph.size());
+      for (std::uint32_t v = all ? 0 : 2; v < (all ? 10 : 9); ++v) {
+        CHECK_THAT(values[v].x, Catch::Matchers::WithinAbs(2, 1e-12));
+        CHECK_THAT(values[v].y, Catch::Matchers::WithinAbs(-1, 1e-12));
+      }
+      // Nothing passes over to another stroke.
+      for (std::uint32_t v = 10; v < 15; ++v) CHECK(values[v] == Point{});
+    }
+  }
+  SECTION("of several told the mean") {
+    std::vector<mcmc::detail::Told> told;
+    for (std::uint32_t v = 10; v < 15; ++v) told.insert(told.end(), {{v, {1, 0}}, {v, {2, 3}}, {v, {6, 0}}});
+    const auto values = mcmc::detail::on_patches(graph, told);
+    for (std::uint32_t v = 10; v < 15; ++v) {
+      CHECK_THAT(values[v].x, Catch::Matchers::WithinAbs(3, 1e-12));
+      CHECK_THAT(values[v].y, Catch::Matchers::WithinAbs(1, 1e-12));
+    }
+  }
+  SECTION("a linear course stays linear away from the ends") {
+    std::vector<mcmc::detail::Told> told;
+    for (std::uint32_t v = 0; v < 10; ++v) told.push_back({v, {0.5 * v, 1 - 0.1 * v}});
+    const auto values = mcmc::detail::on_patches(graph, told);
+    for (std::uint32_t v = 3; v < 7; ++v) {
+      CHECK_THAT(values[v].x, Catch::Matchers::WithinAbs(0.5 * v, 1e-12));
+      CHECK_THAT(values[v].y, Catch::Matchers::WithinAbs(1 - 0.1 * v, 1e-12));
+    }
+  }
+  SECTION("nothing told is zero") {
+    for (const Point p : mcmc::detail::on_patches(graph, {})) CHECK(p == Point{});
+  }
+}

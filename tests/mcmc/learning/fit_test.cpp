@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/learning/fit.hpp"
+
+#include "core/error.hpp"
+#include "mcmc/simulation/synthesize.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/motion_models.hpp"
+#include "tests/support/motion_scene.hpp"
+
+using namespace emberfold;
+
+namespace {
+
+graph::MotionGraph empty_clip(std::size_t frames) {
+  graph::MotionGraph motion;
+  motion.sketch.width = 120, motion.sketch.height = 90;
+  motion.sketch.frames.resize(frames), motion.links.resize(frames);
+  return motion;
+}
+
+made::Scene one_stroke(int frames) {
+  made::Scene scene;
+  scene.width = 200, scene.height = 120, scene.frames = frames;
+  scene.strokes = {{{40, 60}, 0.1, 100, 0.004}};
+  scene.sway = {1.5, -0.6, 0.2, 30};
+  scene.gain = {0.7, 0, 0.05, 30};
+  return scene;
+}
+
+// What every model that was fitted has to hold.
+void check_sound(const mcmc::FitResult& result) {
+  CHECK(result.status == core::Status::done);
+  CHECK_NOTHROW(mcmc::validate(result.model));
+  const auto archive = mcmc::to_archive(result.model);
+  CHECK(mcmc::motion_model(archive) == result.model);
+  for (const auto& note : result.notes) CHECK(note.find('\n') == std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("A model is not learned from fewer than two frames", "[fit]") {
+  for (const std::size_t frames : {0, 1}) {
+    const auto message = make::message<core::InputError>([&] { (void)mcmc::fit(empty_clip(frames)); });
+    CHECK(make::has(message, "two frames"));
+    CHECK(make::has(message, std::to_string(frames)));
+  }
+}
+
+TEST_CASE("A clip without a stroke gives a model of nothing", "[fit]") {
+  for (const std::size_t frames : {2, 30}) {
+    const auto result = mcmc::fit(empty_clip(frames));
+    check_sound(result);
+    CHECK(!result.notes.empty());
+    CHECK(result.model.exemplars.empty());
+    CHECK(result.model.frames == static_cast<int>(frames));
+    for (const auto& graph : mcmc::synthesize(result.model, 20, 1).motion.sketch.frames) CHECK(graph.empty());
+  }
+}
+
+TEST_CASE("Frames without strokes among others are no trouble", "[fit]") {
+  auto scene = one_stroke(40);
+  scene.strokes[0].born = 10, scene.strokes[0].dies = 25;
+  const auto result = mcmc::fit(made::make(scene, 1).motion);
+  check_sound(result);
+  CHECK(result.counts.events[0] == 1);
+  CHECK(result.counts.events[1] == 1);
+  CHECK_NOTHROW(mcmc::synthesize(result.model, 50, 1));
+}
+
+TEST_CASE("One stroke makes a model that keeps it", "[fit]") {
+  const auto scene = one_stroke(120);
+  const auto result = mcmc::fit(made::make(scene, 2).motion);
+  check_sound(result);
+  const auto& model = result.model;
+  CHECK(model.width == 200);
+  CHECK(model.height == 120);
+  CHECK(model.fps == 25);
+  CHECK(graph::components(model.first).count == 1);
+  // The rest shape lies along the curve at rest, whatever frame it was taken from: sways are of SD 0.7 px, of
+  // which the mean over 120 frames does not know 0.2.
+  const auto& stroke = scene.strokes[0];
+  for (const auto& vertex : model.first.vertices()) {
+    double nearest = 1e9;
+    for (double s = -5; s <= stroke.length + 5; s += 0.1)
+      nearest = std::min(nearest, graph::distance(stroke.at(s), vertex.patch.position));
+    CHECK(nearest < 0.8);
+  }
+  for (const auto& graph : mcmc::synthesize(model, 100, 3).motion.sketch.frames)
+    CHECK(graph::components(graph).count == 1);
+}
+
+TEST_CASE("Two frames make a model that says what it does not know", "[fit]") {
+  made::Scene scene;
+  scene.frames = 2;
+  scene.strokes = made::scattered(4, 3, scene.width, scene.height, 50);
+  scene.sway = {1.5, -0.6, 0.2, 30};
+  const auto result = mcmc::fit(made::make(scene, 4).motion);
+  check_sound(result);
+  // Sway, contrast and rates.
+  CHECK(result.notes.size() >= 3);
+  CHECK(result.model.sway == mcmc::Autoregression{});
+  CHECK(result.model.contrast == mcmc::Autoregression{});
+  const auto clip = mcmc::synthesize(result.model, 30, 1).motion;
+  CHECK(graph::components(clip.sketch.frames[0]).count == 12);
+  CHECK(graph::components(clip.sketch.frames[29]).count == 12);
+}
+
+TEST_CASE("The laws of sway and contrast of a made scene are learned", "[fit]") {
+  made::Scene scene;
+  scene.frames = 300;
+  scene.strokes = made::scattered(6, 4, scene.width, scene.height, 50);
+  scene.sway = {1.5, -0.6, 0.25, 25};
+  scene.gain = {1.2, -0.4, 0.06, 20};
+  const auto result = mcmc::fit(made::make(scene, 5).motion);
+  check_sound(result);
+  const auto close = [](const mcmc::Autoregression& found, const made::Law& law) {
+    CHECK_THAT(found.a1, Catch::Matchers::WithinRel(law.a1, 0.1));
+    CHECK_THAT(found.a2, Catch::Matchers::WithinRel(law.a2, 0.15));
+    CHECK_THAT(mcmc::stationary_deviation(found), Catch::Matchers::WithinRel(law.deviation(), 0.1));
+    CHECK_THAT(found.range, Catch::Matchers::WithinRel(law.range, 0.2));
+  };
+  close(result.model.sway, scene.sway);
+  close(result.model.contrast, scene.gain);
+  // Nobody drifts and nobody changes.
+  for (std::size_t c = 0; c < result.model.drift_x.values.size(); ++c)
+    CHECK(std::abs(result.model.drift_x.values[c]) + std::abs(result.model.drift_y.values[c]) < 0.03);
+  CHECK(result.counts.events == std::array<double, 6>{});
+}
+
+TEST_CASE("The same clip gives the same model and a cancelled fit says so", "[fit]") {
+  made::Scene scene;
+  scene.frames = 60;
+  scene.strokes = made::living(0.4, 0.05, scene.frames, scene.width, scene.height, 6);
+  scene.sway = {1.5, -0.6, 0.2, 30};
+  const auto motion = made::make(scene, 7).motion;
+  const auto one = mcmc::fit(motion, {9}), again = mcmc::fit(motion, {9});
+  CHECK(one.model == again.model);
+  CHECK(one.notes == again.notes);
+  std::stop_source stop;
+  stop.request_stop();
+  const core::Context context(stop.get_token());
+  CHECK(mcmc::fit(motion, {9}, context).status == core::Status::cancelled);
+  CHECK(mcmc::synthesize(one.model, 10, 1, context).status == core::Status::cancelled);
+}
+
+namespace {
+
+made::Scene living_scene() {
+  made::Scene scene;
+  scene.frames = 60;
+  scene.strokes = made::living(0.6, 0.04, scene.frames, scene.width, scene.height, 10);
+  scene.sway = {1.5, -0.6, 0.25, 30};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("A clip sampled once is a sample of one", "[fit]") {
+  const auto motion = made::make(living_scene(), 11).motion;
+  const auto alone = mcmc::fit(motion), of_one = mcmc::fit(std::span(&motion, 1));
+  CHECK(alone.model == of_one.model);
+  CHECK(alone.notes == of_one.notes);
+  CHECK(alone.counts.events == of_one.counts.events);
+  // The same sample twice tells the same.
+  const auto twice = mcmc::fit(std::vector{motion, motion});
+  check_sound(twice);
+  CHECK_THAT(twice.model.sway.a1, Catch::Matchers::WithinRel(alone.model.sway.a1, 0.01));
+  CHECK_THAT(twice.model.sway.a2, Catch::Matchers::WithinRel(alone.model.sway.a2, 0.02));
+  CHECK(twice.counts.events == alone.counts.events);
+  for (std::size_t size = 0; size < mcmc::kSizes; ++size) {
+    CHECK(twice.counts.death[size].happened == alone.counts.death[size].happened);
+    CHECK(twice.death_by_size[size].high == alone.death_by_size[size].high);
+  }
+  CHECK(twice.model.exemplars == alone.model.exemplars);
+  CHECK(twice.model.first == alone.model.first);
+  for (std::size_t c = 0; c < alone.model.density.values.size(); ++c)
+    CHECK_THAT(twice.model.density.values[c],
+               Catch::Matchers::WithinAbs(alone.model.density.values[c], 1e-9));
+}
+
+TEST_CASE("Over several samples counts are averaged and the last gives the strokes", "[fit]") {
+  auto scene = living_scene();
+  const auto first = made::make(scene, 12).motion;
+  // The second sample says that a fifth of the strokes are not there.
+  std::vector<made::Stroke> fewer;
+  for (std::size_t i = 0; i < scene.strokes.size(); ++i)
+    if (i % 5 != 0) fewer.push_back(scene.strokes[i]);
+  scene.strokes = fewer;
+  const auto second = made::make(scene, 13).motion;
+  const auto a = mcmc::fit(first), b = mcmc::fit(second), both = mcmc::fit(std::vector{first, second});
+  check_sound(both);
+  for (std::size_t type = 0; type < 6; ++type) {
+    const double x = a.counts.events[type], y = b.counts.events[type];
+    CHECK(both.counts.events[type] == (x + y) / 2);
+    CHECK(both.counts.events_variance[type] == (x - y) * (x - y) / 2);
+    CHECK(both.a_frame[type].low <= both.a_frame[type].mean);
+    CHECK(both.a_frame[type].mean < both.a_frame[type].high);
+  }
+  REQUIRE(a.counts.events[0] > b.counts.events[0]);
+  for (std::size_t size = 0; size < mcmc::kSizes; ++size)
+    CHECK_THAT(
+        both.counts.death[size].could,
+        Catch::Matchers::WithinRel((a.counts.death[size].could + b.counts.death[size].could) / 2, 1e-12));
+  // Rests differ by the drift alone, which is the mean of both.
+  REQUIRE(both.model.exemplars.size() == b.model.exemplars.size());
+  for (std::size_t i = 0; i < b.model.exemplars.size(); ++i)
+    CHECK(both.model.exemplars[i].graph.size() == b.model.exemplars[i].graph.size());
+  REQUIRE(both.model.first.size() == b.model.first.size());
+  for (std::size_t v = 0; v < b.model.first.size(); ++v)
+    CHECK(both.model.first.patch(v).contrast == b.model.first.patch(v).contrast);
+  const auto [low, high] = std::minmax(a.model.sway.a1, b.model.sway.a1);
+  CHECK(both.model.sway.a1 > low - 0.03);
+  CHECK(both.model.sway.a1 < high + 0.03);
+}
+
+TEST_CASE("Samples of no clip or of unlike clips are refused", "[fit]") {
+  const auto none =
+      make::message<core::InputError>([] { (void)mcmc::fit(std::span<const graph::MotionGraph>{}); });
+  CHECK(make::has(none, "none"));
+  const auto longer = make::message<core::InputError>([] {
+    (void)mcmc::fit(std::vector{empty_clip(5), empty_clip(5), empty_clip(6)});
+  });
+  CHECK(make::has(longer, "sample 2"));
+  CHECK(make::has(longer, "6 frames"));
+  auto wide = empty_clip(5);
+  wide.sketch.width = 130;
+  const auto wider = make::message<core::InputError>([&] {
+    (void)mcmc::fit(std::vector{empty_clip(5), wide});
+  });
+  CHECK(make::has(wider, "sample 1"));
+  CHECK(make::has(wider, "130 x 90"));
+}

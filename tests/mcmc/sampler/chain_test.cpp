@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/sampler/chain.hpp"
+
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "mcmc/learning/fit.hpp"
+#include "mcmc/sampler/displacement_gibbs.hpp"
+#include "mcmc/sampler/infer.hpp"
+#include "mcmc/sampler/sufficient_statistics.hpp"
+#include "tests/mcmc/sampler/small_models.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/motion_scene.hpp"
+
+namespace {
+
+using namespace emberfold;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+using mcmc::HiddenGraph;
+using mcmc::Index;
+
+HiddenGraph drawn(const mcmc::Theta& theta, int side, int frames, std::uint32_t number) {
+  core::Rng rng(11, {number, 0, 0});
+  return mcmc::draw_forward(theta, side, side, frames, made::kLivelyGates, rng);
+}
+
+/// A θ under which strokes live long and sway much, so that it can be learned from them.
+mcmc::Theta lasting_theta() {
+  auto theta = made::lively_theta();
+  for (auto& chances : theta.outcome) chances = {0.04, 0.94, 0.01, 0.01};
+  theta.sway = {1.5, -0.8, 0.1, 0.4, 0, 0};
+  theta.across = 0.2;
+  theta.birth = {0.0012, 0.0001};
+  theta.growth = {0.02, 0.01, 0.01, 0.6};
+  theta.first_growth = 0.8;
+  return theta;
+}
+
+std::vector<graph::MotionGraph> swaying_starts() {
+  made::Scene scene;
+  scene.strokes = made::scattered(3, 3, 160, 120, 30);
+  scene.width = 160, scene.height = 120, scene.frames = 14;
+  scene.sway = {1.5, -0.8, 0.3, 30};
+  auto motion = made::make(scene, 5).motion;
+  return {motion, motion};
+}
+
+}  // namespace
+
+TEST_CASE("Sways of a course have the Gaussian that the density gives them", "[mcmc][chain]") {
+  auto theta = made::lively_theta();
+  theta.sway.coupling = 0.2;
+  const mcmc::Density density(theta);
+  for (std::uint32_t number = 0; number < 10; ++number) {
+    auto g = drawn(theta, 40, 5, number);
+    for (const auto& course : mcmc::courses(g)) {
+      const auto given = mcmc::sway_given_rest(g, density, course);
+      const std::size_t n = course.size();
+      for (std::size_t i = 0; i < n; ++i) g.set_sway(course[i], given.mean[i]);
+      const double top = density.total(g);
+      for (std::size_t i = 0; i < n; ++i) {
+        // A quadratic: its second differences are exact, and are the precision L Lᵀ.
+        const double step = 0.5;
+        g.set_sway(course[i], given.mean[i] + step);
+        const double up = density.total(g);
+        g.set_sway(course[i], given.mean[i] - step);
+        const double down = density.total(g);
+        g.set_sway(course[i], given.mean[i]);
+        double precision = 0;
+        for (const double l : given.factor[i]) precision += l * l;
+        CHECK_THAT(up, WithinAbs(down, 1e-6));
+        CHECK_THAT(2 * top - up - down, WithinRel(precision * step * step, 1e-6));
+      }
+    }
+  }
+}
+
+TEST_CASE("Every node that is on lies in one course", "[mcmc][chain]") {
+  const auto g = drawn(made::lively_theta(), 50, 6, 3);
+  std::vector<int> seen(g.size());
+  for (const auto& course : mcmc::courses(g))
+    for (std::size_t k = 0; k < course.size(); ++k) {
+      ++seen[course[k]];
+      CHECK(g[course[k]].frame == g[course[0]].frame + static_cast<int>(k));
+    }
+  for (Index i = 0; i < g.size(); ++i) CHECK(seen[i] == (g[i].on ? 1 : 0));
+}
+
+TEST_CASE("A chain keeps its density by the moves' gains, whatever the threads", "[mcmc][chain]") {
+  const auto theta = made::lively_theta();
+  const auto start = drawn(theta, 60, 14, 7);
+  std::array<std::uint64_t, 3> hashes{};
+  for (std::size_t k = 0; k < hashes.size(); ++k) {
+    const core::ThreadLimit limit(std::array<std::size_t, 3>{1, 2, 8}[k]);
+    mcmc::Chain chain(start, theta, 3, 0);
+    for (int n = 0; n < 10; ++n) {
+      chain.log_density();  // from here on it is kept up
+      REQUIRE(chain.move(20, {}) == core::Status::done);
+      const double whole = mcmc::Density(theta).total(chain.state());
+      CHECK_THAT(chain.log_density(), WithinAbs(whole, 1e-9 * (1 + std::abs(whole))));
+      chain.redraw_sways();
+    }
+    hashes[k] = chain.state().hash();
+  }
+  CHECK(hashes[0] == hashes[1]);
+  CHECK(hashes[0] == hashes[2]);
+  mcmc::Chain other(start, theta, 4, 0);
+  for (int n = 0; n < 10; ++n) other.sweep(20, {});
+  CHECK(other.state().hash() != hashes[0]);
+}
+
+TEST_CASE("Theta is learned from what was drawn by it", "[mcmc][chain]") {
+  const auto truth = lasting_theta();
+  auto prior = truth;
+  prior.sway = {1.0, -0.3, 0, 0.5, 0, 0};
+  mcmc::Tallies sums;
+  const int clips = 40;
+  const double area = 80 * 80;
+  for (std::uint32_t n = 0; n < clips; ++n) {
+    auto g = drawn(truth, 80, 24, n);
+    sums.blend(mcmc::tally(g, mcmc::Density(truth)), 1.0 / (n + 1));
+  }
+  const auto found = mcmc::most_likely(sums, prior, area);
+  CHECK_THAT(found.sway.a1, WithinRel(truth.sway.a1, 0.05));
+  CHECK_THAT(found.sway.a2, WithinRel(truth.sway.a2, 0.05));
+  CHECK_THAT(found.sway.coupling, WithinAbs(truth.sway.coupling, 0.03));
+  CHECK_THAT(found.sway.noise, WithinRel(truth.sway.noise, 0.05));
+  CHECK_THAT(found.across, WithinRel(truth.across, 0.05));
+  CHECK_THAT(found.along, WithinRel(truth.along, 0.05));
+  CHECK_THAT(found.turn, WithinRel(truth.turn, 0.05));
+  CHECK_THAT(found.flicker, WithinRel(truth.flicker, 0.05));
+  // Rates: |z| < 4.5, from the events of all clips.
+  const auto z = [&](double estimate, double rate, double occasions) {
+    return (estimate - rate) / std::sqrt(rate * (1 - rate) / (occasions * clips));
+  };
+  for (const std::size_t c :
+       {mcmc::config(2, false, 1), mcmc::config(1, false, 1), mcmc::config(1, false, 0)}) {
+    double occasions = 0;
+    for (const double n : sums.outcome[c]) occasions += n;
+    INFO("configuration " << c << ", occasions " << occasions);
+    REQUIRE(occasions * clips > 200);
+    CHECK(std::abs(z(found.outcome[c][0], truth.outcome[c][0], occasions)) < 4.5);
+    CHECK(std::abs(z(found.outcome[c][2], truth.outcome[c][2], occasions)) < 4.5);
+  }
+  const auto& kept = sums.join[2][0];
+  CHECK(std::abs(z(found.join[2][0], truth.join[2][0], kept.could)) < 4.5);
+  CHECK_THAT(found.birth[0], WithinRel(truth.birth[0], 0.15));
+  CHECK_THAT(found.birth[1], WithinRel(truth.birth[1], 0.15));
+}
+
+TEST_CASE("infer samples every chain and tells of it", "[mcmc][chain]") {
+  const auto starts = swaying_starts();
+  mcmc::FitOptions fit_options;
+  fit_options.balance = false;
+  const auto learned = mcmc::fit(starts[0], fit_options).model;
+  mcmc::InferOptions options;
+  options.burn_in = 4, options.sweeps = 6, options.samples = 3, options.proposals = 4;
+  const auto result = mcmc::infer(starts, learned, mcmc::NotedEvidence{}, options, 9);
+  CHECK(result.status == core::Status::done);
+  CHECK(result.chains == 2);
+  CHECK(result.samples.size() == 6);
+  for (const auto& sample : result.samples) graph::validate(sample);
+  for (const auto& trace : result.traces) {
+    REQUIRE(trace.chains.size() == 2);
+    for (const auto& chain : trace.chains) CHECK(chain.size() == 10);
+  }
+  double evaluated = 0;
+  for (const auto& move : result.moves) evaluated += move.evaluated;
+  CHECK(evaluated == result.proposals);
+  CHECK(evaluated > 1000);
+  const core::ThreadLimit limit(2);
+  const auto again = mcmc::infer(starts, learned, mcmc::NotedEvidence{}, options, 9);
+  CHECK(again.samples == result.samples);
+  options.rungs = 2;
+  CHECK(mcmc::infer(starts, learned, mcmc::NotedEvidence{}, options, 9).samples.size() == 6);
+}
+
+TEST_CASE("infer refuses what it cannot do", "[mcmc][chain]") {
+  const auto starts = swaying_starts();
+  const mcmc::MotionModel learned = mcmc::fit(starts[0], {1, false}).model;
+  const mcmc::NotedEvidence evidence;
+  CHECK_THROWS_AS(mcmc::infer({}, learned, evidence, {}, 1), core::InputError);
+  auto other = starts;
+  other[1].sketch.width = 10;
+  CHECK_THROWS_AS(mcmc::infer(other, learned, evidence, {}, 1), core::InputError);
+  const auto refuse = [&](auto change) {
+    mcmc::InferOptions options;
+    change(options);
+    CHECK_THROWS_AS(options.validate(), core::InputError);
+  };
+  refuse([](auto& o) { o.sweeps = 0; });
+  refuse([](auto& o) { o.burn_in = 0; });
+  refuse([](auto& o) { o.samples = o.sweeps + 1; });
+  refuse([](auto& o) { o.proposals = std::nan(""); });
+  refuse([](auto& o) { o.rungs = 17; });
+}

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// The density is normalised, and moves keep its law: both against draws from it.
+#include "mcmc/sampler/prior_simulation.hpp"
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "core/error.hpp"
+#include "tests/mcmc/sampler/free_chain.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace emberfold;
+using made::kLivelyGates;
+using made::Mean;
+using mcmc::Density;
+using mcmc::HiddenGraph;
+using mcmc::Index;
+using mcmc::Theta;
+
+namespace {
+
+struct Change {
+  const char* name;
+  std::function<void(Theta&)> apply;
+};
+const std::vector<Change>& changes() {
+  static const std::vector<Change> all = {
+      {"birth in frame 0", [](Theta& t) { t.birth[0] *= 1.15; }},
+      {"birth", [](Theta& t) { t.birth[1] *= 1.15; }},
+      {"growth of ends", [](Theta& t) { t.growth[0] *= 1.3; }},
+      {"growth inside", [](Theta& t) { t.growth[1] *= 1.4; }},
+      {"growth of junctions", [](Theta& t) { t.growth[2] *= 1.4; }},
+      {"growth of what is new", [](Theta& t) { t.growth[3] *= 1.2; }},
+      {"growth in frame 0", [](Theta& t) { t.first_growth *= 1.15; }},
+      {"death",
+       [](Theta& t) {
+         for (auto& c : t.outcome) c[0] += 0.03, c[1] -= 0.03;
+       }},
+      {"death where neighbours died",
+       [](Theta& t) {
+         for (std::size_t c = 2; c < mcmc::kConfigs; c += 3) t.outcome[c][0] += 0.1, t.outcome[c][1] -= 0.1;
+       }},
+      {"splits",
+       [](Theta& t) {
+         for (auto& c : t.outcome) c[2] += 0.03, c[1] -= 0.03;
+       }},
+      {"merges",
+       [](Theta& t) {
+         for (auto& c : t.outcome) c[3] += 0.03, c[1] -= 0.03;
+       }},
+      {"further parts", [](Theta& t) { t.split_more += 0.05; }},
+      {"keep",
+       [](Theta& t) {
+         for (double& p : t.join[2]) p -= 0.02;
+       }},
+      {"connect",
+       [](Theta& t) {
+         for (double& p : t.join[0]) p += 0.03;
+       }},
+      {"close in frame 0",
+       [](Theta& t) {
+         for (double& p : t.close[0]) p += 0.05;
+       }},
+      {"close",
+       [](Theta& t) {
+         for (double& p : t.close[1]) p += 0.06;
+       }},
+      {"along", [](Theta& t) { t.along *= 1.05; }},
+      {"across", [](Theta& t) { t.across *= 1.05; }},
+      {"turn", [](Theta& t) { t.turn *= 1.06; }},
+      {"flicker", [](Theta& t) { t.flicker *= 1.06; }},
+      {"spread of parts", [](Theta& t) { t.split_spread *= 1.06; }},
+      {"a1", [](Theta& t) { t.sway.a1 += 0.03; }},
+      {"a2", [](Theta& t) { t.sway.a2 += 0.03; }},
+      {"noise", [](Theta& t) { t.sway.noise *= 1.03; }},
+      {"coupling", [](Theta& t) { t.sway.coupling += 0.05; }},
+      {"step", [](Theta& t) { t.step += 0.1; }},
+      {"spread of steps", [](Theta& t) { t.step_sd *= 1.1, t.side_sd *= 1.1, t.bend_sd *= 1.1; }},
+      {"branches", [](Theta& t) { t.branch += 0.05; }},
+      {"contrast", [](Theta& t) { t.new_contrast += 0.02, t.grown_contrast_sd *= 1.1; }},
+      {"kinds",
+       [](Theta& t) {
+         t.kinds = {0.45, 0.3, 0.25};
+       }},
+      {"other kinds", [](Theta& t) { t.other_kind = 0.08; }}};
+  return all;
+}
+
+bool crowded(const HiddenGraph& g) {
+  for (Index i = 0; i < g.size(); ++i)
+    if (g[i].edges.full() || g[i].next.full() || g[i].prev.full()) return true;
+  return false;
+}
+
+/// E[π′(x)/π(x)] = 1 over draws x from π, whatever π′: where a factor were not normalised, or the draws not
+/// from it, it would not be.
+void check_normalised(std::uint32_t draws) {
+  const Theta theta = made::lively_theta();
+  const Density density(theta);
+  std::vector<Density> changed;
+  for (const Change& change : changes()) {
+    Theta t = theta;
+    change.apply(t);
+    changed.emplace_back(t);
+  }
+  std::vector<std::vector<double>> ratios(changed.size());
+  std::map<mcmc::Outcome, int> seen;
+  for (std::uint32_t n = 0; n < draws; ++n) {
+    core::Rng rng(7, {n, 0, 0});
+    const auto g = draw_forward(theta, 50, 50, 3, kLivelyGates, rng);
+    const double log_density = density.total(g);
+    // In a hundred thousand draws one is so crowded that an edge finds no room any more.
+    if (!std::isfinite(log_density)) REQUIRE(crowded(g));
+    for (std::size_t k = 0; k < changed.size(); ++k)
+      ratios[k].push_back(std::isfinite(log_density) ? std::exp(changed[k].total(g) - log_density) : 1);
+    for (const int t : {0, 1})
+      for (const Index i : g.on(t)) ++seen[outcome(g, i)];
+  }
+  for (const auto what :
+       {mcmc::Outcome::death, mcmc::Outcome::going_on, mcmc::Outcome::split, mcmc::Outcome::merge})
+    CHECK(seen[what] > 50);
+  for (std::size_t k = 0; k < changed.size(); ++k) {
+    const Mean mean = made::mean_of(ratios[k]);
+    INFO(changes()[k].name << ": " << mean.value << " +- " << mean.error);
+    CHECK(mean.error > 0);
+    CHECK(std::abs(made::z_score(mean, {1, 0})) < 4.5);
+  }
+}
+
+constexpr int kSize = 30, kFrames = 3;
+constexpr mcmc::Gates kFreeGates{14, 16, 0};
+Theta small_theta() {
+  Theta t = made::lively_theta();
+  t.birth = {0.002, 0.0006};
+  t.growth = {0.12, 0.06, 0.1, 0.6};
+  t.first_growth = 0.7;
+  // Spread wide, so that a chain finds its way.
+  t.along = 2, t.across = 1.5, t.turn = 0.4, t.flicker = 0.3;
+  t.step_sd = 1, t.side_sd = 1.2, t.bend_sd = 0.4, t.grown_contrast_sd = 0.3;
+  t.sway.noise = 0.5;
+  for (std::size_t k = 0; k < mcmc::kCloseness; ++k) t.join[1][k] = t.join[0][k] + 0.02;
+  return t;
+}
+HiddenGraph forward(const Theta& theta, std::uint32_t purpose, std::uint32_t number) {
+  core::Rng rng(31, {purpose, number, 0});
+  return draw_forward(theta, kSize, kSize, kFrames, kFreeGates, rng);
+}
+
+/// A chain of so many moves against so many draws.
+void check_prior(int moves, std::uint32_t draws) {
+  const Theta theta = small_theta();
+  std::vector<std::vector<double>> drawn, chained;
+  std::vector<std::string> names;
+  const auto note = [&](const HiddenGraph& g, auto& into) {
+    const auto all = made::statistics(g);
+    into.resize(all.size()), names.resize(all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      into[k].push_back(all[k].value);
+      names[k] = all[k].name;
+    }
+  };
+  for (std::uint32_t n = 0; n < draws; ++n) note(forward(theta, 0, n), drawn);
+  made::FreeChain chain(forward(theta, 1, 0), theta, kFreeGates, core::Rng(32, {0, 0, 0}));
+  for (int n = 0; n < moves; ++n) {
+    chain.step(true);
+    if (n % 10 == 9) note(chain.state(), chained);
+  }
+  CHECK(static_cast<double>(chain.accepted()) > 0.05 * moves);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const Mean a = made::mean_of(drawn[k]), b = made::mean_of_chain(chained[k]);
+    INFO(names[k] << ": " << a.value << " +- " << a.error << " drawn, " << b.value << " +- " << b.error
+                  << " in the chain, z = " << made::z_score(a, b));
+    CHECK(std::abs(made::z_score(a, b)) < 5);
+  }
+}
+
+/// States drawn from the density, each moved by one kind of move alone: their law stays.
+void check_kept(const char* name, const std::function<void(made::FreeChain&)>& step, std::uint32_t draws,
+                bool seldom = false, int steps = 30) {
+  const Theta theta = small_theta();
+  std::vector<std::vector<double>> change;
+  std::vector<std::string> names;
+  std::size_t accepted = 0;
+  for (std::uint32_t n = 0; n < draws; ++n) {
+    made::FreeChain chain(forward(theta, 2, n), theta, kFreeGates, core::Rng(33, {n, 0, 0}));
+    auto was = made::statistics(chain.state());
+    const double log_density = chain.density().total(chain.state());
+    for (int k = 0; k < steps; ++k) step(chain);
+    auto is = made::statistics(chain.state());
+    was.push_back({"log density", log_density});
+    is.push_back({"log density", chain.density().total(chain.state())});
+    change.resize(is.size()), names.resize(is.size());
+    for (std::size_t k = 0; k < is.size(); ++k) {
+      change[k].push_back(is[k].value - was[k].value);
+      names[k] = is[k].name;
+    }
+    accepted += chain.accepted();
+  }
+  INFO(name << ", " << accepted << " accepted");
+  if (!seldom) CHECK(accepted > 20);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const Mean mean = made::mean_of(change[k]);
+    INFO(names[k] << " changes by " << mean.value << " +- " << mean.error);
+    if (mean.error > 0) CHECK(std::abs(made::z_score(mean, {0, 0})) < 4.5);
+  }
+}
+void check_each_kept(std::uint32_t draws) {
+  for (const auto& move : mcmc::moves())
+    check_kept(
+        move.name.data(), [&](made::FreeChain& chain) { chain.step(move); }, draws,
+        move.propose == mcmc::hand_over);
+  check_kept(
+      "sway", [](made::FreeChain& chain) { chain.move_sway(); }, draws);
+}
+
+}  // namespace
+
+TEST_CASE("The density is normalised and drawn from", "[mcmc][forward]") {
+  check_normalised(4000);
+}
+TEST_CASE("Closely: the density is normalised and drawn from", "[mcmc][forward][slow]") {
+  check_normalised(120000);
+}
+
+TEST_CASE("Each move alone keeps the law of what is drawn", "[mcmc][forward]") {
+  check_each_kept(2000);
+}
+TEST_CASE("Closely: each move alone keeps the law of what is drawn", "[mcmc][forward][slow]") {
+  check_each_kept(40000);
+}
+
+TEST_CASE("Moves of all kinds keep the law of what is drawn", "[mcmc][forward]") {
+  check_kept(
+      "all", [](made::FreeChain& chain) { chain.step(true); }, 1000, false, 500);
+}
+TEST_CASE("Closely: moves of all kinds keep the law of what is drawn", "[mcmc][forward][slow]") {
+  check_kept(
+      "all", [](made::FreeChain& chain) { chain.step(true); }, 20000, false, 1000);
+}
+
+TEST_CASE("A chain of a million moves without images has the law of what is drawn", "[mcmc][forward]") {
+  check_prior(1000000, 100000);
+}
+
+TEST_CASE("Forward draws are what the seed says and all of it is on", "[mcmc][forward]") {
+  const auto a = forward(small_theta(), 5, 1), b = forward(small_theta(), 5, 1),
+             c = forward(small_theta(), 5, 2);
+  CHECK(a == b);
+  CHECK(a.hash() == b.hash());
+  CHECK(a.hash() != c.hash());
+  for (int t = 0; t < kFrames; ++t) CHECK(a.off(t).empty());
+  core::Rng rng(1, {0, 0, 0});
+  REQUIRE_THROWS_AS(draw_forward(small_theta(), 30, 30, 0, kFreeGates, rng), core::InputError);
+  Theta wrong = small_theta();
+  wrong.birth[0] = -1;
+  REQUIRE_THROWS_AS(draw_forward(wrong, 30, 30, 2, kFreeGates, rng), core::InputError);
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Moves there and back between states of patches anywhere that sway.
+#include <cmath>
+#include <map>
+
+#include "tests/mcmc/sampler/small_models.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace emberfold;
+using made::AllDraws;
+using mcmc::Density;
+using mcmc::Edit;
+using mcmc::HiddenGraph;
+using mcmc::Index;
+using mcmc::Move;
+
+namespace {
+
+struct Ways {
+  double chance = 0;            ///< density of all draws that lead there
+  std::vector<double> claimed;  ///< ratios, of each
+};
+
+/// All draws of the move that lead from one state to the other, each normal draw being `sway`.
+Ways ways(HiddenGraph g, const Density& density, const Move& move, int frame, double sway,
+          const HiddenGraph& to) {
+  mcmc::Scratch scratch;
+  scratch.fit(g.size());
+  Edit edit(g, density, scratch);
+  AllDraws draws(sway);
+  Ways result;
+  const auto goal = to.hash();
+  do {
+    const auto ratio = move.propose(edit, draws, frame);
+    if (ratio && g.hash() == goal && g == to) {
+      result.chance += draws.chance();
+      result.claimed.push_back(*ratio);
+    }
+    edit.undo();
+  } while (draws.advance());
+  return result;
+}
+
+/// The sway of the patch that one of the states has and the other has not; 0 where there is none.
+double new_sway(const HiddenGraph& a, const HiddenGraph& b) {
+  for (Index i = 0; i < a.size(); ++i)
+    if (a[i].on != b[i].on) return a[i].on ? a[i].sway : b[i].sway;
+  return 0;
+}
+
+/// Makes moves at random, each tried back and forth.
+void there_and_back(HiddenGraph g, std::uint32_t number, int times, bool strokes,
+                    std::map<std::string_view, int>& seen) {
+  const Density density(made::lively_theta());
+  core::Rng rng(17, {number, 0, 0});
+  mcmc::Scratch scratch;
+  scratch.fit(g.size());
+  Edit edit(g, density, scratch);
+  mcmc::RandomDraws draws(rng);
+  for (int n = 0; n < times; ++n) {
+    // Strokes are left whole, and are tied more often than elsewhere: there must be some to hand over.
+    const auto all = strokes ? mcmc::moves().last(3) : mcmc::moves();
+    const Move& move = all[draws.below(all.size())];
+    const int frame =
+        static_cast<int>(draws.below(static_cast<std::size_t>(g.frames() - move.between_frames)));
+    const HiddenGraph was = g;
+    const auto ratio = move.propose(edit, draws, frame);
+    if (!ratio || !std::isfinite(edit.gain()) || was == g) {
+      edit.undo();
+      continue;
+    }
+    edit.keep();
+    const double sway = new_sway(was, g);
+    const Ways there = ways(was, density, move, frame, sway, g);
+    const Ways back = ways(g, density, move, frame, sway, was);
+    INFO(move.name << " in state " << number << " after " << n);
+    REQUIRE(!there.claimed.empty());
+    REQUIRE(!back.claimed.empty());
+    double worst = std::abs(std::log(back.chance) - std::log(there.chance) - *ratio);
+    for (const double claimed : there.claimed) worst = std::max(worst, std::abs(claimed - *ratio));
+    for (const double claimed : back.claimed) worst = std::max(worst, std::abs(claimed + *ratio));
+    REQUIRE(worst <= 1e-12 * (1 + std::abs(*ratio)));
+    ++seen[move.name];
+  }
+}
+
+/// Two strokes before, one after between them, all of them swaying.
+HiddenGraph heirs(std::uint32_t number) {
+  core::Rng rng(18, {number, 0, 0});
+  HiddenGraph g(60, 60, 2, {6, 12, 0});
+  made::row(g, 0, 3, 20, 20), made::row(g, 0, 3, 20, 27), made::row(g, 1, 3, 20, 23);
+  for (Index i = 0; i < g.size(); ++i) g.set_sway(i, rng.normal());
+  made::furnish(g);
+  return g;
+}
+
+}  // namespace
+
+TEST_CASE("What a move claims on random states is what the way back denies", "[mcmc][ratios]") {
+  std::map<std::string_view, int> seen;
+  for (std::uint32_t number = 0; number < 12; ++number)
+    there_and_back(made::drawn_state(number, 3, 50, 5), number, 60, false, seen);
+  for (std::uint32_t number = 0; number < 40; ++number) there_and_back(heirs(number), number, 40, true, seen);
+  for (const Move& move : mcmc::moves()) {
+    INFO(move.name << ": " << seen[move.name]);
+    CHECK(seen[move.name] >= 4);
+  }
+}

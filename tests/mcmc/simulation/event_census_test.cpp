@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/simulation/event_census.hpp"
+
+#include "core/error.hpp"
+#include "mcmc/simulation/rate_balancing.hpp"
+#include "mcmc/simulation/simulation_step.hpp"
+#include "mcmc/simulation/synthesize.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/motion_models.hpp"
+
+using namespace emberfold;
+using Catch::Matchers::WithinAbs;
+
+TEST_CASE("A census counts what frames show", "[census]") {
+  graph::MotionGraph motion;
+  motion.sketch.width = 320, motion.sketch.height = 240;
+  make::Frame one, two;
+  one.line(make::segment({20, 20}, {60, 20}, 9));
+  two.line(make::segment({20, 20}, {60, 20}, 9));
+  two.line(make::segment({20, 80}, {30, 80}, 3));
+  motion.sketch.append(one.graph());
+  motion.sketch.append(two.graph());
+  motion.links.resize(2);
+  const std::array<graph::Event, 1> events{graph::Event{}};
+  const auto found = mcmc::census(motion, events);
+  CHECK(found.patches == 10.5);
+  CHECK(found.strokes == std::array<double, mcmc::kSizes>{0.5, 0, 1, 0, 0, 0, 0});
+  CHECK(found.events[static_cast<std::size_t>(events[0].type)] == 1);
+  motion.sketch.frames.pop_back();
+  CHECK_THROWS_AS(mcmc::census(motion, {}), core::InputError);
+}
+
+TEST_CASE("Reconciled events make as many strokes as they take", "[census]") {
+  mcmc::Census census;
+  census.events = {2.2, 2.6, 0.2, 0.1, 0.4, 0.5};
+  const auto was = census.events;
+  reconcile(census);
+  const auto& e = census.events;
+  CHECK_THAT(e[0] + e[2] + e[5] - e[1] - e[3] - e[4], WithinAbs(0, 1e-12));
+  // To first order by the same share each, up or down.
+  const double share = e[0] / was[0] - 1;
+  CHECK(share > 0);
+  for (const std::size_t i : {2, 5}) CHECK_THAT(e[i] / was[i] - 1, WithinAbs(share, 1e-12));
+  for (const std::size_t i : {1, 3, 4}) CHECK_THAT(e[i] / was[i] - 1, WithinAbs(-share, 1e-12));
+  reconcile(census);
+  for (std::size_t i = 0; i < 6; ++i) CHECK_THAT(census.events[i], WithinAbs(e[i], 1e-12));
+  mcmc::Census none;
+  reconcile(none);
+  CHECK(none.events == std::array<double, 6>{});
+}
+
+TEST_CASE("A model can be balanced to what is wanted", "[census]") {
+  auto model = made::empty_model();
+  for (int i = 0; i < 12; ++i)
+    model.exemplars.push_back(
+        {made::straight(i % 2 == 0 ? 6 : 12, 0.5 * i), {40 + 75.0 * (i % 4), 50 + 70.0 * (i / 4)}, 8});
+  model.rates.birth_by_size = {0, 0.5, 0.5, 0, 0, 0, 0};
+  for (double& value : model.rates.birth.values) value = 0.3 / (320 * 240);
+  model.rates.death_by_size.fill(0.1);
+  for (double& value : model.density.values) value = 0.6;
+  mcmc::Census wanted;
+  wanted.strokes = {0, 12, 8, 0, 0, 0, 0};
+  wanted.events = {0.7, 0.9, 0, 0, 0, 0};
+  wanted.patches = 12 * 6 + 8 * 12;
+  mcmc::balance(model, wanted, 3, {});
+  auto particles = mcmc::detail::begin(model, 4);
+  (void)mcmc::detail::simulate(particles, model, 4, 1, 200);
+  const auto found = mcmc::detail::simulate(particles, model, 4, 201, 2000);
+  CHECK_THAT(found.events[0], WithinAbs(0.8, 0.12));  // births and deaths are reconciled
+  CHECK_THAT(found.events[1], WithinAbs(0.8, 0.12));
+  CHECK_THAT(found.strokes[1], WithinAbs(12, 2.5));
+  CHECK_THAT(found.strokes[2], WithinAbs(8, 2.5));
+}
+
+TEST_CASE("A clip begins as it was seen or as it usually is", "[synthesis]") {
+  auto model = made::empty_model();
+  make::Frame frame;
+  frame.line(make::segment({100, 100}, {140, 100}, 9));
+  model.first = frame.graph();
+  model.sway = {1.2, -0.4, 0, 0, 0, 0};
+  model.first_swing.assign(9, {{3, 0}, {1, 0}, 0.5, 0.25});
+  model.contrast = {0.6, 0.2, 0, 0, 0, 0};
+  SECTION("data: both frames go into the next one") {
+    mcmc::Synthesis synthesis(model, 1);
+    CHECK_THAT(synthesis.next().patch(0).position.x, WithinAbs(103, 1e-12));
+    const auto next = synthesis.next();
+    CHECK_THAT(next.patch(0).position.x, WithinAbs(100 + 1.2 * 3 - 0.4 * 1, 1e-12));
+    CHECK_THAT(next.patch(0).contrast, WithinAbs(40 * std::exp(0.6 * 0.5 + 0.2 * 0.25), 1e-9));
+  }
+  SECTION("stationary: nothing is left of them") {
+    mcmc::Synthesis synthesis(model, 1, mcmc::Start::stationary);
+    CHECK_THAT(synthesis.next().patch(0).position.x, WithinAbs(100, 0.05));
+    // And of strokes that come and go, none of the first.
+    model.rates.death_by_size.fill(0.2);
+    model.exemplars = {{made::straight(5), {250, 200}, 20}};
+    model.rates.birth_by_size = {0, 1, 0, 0, 0, 0, 0};
+    for (double& value : model.rates.birth.values) value = 0.5 / (320 * 240);
+    mcmc::Synthesis other(model, 1, mcmc::Start::stationary);
+    const auto graph = other.next();
+    for (const auto& vertex : graph.vertices()) CHECK(vertex.patch.position.x > 200);
+  }
+}

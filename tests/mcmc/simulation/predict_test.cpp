@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mcmc/simulation/predict.hpp"
+
+#include "core/error.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/motion_models.hpp"
+#include "tests/support/motion_scene.hpp"
+
+using namespace emberfold;
+using graph::Point;
+
+namespace {
+
+made::Scene swaying(int frames) {
+  made::Scene scene;
+  scene.frames = frames;
+  scene.strokes = made::scattered(5, 3, scene.width, scene.height, 60);
+  scene.sway = {1.7, -0.8, 0.25, 60};
+  return scene;
+}
+
+mcmc::MotionModel model_of(const made::Scene& scene) {
+  auto model = made::empty_model();
+  model.sway = {scene.sway.a1, scene.sway.a2, 0, scene.sway.noise, scene.sway.range, 0};
+  return model;
+}
+
+// Root mean square error, px, across the curves, of frame t's predicted patches from where the curve truly is
+// in frame t, and of the same had it stood still.
+struct Errors {
+  double predicted = 0, still = 0;
+};
+Errors errors(const made::Scene& scene, const made::Made& truth,
+              const std::vector<graph::AttributeGraph>& predicted, int from) {
+  Errors sums;
+  double count = 0;
+  for (int t = from; t < scene.frames; ++t) {
+    const auto& graph = predicted[static_cast<std::size_t>(t)];
+    const auto& where = truth.where[static_cast<std::size_t>(t) - 1];
+    REQUIRE(graph.size() == where.size());
+    for (std::size_t v = 0; v < graph.size(); ++v) {
+      const auto& [i, s] = where[v];
+      const auto& stroke = scene.strokes[i];
+      if (s < 10 || s > stroke.length - 10) continue;
+      const Point moved = scene.drift ? scene.drift(stroke.start) * double(t) : Point{};
+      const Point at = stroke.at(s) + stroke.normal(s) * truth.sway[i].at(s, t) + moved;
+      const Point before = truth.motion.sketch.frames[static_cast<std::size_t>(t) - 1].patch(v).position;
+      sums.predicted += std::pow(graph::dot(graph.patch(v).position - at, stroke.normal(s)), 2);
+      sums.still += std::pow(graph::dot(before - at, stroke.normal(s)), 2);
+      ++count;
+    }
+  }
+  return {std::sqrt(sums.predicted / count), std::sqrt(sums.still / count)};
+}
+
+}  // namespace
+
+TEST_CASE("A prediction is nearly as good as the noise lets it be", "[predict]") {
+  auto scene = swaying(150);
+  const auto truth = made::make(scene, 31);
+  const auto predicted = mcmc::predict(model_of(scene), truth.motion);
+  REQUIRE(predicted.size() == 150);
+  CHECK(predicted[0].empty());
+  const auto [error, still] = errors(scene, truth, predicted, 30);
+  // Who knows the law, the rest and the past exactly is off by the noise; standing still by
+  // √(2 − 2 a1/(1 − a2)) deviations.
+  CHECK(still > 1.5 * scene.sway.noise);
+  CHECK(error > 0.9 * scene.sway.noise);
+  CHECK(error < 1.25 * scene.sway.noise);
+  CHECK(error < 0.75 * still);
+}
+
+TEST_CASE("A drift is part of a prediction", "[predict]") {
+  auto scene = swaying(60);
+  scene.sway.noise = 0.1;
+  scene.drift = [](Point) { return Point{0.5, 0.4}; };
+  const auto truth = made::make(scene, 32);
+  auto model = model_of(scene);
+  const auto without = errors(scene, truth, mcmc::predict(model, truth.motion), 20);
+  for (double& value : model.drift_x.values) value = 0.5;
+  for (double& value : model.drift_y.values) value = 0.4;
+  const auto with = errors(scene, truth, mcmc::predict(model, truth.motion), 20);
+  CHECK(with.predicted < 1.35 * scene.sway.noise);
+  CHECK(with.predicted < without.predicted);
+}
+
+TEST_CASE("A frame's prediction has the patches of the frame before", "[predict]") {
+  const auto scene = swaying(10);
+  const auto truth = made::make(scene, 33);
+  const auto predicted = mcmc::predict(model_of(scene), truth.motion);
+  for (std::size_t t = 1; t < 10; ++t) {
+    const auto& before = truth.motion.sketch.frames[t - 1];
+    REQUIRE(predicted[t].size() == before.size());
+    CHECK(std::ranges::equal(predicted[t].edges(), before.edges()));
+    for (std::size_t v = 0; v < before.size(); ++v) {
+      auto patch = predicted[t].patch(v);
+      patch.position = before.patch(v).position;
+      CHECK(patch == before.patch(v));
+      CHECK(predicted[t].vertices()[v].id == before.vertices()[v].id);
+    }
+  }
+}
+
+TEST_CASE("A prediction knows nothing of what it predicts", "[predict]") {
+  const auto scene = swaying(20);
+  const auto truth = made::make(scene, 34);
+  const auto model = model_of(scene);
+  const auto all = mcmc::predict(model, truth.motion);
+  for (const std::size_t t : {1, 7, 15}) {
+    // Frames from t on are moved, and the last ones left out.
+    auto other = truth.motion;
+    for (std::size_t k = t; k < other.sketch.frames.size(); ++k) {
+      const auto& graph = other.sketch.frames[k];
+      std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+      for (auto& v : vertices) v.patch.position = v.patch.position + Point{3, -2.5}, v.patch.contrast *= 2;
+      other.sketch.frames[k] = {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+    }
+    other.sketch.frames.resize(18), other.links.resize(18);
+    const auto changed = mcmc::predict(model, other);
+    for (std::size_t k = 0; k <= t; ++k) CHECK(changed[k] == all[k]);
+    CHECK(changed[t + 1] != all[t + 1]);
+  }
+}
+
+TEST_CASE("Predicting nothing and with a model that is none", "[predict]") {
+  auto model = made::empty_model();
+  CHECK(mcmc::predict(model, {}).empty());
+  graph::MotionGraph empty;
+  empty.sketch.frames.resize(3), empty.links.resize(3);
+  for (const auto& graph : mcmc::predict(model, empty)) CHECK(graph.empty());
+  // What stands still is predicted where it is.
+  auto scene = swaying(5);
+  scene.sway = {}, scene.resampled = false;
+  const auto truth = made::make(scene, 35);
+  const auto predicted = mcmc::predict(model, truth.motion);
+  for (std::size_t v = 0; v < predicted[4].size(); ++v)
+    CHECK(graph::distance(predicted[4].patch(v).position, truth.motion.sketch.frames[3].patch(v).position) <
+          1e-6);
+  model.sway.a1 = 2;
+  CHECK_THROWS_AS(mcmc::predict(model, truth.motion), core::InputError);
+}

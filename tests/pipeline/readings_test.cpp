@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/readings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "core/context.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "graph/events/events.hpp"
+#include "graph/matching/time_reversal.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/graphs.hpp"
+
+using namespace emberfold;
+
+namespace {
+
+/// Bright lines that sway on grey, one of them there from frame 6 on, another one faint; colour or grey.
+core::Clip lines(int frames, int type = CV_8UC3) {
+  core::Clip clip;
+  clip.info.width = 96, clip.info.height = 80, clip.info.channels = CV_MAT_CN(type);
+  clip.info.frames = frames;
+  for (int t = 0; t < frames; ++t) {
+    cv::Mat frame(80, 96, type, cv::Scalar::all(90));
+    const int shift = static_cast<int>(std::lround(3 * std::sin(0.4 * t)));
+    cv::line(frame, {20 + shift, 8}, {24 + shift, 72}, cv::Scalar::all(200), 3);
+    if (t >= 6) cv::line(frame, {50 + shift, 10}, {48 + shift, 66}, cv::Scalar::all(190), 3);
+    cv::line(frame, {76 + shift, 8}, {78 + shift, 72}, cv::Scalar::all(97), 3);
+    cv::GaussianBlur(frame, frame, {}, 0.8);
+    clip.frames.push_back(frame);
+  }
+  return clip;
+}
+
+pipeline::StartOptions with(int chains, double perturb) {
+  pipeline::StartOptions options;
+  options.chains = chains, options.perturb = perturb;
+  return options;
+}
+
+std::vector<graph::MotionGraph> starts(const core::Clip& clip, const pipeline::StartOptions& options,
+                                       std::uint64_t seed = 1) {
+  core::ClipSource source(clip);
+  return pipeline::dispersed_starts(source, {}, {}, options, seed, {});
+}
+
+}  // namespace
+
+TEST_CASE("at least half of the starts read the clip as it is") {
+  for (const int chains : {1, 2, 3, 4, 5, 6, 7, 8, 13}) {
+    const auto made = pipeline::readings(with(chains, 2));
+    REQUIRE(made.size() == static_cast<std::size_t>(chains));
+    std::size_t copies = 0, backwards = 0;
+    for (const pipeline::StartReading& reading : made) {
+      if (reading.copy) CHECK(*reading.copy == copies++);
+      backwards += reading.backwards;
+    }
+    CHECK(2 * copies <= made.size());
+    CHECK(backwards == made.size() / 2);
+    CHECK_FALSE(made[0].copy.has_value());
+  }
+}
+
+TEST_CASE("chains that read alike start alike") {
+  const auto made = starts(lines(8), with(6, 2));
+  REQUIRE(made.size() == 6);
+  CHECK(made[4] == made[0]);
+  CHECK(made[5] == made[1]);
+  CHECK_FALSE(made[2] == made[0]);
+  CHECK_FALSE(made[2].sketch == made[3].sketch);
+}
+
+TEST_CASE("the first starts are the clip's own sketch matched forwards and backwards") {
+  const core::Clip clip = lines(12);
+  const auto made = starts(clip, with(3, 2));
+  REQUIRE(made.size() == 3);
+  graph::SketchSequence own;
+  own.width = 96, own.height = 80, own.fps = clip.info.fps;
+  for (const auto& frame : clip.frames) own.append(sketch::extract(core::to_levels(frame, clip.info), {}));
+  CHECK(made[0] == graph::match(own, {}).motion);
+  CHECK(graph::reversed(made[1]) == graph::match(graph::reversed(own), {}).motion);
+  for (const auto& motion : made) {
+    CHECK_NOTHROW(graph::validate(motion));
+    CHECK(motion == graph::identify(motion));
+    CHECK(motion.sketch.frames.size() == 12);
+    // The line that comes is born in every reading.
+    const auto events = graph::stroke_events(motion);
+    CHECK(std::ranges::any_of(events, [](const auto& e) {
+      return e.type == graph::EventType::birth && e.frame == 6 && graph::distance(e.position, {49, 38}) < 8;
+    }));
+  }
+}
+
+TEST_CASE("starts of a clip run backwards are its starts run backwards") {
+  core::Clip clip = lines(12);
+  const auto there = starts(clip, with(2, 2));
+  std::ranges::reverse(clip.frames);
+  const auto back = starts(clip, with(2, 2));
+  CHECK(graph::reversed(back[0]) == there[1]);
+  CHECK(graph::reversed(back[1]) == there[0]);
+}
+
+TEST_CASE("copies differ from the clip and each other and depend on seed and place alone") {
+  const core::Clip clip = lines(8), shorter = lines(5);
+  core::ClipSource source(clip), part(shorter);
+  const auto sketches = pipeline::sketch_starts(source, {}, with(7, 2), 7, {});
+  REQUIRE(sketches.perturbed.size() == 3);
+  REQUIRE(sketches.clip.grounds.size() == 8);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK_FALSE(sketches.perturbed[k] == sketches.clip.sketch);
+    CHECK_FALSE(sketches.perturbed[k] == sketches.perturbed[(k + 1) % 3]);
+  }
+  const auto again = pipeline::sketch_starts(source, {}, with(7, 2), 7, {});
+  CHECK(again.perturbed == sketches.perturbed);
+  // Neither the number of chains nor that of frames changes what a copy is.
+  const auto fewer = pipeline::sketch_starts(part, {}, with(3, 2), 7, {});
+  REQUIRE(fewer.perturbed.size() == 1);
+  for (std::size_t t = 0; t < 5; ++t) CHECK(fewer.perturbed[0].frames[t] == sketches.perturbed[0].frames[t]);
+  const auto other = pipeline::sketch_starts(source, {}, with(3, 2), 8, {});
+  CHECK_FALSE(other.perturbed[0] == sketches.perturbed[0]);
+  CHECK(other.clip.sketch == sketches.clip.sketch);
+}
+
+TEST_CASE("the same starts on one thread and on several") {
+  const core::Clip clip = lines(20);
+  std::vector<graph::MotionGraph> one, several;
+  {
+    const core::ThreadLimit limit(1);
+    one = starts(clip, with(4, 2));
+  }
+  {
+    const core::ThreadLimit limit(4);
+    several = starts(clip, with(4, 2));
+  }
+  CHECK(one == several);
+}
+
+TEST_CASE("without noise the copies are the clip") {
+  const core::Clip clip = lines(4);
+  core::ClipSource source(clip);
+  const auto sketches = pipeline::sketch_starts(source, {}, with(3, 0), 1, {});
+  CHECK(sketches.perturbed[0] == sketches.clip.sketch);
+}
+
+TEST_CASE("noise in luma is as strong in colour as in grey") {
+  // What the sketch takes for noise in a flat frame's copies shows in which lines are found: strong noise
+  // hides the faint line, in colour and grey alike.
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    const core::Clip clip = lines(6, type);
+    core::ClipSource source(clip);
+    const auto patches_at = [](const graph::SketchSequence& sketch) {
+      std::size_t count = 0;
+      for (const auto& frame : sketch.frames)
+        for (const auto& vertex : frame.vertices()) count += vertex.patch.position.x > 66;
+      return count;
+    };
+    const auto weak = pipeline::sketch_starts(source, {}, with(4, 0.5), 3, {});
+    const auto strong = pipeline::sketch_starts(source, {}, with(4, 5), 3, {});
+    CHECK(patches_at(weak.clip.sketch) > 40);
+    CHECK(patches_at(weak.perturbed[0]) > 40);
+    CHECK(patches_at(strong.perturbed[0]) < 20);
+  }
+}
+
+TEST_CASE("starts: options out of range are named") {
+  const auto complaint = [](const pipeline::StartOptions& options) {
+    return make::message<core::InputError>([&] { options.validate(); });
+  };
+  CHECK(complaint({}).empty());
+  CHECK(make::has(complaint(with(0, 2)), "chains is 0"));
+  CHECK(make::has(complaint(with(65, 2)), "chains is 65"));
+  CHECK(make::has(complaint(with(4, -1)), "perturb is -1"));
+  CHECK(make::has(complaint(with(4, std::numeric_limits<double>::quiet_NaN())), "perturb is"));
+  const core::Clip clip = lines(2);
+  core::ClipSource source(clip);
+  auto sketches = pipeline::sketch_starts(source, {}, with(3, 1), 1, {});
+  const auto mismatch =
+      make::message<core::InputError>([&] { pipeline::match_starts(sketches, {}, with(4, 1), {}); });
+  CHECK(make::has(mismatch, "1 copies in noise for 4 chains"));
+}
+
+TEST_CASE("starts can be stopped and tell how far they are") {
+  const core::Clip clip = lines(6);
+  core::ClipSource source(clip);
+  std::stop_source stop;
+  double last = 0;
+  bool rises = true;
+  const core::Context telling(stop.get_token(), [&](std::string_view stage, double share) {
+    if (stage != "match") return;
+    rises = rises && share >= last;
+    last = share;
+    if (share > 0) stop.request_stop();
+  });
+  const auto sketches = pipeline::sketch_starts(source, {}, with(6, 1), 1, {});
+  CHECK_THROWS_AS(pipeline::match_starts(sketches, {}, with(6, 1), telling), core::Cancelled);
+  CHECK(rises);
+  CHECK(last > 0);
+  CHECK_THROWS_AS(pipeline::sketch_starts(source, {}, with(6, 1), 1, telling), core::Cancelled);
+}

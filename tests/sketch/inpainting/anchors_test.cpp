@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/inpainting/anchors.hpp"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/error.hpp"
+#include "core/rng.hpp"
+#include "sketch/inpainting/fill.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace emberfold;
+
+namespace {
+
+/// Discs and bars of different levels, a slope, and grain.
+cv::Mat make_frame(cv::Size size, std::uint64_t seed) {
+  core::Rng rng(seed);
+  cv::Mat frame(size, CV_32F);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) frame.at<float>(y, x) = 60.0F + 0.3F * static_cast<float>(x + y);
+  for (int i = 0; i < 12; ++i) {
+    const cv::Point a(static_cast<int>(rng.below(static_cast<std::uint32_t>(size.width))),
+                      static_cast<int>(rng.below(static_cast<std::uint32_t>(size.height))));
+    cv::circle(frame, a, 4 + static_cast<int>(rng.below(14)), cv::Scalar(rng.uniform(0, 255)),
+               i % 2 == 0 ? -1 : 3);
+  }
+  cv::GaussianBlur(frame, frame, {}, 1.2);
+  for (float& value : cv::Mat_<float>(frame))
+    value = std::round(value + static_cast<float>(2 * rng.normal()));
+  return frame;
+}
+
+double rms_after_fill(const cv::Mat& levels, const cv::Mat& mask) {
+  return cv::norm(sketch::fill(levels, mask).levels, levels, cv::NORM_L2) / std::sqrt(double(levels.total()));
+}
+
+cv::Mat random_mask(cv::Size size, int count, const cv::Mat& taken, std::uint64_t seed) {
+  core::Rng rng(seed);
+  cv::Mat mask = taken.clone();
+  while (count > 0) {
+    auto& pixel = mask.at<uchar>(static_cast<int>(rng.below(static_cast<std::uint32_t>(size.height))),
+                                 static_cast<int>(rng.below(static_cast<std::uint32_t>(size.width))));
+    if (pixel != 0) continue;
+    pixel = 255;
+    --count;
+  }
+  return mask;
+}
+
+const cv::Size kSize(120, 90);
+
+cv::Mat nothing(cv::Size size) {
+  return cv::Mat(size, CV_8U, cv::Scalar(0));
+}
+
+}  // namespace
+
+TEST_CASE("Anchors are no more than allowed and never where something is taken", "[sketch][anchors]") {
+  const cv::Mat frame = make_frame(kSize, 1);
+  cv::Mat taken = nothing(kSize);
+  taken.colRange(30, 50) = 255;
+  for (const int rounds : {0, 1, 2, 16})
+    for (const double share : {0.0, 0.0001, 0.01, 0.2, 0.7, 1.0}) {
+      const cv::Mat mask = sketch::anchors(frame, taken, share, {.rounds = rounds});
+      INFO(rounds << " rounds, share " << share);
+      CHECK(mask.type() == CV_8U);
+      CHECK(cv::countNonZero(mask & taken) == 0);
+      CHECK(cv::countNonZero(mask) <= share * kSize.area() + 1e-6);
+      CHECK(cv::countNonZero((mask != 0) & (mask != 255)) == 0);
+      // The frame has grain: every pixel allowed is of use.
+      if (rounds > 1 && share <= 0.2) CHECK(cv::countNonZero(mask) >= std::floor(share * kSize.area()) - 1);
+      // What error diffusion carries over the border is lost.
+      if (rounds == 0 && share >= 0.2)
+        CHECK(cv::countNonZero(mask) >= 0.95 * std::min(share, 7.0 / 9) * kSize.area());
+    }
+}
+
+TEST_CASE("Anchors beat random pixels by far and rounds beat curvature alone", "[sketch][anchors]") {
+  cv::Mat band = nothing(kSize);
+  cv::circle(band, {60, 45}, 25, 255, 3);
+  for (const cv::Mat& taken : {nothing(kSize), band})
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const cv::Mat frame = make_frame(kSize, seed);
+      const cv::Mat best = sketch::anchors(frame, taken, 0.15),
+                    quick = sketch::anchors(frame, taken, 0.15, {.rounds = 0});
+      const double random =
+          rms_after_fill(frame, random_mask(kSize, cv::countNonZero(best), taken, seed + 100));
+      CHECK(rms_after_fill(frame, best | taken) < 0.5 * random);    // 6 dB
+      CHECK(rms_after_fill(frame, quick | taken) < 0.63 * random);  // 4 dB
+      CHECK(rms_after_fill(frame, best | taken) < 0.9 * rms_after_fill(frame, quick | taken));
+    }
+}
+
+TEST_CASE("More anchors leave less error", "[sketch][anchors]") {
+  const cv::Mat frame = make_frame(kSize, 5);
+  double before = std::numeric_limits<double>::infinity();
+  for (const double share : {0.02, 0.05, 0.1, 0.2, 0.4}) {
+    const double error = rms_after_fill(frame, sketch::anchors(frame, nothing(kSize), share));
+    CHECK(error < 0.8 * before);
+    before = error;
+  }
+}
+
+TEST_CASE("Anchors turn with the frame", "[sketch][anchors]") {
+  const cv::Mat frame = make_frame(kSize, 6), mask = sketch::anchors(frame, nothing(kSize), 0.1);
+  const double count = cv::countNonZero(mask);
+  for (const int code : {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180, cv::ROTATE_90_COUNTERCLOCKWISE}) {
+    cv::Mat turned, expected;
+    cv::rotate(frame, turned, code);
+    cv::rotate(mask, expected, code);
+    const cv::Mat found = sketch::anchors(turned, nothing(turned.size()), 0.1);
+    CHECK(cv::countNonZero(found & expected) > 0.9 * count);
+  }
+  for (const int axis : {0, 1}) {
+    cv::Mat turned, expected;
+    cv::flip(frame, turned, axis);
+    cv::flip(mask, expected, axis);
+    CHECK(cv::countNonZero(sketch::anchors(turned, nothing(kSize), 0.1) & expected) > 0.9 * count);
+  }
+}
+
+TEST_CASE("Anchors of a colour frame are those of its luma", "[sketch][anchors]") {
+  const cv::Mat frame = make_frame(kSize, 7);
+  cv::Mat colour;
+  cv::merge(std::vector<cv::Mat>{frame, frame, frame}, colour);
+  const cv::Mat grey = sketch::anchors(frame, nothing(kSize), 0.1);
+  const cv::Mat mask = sketch::anchors(colour, nothing(kSize), 0.1);
+  CHECK(cv::countNonZero(mask & grey) > 0.95 * cv::countNonZero(grey));
+}
+
+TEST_CASE("Anchors make up for patches that are drawn wrong", "[sketch][anchors]") {
+  const cv::Mat frame = make_frame(kSize, 8);
+  sketch::Sketchable drawn{frame.clone(), nothing(kSize)};
+  drawn.mask.colRange(58, 62) = 255;
+  drawn.levels.setTo(0, drawn.mask == 0);
+  const cv::Mat right = sketch::anchors(frame, drawn, 0.1);
+  CHECK(cv::norm(right, sketch::anchors(frame, drawn.mask, 0.1), cv::NORM_INF) == 0);
+  drawn.levels.setTo(255, drawn.mask);
+  const cv::Mat wrong = sketch::anchors(frame, drawn, 0.1);
+  CHECK(cv::countNonZero(wrong & drawn.mask) == 0);
+  // They stand against what leaks out of the wrong patch.
+  const auto beside = [&](const cv::Mat& mask) {
+    return cv::countNonZero(mask.colRange(57, 58)) + cv::countNonZero(mask.colRange(62, 63));
+  };
+  CHECK(beside(wrong) > 2 * beside(right));
+}
+
+TEST_CASE("Anchors of odd frames", "[sketch][anchors]") {
+  for (const cv::Size size : {cv::Size(1, 1), {3, 1}, {1, 40}, {3, 50}, {50, 3}})
+    for (const int rounds : {0, 16}) {
+      const cv::Mat frame = make_frame(size, 9);
+      const cv::Mat mask = sketch::anchors(frame, nothing(size), 0.3, {.rounds = rounds});
+      CHECK(mask.size() == size);
+      CHECK(cv::countNonZero(mask) <= 0.3 * size.area());
+      CHECK(cv::countNonZero(sketch::anchors(frame, cv::Mat(size, CV_8U, cv::Scalar(255)), 0.3)) == 0);
+    }
+  cv::Mat constant(kSize, CV_32F, cv::Scalar(77)), corner = nothing(kSize);
+  corner.at<uchar>(0, 0) = 255;
+  CHECK(cv::countNonZero(sketch::anchors(constant, corner, 0.2)) == 0);  // one pixel tells it all
+  const cv::Mat free = sketch::anchors(constant, nothing(kSize), 0.2);
+  CHECK(cv::countNonZero(free) > 0);  // and one is needed
+  CHECK(rms_after_fill(constant, free) < 1e-3);
+}
+
+TEST_CASE("Anchors reject what is none", "[sketch][anchors]") {
+  const cv::Mat frame = make_frame(kSize, 10);
+  CHECK_THROWS_AS(sketch::anchors(cv::Mat(), nothing(kSize), 0.1), core::InputError);
+  CHECK_THROWS_AS(sketch::anchors(frame, nothing({4, 4}), 0.1), core::InputError);
+  CHECK_THROWS_AS(sketch::anchors(frame, nothing(kSize), 1.1), core::InputError);
+  CHECK_THROWS_AS(sketch::anchors(frame, nothing(kSize), std::nan("")), core::InputError);
+  CHECK_THROWS_AS(sketch::anchors(frame, nothing(kSize), 0.1, {.rounds = -1}), core::InputError);
+  CHECK_THROWS_AS(sketch::anchors(frame, nothing(kSize), 0.1, {.spread = 9}), core::InputError);
+  cv::Mat broken = frame.clone();
+  broken.at<float>(3, 3) = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_AS(sketch::anchors(broken, nothing(kSize), 0.1), core::InputError);
+  const sketch::Sketchable other{cv::Mat(kSize, CV_32FC3, cv::Scalar::all(0)), nothing(kSize)};
+  CHECK_THROWS_AS(sketch::anchors(frame, other, 0.1), core::InputError);
+}

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/refinement/editable_graph.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "core/error.hpp"
+#include "sketch/extract.hpp"
+#include "sketch/refinement/proposals.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/sketch_scene.hpp"
+
+using namespace emberfold;
+using namespace emberfold::sketch;
+using namespace emberfold::test;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+/// A row of patches 5 px apart, each of the given gain.
+graph::AttributeGraph row(const std::vector<double>& gains) {
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (std::uint32_t i = 0; i < gains.size(); ++i) {
+    graph::Patch patch;
+    patch.position = {10 + 5.0 * i, 10};
+    patch.width = 2;
+    patch.contrast = 50;
+    patch.gain = gains[i];
+    vertices.push_back({{i}, {}, patch});
+    if (i > 0) edges.push_back({{i - 1}, {i}});
+  }
+  return {std::move(vertices), std::move(edges)};
+}
+
+/// A change that fits the draft, drawn at random.
+Edit any_edit(const Draft& draft, core::Rng& rng) {
+  std::vector<Slot> held;
+  for (Slot slot = 0; slot < draft.slots(); ++slot)
+    if (draft.holds(slot)) held.push_back(slot);
+  Edit edit;
+  std::set<Slot> gone;
+  for (int i = 0; i < 3 && !held.empty(); ++i) {
+    const Slot slot = held[rng.below(static_cast<std::uint32_t>(held.size()))];
+    if (rng.uniform(0, 1) < 0.5 && gone.insert(slot).second) drop(edit, draft, slot);
+    for (const Slot other : draft.neighbours(slot))
+      if (rng.uniform(0, 1) < 0.3 && std::ranges::find(edit.cut, tie(slot, other)) == edit.cut.end())
+        edit.cut.push_back(tie(slot, other));
+  }
+  std::vector<Slot> there;
+  std::ranges::copy_if(held, std::back_inserter(there), [&](Slot s) { return !gone.contains(s); });
+  for (Slot i = 0; i < 2; ++i) {
+    graph::Patch patch;
+    patch.gain = rng.uniform(-5, 20);
+    edit.add.emplace_back(draft.slots() + i, patch);
+    there.push_back(draft.slots() + i);
+  }
+  for (int i = 0; i < 4; ++i) {
+    const Slot a = there[rng.below(static_cast<std::uint32_t>(there.size()))],
+               b = there[rng.below(static_cast<std::uint32_t>(there.size()))];
+    if (a == b || std::ranges::find(edit.tie, tie(a, b)) != edit.tie.end()) continue;
+    const bool tied = a < draft.slots() && std::ranges::count(draft.neighbours(a), b) > 0;
+    if (!tied) edit.tie.push_back(tie(a, b));
+  }
+  return edit;
+}
+
+std::string refusal(Draft& draft, const Edit& edit) {
+  try {
+    draft.apply(edit);
+  } catch (const core::InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("A draft's length is its degrees' cost without its patches' gains") {
+  const Draft draft(row({7, 11, 2}));
+  CHECK_THAT(draft.length(), WithinAbs(3 + 0 + 3 - 20, 1e-12));
+  CHECK(Draft(graph::AttributeGraph()).length() == 0);
+  CHECK(degree_cost(1) > degree_cost(3));
+  CHECK(degree_cost(7) == degree_cost(4));
+}
+
+TEST_CASE("Any edit changes the length by what it says and its reverse restores the draft") {
+  core::Rng rng(7);
+  Draft draft(row({3, 4, 5, 6, 7, 8, 9, 10}));
+  for (int i = 0; i < 2000; ++i) {
+    const Draft before = draft;
+    const Edit edit = any_edit(draft, rng);
+    const double told = draft.change(edit);
+    const Edit reverse = draft.apply(edit);
+    REQUIRE_THAT(draft.length() - before.length(), WithinAbs(told, 1e-9));
+    Draft back = draft;
+    REQUIRE_THAT(back.change(reverse), WithinAbs(-told, 1e-9));
+    back.apply(reverse);
+    REQUIRE(back == before);
+    if (draft.slots() > 60) draft = before;
+  }
+}
+
+TEST_CASE("Edits that do not fit are refused and change nothing") {
+  Draft draft(row({1, 2, 3}));
+  const Draft before = draft;
+  CHECK(refusal(draft, {{{0, 2}}, {}, {}, {}}).find("cuts an edge that is not there") != std::string::npos);
+  CHECK(refusal(draft, {{}, {1}, {}, {}}).find("but not its edge") != std::string::npos);
+  CHECK(refusal(draft, {{}, {9}, {}, {}}).find("not there at slot 9") != std::string::npos);
+  CHECK(refusal(draft, {{}, {}, {{1, {}}}, {}}).find("over another") != std::string::npos);
+  CHECK(refusal(draft, {{}, {}, {}, {{0, 1}}}).find("cannot be tied") != std::string::npos);
+  CHECK(refusal(draft, {{}, {}, {}, {{0, 7}}}).find("cannot be tied") != std::string::npos);
+  CHECK(refusal(draft, {{{0, 1}, {1, 2}}, {1}, {}, {{0, 1}}}).find("cannot be tied") != std::string::npos);
+  CHECK(draft == before);
+}
+
+TEST_CASE("Every proposal for a frame is worth what counting anew says and can be undone") {
+  const cv::Size size(160, 120);
+  cv::Mat1f clean = draw(size,
+                         {segment({15, 20}, {70, 24}, 3, 1), segment({84, 25}, {140, 30}, 3, 1),
+                          segment({20, 50}, {60, 50}, 4, 1.2), segment({62, 54}, {62, 100}, 4, 1.2),
+                          segment({90, 60}, {150, 60}, 14, 1), segment({100, 95}, {108, 96}, 4, 1.5),
+                          segment({120, 80}, {140, 110}, 3, 1)},
+                         60, 90);
+  const cv::Mat1f frame = with_noise(clean, 6, 3);
+  const GainFrame prepared = prepare_gain(frame);
+  // What is found, but for some patches, so that every edit has something to do.
+  const graph::AttributeGraph found = extract(frame, {});
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (const graph::Vertex& v : found.vertices())
+    if (v.id.value % 7 != 3) vertices.push_back(v);
+  for (const graph::Edge& e : found.edges())
+    if (e.a.value % 7 != 3 && e.b.value % 7 != 3) edges.push_back(e);
+  const Draft draft(graph::AttributeGraph(std::move(vertices), std::move(edges)));
+  sketch::Tried tried;
+  Editor editor(draft, frame, {&prepared, 1}, {5, true}, tried);
+  propose_for_strokes(editor, true);
+  propose_at_ends(editor);
+  propose_meetings(editor);
+  const std::vector<Proposal> proposals = editor.take();
+  REQUIRE(proposals.size() >= 15);
+  for (const Proposal& proposal : proposals) {
+    Draft edited = draft;
+    const Edit reverse = edited.apply(proposal.edit);
+    CHECK_THAT(edited.length() - draft.length(), WithinAbs(proposal.change, 1e-9));
+    CHECK(proposal.change < 0);
+    for (const auto& [slot, patch] : proposal.edit.add) CHECK(patch.gain == coding_gain(prepared, patch));
+    edited.apply(reverse);
+    CHECK(edited == draft);
+  }
+}

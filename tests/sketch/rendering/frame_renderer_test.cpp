@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/rendering/frame_renderer.hpp"
+
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "core/context.hpp"
+#include "core/rng.hpp"
+#include "sketch/rendering/render.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/clip_fixture.hpp"
+
+using namespace emberfold;
+using namespace emberfold::tests;
+
+namespace {
+
+// A bright upright bar on dark ground.
+graph::AttributeGraph bar(double x, double shift = 0) {
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    graph::Patch patch;
+    patch.position = {x, 10.0 + 5 * k + shift};
+    patch.theta = 1.5707963267948966;
+    patch.width = 4, patch.blur = 1, patch.contrast = 100;
+    patch.left = patch.right = {50, 50, 50};
+    patch.middle = {150, 150, 150};
+    vertices.push_back({{k}, {}, patch});
+    if (k > 0) edges.push_back({{k - 1}, {k}});
+  }
+  return {std::move(vertices), std::move(edges)};
+}
+
+}  // namespace
+
+TEST_CASE("a frame drawn from a graph shows its strokes and the levels beside them") {
+  for (const int channels : {1, 3}) {
+    const cv::Mat frame =
+        sketch::render_frame(bar(20), {.size = {48, 40}, .channels = channels, .empty_level = 7});
+    REQUIRE(frame.type() == CV_8UC(channels));
+    REQUIRE(frame.size() == cv::Size(48, 40));
+    const cv::Mat first = frame.reshape(1, 40);
+    CHECK(first.at<unsigned char>(22, 20 * channels) > 135);
+    CHECK(first.at<unsigned char>(22, 2 * channels) < 60);
+    CHECK(first.at<unsigned char>(22, 45 * channels) < 60);
+    CHECK(first.at<unsigned char>(22, 45 * channels) > 40);
+  }
+}
+
+TEST_CASE("a frame without a stroke in it has the level that was asked for") {
+  CHECK(same_pixels(sketch::render_frame(graph::AttributeGraph{}, {.size = {9, 5}, .empty_level = 77}),
+                    cv::Mat(5, 9, CV_8UC3, cv::Scalar::all(77))));
+  // all of it lies outside
+  CHECK(same_pixels(sketch::render_frame(bar(20, -500), {.size = {48, 40}, .channels = 1, .empty_level = 77}),
+                    cv::Mat(40, 48, CV_8UC1, cv::Scalar(77))));
+}
+
+TEST_CASE("a batch of graphs is drawn frame by frame as each alone, on a ground or without") {
+  const sketch::RenderOptions look{{48, 40}, 3, 7, {}};
+  core::Rng rng(2);
+  std::vector<sketch::FrameContent> parts;
+  for (int t = 0; t < 19; ++t) {
+    parts.push_back({bar(5 + t)});
+    if (t % 2 == 0) continue;
+    parts.back().ground = cv::Mat(40, 48, CV_8UC3);
+    for (auto& pixel : cv::Mat_<cv::Vec3b>(parts.back().ground))
+      pixel = cv::Vec3b::all(static_cast<unsigned char>(100 + rng.below(20)));
+  }
+  const auto frames = sketch::render_frames(parts, look, {});
+  REQUIRE(frames.size() == 19);
+  for (std::size_t t = 0; t < frames.size(); ++t)
+    CHECK(same_pixels(frames[t], sketch::render_frame(parts[t], look)));
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK_THROWS_AS(sketch::render_frames(parts, look, core::Context(stop.get_token())), core::Cancelled);
+}
+
+TEST_CASE("strokes are joined into a ground: theirs beside them, its own away from them") {
+  const sketch::RenderOptions look{{96, 40}, 1, 7, {}};
+  core::Rng rng(2);
+  cv::Mat ground(40, 96, CV_8U);
+  for (auto& value : cv::Mat_<unsigned char>(ground)) value = static_cast<unsigned char>(100 + rng.below(20));
+  const cv::Mat frame = sketch::render_frame(sketch::FrameContent{bar(20), ground}, look),
+                plain = sketch::render_frame(bar(20), look);
+  const auto drawn = sketch::draw_fitted(bar(20), look.size, 1);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 96; ++x)
+      if (drawn.mask.at<unsigned char>(y, x) != 0)
+        CHECK(frame.at<unsigned char>(y, x) == plain.at<unsigned char>(y, x));
+  const cv::Rect away(72, 0, 24, 40);
+  CHECK(cv::norm(frame(away), ground(away), cv::NORM_INF) <= 1);
+  // Its texture stays where its level gives way.
+  cv::Mat lifted = cv::Mat(ground - frame)(cv::Rect(26, 8, 4, 24));
+  cv::Scalar mean, spread;
+  cv::meanStdDev(lifted, mean, spread);
+  CHECK(mean[0] > 10);
+}
+
+TEST_CASE("a patch that is there in part lies between its own levels and what is there without it") {
+  const sketch::RenderOptions look{{96, 64}, 3, 7, {}};
+  // A bar that comes, another that stays.
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (const auto& [x, first] : {std::pair{70.0, 0U}, {30.0, 100U}}) {
+    const auto one = bar(x);
+    for (auto vertex : one.vertices()) {
+      vertex.id.value += first;
+      if (first == 0) vertex.patch.left = vertex.patch.right = {80, 90, 100};
+      vertices.push_back(vertex);
+    }
+    for (auto edge : one.edges()) edges.push_back({{edge.a.value + first}, {edge.b.value + first}});
+  }
+  const graph::AttributeGraph both(vertices, edges);
+  const auto share = [&](float value, const cv::Mat& ground = {}) {
+    sketch::FrameContent parts{both, ground, std::vector<float>(12, 1)};
+    for (std::size_t i = 6; i < 12; ++i) parts.presence[i] = value;
+    cv::Mat levels;
+    sketch::render_frame(parts, look).convertTo(levels, CV_32F);
+    return levels;
+  };
+  const cv::Mat ground(64, 96, CV_8UC3, cv::Scalar(40, 60, 80));
+  for (const auto& below : {cv::Mat{}, ground}) {
+    cv::Mat whole, none;
+    sketch::render_frame(sketch::FrameContent{both, below}, look).convertTo(whole, CV_32F);
+    vertices.resize(6), edges.resize(5);
+    sketch::render_frame(sketch::FrameContent{{vertices, edges}, below}, look).convertTo(none, CV_32F);
+    CHECK(cv::norm(share(1, below), whole, cv::NORM_INF) == 0);
+    CHECK(cv::norm(share(0, below), none, cv::NORM_INF) <= 3);
+    CHECK(cv::norm(share(0.25F, below), 0.75 * none + 0.25 * whole, cv::NORM_INF) <= 4);
+    CHECK(cv::norm(whole, none, cv::NORM_INF) > 50);
+    vertices = {both.vertices().begin(), both.vertices().end()},
+    edges = {both.edges().begin(), both.edges().end()};
+  }
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/texture/efros_leung.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <set>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "sketch/inpainting/fill.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/still_textures.hpp"
+
+using namespace emberfold;
+
+namespace {
+
+const cv::Size kSize(96, 72);
+
+struct Scene {
+  cv::Mat frame, mask, start;
+  sketch::TextureRegions regions;
+};
+
+Scene scene(const cv::Mat& frame, const cv::Mat& mask, int count = 1) {
+  cv::Mat start = sketch::fill(frame, mask).levels;
+  if (cv::countNonZero(mask) == 0) start.setTo(cv::mean(frame));
+  return {frame, mask, start, sketch::texture_regions(frame, mask, {.regions = count})};
+}
+
+/// A tile of 7 × 5 different levels, again and again.
+cv::Mat periodic(cv::Size size) {
+  cv::Mat frame(size, CV_32F);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+      frame.at<float>(y, x) = static_cast<float>(20 + (x % 7 * 31 + y % 5 * 47 + x % 7 * (y % 5) * 11) % 200);
+  return frame;
+}
+
+bool same_where_held(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x)
+      if (mask.at<uchar>(y, x) != 0 && std::memcmp(a.ptr(y, x), b.ptr(y, x), a.elemSize()) != 0) return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("Efros-Leung carries a periodic texture on in phase with what is held", "[sketch][efros_leung]") {
+  const cv::Mat frame = periodic(kSize);
+  const Scene s = scene(frame, test::bands(kSize));
+  const cv::Mat drawn = sketch::efros_leung(s.start, frame, s.regions).levels;
+  CHECK(cv::countNonZero(drawn == frame) > 0.99 * kSize.area());
+  // With nothing held there is no phase but the period remains.
+  const Scene free = scene(frame, test::nothing(kSize));
+  const cv::Mat grown = sketch::efros_leung(free.start, frame, free.regions).levels;
+  CHECK(cv::countNonZero(grown.colRange(7, 96) == grown.colRange(0, 89)) > 0.95 * 89 * 72);
+  CHECK(cv::countNonZero(grown.rowRange(5, 72) == grown.rowRange(0, 67)) > 0.95 * 67 * 96);
+}
+
+TEST_CASE("Efros-Leung copies pixels of the own region from elsewhere", "[sketch][efros_leung]") {
+  cv::Mat frame = test::texture(kSize, 4, 90, 1);
+  test::texture({kSize.width / 2, kSize.height}, 5, 150, 2).copyTo(frame.colRange(0, kSize.width / 2));
+  for (const int channels : {1, 3}) {
+    cv::Mat levels = frame;
+    if (channels == 3)
+      cv::merge(std::vector<cv::Mat>{frame, cv::Mat(frame * 0.5), cv::Mat(255 - frame)}, levels);
+    const Scene s = scene(levels, test::bands(kSize), 2);
+    const sketch::EfrosLeungOptions options;
+    const auto result = sketch::efros_leung(s.start, levels, s.regions, options);
+    CHECK(result.status == core::Status::done);
+    CHECK(same_where_held(result.levels, levels, s.mask));
+    int moved = 0, free = 0;
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) {
+        const auto from = result.source.at<cv::Vec2i>(y, x);
+        if (s.mask.at<uchar>(y, x) != 0) {
+          CHECK(from == cv::Vec2i(-1, -1));
+          continue;
+        }
+        ++free;
+        REQUIRE((from[0] >= 0 && from[1] >= 0 && from[0] < kSize.width && from[1] < kSize.height));
+        CHECK(std::memcmp(result.levels.ptr(y, x), levels.ptr(from[1], from[0]), levels.elemSize()) == 0);
+        CHECK(s.regions.label.at<uchar>(from[1], from[0]) == s.regions.label.at<uchar>(y, x));
+        moved += std::max(std::abs(from[0] - x), std::abs(from[1] - y)) > options.window / 2 ? 1 : 0;
+      }
+    CHECK(moved == free);
+  }
+}
+
+TEST_CASE("Efros-Leung keeps the look of a grain", "[sketch][efros_leung]") {
+  for (const int kind : {0, 3, 4}) {
+    const Scene s = scene(test::texture(kSize, kind, 120, 3), test::bands(kSize));
+    const cv::Mat drawn = sketch::efros_leung(s.start, s.frame, s.regions).levels;
+    INFO("texture " << kind);
+    cv::Scalar mean, sd, own_mean, own_sd;
+    cv::meanStdDev(s.frame, mean, sd, s.mask == 0);
+    cv::meanStdDev(drawn, own_mean, own_sd, s.mask == 0);
+    CHECK(std::abs(mean[0] - own_mean[0]) < 0.35 * sd[0]);
+    CHECK(own_sd[0] > 0.7 * sd[0]);
+    CHECK(own_sd[0] < 1.3 * sd[0]);
+    // No garbage: it does not grow from a handful of pixels.
+    const auto result = sketch::efros_leung(s.start, s.frame, s.regions);
+    std::set<std::pair<int, int>> places;
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x)
+        if (const auto from = result.source.at<cv::Vec2i>(y, x); from[0] >= 0)
+          places.emplace(from[0], from[1]);
+    CHECK(double(places.size()) > 0.1 * cv::countNonZero(s.mask == 0));
+  }
+}
+
+TEST_CASE("Efros-Leung: same seed same bytes at any thread count and other seeds other bytes",
+          "[sketch][efros_leung]") {
+  const Scene s = scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  const auto with = [&](std::size_t threads, std::uint64_t seed) {
+    const core::ThreadLimit limit(threads);
+    return sketch::efros_leung(s.start, s.frame, s.regions, {.seed = seed}).levels;
+  };
+  const cv::Mat one = with(1, 1);
+  CHECK(cv::norm(one, with(4, 1), cv::NORM_INF) == 0);
+  CHECK(cv::norm(one, with(1, 2), cv::NORM_L1) > kSize.area());
+}
+
+TEST_CASE("Efros-Leung on odd frames and when nothing is free", "[sketch][efros_leung]") {
+  for (const cv::Size size : {cv::Size(1, 1), {3, 1}, {3, 30}, {30, 3}, {2, 2}, {9, 8}}) {
+    INFO(size.width << " × " << size.height);
+    const cv::Mat frame = test::texture(size, 3, 100, 4);
+    const Scene free = scene(frame, test::nothing(size));
+    const auto result = sketch::efros_leung(free.start, frame, free.regions);
+    REQUIRE(result.levels.size() == size);
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const auto from = result.source.at<cv::Vec2i>(y, x);
+        REQUIRE(from[0] >= 0);
+        CHECK(result.levels.at<float>(y, x) == frame.at<float>(from[1], from[0]));
+      }
+    const Scene held = scene(frame, cv::Mat(size, CV_8U, cv::Scalar(255)));
+    CHECK(cv::norm(sketch::efros_leung(frame, frame, held.regions).levels, frame, cv::NORM_INF) == 0);
+    cv::Mat one_free(size, CV_8U, cv::Scalar(255));
+    one_free.at<uchar>(size.height / 2, 0) = 0;
+    const Scene one = scene(frame, one_free);
+    CHECK(cv::norm(sketch::efros_leung(one.start, frame, one.regions).levels, frame, cv::NORM_INF) == 0);
+  }
+  const cv::Mat constant(kSize, CV_32F, cv::Scalar(80));
+  const Scene still = scene(constant, test::bands(kSize));
+  CHECK(cv::norm(sketch::efros_leung(still.start, constant, still.regions).levels, constant, cv::NORM_INF) ==
+        0);
+}
+
+TEST_CASE("Efros-Leung can be stopped", "[sketch][efros_leung]") {
+  const Scene s = scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  std::stop_source stop;
+  const core::Context context(stop.get_token(), [&](std::string_view, double share) {
+    if (share > 0.2) stop.request_stop();
+  });
+  const auto result = sketch::efros_leung(s.start, s.frame, s.regions, {}, context);
+  CHECK(result.status == core::Status::cancelled);
+  int left = 0;
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x)
+      if (s.mask.at<uchar>(y, x) == 0 && result.source.at<cv::Vec2i>(y, x)[0] < 0) {
+        ++left;
+        CHECK(result.levels.at<float>(y, x) == s.start.at<float>(y, x));
+      }
+  CHECK(left > 100);
+}
+
+TEST_CASE("Efros-Leung rejects what is none", "[sketch][efros_leung]") {
+  Scene s = scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  for (const sketch::EfrosLeungOptions& options : std::vector<sketch::EfrosLeungOptions>{
+           {.window = 4}, {.window = 33}, {.tolerance = -1}, {.candidates = 0}, {.guidance = 1.5}})
+    CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, s.regions, options), core::InputError);
+  CHECK_THROWS_AS(sketch::efros_leung(cv::Mat(), s.frame, s.regions), core::InputError);
+  CHECK_THROWS_AS(sketch::efros_leung(s.start, cv::Mat(3, 3, CV_32F), s.regions), core::InputError);
+  CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, sketch::TextureRegions{}), core::InputError);
+  sketch::TextureRegions fewer = s.regions;
+  fewer.count = 0;
+  CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, fewer), core::InputError);
+  s.frame.at<float>(2, 2) = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, s.regions), core::InputError);
+}
