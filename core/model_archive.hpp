@@ -8,14 +8,16 @@
 
 namespace emberfold::core {
 
-/// A learned model as it lies in a folder: the text of model.json, and the arrays beside it by their names
-/// without ".npy". Rooms turn their models into archives and back; who opens the folder is not their matter.
+/// Holds a learned model as its folder does: the text of model.json, and by name the arrays beside it (without
+/// ".npy") and the models in folders below it. Rooms turn their models into archives and back, core/io writes
+/// and reads the folder.
 struct ModelArchive {
   std::string text;
   std::map<std::string, NpyArray> arrays;
+  std::map<std::string, ModelArchive> parts = {};
 };
 
-/// The same of a model whose arrays lie elsewhere: written without a copy.
+/// Refers to a model whose arrays lie elsewhere, to be written without a copy.
 struct ModelView {
   std::string text;
   std::map<std::string, NpyView> arrays;

@@ -214,13 +214,6 @@ Eigen::VectorXd all_singular(const std::vector<Spectrum>& spectra) {
   return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
-LearnResult cancelled(const FrameBands& bands) {
-  LearnResult result;
-  result.status = core::Status::cancelled;
-  result.passes = bands.passes();
-  return result;
-}
-
 void take_dynamics(detail::Dynamics dynamics, LearnResult& result) {
   result.least_squares_radius = dynamics.least_squares_radius;
   result.transition = dynamics.transition;
@@ -260,7 +253,7 @@ void LearnOptions::validate() const {
 LearnResult learn(core::FrameSource& source, const LearnOptions& options, const core::Context& context) {
   options.validate();
   FrameBands bands(source, options.memory, kMostFrames, context);
-  if (bands.frames() == 0) return cancelled(bands);
+  if (bands.frames() == 0) throw core::Cancelled{};
   const auto frames = static_cast<Eigen::Index>(bands.frames()),
              m = static_cast<Eigen::Index>(bands.values());
   check_count(options, frames);
@@ -268,7 +261,7 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
   Seen seen;
   if (look(bands, separate ? static_cast<std::size_t>(source.info().channels) : 1, seen, context) ==
       core::Status::cancelled)
-    return cancelled(bands);
+    throw core::Cancelled{};
   const double to_levels = 255 / source.info().white;
   std::vector<Spectrum> spectra;
   for (const Eigen::MatrixXd& gram : seen.grams)
@@ -293,7 +286,7 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
   const bool single = n == 0 || texture.singular[0] <= kFloatRange * texture.singular[n - 1];
   if (context.cancelled() || make_C(bands, seen, component_weights(blocks, n, to_levels), single, texture,
                                     context) == core::Status::cancelled)
-    return cancelled(bands);
+    throw core::Cancelled{};
   texture.mean = (seen.mean * to_levels).cast<float>();
   compare_variance(result);
   result.passes = bands.passes();

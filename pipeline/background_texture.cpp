@@ -78,7 +78,7 @@ class GroundSource final : public core::FrameSource {
       ready_.push_back(std::move(frame));
     }
     core::parallel_for(ready_.size(), context_,
-                                           [&](std::size_t i) { fill_in(ready_[i], graphs_[read_ + i]); });
+                       [&](std::size_t i) { fill_in(ready_[i], graphs_[read_ + i]); });
     read_ += ready_.size();
   }
 

@@ -12,7 +12,7 @@
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_measures.hpp"
 #include "pipeline/clip_strokes.hpp"
-#include "pipeline/clip_synthesis.hpp"
+#include "pipeline/frame_synthesis.hpp"
 
 namespace emberfold::pipeline {
 
@@ -35,7 +35,7 @@ void CalibrateOptions::validate() const {
 
 mcmc::Census seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
                              std::uint64_t seed, const core::Context& context) {
-  ClipSynthesis drawn(mcmc::Synthesis(model, seed, mcmc::Start::stationary), how.look);
+  FrameSynthesis drawn(mcmc::Synthesis(model, seed, mcmc::Start::stationary), how.look);
   ClipStrokes strokes(how.look.size, model.fps, how.sketch, how.match);
   for (int done = 0; done < frames; done += kAtOnce)
     strokes.add(levels_of(drawn.next(std::min(kAtOnce, frames - done), context)), context);

@@ -10,6 +10,7 @@
 #include "core/io/model_folder.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/model/compression.hpp"
+#include "pipeline/frame_synthesis.hpp"
 
 namespace emberfold::pipeline {
 
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* texture_folder = "texture";
+constexpr const char* kTexturePart = "texture";  // the folder beside model.json
 constexpr std::array kFills = {ModelFill::diffusion, ModelFill::texture, ModelFill::dytex};
 
 bool never_changes(const mcmc::OperatorRates& rates) {
@@ -26,15 +27,17 @@ bool never_changes(const mcmc::OperatorRates& rates) {
          rates.split == 0 && rates.merge == 0 && rates.connect == 0 && rates.disconnect == 0;
 }
 
-void check_drawable(const mcmc::MotionModel& model) {
-  if (model.exemplars.empty()) throw core::IoError("the model has no exemplars: no stroke can be born of it");
-  if (never_changes(model.rates))
-    throw core::IoError("all rates of the model are 0: no stroke would be born, die or change");
+void check_size(const dytex::LinearDynamicTexture& texture, const mcmc::MotionModel& model,
+                const std::string& what) {
+  const auto& info = texture.info;
+  if (info.width != model.width || info.height != model.height)
+    throw core::IoError(what + " is of frames of " + std::to_string(info.width) + "x" +
+                        std::to_string(info.height) + ", the model of " + std::to_string(model.width) + "x" +
+                        std::to_string(model.height));
 }
 
-std::shared_ptr<const dytex::LinearDynamicTexture> open_texture(const std::string& folder,
-                                                                const mcmc::MotionModel& model) {
-  const auto path = (fs::path(folder) / texture_folder).string();
+dytex::LinearDynamicTexture read_texture(const std::string& folder, const mcmc::MotionModel& model) {
+  const auto path = (fs::path(folder) / kTexturePart).string();
   std::error_code ignored;
   if (!fs::exists(path, ignored))
     throw core::IoError(
@@ -48,21 +51,15 @@ std::shared_ptr<const dytex::LinearDynamicTexture> open_texture(const std::strin
   } catch (const core::IoError& error) {
     throw core::IoError(path + ": " + error.what());
   }
-  const auto& info = texture.info;
-  if (info.width != model.width || info.height != model.height)
-    throw core::IoError(path + " is of frames of " + std::to_string(info.width) + "x" +
-                        std::to_string(info.height) + ", the model of " + std::to_string(model.width) + "x" +
-                        std::to_string(model.height));
-  return std::make_shared<dytex::LinearDynamicTexture>(std::move(texture));
+  check_size(texture, model, path);
+  return texture;
 }
 
-ResidualTexture open_residual(const core::ModelArchive& archive, const mcmc::MotionModel& model,
-                              const sketch::Background& ground) {
-  auto residual = read_residual(archive, {model.width, model.height});
-  if (residual.empty())
-    throw core::IoError(
-        "holds no residual of its clip to draw a texture from; 'emberfold analyze' measures it");
-  const auto channels = static_cast<std::size_t>(render_options(model, ground, {}).channels);
+/// Reads the residual; nothing where the archive holds none.
+std::optional<ResidualTexture> residual_of(const core::ModelArchive& archive, const ClipModel& model) {
+  auto residual = read_residual(archive, {model.motion.width, model.motion.height});
+  if (residual.empty()) return std::nullopt;
+  const auto channels = static_cast<std::size_t>(render_options(model.motion, model.background, {}).channels);
   if (residual.textures.size() != channels)
     throw core::IoError("motion model: residual_within.npy is of " +
                         std::to_string(residual.textures.size()) + " channels, its frames have " +
@@ -70,7 +67,35 @@ ResidualTexture open_residual(const core::ModelArchive& archive, const mcmc::Mot
   return residual;
 }
 
+/// Reads all but the residual and the parts.
+ClipModel strokes_and_background(const core::ModelArchive& archive) {
+  ClipModel model;
+  model.motion = mcmc::motion_model(archive);
+  model.background = sketch::read_background(archive, {model.motion.width, model.motion.height});
+  model.sharpening = sketch::read_sharpening(archive);
+  return model;
+}
+
 }  // namespace
+
+core::ModelArchive to_archive(const ClipModel& model) {
+  auto archive = mcmc::to_archive(model.motion);
+  sketch::add_background(archive, model.background);
+  if (model.residual) add_residual(archive, *model.residual);
+  sketch::add_sharpening(archive, model.sharpening);
+  if (model.texture) archive.parts[kTexturePart] = dytex::to_archive(*model.texture, dytex::Precision::f16);
+  return archive;
+}
+
+ClipModel clip_model(const core::ModelArchive& archive) {
+  ClipModel model = strokes_and_background(archive);
+  model.residual = residual_of(archive, model);
+  if (const auto part = archive.parts.find(kTexturePart); part != archive.parts.end()) {
+    model.texture = dytex::linear_dynamic_texture(part->second);
+    check_size(*model.texture, model.motion, "the texture between the strokes");
+  }
+  return model;
+}
 
 std::string_view name(ModelFill fill) {
   if (fill == ModelFill::diffusion) return "diffusion";
@@ -82,46 +107,42 @@ std::optional<ModelFill> model_fill(std::string_view text) {
   return found == kFills.end() ? std::nullopt : std::optional(*found);
 }
 
+std::string why_undrawable(const mcmc::MotionModel& model) {
+  if (model.exemplars.empty()) return "the model has no exemplars: no stroke can be born of it";
+  if (never_changes(model.rates))
+    return "all rates of the model are 0: no stroke would be born, die or change";
+  return {};
+}
+
 ClipModel read_clip_model(const std::string& folder, ModelFill fill) {
-  const auto archive = io::read_model(folder, io::kMotionFormat);
-  ClipModel opened;
+  io::ModelLimits limits;
+  limits.parts = false;
+  const auto archive = io::read_model(folder, io::kMotionFormat, limits);
+  ClipModel model;
   try {
-    opened.motion = mcmc::motion_model(archive);
-    opened.ground = sketch::read_background(archive, {opened.motion.width, opened.motion.height});
-    opened.sharpening = sketch::read_sharpening(archive);
-    if (fill == ModelFill::texture) opened.residual = open_residual(archive, opened.motion, opened.ground);
-    check_drawable(opened.motion);
+    model = strokes_and_background(archive);
+    if (fill == ModelFill::texture) {
+      model.residual = residual_of(archive, model);
+      if (!model.residual)
+        throw core::IoError(
+            "holds no residual of its clip to draw a texture from; 'emberfold analyze' measures it");
+    }
+    if (const auto why = why_undrawable(model.motion); !why.empty()) throw core::IoError(why);
   } catch (const core::IoError& error) {
     throw core::IoError(folder + ": " + error.what());
   }
-  if (fill == ModelFill::dytex) opened.texture = open_texture(folder, opened.motion);
-  return opened;
+  if (fill == ModelFill::dytex) model.texture = read_texture(folder, model.motion);
+  return model;
 }
 
-ClipSynthesis clip_synthesis(const ClipModel& model, const sketch::FillOptions& fill, std::uint64_t seed,
-                             mcmc::Start start) {
-  sketch::RenderOptions look =
-      sketch::sharpened(render_options(model.motion, model.ground, fill), model.sharpening);
-  if (model.texture) return hybrid_frames(model.motion, model.texture, std::move(look), seed, start);
-  if (!model.residual.empty())
-    return residual_frames(model.motion, model.residual, std::move(look), seed, start);
-  return {mcmc::Synthesis(model.motion, seed, start), std::move(look)};
-}
-
-sketch::Sharpening fit_sharpening(const mcmc::MotionModel& model, const sketch::Background& ground,
+sketch::Sharpening fit_sharpening(const mcmc::MotionModel& model, const sketch::Background& background,
                                   double wanted, std::uint64_t seed, const core::Context& context) {
   constexpr std::size_t frames = 60, every = 6;
-  const sketch::RenderOptions look = render_options(model, ground, {});
-  auto all = ClipSynthesis(mcmc::Synthesis(model, seed), look).parts(frames, context);
+  const sketch::RenderOptions look = render_options(model, background, {});
+  auto all = FrameSynthesis(mcmc::Synthesis(model, seed), look).parts(frames, context);
   std::vector<sketch::FrameContent> some;
   for (std::size_t t = every - 1; t < frames; t += every) some.push_back(std::move(all[t]));
   return fit_sharpening(some, look, wanted, context);
-}
-
-void write_background_texture(io::OutputFolder& output, const std::string& model_name,
-                              const BackgroundTexture& texture) {
-  io::write_model(output, model_name + "/" + texture_folder,
-                  dytex::to_archive(texture.texture, dytex::Precision::f16));
 }
 
 }  // namespace emberfold::pipeline

@@ -53,8 +53,8 @@ ClipStrokes::ClipStrokes(cv::Size size, double fps, const sketch::ExtractOptions
 
 void ClipStrokes::add(std::span<const cv::Mat> levels, const core::Context& context) {
   std::vector<graph::AttributeGraph> graphs(levels.size());
-  core::parallel_for(
-      levels.size(), context, [&](std::size_t i) { graphs[i] = sketch::extract(levels[i], extract_); });
+  core::parallel_for(levels.size(), context,
+                     [&](std::size_t i) { graphs[i] = sketch::extract(levels[i], extract_); });
   for (const auto& graph : graphs) sketch_.append(graph);
 }
 

@@ -18,8 +18,8 @@
 #include "pipeline/calibration.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/clip_strokes.hpp"
-#include "pipeline/clip_synthesis.hpp"
 #include "pipeline/compared_models.hpp"
+#include "pipeline/frame_synthesis.hpp"
 #include "sketch/rendering/render.hpp"
 
 namespace emberfold::pipeline {
@@ -168,7 +168,7 @@ ComparedModel sketch_model(const std::shared_ptr<const Strokes>& strokes, std::u
   model.parameters = parameter_count(strokes->model) + ground_numbers(strokes->ground);
   model.draw = [strokes, seed, context]() -> ComparedModel::Frames {
     const auto frames =
-        std::make_shared<ClipSynthesis>(mcmc::Synthesis(strokes->drawn, seed), strokes->drawn_look());
+        std::make_shared<FrameSynthesis>(mcmc::Synthesis(strokes->drawn, seed), strokes->drawn_look());
     return [frames, context](int count) { return frames->next(count, context); };
   };
   model.foretell = [strokes](const Moment& moment, std::span<const int> steps) {
@@ -195,7 +195,7 @@ std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const Strokes>& 
   model.parameters = parameter_count(strokes->model) + parameter_count(*texture);
   model.draw = [strokes, texture, seed = input.seed, context]() -> ComparedModel::Frames {
     const auto frames =
-        std::make_shared<ClipSynthesis>(hybrid_frames(strokes->drawn, texture, strokes->drawn_look(), seed));
+        std::make_shared<FrameSynthesis>(hybrid_frames(strokes->drawn, texture, strokes->drawn_look(), seed));
     return [frames, context](int count) { return frames->next(count, context); };
   };
   model.foretell = [strokes, texture](const Moment& moment, std::span<const int> steps) {

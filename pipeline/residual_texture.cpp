@@ -187,11 +187,12 @@ ResidualTexture measure_residual(core::FrameSource& source, std::span<const grap
   return residual;
 }
 
-ResidualFrames::ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed)
+ResidualFrames::ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed,
+                               double speed)
     : colours_(residual.colours.t()),
       strength_(in_channels(spread(residual.strength, frame), static_cast<int>(residual.textures.size()))) {
   for (std::size_t i = 0; i < residual.textures.size(); ++i)
-    frames_.emplace_back(residual.textures[i], frame, seed, static_cast<std::uint32_t>(i), residual.speed);
+    frames_.emplace_back(residual.textures[i], frame, seed, static_cast<std::uint32_t>(i), speed);
 }
 
 cv::Mat ResidualFrames::next() {

@@ -27,7 +27,6 @@ struct ResidualTexture {
   cv::Mat colours;  ///< CV_32F, square, a row a component: blue, green, red; orthonormal
   cv::Mat
       strength;  ///< CV_32F, ≥ 0, over cells of kBackgroundCell px: SD of all channels together, grey levels
-  double speed = 1;  ///< at which new frames go, below 0 backwards; no part of a model
   [[nodiscard]] bool empty() const { return textures.empty(); }
 };
 
@@ -41,7 +40,7 @@ ResidualTexture measure_residual(core::FrameSource& source, std::span<const grap
 /// New frames of it without an end, the same at any number of threads.
 class ResidualFrames {
  public:
-  ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed);
+  ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed, double speed = 1);
   /// CV_8S, 1 or 3 channels: to be added to a frame.
   cv::Mat next();
 

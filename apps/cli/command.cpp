@@ -36,22 +36,11 @@ void Session::print(const std::string& text) const {
     throw core::IoError(std::string("cannot write to standard output: ") + std::strerror(errno));
 }
 
-void Stages::begin(std::string name) {
-  end();
-  name_ = std::move(name);
-  began_ = Clock::now();
-}
-
-void Stages::end() {
-  if (!name_.empty()) done_.emplace_back(name_, std::chrono::duration<double>(Clock::now() - began_).count());
-  name_.clear();
-}
-
 nlohmann::ordered_json Stages::seconds() const {
   const auto rounded = [](double s) { return std::round(s * 1000) / 1000; };
   nlohmann::ordered_json out = nlohmann::ordered_json::object();
-  for (const auto& [name, seconds] : done_) out[name] = rounded(seconds);
-  out["total"] = rounded(std::chrono::duration<double>(Clock::now() - first_).count());
+  for (const auto& stage : ended()) out[stage.name] = rounded(stage.seconds);
+  out["total"] = rounded(total());
   return out;
 }
 

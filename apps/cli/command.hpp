@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -14,6 +13,7 @@
 #include "core/context.hpp"
 #include "core/error.hpp"
 #include "core/io/clip_reader.hpp"
+#include "core/stage_clock.hpp"
 
 namespace CLI {
 class App;
@@ -53,19 +53,9 @@ struct Session {
   void print(const std::string& text) const;
 };
 
-/// The seconds that the stages of a command took, in their order.
-class Stages {
- public:
-  /// Ends the stage before and begins the next one.
-  void begin(std::string name);
-  void end();
+/// Measures the stages of a command for its summary.
+struct Stages : core::StageClock {
   [[nodiscard]] nlohmann::ordered_json seconds() const;  ///< with "total"
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::vector<std::pair<std::string, double>> done_;
-  std::string name_;
-  Clock::time_point first_ = Clock::now(), began_ = first_;
 };
 
 /// What is to be run.

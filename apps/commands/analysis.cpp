@@ -2,7 +2,9 @@
 #include "apps/commands/analysis.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -10,17 +12,11 @@
 #include "apps/cli/summary.hpp"
 #include "apps/pictures/pictures.hpp"
 #include "apps/pictures/rate_map.hpp"
-#include "apps/report/report.hpp"
-#include "core/clip/frame_stream.hpp"
-#include "core/error.hpp"
+#include "apps/report/report_model.hpp"
+#include "apps/report/report_sampler.hpp"
 #include "core/io/model_folder.hpp"
 #include "graph/events/event_score.hpp"
 #include "graph/io/motion_io.hpp"
-#include "mcmc/learning/fit.hpp"
-#include "mcmc/sampler/multi_chain.hpp"
-#include "pipeline/clip_model.hpp"
-#include "pipeline/residual_texture.hpp"
-#include "sketch/rendering/sharpening.hpp"
 
 namespace emberfold::apps {
 
@@ -112,74 +108,20 @@ Json files_json(bool reconstruction) {
   return files;
 }
 
-void need_two_frames(const std::string& clip, std::int64_t frames) {
-  if (frames >= 2) return;
-  if (frames <= 0) throw core::IoError(clip + " holds no frame");
-  throw core::IoError(clip + " holds one frame; motion needs at least two ('emberfold sketch' takes one)");
+Json texture_json(const std::optional<pipeline::LearnedTexture>& texture) {
+  if (!texture) return nullptr;
+  return {{"components", texture->components},
+          {"hidden_share", std::round(texture->hidden_share * 10000) / 10000},
+          {"r", texture->r}};
 }
 
-/// Writes the motion model; what was not taken as measured becomes warnings.
-void write_fitted(const mcmc::FitResult& fitted, const sketch::Background& ground,
-                  const pipeline::ResidualTexture& residual, const sketch::Sharpening& sharpening,
-                  io::OutputFolder& output, Session& session) {
-  for (const auto& note : fitted.notes) session.warn("model: " + note);
-  auto archive = mcmc::to_archive(fitted.model);
-  sketch::add_background(archive, ground);
-  pipeline::add_residual(archive, residual);
-  sketch::add_sharpening(archive, sharpening);
-  io::write_model(output, "model", archive);
-}
-
-/// Learns what lies between the strokes; null where the clip is none to learn from.
-Json learn_texture(core::FrameSource& source, const graph::SketchSequence& sketch, int components,
-                   io::OutputFolder& output, Session& session) {
-  pipeline::BackgroundTextureOptions options;
-  options.components = components;
-  try {
-    const auto learned = pipeline::learn_background_texture(source, sketch.frames, options, session.context);
-    for (const auto& note : learned.notes) session.warn("texture: " + note);
-    pipeline::write_background_texture(output, "model", learned);
-    return {{"components", learned.texture.components()},
-            {"hidden_share", std::round(learned.hidden * 10000) / 10000},
-            {"r", learned.texture.r}};
-  } catch (const core::InputError& error) {
-    session.warn("no texture between the strokes: " + std::string(error.what()));
-    return nullptr;
-  }
-}
-
-std::vector<RateInterval> rates_a_frame(const mcmc::FitResult& fitted) {
+std::vector<RateInterval> rates_a_frame(const pipeline::Analysis& found) {
   std::vector<RateInterval> rates;
   for (const auto type : graph::all_event_types()) {
-    const auto& found = fitted.a_frame[static_cast<std::size_t>(type)];
-    rates.push_back({std::string(graph::name(type)), found.mean, found.low, found.high, "a frame"});
+    const auto& rate = found.rates[static_cast<std::size_t>(type)];
+    rates.push_back({std::string(graph::name(type)), rate.mean, rate.low, rate.high, "a frame"});
   }
   return rates;
-}
-
-/// Graphs, events and what was learned, from the sketches of the clip.
-void infer_motion(const pipeline::StartSketches& sketches, const AnalyzeOptions& options, Analysis& made,
-                  Session& session) {
-  made.stages.begin("match");
-  if (options.bottom_up) {
-    auto matched = graph::match(sketches.clip.sketch, options.match, session.context);
-    made.motion = std::move(matched.motion);
-    made.all_events = graph::stroke_events(made.motion);
-    made.stages.begin("learn");
-    made.fitted = mcmc::fit(made.motion, {session.common.seed, true}, session.context);
-  } else {
-    const auto starts = pipeline::match_starts(sketches, options.match, options.starts, session.context);
-    made.stages.begin("sample");
-    auto sampled = mcmc::sample_chains(starts, pipeline::backward_readings(options.starts), options.infer,
-                                       session.common.seed, session.context);
-    made.motion = std::move(sampled.motion);
-    made.all_events = std::move(sampled.events);
-    made.fitted = std::move(sampled.fitted);
-    made.sampled = std::move(sampled.sampler);
-    made.rates = rates_a_frame(made.fitted);
-  }
-  std::ranges::copy_if(made.all_events, std::back_inserter(made.events),
-                       [](const auto& e) { return e.probability >= 0.5; });
 }
 
 Json census_json(const mcmc::Census& census) {
@@ -192,77 +134,17 @@ Json census_json(const mcmc::Census& census) {
   return {{"patches", rounded(census.patches)}, {"strokes", rounded(strokes)}, {"events", events}};
 }
 
-/// Corrects the model's rates by what is seen in clips drawn from it; tells, a frame, what the clip itself
-/// shows to the bottom-up analysis, and what they did in each round.
-Json calibrate_model(const pipeline::StartSketches& sketches, const sketch::RenderOptions& look,
-                     const AnalyzeOptions& options, Analysis& made, const Session& session) {
-  if (options.calibrate.calibrate == 0) return nullptr;
-  made.stages.begin("calibrate");
-  std::optional<graph::MatchResult> matched;
-  if (!options.bottom_up)
-    matched = graph::match(sketches.clip.sketch, options.match, session.context.with_progress({}));
-  const auto& motion = matched ? matched->motion : made.motion;
-  const auto source = mcmc::census(motion, graph::stroke_events(motion));
-  const pipeline::ReadingAndDrawing how{options.sketch, options.match, look};
+Json calibration_json(const std::optional<pipeline::Calibration>& calibration) {
+  if (!calibration) return nullptr;
   Json rounds = Json::array();
-  for (const auto& seen :
-       pipeline::calibrate(made.fitted, source, how, options.calibrate, session.common.seed, session.context))
-    rounds.push_back(census_json(seen));
-  return {{"source", census_json(source)}, {"rounds", rounds}};
+  for (const auto& seen : calibration->rounds) rounds.push_back(census_json(seen));
+  return {{"source", census_json(calibration->source)}, {"rounds", rounds}};
 }
 
-}  // namespace
-
-Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io::OutputFolder& output,
-                      Session& session, const std::optional<std::vector<graph::Event>>& truth,
-                      const std::string& shown_name) {
-  Analysis made;
-  made.clip = shown_name.empty() ? name : shown_name;
-  Stages& stages = made.stages;
-  stages.begin("sketch");
-  const auto source = open_clip(name, options.read, [&](const std::string& text) { session.warn(text); });
-  if (source->info().frames) need_two_frames(made.clip, *source->info().frames);
-  pipeline::StartOptions starts = options.starts;
-  if (options.bottom_up) starts.chains = 1;
-  auto sketches =
-      pipeline::sketch_starts(*source, options.sketch, starts, session.common.seed, session.context);
-  need_two_frames(made.clip, static_cast<std::int64_t>(sketches.clip.sketch.frames.size()));
-  if (options.keep_sketch) made.sketched = sketches.clip;
-  infer_motion(sketches, options, made, session);
-  const auto& motion = made.motion;
-  const auto& events = made.events;
-  auto ground = sketch::still_background(sketches.clip.grounds);
-  ground.backdrop = sketch::find_static_pixels(*source, session.context);
-  const double wanted = sketch::clip_flank_gradient(*source, motion.sketch, session.context).mean();
-  const auto& sharpening = made.sharpening =
-      pipeline::fit_sharpening(made.fitted.model, ground, wanted, session.common.seed, session.context);
-  const auto look =
-      sketch::sharpened(pipeline::render_options(made.fitted.model, ground, options.fill), sharpening);
-  Json calibration = calibrate_model(sketches, look, options, made, session);
-  const auto residual = pipeline::measure_residual(
-      *source, motion.sketch.frames, pipeline::render_options(made.fitted.model, ground, options.fill),
-      session.context);
-  write_fitted(made.fitted, ground, residual, sharpening, output, session);
-  Json texture;
-  if (options.texture > 0) {
-    stages.begin("texture");
-    texture = learn_texture(*source, motion.sketch, options.texture, output, session);
-  }
-  stages.begin("write");
-  write_data(output, motion, events, made.all_events);
-
-  stages.begin("pictures");
-  const PictureOptions picture_options{options.fill, options.reconstruction};
-  Pictures pictures = draw_pictures(*source, motion, events, picture_options, output, session);
-  if (pictures.not_converged > 0)
-    session.warn("the fill stopped before its tolerance in " + std::to_string(pictures.not_converged) +
-                 " frames");
-  write_png(output, "birth_map.png", draw_rate_map(pictures.mean, birth_map(made.fitted.model), events));
-  write_png(output, "death_map.png", draw_rate_map(pictures.mean, death_map(made.fitted.model), events));
-  stages.end();
-
-  Json& summary = made.summary = begin_summary("analyze", session);
-  summary["clip"] = clip_json(made.clip, source->info(), static_cast<int>(motion.sketch.frames.size()));
+Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& options, const Pictures& pictures,
+                   Json begun) {
+  Json& summary = begun;
+  const auto& motion = found.motion;
   summary["options"] = {{"reading", reading_json(options.read)},
                         {"sketch", options_json(options.sketch)},
                         {"match", options_json(options.match)},
@@ -272,22 +154,64 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
                         {"calibrate", options_json(options.calibrate)},
                         {"texture", options.texture},
                         {"fill", options_json(options.fill)}};
-  Json per_frame = per_frame_json(motion, events);
+  Json per_frame = per_frame_json(motion, found.events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
-  summary["events"] = events_json(events, motion.sketch.frames.size());
-  summary["model"] = motion_model_figures(made.fitted.model);
-  summary["calibration"] = std::move(calibration);
+  summary["events"] = events_json(found.events, motion.sketch.frames.size());
+  summary["model"] = motion_model_figures(found.model.motion);
+  summary["calibration"] = calibration_json(found.calibration);
+  const auto& sharpening = found.model.sharpening;
   summary["model"]["blur_share"] = std::round(sharpening.blur_share * 1000) / 1000;
   summary["model"]["contrast_gain"] = std::round(sharpening.contrast_gain * 1000) / 1000;
-  if (options.texture > 0) summary["model"]["texture"] = std::move(texture);
+  if (options.texture > 0) summary["model"]["texture"] = texture_json(found.texture);
+  return begun;
+}
+
+Pictures write_pictures(core::FrameSource& source, const pipeline::Analysis& found,
+                        const AnalyzeOptions& options, io::OutputFolder& output, Session& session) {
+  const PictureOptions picture_options{options.fill, options.reconstruction};
+  Pictures pictures = draw_pictures(source, found.motion, found.events, picture_options, output, session);
+  if (pictures.not_converged > 0)
+    session.warn("the fill stopped before its tolerance in " + std::to_string(pictures.not_converged) +
+                 " frames");
+  const auto& model = found.model.motion;
+  write_png(output, "birth_map.png", draw_rate_map(pictures.mean, birth_map(model), found.events));
+  write_png(output, "death_map.png", draw_rate_map(pictures.mean, death_map(model), found.events));
+  return pictures;
+}
+
+}  // namespace
+
+Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io::OutputFolder& output,
+                      Session& session, const std::optional<std::vector<graph::Event>>& truth,
+                      const std::string& shown_name) {
+  Analysis made;
+  made.clip = shown_name.empty() ? name : shown_name;
+  const auto source = open_clip(name, options.read, [&](const std::string& text) { session.warn(text); });
+  pipeline::AnalyzeOptions asked = options;
+  asked.seed = session.common.seed, asked.clip = made.clip;
+  made.found = pipeline::analyze(*source, asked, session.context);
+  const auto& found = made.found;
+  made.stages.add(found.stages);
+  made.stages.begin("write");
+  io::write_model(output, "model", to_archive(found.model));
+  write_data(output, found.motion, found.events, found.all_events);
+  made.stages.begin("pictures");
+  Pictures pictures = write_pictures(*source, found, options, output, session);
+  made.stages.end();
+
+  Json summary = begin_summary("analyze", session);
+  const auto frames = static_cast<int>(found.motion.sketch.frames.size());
+  summary["clip"] = clip_json(made.clip, source->info(), frames);
+  summary = analysis_json(found, options, pictures, std::move(summary));
   if (truth) {
     const graph::ScoreOptions tolerance;
-    summary["score"] = score_json(graph::score_events(*truth, events, tolerance));
+    summary["score"] = score_json(graph::score_events(*truth, found.events, tolerance));
     summary["score"]["tolerance"] = options_json(tolerance);
   }
   summary["files"] = files_json(options.reconstruction);
-  summary["per_frame"] = std::move(per_frame);
+  summary["per_frame"] = per_frame_json(found.motion, found.events);
+  made.summary = std::move(summary);
   made.report = std::move(pictures.report);
   return made;
 }
@@ -297,17 +221,18 @@ void finish_analysis(Analysis& made, io::OutputFolder& output, const Session& se
   summary["warnings"] = session.warnings;
   summary["seconds"] = made.stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
+  const auto& found = made.found;
   made.report.clip = made.clip;
   made.report.command_line = session.command_line;
   made.report.version = kVersion;
-  made.report.motion = &made.motion;
-  made.report.events = made.events;
-  made.report.model = &made.fitted.model;
-  if (made.sampled) {
-    made.report.sampled = &*made.sampled;
-    made.report.all_events = made.all_events;
-    made.report.rates = made.rates;
-    summary["sampler"] = sampler_json(*made.sampled);
+  made.report.motion = &found.motion;
+  made.report.events = found.events;
+  made.report.model = &found.model.motion;
+  if (found.sampled) {
+    made.report.sampled = &*found.sampled;
+    made.report.all_events = found.all_events;
+    made.report.rates = rates_a_frame(found);
+    summary["sampler"] = sampler_json(*found.sampled);
   }
   output.write("report.html", [&](std::ostream& out) { out << make_report(made.report, summary); });
   output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });

@@ -12,44 +12,20 @@
 #include "core/io/clip_reader.hpp"
 #include "core/io/staged_output.hpp"
 #include "graph/events/events.hpp"
-#include "graph/matching/match.hpp"
-#include "mcmc/learning/fit.hpp"
-#include "mcmc/sampler/infer.hpp"
-#include "pipeline/calibration.hpp"
-#include "pipeline/readings.hpp"
-#include "pipeline/sketch_clip.hpp"
-#include "sketch/extract.hpp"
-#include "sketch/inpainting/fill.hpp"
-#include "sketch/rendering/sharpening.hpp"
+#include "pipeline/analyze.hpp"
 
 namespace emberfold::apps {
 
-struct AnalyzeOptions {
-  io::ReadOptions read;
-  sketch::ExtractOptions sketch;
-  graph::MatchOptions match;
-  sketch::FillOptions fill;
-  pipeline::StartOptions starts;
-  mcmc::InferOptions infer;
-  pipeline::CalibrateOptions calibrate;
-  int texture = 0;           ///< components of the texture between the strokes, 1…500; 0: none is learned
-  bool bottom_up = false;    ///< no sampler: the match as it is, each event of probability 1
-  bool keep_sketch = false;  ///< in the analysis: sketches as extracted, and grounds
+struct AnalyzeOptions : pipeline::AnalyzeOptions {
+  io::ReadOptions read = {};
   bool reconstruction =
       false;  ///< write reconstruction.avi too: every frame is drawn again, not a choice of them
 };
 
-/// A clip and all that was found in it.
+/// A clip's analysis, and what is written of it.
 struct Analysis {
-  std::string clip;                 ///< as it is called
-  pipeline::SketchedClip sketched;  ///< empty unless asked for
-  graph::MotionGraph motion;
-  sketch::Sharpening sharpening;
-  std::vector<graph::Event> events;      ///< of probability 0.5 or more
-  std::vector<graph::Event> all_events;  ///< of whatever probability
-  mcmc::FitResult fitted;
-  std::optional<mcmc::InferResult> sampled;  ///< where there was a sampler, and what it tells besides:
-  std::vector<RateInterval> rates;
+  std::string clip;  ///< its name in messages, report and summary
+  pipeline::Analysis found;
   ReportInput report;  ///< its pictures
   nlohmann::ordered_json summary;
   Stages stages;

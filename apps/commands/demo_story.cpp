@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 dytex::LearnOptions learn_options(const Analysis& analysis) {
   dytex::LearnOptions options;
-  const auto frames = static_cast<int>(analysis.motion.sketch.frames.size());
+  const auto frames = static_cast<int>(analysis.found.motion.sketch.frames.size());
   options.components = std::clamp(frames - 1, 1, options.components);
   return options;
 }
@@ -125,7 +125,7 @@ void tell_story(core::FrameSource& source, const AnalyzeOptions& options, Analys
   analysis.stages.begin("texture");
   const auto texture = learn_texture(source, compare.learn, analysis, output, session);
   analysis.stages.begin("compare");
-  const pipeline::KnownModels known{&analysis.sketched, &analysis.fitted.model, &analysis.sharpening,
+  const pipeline::KnownModels known{&analysis.found.sketched, &analysis.found.model.motion, &analysis.found.model.sharpening,
                                     &texture};
   const auto comparison = compare_clip(source, analysis.clip, compare, known, output, session);
   analysis.stages.begin("clips");

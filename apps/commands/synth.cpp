@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -66,12 +68,11 @@ std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::Mo
 /// What is written; nothing takes its name before finish().
 class Outputs {
  public:
-  Outputs(const Synth& asked, const mcmc::MotionModel& model, const sketch::RenderOptions& look,
+  Outputs(const Synth& asked, const mcmc::MotionModel& model, const core::ClipInfo& info,
           const Session& session)
       : asked_(asked),
-        fps_(model.fps),
-        info_{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}},
-        clip_(create_output(asked.output, look.size, model.fps, look.channels == 3)) {
+        info_(info),
+        clip_(create_output(asked.output, {info.width, info.height}, info.fps, info.channels == 3)) {
     if (!asked.motion.empty()) motion_file_.emplace(asked.motion);
     motion_ = make_motion(asked, model, session);
     if (!asked.overlay.empty()) events_ = graph::stroke_events(*motion_);
@@ -83,7 +84,7 @@ class Outputs {
     if (asked_.overlay.empty()) return;
     const cv::Mat shown = draw_overlay(to_colour_bytes(frame, info_),
                                        motion_->sketch.frames[static_cast<std::size_t>(t)], t, events_);
-    if (!overlay_) overlay_ = create_output(asked_.overlay, shown.size(), fps_, true);
+    if (!overlay_) overlay_ = create_output(asked_.overlay, shown.size(), info_.fps, true);
     overlay_->write(shown);
   }
 
@@ -102,7 +103,6 @@ class Outputs {
 
  private:
   const Synth& asked_;
-  double fps_;
   core::ClipInfo info_;
   std::unique_ptr<io::VideoWriter> clip_, overlay_;
   std::optional<io::StagedFile> motion_file_;
@@ -120,7 +120,7 @@ void write_clips(const Synth& asked, Outputs& outputs, pipeline::ClipSynthesis& 
       outputs.write(frame);
       session.context.report("synthesize", double(outputs.frames()) / asked.frames);
     };
-    frames.each(asked.frames, write, session.context);
+    frames.each(asked.frames, write);
     session.check_stop();
   } catch (const core::Cancelled&) {
     if (outputs.frames() == 0) throw;
@@ -131,9 +131,8 @@ void write_clips(const Synth& asked, Outputs& outputs, pipeline::ClipSynthesis& 
   outputs.finish();
 }
 
-/// What lies between the strokes goes at their speed, and their way.
-void edit_fill(pipeline::ClipModel& model, const mcmc::MotionEdit& edit, Session& session) {
-  model.residual.speed = edit.reverse ? -edit.speed : edit.speed;
+/// Runs the texture between the strokes at their speed, and their way.
+void edit_texture(pipeline::ClipModel& model, const mcmc::MotionEdit& edit, Session& session) {
   if (!model.texture) return;
   std::vector<dytex::Edit> edits;
   if (edit.speed != 1) edits.push_back({dytex::Flow{edit.speed}});
@@ -141,21 +140,33 @@ void edit_fill(pipeline::ClipModel& model, const mcmc::MotionEdit& edit, Session
   if (edits.empty()) return;
   auto result = dytex::edit(*model.texture, edits);
   for (const auto& note : result.notes) session.warn("texture: " + note);
-  model.texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(result.texture));
+  model.texture = std::move(result.texture);
+}
+
+double mean(const std::vector<std::size_t>& values) {
+  const double sum = static_cast<double>(std::accumulate(values.begin(), values.end(), std::size_t{0}));
+  return std::round(100 * sum / static_cast<double>(std::max<std::size_t>(1, values.size()))) / 100;
+}
+
+Json statistics_json(const pipeline::SynthesisStatistics& drawn) {
+  Json counts = Json::object();
+  for (std::size_t i = 0; i < drawn.operators.size(); ++i)
+    counts[std::string(graph::name(graph::all_event_types()[i]))] = drawn.operators[i];
+  return {{"patches_per_frame", mean(drawn.patches)},
+          {"strokes_per_frame", mean(drawn.strokes)},
+          {"operators", counts}};
 }
 
 Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipeline::ClipSynthesis& frames,
                const Session& session) {
-  const sketch::RenderOptions& look = frames.look();
   Json summary = begin_summary("synth", session);
   summary["model"] = {{"folder", asked.model}, {"learned_from_frames", model.frames}};
   summary["model"].update(motion_model_figures(model));
-  const core::ClipInfo info{look.size.width, look.size.height, look.channels, CV_8U, model.fps, 255, {}};
-  summary["clip"] = clip_json(asked.output, info, asked.frames);
+  summary["clip"] = clip_json(asked.output, frames.info(), asked.frames);
   summary["options"] = {{"synth", {{"frames", asked.frames}, {"fill", pipeline::name(asked.fill_kind)}}},
                         {"edit", edit_json(asked.edit)},
                         {"fill", options_json(asked.fill)}};
-  summary["synthesis"] = frames.figures().json();
+  summary["synthesis"] = statistics_json(frames.statistics());
   summary["files"] = {{asked.output, "the new clip"}};
   if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
   if (!asked.overlay.empty()) summary["files"][asked.overlay] = "the clip under its graph, with its events";
@@ -170,10 +181,13 @@ void run_synth(Synth asked, Session& session) {
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
   stages.begin("edit");
   opened.motion = edited(std::move(opened.motion), asked.edit, session);
-  edit_fill(opened, asked.edit.edit, session);
+  const auto& edit = asked.edit.edit;
+  edit_texture(opened, edit, session);
   stages.begin("synthesize");
-  auto frames = pipeline::clip_synthesis(opened, asked.fill, session.common.seed, asked.edit.start());
-  Outputs outputs(asked, opened.motion, frames.look(), session);
+  const pipeline::ClipSynthesisOptions options{session.common.seed, asked.fill_kind, asked.edit.start(),
+                                               edit.reverse ? -edit.speed : edit.speed, asked.fill};
+  pipeline::ClipSynthesis frames(opened, options, session.context);
+  Outputs outputs(asked, opened.motion, frames.info(), session);
   write_clips(asked, outputs, frames, session);
   stages.end();
   session.console.say(std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " +

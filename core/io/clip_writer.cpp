@@ -242,4 +242,19 @@ std::unique_ptr<VideoWriter> create_video(const fs::path& path, cv::Size size, d
       "; give a name in .mp4 (H.264), .avi (lossless) or without extension (a folder of PNG)");
 }
 
+void write_video(const fs::path& path, core::FrameSource& source, int frames, const core::Context& context) {
+  const auto& info = source.info();
+  if (info.depth != CV_8U)
+    throw core::InputError("cannot write " + path.string() + ": its frames must have 8 bits a channel");
+  const auto writer = create_video(path, {info.width, info.height}, info.fps, info.channels == 3);
+  for (int t = 0; t < frames; ++t) {
+    context.check();
+    const cv::Mat frame = source.next();
+    if (frame.empty()) break;
+    writer->write(frame);
+    context.report("write", static_cast<double>(t + 1) / frames);
+  }
+  writer->finish();
+}
+
 }  // namespace emberfold::io

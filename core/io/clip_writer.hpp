@@ -6,6 +6,9 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/clip.hpp"
+#include "core/context.hpp"
+
 namespace emberfold::io {
 
 /// Writes a clip frame by frame, beside its final name. finish() gives it that name once it is known to be
@@ -37,5 +40,10 @@ class VideoWriter {
 /// written.
 std::unique_ptr<VideoWriter> create_video(const std::filesystem::path& path, cv::Size size, double fps,
                                           bool colour);
+
+/// Writes the next `frames` frames of a source (CV_8U) as create_video() does, fewer where it ends earlier.
+/// core::InputError for a source of another depth or without a frame; throws core::Cancelled.
+void write_video(const std::filesystem::path& path, core::FrameSource& source, int frames,
+                 const core::Context& context = {});
 
 }  // namespace emberfold::io

@@ -21,11 +21,17 @@ constexpr const char* kText = "model.json";
 constexpr std::size_t kMostArrays = 256;
 constexpr std::string_view kFamily = "emberfold.";
 
-// The files of a model and those that stand with it.
+/// Tells whether a folder below a model's is a part of it.
+bool is_part(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) && fs::is_regular_file(path / kText, ignored);
+}
+
+// The files of a model, its parts and those that stand with it.
 bool belongs_to_model(const fs::path& file) {
   const auto name = file.filename().string();
-  return name == kText || name == "summary.json" || name == "components.png" || name == "compression.png" ||
-         file.extension() == ".npy";
+  return is_part(file) || name == kText || name == "summary.json" || name == "components.png" ||
+         name == "compression.png" || file.extension() == ".npy";
 }
 
 std::vector<fs::path> entries(const fs::path& folder) {
@@ -134,6 +140,14 @@ void write_model(OutputFolder& output, const std::string& name, const core::Mode
   core::ModelView model{archive.text, {}};
   for (const auto& [array, values] : archive.arrays) model.arrays.emplace(array, core::view(values));
   write_model(output, name, model);
+  for (const auto& [part, inner] : archive.parts)
+    write_model(output, name.empty() ? part : name + "/" + part, inner);
+}
+
+void write_model(const fs::path& folder, const core::ModelArchive& archive) {
+  ModelFolder model(folder);
+  write_model(model.output(), "", archive);
+  model.commit();
 }
 
 void write_model(OutputFolder& output, const std::string& name, const core::ModelView& archive) {
@@ -161,41 +175,61 @@ void ModelFolder::commit() {
   output_.commit();
   std::error_code ignored;
   for (const auto& file : before)
-    if (belongs_to_model(file) && !is_new(file)) fs::remove(file, ignored);
+    if (belongs_to_model(file) && !is_new(file)) fs::remove_all(file, ignored);
 }
 
-core::ModelArchive read_model(const fs::path& folder, std::string_view format, const ModelLimits& limits) {
-  std::error_code ignored;
-  const fs::path file = folder / kText;
-  if (!fs::is_directory(folder, ignored) || !fs::exists(file, ignored)) refuse(folder, format);
-  core::ModelArchive archive{read_text(file, limits.text), {}};
-  std::string found;
-  try {
-    found = format_of(archive.text);
-  } catch (const core::IoError& error) {
-    throw core::IoError(file.string() + ": " + error.what());
-  }
-  if (found != format) {
-    if (found.starts_with(kFamily)) throw core::IoError(folder.string() + " is " + about_model(found));
-    throw core::IoError(file.string() + ": the format " + core::quoted(found) +
-                        " is none of ours; expected is \"" + std::string(format) + "\"");
-  }
-  std::size_t total = 0;
-  std::vector<fs::path> arrays;
+namespace {
+
+/// Reads the arrays of a folder; `left`: bytes that they may still take.
+std::map<std::string, core::NpyArray> read_arrays(const fs::path& folder, std::size_t limit,
+                                                  std::size_t& left) {
+  std::vector<fs::path> files;
   for (const auto& path : entries(folder)) {
     if (path.extension() != ".npy") continue;
     std::error_code error;
     const auto bytes = fs::file_size(path, error);
     if (error) throw core::IoError("cannot read " + path.string() + ": " + error.message());
     // Counted one by one, as a sum of sizes may leave its type.
-    if (bytes > limits.arrays - total || arrays.size() == kMostArrays)
-      throw core::IoError(folder.string() + ": its arrays are more than " + std::to_string(limits.arrays) +
+    if (bytes > left || files.size() == kMostArrays)
+      throw core::IoError(folder.string() + ": its arrays are more than " + std::to_string(limit) +
                           " bytes or " + std::to_string(kMostArrays) +
                           " files, the most that a model may have");
-    total += bytes;
-    arrays.push_back(path);
+    left -= bytes;
+    files.push_back(path);
   }
-  for (const auto& path : arrays) archive.arrays[path.stem().string()] = read_array(path, limits.arrays);
+  std::map<std::string, core::NpyArray> arrays;
+  for (const auto& path : files) arrays[path.stem().string()] = read_array(path, limit);
+  return arrays;
+}
+
+void check_format(const fs::path& folder, const std::string& text, std::string_view format) {
+  const fs::path file = folder / kText;
+  std::string found;
+  try {
+    found = format_of(text);
+  } catch (const core::IoError& error) {
+    throw core::IoError(file.string() + ": " + error.what());
+  }
+  if (found == format) return;
+  if (found.starts_with(kFamily)) throw core::IoError(folder.string() + " is " + about_model(found));
+  throw core::IoError(file.string() + ": the format " + core::quoted(found) +
+                      " is none of ours; expected is \"" + std::string(format) + "\"");
+}
+
+}  // namespace
+
+core::ModelArchive read_model(const fs::path& folder, std::string_view format, const ModelLimits& limits) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored) || !fs::exists(folder / kText, ignored)) refuse(folder, format);
+  core::ModelArchive archive{read_text(folder / kText, limits.text), {}};
+  check_format(folder, archive.text, format);
+  std::size_t left = limits.arrays;
+  archive.arrays = read_arrays(folder, limits.arrays, left);
+  if (!limits.parts) return archive;
+  for (const auto& path : entries(folder))
+    if (is_part(path))
+      archive.parts[path.filename().string()] = {read_text(path / kText, limits.text),
+                                                 read_arrays(path, limits.arrays, left)};
   return archive;
 }
 

@@ -22,6 +22,10 @@ constexpr std::string_view kMotionFormat = "emberfold.motion_model";
 void write_model(OutputFolder& output, const std::string& name, const core::ModelArchive& archive);
 void write_model(OutputFolder& output, const std::string& name, const core::ModelView& model);
 
+/// Writes a model into its own folder, made where it is not there, all files at once; an older model there is
+/// replaced. core::IoError where the folder holds other things than a model, or something cannot be written.
+void write_model(const std::filesystem::path& folder, const core::ModelArchive& archive);
+
 /// A model's own folder while it is written. Beside the model it may hold a summary.json, a
 /// components.png and a compression.png.
 class ModelFolder {
@@ -40,6 +44,7 @@ class ModelFolder {
 struct ModelLimits {
   std::size_t text = std::size_t{1} << 25;    ///< bytes of model.json
   std::size_t arrays = std::size_t{1} << 34;  ///< bytes of all .npy files together
+  bool parts = true;                          ///< read the models in folders below, too
 };
 
 /// The model in a folder, if it is of this format. core::IoError, on one line and naming the file: there is

@@ -249,7 +249,7 @@ StarResult learn_star(core::FrameSource& source, const StarOptions& options, con
                            std::to_string(options.reach));
   StarResult result;
   const auto mean = read_mean(source, context);
-  if (context.cancelled()) return {{}, 0, {}, core::Status::cancelled};
+  context.check();
   if (mean.frames < options.lags + 2)
     throw core::InputError("STAR: " + std::to_string(mean.frames) + " frames are too few; " +
                            std::to_string(options.lags) + " lags need at least " +
@@ -260,7 +260,7 @@ StarResult learn_star(core::FrameSource& source, const StarOptions& options, con
   star.mean = average.cast<float>();
   star.terms = star_terms(options);
   fit(source, options.reach, star, context);
-  if (context.cancelled()) return {{}, 0, {}, core::Status::cancelled};
+  context.check();
   const double variance = (mean.squares / mean.frames - average.cwiseAbs2()).cwiseMax(0.0).mean();
   steady(variance, result);
   return result;

@@ -156,13 +156,6 @@ core::Status finish(detail::Appearance& appearance, const Fit& fit, const core::
   return core::Status::done;
 }
 
-EmResult cancelled(int passes) {
-  EmResult result;
-  result.status = core::Status::cancelled;
-  result.passes = passes;
-  return result;
-}
-
 }  // namespace
 
 void EmOptions::validate() const {
@@ -184,7 +177,7 @@ EmResult maximise_likelihood(core::FrameSource& source, const LinearDynamicTextu
   options.validate();
   check_start(start, source.info());
   FrameBands bands(source, options.memory, kMostFrames, context);
-  if (bands.frames() == 0) return cancelled(bands.passes());
+  if (bands.frames() == 0) throw core::Cancelled{};
   missing.check_frames(bands.frames());
   if (static_cast<Eigen::Index>(bands.frames()) != start.states.cols())
     fail("the start was learned from " + std::to_string(start.states.cols()) + " frames, the clip has " +
@@ -207,12 +200,12 @@ EmResult maximise_likelihood(core::FrameSource& source, const LinearDynamicTextu
   Fit fit{state_space(start), {}};
   if (iterate(*appearance, options, context, fit, result) == core::Status::cancelled ||
       finish(*appearance, fit, source.info(), result) == core::Status::cancelled)
-    return cancelled(bands.passes());
+    throw core::Cancelled{};
   result.passes += bands.passes();
   if (!missing.any()) {
     result.texture.singular = start.singular;
   } else if (filled_spectrum(source, missing, options, context, result) == core::Status::cancelled) {
-    return cancelled(bands.passes());
+    throw core::Cancelled{};
   }
   return result;
 }
@@ -222,12 +215,10 @@ EmResult learn_missing(core::FrameSource& source, const Missing& missing, const 
   learning.validate();
   options.validate();
   HeldSource held(source, missing, context);
-  if (context.cancelled()) return cancelled(1);
+  if (context.cancelled()) throw core::Cancelled{};
   const LearnResult start = learn(held, learning, context);
-  if (start.status == core::Status::cancelled) return cancelled(start.passes + 1);
   EmResult result = maximise_likelihood(source, start.texture, options, missing, context);
   result.passes += start.passes + 1;
-  if (result.status == core::Status::cancelled) return result;
   std::vector<std::string> notes;  // the start's own are of a model that is no more
   if (start.texture.components() < learning.components && !learning.energy)
     notes.push_back("what is seen changes in " + std::to_string(start.texture.components()) +

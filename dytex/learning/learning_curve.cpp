@@ -145,10 +145,8 @@ LearningCurve learning_curve(core::FrameSource& source, const CurveOptions& opti
   LearningCurve curve;
   Eigen::MatrixXd gram;
   std::size_t values = 0;
-  if (read_gram(source, options, context, gram, values) == core::Status::cancelled) {
-    curve.status = core::Status::cancelled;
-    return curve;
-  }
+  if (read_gram(source, options, context, gram, values) == core::Status::cancelled)
+    throw core::Cancelled{};
   const int frames = static_cast<int>(gram.rows()), shortest = options.components + 2;
   curve.targets = choose_targets(frames, options.targets);
   const int longest = std::min(curve.targets.front(), options.longest);
@@ -160,14 +158,10 @@ LearningCurve learning_curve(core::FrameSource& source, const CurveOptions& opti
   const std::size_t count = curve.targets.size();
   std::vector<Miss> misses(lengths.size() * count);
   // Longest first: they take longest.
-  const auto status = core::parallel_for(misses.size(), context, [&](std::size_t k) {
+  core::parallel_for(misses.size(), context, [&](std::size_t k) {
     const std::size_t i = misses.size() - 1 - k;
     misses[i] = miss(gram, curve.targets[i % count], lengths[i / count], options.components);
   });
-  if (status == core::Status::cancelled) {
-    curve.status = status;
-    return curve;
-  }
   for (std::size_t i = 0; i < lengths.size(); ++i)
     curve.points.push_back(point_of(lengths[i], &misses[i * count], count, static_cast<double>(values)));
   for (const int t : curve.targets)

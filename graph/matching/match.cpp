@@ -327,10 +327,7 @@ MatchResult match_once(SketchSequence sketch, const MatchOptions& options, const
     velocity = carried_motion(frames[done - 1], frames[done], linked);
     result.motion.links.back() = std::move(linked.links);
   }
-  if (done < frames.size()) {
-    result.status = core::Status::cancelled;
-    frames.resize(done);
-  }
+  if (done < frames.size()) throw core::Cancelled{};
   result.motion.sketch = std::move(sketch);
   result.motion = identify(std::move(result.motion));
   return result;
@@ -347,7 +344,6 @@ MatchResult match(SketchSequence sketch, const MatchOptions& options, const core
     if (round > 0) sketch = steady(result.motion, options.flicker);
     result = match_once(std::move(sketch), options, context, static_cast<double>(round) / (rounds + 1),
                         (round + 1.0) / (rounds + 1));
-    if (result.status == core::Status::cancelled) return result;
   }
   context.report("match", 1);
   return result;

@@ -37,7 +37,6 @@ std::vector<Link> supported_links(const AttributeGraph& before, const AttributeG
 
 struct MatchResult {
   MotionGraph motion;  ///< with strokes identified
-  core::Status status = core::Status::done;
 };
 
 /// Links every frame to the next, bottom up (Wang & Zhu 2004, §3.2): subgraphs by count, shape, appearance

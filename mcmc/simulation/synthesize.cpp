@@ -69,10 +69,7 @@ SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t s
   motion.sketch.width = model.width, motion.sketch.height = model.height, motion.sketch.fps = model.fps;
   Synthesis synthesis(model, seed, start);
   for (int t = 0; t < frames; ++t) {
-    if (context.cancelled()) {
-      result.status = core::Status::cancelled;
-      break;
-    }
+    context.check();
     linked.append(synthesis.next());
     context.report("synthesize", (t + 1.0) / frames);
   }

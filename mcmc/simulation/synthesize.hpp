@@ -37,7 +37,6 @@ class Synthesis {
 
 struct SynthesisResult {
   graph::MotionGraph motion;  ///< with links and identified strokes
-  core::Status status = core::Status::done;
 };
 /// `frames` ≥ 1 frames.
 SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed,

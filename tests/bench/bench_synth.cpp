@@ -12,7 +12,7 @@
 #include "core/rng.hpp"
 #include "graph/matching/match.hpp"
 #include "mcmc/learning/fit.hpp"
-#include "pipeline/clip_synthesis.hpp"
+#include "pipeline/frame_synthesis.hpp"
 #include "tests/bench/swaying.hpp"
 
 using namespace emberfold;
@@ -49,13 +49,13 @@ std::shared_ptr<const dytex::LinearDynamicTexture> made_texture() {
   return texture;
 }
 
-void draw(benchmark::State& state, pipeline::ClipSynthesis frames) {
+void draw(benchmark::State& state, pipeline::FrameSynthesis frames) {
   const core::ThreadLimit limit(2);
   for (auto _ : state) benchmark::DoNotOptimize(frames.next(frames.batch()).data());
   state.SetItemsProcessed(state.iterations() * frames.batch());
   double patches = 0;
-  for (const auto count : frames.figures().patches) patches += static_cast<double>(count);
-  state.counters["patches"] = patches / static_cast<double>(frames.figures().patches.size());
+  for (const auto count : frames.statistics().patches) patches += static_cast<double>(count);
+  state.counters["patches"] = patches / static_cast<double>(frames.statistics().patches.size());
 }
 
 sketch::RenderOptions colour_look(const mcmc::MotionModel& model) {

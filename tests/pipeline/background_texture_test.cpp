@@ -12,7 +12,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "dytex/synthesize.hpp"
-#include "pipeline/clip_synthesis.hpp"
+#include "pipeline/frame_synthesis.hpp"
 #include "sketch/rendering/render.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
@@ -161,7 +161,7 @@ TEST_CASE("hybrid frames go on without regard to how they are asked for, and nee
     CHECK(same_pixels(whole[t], pieces[t]));
   }
   CHECK_FALSE(same_pixels(whole[3], other.next(4)[3]));
-  CHECK(all.figures().patches.size() == 30);
+  CHECK(all.statistics().patches.size() == 30);
   model = made_model(80, 48, 16);
   CHECK(contains(message_of<core::InputError>([&] { (void)pipeline::hybrid_frames(model, texture, {}, 1); }),
                  "64x48, the model 80x48"));

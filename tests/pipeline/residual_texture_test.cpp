@@ -12,7 +12,7 @@
 #include "core/context.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "pipeline/clip_synthesis.hpp"
+#include "pipeline/frame_synthesis.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/drawn_models.hpp"
@@ -147,7 +147,7 @@ TEST_CASE("Residual: lies on the frames that strokes alone would give") {
   const auto model = made_model(kSize.width, kSize.height, 16);
   pipeline::ResidualTexture residual = measured(noisy(3));
   auto seen = pipeline::render_options(model, {}, {});
-  const auto plain = pipeline::ClipSynthesis(mcmc::Synthesis(model, 1), seen).next(3);
+  const auto plain = pipeline::FrameSynthesis(mcmc::Synthesis(model, 1), seen).next(3);
   const auto grained = pipeline::residual_frames(model, residual, seen, 1).next(3);
   const auto grain = drawn(residual, 3);
   for (std::size_t t = 0; t < 3; ++t) {

@@ -8,7 +8,7 @@
 #include "graph/events/events.hpp"
 #include "pipeline/clip_measures.hpp"
 #include "pipeline/clip_strokes.hpp"
-#include "pipeline/clip_synthesis.hpp"
+#include "pipeline/frame_synthesis.hpp"
 #include "tests/apps/commands/command_check.hpp"
 
 using namespace emberfold;

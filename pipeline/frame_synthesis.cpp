@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/frame_synthesis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "core/clip/frame_stream.hpp"
+#include "core/context.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "dytex/synthesize.hpp"
+#include "graph/events/events.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+bool is_grey(const graph::AttributeGraph& graph) {
+  const auto same = [](const graph::Level& l) { return l[0] == l[1] && l[1] == l[2]; };
+  return std::ranges::all_of(graph.vertices(), [&](const graph::Vertex& v) {
+    return same(v.patch.left) && same(v.patch.middle) && same(v.patch.right) && same(v.patch.between);
+  });
+}
+
+}  // namespace
+
+sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground,
+                                     const sketch::FillOptions& fill) {
+  sketch::RenderOptions look{{model.width, model.height}, std::max(1, ground.levels.channels()), 0, fill, {}};
+  look.ground = std::move(ground);
+  double sum = 0, count = 0;
+  const auto look_at = [&](const graph::AttributeGraph& graph) {
+    if (!is_grey(graph)) look.channels = 3;
+    for (const auto& vertex : graph.vertices())
+      for (const auto* side : {&vertex.patch.left, &vertex.patch.right}) {
+        sum += 0.114 * double{(*side)[0]} + 0.587 * double{(*side)[1]} + 0.299 * double{(*side)[2]};
+        ++count;
+      }
+  };
+  look_at(model.first);
+  for (const auto& exemplar : model.exemplars) look_at(exemplar.graph);
+  if (count > 0) look.empty_level = static_cast<float>(sum / count);
+  return look;
+}
+
+FrameSynthesis::FrameSynthesis(mcmc::Synthesis strokes, sketch::RenderOptions look, Between between)
+    : strokes_(std::move(strokes)), look_(std::move(look)), between_(std::move(between)) {
+  look_.new_places = true;
+}
+
+int FrameSynthesis::batch() const {
+  return static_cast<int>(core::frames_at_once(look_.size.width, look_.size.height, look_.channels));
+}
+
+/// The next frame's graph, with those of the frames to come behind it.
+FrameSynthesis::Drawn FrameSynthesis::take() {
+  while (ahead_.size() <= sketch::FadeInOut::kAhead) {
+    Drawn drawn{strokes_.next(), {}};
+    drawn.operators = strokes_.operators();
+    ahead_.push_back(std::move(drawn));
+  }
+  Drawn drawn = std::move(ahead_.front());
+  ahead_.pop_front();
+  return drawn;
+}
+
+sketch::FrameContent FrameSynthesis::next_parts() {
+  Drawn drawn = take();
+  statistics_.patches.push_back(drawn.graph.size());
+  statistics_.strokes.push_back(graph::components(drawn.graph).count);
+  for (std::size_t k = 0; k < statistics_.operators.size(); ++k)
+    statistics_.operators[k] += static_cast<std::size_t>(drawn.operators[k]);
+  std::vector<const graph::AttributeGraph*> coming;
+  for (const auto& later : ahead_) coming.push_back(&later.graph);
+  auto fading = fader_.next(drawn.graph, coming);
+  sketch::FrameContent parts{std::move(fading.graph), {}, std::move(fading.presence)};
+  if (between_) between_(parts);
+  return parts;
+}
+
+void FrameSynthesis::each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context) {
+  const sketch::FrameRenderer painter(look_);
+  const auto room = static_cast<std::size_t>(batch());
+  std::vector<sketch::FrameContent> parts(room);
+  std::vector<cv::Mat> frames(room);
+  core::parallel_stream(static_cast<std::size_t>(count), room, context,
+                        {[&](std::size_t i) { parts[i % room] = next_parts(); },
+                         [&](std::size_t i) { frames[i % room] = painter.draw(parts[i % room]); },
+                         [&](std::size_t i) { take(std::move(frames[i % room])); }});
+}
+
+std::vector<cv::Mat> FrameSynthesis::next(int count, const core::Context& context) {
+  std::vector<cv::Mat> frames;
+  each(
+      count, [&](cv::Mat frame) { frames.push_back(std::move(frame)); }, context);
+  return frames;
+}
+
+std::vector<sketch::FrameContent> FrameSynthesis::parts(int count, const core::Context& context) {
+  std::vector<sketch::FrameContent> all;
+  for (int i = 0; i < count; ++i) {
+    context.check();
+    all.push_back(next_parts());
+  }
+  return all;
+}
+
+FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
+                             std::shared_ptr<const dytex::LinearDynamicTexture> texture,
+                             sketch::RenderOptions look, std::uint64_t seed, mcmc::Start start) {
+  const auto& info = texture->info;
+  if (info.width != model.width || info.height != model.height)
+    throw core::InputError("the texture between the strokes is " + std::to_string(info.width) + "x" +
+                           std::to_string(info.height) + ", the model " + std::to_string(model.width) + "x" +
+                           std::to_string(model.height));
+  look.channels = info.channels;
+  dytex::SynthesisOptions options;
+  options.seed = seed;
+  // The texture goes with the synthesis that refers to it.
+  struct Drawn {
+    std::shared_ptr<const dytex::LinearDynamicTexture> texture;
+    dytex::Synthesis synthesis;
+  };
+  const auto ground = std::make_shared<Drawn>(Drawn{texture, dytex::Synthesis(*texture, options)});
+  return {mcmc::Synthesis(model, seed, start), std::move(look),
+          [ground](sketch::FrameContent& parts) { parts.ground = ground->synthesis.next(); }};
+}
+
+FrameSynthesis residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual,
+                               sketch::RenderOptions look, std::uint64_t seed, mcmc::Start start,
+                               double residual_speed) {
+  const auto frames = std::make_shared<ResidualFrames>(residual, look.size, seed, residual_speed);
+  return {mcmc::Synthesis(model, seed, start), std::move(look),
+          [frames](sketch::FrameContent& parts) { parts.residual = frames->next(); }};
+}
+
+}  // namespace emberfold::pipeline
