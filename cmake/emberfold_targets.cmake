@@ -9,6 +9,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   list(APPEND EMBERFOLD_WARNINGS -Wno-restrict)
 endif()
 
+# clang takes double{f} for an implicit promotion.
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  list(REMOVE_ITEM EMBERFOLD_WARNINGS -Wdouble-promotion)
+endif()
+
 function(emberfold_compile_options target)
   target_compile_options(${target} PRIVATE ${EMBERFOLD_WARNINGS} -ffp-contract=off
     $<$<BOOL:${EMBERFOLD_WERROR}>:-Werror> $<$<BOOL:${EMBERFOLD_NATIVE}>:-march=native>)
