@@ -9,6 +9,7 @@
 
 #include "apps/builtin/render.hpp"
 #include "apps/builtin/style.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -16,12 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double rounded(double value, double unit) {
-  return std::round(value * unit) / unit;
-}
-
 Json point_json(const cv::Point2d& p) {
-  return Json::array({rounded(p.x, 100), rounded(p.y, 100)});
+  return Json::array({core::round_to(p.x, 2), core::round_to(p.y, 2)});
 }
 
 cv::Point2d at_point(const Line& line, double index) {
@@ -54,8 +51,8 @@ Json stroke_json(int id, const Body& body, double sigma, const Line& line) {
   for (const auto& p : line) points.push_back(point_json(p));
   return {{"id", id},
           {"polarity", body.polarity},
-          {"sigma", rounded(sigma, 1000)},
-          {"ar", {rounded(body.ar[0], 1e6), rounded(body.ar[1], 1e6)}},
+          {"sigma", core::round_to(sigma, 3)},
+          {"ar", {core::round_to(body.ar[0], 6), core::round_to(body.ar[1], 6)}},
           {"points", std::move(points)}};
 }
 
@@ -150,8 +147,8 @@ std::string truth_of(const Scene& scene) {
   for (const Event& event : events_of(scene))
     events.push_back({{"frame", event.frame},
                       {"type", event.type},
-                      {"x", rounded(event.at.x, 100)},
-                      {"y", rounded(event.at.y, 100)}});
+                      {"x", core::round_to(event.at.x, 2)},
+                      {"y", core::round_to(event.at.y, 2)}});
   for (int t = 0; t < o.frames; ++t) add_frame(scene, t, strokes, junctions);
   truth["events"] = std::move(events);
   truth["strokes"] = std::move(strokes);

@@ -162,7 +162,7 @@ std::vector<float> component_steps(const LinearDynamicTexture& texture) {
   return steps;
 }
 
-float rounded(float value, float step) {
+float quantised(float value, float step) {
   return std::nearbyint(value / step);
 }
 
@@ -174,7 +174,7 @@ struct Image {
 Image packed(std::span<const float> values, float step, cv::Size size) {
   std::vector<std::int16_t> whole(values.size());
   std::ranges::transform(values, whole.begin(),
-                         [step](float v) { return static_cast<std::int16_t>(rounded(v, step)); });
+                         [step](float v) { return static_cast<std::int16_t>(quantised(v, step)); });
   const bool wide = std::ranges::any_of(whole, [](int v) { return std::abs(v) > kNarrowSteps; });
   return {packed_image(whole, size), wide};
 }
@@ -206,12 +206,12 @@ void measure(const LinearDynamicTexture& texture, const std::vector<float>& step
     for (Index i = 0; i < n; ++i) {
       const float step = steps[static_cast<std::size_t>(i)];
       wrong.col(i) = texture.C.col(i).segment(first, rows).unaryExpr([step](float v) {
-        return rounded(v, step) * step - v;
+        return quantised(v, step) * step - v;
       });
     }
     Eigen::MatrixXf error = wrong * states;
     error.colwise() += texture.mean.segment(first, rows).unaryExpr([](float v) {
-      return rounded(v, kMeanStep) * static_cast<float>(kMeanStep) - v;
+      return quantised(v, kMeanStep) * static_cast<float>(kMeanStep) - v;
     });
     squares[b] = error.cast<double>().squaredNorm();
     largest[b] = static_cast<double>(error.cwiseAbs().maxCoeff());

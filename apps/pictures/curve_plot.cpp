@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -29,12 +30,6 @@ void write(cv::Mat& picture, const std::string& text, cv::Point at, double size 
 int text_width(const std::string& text, double size = 0.42) {
   int below = 0;
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
-}
-
-std::string tick_text(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", value);
-  return text.data();
 }
 
 // One axis: where a value lies on it, 0…1, and the values to mark.
@@ -97,12 +92,14 @@ void draw_axes(cv::Mat& picture, const CurvePlot& plot, const Axis& x, const Axi
   for (const double value : x.ticks()) {
     const int at = cvRound(kBox.x + x.place(value) * kBox.width);
     cv::line(picture, {at, kBox.y}, {at, bottom}, kFaint);
-    write(picture, tick_text(value), {at - text_width(tick_text(value)) / 2, bottom + 18});
+    const std::string number = core::significant_text(value, 4);
+    write(picture, number, {at - text_width(number) / 2, bottom + 18});
   }
   for (const double value : y.ticks()) {
     const int at = cvRound(kBox.y + (1 - y.place(value)) * kBox.height);
     cv::line(picture, {kBox.x, at}, {kBox.x + kBox.width, at}, kFaint);
-    write(picture, tick_text(value), {kBox.x - 8 - text_width(tick_text(value)), at + 4});
+    const std::string number = core::significant_text(value, 4);
+    write(picture, number, {kBox.x - 8 - text_width(number), at + 4});
   }
   cv::rectangle(picture, kBox, kInk);
   write(picture, plot.title, {kBox.x, 26}, 0.55);

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include <opencv2/imgproc.hpp>
+
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -14,12 +15,6 @@ namespace {
 
 constexpr int kShorterSide = 480, kMargin = 10, kLine = 26, kShift = 4;
 constexpr double kText = 0.42, kDot = 4, kLeastRatio = 1.5;
-
-std::string shown(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", value);
-  return text.data();
-}
 
 int text_width(const std::string& text) {
   int baseline = 0;
@@ -97,7 +92,7 @@ cv::Mat draw_scale(int width, const RateMap& what, const Scale& scale, std::size
   }
   for (int k = 0; k <= 4; ++k) {
     const int x = left + (right - left - 1) * k / 4;
-    const std::string number = shown(what.factor * scale.value(k / 4.0));
+    const std::string number = core::significant_text(what.factor * scale.value(k / 4.0), 3);
     cv::line(picture, {x, bar_top + 12}, {x, bar_top + 16}, cv::Scalar(140, 132, 126));
     write(picture, number,
           {std::clamp(x - text_width(number) / 2, 2, width - text_width(number) - 2), bar_top + 30});

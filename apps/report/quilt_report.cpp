@@ -1,26 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/quilt_report.hpp"
 
-#include <iomanip>
-#include <sstream>
-
 #include <nlohmann/json.hpp>
 
 #include "apps/pictures/still.hpp"
 #include "apps/report/report.hpp"
 #include "apps/report/report_assets.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string text_of(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
-}
 
 std::string tile(const std::string& name, const std::string& value, const std::string& more) {
   return "<div><dt>" + name + "</dt><dd>" + value + "</dd><dd class=\"sub\">" + more + "</dd></div>\n";
@@ -39,16 +31,18 @@ std::string side_by_side(const std::string& left, const std::string& right) {
 
 std::string tiles(const Json& quilt) {
   std::string out = "<dl class=\"tiles\">\n";
-  const auto percent = [&](const char* field) { return text_of(100 * quilt.value(field, 0.0), 1) + " %"; };
+  const auto percent = [&](const char* field) {
+    return core::fixed_text(100 * quilt.value(field, 0.0), 1) + " %";
+  };
   if (quilt.contains("blocks"))
     out += tile("Blocks", std::to_string(quilt["blocks"].get<long>()),
                 std::to_string(quilt["columns"].get<int>()) + " across, " +
                     std::to_string(quilt["rows"].get<int>()) + " down") +
            tile("Verbatim blocks", percent("verbatim_blocks"), "only go on where a neighbour ends") +
-           tile("Compared exactly", text_of(quilt.value("compared_mean", 0.0), 0),
-                "places a block, on average; " + text_of(quilt.value("equals_mean", 0.0), 0) +
+           tile("Compared exactly", core::fixed_text(quilt.value("compared_mean", 0.0), 0),
+                "places a block, on average; " + core::fixed_text(quilt.value("equals_mean", 0.0), 0) +
                     " of them equally good");
-  out += tile("Seam gradient ratio", text_of(quilt.value("seam_ratio", 0.0), 3),
+  out += tile("Seam gradient ratio", core::fixed_text(quilt.value("seam_ratio", 0.0), 3),
               "steps across seams over steps elsewhere") +
          tile("Largest piece", percent("largest_piece"), "of the output, copied as it is") +
          tile("Source shown", percent("source_share"), "of its pixels");

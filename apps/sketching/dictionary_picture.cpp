@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -27,12 +28,6 @@ const std::array<cv::Scalar, sketch::kMostComponents> kColours = {
 void write(cv::Mat& picture, const std::string& text, cv::Point at, double size = 0.42,
            const cv::Scalar& ink = kInk) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-  return text.data();
 }
 
 // The shape as a grey patch, its curve upwards.
@@ -82,9 +77,9 @@ std::vector<float> moved(const sketch::Entry& entry, std::size_t k, double sd) {
 
 void draw_entry(cv::Mat& picture, const sketch::Entry& entry, cv::Point corner) {
   const bool window = entry.window();
-  write(picture, fixed(100 * entry.share, 1) + " %", corner + cv::Point(0, 13), 0.46);
-  write(picture, "leaves " + fixed(entry.residual, 2), corner + cv::Point(kPatch + kGap + 2, 13), 0.38,
-        kSoft);
+  write(picture, core::fixed_text(100 * entry.share, 1) + " %", corner + cv::Point(0, 13), 0.46);
+  write(picture, "leaves " + core::fixed_text(entry.residual, 2), corner + cv::Point(kPatch + kGap + 2, 13),
+        0.38, kSoft);
   const cv::Point top = corner + cv::Point(0, kCaption);
   place(picture, patch_picture(entry.mean, window, kPatch), top);
   const cv::Rect box(top.x + kPatch + kGap, top.y, kPlot, kPatch);
