@@ -32,7 +32,7 @@ int text_width(const std::string& text, double size = 0.42) {
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
 }
 
-// One axis: where a value lies on it, 0…1, and the values to mark.
+// Maps the values of one axis to 0…1 and chooses its ticks.
 class Axis {
  public:
   explicit Axis(bool log) : log_(log) {}
@@ -139,7 +139,7 @@ const cv::Scalar& colour_of(const CurvePlot& plot, std::size_t i) {
   return kColours[own < 0 ? i % kColours.size() : static_cast<std::size_t>(own)];
 }
 
-// Of the four corners that where the fewest pixels are drawn over; `curves`: CV_8U, not 0 where one runs.
+// Chooses the corner where the legend covers fewest pixels of curves (CV_8U, not 0 on a curve).
 cv::Rect names_place(cv::Size size, const cv::Mat& curves) {
   constexpr int kMargin = 8;
   const int left = kBox.x + kMargin, right = kBox.x + kBox.width - kMargin - size.width,

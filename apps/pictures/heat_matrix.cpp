@@ -28,16 +28,16 @@ int text_width(const std::string& text, double size) {
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
 }
 
-// The font has ASCII only.
-std::string drawable(const std::string& name) {
+// Replaces characters that the font lacks: it has ASCII only.
+std::string ascii_text(const std::string& name) {
   std::string text;
   for (const char c : name)
     if ((static_cast<unsigned char>(c) & 0xc0) != 0x80) text += c >= ' ' && c <= '~' ? c : '?';
   return text.size() > kLongestName ? text.substr(0, kLongestName - 2) + ".." : text;
 }
 
-// From paper to deep blue over green: lightness falls all the way.
-cv::Vec3b shade(double share) {
+// Returns the colour of a share 0…1, from paper over green to deep blue; lightness falls all the way.
+cv::Vec3b cell_colour(double share) {
   static const std::array<cv::Vec3d, 5> kStops = {cv::Vec3d(246, 249, 247), cv::Vec3d(196, 219, 161),
                                                   cv::Vec3d(183, 168, 67), cv::Vec3d(158, 102, 34),
                                                   cv::Vec3d(84, 29, 12)};
@@ -46,8 +46,8 @@ cv::Vec3b shade(double share) {
   return kStops[below] + (kStops[below + 1] - kStops[below]) * (at - static_cast<double>(below));
 }
 
-// As much of the number as has room; nothing where none has.
-std::string number(double value, bool whole, int room) {
+// Writes the number as long as there is room for; empty where there is none.
+std::string cell_text(double value, bool whole, int room) {
   for (int shorter = 0; shorter < 3; ++shorter) {
     std::ostringstream text;
     if (shorter > 0)
@@ -86,10 +86,10 @@ void draw_cell(cv::Mat& picture, const cv::Rect& box, double value, const Colour
     return;
   }
   const double share = colours.share(value);
-  const cv::Vec3b fill = shade(share);
+  const cv::Vec3b fill = cell_colour(share);
   cv::rectangle(picture, box, cv::Scalar(fill), cv::FILLED);
   if (box.height < 16) return;
-  const std::string text = number(value, whole, box.width);
+  const std::string text = cell_text(value, whole, box.width);
   const int width = text_width(text, 0.38);
   write(picture, text, {box.x + (box.width - width) / 2, box.y + box.height / 2 + 4}, 0.38,
         share > 0.5 ? kPaper : kInk);
@@ -104,7 +104,7 @@ cv::Mat draw_heat_matrix(const HeatMatrix& matrix) {
   std::vector<std::string> names;
   int longest = 0;
   for (const auto& name : matrix.names) {
-    names.push_back(drawable(name));
+    names.push_back(ascii_text(name));
     longest = std::max(longest, text_width(names.back(), 0.4));
   }
   const int label = named ? longest + 12 : 0, side = cell * count;

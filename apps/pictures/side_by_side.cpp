@@ -26,8 +26,8 @@ int panel_height(std::span<const cv::Size> sizes) {
       std::max(1.0, std::min(hard, std::max<double>(kLeastHeight, std::min<double>(tallest, room)))));
 }
 
-// The label, or as much of it as fits, with dots.
-std::string fitting(const std::string& label, int width) {
+// Shortens a label with dots to the width.
+std::string fit_label(const std::string& label, int width) {
   const auto fits = [&](const std::string& text) {
     int baseline = 0;
     return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, &baseline).width + 8 <= width;
@@ -61,7 +61,7 @@ cv::Mat PanelRow::compose(std::span<const cv::Mat> pictures, std::span<const std
   cv::Mat whole(size_, CV_8UC3, cv::Scalar(250, 248, 246));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const cv::Rect panel = place(i);
-    cv::putText(whole, fitting(labels[i], panel.width), {panel.x + 4, kLabel - 9}, cv::FONT_HERSHEY_SIMPLEX,
+    cv::putText(whole, fit_label(labels[i], panel.width), {panel.x + 4, kLabel - 9}, cv::FONT_HERSHEY_SIMPLEX,
                 0.5, {60, 52, 48}, 1, cv::LINE_AA);
     cv::Mat colour = pictures[i], scaled;
     if (colour.channels() == 1) cv::cvtColor(pictures[i], colour, cv::COLOR_GRAY2BGR);

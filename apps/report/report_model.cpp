@@ -29,8 +29,8 @@ Json numbers_json(std::span<const double> values) {
   return out;
 }
 
-// The map with blocks of cells as one, their mean, until there are few enough.
-mcmc::CellMap pooled(const mcmc::CellMap& map) {
+// Replaces blocks of cells by their mean until at most kCells are left.
+mcmc::CellMap pool_cells(const mcmc::CellMap& map) {
   const std::size_t cells = map.values.size();
   int block = 1;
   while (cells > kCells * static_cast<std::size_t>(block) * static_cast<std::size_t>(block)) ++block;
@@ -50,13 +50,13 @@ mcmc::CellMap pooled(const mcmc::CellMap& map) {
 }
 
 Json map_json(const mcmc::CellMap& whole) {
-  const auto map = pooled(whole);
+  const auto map = pool_cells(whole);
   return {
       {"cell", map.cell}, {"columns", map.columns}, {"rows", map.rows}, {"values", numbers_json(map.values)}};
 }
 
 Json drift_json(const mcmc::MotionModel& model) {
-  const auto x = pooled(model.drift_x), y = pooled(model.drift_y);
+  const auto x = pool_cells(model.drift_x), y = pool_cells(model.drift_y);
   double most = 0;
   for (std::size_t i = 0; i < std::min(x.values.size(), y.values.size()); ++i)
     most = std::max(most, std::hypot(x.values[i], y.values[i]));
@@ -82,7 +82,7 @@ Json motion_json(const mcmc::Autoregression& motion) {
   return out;
 }
 
-// The roots of z² = a1 z + a2: a stroke that sways as a whole.
+// Lists the roots of z² = a1 z + a2: the poles of a stroke that moves as a whole.
 Json poles_json(const char* of, const mcmc::Autoregression& motion) {
   const std::complex<double> root = std::sqrt(std::complex<double>(motion.a1 * motion.a1 / 4 + motion.a2));
   Json out = Json::array();
@@ -91,7 +91,7 @@ Json poles_json(const char* of, const mcmc::Autoregression& motion) {
   return out;
 }
 
-// Births expected in a frame, whose last cells may reach beyond it.
+// Returns the births expected in a frame; cells at the border count by the part inside.
 double births_a_frame(const mcmc::MotionModel& model) {
   const auto& map = model.rates.birth;
   double sum = 0;
@@ -137,14 +137,14 @@ Json rates_json(const mcmc::MotionModel& model, std::span<const graph::Event> ev
   return out;
 }
 
-const char* kind(const graph::Patch& patch) {
+const char* kind_name(const graph::Patch& patch) {
   return graph::on_step(patch) ? "step" : patch.contrast > 0 ? "ridge" : "valley";
 }
 
 Json exemplar_json(const mcmc::Exemplar& exemplar, std::size_t& points) {
   Json curves = Json::array();
   for (const auto& curve : graph::curves(exemplar.graph)) {
-    Json line = Json::array({kind(exemplar.graph.patch(curve.front()))});
+    Json line = Json::array({kind_name(exemplar.graph.patch(curve.front()))});
     for (const auto index : curve) {
       const auto at = exemplar.graph.patch(index).position;
       line.push_back(std::round(at.x * 10) / 10);
@@ -159,13 +159,13 @@ Json exemplar_json(const mcmc::Exemplar& exemplar, std::size_t& points) {
           {"curves", std::move(curves)}};
 }
 
-// Some spread over all; those that are too large for the page are passed over.
+// Picks exemplars evenly and leaves out those that are too large for the page.
 Json exemplars_json(const std::vector<mcmc::Exemplar>& exemplars) {
   std::vector<int> numbers(exemplars.size());
   std::iota(numbers.begin(), numbers.end(), 0);
   Json out = Json::array();
   std::size_t points = 0;
-  for (const int i : spread(numbers, kExemplars)) {
+  for (const int i : spread_evenly(numbers, kExemplars)) {
     std::size_t more = points;
     Json shown = exemplar_json(exemplars[static_cast<std::size_t>(i)], more);
     if (more > kExemplarPoints || shown["curves"].empty()) continue;
@@ -213,7 +213,7 @@ Json motion_model_figures(const mcmc::MotionModel& model) {
           {"contrast", motion_json(model.contrast)},
           {"rates",
            {{"birth_per_frame", round_for_page(births_a_frame(model))},
-            {"death_by_size", round_for_page(rates.death_by_size)},
+            {"death_by_size", numbers_json(rates.death_by_size)},
             {"split", round_for_page(rates.split)},
             {"merge", round_for_page(rates.merge)},
             {"connect", round_for_page(rates.connect)},

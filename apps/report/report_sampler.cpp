@@ -27,7 +27,7 @@ Json number_json(double value) {
   return std::isfinite(value) ? Json(core::round_significant(value, 4)) : Json(nullptr);
 }
 
-/// JSON knows no infinity.
+// Bounds R-hat, since JSON has no infinity.
 double bounded_rhat(double rhat) {
   return std::min(rhat, kLargestRhat);
 }
@@ -55,17 +55,17 @@ std::size_t kept_sweeps(const mcmc::InferResult& result) {
   return length - std::min(length, static_cast<std::size_t>(std::max(0, result.burn_in)));
 }
 
-std::string listed(const std::vector<std::string>& names) {
+std::string join_names(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) text += (i > 0 ? ", " : "") + names[i];
   if (names.size() > kNamed) text += " and " + std::to_string(names.size() - kNamed) + " more";
   return text;
 }
 
-/// The traces of which `poor` holds, the worst first, as "name (value)".
+// Lists the traces for which `poor` holds, the worst first, as "name (value)".
 template <class Value, class Worse, class Poor>
-std::vector<std::string> poor_ones(std::vector<TraceDiagnosis> traces, int digits, const Value& value,
-                                   const Worse& worse, const Poor& poor) {
+std::vector<std::string> list_poor_traces(std::vector<TraceDiagnosis> traces, int digits, const Value& value,
+                                          const Worse& worse, const Poor& poor) {
   std::erase_if(traces, [&](const TraceDiagnosis& t) { return !poor(value(t)); });
   std::ranges::stable_sort(traces, worse, value);
   std::vector<std::string> names;
@@ -80,9 +80,9 @@ double draws_of(const TraceDiagnosis& t) {
   return t.found.bulk_ess;
 }
 
-/// What may be compared: where all draws are equal, or too few, nothing is known.
+// Keeps the traces whose value is a number: it is none where all draws are equal, or too few.
 template <class Value>
-std::vector<TraceDiagnosis> known(std::vector<TraceDiagnosis> traces, const Value& value) {
+std::vector<TraceDiagnosis> comparable_traces(std::vector<TraceDiagnosis> traces, const Value& value) {
   std::erase_if(traces, [&](const TraceDiagnosis& t) { return std::isnan(value(t)); });
   return traces;
 }
@@ -114,17 +114,20 @@ std::vector<TraceDiagnosis> diagnose_traces(const mcmc::InferResult& result) {
 }
 
 Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
-  const auto with_rhat = known(traces, rhat_of), with_draws = known(traces, draws_of);
+  const auto with_rhat = comparable_traces(traces, rhat_of), with_draws = comparable_traces(traces, draws_of);
   if (with_rhat.empty() && with_draws.empty()) return {false, {}};
-  const auto apart = poor_ones(with_rhat, 2, rhat_of, std::greater{}, [](double v) { return v > kRhat; });
-  const auto few = poor_ones(with_draws, 0, draws_of, std::less{}, [](double v) { return v < kDraws; });
+  const auto apart =
+      list_poor_traces(with_rhat, 2, rhat_of, std::greater{}, [](double v) { return v > kRhat; });
+  const auto few =
+      list_poor_traces(with_draws, 0, draws_of, std::less{}, [](double v) { return v < kDraws; });
   Assurance result{apart.empty() && few.empty(), {}};
   if (!apart.empty())
-    result.sentences.push_back("The chains do not agree well yet: R-hat is above 1.05 for " + listed(apart) +
+    result.sentences.push_back("The chains do not agree well yet: R-hat is above 1.05 for " +
+                               join_names(apart) +
                                ". Take what rests on these as rough; more sweeps would make it surer.");
   if (!few.empty())
     result.sentences.push_back(
-        "The draws are worth fewer than 100 independent ones for " + listed(few) +
+        "The draws are worth fewer than 100 independent ones for " + join_names(few) +
         ". Means and intervals of these are uncertain; more sweeps would sharpen them.");
   if (!result.sure) return result;
   double rhat = 0, draws = std::numeric_limits<double>::infinity();
@@ -151,7 +154,7 @@ Json sampler_json(const mcmc::InferResult& result) {
     out["acceptance"][move.name] =
         number_json(move.evaluated > 0 ? move.accepted / move.evaluated : kUnknown);
   const auto worst = [&](const char* name, const auto& value, const auto& worse) {
-    const auto list = known(traces, value);
+    const auto list = comparable_traces(traces, value);
     const auto found = std::ranges::min_element(list, worse, value);
     out[name] = found == list.end() ? Json(nullptr) : number_json(value(*found));
     out[std::string(name) + "_of"] = found == list.end() ? Json(nullptr) : Json(found->name);

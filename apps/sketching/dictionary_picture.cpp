@@ -30,7 +30,7 @@ void write(cv::Mat& picture, const std::string& text, cv::Point at, double size 
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
 }
 
-// The shape as a grey patch, its curve upwards.
+// Draws the shape as a grey patch with its curve upwards.
 cv::Mat patch_picture(const std::vector<float>& shape, bool window, int side) {
   const int rows = window ? static_cast<int>(sketch::kWindowSide) : 1;
   cv::Mat1f values(rows, static_cast<int>(shape.size()) / rows);
@@ -44,13 +44,13 @@ cv::Mat patch_picture(const std::vector<float>& shape, bool window, int side) {
   return picture;
 }
 
-void place(cv::Mat& picture, const cv::Mat& content, cv::Point corner) {
+void paste(cv::Mat& picture, const cv::Mat& content, cv::Point corner) {
   content.copyTo(picture(cv::Rect(corner, content.size())));
   cv::rectangle(picture, cv::Rect(corner, content.size()), kFaint);
 }
 
-// What is seen across the curve: of a window, the middle of it.
-std::vector<float> across(const std::vector<float>& shape, bool window) {
+// Returns the profile across the curve; of a window, its middle row.
+std::vector<float> cross_section(const std::vector<float>& shape, bool window) {
   if (!window) return shape;
   const auto row = shape.begin() + (sketch::kWindowSide / 2) * sketch::kWindowSide;
   return {row, row + sketch::kWindowSide};
@@ -69,7 +69,7 @@ void draw_curve(cv::Mat& picture, const cv::Rect& box, const std::vector<float>&
   cv::polylines(picture, points, false, colour, thickness, cv::LINE_AA, kShift);
 }
 
-std::vector<float> moved(const sketch::Entry& entry, std::size_t k, double sd) {
+std::vector<float> shift_mean(const sketch::Entry& entry, std::size_t k, double sd) {
   std::vector<float> coefficients(entry.components.size(), 0.0F);
   coefficients[k] = static_cast<float>(sd * entry.spread[k]);
   return sketch::shape_of(entry, coefficients);
@@ -81,7 +81,7 @@ void draw_entry(cv::Mat& picture, const sketch::Entry& entry, cv::Point corner) 
   write(picture, "leaves " + core::fixed_text(entry.residual, 2), corner + cv::Point(kPatch + kGap + 2, 13),
         0.38, kSoft);
   const cv::Point top = corner + cv::Point(0, kCaption);
-  place(picture, patch_picture(entry.mean, window, kPatch), top);
+  paste(picture, patch_picture(entry.mean, window, kPatch), top);
   const cv::Rect box(top.x + kPatch + kGap, top.y, kPlot, kPatch);
   cv::rectangle(picture, box, cv::Scalar(255, 255, 255), cv::FILLED);
   cv::rectangle(picture, box, kFaint);
@@ -91,17 +91,17 @@ void draw_entry(cv::Mat& picture, const sketch::Entry& entry, cv::Point corner) 
   for (std::size_t k = 0; k < entry.components.size(); ++k) {
     const cv::Scalar& colour = kColours[k];
     for (const double sd : {-2.0, 2.0})
-      draw_curve(picture, box, across(moved(entry, k, sd), window), colour, 1);
+      draw_curve(picture, box, cross_section(shift_mean(entry, k, sd), window), colour, 1);
     const cv::Point at(top.x + static_cast<int>(k) * (2 * kSmall + kGap), top.y + kPatch + kGap);
-    place(picture, patch_picture(moved(entry, k, -2), window, kSmall), at);
-    place(picture, patch_picture(moved(entry, k, 2), window, kSmall), at + cv::Point(kSmall, 0));
+    paste(picture, patch_picture(shift_mean(entry, k, -2), window, kSmall), at);
+    paste(picture, patch_picture(shift_mean(entry, k, 2), window, kSmall), at + cv::Point(kSmall, 0));
     cv::rectangle(picture, cv::Rect(at, cv::Size(2 * kSmall, kSmall)), colour);
   }
-  draw_curve(picture, box, across(entry.mean, window), kInk, 2);
+  draw_curve(picture, box, cross_section(entry.mean, window), kInk, 2);
 }
 
-// Runs of entries of one degree and type.
-std::vector<std::span<const sketch::Entry>> groups(const sketch::Dictionary& dictionary) {
+// Groups the entries by degree and type.
+std::vector<std::span<const sketch::Entry>> group_entries(const sketch::Dictionary& dictionary) {
   std::vector<std::span<const sketch::Entry>> all;
   const std::span<const sketch::Entry> entries(dictionary.entries);
   for (std::size_t first = 0, i = 1; i <= entries.size(); ++i)
@@ -113,7 +113,7 @@ std::vector<std::span<const sketch::Entry>> groups(const sketch::Dictionary& dic
   return all;
 }
 
-std::string readable(std::string_view type) {
+std::string readable_name(std::string_view type) {
   std::string name(type);
   std::ranges::replace(name, '_', ' ');
   return name;
@@ -122,7 +122,7 @@ std::string readable(std::string_view type) {
 }  // namespace
 
 cv::Mat draw_dictionary(const sketch::Dictionary& dictionary) {
-  const auto rows = groups(dictionary);
+  const auto rows = group_entries(dictionary);
   int columns = kLeastColumns;
   std::uint64_t seen = 0;
   for (const auto& row : rows) {
@@ -144,7 +144,7 @@ cv::Mat draw_dictionary(const sketch::Dictionary& dictionary) {
     cv::line(picture, {kMargin, top}, {width - kMargin, top}, kFaint);
     std::uint64_t count = 0;
     for (const auto& entry : rows[r]) count += entry.seen;
-    write(picture, readable(graph::name(rows[r].front().type)), {kMargin, top + 50}, 0.55);
+    write(picture, readable_name(graph::name(rows[r].front().type)), {kMargin, top + 50}, 0.55);
     const int degree = rows[r].front().degree;
     write(picture, "degree " + std::to_string(degree) + (degree == 4 ? " and more" : ""), {kMargin, top + 72},
           0.42, kSoft);

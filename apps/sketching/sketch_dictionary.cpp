@@ -18,8 +18,8 @@ namespace emberfold::apps {
 
 namespace {
 
-SketchDictionary learn(core::FrameSource& source, const sketch::ExtractOptions& options,
-                       const Session& session) {
+SketchDictionary learn_dictionary(core::FrameSource& source, const sketch::ExtractOptions& options,
+                                  const Session& session) {
   struct Frame {
     graph::AttributeGraph graph;
     std::vector<sketch::View> views;
@@ -50,7 +50,7 @@ std::optional<SketchDictionary> prepare_dictionary(const DictionaryRequest& requ
                                                    core::FrameSource& source,
                                                    const sketch::ExtractOptions& options,
                                                    const Session& session) {
-  if (request.learn) return learn(source, options, session);
+  if (request.learn) return learn_dictionary(source, options, session);
   if (request.folder.empty()) return std::nullopt;
   const auto archive = io::read_model(request.folder, io::kDictionaryFormat);
   try {

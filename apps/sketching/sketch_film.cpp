@@ -18,9 +18,9 @@ namespace emberfold::apps {
 
 namespace {
 
-PanelRow panels(cv::Size frame) {
+PanelRow panel_row(cv::Size frame) {
   const cv::Mat blank(frame, CV_8UC3);
-  // The graph is drawn enlarged; its size decides how high all of them are.
+  // The graph is drawn enlarged; its height is that of all panels.
   const cv::Size graph = enlarge(blank, enlargement(frame, OverlayOptions{}.shorter_side)).size();
   return PanelRow(std::array{frame, graph, frame, frame});
 }
@@ -33,11 +33,11 @@ const char* fill_label(sketch::GroundFill fill) {
 }  // namespace
 
 SketchFilm::SketchFilm(cv::Size frame, const SketchRequest& request)
-    : row_(panels(frame)), anchors_(request.anchors > 0), fill_(fill_label(request.ground.kind)) {}
+    : row_(panel_row(frame)), anchors_(request.anchors > 0), fill_(fill_label(request.ground.kind)) {}
 
 cv::Mat SketchFilm::picture(const cv::Mat& frame, const graph::AttributeGraph& graph,
                             const SketchedFrame& drawn, int t) const {
-  const std::array pictures{frame, draw_type_curves(frame, graph), draw_held(drawn.held),
+  const std::array pictures{frame, draw_type_curves(frame, graph), draw_sketchable(drawn.sketchable),
                             drawn.reconstruction.bytes};
   const auto percent = [](double share) { return core::fixed_text(100 * share, 1) + " %"; };
   const std::string part =
@@ -53,7 +53,7 @@ cv::Mat SketchFilm::picture(const cv::Mat& frame, const graph::AttributeGraph& g
   return whole;
 }
 
-cv::Mat draw_held(const sketch::Sketchable& held) {
+cv::Mat draw_sketchable(const sketch::Sketchable& held) {
   cv::Mat bytes = core::to_bytes(held.levels);
   bytes.setTo(cv::Scalar::all(kOpenLevel), held.mask == 0);
   return bytes;

@@ -23,7 +23,7 @@ namespace {
 
 using dytex::Measure;
 
-// Rows and columns of `pairs`, which lie as dytex::all_distances() tells.
+// Accesses `pairs`, ordered as dytex::all_distances() returns them, by row and column.
 class Pairs {
  public:
   Pairs(std::span<const dytex::Distances> pairs, std::size_t count) : pairs_(pairs), count_(count) {
@@ -47,12 +47,12 @@ class Pairs {
   std::size_t count_;
 };
 
-// What is small between samples that are alike.
+// Returns the dissimilarity of a pair by a measure.
 double distance_of(const dytex::Distances& pair, Measure measure) {
   return measure == Measure::kl ? *pair.kl + *pair.kl_back : distance(pair, measure);
 }
 
-// What exp(−…/s) is made of; nothing where the measure has a kernel of its own.
+// Returns d in the kernel exp(−d/s); nothing where the measure has a kernel of its own.
 std::optional<double> exponent_of(const dytex::Distances& pair, Measure measure) {
   if (measure == Measure::kl) return *pair.kl + *pair.kl_back;
   if (measure != Measure::martin) return std::nullopt;
@@ -80,7 +80,7 @@ class TableKernel final : public cv::ml::SVM::Kernel {
   cv::Mat1f table_;
 };
 
-// The kernel of all samples, its scale from the training samples alone.
+// Computes the kernel of all samples; its scale comes from the training samples alone.
 cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const std::size_t> training,
                        Measure measure) {
   double scale = 1;
@@ -109,7 +109,7 @@ cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const st
 using Predict = std::function<void(std::span<const std::size_t> training, std::span<const std::size_t> asked,
                                    std::vector<std::size_t>& predicted)>;
 
-Predict nearest(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
+Predict predict_by_nearest(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
   return [&samples, &pairs, measure](auto training, auto asked, auto& predicted) {
     for (const std::size_t i : asked) {
       double least = std::numeric_limits<double>::infinity();
@@ -121,7 +121,7 @@ Predict nearest(const SampleLabels& samples, const Pairs& pairs, Measure measure
   };
 }
 
-Predict svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
+Predict predict_by_svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
   return [&samples, &pairs, measure](auto training, auto asked, auto& predicted) {
     constexpr double kCost = 10;
     const auto label_of = [&](std::size_t i) { return static_cast<int>(samples.label[i]); };
@@ -154,8 +154,8 @@ Predict svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
   };
 }
 
-Recognition recognise(const SampleLabels& samples, Measure measure, Classifier classifier,
-                      const Predict& predict) {
+Recognition evaluate_classifier(const SampleLabels& samples, Measure measure, Classifier classifier,
+                                const Predict& predict) {
   Recognition result{measure, classifier, std::vector<std::size_t>(samples.label.size()), {}, 0};
   const std::set<std::size_t> folds(samples.fold.begin(), samples.fold.end());
   for (const std::size_t fold : folds) {
@@ -202,9 +202,10 @@ std::vector<Recognition> cross_validate(const SampleLabels& samples,
   for (const Classifier classifier : {Classifier::nearest, Classifier::svm})
     for (const Measure measure : dytex::kMeasures) {
       if (!pairs.have(measure)) continue;
-      results.push_back(recognise(samples, measure, classifier,
-                                  classifier == Classifier::nearest ? nearest(samples, pairs, measure)
-                                                                    : svm(samples, pairs, measure)));
+      results.push_back(evaluate_classifier(samples, measure, classifier,
+                                            classifier == Classifier::nearest
+                                                ? predict_by_nearest(samples, pairs, measure)
+                                                : predict_by_svm(samples, pairs, measure)));
     }
   return results;
 }

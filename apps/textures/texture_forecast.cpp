@@ -26,10 +26,6 @@ double rms(const cv::Mat& a, const cv::Mat& b) {
          std::sqrt(static_cast<double>(a.total() * static_cast<std::size_t>(a.channels())));
 }
 
-void check_stop(const core::Context& context) {
-  if (context.cancelled()) throw core::Cancelled{};
-}
-
 std::vector<double> steps_of(std::size_t count) {
   std::vector<double> steps(count);
   for (std::size_t i = 0; i < count; ++i) steps[i] = static_cast<double>(i + 1);
@@ -61,7 +57,7 @@ ForecastErrors forecast_errors(core::FrameSource& source, std::int64_t first,
   const cv::Mat last = core::to_levels(before, info);
   const cv::Mat mean = dytex::draw(texture, Eigen::VectorXd::Zero(texture.order()));
   for (Eigen::Index k = 0; k < forecast.states.cols(); ++k) {
-    check_stop(context);
+    context.check();
     const cv::Mat frame = part.next();
     if (frame.empty()) break;
     const cv::Mat truth = core::to_levels(frame, info);
@@ -80,7 +76,7 @@ double write_forecast(io::OutputFolder& output, const dytex::LinearDynamicTextur
                                        info.channels == 3);
   const auto count = static_cast<double>(forecast.states.cols());
   for (Eigen::Index k = 0; k < forecast.states.cols(); ++k) {
-    check_stop(context);
+    context.check();
     context.report("draw", static_cast<double>(k) / count);
     writer->write(core::to_bytes(dytex::draw(texture, forecast.states.col(k))));
   }

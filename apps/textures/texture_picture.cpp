@@ -33,14 +33,15 @@ std::string percent(double share) {
   return text.data();
 }
 
-// A column of pixels as a frame, CV_32F.
+// Returns a column of pixels as a frame, CV_32F.
 cv::Mat as_frame(const Eigen::Ref<const Eigen::VectorXf>& column, const core::ClipInfo& info) {
   cv::Mat frame(info.height, info.width, CV_32FC(info.channels));
   std::copy(column.data(), column.data() + column.size(), frame.ptr<float>());
   return frame;
 }
 
-// Luma with its sign: white at 0, blue below, red above; full colour at the largest value but for outliers.
+// Colours signed luma: white at 0, blue below, red above; full colour near the largest value, without
+// outliers.
 cv::Mat signed_picture(const cv::Mat& luma) {
   std::vector<float> sizes(luma.begin<float>(), luma.end<float>());
   for (float& v : sizes) v = std::abs(v);
@@ -80,7 +81,7 @@ void draw_tile(cv::Mat& picture, int index, const cv::Mat& content, const std::s
   write(picture, caption, {corner.x + 2, corner.y + size.height + 16});
 }
 
-// A state over the training frames, about its zero line.
+// Draws a state over the training frames with its zero line.
 void draw_course(cv::Mat& picture, int top, int index, const Eigen::Ref<const Eigen::RowVectorXd>& state) {
   const int left = kMargin, right = picture.cols - kMargin, middle = top + 18 + (kCourseHeight - 18) / 2;
   const double reach = (kCourseHeight - 26) / 2.0;
