@@ -72,6 +72,15 @@ void mark_outline(cv::Mat& picture, cv::Point2d c, graph::EventType type, double
 
 }  // namespace
 
+void write_text(cv::Mat& picture, const std::string& text, cv::Point at, double size, const cv::Scalar& ink) {
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
+}
+
+int text_width(const std::string& text, double size) {
+  int below = 0;
+  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
+}
+
 std::string hex(Colour colour) {
   std::array<char, 8> text{};
   std::snprintf(text.data(), text.size(), "#%02x%02x%02x", colour.red, colour.green, colour.blue);
@@ -236,15 +245,10 @@ std::string frame_label(int frame) {
 
 cv::Mat draw_legend(int width, const std::string& text, const std::vector<LegendItem>& items) {
   constexpr int kLine = 26, kMargin = 10, kSample = 22, kGap = 14;
-  constexpr double kSize = 0.42;
-  const cv::Scalar ink(60, 52, 48);
   std::vector<cv::Point> places;  // x, line; of the text, then of each item
   cv::Point next(kMargin, 0);
   for (std::size_t i = 0; i <= items.size(); ++i) {
-    int baseline = 0;
-    const std::string& label = i == 0 ? text : items[i - 1].label;
-    const int needed =
-        cv::getTextSize(label, cv::FONT_HERSHEY_SIMPLEX, kSize, 1, &baseline).width + (i == 0 ? 0 : kSample);
+    const int needed = i == 0 ? text_width(text) : text_width(items[i - 1].label) + kSample;
     if (next.x + needed > width - kMargin && next.x > kMargin) next = {kMargin, next.y + 1};
     places.push_back(next);
     next.x += needed + kGap;
@@ -263,8 +267,7 @@ cv::Mat draw_legend(int width, const std::string& text, const std::vector<Legend
         draw_polyline(picture, {{at.x - 7, at.y}, {at.x + 7, at.y}}, bgr(item.colour), 3);
       left += kSample - 2;
     }
-    cv::putText(picture, i == 0 ? text : items[i - 1].label, {left, middle + 4}, cv::FONT_HERSHEY_SIMPLEX,
-                kSize, ink, 1, cv::LINE_AA);
+    write_text(picture, i == 0 ? text : items[i - 1].label, {left, middle + 4});
   }
   return picture;
 }

@@ -20,6 +20,19 @@ struct Colour {
   unsigned char red = 0, green = 0, blue = 0;
   bool operator==(const Colour&) const = default;
 };
+/// The colours of text and paper in drawn tables and plots, BGR.
+inline const cv::Scalar kInk(60, 52, 48), kPaper(250, 248, 246);
+
+/// The usual size of text, as a factor of OpenCV's Hershey font.
+constexpr double kTextSize = 0.42;
+
+/// Writes ASCII text whose baseline begins at `at`.
+void write_text(cv::Mat& picture, const std::string& text, cv::Point at, double size = kTextSize,
+                const cv::Scalar& ink = kInk);
+
+/// Returns the width of ASCII text, px.
+int text_width(const std::string& text, double size = kTextSize);
+
 /// Writes a colour as "#rrggbb".
 std::string hex(Colour colour);
 

@@ -11,22 +11,14 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/pictures/draw.hpp"
+
 namespace emberfold::apps {
 
 namespace {
 
 constexpr int kMargin = 16, kHead = 40, kLongestName = 24;
-const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(215, 212, 208);
-
-void write(cv::Mat& picture, const std::string& text, cv::Point at, double size,
-           const cv::Scalar& ink = kInk) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
-
-int text_width(const std::string& text, double size) {
-  int below = 0;
-  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
-}
+const cv::Scalar kFaint(215, 212, 208);
 
 // Replaces characters that the font lacks: it has ASCII only.
 std::string ascii_text(const std::string& name) {
@@ -91,8 +83,8 @@ void draw_cell(cv::Mat& picture, const cv::Rect& box, double value, const Colour
   if (box.height < 16) return;
   const std::string text = cell_text(value, whole, box.width);
   const int width = text_width(text, 0.38);
-  write(picture, text, {box.x + (box.width - width) / 2, box.y + box.height / 2 + 4}, 0.38,
-        share > 0.5 ? kPaper : kInk);
+  write_text(picture, text, {box.x + (box.width - width) / 2, box.y + box.height / 2 + 4}, 0.38,
+             share > 0.5 ? kPaper : kInk);
 }
 
 }  // namespace
@@ -110,7 +102,7 @@ cv::Mat draw_heat_matrix(const HeatMatrix& matrix) {
   const int label = named ? longest + 12 : 0, side = cell * count;
   const int width = std::max(2 * kMargin + label + side, 2 * kMargin + text_width(matrix.title, 0.5));
   cv::Mat picture(kHead + label + side + kMargin, width, CV_8UC3, kPaper);
-  write(picture, matrix.title, {kMargin, 26}, 0.5);
+  write_text(picture, matrix.title, {kMargin, 26}, 0.5);
   const cv::Point corner(kMargin + label, kHead + label);
   const Colours colours(matrix);
   for (int i = 0; i < matrix.values.rows; ++i)
@@ -122,9 +114,9 @@ cv::Mat draw_heat_matrix(const HeatMatrix& matrix) {
   for (int i = 0; i < std::min(count, static_cast<int>(names.size())); ++i) {
     const std::string& name = names[static_cast<std::size_t>(i)];
     const int middle = i * cell + cell / 2;
-    write(picture, name, {corner.x - 8 - text_width(name, 0.4), corner.y + middle + 4}, 0.4);
+    write_text(picture, name, {corner.x - 8 - text_width(name, 0.4), corner.y + middle + 4}, 0.4);
     cv::Mat flat(16, std::max(1, text_width(name, 0.4) + 2), CV_8UC3, kPaper), upright;
-    write(flat, name, {0, 12}, 0.4);
+    write_text(flat, name, {0, 12}, 0.4);
     cv::rotate(flat, upright, cv::ROTATE_90_COUNTERCLOCKWISE);
     const cv::Rect there(corner.x + middle - 8, corner.y - 6 - upright.rows, 16, upright.rows);
     const cv::Rect inside = there & cv::Rect({0, 0}, picture.size());

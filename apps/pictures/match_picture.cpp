@@ -38,7 +38,7 @@ cv::Mat draw_half(const cv::Mat& frame, const graph::AttributeGraph& graph,
     draw_mark(picture, place(event.position), event.type, radius);
   }
   cv::Mat head(kTitle, picture.cols, CV_8UC3, cv::Scalar(246, 248, 250)), whole;
-  cv::putText(head, title, {2, 20}, cv::FONT_HERSHEY_SIMPLEX, 0.5, {60, 52, 48}, 1, cv::LINE_AA);
+  write_text(head, title, {2, 20}, 0.5);
   cv::vconcat(head, picture, whole);
   return whole;
 }

@@ -14,16 +14,7 @@ namespace emberfold::apps {
 namespace {
 
 constexpr int kShorterSide = 480, kMargin = 10, kLine = 26, kShift = 4;
-constexpr double kText = 0.42, kDot = 4, kLeastRatio = 1.5;
-
-int text_width(const std::string& text) {
-  int baseline = 0;
-  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kText, 1, &baseline).width;
-}
-
-void write(cv::Mat& picture, const std::string& text, cv::Point at) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, kText, {60, 52, 48}, 1, cv::LINE_AA);
-}
+constexpr double kDot = 4, kLeastRatio = 1.5;
 
 void draw_dot(cv::Mat& picture, cv::Point2d at) {
   const auto to_fixed_point = [](double v) { return static_cast<int>(std::lround(v * (1 << kShift))); };
@@ -77,11 +68,11 @@ cv::Mat draw_scale(int width, const RateMap& what, const Scale& scale, std::size
   const bool one_line = kMargin * 4 + text_width(what.unit) + text_width(label) + 20 <= width;
   const int bar_top = (one_line ? 1 : 2) * kLine + 4;
   cv::Mat picture(bar_top + 2 * kLine - 8, width, CV_8UC3, cv::Scalar(246, 248, 250));
-  write(picture, what.unit, {kMargin, kLine / 2 + 6});
+  write_text(picture, what.unit, {kMargin, kLine / 2 + 6});
   const cv::Point place = one_line ? cv::Point(3 * kMargin + text_width(what.unit), kLine / 2 + 6)
                                    : cv::Point(kMargin, kLine + kLine / 2 + 6);
   draw_dot(picture, {place.x + 4.0, place.y - 4.0});
-  write(picture, label, {place.x + 14, place.y});
+  write_text(picture, label, {place.x + 14, place.y});
   const int left = kMargin + 4, right = std::min(width - kMargin - 24, left + 420);
   const cv::Vec3b ground(60, 56, 54);
   for (int x = left; x < right; ++x) {
@@ -94,8 +85,8 @@ cv::Mat draw_scale(int width, const RateMap& what, const Scale& scale, std::size
     const int x = left + (right - left - 1) * k / 4;
     const std::string number = core::significant_text(what.factor * scale.value(k / 4.0), 3);
     cv::line(picture, {x, bar_top + 12}, {x, bar_top + 16}, cv::Scalar(140, 132, 126));
-    write(picture, number,
-          {std::clamp(x - text_width(number) / 2, 2, width - text_width(number) - 2), bar_top + 30});
+    write_text(picture, number,
+               {std::clamp(x - text_width(number) / 2, 2, width - text_width(number) - 2), bar_top + 30});
   }
   return picture;
 }

@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/pictures/draw.hpp"
 #include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
@@ -21,14 +22,9 @@ constexpr int kMargin = 16, kHead = 56, kLabel = 150, kLeastColumns = 3;
 constexpr int kPatch = 96, kPlot = 140, kSmall = 28, kCaption = 20, kGap = 6, kRowGap = 22;
 constexpr int kCellWidth = kPatch + kGap + kPlot, kCellHeight = kCaption + kPatch + kGap + kSmall;
 constexpr double kGrey = 46, kFull = 2.8;  // grey levels of 1; the plot's end
-const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(222, 218, 214), kSoft(130, 122, 116);
+const cv::Scalar kFaint(222, 218, 214), kSoft(130, 122, 116);
 const std::array<cv::Scalar, sketch::kMostComponents> kColours = {
     cv::Scalar(190, 110, 30), cv::Scalar(50, 80, 205), cv::Scalar(80, 150, 50), cv::Scalar(170, 70, 150)};
-
-void write(cv::Mat& picture, const std::string& text, cv::Point at, double size = 0.42,
-           const cv::Scalar& ink = kInk) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
 
 // Draws the shape as a grey patch with its curve upwards.
 cv::Mat patch_picture(const std::vector<float>& shape, bool window, int side) {
@@ -77,9 +73,9 @@ std::vector<float> shift_mean(const sketch::Entry& entry, std::size_t k, double 
 
 void draw_entry(cv::Mat& picture, const sketch::Entry& entry, cv::Point corner) {
   const bool window = entry.window();
-  write(picture, core::fixed_text(100 * entry.share, 1) + " %", corner + cv::Point(0, 13), 0.46);
-  write(picture, "leaves " + core::fixed_text(entry.residual, 2), corner + cv::Point(kPatch + kGap + 2, 13),
-        0.38, kSoft);
+  write_text(picture, core::fixed_text(100 * entry.share, 1) + " %", corner + cv::Point(0, 13), 0.46);
+  write_text(picture, "leaves " + core::fixed_text(entry.residual, 2),
+             corner + cv::Point(kPatch + kGap + 2, 13), 0.38, kSoft);
   const cv::Point top = corner + cv::Point(0, kCaption);
   paste(picture, patch_picture(entry.mean, window, kPatch), top);
   const cv::Rect box(top.x + kPatch + kGap, top.y, kPlot, kPatch);
@@ -133,23 +129,24 @@ cv::Mat draw_dictionary(const sketch::Dictionary& dictionary) {
   const int width = 2 * kMargin + kLabel + columns * (kCellWidth + kMargin);
   const int height = kHead + static_cast<int>(std::max<std::size_t>(rows.size(), 1)) * row_height + kMargin;
   cv::Mat picture(height, width, CV_8UC3, kPaper);
-  write(picture,
-        "dictionary: " + std::to_string(dictionary.entries.size()) + " entries, learned from " +
-            std::to_string(seen) + " patches",
-        {kMargin, 24}, 0.55);
-  write(picture, "%: share of its row; black: mean across the curve; colours: components, -2 SD and +2 SD",
-        {kMargin, 44}, 0.42, kSoft);
+  write_text(picture,
+             "dictionary: " + std::to_string(dictionary.entries.size()) + " entries, learned from " +
+                 std::to_string(seen) + " patches",
+             {kMargin, 24}, 0.55);
+  write_text(picture,
+             "%: share of its row; black: mean across the curve; colours: components, -2 SD and +2 SD",
+             {kMargin, 44}, 0.42, kSoft);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const int top = kHead + static_cast<int>(r) * row_height;
     cv::line(picture, {kMargin, top}, {width - kMargin, top}, kFaint);
     std::uint64_t count = 0;
     for (const auto& entry : rows[r]) count += entry.seen;
-    write(picture, readable_name(graph::name(rows[r].front().type)), {kMargin, top + 50}, 0.55);
+    write_text(picture, readable_name(graph::name(rows[r].front().type)), {kMargin, top + 50}, 0.55);
     const int degree = rows[r].front().degree;
-    write(picture, "degree " + std::to_string(degree) + (degree == 4 ? " and more" : ""), {kMargin, top + 72},
-          0.42, kSoft);
-    write(picture, std::to_string(count) + (count == 1 ? " patch" : " patches"), {kMargin, top + 90}, 0.42,
-          kSoft);
+    write_text(picture, "degree " + std::to_string(degree) + (degree == 4 ? " and more" : ""),
+               {kMargin, top + 72}, 0.42, kSoft);
+    write_text(picture, std::to_string(count) + (count == 1 ? " patch" : " patches"), {kMargin, top + 90},
+               0.42, kSoft);
     for (std::size_t i = 0; i < rows[r].size(); ++i)
       draw_entry(picture, rows[r][i],
                  {kMargin + kLabel + static_cast<int>(i) * (kCellWidth + kMargin), top + kRowGap / 2});

@@ -14,6 +14,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/ml.hpp>
 
+#include "apps/pictures/draw.hpp"
 #include "apps/pictures/heat_matrix.hpp"
 #include "core/error.hpp"
 
@@ -224,8 +225,7 @@ cv::Mat draw_recognition(const std::vector<std::string>& classes, std::span<cons
   }
   const int count = static_cast<int>(panels.size()), columns = std::min(kColumns, std::max(1, count));
   const int rows = (count + columns - 1) / columns;
-  cv::Mat picture(std::max(1, rows) * (size.height + kGap), columns * (size.width + kGap), CV_8UC3,
-                  cv::Scalar(250, 248, 246));
+  cv::Mat picture(std::max(1, rows) * (size.height + kGap), columns * (size.width + kGap), CV_8UC3, kPaper);
   for (int i = 0; i < count; ++i) {
     const cv::Mat& panel = panels[static_cast<std::size_t>(i)];
     const cv::Point corner(i % columns * (size.width + kGap), i / columns * (size.height + kGap));

@@ -21,11 +21,7 @@ namespace {
 
 constexpr int kColumns = 4, kTiles = 12, kTileWidth = 240, kMargin = 12, kCaption = 24;
 constexpr int kCourses = 4, kCourseHeight = 84;
-const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(215, 212, 208);
-
-void write(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& ink = kInk) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, ink, 1, cv::LINE_AA);
-}
+const cv::Scalar kFaint(215, 212, 208);
 
 std::string percent(double share) {
   std::array<char, 32> text{};
@@ -78,7 +74,7 @@ void draw_tile(cv::Mat& picture, int index, const cv::Mat& content, const std::s
   const cv::Rect box(corner, size);
   content.copyTo(picture(box));
   cv::rectangle(picture, box, kFaint);
-  write(picture, caption, {corner.x + 2, corner.y + size.height + 16});
+  write_text(picture, caption, {corner.x + 2, corner.y + size.height + 16});
 }
 
 // Draws a state over the training frames with its zero line.
@@ -100,7 +96,7 @@ void draw_course(cv::Mat& picture, int top, int index, const Eigen::Ref<const Ei
   std::array<char, 96> label{};
   std::snprintf(label.data(), label.size(), "state %d, frames 0 to %lld, largest %.4g", index + 1,
                 static_cast<long long>(state.size() - 1), most);
-  write(picture, label.data(), {left + 2, top + 12});
+  write_text(picture, label.data(), {left + 2, top + 12});
 }
 
 }  // namespace
