@@ -90,7 +90,7 @@ void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, cons
     output.write("map.npy", [&](std::ostream& out) { core::write_npy(out, array); });
   else
     write_array(request.map, array);
-  if (control.is_plain()) return;
+  if (control.plain()) return;
   const auto times = time_array(control, map.size);
   output.write("time.npy", [&](std::ostream& out) { core::write_npy(out, times); });
 }
