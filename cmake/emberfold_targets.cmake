@@ -9,6 +9,12 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   list(APPEND EMBERFOLD_WARNINGS -Wno-restrict)
 endif()
 
+# clang takes double{f} for an implicit promotion, and its -Wconversion holds -Wsign-conversion, unlike g++'s.
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  list(REMOVE_ITEM EMBERFOLD_WARNINGS -Wdouble-promotion)
+  list(APPEND EMBERFOLD_WARNINGS -Wno-sign-conversion)
+endif()
+
 function(emberfold_compile_options target)
   target_compile_options(${target} PRIVATE ${EMBERFOLD_WARNINGS} -ffp-contract=off
     $<$<BOOL:${EMBERFOLD_WERROR}>:-Werror> $<$<BOOL:${EMBERFOLD_NATIVE}>:-march=native>)

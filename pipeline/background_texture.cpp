@@ -31,7 +31,7 @@ cv::Mat sketchable(const graph::AttributeGraph& graph, cv::Size size) {
   return sketch::draw_fitted(graph, size, 1).mask;
 }
 
-/// The masks of a sketch: white where patches lie.
+/// The masks of a sketch, white where patches lie.
 class MaskSource final : public core::FrameSource {
  public:
   MaskSource(Graphs graphs, const core::ClipInfo& clip) : graphs_(graphs), info_(clip) {
@@ -50,8 +50,7 @@ class MaskSource final : public core::FrameSource {
   std::size_t position_ = 0;
 };
 
-/// A clip whose sketchable pixels are what diffuses into them from those around. Made a batch at a time, on
-/// several threads.
+/// A clip whose sketchable pixels are filled by diffusion, a batch of frames at a time on several threads.
 class GroundSource final : public core::FrameSource {
  public:
   GroundSource(core::FrameSource& source, Graphs graphs, const core::Context& context)

@@ -28,7 +28,7 @@ cv::Mat perturbed(const cv::Mat& levels, double sd, std::uint64_t seed, std::uin
                   std::uint32_t frame) {
   cv::Mat result = levels.clone();
   const int channels = result.channels();
-  // Luma is 0.299, 0.587 and 0.114 of independent channels.
+  // Luma is a sum of independent channels with weights 0.299, 0.587 and 0.114.
   const double scale = channels == 1 ? sd : sd / std::sqrt(0.299 * 0.299 + 0.587 * 0.587 + 0.114 * 0.114);
   core::Rng rng(seed, {kNoiseStream, copy, frame});
   for (int y = 0; y < result.rows; ++y) {

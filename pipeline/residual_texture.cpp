@@ -75,7 +75,7 @@ class ResidualReader {
 
  private:
   cv::Mat next() {
-    if (context_.cancelled()) throw core::Cancelled{};
+    context_.check();
     return source_.next();
   }
   Residual of(const cv::Mat& frame, const graph::AttributeGraph& graph) const {

@@ -8,19 +8,9 @@
 #include "apps/builtin/truth.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::apps {
-
-namespace {
-
-void check(const char* field, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  std::ostringstream line;
-  line << "built-in clip: " << field << " " << value << " is out of range: " << low << " to " << high;
-  throw core::InputError(line.str());
-}
-
-}  // namespace
 
 BuiltinScene builtin_scene(std::string_view name) {
   if (name == "fire") return BuiltinScene::fire;
@@ -32,10 +22,10 @@ BuiltinScene builtin_scene(std::string_view name) {
 }
 
 void BuiltinOptions::validate() const {
-  check("width", width, 64, 4096);
-  check("height", height, 64, 4096);
-  check("frames", frames, 2, 10000);
-  check("fps", fps, 0.001, 1000);
+  core::check_range("BuiltinOptions.width", width, 64, 4096);
+  core::check_range("BuiltinOptions.height", height, 64, 4096);
+  core::check_range("BuiltinOptions.frames", frames, 2, 10000);
+  core::check_range("BuiltinOptions.fps", fps, 0.001, 1000);
   constexpr double most = 2147483648.0;
   const double bytes = 3.0 * width * height * frames;
   if (bytes > most) {
@@ -58,9 +48,8 @@ BuiltinClip make_builtin(const BuiltinOptions& options, const core::Context& con
                     .white = 255,
                     .frames = options.frames};
   made.clip.frames.resize(static_cast<std::size_t>(options.frames));
-  core::parallel_for(made.clip.frames.size(), context, [&](std::size_t t) {
-    made.clip.frames[t] = render_frame(scene, static_cast<int>(t));
-  });
+  core::parallel_for(made.clip.frames.size(), context,
+                     [&](std::size_t t) { made.clip.frames[t] = render_frame(scene, static_cast<int>(t)); });
   made.truth_json = truth_of(scene);
   return made;
 }

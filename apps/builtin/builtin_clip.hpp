@@ -12,9 +12,10 @@ namespace emberfold::apps {
 
 enum class BuiltinScene { fire, cloth, river };
 
-/// The scene of that name ("fire", "cloth", "river"); core::InputError, telling which there are, for another.
+/// Returns the scene named "fire", "cloth" or "river". Throws core::InputError for another name.
 BuiltinScene builtin_scene(std::string_view name);
 
+/// Options of a built-in clip.
 struct BuiltinOptions {
   BuiltinScene scene = BuiltinScene::fire;
   std::uint64_t seed = 1;
@@ -23,18 +24,19 @@ struct BuiltinOptions {
   int frames = 120;  ///< 2…10000; width × height × frames × 3 at most 2^31 bytes
   double fps = 25;   ///< 0.001…1000
 
-  /// core::InputError naming field, value and range.
+  /// Throws core::InputError naming field, value and range.
   void validate() const;
 };
 
+/// A built-in clip and its true events.
 struct BuiltinClip {
   core::Clip clip;         ///< CV_8UC3
-  std::string truth_json;  ///< what truly happens in it
+  std::string truth_json;  ///< as truth_of() writes it
 };
 
-/// A procedural clip with exactly known events; the same bytes for the same options at any thread count.
-/// Checks the options before memory is taken. A cancelled call returns no frames and no truth. Cost: some 10
-/// ms a frame of 320×240, on all threads.
+/// Makes a procedural clip with exactly known events. The same options give the same bytes at any thread
+/// count. Checks the options before it takes memory. Throws core::Cancelled. Cost: about 10 ms a frame of
+/// 320×240.
 BuiltinClip make_builtin(const BuiltinOptions& options, const core::Context& context = {});
 
 }  // namespace emberfold::apps

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene's parts look like at a frame.
+// Computes the shape and contrast of a scene's parts at a frame.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -26,15 +26,15 @@ std::array<double, 3> mode_shapes(BuiltinScene scene, double s) {
 
 }  // namespace
 
-double Change::done(int at) const {
+double Change::progress(int at) const {
   return std::clamp(0.5 + (at - frame + 0.5) / fade, 0.0, 1.0);
 }
 
-double Presence::at(int frame) const {
-  return std::min(begin ? begin->done(frame) : 1.0, end ? 1 - end->done(frame) : 1.0);
+double Presence::contrast_at(int frame) const {
+  return std::min(begin ? begin->progress(frame) : 1.0, end ? 1 - end->progress(frame) : 1.0);
 }
 
-Line shape(const BuiltinOptions& options, const Body& body, const RestCurve& curve, int frame) {
+Line line_at(const BuiltinOptions& options, const Body& body, const RestCurve& curve, int frame) {
   const auto& q = body.modes.at(static_cast<std::size_t>(frame - body.first));
   Line line(curve.points.size());
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -44,10 +44,10 @@ Line shape(const BuiltinOptions& options, const Body& body, const RestCurve& cur
   return line;
 }
 
-Line shape(const Scene& scene, const Bridge& bridge, int frame) {
+Line line_at(const Scene& scene, const Bridge& bridge, int frame) {
   const auto end = [&](const Anchor& anchor) {
     const Body& body = scene.bodies[anchor.body];
-    return shape(scene.options, body, body.curves[anchor.curve], frame)[anchor.point];
+    return line_at(scene.options, body, body.curves[anchor.curve], frame)[anchor.point];
   };
   const cv::Point2d a = end(bridge.from), b = end(bridge.to), chord = b - a;
   const cv::Point2d control = 0.5 * (a + b) + 2 * bridge.bow * cv::Point2d(-chord.y, chord.x);
@@ -60,23 +60,23 @@ Line shape(const Scene& scene, const Bridge& bridge, int frame) {
   return line;
 }
 
-double left_by_gaps(const Body& body, double point, int frame) {
+double gap_contrast(const Body& body, double point, int frame) {
   double left = 1;
   for (const Gap& gap : body.gaps) {
     const double edge = gap.half_width - std::abs(point - gap.centre);
-    left *= 1 - gap.open.at(frame) / (1 + std::exp(-edge / 0.4));
+    left *= 1 - gap.open.contrast_at(frame) / (1 + std::exp(-edge / 0.4));
   }
   return left;
 }
 
-double length(const Line& line) {
+double line_length(const Line& line) {
   double sum = 0;
   for (std::size_t i = 1; i < line.size(); ++i) sum += cv::norm(line[i] - line[i - 1]);
   return sum;
 }
 
-cv::Point2d middle(const Line& line) {
-  double rest = length(line) / 2;
+cv::Point2d midpoint(const Line& line) {
+  double rest = line_length(line) / 2;
   for (std::size_t i = 1; i < line.size(); ++i) {
     const double step = cv::norm(line[i] - line[i - 1]);
     if (step >= rest && step > 0) return line[i - 1] + rest / step * (line[i] - line[i - 1]);
@@ -85,7 +85,7 @@ cv::Point2d middle(const Line& line) {
   return line.back();
 }
 
-std::optional<cv::Point2d> crossing(const Line& a, const Line& b) {
+std::optional<cv::Point2d> crossing_point(const Line& a, const Line& b) {
   for (std::size_t i = 1; i < a.size(); ++i)
     for (std::size_t j = 1; j < b.size(); ++j) {
       const cv::Point2d u = a[i] - a[i - 1], v = b[j] - b[j - 1], w = b[j - 1] - a[i - 1];

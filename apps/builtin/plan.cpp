@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lays out a scene: strokes are thrown in one by one and kept where they have room for all their life; gaps
-// and bridges are then tried on them the same way.
+// Lays out a scene: strokes are proposed one by one and kept where they have room for all their life; gaps
+// and bridges are then proposed on them in the same way.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,7 +20,7 @@ constexpr double apart = 10;     // px between what does not touch
 constexpr int pause = 6;         // frames between one body's end and another's beginning in its place
 constexpr int events_apart = 5;  // frames between the events of one body
 
-/// Frames [first, last].
+/// The frames first…last.
 struct Window {
   int first, last;
 };
@@ -73,7 +73,8 @@ class Planner {
     std::vector<int> events;  ///< frames
   };
 
-  /// Tries until `wanted` attempts have succeeded, at most `patience` times as often. Attempt i is stream i.
+  /// Repeats until `wanted` attempts have succeeded, at most `patience` · `wanted` times. Attempt i is stream
+  /// i.
   template <class Try>
   void attempt(Purpose purpose, std::uint32_t round, double wanted, int patience, const Try& attempt_once) {
     const int target = static_cast<int>(std::round(wanted));
@@ -97,7 +98,7 @@ class Planner {
     });
     const int initial = static_cast<int>(scene_.bodies.size());
     if (frames < 12) return;
-    // Long lives first, then ever shorter ones in the room that is left.
+    // Long lives first, then shorter ones in the room that is left.
     for (const std::uint32_t round : {1U, 2U, 3U})
       attempt(Purpose::body, round, style_.births * initial * frames / 300.0, 150, [&](core::Rng& rng) {
         Presence life;
@@ -119,7 +120,7 @@ class Planner {
     if (body.curves.empty()) return false;
     body.life = life;
     Info info{window_of(life, scene_.options.frames), {}, {}};
-    // A look at the rest shape spares most of the sway that would be drawn in vain.
+    // Checking the rest shape first saves most simulations of bodies that have no room.
     body.first = info.window.first;
     body.modes.assign(1, {});
     if (!has_room(body, {body.first, body.first}, info)) return false;
@@ -133,7 +134,7 @@ class Planner {
     return true;
   }
 
-  /// Whether a body stays inside the picture and apart from all that live with it; fills in its box.
+  /// Returns whether a body stays inside the picture and apart from all present with it; sets its box.
   bool has_room(const Body& body, const Window& frames, Info& info) const {
     const cv::Rect2d inside(margin, margin, scene_.options.width - 2 * margin,
                             scene_.options.height - 2 * margin);
@@ -142,7 +143,7 @@ class Planner {
     std::vector<Line> lines;
     for (int t = frames.first; t <= frames.last; ++t)
       for (const auto& curve : body.curves) {
-        lines.push_back(shape(scene_.options, body, curve, t));
+        lines.push_back(line_at(scene_.options, body, curve, t));
         for (const auto& p : lines.back()) {
           if (!inside.contains(p)) return false;
           low = {std::min(low.x, p.x), std::min(low.y, p.y)};
@@ -159,7 +160,7 @@ class Planner {
         const int there =
             std::clamp(t, infos_[i].window.first, infos_[i].window.last);  // within the pause: where it was
         for (const auto& curve : other.curves) {
-          const Line line = shape(scene_.options, other, curve, there);
+          const Line line = line_at(scene_.options, other, curve, there);
           for (std::size_t c = 0; c < body.curves.size(); ++c)
             if (too_near(lines[static_cast<std::size_t>(t - frames.first) * body.curves.size() + c], line,
                          least))
@@ -176,15 +177,14 @@ class Planner {
                        [&](int e) { return std::abs(e - frame) >= events_apart; });
   }
 
-  /// Frames within which something may come and go on a body.
+  /// Returns the frames in which gaps and bridges of a body may begin and end.
   [[nodiscard]] Window usable(std::size_t body) const {
     const Presence& life = scene_.bodies[body].life;
     return {life.begin ? life.begin->frame + events_apart + 2 : 0,
             life.end ? life.end->frame - events_apart - 2 : scene_.options.frames - 1};
   }
 
-  /// A time to be there within a window: sometimes from its beginning or to its end where the clip begins or
-  /// ends.
+  /// Draws a presence within a window; at the clip's first or last frame it may be without begin or end.
   std::optional<Presence> choose_time(const Window& window, core::Rng& rng) const {
     const int last = scene_.options.frames - 1;
     const int begin = window.first + static_cast<int>(rng.uniform() * (window.last - window.first)) - 2;
@@ -244,7 +244,7 @@ class Planner {
     const Window wa = usable(bridge.from.body), wb = usable(bridge.to.body);
     const auto time = choose_time({std::max(wa.first, wb.first), std::min(wa.last, wb.last)}, rng);
     if (!time) return false;
-    bridge.there = *time;
+    bridge.presence = *time;
     bridge.bow = rng.uniform(-0.14, 0.14);
     bridge.sigma = 0.9 * std::min(a.sigma, b.sigma);
     bridge.contrast = 0.8 * std::min(a.contrast, b.contrast);
@@ -256,7 +256,7 @@ class Planner {
     return true;
   }
 
-  /// Points of other bodies of the same polarity that a bridge from `from` could reach.
+  /// Returns the points of other bodies of the same polarity that a bridge from `from` can reach.
   [[nodiscard]] std::vector<Anchor> reachable(const Anchor& from) const {
     const Body& body = scene_.bodies[from.body];
     const cv::Point2d at = body.curves[from.curve].points[from.point];
@@ -280,13 +280,13 @@ class Planner {
     return found;
   }
 
-  /// Whether a bridge and those that are there with it, at any time, would close a circle of bodies.
+  /// Returns whether a bridge would close a cycle of bodies with others present at the same time.
   [[nodiscard]] bool makes_circle(const Bridge& bridge) const {
-    const Window window = window_of(bridge.there, scene_.options.frames);
+    const Window window = window_of(bridge.presence, scene_.options.frames);
     std::vector<std::size_t> root(scene_.bodies.size());
     std::iota(root.begin(), root.end(), std::size_t{0});
     for (const Bridge& other : scene_.bridges) {
-      if (!overlap(window, window_of(other.there, scene_.options.frames), 1)) continue;
+      if (!overlap(window, window_of(other.presence, scene_.options.frames), 1)) continue;
       const std::size_t from = root[other.from.body], to = root[other.to.body];
       std::replace(root.begin(), root.end(), from, to);
     }
@@ -294,29 +294,29 @@ class Planner {
   }
 
   [[nodiscard]] bool bridge_has_room(const Bridge& bridge) const {
-    const Window window = window_of(bridge.there, scene_.options.frames);
+    const Window window = window_of(bridge.presence, scene_.options.frames);
     for (const std::size_t body : {bridge.from.body, bridge.to.body})
       for (const Gap& gap : scene_.bodies[body].gaps)
         if (overlap(window, window_of(gap.open, scene_.options.frames), pause)) return false;
     for (int t = window.first; t <= window.last; ++t) {
-      const Line line = shape(scene_, bridge, t);
-      if (length(line) < 13 || length(line) > 38) return false;
+      const Line line = line_at(scene_, bridge, t);
+      if (line_length(line) < 13 || line_length(line) > 38) return false;
       if (!stands_off(bridge.from, line[1] - line[0], t) ||
           !stands_off(bridge.to, line[line.size() - 2] - line.back(), t))
         return false;
       for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
         if (overlap(window, infos_[i].window, pause) && touches_body(bridge, line, i, t)) return false;
       for (const Bridge& other : scene_.bridges) {
-        const Window there = window_of(other.there, scene_.options.frames);
+        const Window there = window_of(other.presence, scene_.options.frames);
         if (overlap(window, there, pause) &&
-            too_near(line, shape(scene_, other, std::clamp(t, there.first, there.last)), apart + 3))
+            too_near(line, line_at(scene_, other, std::clamp(t, there.first, there.last)), apart + 3))
           return false;
       }
     }
     return true;
   }
 
-  /// Whether a bridge that sets out in a direction leaves a line at 40° or more.
+  /// Returns whether a direction makes 40° or more with the line.
   static bool leaves(const Line& line, std::size_t point, const cv::Point2d& out) {
     if (point < 4 || point + 5 > line.size()) return false;
     const cv::Point2d along = line[point + 2] - line[point - 2];
@@ -326,10 +326,10 @@ class Planner {
 
   [[nodiscard]] bool stands_off(const Anchor& anchor, const cv::Point2d& out, int frame) const {
     const Body& body = scene_.bodies[anchor.body];
-    return leaves(shape(scene_.options, body, body.curves[anchor.curve], frame), anchor.point, out);
+    return leaves(line_at(scene_.options, body, body.curves[anchor.curve], frame), anchor.point, out);
   }
 
-  /// At rest it leaves aslant, at 40° to 68°, as tongues and waves branch.
+  /// Returns whether a bridge branches off at 40° to 68° at rest, as flames and waves do.
   [[nodiscard]] bool branches(const Anchor& anchor, const cv::Point2d& out) const {
     const Line& line = scene_.bodies[anchor.body].curves[anchor.curve].points;
     if (!leaves(line, anchor.point, out)) return false;
@@ -343,11 +343,11 @@ class Planner {
     const Body& body = scene_.bodies[index];
     const int there = std::clamp(frame, infos_[index].window.first, infos_[index].window.last);
     for (std::size_t c = 0; c < body.curves.size(); ++c) {
-      const Line curve = shape(scene_.options, body, body.curves[c], there);
+      const Line curve = line_at(scene_.options, body, body.curves[c], there);
       const bool own = (index == bridge.from.body && c == bridge.from.curve) ||
                        (index == bridge.to.body && c == bridge.to.curve);
       if (!own && too_near(line, curve, apart + 1)) return true;
-      // Its own strokes it may touch at its ends alone.
+      // It may touch its own bodies only at its ends.
       if (own && too_near(Line(line.begin() + static_cast<std::ptrdiff_t>(line.size() / 2),
                                line.begin() + static_cast<std::ptrdiff_t>(line.size() / 2 + 1)),
                           curve, 4.5))

@@ -18,14 +18,14 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// A point of a line with what is drawn there.
+/// A point of a line with contrast and width.
 struct Dab {
   cv::Point2d at;
   double contrast = 0;  ///< grey levels, ≥ 0
   double sigma = 1;     ///< px
 };
 
-/// The larger of what is there and a Gaussian ridge along the segment; so two lines that meet do not add up.
+// Draws a Gaussian ridge along a segment as the maximum with what is drawn, so that meeting lines do not add.
 void draw_segment(cv::Mat& field, const Dab& a, const Dab& b) {
   const double reach = 3.6 * std::max(a.sigma, b.sigma);
   const int left = std::max(0, static_cast<int>(std::ceil(std::min(a.at.x, b.at.x) - reach)));
@@ -53,32 +53,32 @@ void draw_line(cv::Mat& field, const std::vector<Dab>& dabs) {
     if (dabs[i - 1].contrast > 0 || dabs[i].contrast > 0) draw_segment(field, dabs[i - 1], dabs[i]);
 }
 
-/// Contrast along a line of length 1, as a share. A flame is brightest just above its foot.
+// Returns the contrast along a line of length 1, as a share. A flame is brightest just above its foot.
 double taper(BuiltinScene scene, double s) {
   if (scene == BuiltinScene::fire) return std::min(0.62 + 2.4 * s, 1.06 - 0.46 * s);
   return 0.6 + 0.4 * std::sqrt(std::sin(pi * std::clamp(s, 0.0, 1.0)));
 }
 
-/// Width along it, as a share.
+// Returns the width along a line of length 1, as a share.
 double slimness(BuiltinScene scene, double s) {
   return scene == BuiltinScene::fire ? std::min(0.95 + 2 * s, 1.4 - 0.7 * s) : 0.75 + 0.25 * std::sin(pi * s);
 }
 
 std::vector<Dab> dabs_of(const Scene& scene, const Body& body, std::size_t curve, int frame) {
-  const Line line = shape(scene.options, body, body.curves[curve], frame);
-  const double there = body.life.at(frame) * body.contrast;
+  const Line line = line_at(scene.options, body, body.curves[curve], frame);
+  const double there = body.life.contrast_at(frame) * body.contrast;
   std::vector<Dab> dabs(line.size());
   for (std::size_t i = 0; i < line.size(); ++i) {
     const double s = static_cast<double>(i) / static_cast<double>(line.size() - 1);
-    const double left = curve == 0 ? left_by_gaps(body, static_cast<double>(i), frame) : 1;
-    dabs[i] = {line[i], there * left * profile(scene, body, i, line.size(), frame),
+    const double left = curve == 0 ? gap_contrast(body, static_cast<double>(i), frame) : 1;
+    dabs[i] = {line[i], there * left * contrast_profile(scene, body, i, line.size(), frame),
                body.sigma * slimness(scene.options.scene, s)};
   }
   return dabs;
 }
 
-/// A few long waves that drift; mostly −1 … 1. Given on a grid of every fourth pixel, which their length
-/// allows.
+// Returns a sum of long drifting waves, mostly −1 … 1, on a grid of every fourth pixel, fine enough for their
+// length.
 cv::Mat draw_waves(const BuiltinOptions& o, int frame) {
   constexpr int waves = 5;
   const bool fire = o.scene == BuiltinScene::fire, cloth = o.scene == BuiltinScene::cloth;
@@ -86,7 +86,7 @@ cv::Mat draw_waves(const BuiltinOptions& o, int frame) {
   core::Rng rng(o.seed, {static_cast<std::uint32_t>(Purpose::ground), 0, 0});
   for (int i = 0; i < waves; ++i) {
     const double k = 2 * pi / (cloth ? rng.uniform(110, 260) : rng.uniform(80, 200));
-    // Water lies in level bands, cloth hangs in upright ones; fire drifts upwards, the others any way.
+    // Bands are level in water and upright in cloth; waves drift upwards in fire, else in any direction.
     const double heading = fire    ? rng.uniform(0, 2 * pi)
                            : cloth ? rng.uniform(-0.6, 0.6)
                                    : pi / 2 + rng.uniform(-0.5, 0.5);
@@ -100,7 +100,7 @@ cv::Mat draw_waves(const BuiltinOptions& o, int frame) {
   return field;
 }
 
-/// Grey level (heat, for fire) of the ground, given the waves there.
+// Returns the background's grey level (heat, for fire) from the waves there.
 double ground_level(const BuiltinOptions& o, double waves, int x, int y) {
   const double across = (x - o.width / 2.0) / o.width, up = 1 - static_cast<double>(y) / o.height;
   switch (o.scene) {
@@ -118,8 +118,7 @@ double ground_level(const BuiltinOptions& o, double waves, int x, int y) {
   return 0;
 }
 
-/// The soft light that strokes throw about them: a flame's glow, a fold's lit and shaded flank, a crest's
-/// shimmer.
+// Returns the soft light around strokes: a flame's glow, a fold's lit and shaded flank, a crest's shimmer.
 cv::Mat halo_of(BuiltinScene scene, const cv::Mat& strokes) {
   cv::Mat soft, halo;
   if (scene == BuiltinScene::fire) {
@@ -152,7 +151,7 @@ cv::Vec3d colour_of(BuiltinScene scene, double level) {
 
 }  // namespace
 
-double profile(const Scene& scene, const Body& body, std::size_t i, std::size_t n, int frame) {
+double contrast_profile(const Scene& scene, const Body& body, std::size_t i, std::size_t n, int frame) {
   const Style& style = style_of(scene.options.scene);
   const double s = static_cast<double>(i) / static_cast<double>(n - 1);
   const double wave =
@@ -164,13 +163,13 @@ cv::Mat render_strokes(const Scene& scene, int frame) {
   std::array<cv::Mat, 2> fields;  // ridges, valleys
   for (cv::Mat& field : fields) field = cv::Mat::zeros(scene.options.height, scene.options.width, CV_32F);
   for (const Body& body : scene.bodies)
-    if (body.life.at(frame) > 0)
+    if (body.life.contrast_at(frame) > 0)
       for (std::size_t c = 0; c < body.curves.size(); ++c)
         draw_line(fields[body.polarity > 0 ? 0 : 1], dabs_of(scene, body, c, frame));
   for (const Bridge& bridge : scene.bridges)
-    if (const double there = bridge.there.at(frame); there > 0) {
+    if (const double there = bridge.presence.contrast_at(frame); there > 0) {
       std::vector<Dab> dabs;
-      for (const auto& p : shape(scene, bridge, frame))
+      for (const auto& p : line_at(scene, bridge, frame))
         dabs.push_back({p, there * bridge.contrast, bridge.sigma});
       draw_line(fields[scene.bodies[bridge.from.body].polarity > 0 ? 0 : 1], dabs);
     }

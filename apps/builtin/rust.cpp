@@ -19,15 +19,15 @@ namespace {
 
 constexpr float kNever = std::numeric_limits<float>::max();
 
-/// What the plate goes through, pixel by pixel. Times as shares of the clip.
+/// The course of the plate by pixel; times as shares of the clip.
 struct Plate {
   cv::Mat rust;          ///< when rust arrives
   cv::Mat crack;         ///< when a crack does
   cv::Mat fine, coarse;  ///< noise, SD 1
 };
 
-// Noise of one size of detail, mean 0 and SD 1.
-cv::Mat noise(const BuiltinOptions& options, std::uint32_t stream, double sigma) {
+// Draws Gaussian-filtered noise of mean 0 and SD 1.
+cv::Mat draw_noise(const BuiltinOptions& options, std::uint32_t stream, double sigma) {
   cv::Mat field(options.height, options.width, CV_32F);
   core::Rng rng(options.seed, {0x72757374u, stream, 0});
   for (float& value : cv::Mat_<float>(field)) value = static_cast<float>(rng.normal());
@@ -37,12 +37,13 @@ cv::Mat noise(const BuiltinOptions& options, std::uint32_t stream, double sigma)
   return (field - mean[0]) / deviation[0];
 }
 
-// Spots break through one after the other and spread at their own pace; noise bends their fronts.
+// Returns when rust arrives at each pixel: spots start in turn and spread at their own pace, with ragged
+// fronts.
 cv::Mat rust_arrival(const BuiltinOptions& options) {
   constexpr double kAreaPerSpot = 240, kReach = 24;
   const int count = std::max(6, cvRound(static_cast<double>(options.width) * options.height / kAreaPerSpot));
   const cv::Mat bend =
-      0.6 * noise(options, 1, 5) + 0.4 * noise(options, 2, 2) + 0.25 * noise(options, 3, 0.8);
+      0.6 * draw_noise(options, 1, 5) + 0.4 * draw_noise(options, 2, 2) + 0.25 * draw_noise(options, 3, 0.8);
   cv::Mat arrival(options.height, options.width, CV_32F, cv::Scalar(kNever));
   core::Rng rng(options.seed, {0x72757374u, 4, 0});
   for (int i = 0; i < count; ++i) {
@@ -64,7 +65,7 @@ cv::Mat rust_arrival(const BuiltinOptions& options) {
   return arrival;
 }
 
-// Lines that wander and grow from their first point on, one or two pixels wide.
+// Returns when cracks arrive at each pixel: wandering lines, one or two pixels wide, that grow from one end.
 cv::Mat crack_arrival(const BuiltinOptions& options) {
   constexpr double kAreaPerCrack = 420;
   const int count = std::max(3, cvRound(static_cast<double>(options.width) * options.height / kAreaPerCrack));
@@ -79,7 +80,7 @@ cv::Mat crack_arrival(const BuiltinOptions& options) {
       x += 0.5 * std::cos(heading), y += 0.5 * std::sin(heading);
       const int u = cvRound(x), v = cvRound(y);
       if (u < 0 || v < 0 || u >= options.width || v >= options.height) break;
-      // The neighbours give way later: the crack opens.
+      // Neighbours crack later: the crack opens.
       for (const auto [dx, dy, late] : {std::array{0, 0, 0}, {1, 0, 1}, {0, 1, 2}}) {
         if (u + dx < 0 || v + dy < 0 || u + dx >= options.width || v + dy >= options.height) continue;
         auto& at = arrival.at<float>(v + dy, u + dx);
@@ -95,7 +96,7 @@ double smooth_step(double from, double to, double at) {
   return share * share * (3 - 2 * share);
 }
 
-cv::Vec3d mixed(const cv::Vec3d& a, const cv::Vec3d& b, double share) {
+cv::Vec3d mix(const cv::Vec3d& a, const cv::Vec3d& b, double share) {
   return a + (b - a) * share;
 }
 
@@ -106,19 +107,19 @@ cv::Vec3d colour_at(const Plate& plate, int x, int y, double time) {
   const double coarse = static_cast<double>(plate.coarse.at<float>(y, x));
   const double age = time - static_cast<double>(plate.rust.at<float>(y, x));
   cv::Vec3d colour = paint * (1 + 0.03 * fine + 0.03 * coarse);
-  colour = mixed(colour, lifted, 0.8 * smooth_step(-0.10, -0.01, age));  // blisters run ahead of rust
-  const cv::Vec3d rust = mixed(fresh, old, smooth_step(0, 0.55, age)) * (1 + 0.10 * fine + 0.12 * coarse);
-  colour = mixed(colour, rust, smooth_step(-0.012, 0.03, age));
+  colour = mix(colour, lifted, 0.8 * smooth_step(-0.10, -0.01, age));  // blisters run ahead of rust
+  const cv::Vec3d rust = mix(fresh, old, smooth_step(0, 0.55, age)) * (1 + 0.10 * fine + 0.12 * coarse);
+  colour = mix(colour, rust, smooth_step(-0.012, 0.03, age));
   const double open = time - static_cast<double>(plate.crack.at<float>(y, x));
-  return mixed(colour, gap, 0.85 * smooth_step(0, 0.05, open));
+  return mix(colour, gap, 0.85 * smooth_step(0, 0.05, open));
 }
 
 }  // namespace
 
 core::Clip make_rust(const BuiltinOptions& options, const core::Context& context) {
   options.validate();
-  const Plate plate{rust_arrival(options), crack_arrival(options), noise(options, 6, 0.7),
-                    noise(options, 7, 3)};
+  const Plate plate{rust_arrival(options), crack_arrival(options), draw_noise(options, 6, 0.7),
+                    draw_noise(options, 7, 3)};
   core::Clip clip{{options.width, options.height, 3, CV_8U, options.fps, 255, options.frames}, {}};
   clip.frames.resize(static_cast<std::size_t>(options.frames));
   core::parallel_for(clip.frames.size(), context, [&](std::size_t t) {

@@ -12,23 +12,23 @@
 
 namespace emberfold::apps {
 
-/// A change of contrast between none and full, spread over `fade` frames about the frame boundary before
-/// `frame`, so that `frame` is the first one at or past half.
+/// A change of contrast between none and full over `fade` frames, centred on the boundary before `frame`: the
+/// first frame at or past half.
 struct Change {
   int frame = 0;
   int fade = 1;  ///< 1: at once; 2 and 3: two frames in between
 
-  /// Share of the change that is done at a frame: 0 before, 1 after, never exactly one half.
-  [[nodiscard]] double done(int at) const;
+  /// Returns the share of the change done at a frame: 0 before, 1 after, never exactly one half.
+  [[nodiscard]] double progress(int at) const;
 };
 
-/// When something is there: from `begin` (or ever since) to `end` (or for ever).
+/// The time that something is present: from `begin` (or the first frame) to `end` (or the last).
 struct Presence {
   std::optional<Change> begin, end;
 
-  /// Contrast at a frame, as a share of full contrast.
-  [[nodiscard]] double at(int frame) const;
-  [[nodiscard]] bool shows(int frame) const { return at(frame) > 0.5; }
+  /// Returns the contrast at a frame as a share of full contrast.
+  [[nodiscard]] double contrast_at(int frame) const;
+  [[nodiscard]] bool shows(int frame) const { return contrast_at(frame) > 0.5; }
 };
 
 /// A line at rest: points about 2 px apart, and for each its place along the body's modes, 0…1.
@@ -66,41 +66,42 @@ struct Anchor {
   std::size_t body = 0, curve = 0, point = 0;
 };
 
-/// A line between two bodies that comes and goes.
+/// A line between two bodies, present for some time.
 struct Bridge {
   int id = 0;
   Anchor from, to;
   double bow = 0;  ///< how far it bends sideways, as a share of its length
   double contrast = 0, sigma = 2;
-  Presence there;
+  Presence presence;
 };
 
-/// All that a built-in clip shows but its ground and its noise.
+/// The strokes of a built-in clip with all their events.
 struct Scene {
   BuiltinOptions options;
   std::vector<Body> bodies;
   std::vector<Bridge> bridges;
 };
 
-/// Lays out strokes and times their events. At any frame, what does not touch is at least 10 px apart, and
-/// what shows at once forms a forest of bodies and bridges; events of one body are 5 frames apart or more.
+/// Lays out strokes and times their events. In any frame lines that do not touch are at least 10 px apart,
+/// and bodies and bridges form a forest. Events of one body are at least 5 frames apart.
 Scene plan_scene(const BuiltinOptions& options);
 
 using Line = std::vector<cv::Point2d>;
 
-/// Where a line is at a frame of its body's life.
-Line shape(const BuiltinOptions& options, const Body& body, const RestCurve& curve, int frame);
-Line shape(const Scene& scene, const Bridge& bridge, int frame);
+/// Returns the points of a line at a frame of its body's life.
+Line line_at(const BuiltinOptions& options, const Body& body, const RestCurve& curve, int frame);
+Line line_at(const Scene& scene, const Bridge& bridge, int frame);
 
-/// The share of contrast that the gaps leave at a point of curves[0].
-double left_by_gaps(const Body& body, double point, int frame);
+/// Returns the share of contrast that the gaps leave at a point of curves[0].
+double gap_contrast(const Body& body, double point, int frame);
 
-double length(const Line& line);
+/// Returns the length of a line, px.
+double line_length(const Line& line);
 
-/// The point half way along.
-cv::Point2d middle(const Line& line);
+/// Returns the point half way along a line.
+cv::Point2d midpoint(const Line& line);
 
-/// Where two lines cross, if they do (the first place along `a`).
-std::optional<cv::Point2d> crossing(const Line& a, const Line& b);
+/// Returns the first crossing of two lines along `a`, if there is one.
+std::optional<cv::Point2d> crossing_point(const Line& a, const Line& b);
 
 }  // namespace emberfold::apps

@@ -15,7 +15,7 @@ constexpr double step = 2;  // px between points at rest
 
 using Heading = std::function<double(const cv::Point2d& at, double travelled)>;  ///< rad, x right, y down
 
-RestCurve follow(cv::Point2d at, double length, const Heading& heading) {
+RestCurve follow_heading(cv::Point2d at, double length, const Heading& heading) {
   RestCurve curve;
   const int steps = static_cast<int>(std::round(length / step));
   for (int i = 0; i <= steps; ++i) {
@@ -27,14 +27,14 @@ RestCurve follow(cv::Point2d at, double length, const Heading& heading) {
   return curve;
 }
 
-/// Puts the point a share of the way along a curve where its beginning is.
+// Moves a curve so that its point at that share of its length lies where its beginning was.
 void shift_back(RestCurve& curve, double share) {
   const auto there = static_cast<std::size_t>(share * static_cast<double>(curve.points.size()));
   const cv::Point2d shift = curve.points.front() - curve.points[there];
   for (auto& point : curve.points) point += shift;
 }
 
-/// A tongue: from its foot upwards, leaning towards the middle the higher it is.
+// Draws a tongue of flame: from its foot upwards, leaning towards the middle with height.
 void draw_tongue(Body& body, const BuiltinOptions& o, const std::array<double, 4>& flow,
                  std::optional<cv::Point2d> beside, core::Rng& rng) {
   const double w = o.width, h = o.height;
@@ -49,7 +49,7 @@ void draw_tongue(Body& body, const BuiltinOptions& o, const std::array<double, 4
   const double length = std::min(rng.uniform(34, 92) * (1.15 - 0.4 * up), foot.y - 9);
   if (length < 32) return;
   const double wave = rng.uniform(45, 90), phase = rng.uniform(0, 2 * pi), bend = rng.uniform(0.1, 0.32);
-  body.curves.push_back(follow(foot, length, [&](const cv::Point2d& p, double s) {
+  body.curves.push_back(follow_heading(foot, length, [&](const cv::Point2d& p, double s) {
     const double lean = -0.5 * (p.x - w / 2) / (w / 2) * (0.35 + 0.65 * (1 - p.y / h));
     const double gust = 0.22 * std::sin(2 * pi * p.y / 120 + 2.5 * p.x / 160 + flow[0]);
     return -pi / 2 + lean + gust + bend * std::sin(2 * pi * s / wave + phase);
@@ -57,7 +57,7 @@ void draw_tongue(Body& body, const BuiltinOptions& o, const std::array<double, 4
   body.direction = {1, 0};
 }
 
-/// A fold: long, hanging, all of them bent by the same drape.
+// Draws a long hanging fold; all folds are bent by the same drape.
 void draw_fold(Body& body, const BuiltinOptions& o, const std::array<double, 4>& flow,
                std::optional<cv::Point2d> beside, core::Rng& rng) {
   const double w = o.width, h = o.height;
@@ -67,7 +67,7 @@ void draw_fold(Body& body, const BuiltinOptions& o, const std::array<double, 4>&
   if (beside)
     at = *beside + cv::Point2d(rng.uniform(15, 28) * (rng.uniform() < 0.5 ? 1 : -1), rng.uniform(-60, 60));
   const double own = rng.uniform(-0.08, 0.08), phase = rng.uniform(0, 2 * pi);
-  body.curves.push_back(follow(at, length, [&](const cv::Point2d& p, double s) {
+  body.curves.push_back(follow_heading(at, length, [&](const cv::Point2d& p, double s) {
     const double drape = 0.34 * std::sin(2 * pi * p.x / 330 + flow[0]) * (0.5 + 0.5 * p.y / h);
     const double sag = 0.16 * std::sin(2 * pi * p.y / 260 + flow[1]);
     return pi / 2 + 0.28 * std::sin(flow[2]) + drape + sag + own + 0.07 * std::sin(2 * pi * s / 110 + phase);
@@ -77,7 +77,7 @@ void draw_fold(Body& body, const BuiltinOptions& o, const std::array<double, 4>&
   body.direction = cv::Point2d(along.y, -along.x) / cv::norm(along);
 }
 
-/// A crest, or two that cross: close to level, undulating.
+// Draws a nearly level, undulating crest, or two that cross.
 void draw_crest(Body& body, const BuiltinOptions& o, const std::array<double, 4>& flow,
                 std::optional<cv::Point2d> beside, core::Rng& rng) {
   cv::Point2d at(rng.uniform(0, o.width), rng.uniform(0, o.height));
@@ -98,14 +98,14 @@ void draw_crest(Body& body, const BuiltinOptions& o, const std::array<double, 4>
     const double tilt =
         (arm == 0 ? side : -side) * (crossed ? rng.uniform(0.28, 0.42) : rng.uniform(0.02, 0.3));
     const double wave = rng.uniform(34, 70), phase = rng.uniform(0, 2 * pi);
-    body.curves.push_back(follow(at, length, [&](const cv::Point2d& p, double s) {
+    body.curves.push_back(follow_heading(at, length, [&](const cv::Point2d& p, double s) {
       const double swell = 0.1 * std::sin(2 * pi * p.x / 150 + 2 * pi * p.y / 210 + flow[0]);
       return tilt + swell + (crossed ? 0.16 : 0.28) * std::sin(2 * pi * s / wave + phase);
     }));
     shift_back(body.curves.back(), crossed ? rng.uniform(0.32, 0.68) : 0.5);
   }
   if (crossed) {
-    // Both arms move by the same function of x, so that their crossing never comes apart.
+    // Both arms move by the same function of x, so that they always cross.
     const double left = std::min(body.curves[0].points.front().x, body.curves[1].points.front().x);
     const double right = std::max(body.curves[0].points.back().x, body.curves[1].points.back().x);
     for (auto& curve : body.curves)

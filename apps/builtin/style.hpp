@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What makes fire, cloth and river differ: numbers and rest shapes. Inner header of the built-in clips.
+// The parameters and rest shapes of fire, cloth and river. Inner header of the built-in clips.
 #pragma once
 
 #include <array>
@@ -11,9 +11,10 @@
 
 namespace emberfold::apps {
 
-/// Purposes of the random streams of a scene.
+/// The purposes of a scene's random streams.
 enum class Purpose : std::uint32_t { wind = 1, body, gap, bridge, ground, noise };
 
+/// The parameters of a scene, chosen by eye so that its strokes look like fire, cloth or water.
 struct Style {
   double area_per_body;        ///< px² of ground for each body that shows
   double births;               ///< for each body that shows, in 100 frames
@@ -27,10 +28,11 @@ struct Style {
   double flicker, flicker_wave, flicker_period;  ///< amplitude, px, frames (positive: runs along the line)
 };
 
+/// Returns the parameters of a scene.
 const Style& style_of(BuiltinScene scene);
 
-/// Rest curves, direction and the like of a new body somewhere in the picture; no curves where the place does
-/// not fit. `flow` (four phases) is what all bodies of a clip share.
+/// Draws a new body: its rest curves, direction, contrast and width. It has no curves where its place does
+/// not fit. `flow`: four phases that all bodies of a clip share. `beside`: a point that it lies near.
 Body draw_body(const BuiltinOptions& options, const std::array<double, 4>& flow,
                std::optional<cv::Point2d> beside, core::Rng& rng);
 

@@ -9,6 +9,7 @@
 
 #include "apps/builtin/render.hpp"
 #include "apps/builtin/style.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -16,12 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double rounded(double value, double unit) {
-  return std::round(value * unit) / unit;
-}
-
 Json point_json(const cv::Point2d& p) {
-  return Json::array({rounded(p.x, 100), rounded(p.y, 100)});
+  return Json::array({core::round_to(p.x, 2), core::round_to(p.y, 2)});
 }
 
 cv::Point2d at_point(const Line& line, double index) {
@@ -29,15 +26,15 @@ cv::Point2d at_point(const Line& line, double index) {
   return line[i] + (index - static_cast<double>(i)) * (line[i + 1] - line[i]);
 }
 
-/// The pieces of a body's first curve that the gaps leave at half contrast or more, cut at that very place.
-std::vector<Line> pieces(const Body& body, const Line& line, int frame) {
+// Returns the pieces of a body's first curve at half contrast or more, cut where it is exactly half.
+std::vector<Line> visible_pieces(const Body& body, const Line& line, int frame) {
   constexpr int fine = 20;  // places looked at between two points
   std::vector<Line> found(1);
   bool shown = false;
   for (std::size_t i = 0; i + 1 <= line.size(); ++i)
     for (int k = 0; k < (i + 1 < line.size() ? fine : 1); ++k) {
       const double index = static_cast<double>(i) + static_cast<double>(k) / fine;
-      const bool shows = left_by_gaps(body, index, frame) >= 0.5;
+      const bool shows = gap_contrast(body, index, frame) >= 0.5;
       if (shows != shown && index > 0) {
         if (shows) found.emplace_back();
         found.back().push_back(at_point(line, index));
@@ -54,8 +51,8 @@ Json stroke_json(int id, const Body& body, double sigma, const Line& line) {
   for (const auto& p : line) points.push_back(point_json(p));
   return {{"id", id},
           {"polarity", body.polarity},
-          {"sigma", rounded(sigma, 1000)},
-          {"ar", {rounded(body.ar[0], 1e6), rounded(body.ar[1], 1e6)}},
+          {"sigma", core::round_to(sigma, 3)},
+          {"ar", {core::round_to(body.ar[0], 6), core::round_to(body.ar[1], 6)}},
           {"points", std::move(points)}};
 }
 
@@ -65,11 +62,11 @@ struct Event {
   cv::Point2d at;
 };
 
-/// The middle of a body: half way along its line, or where its lines cross.
+// Returns the middle of a body: half way along its line, or where its lines cross.
 cv::Point2d middle_of(const Scene& scene, const Body& body, int frame) {
-  const Line line = shape(scene.options, body, body.curves[0], frame);
-  if (body.curves.size() == 1) return middle(line);
-  return crossing(line, shape(scene.options, body, body.curves[1], frame)).value_or(middle(line));
+  const Line line = line_at(scene.options, body, body.curves[0], frame);
+  if (body.curves.size() == 1) return midpoint(line);
+  return crossing_point(line, line_at(scene.options, body, body.curves[1], frame)).value_or(midpoint(line));
 }
 
 std::vector<Event> events_of(const Scene& scene) {
@@ -85,18 +82,18 @@ std::vector<Event> events_of(const Scene& scene) {
     }
     for (const Gap& gap : body.gaps) {
       const auto place = [&](int t) {
-        return at_point(shape(scene.options, body, body.curves[0], t), gap.centre);
+        return at_point(line_at(scene.options, body, body.curves[0], t), gap.centre);
       };
       if (gap.open.begin) events.push_back({gap.open.begin->frame, "split", place(gap.open.begin->frame)});
       if (gap.open.end) events.push_back({gap.open.end->frame, "merge", place(gap.open.end->frame)});
     }
   }
   for (const Bridge& bridge : scene.bridges) {
-    const auto place = [&](int t) { return middle(shape(scene, bridge, t)); };
-    if (bridge.there.begin)
-      events.push_back({bridge.there.begin->frame, "connect", place(bridge.there.begin->frame)});
-    if (bridge.there.end)
-      events.push_back({bridge.there.end->frame, "disconnect", place(bridge.there.end->frame - 1)});
+    const auto place = [&](int t) { return midpoint(line_at(scene, bridge, t)); };
+    if (bridge.presence.begin)
+      events.push_back({bridge.presence.begin->frame, "connect", place(bridge.presence.begin->frame)});
+    if (bridge.presence.end)
+      events.push_back({bridge.presence.end->frame, "disconnect", place(bridge.presence.end->frame - 1)});
   }
   std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
     return std::tuple(a.frame, std::string(a.type), a.at.x, a.at.y) <
@@ -111,16 +108,16 @@ void add_frame(const Scene& scene, int frame, Json& all_strokes, Json& all_junct
   for (const Body& body : scene.bodies) {
     if (!body.life.shows(frame)) continue;
     std::vector<Line> lines;
-    for (const RestCurve& curve : body.curves) lines.push_back(shape(scene.options, body, curve, frame));
+    for (const RestCurve& curve : body.curves) lines.push_back(line_at(scene.options, body, curve, frame));
     for (std::size_t c = 0; c < lines.size(); ++c)
-      for (const Line& piece : c == 0 ? pieces(body, lines[c], frame) : std::vector<Line>{lines[c]})
+      for (const Line& piece : c == 0 ? visible_pieces(body, lines[c], frame) : std::vector<Line>{lines[c]})
         strokes.push_back(stroke_json(body.curves[c].id, body, body.sigma, piece));
     if (lines.size() > 1)
-      if (const auto cross = crossing(lines[0], lines[1])) junctions.push_back(point_json(*cross));
+      if (const auto cross = crossing_point(lines[0], lines[1])) junctions.push_back(point_json(*cross));
   }
   for (const Bridge& bridge : scene.bridges) {
-    if (!bridge.there.shows(frame)) continue;
-    const Line line = shape(scene, bridge, frame);
+    if (!bridge.presence.shows(frame)) continue;
+    const Line line = line_at(scene, bridge, frame);
     strokes.push_back(stroke_json(bridge.id, scene.bodies[bridge.from.body], bridge.sigma, line));
     junctions.push_back(point_json(line.front()));
     junctions.push_back(point_json(line.back()));
@@ -150,8 +147,8 @@ std::string truth_of(const Scene& scene) {
   for (const Event& event : events_of(scene))
     events.push_back({{"frame", event.frame},
                       {"type", event.type},
-                      {"x", rounded(event.at.x, 100)},
-                      {"y", rounded(event.at.y, 100)}});
+                      {"x", core::round_to(event.at.x, 2)},
+                      {"y", core::round_to(event.at.y, 2)}});
   for (int t = 0; t < o.frames; ++t) add_frame(scene, t, strokes, junctions);
   truth["events"] = std::move(events);
   truth["strokes"] = std::move(strokes);

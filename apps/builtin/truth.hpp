@@ -7,11 +7,10 @@
 
 namespace emberfold::apps {
 
-/// What truly happens in a scene, as JSON: kind, width, height, frames, fps, noise, ramp (frames that a
-/// change takes at most), flicker (of contrast), seed; `events` [{frame, type, x, y}],
-/// by frame; and for each frame `strokes` [{id, polarity, sigma, ar, points}], every centre line (or piece of
-/// one) that shows at half contrast or more, and `junctions` [[x, y]]: the ends of bridges and where strokes
-/// cross.
+/// Writes the true events and strokes of a scene as JSON. Fields: kind, width, height, frames, fps, noise,
+/// ramp (most frames of a change), flicker (of contrast), seed; `events` [{frame, type, x, y}] by frame; for
+/// each frame `strokes` [{id, polarity, sigma, ar, points}], the centre lines or pieces of them at half
+/// contrast or more, and `junctions` [[x, y]]: ends of bridges and crossings.
 std::string truth_of(const Scene& scene);
 
 }  // namespace emberfold::apps

@@ -10,13 +10,13 @@
 
 namespace emberfold::apps {
 
-/// White noise in time, smooth in space: what the sway of neighbours has in common.
+/// Noise that is white in time and smooth in space; it drives neighbouring strokes alike.
 class Wind {
  public:
   explicit Wind(const BuiltinOptions& options);
 
-  /// The modes q of a body for the frames first…last: its auto-regression, long settled, driven by the gusts
-  /// about the middle of its first curve and, for a small part, by noise of its own from `rng`. `sd`:
+  /// Simulates the modes q of a body for frames first…last. Its auto-regression, started long before, is
+  /// driven by the gusts at the middle of its first curve and, for a small part, by noise from `rng`. `sd`:
   /// stationary standard deviation of each mode, px.
   [[nodiscard]] std::vector<std::array<double, 3>> sway(const Body& body, int first, int last,
                                                         const std::array<double, 3>& sd, core::Rng rng) const;

@@ -16,11 +16,11 @@ namespace emberfold::apps {
 
 namespace {
 
-std::int16_t wrapped(int value) {
+std::int16_t wrap_to_16_bits(int value) {
   return static_cast<std::int16_t>(value);
 }
 
-/// `strategy`: zlib's. What differs from its neighbours like noise has no repetitions worth a search.
+// Deflates bytes. `strategy`: zlib's; noise has no repetitions worth a search.
 std::string deflated_text(std::span<const unsigned char> bytes, int strategy) {
   if (bytes.size() > std::numeric_limits<uInt>::max())
     throw core::InputError("an image of " + std::to_string(bytes.size()) + " bytes is too large for a page");
@@ -39,16 +39,16 @@ std::string deflated_text(std::span<const unsigned char> bytes, int strategy) {
   return base64(packed);
 }
 
-/// Blue, green, red to lightness, orange, green: the steps are undone one by one (Malvar, Sullivan 2003).
+// Turns blue, green, red into lightness, orange, green by reversible steps (Malvar, Sullivan 2003).
 void to_lightness_and_colour(std::span<std::int16_t> planes) {
   const std::size_t size = planes.size() / 3;
   for (std::size_t p = 0; p < size; ++p) {
     const int blue = planes[p], green = planes[size + p], red = planes[2 * size + p];
-    const int orange = wrapped(red - blue), middle = wrapped(blue + (orange >> 1));
-    const int greenness = wrapped(green - middle);
-    planes[p] = wrapped(middle + (greenness >> 1));
-    planes[size + p] = wrapped(orange);
-    planes[2 * size + p] = wrapped(greenness);
+    const int orange = wrap_to_16_bits(red - blue), middle = wrap_to_16_bits(blue + (orange >> 1));
+    const int greenness = wrap_to_16_bits(green - middle);
+    planes[p] = wrap_to_16_bits(middle + (greenness >> 1));
+    planes[size + p] = wrap_to_16_bits(orange);
+    planes[2 * size + p] = wrap_to_16_bits(greenness);
   }
 }
 
@@ -56,7 +56,8 @@ int median(int a, int b, int c) {
   return std::max(std::min(a, b), std::min(std::max(a, b), c));
 }
 
-/// Differences from what the neighbours foretell, sign last, beginning at `low`; `high` apart.
+// Writes differences from the neighbours' prediction, sign last: low bytes from `low` on, high ones from
+// `high`.
 void put_differences(std::span<const std::int16_t> plane, cv::Size size, unsigned char* low,
                      unsigned char* high) {
   const auto width = static_cast<std::size_t>(size.width);
@@ -64,7 +65,8 @@ void put_differences(std::span<const std::int16_t> plane, cv::Size size, unsigne
     const bool first_row = p < width, first_column = p % width == 0;
     const int left = first_column ? 0 : plane[p - 1], upper = first_row ? 0 : plane[p - width];
     const int corner = first_row || first_column ? 0 : plane[p - width - 1];
-    const int difference = wrapped(plane[p] - median(left, upper, wrapped(left + upper - corner)));
+    const int difference =
+        wrap_to_16_bits(plane[p] - median(left, upper, wrap_to_16_bits(left + upper - corner)));
     const auto code = static_cast<unsigned>(difference < 0 ? -2 * difference - 1 : 2 * difference);
     low[p] = static_cast<unsigned char>(code & 0xFF);
     high[p] = static_cast<unsigned char>(code >> 8);

@@ -33,7 +33,7 @@ constexpr double kError = 0.2;  // levels, RMS of what rounding all components c
 constexpr double kMeanStep = 0.125;
 constexpr int kMostSteps = 32'000, kNarrowSteps = 127;  // to either side of 0: two bytes, one
 
-/// All doubles of a page, one behind the other, and where each matrix lies; columns one after the other.
+// Collects all doubles of a page in one array, with the place of each matrix; column-major.
 struct Numbers {
   std::vector<double> values;
   Json places = Json::object();
@@ -66,14 +66,14 @@ void check_size(const LinearDynamicTexture& texture) {
                            ": learn it from fewer frames, see --range");
 }
 
-/// The last part of a path, the whole of one that has none.
+// Returns the last part of a path, or the whole name where it is no path.
 std::string title_of(const std::string& model) {
   const std::filesystem::path path = std::filesystem::path(model).lexically_normal();
   const std::string name = path.has_filename() ? path.filename() : path.parent_path().filename();
   return name.empty() || name == "." || name == ".." ? model : name;
 }
 
-/// What the presets do to the page's sliders; one that does more has no place there.
+// Lists the presets that only set the page's sliders.
 Json preset_list() {
   Json list = Json::array();
   for (const dytex::PresetInfo& info : dytex::presets()) {
@@ -100,7 +100,7 @@ Json preset_list() {
   return list;
 }
 
-/// A and B, and for every group what another speed is made of.
+// Adds A and B, and for every group its eigenvalues and vectors, from which other speeds are computed.
 Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTexture& texture,
                 std::span<const dytex::detail::Group> groups) {
   numbers.put(name + ".A", texture.A);
@@ -123,7 +123,7 @@ Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTe
   return {{"turning", std::move(list)}, {"residuals", texture.residuals.size() > 0}};
 }
 
-/// The model forwards and exactly backwards, the groups that edits act on, the training frames.
+// Adds the model forwards and exactly backwards, the groups that edits act on, the training frames.
 Json put_dynamics(Numbers& numbers, const LinearDynamicTexture& texture) {
   Json data;
   const auto groups = texture.components() == 0 ? std::vector<dytex::detail::Group>{}
@@ -141,8 +141,8 @@ Json put_dynamics(Numbers& numbers, const LinearDynamicTexture& texture) {
   return data;
 }
 
-/// The step of every component: what rounding changes, at the component's usual amplitude (of the training
-/// frames, or as it is drawn), is the same for all, and kError of all together.
+// Chooses the rounding step of every component so that all contribute alike at their usual amplitude (of the
+// training frames, or as drawn), and kError together.
 std::vector<float> component_steps(const LinearDynamicTexture& texture) {
   const Index n = texture.components();
   std::vector<float> steps;
@@ -162,7 +162,7 @@ std::vector<float> component_steps(const LinearDynamicTexture& texture) {
   return steps;
 }
 
-float rounded(float value, float step) {
+float quantise(float value, float step) {
   return std::nearbyint(value / step);
 }
 
@@ -171,28 +171,29 @@ struct Image {
   bool wide = false;  ///< needs two bytes a value
 };
 
-Image packed(std::span<const float> values, float step, cv::Size size) {
+Image pack_image(std::span<const float> values, float step, cv::Size size) {
   std::vector<std::int16_t> whole(values.size());
   std::ranges::transform(values, whole.begin(),
-                         [step](float v) { return static_cast<std::int16_t>(rounded(v, step)); });
+                         [step](float v) { return static_cast<std::int16_t>(quantise(v, step)); });
   const bool wide = std::ranges::any_of(whole, [](int v) { return std::abs(v) > kNarrowSteps; });
   return {packed_image(whole, size), wide};
 }
 
-/// The mean, then the components.
+// Packs the mean, then the components.
 std::vector<Image> packed_images(const LinearDynamicTexture& texture, const std::vector<float>& steps) {
   const cv::Size size(texture.info.width, texture.info.height);
   const auto values = static_cast<std::size_t>(texture.pixels());
   std::vector<Image> images(steps.size() + 1);
   core::parallel_for(images.size(), {}, [&](std::size_t i) {
-    images[i] = i == 0 ? packed({texture.mean.data(), values}, kMeanStep, size)
-                       : packed({texture.C.data() + (i - 1) * values, values}, steps[i - 1], size);
+    images[i] = i == 0 ? pack_image({texture.mean.data(), values}, kMeanStep, size)
+                       : pack_image({texture.C.data() + (i - 1) * values, values}, steps[i - 1], size);
   });
   return images;
 }
 
-/// How far values of some training frames lie from those that rounded images give: RMS and largest.
-void measure(const LinearDynamicTexture& texture, const std::vector<float>& steps, TexturePage& page) {
+// Measures the RMS and largest error of some training frames drawn from rounded images.
+void measure_rounding(const LinearDynamicTexture& texture, const std::vector<float>& steps,
+                      TexturePage& page) {
   constexpr Index kFrames = 8, kRows = 4096;
   const Index n = texture.components(), frames = std::min(kFrames, texture.states.cols());
   Eigen::MatrixXf states(n, frames);
@@ -206,12 +207,12 @@ void measure(const LinearDynamicTexture& texture, const std::vector<float>& step
     for (Index i = 0; i < n; ++i) {
       const float step = steps[static_cast<std::size_t>(i)];
       wrong.col(i) = texture.C.col(i).segment(first, rows).unaryExpr([step](float v) {
-        return rounded(v, step) * step - v;
+        return quantise(v, step) * step - v;
       });
     }
     Eigen::MatrixXf error = wrong * states;
     error.colwise() += texture.mean.segment(first, rows).unaryExpr([](float v) {
-      return rounded(v, kMeanStep) * static_cast<float>(kMeanStep) - v;
+      return quantise(v, kMeanStep) * static_cast<float>(kMeanStep) - v;
     });
     squares[b] = error.cast<double>().squaredNorm();
     largest[b] = static_cast<double>(error.cwiseAbs().maxCoeff());
@@ -231,7 +232,7 @@ TexturePage make_texture_page(const TexturePageInput& input) {
   const std::vector<float> steps = component_steps(texture);
   const std::vector<Image> images = packed_images(texture, steps);
   TexturePage page;
-  measure(texture, steps, page);
+  measure_rounding(texture, steps, page);
 
   const core::ClipInfo& info = texture.info;
   // a name may hold bytes that are no UTF-8: once through JSON they are replaced

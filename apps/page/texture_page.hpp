@@ -8,9 +8,10 @@
 
 namespace emberfold::apps {
 
-/// A page takes at most so many values of components (m n), other numbers, and numbers of a state.
+/// Bounds of a page, so that browsers load it: values of components (m n), other numbers, order n.
 constexpr long long kPageValues = 48'000'000, kPageNumbers = 8'000'000, kPageOrder = 400;
 
+/// A texture and its labels on the page.
 struct TexturePageInput {
   const dytex::LinearDynamicTexture* texture = nullptr;
   std::string model;               ///< its folder, as the user gave it
@@ -18,15 +19,16 @@ struct TexturePageInput {
   std::string version;
 };
 
+/// The page and the errors of its rounding.
 struct TexturePage {
   std::string html;
   double error = 0;          ///< levels, RMS, of frames drawn from the page's components
   double largest_error = 0;  ///< levels, of some training frames' values
 };
 
-/// A page that runs the texture live in a browser and needs nothing else: mean and components as images of
-/// whole numbers whose steps are as fine as their amplitude asks for (0.2 levels RMS of a frame), all else as
-/// doubles. InputError where the texture is not valid or too large; NumericalError as of dytex::edit.
+/// Makes a self-contained page that runs the texture live in a browser. Mean and components are images of
+/// whole numbers whose steps follow from their amplitudes (0.2 levels RMS of a frame), all else is in
+/// doubles. Throws InputError where the texture is not valid or too large, NumericalError as dytex::edit.
 TexturePage make_texture_page(const TexturePageInput& input);
 
 }  // namespace emberfold::apps

@@ -4,40 +4,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/pictures/draw.hpp"
+#include "core/text/format_number.hpp"
+
 namespace emberfold::apps {
 
 namespace {
 
-const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(226, 222, 218);
+const cv::Scalar kFaint(226, 222, 218);
 // Blue, vermilion, green, purple, orange, sky: told apart by the colour-blind too (Okabe, Ito 2008).
 const std::array<cv::Scalar, 6> kColours = {cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213),
                                             cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
                                             cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86)};
 const cv::Rect kBox(86, 44, 900 - 86 - 24, 540 - 44 - 62);
 
-void write(cv::Mat& picture, const std::string& text, cv::Point at, double size = 0.42,
-           const cv::Scalar& ink = kInk) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
-
-int text_width(const std::string& text, double size = 0.42) {
-  int below = 0;
-  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
-}
-
-std::string tick_text(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", value);
-  return text.data();
-}
-
-// One axis: where a value lies on it, 0…1, and the values to mark.
+// Maps the values of one axis to 0…1 and chooses its ticks.
 class Axis {
  public:
   explicit Axis(bool log) : log_(log) {}
@@ -97,18 +83,20 @@ void draw_axes(cv::Mat& picture, const CurvePlot& plot, const Axis& x, const Axi
   for (const double value : x.ticks()) {
     const int at = cvRound(kBox.x + x.place(value) * kBox.width);
     cv::line(picture, {at, kBox.y}, {at, bottom}, kFaint);
-    write(picture, tick_text(value), {at - text_width(tick_text(value)) / 2, bottom + 18});
+    const std::string number = core::significant_text(value, 4);
+    write_text(picture, number, {at - text_width(number) / 2, bottom + 18});
   }
   for (const double value : y.ticks()) {
     const int at = cvRound(kBox.y + (1 - y.place(value)) * kBox.height);
     cv::line(picture, {kBox.x, at}, {kBox.x + kBox.width, at}, kFaint);
-    write(picture, tick_text(value), {kBox.x - 8 - text_width(tick_text(value)), at + 4});
+    const std::string number = core::significant_text(value, 4);
+    write_text(picture, number, {kBox.x - 8 - text_width(number), at + 4});
   }
   cv::rectangle(picture, kBox, kInk);
-  write(picture, plot.title, {kBox.x, 26}, 0.55);
-  write(picture, plot.x_label, {kBox.x + (kBox.width - text_width(plot.x_label)) / 2, bottom + 44});
+  write_text(picture, plot.title, {kBox.x, 26}, 0.55);
+  write_text(picture, plot.x_label, {kBox.x + (kBox.width - text_width(plot.x_label)) / 2, bottom + 44});
   cv::Mat label(18, std::max(1, text_width(plot.y_label)), CV_8UC3, kPaper), upright;
-  write(label, plot.y_label, {0, 13});
+  write_text(label, plot.y_label, {0, 13});
   cv::rotate(label, upright, cv::ROTATE_90_COUNTERCLOCKWISE);
   const cv::Rect all(0, 0, picture.cols, picture.rows);
   const cv::Rect there(8, kBox.y + std::max(0, (kBox.height - upright.rows) / 2), upright.cols, upright.rows);
@@ -142,7 +130,7 @@ const cv::Scalar& colour_of(const CurvePlot& plot, std::size_t i) {
   return kColours[own < 0 ? i % kColours.size() : static_cast<std::size_t>(own)];
 }
 
-// Of the four corners that where the fewest pixels are drawn over; `curves`: CV_8U, not 0 where one runs.
+// Chooses the corner where the legend covers fewest pixels of curves (CV_8U, not 0 on a curve).
 cv::Rect names_place(cv::Size size, const cv::Mat& curves) {
   constexpr int kMargin = 8;
   const int left = kBox.x + kMargin, right = kBox.x + kBox.width - kMargin - size.width,
@@ -167,7 +155,7 @@ void draw_names(cv::Mat& picture, const CurvePlot& plot, const cv::Mat& curves) 
   for (std::size_t i = 0; i < plot.curves.size(); ++i) {
     const int y = place.y + 14 + 20 * static_cast<int>(i);
     cv::line(picture, {place.x + 8, y}, {place.x + 30, y}, colour_of(plot, i), 2, cv::LINE_AA);
-    write(picture, plot.curves[i].name, {place.x + 38, y + 4});
+    write_text(picture, plot.curves[i].name, {place.x + 38, y + 4});
   }
 }
 

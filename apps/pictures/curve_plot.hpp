@@ -8,6 +8,7 @@
 
 namespace emberfold::apps {
 
+/// One curve of a plot.
 struct Curve {
   std::string name;
   std::vector<double> x,
@@ -16,14 +17,15 @@ struct Curve {
   int colour = -1;      ///< 0…5; −1: by its place among the curves
 };
 
+/// Curves with the labels of their axes.
 struct CurvePlot {
   std::string title, x_label, y_label;
   std::vector<Curve> curves;
   bool log_x = false, log_y = false;
 };
 
-/// 900 × 540, CV_8UC3: axes with round numbers, a grid, a colour for each curve, and their names in the
-/// corner where they hide least.
+/// Draws curves with axes, grid and legend, 900 × 540 px, CV_8UC3. The legend stands in the corner where it
+/// hides least.
 cv::Mat draw_curves(const CurvePlot& plot);
 
 }  // namespace emberfold::apps

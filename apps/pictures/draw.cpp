@@ -21,22 +21,22 @@ cv::Scalar bgr(Colour c) {
   return {double(c.blue), double(c.green), double(c.red)};
 }
 
-cv::Point fixed(cv::Point2d p) {
+cv::Point to_fixed_point(cv::Point2d p) {
   const double unit = 1 << kShift;
   return {static_cast<int>(std::lround(p.x * unit)), static_cast<int>(std::lround(p.y * unit))};
 }
 
-void strip(cv::Mat& picture, const std::vector<cv::Point2d>& points, const cv::Scalar& colour, int thickness,
-           bool closed = false) {
+void draw_polyline(cv::Mat& picture, const std::vector<cv::Point2d>& points, const cv::Scalar& colour,
+                   int thickness, bool closed = false) {
   std::vector<cv::Point> at;
   at.reserve(points.size());
-  for (const auto& p : points) at.push_back(fixed(p));
+  for (const auto& p : points) at.push_back(to_fixed_point(p));
   cv::polylines(picture, at, closed, colour, thickness, cv::LINE_AA, kShift);
 }
 
-void disc(cv::Mat& picture, cv::Point2d centre, double radius, const cv::Scalar& colour, int thickness) {
+void draw_disc(cv::Mat& picture, cv::Point2d centre, double radius, const cv::Scalar& colour, int thickness) {
   const int r = static_cast<int>(std::lround(radius * (1 << kShift)));
-  cv::circle(picture, fixed(centre), r, colour, thickness, cv::LINE_AA, kShift);
+  cv::circle(picture, to_fixed_point(centre), r, colour, thickness, cv::LINE_AA, kShift);
 }
 
 void mark_outline(cv::Mat& picture, cv::Point2d c, graph::EventType type, double r, const cv::Scalar& colour,
@@ -45,32 +45,41 @@ void mark_outline(cv::Mat& picture, cv::Point2d c, graph::EventType type, double
   using enum graph::EventType;
   switch (type) {
     case birth:
-      strip(picture, {{c.x, c.y - r}, {c.x + h, c.y + r / 2}, {c.x - h, c.y + r / 2}}, colour, thickness,
-            true);
+      draw_polyline(picture, {{c.x, c.y - r}, {c.x + h, c.y + r / 2}, {c.x - h, c.y + r / 2}}, colour,
+                    thickness, true);
       break;
     case death:
-      strip(picture, {{c.x, c.y + r}, {c.x + h, c.y - r / 2}, {c.x - h, c.y - r / 2}}, colour, thickness,
-            true);
+      draw_polyline(picture, {{c.x, c.y + r}, {c.x + h, c.y - r / 2}, {c.x - h, c.y - r / 2}}, colour,
+                    thickness, true);
       break;
     case split:
-      disc(picture, c, r * 0.9, colour, thickness);
+      draw_disc(picture, c, r * 0.9, colour, thickness);
       break;
     case merge:
-      strip(picture, {{c.x - d, c.y - d}, {c.x + d, c.y - d}, {c.x + d, c.y + d}, {c.x - d, c.y + d}}, colour,
-            thickness, true);
+      draw_polyline(picture, {{c.x - d, c.y - d}, {c.x + d, c.y - d}, {c.x + d, c.y + d}, {c.x - d, c.y + d}},
+                    colour, thickness, true);
       break;
     case connect:
-      strip(picture, {{c.x - r, c.y}, {c.x + r, c.y}}, colour, thickness);
-      strip(picture, {{c.x, c.y - r}, {c.x, c.y + r}}, colour, thickness);
+      draw_polyline(picture, {{c.x - r, c.y}, {c.x + r, c.y}}, colour, thickness);
+      draw_polyline(picture, {{c.x, c.y - r}, {c.x, c.y + r}}, colour, thickness);
       break;
     case disconnect:
-      strip(picture, {{c.x - d, c.y - d}, {c.x + d, c.y + d}}, colour, thickness);
-      strip(picture, {{c.x - d, c.y + d}, {c.x + d, c.y - d}}, colour, thickness);
+      draw_polyline(picture, {{c.x - d, c.y - d}, {c.x + d, c.y + d}}, colour, thickness);
+      draw_polyline(picture, {{c.x - d, c.y + d}, {c.x + d, c.y - d}}, colour, thickness);
       break;
   }
 }
 
 }  // namespace
+
+void write_text(cv::Mat& picture, const std::string& text, cv::Point at, double size, const cv::Scalar& ink) {
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
+}
+
+int text_width(const std::string& text, double size) {
+  int below = 0;
+  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
+}
 
 std::string hex(Colour colour) {
   std::array<char, 8> text{};
@@ -101,7 +110,7 @@ Colour stroke_colour(std::uint32_t identity) {
   const double turn = std::fmod(identity * 0.6180339887498949, 1.0);
   const double lift = identity % 2 == 0 ? 0.0 : 0.08;
   const auto channel = [&](double offset) {
-    // a smooth wheel: lighter and softer than the pure hues, so that no stroke sinks into a dark frame
+    // lighter and softer than the pure hues, so that strokes are seen on a dark frame
     const double wave = 0.5 + 0.5 * std::cos(2 * std::numbers::pi * (turn - offset));
     return static_cast<unsigned char>(std::lround(255 * std::clamp(0.22 + lift + 0.78 * wave, 0.0, 1.0)));
   };
@@ -137,7 +146,7 @@ cv::Mat enlarge(const cv::Mat& frame, double scale) {
 
 namespace {
 
-/// A line to be drawn, and a vertex of its curve.
+/// A line to draw and a vertex of its curve.
 struct Way {
   std::vector<cv::Point2d> points;
   std::size_t vertex;
@@ -147,7 +156,7 @@ double sign_of(double value) {
   return value < 0 ? -1 : 1;
 }
 
-/// The curve's lines: one, and two along its double ridges; single ones go on from the nearer of those.
+// Returns the lines of a curve: one, and two along its double ridges, where single parts join the nearer one.
 void append_ways(std::vector<Way>& ways, const graph::AttributeGraph& graph, const graph::Curve& curve,
                  const Placement& place) {
   const auto two_from = [&](std::size_t k) {
@@ -178,23 +187,23 @@ void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Plac
   const cv::Scalar dark(24, 20, 20);
   std::vector<Way> ways;
   for (const auto& curve : graph::curves(graph)) append_ways(ways, graph, curve, place);
-  for (const auto& way : ways) strip(picture, way.points, dark, 4);
-  for (const auto& way : ways) strip(picture, way.points, bgr(colour(way.vertex)), 2);
+  for (const auto& way : ways) draw_polyline(picture, way.points, dark, 4);
+  for (const auto& way : ways) draw_polyline(picture, way.points, bgr(colour(way.vertex)), 2);
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const auto& patch = graph.patch(i);
     const cv::Point2d at = place(patch.position);
     const auto tint = bgr(colour(i));
     if (graph.degree(i) == 0) {
-      disc(picture, at, 3.5, dark, cv::FILLED);
-      disc(picture, at, 2.5, tint, cv::FILLED);
+      draw_disc(picture, at, 3.5, dark, cv::FILLED);
+      draw_disc(picture, at, 2.5, tint, cv::FILLED);
     } else if (graph.degree(i) >= 3) {
-      disc(picture, at, 4.5, dark, cv::FILLED);
-      disc(picture, at, 3.5, {255, 255, 255}, cv::FILLED);
-      disc(picture, at, 2, tint, cv::FILLED);
+      draw_disc(picture, at, 4.5, dark, cv::FILLED);
+      draw_disc(picture, at, 3.5, {255, 255, 255}, cv::FILLED);
+      draw_disc(picture, at, 2, tint, cv::FILLED);
     } else {
       const double reach = std::clamp(patch.width * place.scale / 2, 2.5, 4.5);
       const cv::Point2d across(-std::sin(patch.theta) * reach, std::cos(patch.theta) * reach);
-      strip(picture, {at - across, at + across}, tint, 1);
+      draw_polyline(picture, {at - across, at + across}, tint, 1);
     }
   }
 }
@@ -236,15 +245,10 @@ std::string frame_label(int frame) {
 
 cv::Mat draw_legend(int width, const std::string& text, const std::vector<LegendItem>& items) {
   constexpr int kLine = 26, kMargin = 10, kSample = 22, kGap = 14;
-  constexpr double kSize = 0.42;
-  const cv::Scalar ink(60, 52, 48);
   std::vector<cv::Point> places;  // x, line; of the text, then of each item
   cv::Point next(kMargin, 0);
   for (std::size_t i = 0; i <= items.size(); ++i) {
-    int baseline = 0;
-    const std::string& label = i == 0 ? text : items[i - 1].label;
-    const int needed =
-        cv::getTextSize(label, cv::FONT_HERSHEY_SIMPLEX, kSize, 1, &baseline).width + (i == 0 ? 0 : kSample);
+    const int needed = i == 0 ? text_width(text) : text_width(items[i - 1].label) + kSample;
     if (next.x + needed > width - kMargin && next.x > kMargin) next = {kMargin, next.y + 1};
     places.push_back(next);
     next.x += needed + kGap;
@@ -260,11 +264,10 @@ cv::Mat draw_legend(int width, const std::string& text, const std::vector<Legend
       if (item.mark)
         mark_outline(picture, at, *item.mark, 6, bgr(item.colour), 2);
       else
-        strip(picture, {{at.x - 7, at.y}, {at.x + 7, at.y}}, bgr(item.colour), 3);
+        draw_polyline(picture, {{at.x - 7, at.y}, {at.x + 7, at.y}}, bgr(item.colour), 3);
       left += kSample - 2;
     }
-    cv::putText(picture, i == 0 ? text : items[i - 1].label, {left, middle + 4}, cv::FONT_HERSHEY_SIMPLEX,
-                kSize, ink, 1, cv::LINE_AA);
+    write_text(picture, i == 0 ? text : items[i - 1].label, {left, middle + 4});
   }
   return picture;
 }

@@ -15,30 +15,44 @@
 
 namespace emberfold::apps {
 
+/// A colour of 8 bits a channel.
 struct Colour {
   unsigned char red = 0, green = 0, blue = 0;
   bool operator==(const Colour&) const = default;
 };
-/// #rrggbb
+/// The colours of text and paper in drawn tables and plots, BGR.
+inline const cv::Scalar kInk(60, 52, 48), kPaper(250, 248, 246);
+
+/// The usual size of text, as a factor of OpenCV's Hershey font.
+constexpr double kTextSize = 0.42;
+
+/// Writes ASCII text whose baseline begins at `at`.
+void write_text(cv::Mat& picture, const std::string& text, cv::Point at, double size = kTextSize,
+                const cv::Scalar& ink = kInk);
+
+/// Returns the width of ASCII text, px.
+int text_width(const std::string& text, double size = kTextSize);
+
+/// Writes a colour as "#rrggbb".
 std::string hex(Colour colour);
 
-/// What an event is drawn in, in videos, pictures and the report alike.
+/// Returns the colour of an event type in videos, pictures and the report.
 Colour event_colour(graph::EventType type);
 
-/// A colour of its own for every identity, the same in every picture; neighbouring identities differ most.
+/// Returns an identity's colour, the same in every picture; neighbouring identities differ most.
 Colour stroke_colour(std::uint32_t identity);
 
-/// The frame as CV_8UC3.
+/// Converts a frame to CV_8UC3.
 cv::Mat to_colour_bytes(const cv::Mat& frame, const core::ClipInfo& info);
 
-/// How often the frame is enlarged so that its shorter side is at least `shorter_side` px, while the longer
-/// one stays within 3840 px; ≥ 1.
+/// Returns the factor (≥ 1) that brings the shorter side to `shorter_side` px and keeps the longer within
+/// 3840 px.
 double enlargement(cv::Size frame, int shorter_side);
 
-/// The frame (CV_8UC3) enlarged; width and height are even, as video wants them.
+/// Enlarges a frame (CV_8UC3) to even width and height, as video needs.
 cv::Mat enlarge(const cv::Mat& frame, double scale);
 
-/// Clip pixels to picture pixels of a frame enlarged by `scale` at `origin`; pixel centres are integers in
+/// Maps clip pixels to pixels of a picture enlarged by `scale` at `origin`; pixel centres are integers in
 /// both.
 struct Placement {
   double scale = 1;
@@ -48,20 +62,19 @@ struct Placement {
   }
 };
 
-/// Curves in the colour of their stroke, a tick across every patch, a dot where a patch stands alone, a ring
-/// at junctions. `colour` is asked by vertex index.
+/// Draws curves in the colour of their stroke, a tick across every patch, a dot for a single patch, a ring at
+/// junctions. `colour` takes the vertex index.
 void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Placement& place,
                 const std::function<Colour(std::size_t)>& colour);
 
-/// The mark of an event, as Wang & Zhu 2004 have them: □ merge, ○ split, ▽ death, △ birth; + connect and
-/// × disconnect.
+/// Draws the mark of an event: □ merge, ○ split, ▽ death, △ birth (Wang & Zhu 2004), + connect, × disconnect.
 void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, double radius,
                double opacity = 1);
 
-/// Of the mark of an event, by its probability: 1 where that is 1, 0.3 at one half.
+/// Returns the opacity of an event's mark: 1 at probability 1, 0.3 at one half.
 double mark_opacity(double probability);
 
-/// The radius of marks, px, where so many of them are shown at once: the more, the smaller.
+/// Returns the radius of marks, px, which falls with how many are shown at once.
 double mark_radius(std::size_t shown);
 
 /// One entry of a legend: an event's mark, or a stroke of its colour.
@@ -70,12 +83,12 @@ struct LegendItem {
   Colour colour;
   std::optional<graph::EventType> mark = {};
 };
-/// The six marks.
+/// Lists the six marks.
 std::vector<LegendItem> event_legend();
-/// A light strip of the given width, as many lines as it needs, `text` first. An even number of lines high.
+/// Draws a light strip of the given width with `text` and items, of an even height in pixels.
 cv::Mat draw_legend(int width, const std::string& text, const std::vector<LegendItem>& items);
 
-/// "frame 00031": the same width for every frame, so that a legend breaks its lines at the same places.
+/// Writes "frame 00031", of one width for all frames, so that a legend breaks its lines at the same places.
 std::string frame_label(int frame);
 
 }  // namespace emberfold::apps

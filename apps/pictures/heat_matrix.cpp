@@ -11,33 +11,25 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/pictures/draw.hpp"
+
 namespace emberfold::apps {
 
 namespace {
 
 constexpr int kMargin = 16, kHead = 40, kLongestName = 24;
-const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(215, 212, 208);
+const cv::Scalar kFaint(215, 212, 208);
 
-void write(cv::Mat& picture, const std::string& text, cv::Point at, double size,
-           const cv::Scalar& ink = kInk) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
-
-int text_width(const std::string& text, double size) {
-  int below = 0;
-  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
-}
-
-// The font has ASCII only.
-std::string drawable(const std::string& name) {
+// Replaces characters that the font lacks: it has ASCII only.
+std::string ascii_text(const std::string& name) {
   std::string text;
   for (const char c : name)
     if ((static_cast<unsigned char>(c) & 0xc0) != 0x80) text += c >= ' ' && c <= '~' ? c : '?';
   return text.size() > kLongestName ? text.substr(0, kLongestName - 2) + ".." : text;
 }
 
-// From paper to deep blue over green: lightness falls all the way.
-cv::Vec3b shade(double share) {
+// Returns the colour of a share 0…1, from paper over green to deep blue; lightness falls all the way.
+cv::Vec3b cell_colour(double share) {
   static const std::array<cv::Vec3d, 5> kStops = {cv::Vec3d(246, 249, 247), cv::Vec3d(196, 219, 161),
                                                   cv::Vec3d(183, 168, 67), cv::Vec3d(158, 102, 34),
                                                   cv::Vec3d(84, 29, 12)};
@@ -46,8 +38,8 @@ cv::Vec3b shade(double share) {
   return kStops[below] + (kStops[below + 1] - kStops[below]) * (at - static_cast<double>(below));
 }
 
-// As much of the number as has room; nothing where none has.
-std::string number(double value, bool whole, int room) {
+// Writes the number as long as there is room for; empty where there is none.
+std::string cell_text(double value, bool whole, int room) {
   for (int shorter = 0; shorter < 3; ++shorter) {
     std::ostringstream text;
     if (shorter > 0)
@@ -86,13 +78,13 @@ void draw_cell(cv::Mat& picture, const cv::Rect& box, double value, const Colour
     return;
   }
   const double share = colours.share(value);
-  const cv::Vec3b fill = shade(share);
+  const cv::Vec3b fill = cell_colour(share);
   cv::rectangle(picture, box, cv::Scalar(fill), cv::FILLED);
   if (box.height < 16) return;
-  const std::string text = number(value, whole, box.width);
+  const std::string text = cell_text(value, whole, box.width);
   const int width = text_width(text, 0.38);
-  write(picture, text, {box.x + (box.width - width) / 2, box.y + box.height / 2 + 4}, 0.38,
-        share > 0.5 ? kPaper : kInk);
+  write_text(picture, text, {box.x + (box.width - width) / 2, box.y + box.height / 2 + 4}, 0.38,
+             share > 0.5 ? kPaper : kInk);
 }
 
 }  // namespace
@@ -104,13 +96,13 @@ cv::Mat draw_heat_matrix(const HeatMatrix& matrix) {
   std::vector<std::string> names;
   int longest = 0;
   for (const auto& name : matrix.names) {
-    names.push_back(drawable(name));
+    names.push_back(ascii_text(name));
     longest = std::max(longest, text_width(names.back(), 0.4));
   }
   const int label = named ? longest + 12 : 0, side = cell * count;
   const int width = std::max(2 * kMargin + label + side, 2 * kMargin + text_width(matrix.title, 0.5));
   cv::Mat picture(kHead + label + side + kMargin, width, CV_8UC3, kPaper);
-  write(picture, matrix.title, {kMargin, 26}, 0.5);
+  write_text(picture, matrix.title, {kMargin, 26}, 0.5);
   const cv::Point corner(kMargin + label, kHead + label);
   const Colours colours(matrix);
   for (int i = 0; i < matrix.values.rows; ++i)
@@ -122,9 +114,9 @@ cv::Mat draw_heat_matrix(const HeatMatrix& matrix) {
   for (int i = 0; i < std::min(count, static_cast<int>(names.size())); ++i) {
     const std::string& name = names[static_cast<std::size_t>(i)];
     const int middle = i * cell + cell / 2;
-    write(picture, name, {corner.x - 8 - text_width(name, 0.4), corner.y + middle + 4}, 0.4);
+    write_text(picture, name, {corner.x - 8 - text_width(name, 0.4), corner.y + middle + 4}, 0.4);
     cv::Mat flat(16, std::max(1, text_width(name, 0.4) + 2), CV_8UC3, kPaper), upright;
-    write(flat, name, {0, 12}, 0.4);
+    write_text(flat, name, {0, 12}, 0.4);
     cv::rotate(flat, upright, cv::ROTATE_90_COUNTERCLOCKWISE);
     const cv::Rect there(corner.x + middle - 8, corner.y - 6 - upright.rows, 16, upright.rows);
     const cv::Rect inside = there & cv::Rect({0, 0}, picture.size());

@@ -8,8 +8,8 @@
 
 namespace emberfold::apps {
 
-/// A matrix to be drawn. `values`: CV_64F, of as many rows and columns as there are names; what is not finite
-/// is hatched.
+/// A square matrix with names. `values`: CV_64F, a row and a column for each name; cells that are not finite
+/// are hatched.
 struct HeatMatrix {
   std::string title;
   std::vector<std::string> names;  ///< of rows and columns
@@ -19,8 +19,8 @@ struct HeatMatrix {
   int widest = 1400;         ///< px, of the cells together
 };
 
-/// Dark is large. Numbers stand in the cells where they have room; names beside the rows and, turned, above
-/// the columns. CV_8UC3.
+/// Draws a matrix, large values dark, CV_8UC3. Numbers stand in cells with room for them, names beside the
+/// rows and, turned, above the columns.
 cv::Mat draw_heat_matrix(const HeatMatrix& matrix);
 
 }  // namespace emberfold::apps

@@ -17,14 +17,14 @@ namespace {
 
 constexpr int kSide = 480, kGutter = 12, kTitle = 30;
 
-std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
 }
 
-cv::Mat half(const cv::Mat& frame, const graph::AttributeGraph& graph,
-             const std::vector<std::uint32_t>& cluster, std::span<const graph::Event> events,
-             const std::string& title, bool is_before) {
+cv::Mat draw_half(const cv::Mat& frame, const graph::AttributeGraph& graph,
+                  const std::vector<std::uint32_t>& cluster, std::span<const graph::Event> events,
+                  const std::string& title, bool is_before) {
   const Placement place{enlargement(frame.size(), kSide), {}};
   cv::Mat picture = enlarge(frame, place.scale);
   picture.convertTo(picture, -1, 0.72);
@@ -38,7 +38,7 @@ cv::Mat half(const cv::Mat& frame, const graph::AttributeGraph& graph,
     draw_mark(picture, place(event.position), event.type, radius);
   }
   cv::Mat head(kTitle, picture.cols, CV_8UC3, cv::Scalar(246, 248, 250)), whole;
-  cv::putText(head, title, {2, 20}, cv::FONT_HERSHEY_SIMPLEX, 0.5, {60, 52, 48}, 1, cv::LINE_AA);
+  write_text(head, title, {2, 20}, 0.5);
   cv::vconcat(head, picture, whole);
   return whole;
 }
@@ -53,7 +53,8 @@ std::vector<int> eventful_gaps(std::span<const graph::Event> events, std::size_t
   std::vector<int> chosen;
   for (const auto& [frame, number] : ranked) {
     if (chosen.size() == count) break;
-    const bool near = std::ranges::any_of(chosen, [&](int other) { return std::abs(other - frame) <= 1; });
+    const bool near =
+        std::ranges::any_of(chosen, [f = frame](int other) { return std::abs(other - f) <= 1; });
     if (!near) chosen.push_back(frame);
   }
   std::ranges::sort(chosen);
@@ -73,14 +74,14 @@ GapClusters gap_clusters(const graph::MotionGraph& motion, int t) {
     const auto b =
         static_cast<std::uint32_t>(parts_before.count) + parts_after.of_vertex[after.index_of(link.after)];
     linked[a] = linked[b] = true;
-    const auto ra = root(parent, a), rb = root(parent, b);
+    const auto ra = find_root(parent, a), rb = find_root(parent, b);
     parent[std::max(ra, rb)] = std::min(ra, rb);
   }
   std::vector<std::uint32_t> number(parent.size());
   std::uint32_t last = 0;
   const auto of_part = [&](std::uint32_t part) -> std::uint32_t {
     if (!linked[part]) return 0;
-    auto& own = number[root(parent, part)];
+    auto& own = number[find_root(parent, part)];
     if (own == 0) own = ++last;
     return own;
   };
@@ -96,10 +97,10 @@ cv::Mat draw_match(const cv::Mat& before, const cv::Mat& after, const graph::Mot
   const auto clusters = gap_clusters(motion, t);
   const auto here = events_between(events, t, t);
   const auto index = static_cast<std::size_t>(t);
-  const cv::Mat left = half(before, motion.sketch.frames[index - 1], clusters.before, here,
-                            "frame " + std::to_string(t - 1), true);
-  const cv::Mat right =
-      half(after, motion.sketch.frames[index], clusters.after, here, "frame " + std::to_string(t), false);
+  const cv::Mat left = draw_half(before, motion.sketch.frames[index - 1], clusters.before, here,
+                                 "frame " + std::to_string(t - 1), true);
+  const cv::Mat right = draw_half(after, motion.sketch.frames[index], clusters.after, here,
+                                  "frame " + std::to_string(t), false);
   const cv::Mat gutter(left.rows, kGutter, CV_8UC3, cv::Scalar(246, 248, 250));
   const std::vector<cv::Mat> row{left, gutter, right};
   cv::Mat pair, whole;

@@ -12,20 +12,20 @@
 
 namespace emberfold::apps {
 
-/// The frames t whose gap from t − 1 holds most events, at most `count` of them and no two neighbours; of
-/// equals the earlier. Ascending.
+/// Returns the frames t with most events between t − 1 and t, ascending: at most `count`, no two neighbours,
+/// of equals the earlier.
 std::vector<int> eventful_gaps(std::span<const graph::Event> events, std::size_t count);
 
-/// For each vertex of frames t − 1 and t the number of the cluster of strokes that the links of this gap tie
-/// together, counted from 1 in order of appearance in t − 1; 0 where a stroke has no link: it ends or begins
-/// here.
+/// For each vertex of frames t − 1 and t the number of its cluster of linked strokes, from 1 in order of
+/// appearance in t − 1; 0 where its stroke has no link.
 struct GapClusters {
   std::vector<std::uint32_t> before, after;
 };
+/// Finds the clusters of strokes that links between frames t − 1 and t join.
 GapClusters gap_clusters(const graph::MotionGraph& motion, int t);
 
-/// Frames t − 1 and t (CV_8UC3) side by side, each with its graph: strokes that are matched have one colour,
-/// those that are not are white; the events of t are marked on both (Wang & Zhu 2004, Figs. 9, 11, 14).
+/// Draws frames t − 1 and t (CV_8UC3) side by side with their graphs. Matched strokes share a colour, others
+/// are white; the events of t are marked on both (Wang & Zhu 2004, Figs. 9, 11, 14).
 cv::Mat draw_match(const cv::Mat& before, const cv::Mat& after, const graph::MotionGraph& motion, int t,
                    std::span<const graph::Event> events);
 

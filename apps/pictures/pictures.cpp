@@ -21,13 +21,13 @@ namespace {
 
 constexpr std::size_t kMeasuredFrames = 24;  // reconstructed for the figures where not all frames are
 
-// What is to be made of which frame, known before the run.
+// The frames of each kind of picture, chosen before the clip is read.
 struct Plan {
   std::set<int> stills, event_frames, measured, gaps;
   std::size_t still_bytes = 0, event_bytes = 0, match_bytes = 0;
 };
 
-std::set<int> middles(int frames, std::size_t count) {
+std::set<int> spread_middles(int frames, std::size_t count) {
   std::set<int> chosen;
   const auto parts = static_cast<int>(std::min<std::size_t>(count, static_cast<std::size_t>(frames)));
   for (int i = 0; i < parts; ++i)
@@ -37,12 +37,12 @@ std::set<int> middles(int frames, std::size_t count) {
 
 Plan make_plan(int frames, std::span<const graph::Event> events, bool all) {
   Plan plan;
-  plan.stills = middles(frames, kStills);
-  plan.measured = middles(frames, all ? static_cast<std::size_t>(frames) : kMeasuredFrames);
+  plan.stills = spread_middles(frames, kStills);
+  plan.measured = spread_middles(frames, all ? static_cast<std::size_t>(frames) : kMeasuredFrames);
   std::vector<int> eventful;
   for (const auto& event : events)
     if (eventful.empty() || eventful.back() != event.frame) eventful.push_back(event.frame);
-  for (const int t : spread(eventful, kEventFrames)) plan.event_frames.insert(t);
+  for (const int t : spread_evenly(eventful, kEventFrames)) plan.event_frames.insert(t);
   for (const int t : eventful_gaps(events, kMatches)) plan.gaps.insert(t);
   const auto each = [](std::size_t bytes, std::size_t count) {
     return bytes / std::max<std::size_t>(1, count);
@@ -53,8 +53,8 @@ Plan make_plan(int frames, std::span<const graph::Event> events, bool all) {
   return plan;
 }
 
-// What is made of one frame, on whatever thread.
-struct Drawn {
+// The pictures of one frame, drawn on any thread.
+struct DrawnFrame {
   cv::Mat bytes, overlay;
   std::optional<pipeline::Reconstruction> reconstruction;
   pipeline::GainTotals gains;
@@ -62,11 +62,11 @@ struct Drawn {
   std::optional<Still> event_frame;
 };
 
-Drawn draw_picture_set(const cv::Mat& frame, int t, const core::ClipInfo& info,
-                       const graph::AttributeGraph& graph, std::span<const graph::Event> events,
-                       const Plan& plan, const PictureOptions& options) {
+DrawnFrame draw_picture_set(const cv::Mat& frame, int t, const core::ClipInfo& info,
+                            const graph::AttributeGraph& graph, std::span<const graph::Event> events,
+                            const Plan& plan, const PictureOptions& options) {
   constexpr int kStillSide = 960, kEventSide = 720;
-  Drawn drawn;
+  DrawnFrame drawn;
   drawn.bytes = to_colour_bytes(frame, info);
   drawn.overlay = draw_overlay(drawn.bytes, graph, t, events);
   if (plan.event_frames.contains(t))
@@ -94,7 +94,7 @@ std::string match_name(int t) {
   return "matches/match_" + padded(t - 1) + "_" + padded(t) + ".png";
 }
 
-// Takes what was drawn, frame by frame.
+// Collects and writes what was drawn, in the order of frames.
 class Collector {
  public:
   Collector(const graph::MotionGraph& motion, std::span<const graph::Event> events, const Plan& plan,
@@ -103,7 +103,7 @@ class Collector {
     if (!plan.gaps.empty()) output_.make_subfolder("matches");
   }
 
-  void take(int t, Drawn drawn) {
+  void take(int t, DrawnFrame drawn) {
     if (!overlay_)
       overlay_ = io::create_video(output_.staged("overlay.mp4"), drawn.overlay.size(), info_.fps, true);
     overlay_->write(drawn.overlay);
@@ -178,7 +178,7 @@ Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& moti
             throw core::IoError("the clip has more frames now than when it was sketched");
           return draw_picture_set(frame, t, info, graphs[static_cast<std::size_t>(t)], events, plan, options);
         },
-        [&](int t, Drawn drawn) { collector.take(t, std::move(drawn)); });
+        [&](int t, DrawnFrame drawn) { collector.take(t, std::move(drawn)); });
     if (static_cast<std::size_t>(frames) != graphs.size())
       throw core::IoError("the clip has fewer frames now than when it was sketched");
     return collector.finish();

@@ -19,21 +19,22 @@
 
 namespace emberfold::apps {
 
+/// Options of draw_pictures().
 struct PictureOptions {
   sketch::FillOptions fill;
   bool reconstruction = false;  ///< reconstruct every frame and write reconstruction.avi
 };
 
-/// What the second run through a clip finds and draws.
+/// The results of the second reading of a clip.
 struct Pictures {
-  ReportInput report;               ///< its pictures alone are set
+  ReportInput report;               ///< only its pictures are set
   std::vector<double> share, psnr;  ///< of the frames that were reconstructed
   pipeline::GainTotals gains;       ///< of these frames' patches
   int not_converged = 0;
   cv::Mat mean;  ///< of all frames, CV_8UC3
 };
 
-/// A picture as PNG into the folder.
+/// Writes a picture as PNG into the folder.
 void write_png(io::OutputFolder& output, const std::string& name, const cv::Mat& picture);
 
 /// Writes overlay.mp4, matches/ and, where asked for, reconstruction.avi, and makes the report's pictures.

@@ -4,54 +4,40 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include <opencv2/imgproc.hpp>
+
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
 constexpr int kShorterSide = 480, kMargin = 10, kLine = 26, kShift = 4;
-constexpr double kText = 0.42, kDot = 4, kLeastRatio = 1.5;
+constexpr double kDot = 4, kLeastRatio = 1.5;
 
-std::string shown(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", value);
-  return text.data();
+void draw_dot(cv::Mat& picture, cv::Point2d at) {
+  const auto to_fixed_point = [](double v) { return static_cast<int>(std::lround(v * (1 << kShift))); };
+  const cv::Point centre(to_fixed_point(at.x), to_fixed_point(at.y));
+  cv::circle(picture, centre, to_fixed_point(kDot), {24, 20, 20}, cv::FILLED, cv::LINE_AA, kShift);
+  cv::circle(picture, centre, to_fixed_point(kDot - 1), {255, 255, 255}, cv::FILLED, cv::LINE_AA, kShift);
 }
 
-int text_width(const std::string& text) {
-  int baseline = 0;
-  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kText, 1, &baseline).width;
-}
-
-void write(cv::Mat& picture, const std::string& text, cv::Point at) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, kText, {60, 52, 48}, 1, cv::LINE_AA);
-}
-
-void dot(cv::Mat& picture, cv::Point2d at) {
-  const auto fixed = [](double v) { return static_cast<int>(std::lround(v * (1 << kShift))); };
-  const cv::Point centre(fixed(at.x), fixed(at.y));
-  cv::circle(picture, centre, fixed(kDot), {24, 20, 20}, cv::FILLED, cv::LINE_AA, kShift);
-  cv::circle(picture, centre, fixed(kDot - 1), {255, 255, 255}, cv::FILLED, cv::LINE_AA, kShift);
-}
-
-/// How much of the colour covers what is under it.
+// Returns how opaque the colour of a share is.
 double opacity(double share) {
   return 0.85 * std::pow(std::min(std::abs(share), 1.0), 0.7);
 }
 
-/// What the ends of the scale are.
+/// The range of the colour scale.
 struct Scale {
   bool relative = false;
   double top = 0;
-  /// Of a value: 0…1, or −1…1 for ratios.
+  /// Maps a value to 0…1, a ratio to −1…1.
   [[nodiscard]] double share(double value) const {
     if (!relative) return top > 0 ? value / top : 0;
     return std::clamp(std::log(std::max(value, 1e-9)) / std::log(top), -1.0, 1.0);
   }
-  /// The value at a place of the scale, 0…1.
+  /// Returns the value at a place 0…1 of the scale.
   [[nodiscard]] double value(double place) const {
     return relative ? std::pow(top, 2 * place - 1) : top * place;
   }
@@ -66,7 +52,7 @@ Scale scale_of(const RateMap& what) {
   return scale;
 }
 
-cv::Vec3b blended(Colour colour, double part, cv::Vec3b under) {
+cv::Vec3b blend(Colour colour, double part, cv::Vec3b under) {
   const std::array<double, 3> own{double(colour.blue), double(colour.green), double(colour.red)};
   cv::Vec3b out;
   for (int c = 0; c < 3; ++c)
@@ -75,32 +61,32 @@ cv::Vec3b blended(Colour colour, double part, cv::Vec3b under) {
   return out;
 }
 
-/// Below the picture: the unit and what a dot is, then the colours' scale.
+// Draws the legend: unit, meaning of a dot, colour scale.
 cv::Mat draw_scale(int width, const RateMap& what, const Scale& scale, std::size_t dots) {
   const std::string label =
       std::string(graph::name(what.type)) + (dots == 1 ? "" : "s") + " found: " + std::to_string(dots);
   const bool one_line = kMargin * 4 + text_width(what.unit) + text_width(label) + 20 <= width;
   const int bar_top = (one_line ? 1 : 2) * kLine + 4;
   cv::Mat picture(bar_top + 2 * kLine - 8, width, CV_8UC3, cv::Scalar(246, 248, 250));
-  write(picture, what.unit, {kMargin, kLine / 2 + 6});
+  write_text(picture, what.unit, {kMargin, kLine / 2 + 6});
   const cv::Point place = one_line ? cv::Point(3 * kMargin + text_width(what.unit), kLine / 2 + 6)
                                    : cv::Point(kMargin, kLine + kLine / 2 + 6);
-  dot(picture, {place.x + 4.0, place.y - 4.0});
-  write(picture, label, {place.x + 14, place.y});
+  draw_dot(picture, {place.x + 4.0, place.y - 4.0});
+  write_text(picture, label, {place.x + 14, place.y});
   const int left = kMargin + 4, right = std::min(width - kMargin - 24, left + 420);
   const cv::Vec3b ground(60, 56, 54);
   for (int x = left; x < right; ++x) {
     const double share =
         scale.share(scale.value(static_cast<double>(x - left) / std::max(1, right - left - 1)));
-    const cv::Scalar colour = blended(rate_colour(share), opacity(share), ground);
+    const cv::Scalar colour = blend(rate_colour(share), opacity(share), ground);
     cv::line(picture, {x, bar_top}, {x, bar_top + 11}, colour);
   }
   for (int k = 0; k <= 4; ++k) {
     const int x = left + (right - left - 1) * k / 4;
-    const std::string number = shown(what.factor * scale.value(k / 4.0));
+    const std::string number = core::significant_text(what.factor * scale.value(k / 4.0), 3);
     cv::line(picture, {x, bar_top + 12}, {x, bar_top + 16}, cv::Scalar(140, 132, 126));
-    write(picture, number,
-          {std::clamp(x - text_width(number) / 2, 2, width - text_width(number) - 2), bar_top + 30});
+    write_text(picture, number,
+               {std::clamp(x - text_width(number) / 2, 2, width - text_width(number) - 2), bar_top + 30});
   }
   return picture;
 }
@@ -160,12 +146,12 @@ cv::Mat draw_rate_map(const cv::Mat& under, const RateMap& what, std::span<const
     for (int x = 0; x < picture.cols; ++x) {
       const double share = scale.share(double{field(y, x)});
       auto& pixel = picture.at<cv::Vec3b>(y, x);
-      pixel = blended(rate_colour(share), opacity(share), pixel);
+      pixel = blend(rate_colour(share), opacity(share), pixel);
     }
   std::size_t dots = 0;
   for (const auto& event : events) {
     if (event.type != what.type || event.probability < 0.5) continue;
-    dot(picture, place(event.position));
+    draw_dot(picture, place(event.position));
     ++dots;
   }
   cv::Mat whole;

@@ -12,7 +12,7 @@
 
 namespace emberfold::apps {
 
-/// What a map of rates is drawn of.
+/// A map of rates and how its values are shown.
 struct RateMap {
   const mcmc::CellMap* map = nullptr;  ///< values ≥ 0
   double factor = 1;                   ///< what is shown is factor · value
@@ -21,20 +21,20 @@ struct RateMap {
   graph::EventType type = graph::EventType::birth;  ///< of the events that are put on it as dots
 };
 
-/// Births in a frame and 100 × 100 px; and how often strokes die, times what is usual for their size.
+/// Describe a model's map of births in a frame and 100 × 100 px, and of death rates relative to the usual.
 RateMap birth_map(const mcmc::MotionModel& model);
 RateMap death_map(const mcmc::MotionModel& model);
 
-/// Of a share: of the largest value, 0…1, warm; below 0, as ratios below 1 have it, cold.
+/// Returns the colour of a share of the largest value: warm for 0…1, cold below 0 (ratios below 1).
 Colour rate_colour(double share);
 
-/// The values between the cells' middles by bicubic interpolation, kept within those of the map, at each
-/// pixel of a frame of width · scale × height · scale px (CV_32F, factor not applied).
+/// Interpolates cell values bicubically at each pixel of a frame of width · scale × height · scale px.
+/// Returns CV_32F within the range of the map's values; the factor is not applied.
 cv::Mat1f smooth_map(const mcmc::CellMap& map, cv::Size frame, double scale);
 
-/// The map over the frame `under` (CV_8UC3, as large as the clip's frames), grey and dimmed and enlarged as
-/// the overlay is; a dot for every event of its type of probability 0.5 or more; a legend with the colours'
-/// scale below: from 0 to the largest value, or as far below 1 as above it, half as much again at least.
+/// Draws the map over the frame `under` (CV_8UC3, of the clip's size), grey, dimmed and enlarged as the
+/// overlay. Events of its type with probability 0.5 or more are dots. A legend shows the colour scale: from 0
+/// to the largest value, or for ratios as far below 1 as above it, at least to 1.5.
 cv::Mat draw_rate_map(const cv::Mat& under, const RateMap& what, std::span<const graph::Event> events);
 
 }  // namespace emberfold::apps

@@ -7,6 +7,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/pictures/draw.hpp"
+
 namespace emberfold::apps {
 
 namespace {
@@ -26,12 +28,9 @@ int panel_height(std::span<const cv::Size> sizes) {
       std::max(1.0, std::min(hard, std::max<double>(kLeastHeight, std::min<double>(tallest, room)))));
 }
 
-// The label, or as much of it as fits, with dots.
-std::string fitting(const std::string& label, int width) {
-  const auto fits = [&](const std::string& text) {
-    int baseline = 0;
-    return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, &baseline).width + 8 <= width;
-  };
+// Shortens a label with dots to the width.
+std::string fit_label(const std::string& label, int width) {
+  const auto fits = [&](const std::string& text) { return text_width(text, 0.5) + 8 <= width; };
   if (fits(label)) return label;
   for (std::size_t length = label.size(); length-- > 1;)
     if (fits(label.substr(0, length) + "...")) return label.substr(0, length) + "...";
@@ -58,11 +57,10 @@ cv::Rect PanelRow::place(std::size_t index) const {
 }
 
 cv::Mat PanelRow::compose(std::span<const cv::Mat> pictures, std::span<const std::string> labels) const {
-  cv::Mat whole(size_, CV_8UC3, cv::Scalar(250, 248, 246));
+  cv::Mat whole(size_, CV_8UC3, kPaper);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const cv::Rect panel = place(i);
-    cv::putText(whole, fitting(labels[i], panel.width), {panel.x + 4, kLabel - 9}, cv::FONT_HERSHEY_SIMPLEX,
-                0.5, {60, 52, 48}, 1, cv::LINE_AA);
+    write_text(whole, fit_label(labels[i], panel.width), {panel.x + 4, kLabel - 9}, 0.5);
     cv::Mat colour = pictures[i], scaled;
     if (colour.channels() == 1) cv::cvtColor(pictures[i], colour, cv::COLOR_GRAY2BGR);
     const bool shrinks = panel.height < colour.rows;

@@ -13,13 +13,13 @@
 
 namespace emberfold::apps {
 
-/// Where pictures lie beside each other, each under its label and at least 240 px high; larger ones keep
-/// their size as long as all of them are at most 3840 px wide.
+/// Lays out pictures beside each other under labels, each at least 240 px high. Larger ones keep their size
+/// as long as the row is at most 3840 px wide.
 class PanelRow {
  public:
-  /// `sizes`: of the pictures.
+  /// Lays out pictures of these sizes.
   explicit PanelRow(std::span<const cv::Size> sizes);
-  /// Pictures CV_8UC1 or CV_8UC3, and a label for each, cut where it does not fit; CV_8UC3.
+  /// Composes pictures (CV_8UC1 or CV_8UC3) and a label for each into CV_8UC3; long labels are cut.
   [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> pictures, std::span<const std::string> labels) const;
   [[nodiscard]] cv::Size size() const { return size_; }
 
@@ -30,17 +30,17 @@ class PanelRow {
   cv::Size size_;
 };
 
-/// Pictures of one size in rows of at most `most`, as alike in length as can be, each under its label.
+/// Composes pictures of one size in rows of at most `most` and of nearly equal length, each under its label.
 cv::Mat compose_rows(std::span<const cv::Mat> pictures, std::span<const std::string> labels,
                      std::size_t most);
 
-/// A video of clips beside each other.
+/// Writes a video of clips beside each other.
 class SideBySide {
  public:
-  /// `sizes`: of the clips' frames, one for each label.
+  /// Opens the video. `sizes`: frame sizes, one for each label.
   SideBySide(const std::filesystem::path& path, std::vector<std::string> labels,
              std::span<const cv::Size> sizes, double fps);
-  /// A frame of each, CV_8UC1 or CV_8UC3.
+  /// Writes a frame of each clip, CV_8UC1 or CV_8UC3.
   void write(std::span<const cv::Mat> frames) { writer_->write(row_.compose(frames, labels_)); }
   void finish() { writer_->finish(); }
 

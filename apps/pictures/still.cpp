@@ -46,7 +46,7 @@ std::string data_uri(const Still& still) {
   return "data:image/jpeg;base64," + base64(still.jpeg);
 }
 
-std::vector<int> spread(std::span<const int> numbers, std::size_t count) {
+std::vector<int> spread_evenly(std::span<const int> numbers, std::size_t count) {
   if (numbers.size() <= count) return {numbers.begin(), numbers.end()};
   std::vector<int> chosen;
   if (count == 0) return chosen;

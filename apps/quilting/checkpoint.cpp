@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kFormat = "emberfold.quilt_part";
 
-// A number for what a clip shows: some of its bytes, all over it.
+// Hashes a sample of a clip's bytes, spread over all of it.
 std::uint64_t fingerprint(const dytex::Trajectories& source) {
   std::uint64_t sum = 1469598103934665603ULL;  // FNV-1a
   const std::size_t bytes = source.course() * source.pixels() * CV_ELEM_SIZE1(source.info().depth);
@@ -67,7 +67,7 @@ std::vector<dytex::QuiltChoice> QuiltCheckpoint::read() const {
   return placed;
 }
 
-void QuiltCheckpoint::keep(std::span<const dytex::QuiltChoice> placed, bool now) {
+void QuiltCheckpoint::write(std::span<const dytex::QuiltChoice> placed, bool now) {
   constexpr auto kPause = std::chrono::seconds(5);
   if (!now && std::chrono::steady_clock::now() - written_ < kPause) return;
   Json blocks = Json::array();

@@ -12,19 +12,19 @@
 
 namespace emberfold::apps {
 
-/// What an interrupted run leaves: the blocks that it had placed, in a small JSON file beside the output
-/// ("emberfold.quilt_part"), written every few seconds and when the run is stopped.
+/// Keeps the placed blocks of an interrupted run in a small JSON file beside the output
+/// ("emberfold.quilt_part"). The file is written every few seconds and when the run is stopped.
 class QuiltCheckpoint {
  public:
-  /// `file`: where it lies; `request` and `held`: what it belongs to.
+  /// Ties a file to a request and to the loaded clips.
   QuiltCheckpoint(std::filesystem::path file, const QuiltRequest& request,
                   std::span<const dytex::Trajectories* const> held);
 
-  /// The blocks of an earlier run; none where there is no file. core::IoError where it is damaged,
-  /// core::InputError where it belongs to other options or another clip.
+  /// Reads the blocks of an earlier run; none where there is no file. Throws core::IoError where it is
+  /// damaged, core::InputError where it belongs to other options or another clip.
   [[nodiscard]] std::vector<dytex::QuiltChoice> read() const;
-  /// Writes if the last writing is some seconds ago, or `now`. core::IoError.
-  void keep(std::span<const dytex::QuiltChoice> placed, bool now = false);
+  /// Writes if the last writing is some seconds ago, or `now`. Throws core::IoError.
+  void write(std::span<const dytex::QuiltChoice> placed, bool now = false);
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 

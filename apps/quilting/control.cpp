@@ -23,15 +23,16 @@ std::string size_text(cv::Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
-std::optional<double> number(const std::string& text) {
+std::optional<double> parse_one_number(const std::string& text) {
   char* stop = nullptr;
   const double value = std::strtod(text.c_str(), &stop);
   if (text.empty() || stop != text.c_str() + text.size()) return std::nullopt;
   return value;
 }
 
-// One value for each output pixel out of a map of another size.
-cv::Mat fitted(const cv::Mat& field, cv::Size size, const ControlRequest& request, const std::string& name) {
+// Fits a map of another size to the output, one value for each pixel.
+cv::Mat fit_field(const cv::Mat& field, cv::Size size, const ControlRequest& request,
+                  const std::string& name) {
   if (field.size() == size) return field;
   if (request.fit == "exact")
     throw core::InputError(name + " has " + size_text(field.size()) + " pixels, the output " +
@@ -42,7 +43,7 @@ cv::Mat fitted(const cv::Mat& field, cv::Size size, const ControlRequest& reques
     cv::resize(field, result, size, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
     return result;
   }
-  // Centred: cut off or gone on with the border's values.
+  // Centred: cropped, or extended by the border's values.
   result.create(size, field.type());
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
@@ -52,7 +53,7 @@ cv::Mat fitted(const cv::Mat& field, cv::Size size, const ControlRequest& reques
   return result;
 }
 
-// The planes of an array, as they are.
+// Splits an array into its planes.
 std::vector<cv::Mat> array_planes(const std::string& name) {
   auto stream = io::open_file(name);
   core::NpyArray array;
@@ -93,8 +94,8 @@ cv::Mat grey_image(const std::string& name) {
   return grey;
 }
 
-// 0…1 over the output: along a direction.
-cv::Mat gradient(const std::string& to, cv::Size size, const std::string& option) {
+// Returns a ramp 0…1 over the output in a direction.
+cv::Mat gradient_field(const std::string& to, cv::Size size, const std::string& option) {
   const bool across = to == "right" || to == "left", back = to == "left" || to == "up";
   if (!across && to != "down" && to != "up")
     throw Misuse(option + " is gradient:" + to + "; allowed is gradient:right, left, down or up");
@@ -108,7 +109,7 @@ cv::Mat gradient(const std::string& to, cv::Size size, const std::string& option
   return field;
 }
 
-// 1 where the picture is least, 0 where it is most; all 1 where it is the same everywhere.
+// Maps the least value to 1 and the largest to 0; all 1 for a constant picture.
 cv::Mat nearness(const cv::Mat& far) {
   double least = 0, most = 0;
   cv::minMaxLoc(far, &least, &most);
@@ -130,13 +131,13 @@ struct Named {
   double low, high;  // of black and white
 };
 
-// First the field, then what else an array holds.
+// Returns the field first, then the further planes of an array.
 std::vector<cv::Mat> fields_of(const Named& named, const ControlRequest& request, cv::Size size) {
   if (named.text.empty()) return {};
-  if (const auto value = number(named.text)) return {cv::Mat(size, CV_32F, cv::Scalar(*value))};
+  if (const auto value = parse_one_number(named.text)) return {cv::Mat(size, CV_32F, cv::Scalar(*value))};
   if (named.text.ends_with(".npy")) {
     auto planes = array_planes(named.text);
-    for (auto& plane : planes) plane = fitted(plane, size, request, named.text);
+    for (auto& plane : planes) plane = fit_field(plane, size, request, named.text);
     return planes;
   }
   const auto colon = named.text.find(':');
@@ -144,7 +145,7 @@ std::vector<cv::Mat> fields_of(const Named& named, const ControlRequest& request
   const std::string rest = named.text.substr(colon == std::string::npos ? 0 : colon + 1);
   cv::Mat shares;
   if (kind == "gradient") {
-    shares = gradient(rest, size, named.option);
+    shares = gradient_field(rest, size, named.option);
   } else if (kind == "depth") {
     shares = nearness(grey_image(rest));
   } else if (kind == "distance") {
@@ -153,7 +154,7 @@ std::vector<cv::Mat> fields_of(const Named& named, const ControlRequest& request
     const cv::Mat pixels = io::read_image(named.text).pixels;
     shares = grey_image(named.text) / (pixels.depth() == CV_16U ? 65535.0 : 255.0);
   }
-  shares = fitted(shares, size, request, named.text);
+  shares = fit_field(shares, size, request, named.text);
   return {cv::Mat(named.low + (named.high - named.low) * shares)};
 }
 
@@ -161,8 +162,8 @@ std::vector<cv::Mat> fields_of(const Named& named, const ControlRequest& request
 
 void parse_pair(const std::string& option, const std::string& text, double& first, double& second) {
   const auto colon = text.find(':');
-  const auto a = number(text.substr(0, colon));
-  const auto b = colon == std::string::npos ? std::nullopt : number(text.substr(colon + 1));
+  const auto a = parse_one_number(text.substr(0, colon));
+  const auto b = colon == std::string::npos ? std::nullopt : parse_one_number(text.substr(colon + 1));
   if (!a || !b || !std::isfinite(*a) || !std::isfinite(*b))
     throw Misuse(option + " is '" + text + "'; give two numbers, as 0:1");
   first = *a, second = *b;

@@ -9,7 +9,7 @@
 
 namespace emberfold::apps {
 
-/// How a quilt's course in time is told on the command line.
+/// The control of a quilt's time as given on the command line.
 struct ControlRequest {
   /// A number, a .npy file (height × width, or height × width × 2 with offsets), an image, gradient:right
   /// (left, down, up), depth:IMAGE, distance:IMAGE (of a mask); empty: 1 and 0.
@@ -20,14 +20,14 @@ struct ControlRequest {
   std::string between = "linear", ends = "clamp";
   double jitter = 0;  ///< frames
 
-  [[nodiscard]] bool plain() const { return rate.empty() && offset.empty() && jitter == 0; }
+  [[nodiscard]] bool is_plain() const { return rate.empty() && offset.empty() && jitter == 0; }
 };
 
-/// "a:b" as two numbers; Misuse, naming `option`, where it is none.
+/// Parses "a:b" as two numbers. Throws Misuse naming `option` for another text.
 void parse_pair(const std::string& option, const std::string& text, double& first, double& second);
 
-/// The control of an output of this size. Misuse where the request cannot be, core::InputError or
-/// core::IoError where a file cannot.
+/// Makes the control of an output of this size. Throws Misuse where the request makes no sense,
+/// core::InputError or core::IoError where a file does not fit or cannot be read.
 dytex::TimeControl make_control(const ControlRequest& request, cv::Size size, cv::Size block,
                                 std::uint64_t seed);
 

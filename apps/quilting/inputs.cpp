@@ -17,7 +17,7 @@ namespace emberfold::apps {
 
 namespace {
 
-/// Hands on another source's frames as they are.
+/// Passes on another source's frames.
 class SameSource final : public core::FrameSource {
  public:
   explicit SameSource(core::FrameSource& source) : source_(source) {}
@@ -59,23 +59,23 @@ std::vector<cv::Size> QuiltClips::sizes() const {
   return list;
 }
 
-void QuiltClips::hold(const std::filesystem::path& folder, Session& session) {
+void QuiltClips::load(const std::filesystem::path& folder, Session& session) {
   cache_.emplace(folder, static_cast<std::size_t>(request_.memory) * 1'000'000);
   int chunk = dytex::chunk_length(info());
   for (const auto& source : shown_) chunk = std::min(chunk, dytex::chunk_length(source->info()));
   for (std::size_t i = 0; i < shown_.size(); ++i) {
-    held_.push_back(dytex::read_trajectories(*shown_[i], cache_->memory(), session.context, chunk));
+    loaded_.push_back(dytex::read_trajectories(*shown_[i], cache_->memory(), session.context, chunk));
     session.check_stop();
-    if (held_.back().frames() != held_.front().frames())
-      throw core::InputError(request_.clips[i] + " has " + std::to_string(held_.back().frames()) +
+    if (loaded_.back().frames() != loaded_.front().frames())
+      throw core::InputError(request_.clips[i] + " has " + std::to_string(loaded_.back().frames()) +
                              " frames, " + request_.clips.front() + " " +
-                             std::to_string(held_.front().frames()) + "; --range reads the same of both");
+                             std::to_string(loaded_.front().frames()) + "; --range reads the same of both");
   }
 }
 
-std::vector<const dytex::Trajectories*> QuiltClips::held() const {
+std::vector<const dytex::Trajectories*> QuiltClips::loaded() const {
   std::vector<const dytex::Trajectories*> list;
-  for (const auto& one : held_) list.push_back(&one);
+  for (const auto& one : loaded_) list.push_back(&one);
   return list;
 }
 
@@ -89,7 +89,7 @@ std::vector<cv::Mat> frames_of(const dytex::Trajectories& source, int first, int
   return dytex::render_quilt(whole, sources, {}, first, count);
 }
 
-// Luma, the mean over time, without what is finer than a few pixels: what a guide is held against.
+// Returns the luma, averaged over time and blurred by a few pixels, that a guide is compared with.
 cv::Mat mean_luma(const dytex::Trajectories& source) {
   cv::Mat sum = cv::Mat::zeros(source.size(), CV_32F);
   for (int t = 0; t < source.frames(); t += source.chunk_frames())
@@ -100,8 +100,8 @@ cv::Mat mean_luma(const dytex::Trajectories& source) {
   return sum;
 }
 
-// The guide's ranks with the source's levels: its darkest pixels become as dark as the source's darkest.
-cv::Mat ranked(const cv::Mat& guide, const std::vector<dytex::QuiltSource>& sources) {
+// Gives the guide the distribution of the source's levels, by rank.
+cv::Mat match_levels(const cv::Mat& guide, const std::vector<dytex::QuiltSource>& sources) {
   std::vector<float> levels;
   for (const auto& source : sources)
     levels.insert(levels.end(), source.guide.begin<float>(), source.guide.end<float>());
@@ -111,7 +111,7 @@ cv::Mat ranked(const cv::Mat& guide, const std::vector<dytex::QuiltSource>& sour
   std::ranges::sort(own);
   for (int y = 0; y < guide.rows; ++y)
     for (int x = 0; x < guide.cols; ++x) {
-      const auto [first, last] = std::ranges::equal_range(own, guide.at<float>(y, x));
+      const auto [first, last] = std::equal_range(own.begin(), own.end(), guide.at<float>(y, x));
       const double rank =
           (static_cast<double>(first - own.begin()) + static_cast<double>(last - own.begin())) / 2 /
           static_cast<double>(own.size());
@@ -138,7 +138,7 @@ cv::Mat frame_of(const dytex::Trajectories& source, int frame) {
 std::vector<dytex::QuiltSource> quilt_sources(const QuiltClips& clips, const QuiltRequest& request,
                                               cv::Mat& guide) {
   std::vector<dytex::QuiltSource> sources;
-  for (const auto* held : clips.held()) sources.push_back({held, {}, {}});
+  for (const auto* held : clips.loaded()) sources.push_back({held, {}, {}});
   for (std::size_t i = 0; i < request.masks.size(); ++i) {
     const cv::Mat mask = luma_image(request.masks[i]);
     const cv::Size size = sources[i].trajectories->size();
@@ -154,7 +154,7 @@ std::vector<dytex::QuiltSource> quilt_sources(const QuiltClips& clips, const Qui
   const cv::Size size = request.quilt.size;
   const bool shrinks = guide.cols > size.width && guide.rows > size.height;
   cv::resize(guide, guide, size, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
-  guide = ranked(guide, sources);
+  guide = match_levels(guide, sources);
   return sources;
 }
 

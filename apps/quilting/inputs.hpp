@@ -13,7 +13,7 @@
 
 namespace emberfold::apps {
 
-/// The clips that a quilt is made from, opened and, where that was asked for, flattened.
+/// Opens the clips of a quilt, flattened where the request says so.
 class QuiltClips {
  public:
   QuiltClips(const QuiltRequest& request, const io::ReadOptions& read, Session& session);
@@ -22,23 +22,24 @@ class QuiltClips {
   [[nodiscard]] std::vector<cv::Size> sizes() const;
   [[nodiscard]] const core::ClipInfo& info() const { return shown_.front()->info(); }
 
-  /// Reads them whole; beyond the request's memory they lie in a file in `folder`. Throws core::Cancelled.
-  void hold(const std::filesystem::path& folder, Session& session);
-  [[nodiscard]] std::vector<const dytex::Trajectories*> held() const;
-  [[nodiscard]] bool is_held() const { return !held_.empty(); }
+  /// Reads them whole, into a file in `folder` where they exceed the request's memory. Throws
+  /// core::Cancelled.
+  void load(const std::filesystem::path& folder, Session& session);
+  [[nodiscard]] std::vector<const dytex::Trajectories*> loaded() const;
+  [[nodiscard]] bool is_loaded() const { return !loaded_.empty(); }
   [[nodiscard]] std::size_t mapped_bytes() const { return cache_ ? cache_->mapped_bytes() : 0; }
 
  private:
   const QuiltRequest& request_;
   std::vector<std::unique_ptr<core::FrameSource>> opened_, shown_;
   std::optional<io::MappedFrames> cache_;
-  std::vector<dytex::Trajectories> held_;
+  std::vector<dytex::Trajectories> loaded_;
 };
 
-/// A frame of what is held.
+/// Returns a frame of a loaded clip.
 cv::Mat frame_of(const dytex::Trajectories& source, int frame);
 
-/// Masks and guides beside held clips; `guide` is set where the request has one, in the levels of the source.
+/// Joins loaded clips with their masks; sets `guide` where the request has one, in the levels of the source.
 std::vector<dytex::QuiltSource> quilt_sources(const QuiltClips& clips, const QuiltRequest& request,
                                               cv::Mat& guide);
 

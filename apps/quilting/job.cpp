@@ -26,16 +26,16 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-struct Found {
+struct FoundMap {
   dytex::QuiltMap map;
   std::optional<dytex::QuiltResult> result;  ///< where it was sought
 };
 
-Found seek_map(const QuiltClips& clips, const QuiltRequest& request, const QuiltTarget& target,
-               Session& session) {
+FoundMap seek_map(const QuiltClips& clips, const QuiltRequest& request, const QuiltTarget& target,
+                  Session& session) {
   cv::Mat guide;
   const auto sources = quilt_sources(clips, request, guide);
-  const auto held = clips.held();
+  const auto held = clips.loaded();
   QuiltCheckpoint checkpoint(target.checkpoint, request, held);
   const auto placed = request.resume ? checkpoint.read() : std::vector<dytex::QuiltChoice>{};
   if (!placed.empty())
@@ -47,14 +47,14 @@ Found seek_map(const QuiltClips& clips, const QuiltRequest& request, const Quilt
   std::vector<dytex::QuiltChoice> done = placed;
   run.keep = [&](std::span<const dytex::QuiltChoice> so_far) {
     done.assign(so_far.begin(), so_far.end());
-    checkpoint.keep(so_far);
+    checkpoint.write(so_far);
   };
   try {
     auto result = dytex::quilt(sources, request.quilt, session.context, run);
-    checkpoint.keep(result.choices, true);
+    checkpoint.write(result.choices, true);
     return {result.map, std::move(result)};
   } catch (const core::Cancelled&) {
-    checkpoint.keep(done, true);
+    checkpoint.write(done, true);
     throw core::Cancelled(std::to_string(done.size()) + " blocks are kept in " + checkpoint.file().string() +
                           "; --resume goes on");
   }
@@ -71,9 +71,9 @@ dytex::QuiltMap read_map(const std::string& name, const std::vector<cv::Size>& s
   }
 }
 
-// A single frame of a plain map shows one frame of the clip: no other one is read.
+// Returns whether one frame of the clip suffices: for a single frame of a map without control of time.
 bool reads_one_frame(const QuiltRequest& request) {
-  return !request.apply.empty() && request.frame && request.control.plain();
+  return !request.apply.empty() && request.frame && request.control.is_plain();
 }
 
 io::ReadOptions reading_of(const QuiltRequest& request) {
@@ -91,11 +91,11 @@ FramePlan plan_of(const QuiltRequest& request, const QuiltClips& clips) {
   if (reads_one_frame(request)) return {0, 1, false};
   if (request.frame) return {*request.frame, 1, false};
   if (request.frames) return {0, *request.frames, false};
-  if (clips.is_held()) return {0, clips.held().front()->frames(), false};
+  if (clips.is_loaded()) return {0, clips.loaded().front()->frames(), false};
   return {0, clips.info().frames.value_or(0), true};
 }
 
-Json found_json(const Found& found, const QuiltClips& clips) {
+Json found_map_json(const FoundMap& found, const QuiltClips& clips) {
   Json out = Json::object();
   std::span<const dytex::QuiltChoice> choices;
   if (found.result) {
@@ -110,8 +110,8 @@ Json found_json(const Found& found, const QuiltClips& clips) {
            {"rows", found.result->rows},      {"components", found.result->components},
            {"compared_mean", mean(compared)}, {"equals_mean", mean(equals)}};
   }
-  if (!clips.is_held()) return out;
-  const auto held = clips.held();
+  if (!clips.is_loaded()) return out;
+  const auto held = clips.loaded();
   const auto measures = dytex::measure_quilt(found.map, choices, held);
   if (found.result) out["verbatim_blocks"] = measures.verbatim_blocks;
   out["largest_piece"] = measures.largest_piece;
@@ -123,16 +123,16 @@ Json found_json(const Found& found, const QuiltClips& clips) {
   return out;
 }
 
-Json summarise(const QuiltRequest& request, const QuiltTarget& target, const Found& found,
+Json summarise(const QuiltRequest& request, const QuiltTarget& target, const FoundMap& found,
                const QuiltClips& clips, std::int64_t frames, const Session& session) {
   Json summary = begin_summary("quilt", session);
   const auto known = clips.info().frames.value_or(0);
   summary["clip"] = clip_json(request.clips.front(), clips.info(),
-                              clips.is_held() ? clips.held().front()->frames() : static_cast<int>(known));
+                              clips.is_loaded() ? clips.loaded().front()->frames() : static_cast<int>(known));
   summary["clips"] = request.clips;
   summary["options"] = request_json(request);
   summary["options"]["reading"] = reading_json(request.read);
-  summary["quilt"] = found_json(found, clips);
+  summary["quilt"] = found_map_json(found, clips);
   summary["output"] = {{"name", target.path().string()},
                        {"width", found.map.size.width},
                        {"height", found.map.size.height},
@@ -141,11 +141,11 @@ Json summarise(const QuiltRequest& request, const QuiltTarget& target, const Fou
   return summary;
 }
 
-void write_pictures(io::OutputFolder& output, const QuiltRequest& request, const Found& found,
+void write_pictures(io::OutputFolder& output, const QuiltRequest& request, const FoundMap& found,
                     const QuiltClips& clips, const std::vector<QuiltedFrame>& drawn, const Json& summary) {
   QuiltPictures pictures;
   const auto sizes = clips.sizes();
-  const auto& source = *clips.held().front();
+  const auto& source = *clips.loaded().front();
   pictures.map = draw_quilt_map(found.map, sizes);
   pictures.seams = draw_seams(drawn[drawn.size() / 2].picture, found.map);
   for (const auto& [frame, picture] : drawn)
@@ -158,9 +158,9 @@ void write_pictures(io::OutputFolder& output, const QuiltRequest& request, const
   output.write("report.html", [&](std::ostream& out) { out << page; });
 }
 
-// Whether the frames can be drawn as the clip is read, and nothing but the clip is wanted.
-bool streams(const QuiltRequest& request, const QuiltTarget& target, const QuiltClips& clips,
-             const dytex::TimeControl& control) {
+// Returns whether frames can be drawn while the clip is read, since only the clip is written.
+bool can_stream(const QuiltRequest& request, const QuiltTarget& target, const QuiltClips& clips,
+                const dytex::TimeControl& control) {
   const FramePlan plan = plan_of(request, clips);
   return !request.apply.empty() && !target.whole && plan.count > 0 &&
          is_streamable(control, plan.first + plan.count, clips.info(),
@@ -175,12 +175,12 @@ void run_quilt(QuiltRequest& request, Session& session) {
   stages.begin("read");
   QuiltClips clips(request, reading_of(request), session);
   complete_request(request, clips.sizes().front());
-  Found found;
+  FoundMap found;
   if (!request.apply.empty()) found.map = read_map(request.apply, clips.sizes());
   const cv::Size size = request.apply.empty() ? request.quilt.size : found.map.size;
   const auto control = make_control(request.control, size, request.quilt.block, request.quilt.seed);
   io::OutputFolder output(target.folder);
-  if (!streams(request, target, clips, control)) clips.hold(target.folder, session);
+  if (!can_stream(request, target, clips, control)) clips.load(target.folder, session);
   const FramePlan plan = plan_of(request, clips);
   name_clip(target, request, clips.info(), plan.count);
   if (request.apply.empty()) {

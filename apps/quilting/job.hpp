@@ -6,7 +6,7 @@
 
 namespace emberfold::apps {
 
-/// All of `emberfold quilt`: reads, quilts or takes a map, renders, and writes what was asked for.
+/// Runs `emberfold quilt`: reads clips, finds or reads a map, renders, writes.
 void run_quilt(QuiltRequest& request, Session& session);
 
 }  // namespace emberfold::apps

@@ -67,7 +67,7 @@ core::NpyArray time_array(const dytex::TimeControl& control, cv::Size size) {
           std::move(values)};
 }
 
-// A file outside of the output folder: beside, then renamed.
+// Writes a file outside of the output folder under another name, then renames it.
 void write_array(const fs::path& path, const core::NpyArray& array) {
   const fs::path part = path.string() + ".part";
   std::ofstream out(part, std::ios::binary | std::ios::trunc);

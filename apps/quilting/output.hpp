@@ -14,7 +14,7 @@
 
 namespace emberfold::apps {
 
-/// Where a quilt goes: into a folder with everything, or to a clip's own name with its map beside it.
+/// The place of a quilt: a folder with everything, or a clip's own name with the map beside it.
 struct QuiltTarget {
   bool whole = true;  ///< a folder with pictures and report
   std::filesystem::path folder;
@@ -25,14 +25,14 @@ struct QuiltTarget {
   [[nodiscard]] std::filesystem::path path() const { return folder / clip; }
 };
 
-/// core::IoError where there is no such folder to put a clip into.
+/// Chooses the place. Throws core::IoError where the clip's folder does not exist.
 QuiltTarget quilt_target(const QuiltRequest& request);
 
-/// Names the clip, once what it holds is known; Misuse where it cannot be what its name says.
+/// Names the clip once its depth and length are known. Throws Misuse where its format cannot hold it.
 void name_clip(QuiltTarget& target, const QuiltRequest& request, const core::ClipInfo& info,
                std::int64_t frames);
 
-/// map.npy or the request's own name for it, and time.npy where times differ from place to place.
+/// Writes map.npy, or the request's own name for it, and time.npy where times differ from place to place.
 void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const dytex::QuiltMap& map,
                      const dytex::TimeControl& control);
 
@@ -42,12 +42,13 @@ struct QuiltedFrame {
   cv::Mat picture;
 };
 
-/// Which frames of the output are drawn.
+/// The frames of the output to draw.
 struct FramePlan {
   std::int64_t first = 0, count = 0;
   bool to_end = false;  ///< fewer where the clip is shorter than it tells
 };
 
+/// The length of a written clip and some of its frames.
 struct WrittenClip {
   std::int64_t frames = 0;
   std::vector<QuiltedFrame> some;  ///< the first, the middle and the last one

@@ -24,7 +24,7 @@ std::string size_text(cv::Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
-// "QuiltOptions.guide_weight is …" as the command line names it.
+// Rewrites "QuiltOptions.guide_weight is …" with the option's name on the command line.
 std::string as_option(const std::string& message) {
   std::string name = message.substr(0, message.find(' '));
   const std::string rest = message.substr(name.size());

@@ -14,7 +14,7 @@
 
 namespace emberfold::apps {
 
-/// What `emberfold quilt` was asked for.
+/// The request of `emberfold quilt`.
 struct QuiltRequest {
   std::vector<std::string> clips;  ///< the time-lapse, and others beside it
   io::ReadOptions read;
@@ -36,17 +36,17 @@ struct QuiltRequest {
   int memory = 1024;  ///< MB, for clips before they go into a file
 };
 
-/// "1024x768", or "512" for a square; Misuse, naming `option`, for anything else.
+/// Parses "1024x768", or "512" for a square. Throws Misuse naming `option` for another text.
 cv::Size parse_size(const std::string& option, const std::string& text);
 
-/// Size, block, overlap and apart that follow from a source of this size where they were not asked for: twice
-/// the source, at most half of its shorter side, a quarter and half of the block's.
+/// Sets what was not given from the source's size: size (twice the source), block (at most half of its
+/// shorter side), overlap and apart (a quarter and half of the block).
 void complete_request(QuiltRequest& request, cv::Size source);
 
-/// Checks all that can be checked before a clip is opened; Misuse.
+/// Checks all that can be checked before a clip is opened. Throws Misuse.
 void check_request(const QuiltRequest& request);
 
-/// The options as summary.json has them.
+/// Writes the options for summary.json.
 nlohmann::ordered_json request_json(const QuiltRequest& request);
 
 }  // namespace emberfold::apps

@@ -23,7 +23,7 @@ double bytes_of_frame(cv::Size size, const core::ClipInfo& info) {
 void render_held(const dytex::QuiltMap& map, const QuiltClips& clips, const dytex::TimeControl& control,
                  std::int64_t first, std::int64_t count, const std::function<void(const cv::Mat&)>& take,
                  Session& session) {
-  const auto held = clips.held();
+  const auto held = clips.loaded();
   // Two batches are in memory: one is drawn, one handed on.
   const auto batch =
       static_cast<std::int64_t>(std::clamp(96e6 / bytes_of_frame(map.size, held.front()->info()), 1.0,
@@ -56,7 +56,7 @@ void render_frames(const dytex::QuiltMap& map, const QuiltClips& clips, const dy
                    std::int64_t first, std::int64_t count, bool to_end,
                    const std::function<void(const cv::Mat&)>& take, Session& session) {
   session.context.report("render", 0);
-  if (clips.is_held()) {
+  if (clips.is_loaded()) {
     render_held(map, clips, control, first, count, take, session);
     return;
   }

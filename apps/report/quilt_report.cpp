@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/quilt_report.hpp"
 
-#include <iomanip>
-#include <sstream>
-
 #include <nlohmann/json.hpp>
 
 #include "apps/pictures/still.hpp"
 #include "apps/report/report.hpp"
 #include "apps/report/report_assets.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -16,42 +14,38 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string text_of(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
-}
-
-std::string tile(const std::string& name, const std::string& value, const std::string& more) {
+std::string tile_html(const std::string& name, const std::string& value, const std::string& more) {
   return "<div><dt>" + name + "</dt><dd>" + value + "</dd><dd class=\"sub\">" + more + "</dd></div>\n";
 }
 
-std::string figure(const cv::Mat& picture, const std::string& caption, std::size_t bytes) {
+std::string figure_html(const cv::Mat& picture, const std::string& caption, std::size_t bytes) {
   const Still still = make_still(picture, 1024, bytes);
   return "<figure style=\"margin:0\"><img style=\"width:100%\" alt=\"" + caption + "\" src=\"" +
          data_uri(still) + "\"><figcaption>" + caption + "</figcaption></figure>\n";
 }
 
-std::string side_by_side(const std::string& left, const std::string& right) {
+std::string side_by_side_html(const std::string& left, const std::string& right) {
   return "<div style=\"display:grid;grid-template-columns:1fr 2fr;gap:16px;margin-bottom:16px\">" + left +
          right + "</div>\n";
 }
 
-std::string tiles(const Json& quilt) {
+std::string tiles_html(const Json& quilt) {
   std::string out = "<dl class=\"tiles\">\n";
-  const auto percent = [&](const char* field) { return text_of(100 * quilt.value(field, 0.0), 1) + " %"; };
+  const auto percent = [&](const char* field) {
+    return core::fixed_text(100 * quilt.value(field, 0.0), 1) + " %";
+  };
   if (quilt.contains("blocks"))
-    out += tile("Blocks", std::to_string(quilt["blocks"].get<long>()),
-                std::to_string(quilt["columns"].get<int>()) + " across, " +
-                    std::to_string(quilt["rows"].get<int>()) + " down") +
-           tile("Verbatim blocks", percent("verbatim_blocks"), "only go on where a neighbour ends") +
-           tile("Compared exactly", text_of(quilt.value("compared_mean", 0.0), 0),
-                "places a block, on average; " + text_of(quilt.value("equals_mean", 0.0), 0) +
-                    " of them equally good");
-  out += tile("Seam gradient ratio", text_of(quilt.value("seam_ratio", 0.0), 3),
-              "steps across seams over steps elsewhere") +
-         tile("Largest piece", percent("largest_piece"), "of the output, copied as it is") +
-         tile("Source shown", percent("source_share"), "of its pixels");
+    out += tile_html("Blocks", std::to_string(quilt["blocks"].get<long>()),
+                     std::to_string(quilt["columns"].get<int>()) + " across, " +
+                         std::to_string(quilt["rows"].get<int>()) + " down") +
+           tile_html("Verbatim blocks", percent("verbatim_blocks"), "only go on where a neighbour ends") +
+           tile_html("Compared exactly", core::fixed_text(quilt.value("compared_mean", 0.0), 0),
+                     "places a block, on average; " + core::fixed_text(quilt.value("equals_mean", 0.0), 0) +
+                         " of them equally good");
+  out += tile_html("Seam gradient ratio", core::fixed_text(quilt.value("seam_ratio", 0.0), 3),
+                   "steps across seams over steps elsewhere") +
+         tile_html("Largest piece", percent("largest_piece"), "of the output, copied as it is") +
+         tile_html("Source shown", percent("source_share"), "of its pixels");
   return out + "</dl>\n";
 }
 
@@ -67,20 +61,21 @@ std::string make_quilt_report(const std::string& clip, const QuiltPictures& pict
   page += "</style></head>\n<body><header><p class=\"brand\">emberfold <span>quilt</span></p>\n<h1>" +
           escape_html(clip) + "</h1>\n<p class=\"meta\"><code>" +
           escape_html(summary.value("command_line", "")) + "</code></p></header>\n<main>\n";
-  page += tiles(summary["quilt"]);
+  page += tiles_html(summary["quilt"]);
   page +=
       "<section><div class=\"head\"><h2>Source and quilt</h2><p>The same moments; every pixel of the quilt "
       "shows the whole course of one source pixel.</p></div>\n";
   for (const auto& pair : pictures.pairs)
-    page += side_by_side(figure(pair.source, "source, frame " + std::to_string(pair.frame), kPicture / 3),
-                         figure(pair.quilt, "quilt, frame " + std::to_string(pair.frame), kPicture));
+    page += side_by_side_html(
+        figure_html(pair.source, "source, frame " + std::to_string(pair.frame), kPicture / 3),
+        figure_html(pair.quilt, "quilt, frame " + std::to_string(pair.frame), kPicture));
   page +=
       "</section>\n<section><div class=\"head\"><h2>Where pixels come from</h2><p>Hue: place across the "
       "source; "
       "lightness: place down. Even slopes are copied as they are. Seams are the same in every "
       "frame.</p></div>\n"
       "<div style=\"display:grid;grid-template-columns:1fr 1fr;gap:16px\">" +
-      figure(pictures.map, "map", kPicture) + figure(pictures.seams, "seams", kPicture) +
+      figure_html(pictures.map, "map", kPicture) + figure_html(pictures.seams, "seams", kPicture) +
       "</div></section>\n";
   page += "<section><div class=\"head\"><h2>All figures</h2></div><pre style=\"overflow:auto\">" +
           escape_html(summary.dump(1, ' ', false, Json::error_handler_t::replace)) + "</pre></section>\n";

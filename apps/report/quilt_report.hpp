@@ -9,18 +9,19 @@
 
 namespace emberfold::apps {
 
-/// A moment of the source beside the same moment of the quilt, CV_8UC3.
+/// A frame of the source and the same frame of the quilt, CV_8UC3.
 struct QuiltPair {
   int frame = 0;
   cv::Mat source, quilt;
 };
 
+/// The pictures of a quilt's report.
 struct QuiltPictures {
   std::vector<QuiltPair> pairs;
   cv::Mat map, seams;  ///< CV_8UC3
 };
 
-/// One HTML page that needs nothing else, some megabytes at most. `summary` as in summary.json.
+/// Returns one self-contained HTML page of some megabytes at most. `summary`: the content of summary.json.
 std::string make_quilt_report(const std::string& clip, const QuiltPictures& pictures,
                               const nlohmann::ordered_json& summary);
 

@@ -18,18 +18,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json picture(int frame, const Still& still) {
+Json picture_json(int frame, const Still& still) {
   return {{"frame", frame}, {"width", still.width}, {"height", still.height}, {"uri", data_uri(still)}};
 }
 
-Json classes() {
+Json event_classes_json() {
   Json list = Json::array();
   for (const auto type : graph::all_event_types())
     list.push_back({{"name", graph::name(type)}, {"colour", hex(event_colour(type))}});
   return list;
 }
 
-// The last part of a path; the whole of a name that is none.
+// Returns the last part of a path, or the whole name where it is no path.
 std::string title_of(std::string clip) {
   while (clip.size() > 1 && clip.back() == '/') clip.pop_back();
   const auto slash = clip.find_last_of('/');
@@ -108,7 +108,7 @@ std::string make_report(const ReportInput& input, const Json& summary) {
                  {"frames", motion.sketch.frames.size()}}},
                {"version", input.version},
                {"command", input.command_line},
-               {"classes", classes()},
+               {"classes", event_classes_json()},
                {"summary", std::move(figures)},
                {"events", report_events(input.events)},
                {"series", report_series(motion, input.events)},
@@ -119,13 +119,13 @@ std::string make_report(const ReportInput& input, const Json& summary) {
   const Json curves = report_curves(motion, numbers);
   data["frames"] = Json::array();
   for (std::size_t i = 0; i < input.event_frames.size(); ++i) {
-    Json shown = picture(input.event_frames[i].frame, input.event_frames[i].still);
+    Json shown = picture_json(input.event_frames[i].frame, input.event_frames[i].still);
     shown["curves"] = curves[i];
     data["frames"].push_back(std::move(shown));
   }
   data["stills"] = Json::array();
   for (const auto& still : input.stills) {
-    Json shown = picture(still.frame, still.input);
+    Json shown = picture_json(still.frame, still.input);
     shown["sketch"] = data_uri(still.sketch);
     shown["reconstruction"] = data_uri(still.reconstruction);
     shown["psnr"] = still.psnr;
@@ -133,7 +133,7 @@ std::string make_report(const ReportInput& input, const Json& summary) {
     data["stills"].push_back(std::move(shown));
   }
   data["matches"] = Json::array();
-  for (const auto& match : input.matches) data["matches"].push_back(picture(match.frame, match.still));
+  for (const auto& match : input.matches) data["matches"].push_back(picture_json(match.frame, match.still));
   if (input.model != nullptr) data["learned"]["motion"] = report_motion_model(*input.model, input.events);
   if (!input.eigenvalues.empty()) {
     data["learned"]["eigenvalues"] = report_eigenvalues(input.eigenvalues);

@@ -19,15 +19,15 @@
 
 namespace emberfold::apps {
 
-/// How many bytes of JPEG each kind of picture may take in a report, and how many pictures there may be:
-/// together with the data the page stays below kReportBytes for any clip.
+/// Bounds on the pictures of a report, in bytes of JPEG and in number. With the data the page stays below
+/// kReportBytes for any clip. Chosen so that a report can be sent by mail.
 constexpr std::size_t kReportBytes = 8'000'000;
 constexpr std::size_t kStillBytes = 1'750'000, kStills = 6;  ///< three layers each
 constexpr std::size_t kEventFrameBytes = 1'450'000, kEventFrames = 90;
 constexpr std::size_t kMatchBytes = 850'000, kMatches = 6;
 constexpr std::size_t kClipBytes = 1'000'000;  ///< of video
 
-/// One frame as it is, with its sketch, and as it was drawn again from the sketch.
+/// One frame: input, sketch, and reconstruction from the sketch.
 struct ReportStill {
   int frame = 0;
   Still input, sketch, reconstruction;
@@ -58,18 +58,17 @@ struct ReportInput {
   std::vector<RateInterval> rates;                ///< and its rates
 };
 
-/// The report as one HTML page that needs nothing else. `summary` as in summary.json.
+/// Returns the report as one self-contained HTML page. `summary`: the content of summary.json.
 std::string make_report(const ReportInput& input, const nlohmann::ordered_json& summary);
 
-/// The page with each {{name}} replaced by its value, once, in one pass, so that what is put in is never read
-/// as a template.
+/// Replaces each {{name}} by its value in one pass, so that values are never read as a template.
 std::string fill_in(std::string_view page,
                     const std::vector<std::pair<std::string_view, std::string_view>>& values);
 
-/// The text with what HTML gives a meaning to (& < > " ') spelled out.
+/// Escapes & < > " ' for HTML.
 std::string escape_html(const std::string& text);
 
-/// Compact JSON that may stand inside a script element; bytes that are no UTF-8 are replaced.
+/// Writes compact JSON that may stand inside a script element; bytes that are no UTF-8 are replaced.
 std::string embed_json(const nlohmann::ordered_json& value);
 
 }  // namespace emberfold::apps

@@ -19,13 +19,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr std::size_t kEventBytes = 800'000, kCurveBytes = 550'000, kPathPoints = 20'000, kSeries = 1500;
 
-// A tenth of a pixel is finer than any screen shows a small clip, a whole one than it shows a large one.
-Json rounded(double value, int width) {
+// Rounds to a tenth of a pixel, in clips wider than 600 px to whole ones: finer than a screen shows.
+Json coordinate_json(double value, int width) {
   if (width > 600) return static_cast<std::int64_t>(std::llround(value));
   return std::round(value * 10) / 10;
 }
 
-Json ids(const std::vector<graph::SubgraphId>& list) {
+Json ids_json(const std::vector<graph::SubgraphId>& list) {
   constexpr std::size_t kMost = 8;
   Json out = Json::array();
   for (std::size_t i = 0; i < std::min(list.size(), kMost); ++i) out.push_back(list[i].value);
@@ -37,8 +37,8 @@ struct Path {
   std::vector<graph::Point> points;
 };
 
-// The diagonal of the box that the path stays in.
-double extent(const Path& path) {
+// Returns the diagonal of the path's bounding box, px.
+double box_diagonal(const Path& path) {
   graph::Point low = path.points.front(), high = low;
   for (const auto& p : path.points) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};
@@ -47,13 +47,13 @@ double extent(const Path& path) {
   return graph::distance(low, high);
 }
 
-// Those that live longest and those that go farthest, in turn: the first alone may all stand still.
-std::vector<std::size_t> ranked(const std::vector<Path>& paths) {
+// Orders paths by extent and by duration in turn, since the longest-lived may all stand still.
+std::vector<std::size_t> order_by_interest(const std::vector<Path>& paths) {
   std::vector<std::size_t> by_life(paths.size());
   std::iota(by_life.begin(), by_life.end(), std::size_t{0});
   auto by_extent = by_life;
   std::vector<double> extents;
-  for (const auto& path : paths) extents.push_back(extent(path));
+  for (const auto& path : paths) extents.push_back(box_diagonal(path));
   std::ranges::stable_sort(by_life, std::greater{}, [&](std::size_t i) { return paths[i].points.size(); });
   std::ranges::stable_sort(by_extent, std::greater{}, [&](std::size_t i) { return extents[i]; });
   std::vector<std::size_t> order;
@@ -67,16 +67,16 @@ std::vector<std::size_t> ranked(const std::vector<Path>& paths) {
 Json choose_paths(const std::vector<Path>& paths, int width, std::size_t least) {
   Json out = Json::array();
   std::size_t points = 0;
-  for (const std::size_t index : ranked(paths)) {
+  for (const std::size_t index : order_by_interest(paths)) {
     const auto& path = paths[index];
     if (path.points.size() < least) continue;
-    // a path that alone exceeds what is left is shown by its beginning
+    // a path that exceeds what is left of the budget is cut there
     const std::size_t count = std::min(path.points.size(), kPathPoints - points);
     if (count < least) break;
     Json line = Json::array({path.first});
     for (std::size_t i = 0; i < count; ++i) {
-      line.push_back(rounded(path.points[i].x, width));
-      line.push_back(rounded(path.points[i].y, width));
+      line.push_back(coordinate_json(path.points[i].x, width));
+      line.push_back(coordinate_json(path.points[i].y, width));
     }
     out.push_back(std::move(line));
     points += count;
@@ -84,8 +84,8 @@ Json choose_paths(const std::vector<Path>& paths, int width, std::size_t least) 
   return out;
 }
 
-std::vector<cv::Point2f> simplified(const graph::AttributeGraph& graph, const graph::Curve& curve,
-                                    double tolerance) {
+std::vector<cv::Point2f> simplify_curve(const graph::AttributeGraph& graph, const graph::Curve& curve,
+                                        double tolerance) {
   std::vector<cv::Point2f> line, simple;
   for (const auto index : curve) {
     const auto at = graph.patch(index).position;
@@ -103,9 +103,9 @@ Json frame_curves(const graph::AttributeGraph& graph, double tolerance, std::siz
   Json out = Json::array();
   for (const auto& curve : list) {
     Json line = Json::array({hex(stroke_colour(graph.vertices()[curve.front()].subgraph.value))});
-    for (const auto& p : simplified(graph, curve, tolerance)) {
-      line.push_back(rounded(static_cast<double>(p.x), width));
-      line.push_back(rounded(static_cast<double>(p.y), width));
+    for (const auto& p : simplify_curve(graph, curve, tolerance)) {
+      line.push_back(coordinate_json(static_cast<double>(p.x), width));
+      line.push_back(coordinate_json(static_cast<double>(p.y), width));
     }
     out.push_back(std::move(line));
   }
@@ -113,7 +113,7 @@ Json frame_curves(const graph::AttributeGraph& graph, double tolerance, std::siz
 }
 
 template <class Value>
-Json binned(const std::vector<Value>& values, std::size_t step) {
+Json bin_means(const std::vector<Value>& values, std::size_t step) {
   Json out = Json::array();
   for (std::size_t i = 0; i < values.size(); i += step) {
     const std::size_t end = std::min(values.size(), i + step);
@@ -136,8 +136,8 @@ Json report_events(std::span<const graph::Event> events) {
       x.push_back(std::round(e.position.x * 10) / 10);
       y.push_back(std::round(e.position.y * 10) / 10);
       p.push_back(std::round(e.probability * 1000) / 1000);
-      before.push_back(ids(e.before));
-      after.push_back(ids(e.after));
+      before.push_back(ids_json(e.before));
+      after.push_back(ids_json(e.after));
     }
     Json columns = {{"total", events.size()},
                     {"every", every},
@@ -167,11 +167,11 @@ Json report_series(const graph::MotionGraph& motion, std::span<const graph::Even
     for (const auto& e : events)
       if (e.type == type && e.frame >= 0 && static_cast<std::size_t>(e.frame) < frames)
         ++count[static_cast<std::size_t>(e.frame)];
-    rates.push_back(binned(count, step));
+    rates.push_back(bin_means(count, step));
   }
   return {{"step", step},
-          {"strokes", binned(strokes, step)},
-          {"patches", binned(patches, step)},
+          {"strokes", bin_means(strokes, step)},
+          {"patches", bin_means(patches, step)},
           {"events", rates}};
 }
 
@@ -215,13 +215,15 @@ Json report_patch_paths(const graph::MotionGraph& motion) {
 
 Json report_curves(const graph::MotionGraph& motion, std::span<const int> frames) {
   std::size_t most = 4000;
-  for (double tolerance = 0.5;; tolerance *= 1.6) {
+  double tolerance = 0.5;  // px
+  for (;;) {
     Json out = Json::array();
     for (const int t : frames)
       out.push_back(frame_curves(motion.sketch.frames[static_cast<std::size_t>(t)], tolerance, most,
                                  motion.sketch.width));
     if (out.dump().size() <= kCurveBytes || most == 0) return out;
     if (tolerance > 2) most /= 2;
+    tolerance *= 1.6;
   }
 }
 

@@ -8,22 +8,22 @@
 #include "graph/events/events.hpp"
 #include "graph/motion_graph.hpp"
 
-// What the report's page draws, as JSON of bounded size. Positions are rounded to what a screen shows.
+// Writes what the report's page draws as JSON of bounded size, with positions rounded to a tenth of a pixel.
 namespace emberfold::apps {
 
-/// Columns frame, type (index into all_event_types), x, y, probability, before, after; every `every`-th event
-/// where all would be too many. `total` counts all.
+/// Lists events as columns: frame, type (index into all_event_types), x, y, probability, before, after.
+/// Where all would be too many bytes, takes every `every`-th one; `total` counts all.
 nlohmann::ordered_json report_events(std::span<const graph::Event> events);
 
-/// Strokes and patches of each frame and events of each class; means over `step` frames where there are many.
+/// Counts strokes and patches of each frame and events of each class; long clips as means over `step` frames.
 nlohmann::ordered_json report_series(const graph::MotionGraph& motion, std::span<const graph::Event> events);
 
-/// Paths through time [first frame, x, y, x, y, …], those that go farthest and those that live longest in
-/// turn: the middle of each stroke, and single patches.
+/// Lists paths [first frame, x, y, x, y, …] of the middles of strokes, and of single patches. The ones that
+/// reach farthest and those that live longest come first, in turn.
 nlohmann::ordered_json report_stroke_paths(const graph::MotionGraph& motion);
 nlohmann::ordered_json report_patch_paths(const graph::MotionGraph& motion);
 
-/// For each of `frames` its curves [colour, x, y, x, y, …], simplified.
+/// Lists the simplified curves [colour, x, y, x, y, …] of each of `frames`.
 nlohmann::ordered_json report_curves(const graph::MotionGraph& motion, std::span<const int> frames);
 
 }  // namespace emberfold::apps

@@ -2,15 +2,13 @@
 #include "apps/report/report_model.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <numeric>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/pictures/still.hpp"
+#include "core/text/format_number.hpp"
 #include "graph/attribute_graph.hpp"
 
 namespace emberfold::apps {
@@ -20,21 +18,19 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr std::size_t kCells = 4000, kExemplars = 24, kExemplarPoints = 3000, kEigenvalues = 500;
 
-// Four digits are more than a page shows.
-double rounded(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", value);
-  return std::strtod(text.data(), nullptr);
+// Rounds to four digits, which is more than a page shows.
+double round_for_page(double value) {
+  return core::round_significant(value, 4);
 }
 
-Json rounded(std::span<const double> values) {
+Json numbers_json(std::span<const double> values) {
   Json out = Json::array();
-  for (const double value : values) out.push_back(rounded(value));
+  for (const double value : values) out.push_back(round_for_page(value));
   return out;
 }
 
-// The map with blocks of cells as one, their mean, until there are few enough.
-mcmc::CellMap pooled(const mcmc::CellMap& map) {
+// Replaces blocks of cells by their mean until at most kCells are left.
+mcmc::CellMap pool_cells(const mcmc::CellMap& map) {
   const std::size_t cells = map.values.size();
   int block = 1;
   while (cells > kCells * static_cast<std::size_t>(block) * static_cast<std::size_t>(block)) ++block;
@@ -54,43 +50,48 @@ mcmc::CellMap pooled(const mcmc::CellMap& map) {
 }
 
 Json map_json(const mcmc::CellMap& whole) {
-  const auto map = pooled(whole);
-  return {{"cell", map.cell}, {"columns", map.columns}, {"rows", map.rows}, {"values", rounded(map.values)}};
+  const auto map = pool_cells(whole);
+  return {
+      {"cell", map.cell}, {"columns", map.columns}, {"rows", map.rows}, {"values", numbers_json(map.values)}};
 }
 
 Json drift_json(const mcmc::MotionModel& model) {
-  const auto x = pooled(model.drift_x), y = pooled(model.drift_y);
+  const auto x = pool_cells(model.drift_x), y = pool_cells(model.drift_y);
   double most = 0;
   for (std::size_t i = 0; i < std::min(x.values.size(), y.values.size()); ++i)
     most = std::max(most, std::hypot(x.values[i], y.values[i]));
-  return {{"cell", x.cell},         {"columns", x.columns},   {"rows", x.rows},
-          {"x", rounded(x.values)}, {"y", rounded(y.values)}, {"most", rounded(most)}};
+  return {{"cell", x.cell},
+          {"columns", x.columns},
+          {"rows", x.rows},
+          {"x", numbers_json(x.values)},
+          {"y", numbers_json(y.values)},
+          {"most", round_for_page(most)}};
 }
 
 Json motion_json(const mcmc::Autoregression& motion) {
   const double radius = mcmc::spectral_radius(motion);
-  Json out = {{"a1", rounded(motion.a1)},
-              {"a2", rounded(motion.a2)},
-              {"coupling", rounded(motion.coupling)},
-              {"noise", rounded(motion.noise)},
-              {"range", rounded(motion.range)},
-              {"measurement", rounded(motion.measurement)},
-              {"radius", rounded(radius)},
+  Json out = {{"a1", round_for_page(motion.a1)},
+              {"a2", round_for_page(motion.a2)},
+              {"coupling", round_for_page(motion.coupling)},
+              {"noise", round_for_page(motion.noise)},
+              {"range", round_for_page(motion.range)},
+              {"measurement", round_for_page(motion.measurement)},
+              {"radius", round_for_page(radius)},
               {"deviation", nullptr}};
-  if (radius < 1) out["deviation"] = rounded(mcmc::stationary_deviation(motion));
+  if (radius < 1) out["deviation"] = round_for_page(mcmc::stationary_deviation(motion));
   return out;
 }
 
-// The roots of z² = a1 z + a2: a stroke that sways as a whole.
+// Lists the roots of z² = a1 z + a2: the poles of a stroke that moves as a whole.
 Json poles_json(const char* of, const mcmc::Autoregression& motion) {
   const std::complex<double> root = std::sqrt(std::complex<double>(motion.a1 * motion.a1 / 4 + motion.a2));
   Json out = Json::array();
   for (const auto z : {motion.a1 / 2 + root, motion.a1 / 2 - root})
-    out.push_back({{"of", of}, {"re", rounded(z.real())}, {"im", rounded(z.imag())}});
+    out.push_back({{"of", of}, {"re", round_for_page(z.real())}, {"im", round_for_page(z.imag())}});
   return out;
 }
 
-// Births expected in a frame, whose last cells may reach beyond it.
+// Returns the births expected in a frame; cells at the border count by the part inside.
 double births_a_frame(const mcmc::MotionModel& model) {
   const auto& map = model.rates.birth;
   double sum = 0;
@@ -122,7 +123,7 @@ Json rates_json(const mcmc::MotionModel& model, std::span<const graph::Event> ev
   };
   Json out = Json::array();
   const auto row = [&](const char* name, const std::string& per, const Json& count, double rate) {
-    out.push_back({{"name", name}, {"per", per}, {"seen", count}, {"rate", rounded(rate)}});
+    out.push_back({{"name", name}, {"per", per}, {"seen", count}, {"rate", round_for_page(rate)}});
   };
   using enum graph::EventType;
   const auto& rates = model.rates;
@@ -136,14 +137,14 @@ Json rates_json(const mcmc::MotionModel& model, std::span<const graph::Event> ev
   return out;
 }
 
-const char* kind(const graph::Patch& patch) {
+const char* kind_name(const graph::Patch& patch) {
   return graph::on_step(patch) ? "step" : patch.contrast > 0 ? "ridge" : "valley";
 }
 
 Json exemplar_json(const mcmc::Exemplar& exemplar, std::size_t& points) {
   Json curves = Json::array();
   for (const auto& curve : graph::curves(exemplar.graph)) {
-    Json line = Json::array({kind(exemplar.graph.patch(curve.front()))});
+    Json line = Json::array({kind_name(exemplar.graph.patch(curve.front()))});
     for (const auto index : curve) {
       const auto at = exemplar.graph.patch(index).position;
       line.push_back(std::round(at.x * 10) / 10);
@@ -158,13 +159,13 @@ Json exemplar_json(const mcmc::Exemplar& exemplar, std::size_t& points) {
           {"curves", std::move(curves)}};
 }
 
-// Some spread over all; those that are too large for the page are passed over.
+// Picks exemplars evenly and leaves out those that are too large for the page.
 Json exemplars_json(const std::vector<mcmc::Exemplar>& exemplars) {
   std::vector<int> numbers(exemplars.size());
   std::iota(numbers.begin(), numbers.end(), 0);
   Json out = Json::array();
   std::size_t points = 0;
-  for (const int i : spread(numbers, kExemplars)) {
+  for (const int i : spread_evenly(numbers, kExemplars)) {
     std::size_t more = points;
     Json shown = exemplar_json(exemplars[static_cast<std::size_t>(i)], more);
     if (more > kExemplarPoints || shown["curves"].empty()) continue;
@@ -186,7 +187,7 @@ Json report_measures(const ReportMeasures& measures) {
   for (const auto& row : measures.rows) {
     Json values = Json::array();
     for (const auto& value : row.values)
-      values.push_back(value && std::isfinite(*value) ? Json(rounded(*value)) : Json(nullptr));
+      values.push_back(value && std::isfinite(*value) ? Json(round_for_page(*value)) : Json(nullptr));
     rows.push_back({{"name", row.name}, {"about", row.about}, {"values", std::move(values)}});
   }
   return {{"columns", measures.columns}, {"rows", std::move(rows)}, {"note", measures.note}};
@@ -211,12 +212,12 @@ Json motion_model_figures(const mcmc::MotionModel& model) {
   return {{"sway", motion_json(model.sway)},
           {"contrast", motion_json(model.contrast)},
           {"rates",
-           {{"birth_per_frame", rounded(births_a_frame(model))},
-            {"death_by_size", rounded(rates.death_by_size)},
-            {"split", rounded(rates.split)},
-            {"merge", rounded(rates.merge)},
-            {"connect", rounded(rates.connect)},
-            {"disconnect", rounded(rates.disconnect)}}},
+           {{"birth_per_frame", round_for_page(births_a_frame(model))},
+            {"death_by_size", numbers_json(rates.death_by_size)},
+            {"split", round_for_page(rates.split)},
+            {"merge", round_for_page(rates.merge)},
+            {"connect", round_for_page(rates.connect)},
+            {"disconnect", round_for_page(rates.disconnect)}}},
           {"largest_drift", drift_json(model)["most"]},
           {"exemplars", model.exemplars.size()},
           {"first_strokes", graph::components(model.first).count}};
@@ -225,7 +226,7 @@ Json motion_model_figures(const mcmc::MotionModel& model) {
 Json report_eigenvalues(std::span<const std::complex<double>> eigenvalues) {
   Json out = Json::array();
   for (const auto z : eigenvalues.first(std::min(eigenvalues.size(), kEigenvalues)))
-    out.push_back({rounded(z.real()), rounded(z.imag())});
+    out.push_back({round_for_page(z.real()), round_for_page(z.imag())});
   return out;
 }
 

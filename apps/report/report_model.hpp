@@ -12,7 +12,7 @@
 #include "graph/events/events.hpp"
 #include "mcmc/model/motion_model.hpp"
 
-// What the report tells of models and of the clips drawn from them, as JSON of bounded size.
+// Writes models and the clips drawn from them as JSON of bounded size, for the report.
 namespace emberfold::apps {
 
 /// Clips that play in step, side by side in one video.
@@ -24,7 +24,7 @@ struct ReportClips {
   double fps = 25;
 };
 
-/// A table: a row for each measure, a column for each clip it was taken of.
+/// A table with a row for each measure and a column for each clip.
 struct ReportMeasures {
   struct Row {
     std::string name, about;
@@ -35,17 +35,19 @@ struct ReportMeasures {
   std::string note;
 };
 
+/// Writes the video and the table for the page.
 nlohmann::ordered_json report_clips(const ReportClips& clips);
 nlohmann::ordered_json report_measures(const ReportMeasures& measures);
 
-/// Θ as the page shows it: coefficients and poles, rates beside the counts of `events`, maps of at most 4000
-/// cells, some exemplars.
+/// Writes Θ for the page: coefficients, poles, rates beside the counts of `events`, maps of at most 4000
+/// cells, at most 24 exemplars.
 nlohmann::ordered_json report_motion_model(const mcmc::MotionModel& model,
                                            std::span<const graph::Event> events);
 
-/// {"sway": …, "contrast": …, "rates": …}: the same figures for summary.json.
+/// Writes the same figures for summary.json: {"sway": …, "contrast": …, "rates": …}.
 nlohmann::ordered_json motion_model_figures(const mcmc::MotionModel& model);
 
+/// Lists [real, imaginary part] of at most 500 eigenvalues.
 nlohmann::ordered_json report_eigenvalues(std::span<const std::complex<double>> eigenvalues);
 
 }  // namespace emberfold::apps

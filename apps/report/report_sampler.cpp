@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <functional>
 #include <limits>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/pictures/draw.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -23,21 +22,12 @@ constexpr std::size_t kTraces = 24, kChains = 8, kPoints = 20'000, kNamed = 4;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-std::string shown(double value, int digits) {
-  std::array<char, 400> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
+// Rounds to four digits; null where there is no number.
+Json number_json(double value) {
+  return std::isfinite(value) ? Json(core::round_significant(value, 4)) : Json(nullptr);
 }
 
-/// Four digits, null where there is no number.
-Json rounded(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", value);
-  return std::strtod(text.data(), nullptr);
-}
-
-/// JSON knows no infinity.
+// Bounds R-hat, since JSON has no infinity.
 double bounded_rhat(double rhat) {
   return std::min(rhat, kLargestRhat);
 }
@@ -45,12 +35,12 @@ double bounded_rhat(double rhat) {
 Json diagnosis_json(const TraceDiagnosis& trace) {
   const auto& d = trace.found;
   return {{"name", trace.name},
-          {"mean", rounded(d.mean)},
-          {"sd", rounded(d.deviation)},
-          {"error", rounded(d.error)},
-          {"rhat", rounded(bounded_rhat(d.rhat))},
-          {"bulk_ess", rounded(d.bulk_ess)},
-          {"tail_ess", rounded(d.tail_ess)}};
+          {"mean", number_json(d.mean)},
+          {"sd", number_json(d.deviation)},
+          {"error", number_json(d.error)},
+          {"rhat", number_json(bounded_rhat(d.rhat))},
+          {"bulk_ess", number_json(d.bulk_ess)},
+          {"tail_ess", number_json(d.tail_ess)}};
 }
 
 std::size_t trace_length(const mcmc::InferResult& result) {
@@ -65,21 +55,21 @@ std::size_t kept_sweeps(const mcmc::InferResult& result) {
   return length - std::min(length, static_cast<std::size_t>(std::max(0, result.burn_in)));
 }
 
-std::string listed(const std::vector<std::string>& names) {
+std::string join_names(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) text += (i > 0 ? ", " : "") + names[i];
   if (names.size() > kNamed) text += " and " + std::to_string(names.size() - kNamed) + " more";
   return text;
 }
 
-/// The traces of which `poor` holds, the worst first, as "name (value)".
+// Lists the traces for which `poor` holds, the worst first, as "name (value)".
 template <class Value, class Worse, class Poor>
-std::vector<std::string> poor_ones(std::vector<TraceDiagnosis> traces, int digits, const Value& value,
-                                   const Worse& worse, const Poor& poor) {
+std::vector<std::string> list_poor_traces(std::vector<TraceDiagnosis> traces, int digits, const Value& value,
+                                          const Worse& worse, const Poor& poor) {
   std::erase_if(traces, [&](const TraceDiagnosis& t) { return !poor(value(t)); });
   std::ranges::stable_sort(traces, worse, value);
   std::vector<std::string> names;
-  for (const auto& t : traces) names.push_back(t.name + " (" + shown(value(t), digits) + ")");
+  for (const auto& t : traces) names.push_back(t.name + " (" + core::fixed_text(value(t), digits) + ")");
   return names;
 }
 
@@ -90,9 +80,9 @@ double draws_of(const TraceDiagnosis& t) {
   return t.found.bulk_ess;
 }
 
-/// What may be compared: where all draws are equal, or too few, nothing is known.
+// Keeps the traces whose value is a number: it is none where all draws are equal, or too few.
 template <class Value>
-std::vector<TraceDiagnosis> known(std::vector<TraceDiagnosis> traces, const Value& value) {
+std::vector<TraceDiagnosis> comparable_traces(std::vector<TraceDiagnosis> traces, const Value& value) {
   std::erase_if(traces, [&](const TraceDiagnosis& t) { return std::isnan(value(t)); });
   return traces;
 }
@@ -102,7 +92,7 @@ Json trace_json(const mcmc::Trace& trace, std::size_t step) {
   for (std::size_t c = 0; c < std::min(trace.chains.size(), kChains); ++c) {
     Json line = Json::array();
     for (std::size_t i = 0; i < trace.chains[c].size(); i += step)
-      line.push_back(rounded(trace.chains[c][i]));
+      line.push_back(number_json(trace.chains[c][i]));
     chains.push_back(std::move(line));
   }
   return {{"name", trace.name}, {"chains", std::move(chains)}};
@@ -124,44 +114,49 @@ std::vector<TraceDiagnosis> diagnose_traces(const mcmc::InferResult& result) {
 }
 
 Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
-  const auto with_rhat = known(traces, rhat_of), with_draws = known(traces, draws_of);
+  const auto with_rhat = comparable_traces(traces, rhat_of), with_draws = comparable_traces(traces, draws_of);
   if (with_rhat.empty() && with_draws.empty()) return {false, {}};
-  const auto apart = poor_ones(with_rhat, 2, rhat_of, std::greater{}, [](double v) { return v > kRhat; });
-  const auto few = poor_ones(with_draws, 0, draws_of, std::less{}, [](double v) { return v < kDraws; });
+  const auto apart =
+      list_poor_traces(with_rhat, 2, rhat_of, std::greater{}, [](double v) { return v > kRhat; });
+  const auto few =
+      list_poor_traces(with_draws, 0, draws_of, std::less{}, [](double v) { return v < kDraws; });
   Assurance result{apart.empty() && few.empty(), {}};
   if (!apart.empty())
-    result.sentences.push_back("The chains do not agree well yet: R-hat is above 1.05 for " + listed(apart) +
+    result.sentences.push_back("The chains do not agree well yet: R-hat is above 1.05 for " +
+                               join_names(apart) +
                                ". Take what rests on these as rough; more sweeps would make it surer.");
   if (!few.empty())
     result.sentences.push_back(
-        "The draws are worth fewer than 100 independent ones for " + listed(few) +
+        "The draws are worth fewer than 100 independent ones for " + join_names(few) +
         ". Means and intervals of these are uncertain; more sweeps would sharpen them.");
   if (!result.sure) return result;
   double rhat = 0, draws = std::numeric_limits<double>::infinity();
   for (const auto& t : with_rhat) rhat = std::max(rhat, rhat_of(t));
   for (const auto& t : with_draws) draws = std::min(draws, draws_of(t));
-  result.sentences.push_back("The chains agree: R-hat is at most " + shown(rhat, 3) +
-                             ", and the draws are worth at least " + shown(draws, 0) + " independent ones.");
+  result.sentences.push_back("The chains agree: R-hat is at most " + core::fixed_text(rhat, 3) +
+                             ", and the draws are worth at least " + core::fixed_text(draws, 0) +
+                             " independent ones.");
   return result;
 }
 
 Json sampler_json(const mcmc::InferResult& result) {
   const auto traces = diagnose_traces(result);
-  Json out = {
-      {"chains", result.chains},
-      {"sweeps", kept_sweeps(result)},
-      {"burn_in", result.burn_in},
-      {"samples", result.samples.size()},
-      {"proposals", result.proposals},
-      {"processor_seconds", rounded(result.seconds)},
-      {"proposals_per_second", rounded(result.seconds > 0 ? result.proposals / result.seconds : kUnknown)}};
+  Json out = {{"chains", result.chains},
+              {"sweeps", kept_sweeps(result)},
+              {"burn_in", result.burn_in},
+              {"samples", result.samples.size()},
+              {"proposals", result.proposals},
+              {"processor_seconds", number_json(result.seconds)},
+              {"proposals_per_second",
+               number_json(result.seconds > 0 ? result.proposals / result.seconds : kUnknown)}};
   out["acceptance"] = Json::object();
   for (const auto& move : result.moves)
-    out["acceptance"][move.name] = rounded(move.evaluated > 0 ? move.accepted / move.evaluated : kUnknown);
+    out["acceptance"][move.name] =
+        number_json(move.evaluated > 0 ? move.accepted / move.evaluated : kUnknown);
   const auto worst = [&](const char* name, const auto& value, const auto& worse) {
-    const auto list = known(traces, value);
+    const auto list = comparable_traces(traces, value);
     const auto found = std::ranges::min_element(list, worse, value);
-    out[name] = found == list.end() ? Json(nullptr) : rounded(value(*found));
+    out[name] = found == list.end() ? Json(nullptr) : number_json(value(*found));
     out[std::string(name) + "_of"] = found == list.end() ? Json(nullptr) : Json(found->name);
   };
   worst("rhat_max", rhat_of, std::greater{});
@@ -184,7 +179,7 @@ Json report_sampler(const mcmc::InferResult& result, std::span<const RateInterva
               {"step", step},
               {"samples", result.samples.size()},
               {"proposals", result.proposals},
-              {"seconds", rounded(result.seconds)},
+              {"seconds", number_json(result.seconds)},
               {"sure", told.sure},
               {"sentences", told.sentences},
               {"traces_total", result.traces.size()}};
@@ -197,9 +192,9 @@ Json report_sampler(const mcmc::InferResult& result, std::span<const RateInterva
   out["rates"] = Json::array();
   for (const auto& rate : rates)
     out["rates"].push_back({{"name", rate.name},
-                            {"rate", rounded(rate.rate)},
-                            {"low", rounded(rate.low)},
-                            {"high", rounded(rate.high)},
+                            {"rate", number_json(rate.rate)},
+                            {"low", number_json(rate.low)},
+                            {"high", number_json(rate.high)},
                             {"unit", rate.unit}});
   return out;
 }
@@ -215,7 +210,7 @@ Json report_probabilities(std::span<const graph::Event> events) {
     expected[type] += event.probability;
   }
   Json sums = Json::array();
-  for (const double value : expected) sums.push_back(rounded(value));
+  for (const double value : expected) sums.push_back(number_json(value));
   return {{"tenths", tenths}, {"expected", std::move(sums)}};
 }
 

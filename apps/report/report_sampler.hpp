@@ -11,39 +11,41 @@
 #include "mcmc/sampler/diagnostics.hpp"
 #include "mcmc/sampler/infer.hpp"
 
-// What the summary and the report tell of the sampler, as JSON of bounded size.
+// Writes the sampler's results as JSON of bounded size, for the summary and the report.
 namespace emberfold::apps {
 
-/// A rate with an interval that holds it with 90 % of its probability.
+/// A rate with its central 90 % posterior interval.
 struct RateInterval {
   std::string name;  ///< "birth"
   double rate = 0, low = 0, high = 0;
   std::string unit;  ///< "in a frame", "a frame and pair of ends"
 };
 
+/// The convergence of one traced quantity.
 struct TraceDiagnosis {
   std::string name;
   mcmc::Diagnosis found;  ///< of the draws after burn-in
 };
+/// Diagnoses every trace of a result without its burn-in.
 std::vector<TraceDiagnosis> diagnose_traces(const mcmc::InferResult& result);
 
-/// Plain sentences: for R-hat above 1.05 and fewer than 100 effective draws one each, naming the traces, the
-/// worst first; else one that says that all is well. Empty where nothing can be told.
+/// The verdict on convergence, as sentences for a reader.
 struct Assurance {
   bool sure = true;
   std::vector<std::string> sentences;
 };
+/// Says which traces have R-hat above 1.05 and which fewer than 100 effective draws, a sentence each, the
+/// worst traces first; else that all is well. Says nothing where no trace can be judged.
 Assurance assurance(const std::vector<TraceDiagnosis>& traces);
 
-/// The object `sampler` of summary.json (docs/architecture.md).
+/// Writes the object `sampler` of summary.json.
 nlohmann::ordered_json sampler_json(const mcmc::InferResult& result);
 
-/// What the report's section shows: traces thinned to some 20 000 numbers in all, their diagnoses, sentences,
-/// rates.
+/// Writes the report's section: traces thinned to about 20 000 numbers in all, diagnoses, sentences, rates.
 nlohmann::ordered_json report_sampler(const mcmc::InferResult& result, std::span<const RateInterval> rates);
 
-/// How many events of each class (by all_event_types) have a probability in each tenth, 1 in the last, and
-/// how many of a class are expected to be true: {"tenths": [[…10] …6], "expected": […6]}.
+/// Counts the events of each class (by all_event_types) by tenths of probability, 1 in the last, and sums
+/// their probabilities: {"tenths": [[…10] …6], "expected": […6]}.
 nlohmann::ordered_json report_probabilities(std::span<const graph::Event> events);
 
 }  // namespace emberfold::apps

@@ -19,18 +19,18 @@ namespace emberfold::apps {
 
 namespace {
 
-int even(double length) {
+int round_to_even(double length) {
   return 2 * std::max(1, static_cast<int>(std::lround(length / 2)));
 }
 
-cv::Mat resized(const cv::Mat& frame, cv::Size size) {
+cv::Mat resize_to(const cv::Mat& frame, cv::Size size) {
   cv::Mat out;
   const bool reduced = size.area() < frame.size().area();
   cv::resize(frame, out, size, 0, 0, reduced ? cv::INTER_AREA : cv::INTER_LINEAR);
   return out;
 }
 
-/// Writes the strip; how many frames there were.
+// Writes the strip and returns its number of frames.
 int write_strip(std::span<const NamedSource> clips, cv::Size cell, int most_frames,
                 const std::filesystem::path& path, const Session& session) {
   const auto count = static_cast<int>(clips.size());
@@ -48,7 +48,7 @@ int write_strip(std::span<const NamedSource> clips, cv::Size cell, int most_fram
         writer->finish();
         return frames;
       }
-      resized(to_colour_bytes(frame, source.info()), cell)
+      resize_to(to_colour_bytes(frame, source.info()), cell)
           .copyTo(strip(cv::Rect(i * cell.width, 0, cell.width, cell.height)));
     }
     writer->write(strip);
@@ -75,8 +75,8 @@ ReportClips make_strip(std::span<const NamedSource> clips, const io::OutputFolde
   strip.fps = info.fps;
   int most_frames = 250;
   for (double longest = std::min(kLongest, std::max(side, 16.0));;) {
-    strip.width = even(info.width * longest / side);
-    strip.height = even(info.height * longest / side);
+    strip.width = round_to_even(info.width * longest / side);
+    strip.height = round_to_even(info.height * longest / side);
     strip.frames = write_strip(clips, {strip.width, strip.height}, most_frames, path, session);
     strip.mp4 = read_file_bytes(path);
     std::error_code ignored;

@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "apps/pictures/draw.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -20,22 +22,11 @@ constexpr int kMargin = 16, kHead = 56, kLabel = 150, kLeastColumns = 3;
 constexpr int kPatch = 96, kPlot = 140, kSmall = 28, kCaption = 20, kGap = 6, kRowGap = 22;
 constexpr int kCellWidth = kPatch + kGap + kPlot, kCellHeight = kCaption + kPatch + kGap + kSmall;
 constexpr double kGrey = 46, kFull = 2.8;  // grey levels of 1; the plot's end
-const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(222, 218, 214), kSoft(130, 122, 116);
+const cv::Scalar kFaint(222, 218, 214), kSoft(130, 122, 116);
 const std::array<cv::Scalar, sketch::kMostComponents> kColours = {
     cv::Scalar(190, 110, 30), cv::Scalar(50, 80, 205), cv::Scalar(80, 150, 50), cv::Scalar(170, 70, 150)};
 
-void write(cv::Mat& picture, const std::string& text, cv::Point at, double size = 0.42,
-           const cv::Scalar& ink = kInk) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-  return text.data();
-}
-
-// The shape as a grey patch, its curve upwards.
+// Draws the shape as a grey patch with its curve upwards.
 cv::Mat patch_picture(const std::vector<float>& shape, bool window, int side) {
   const int rows = window ? static_cast<int>(sketch::kWindowSide) : 1;
   cv::Mat1f values(rows, static_cast<int>(shape.size()) / rows);
@@ -49,13 +40,13 @@ cv::Mat patch_picture(const std::vector<float>& shape, bool window, int side) {
   return picture;
 }
 
-void place(cv::Mat& picture, const cv::Mat& content, cv::Point corner) {
+void paste(cv::Mat& picture, const cv::Mat& content, cv::Point corner) {
   content.copyTo(picture(cv::Rect(corner, content.size())));
   cv::rectangle(picture, cv::Rect(corner, content.size()), kFaint);
 }
 
-// What is seen across the curve: of a window, the middle of it.
-std::vector<float> across(const std::vector<float>& shape, bool window) {
+// Returns the profile across the curve; of a window, its middle row.
+std::vector<float> cross_section(const std::vector<float>& shape, bool window) {
   if (!window) return shape;
   const auto row = shape.begin() + (sketch::kWindowSide / 2) * sketch::kWindowSide;
   return {row, row + sketch::kWindowSide};
@@ -74,7 +65,7 @@ void draw_curve(cv::Mat& picture, const cv::Rect& box, const std::vector<float>&
   cv::polylines(picture, points, false, colour, thickness, cv::LINE_AA, kShift);
 }
 
-std::vector<float> moved(const sketch::Entry& entry, std::size_t k, double sd) {
+std::vector<float> shift_mean(const sketch::Entry& entry, std::size_t k, double sd) {
   std::vector<float> coefficients(entry.components.size(), 0.0F);
   coefficients[k] = static_cast<float>(sd * entry.spread[k]);
   return sketch::shape_of(entry, coefficients);
@@ -82,11 +73,11 @@ std::vector<float> moved(const sketch::Entry& entry, std::size_t k, double sd) {
 
 void draw_entry(cv::Mat& picture, const sketch::Entry& entry, cv::Point corner) {
   const bool window = entry.window();
-  write(picture, fixed(100 * entry.share, 1) + " %", corner + cv::Point(0, 13), 0.46);
-  write(picture, "leaves " + fixed(entry.residual, 2), corner + cv::Point(kPatch + kGap + 2, 13), 0.38,
-        kSoft);
+  write_text(picture, core::fixed_text(100 * entry.share, 1) + " %", corner + cv::Point(0, 13), 0.46);
+  write_text(picture, "leaves " + core::fixed_text(entry.residual, 2),
+             corner + cv::Point(kPatch + kGap + 2, 13), 0.38, kSoft);
   const cv::Point top = corner + cv::Point(0, kCaption);
-  place(picture, patch_picture(entry.mean, window, kPatch), top);
+  paste(picture, patch_picture(entry.mean, window, kPatch), top);
   const cv::Rect box(top.x + kPatch + kGap, top.y, kPlot, kPatch);
   cv::rectangle(picture, box, cv::Scalar(255, 255, 255), cv::FILLED);
   cv::rectangle(picture, box, kFaint);
@@ -96,17 +87,17 @@ void draw_entry(cv::Mat& picture, const sketch::Entry& entry, cv::Point corner) 
   for (std::size_t k = 0; k < entry.components.size(); ++k) {
     const cv::Scalar& colour = kColours[k];
     for (const double sd : {-2.0, 2.0})
-      draw_curve(picture, box, across(moved(entry, k, sd), window), colour, 1);
+      draw_curve(picture, box, cross_section(shift_mean(entry, k, sd), window), colour, 1);
     const cv::Point at(top.x + static_cast<int>(k) * (2 * kSmall + kGap), top.y + kPatch + kGap);
-    place(picture, patch_picture(moved(entry, k, -2), window, kSmall), at);
-    place(picture, patch_picture(moved(entry, k, 2), window, kSmall), at + cv::Point(kSmall, 0));
+    paste(picture, patch_picture(shift_mean(entry, k, -2), window, kSmall), at);
+    paste(picture, patch_picture(shift_mean(entry, k, 2), window, kSmall), at + cv::Point(kSmall, 0));
     cv::rectangle(picture, cv::Rect(at, cv::Size(2 * kSmall, kSmall)), colour);
   }
-  draw_curve(picture, box, across(entry.mean, window), kInk, 2);
+  draw_curve(picture, box, cross_section(entry.mean, window), kInk, 2);
 }
 
-// Runs of entries of one degree and type.
-std::vector<std::span<const sketch::Entry>> groups(const sketch::Dictionary& dictionary) {
+// Groups the entries by degree and type.
+std::vector<std::span<const sketch::Entry>> group_entries(const sketch::Dictionary& dictionary) {
   std::vector<std::span<const sketch::Entry>> all;
   const std::span<const sketch::Entry> entries(dictionary.entries);
   for (std::size_t first = 0, i = 1; i <= entries.size(); ++i)
@@ -118,7 +109,7 @@ std::vector<std::span<const sketch::Entry>> groups(const sketch::Dictionary& dic
   return all;
 }
 
-std::string readable(std::string_view type) {
+std::string readable_name(std::string_view type) {
   std::string name(type);
   std::ranges::replace(name, '_', ' ');
   return name;
@@ -127,7 +118,7 @@ std::string readable(std::string_view type) {
 }  // namespace
 
 cv::Mat draw_dictionary(const sketch::Dictionary& dictionary) {
-  const auto rows = groups(dictionary);
+  const auto rows = group_entries(dictionary);
   int columns = kLeastColumns;
   std::uint64_t seen = 0;
   for (const auto& row : rows) {
@@ -138,23 +129,24 @@ cv::Mat draw_dictionary(const sketch::Dictionary& dictionary) {
   const int width = 2 * kMargin + kLabel + columns * (kCellWidth + kMargin);
   const int height = kHead + static_cast<int>(std::max<std::size_t>(rows.size(), 1)) * row_height + kMargin;
   cv::Mat picture(height, width, CV_8UC3, kPaper);
-  write(picture,
-        "dictionary: " + std::to_string(dictionary.entries.size()) + " entries, learned from " +
-            std::to_string(seen) + " patches",
-        {kMargin, 24}, 0.55);
-  write(picture, "%: share of its row; black: mean across the curve; colours: components, -2 SD and +2 SD",
-        {kMargin, 44}, 0.42, kSoft);
+  write_text(picture,
+             "dictionary: " + std::to_string(dictionary.entries.size()) + " entries, learned from " +
+                 std::to_string(seen) + " patches",
+             {kMargin, 24}, 0.55);
+  write_text(picture,
+             "%: share of its row; black: mean across the curve; colours: components, -2 SD and +2 SD",
+             {kMargin, 44}, 0.42, kSoft);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const int top = kHead + static_cast<int>(r) * row_height;
     cv::line(picture, {kMargin, top}, {width - kMargin, top}, kFaint);
     std::uint64_t count = 0;
     for (const auto& entry : rows[r]) count += entry.seen;
-    write(picture, readable(graph::name(rows[r].front().type)), {kMargin, top + 50}, 0.55);
+    write_text(picture, readable_name(graph::name(rows[r].front().type)), {kMargin, top + 50}, 0.55);
     const int degree = rows[r].front().degree;
-    write(picture, "degree " + std::to_string(degree) + (degree == 4 ? " and more" : ""), {kMargin, top + 72},
-          0.42, kSoft);
-    write(picture, std::to_string(count) + (count == 1 ? " patch" : " patches"), {kMargin, top + 90}, 0.42,
-          kSoft);
+    write_text(picture, "degree " + std::to_string(degree) + (degree == 4 ? " and more" : ""),
+               {kMargin, top + 72}, 0.42, kSoft);
+    write_text(picture, std::to_string(count) + (count == 1 ? " patch" : " patches"), {kMargin, top + 90},
+               0.42, kSoft);
     for (std::size_t i = 0; i < rows[r].size(); ++i)
       draw_entry(picture, rows[r][i],
                  {kMargin + kLabel + static_cast<int>(i) * (kCellWidth + kMargin), top + kRowGap / 2});

@@ -12,13 +12,14 @@
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
-SketchDictionary learn(core::FrameSource& source, const sketch::ExtractOptions& options,
-                       const Session& session) {
+SketchDictionary learn_dictionary(core::FrameSource& source, const sketch::ExtractOptions& options,
+                                  const Session& session) {
   struct Frame {
     graph::AttributeGraph graph;
     std::vector<sketch::View> views;
@@ -43,17 +44,13 @@ SketchDictionary learn(core::FrameSource& source, const sketch::ExtractOptions& 
   return learned;
 }
 
-double rounded(double value) {
-  return std::round(value * 1000) / 1000;
-}
-
 }  // namespace
 
 std::optional<SketchDictionary> prepare_dictionary(const DictionaryRequest& request,
                                                    core::FrameSource& source,
                                                    const sketch::ExtractOptions& options,
                                                    const Session& session) {
-  if (request.learn) return learn(source, options, session);
+  if (request.learn) return learn_dictionary(source, options, session);
   if (request.folder.empty()) return std::nullopt;
   const auto archive = io::read_model(request.folder, io::kDictionaryFormat);
   try {
@@ -88,10 +85,11 @@ void CodeFigures::add(std::span<const sketch::Code> codes) {
 nlohmann::ordered_json CodeFigures::json(const sketch::Dictionary& dictionary) const {
   using Json = nlohmann::ordered_json;
   const auto share = [](double sum, std::size_t count) {
-    return count > 0 ? Json(rounded(sum / static_cast<double>(count))) : Json(nullptr);
+    return count > 0 ? Json(core::round_to(sum / static_cast<double>(count), 3)) : Json(nullptr);
   };
   const auto rms = [](double squares, std::size_t count) {
-    return count > 0 ? Json(rounded(std::sqrt(squares / static_cast<double>(count)))) : Json(nullptr);
+    return count > 0 ? Json(core::round_to(std::sqrt(squares / static_cast<double>(count)), 3))
+                     : Json(nullptr);
   };
   const std::size_t coded = profiles_ + windows_;
   Json entries = Json::array();
@@ -99,9 +97,9 @@ nlohmann::ordered_json CodeFigures::json(const sketch::Dictionary& dictionary) c
     entries.push_back({{"degree", entry.degree},
                        {"type", graph::name(entry.type)},
                        {"seen", entry.seen},
-                       {"share", rounded(entry.share)},
+                       {"share", core::round_to(entry.share, 3)},
                        {"components", entry.components.size()},
-                       {"residual", rounded(entry.residual)}});
+                       {"residual", core::round_to(entry.residual, 3)}});
   return {
       {"coded_share", share(static_cast<double>(coded), patches_)},
       {"residual_profiles",

@@ -17,40 +17,42 @@
 // The dictionary of `emberfold sketch`: learned from the clip, or one learned before.
 namespace emberfold::apps {
 
+/// The request for a dictionary.
 struct DictionaryRequest {
   bool learn = false;
   std::string folder;  ///< one learned before; empty: none
   [[nodiscard]] bool any() const { return learn || !folder.empty(); }
 };
 
+/// A dictionary and the sketches that it was learned from.
 struct SketchDictionary {
   sketch::Dictionary dictionary;
   std::vector<graph::AttributeGraph> graphs;  ///< the clip's, where it was learned from them; else none
 
-  /// The sketch of frame t, found while learning, or now.
+  /// Returns the sketch of frame t: the one found while learning, else sketches it now.
   [[nodiscard]] graph::AttributeGraph graph(int t, const cv::Mat& levels,
                                             const sketch::ExtractOptions& options) const {
     return graphs.empty() ? sketch::extract(levels, options) : graphs.at(static_cast<std::size_t>(t));
   }
 };
 
-/// Reads the dictionary, or learns it from the whole clip. Nothing where none is asked for. core::IoError
-/// where the folder holds none; core::Cancelled.
+/// Reads the dictionary, or learns it from the whole clip; nothing where none is asked for. Throws
+/// core::IoError where the folder holds none, and core::Cancelled.
 std::optional<SketchDictionary> prepare_dictionary(const DictionaryRequest& request,
                                                    core::FrameSource& source,
                                                    const sketch::ExtractOptions& options,
                                                    const Session& session);
 
-/// `levels`: CV_32F, white = 255. The noise is the frame's own.
+/// Encodes a frame's patches. `levels`: CV_32F, white = 255. The noise is measured in the frame.
 std::vector<sketch::Code> encode_frame(const cv::Mat& levels, const graph::AttributeGraph& graph,
                                        const SketchDictionary& dictionary);
 
-/// What the dictionary's codes come to, over a clip.
+/// Sums the figures of the dictionary's codes over a clip.
 class CodeFigures {
  public:
   void add(std::span<const sketch::Code> codes);
-  /// {"entries", "components", "by_type", "coded_share", "residual", "cost"}: grey levels and nats, learned
-  /// beside parametric on the same patches.
+  /// Writes {"entries", "components", "by_type", "coded_share", "residual", "cost"} in grey levels and nats,
+  /// of learned and parametric patches at the same places.
   [[nodiscard]] nlohmann::ordered_json json(const sketch::Dictionary& dictionary) const;
 
  private:

@@ -2,7 +2,6 @@
 #include "apps/sketching/sketch_film.hpp"
 
 #include <array>
-#include <cstdio>
 #include <ostream>
 #include <string>
 
@@ -13,14 +12,15 @@
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
 #include "core/clip/clip_range.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
 namespace {
 
-PanelRow panels(cv::Size frame) {
+PanelRow panel_row(cv::Size frame) {
   const cv::Mat blank(frame, CV_8UC3);
-  // The graph is drawn enlarged; its size decides how high all of them are.
+  // The graph is drawn enlarged; its height is that of all panels.
   const cv::Size graph = enlarge(blank, enlargement(frame, OverlayOptions{}.shorter_side)).size();
   return PanelRow(std::array{frame, graph, frame, frame});
 }
@@ -30,28 +30,22 @@ const char* fill_label(sketch::GroundFill fill) {
   return fill == sketch::GroundFill::efros_leung ? "Efros-Leung texture" : "diffusion";
 }
 
-std::string rounded(double value, int digits) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
-}
-
 }  // namespace
 
 SketchFilm::SketchFilm(cv::Size frame, const SketchRequest& request)
-    : row_(panels(frame)), anchors_(request.anchors > 0), fill_(fill_label(request.ground.kind)) {}
+    : row_(panel_row(frame)), anchors_(request.anchors > 0), fill_(fill_label(request.ground.kind)) {}
 
 cv::Mat SketchFilm::picture(const cv::Mat& frame, const graph::AttributeGraph& graph,
                             const SketchedFrame& drawn, int t) const {
-  const std::array pictures{frame, draw_type_curves(frame, graph), draw_held(drawn.held),
+  const std::array pictures{frame, draw_type_curves(frame, graph), draw_sketchable(drawn.sketchable),
                             drawn.reconstruction.bytes};
-  const auto percent = [](double share) { return rounded(100 * share, 1) + " %"; };
+  const auto percent = [](double share) { return core::fixed_text(100 * share, 1) + " %"; };
   const std::string part =
       anchors_ ? "Patches " + percent(drawn.patch_share) + ", anchors " + percent(drawn.anchor_share)
                : "Sketchable part, " + percent(drawn.patch_share);
   const std::array<std::string, 4> labels{
       "Input", "Graph", part,
-      "Reconstruction, " + fill_ + ", " + rounded(drawn.reconstruction.psnr, 1) + " dB"};
+      "Reconstruction, " + fill_ + ", " + core::fixed_text(drawn.reconstruction.psnr, 1) + " dB"};
   const cv::Mat row = row_.compose(pictures, labels);
   const cv::Mat legend = draw_legend(row.cols, frame_label(t), type_legend());
   cv::Mat whole;
@@ -59,7 +53,7 @@ cv::Mat SketchFilm::picture(const cv::Mat& frame, const graph::AttributeGraph& g
   return whole;
 }
 
-cv::Mat draw_held(const sketch::Sketchable& held) {
+cv::Mat draw_sketchable(const sketch::Sketchable& held) {
   cv::Mat bytes = core::to_bytes(held.levels);
   bytes.setTo(cv::Scalar::all(kOpenLevel), held.mask == 0);
   return bytes;

@@ -11,15 +11,15 @@
 
 namespace emberfold::apps {
 
-/// The level of what a picture of the sketchable part leaves open.
+/// The grey level of pixels outside the sketchable part: the middle of 0…255.
 constexpr double kOpenLevel = 128;
 
-/// The pictures of film.mp4: input, graph, sketchable part on grey, reconstruction, with the frame's figures
-/// (Guo, Zhu & Wu 2007, Figs. 2 and 3). All of a clip have the same size.
+/// Draws the pictures of film.mp4: input, graph, sketchable part on grey, reconstruction, with the frame's
+/// figures (Guo, Zhu & Wu 2007, Figs. 2 and 3). All pictures of a clip have one size.
 class SketchFilm {
  public:
   SketchFilm(cv::Size frame, const SketchRequest& request);
-  /// `frame`: CV_8UC3.
+  /// Draws the picture of frame t. `frame`: CV_8UC3.
   [[nodiscard]] cv::Mat picture(const cv::Mat& frame, const graph::AttributeGraph& graph,
                                 const SketchedFrame& drawn, int t) const;
 
@@ -29,10 +29,10 @@ class SketchFilm {
   std::string fill_;
 };
 
-/// What is held, on grey; CV_8U.
-cv::Mat draw_held(const sketch::Sketchable& held);
+/// Draws the sketchable part on grey, CV_8U.
+cv::Mat draw_sketchable(const sketch::Sketchable& held);
 
-/// Writes film.png, the picture of the clip's middle frame, which is read and drawn again.
+/// Reads the clip's middle frame again and writes its picture, film.png.
 void write_film_picture(core::FrameSource& source, const SketchRequest& request, const SketchRun& run,
                         io::OutputFolder& output, const Session& session);
 

@@ -22,13 +22,13 @@ struct Made {
   cv::Mat overlay, film;
 };
 
-// How much of a frame's time its sketch takes, about: for the progress alone.
+// The sketch's share of a frame's time, roughly; only for the progress.
 double sketch_part(const SketchRequest& request) {
   if (request.ground.kind != sketch::GroundFill::diffusion) return 0.02;
   return request.anchors > 0 ? 0.15 : 0.6;
 }
 
-// Sketches that begin with the frame before's, until their frames are drawn.
+// Sketches frames that start from the frame before, and keeps them until they are drawn.
 class WarmSketches {
  public:
   void add(const cv::Mat& levels, const sketch::ExtractOptions& options) {
@@ -49,7 +49,7 @@ class WarmSketches {
   int first_ = 0;
 };
 
-// The videos of the run, each begun with its first frame.
+// The videos of the run, each opened with its first frame.
 class SketchVideos {
  public:
   SketchVideos(io::OutputFolder& output, const core::ClipInfo& info)
@@ -95,9 +95,9 @@ SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& 
                            ? sketch::draw_learned(graph, result.codes, request.dictionary->dictionary,
                                                   levels.size(), levels.channels())
                            : pipeline::draw_patches(levels, graph, request.patches);
-  result.held = request.anchors > 0 ? pipeline::add_anchors(patches, levels, request.anchors) : patches;
-  if (context.cancelled()) throw core::Cancelled{};
-  result.reconstruction = pipeline::reconstruct(levels, result.held, ground, context);
+  result.sketchable = request.anchors > 0 ? pipeline::add_anchors(patches, levels, request.anchors) : patches;
+  context.check();
+  result.reconstruction = pipeline::reconstruct(levels, result.sketchable, ground, context);
   result.patch_share = patches.share();
   result.anchor_share = result.reconstruction.share - result.patch_share;
   return result;
@@ -129,7 +129,7 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
       [&](int t, const cv::Mat& frame) {
         if (!request.warm) return;
         warm.add(core::to_levels(frame, info), request.extract);
-        progress.tell(t, part);
+        progress.report(t, part);
       },
       [&](int t, const cv::Mat& frame) {
         const cv::Mat levels = core::to_levels(frame, info);
@@ -145,8 +145,8 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
         const cv::Mat bytes = to_colour_bytes(frame, info);
         made.overlay = draw_types(bytes, made.graph, t);
         if (request.film) made.film = film.picture(bytes, made.graph, made.drawn, t);
-        made.drawn.held = {};
-        progress.tell(t, 1);
+        made.drawn.sketchable = {};
+        progress.report(t, 1);
         return made;
       },
       [&](int t, const Made& made) {

@@ -15,9 +15,10 @@
 #include "sketch/extract.hpp"
 #include "sketch/texture/texture_fill.hpp"
 
-// `emberfold sketch`: a clip's frames, one after the other, as sketches and drawn again.
+// `emberfold sketch`: sketches and reconstructs the frames of a clip.
 namespace emberfold::apps {
 
+/// The request of `emberfold sketch`.
 struct SketchRequest {
   sketch::ExtractOptions extract;
   sketch::GroundOptions ground;  ///< its seed is the clip's; every frame draws with a stream of its own
@@ -30,19 +31,20 @@ struct SketchRequest {
   std::int64_t first_frame = 0;  ///< where the clip's part begins: streams are keyed by the clip's frame
 };
 
-/// A frame drawn again.
+/// The reconstruction of a frame.
 struct SketchedFrame {
   double patch_share = 0, anchor_share = 0;  ///< of the pixels, 0…1
-  sketch::Sketchable held;                   ///< patches and anchors
+  sketch::Sketchable sketchable;             ///< patches and anchors
   std::vector<sketch::Code> codes;           ///< of the patches, where there is a dictionary
   pipeline::Reconstruction reconstruction;
 };
 
-/// `levels`: CV_32F, white = 255; `t`: the frame's number in the clip's part. Throws core::Cancelled.
+/// Reconstructs a frame from its graph. `levels`: CV_32F, white = 255; `t`: its number in the clip's part.
+/// Throws core::Cancelled.
 SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& graph, int t,
                             const SketchRequest& request, const core::Context& context);
 
-/// What was found in each frame.
+/// The figures of each frame.
 struct FrameFigures {
   std::vector<double> patches, patch_share, anchor_share, psnr, regions, histogram_distance;
   int not_converged = 0;
@@ -50,6 +52,7 @@ struct FrameFigures {
   void add(const SketchedFrame& frame, std::size_t patch_count, const SketchRequest& request);
 };
 
+/// The sketches and figures of a clip.
 struct SketchRun {
   graph::SketchSequence sketch;
   FrameFigures figures;

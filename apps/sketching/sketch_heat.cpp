@@ -25,7 +25,7 @@ namespace {
 constexpr double kNear = 0.5;        // grey levels: what no eye tells from rest
 constexpr std::int64_t kBlock = 64;  // steps between two looks at the context
 
-double farthest(const cv::Mat& a, const cv::Mat& b) {
+double largest_difference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_INF);
 }
 
@@ -83,7 +83,7 @@ bool run_heat(const sketch::Sketchable& held, const cv::Scalar& empty, const ske
   const double values = static_cast<double>(begin.total()) * begin.channels();
   const auto most = std::max<std::int64_t>(1, std::llround(options.most_work / values));
   const auto planned = heat_steps(std::min(most, steps_to_rest(held.mask)), options.moments - 1);
-  // Where the plan does not suffice it goes on in the same ratio.
+  // Beyond the planned steps it goes on in the same ratio.
   const auto& from = planned[planned.size() - 2];
   const double ratio =
       std::max(1.01, static_cast<double>(planned.back()) / std::max<double>(1, double(from)));
@@ -96,12 +96,12 @@ bool run_heat(const sketch::Sketchable& held, const cv::Scalar& empty, const ske
             : std::max(flow.steps() + 1, static_cast<std::int64_t>(double(flow.steps()) * ratio));
     if (due > most) break;
     while (flow.steps() < due) {
-      if (context.cancelled()) throw core::Cancelled{};
+      context.check();
       flow.advance(std::min(kBlock, due - flow.steps()));
       context.report("heat", static_cast<double>(flow.steps()) / static_cast<double>(planned.back()));
     }
     const cv::Mat levels = flow.levels();
-    near = farthest(levels, rest) < kNear;
+    near = largest_difference(levels, rest) < kNear;
     take({levels, flow.steps(), flow.time(), false});
     if (near) break;
   }

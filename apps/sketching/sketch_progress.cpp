@@ -10,7 +10,7 @@ FrameProgress::FrameProgress(const core::Context& context, std::string stage,
                              std::optional<std::int64_t> frames)
     : context_(context), stage_(std::move(stage)), frames_(frames) {}
 
-void FrameProgress::tell(int frame, double share) {
+void FrameProgress::report(int frame, double share) {
   const std::scoped_lock lock(mutex_);
   if (share >= 1) {
     shares_.erase(frame);
@@ -22,14 +22,14 @@ void FrameProgress::tell(int frame, double share) {
   if (!frames_ || *frames_ < 1) return context_.report(stage_, 0);
   auto sum = static_cast<double>(done_);
   for (const auto& entry : shares_) sum += entry.second;
-  told_ = std::max(told_, sum / static_cast<double>(*frames_));
-  context_.report(stage_, told_);
+  reported_ = std::max(reported_, sum / static_cast<double>(*frames_));
+  context_.report(stage_, reported_);
 }
 
 core::Context FrameProgress::step(int frame, double from) {
   return context_.with_progress([this, frame, from](std::string_view, double share) {
-    // Only the frame's own end counts it among those that are done.
-    tell(frame, std::min(0.999, from + (1 - from) * share));
+    // A frame counts as done only at its own end.
+    report(frame, std::min(0.999, from + (1 - from) * share));
   });
 }
 

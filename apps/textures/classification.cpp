@@ -14,6 +14,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/ml.hpp>
 
+#include "apps/pictures/draw.hpp"
 #include "apps/pictures/heat_matrix.hpp"
 #include "core/error.hpp"
 
@@ -23,7 +24,7 @@ namespace {
 
 using dytex::Measure;
 
-// Rows and columns of `pairs`, which lie as dytex::all_distances() tells.
+// Accesses `pairs`, ordered as dytex::all_distances() returns them, by row and column.
 class Pairs {
  public:
   Pairs(std::span<const dytex::Distances> pairs, std::size_t count) : pairs_(pairs), count_(count) {
@@ -47,12 +48,12 @@ class Pairs {
   std::size_t count_;
 };
 
-// What is small between samples that are alike.
+// Returns the dissimilarity of a pair by a measure.
 double distance_of(const dytex::Distances& pair, Measure measure) {
   return measure == Measure::kl ? *pair.kl + *pair.kl_back : distance(pair, measure);
 }
 
-// What exp(−…/s) is made of; nothing where the measure has a kernel of its own.
+// Returns d in the kernel exp(−d/s); nothing where the measure has a kernel of its own.
 std::optional<double> exponent_of(const dytex::Distances& pair, Measure measure) {
   if (measure == Measure::kl) return *pair.kl + *pair.kl_back;
   if (measure != Measure::martin) return std::nullopt;
@@ -80,7 +81,7 @@ class TableKernel final : public cv::ml::SVM::Kernel {
   cv::Mat1f table_;
 };
 
-// The kernel of all samples, its scale from the training samples alone.
+// Computes the kernel of all samples; its scale comes from the training samples alone.
 cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const std::size_t> training,
                        Measure measure) {
   double scale = 1;
@@ -109,7 +110,7 @@ cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const st
 using Predict = std::function<void(std::span<const std::size_t> training, std::span<const std::size_t> asked,
                                    std::vector<std::size_t>& predicted)>;
 
-Predict nearest(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
+Predict predict_by_nearest(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
   return [&samples, &pairs, measure](auto training, auto asked, auto& predicted) {
     for (const std::size_t i : asked) {
       double least = std::numeric_limits<double>::infinity();
@@ -121,7 +122,7 @@ Predict nearest(const SampleLabels& samples, const Pairs& pairs, Measure measure
   };
 }
 
-Predict svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
+Predict predict_by_svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
   return [&samples, &pairs, measure](auto training, auto asked, auto& predicted) {
     constexpr double kCost = 10;
     const auto label_of = [&](std::size_t i) { return static_cast<int>(samples.label[i]); };
@@ -154,8 +155,8 @@ Predict svm(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
   };
 }
 
-Recognition recognise(const SampleLabels& samples, Measure measure, Classifier classifier,
-                      const Predict& predict) {
+Recognition evaluate_classifier(const SampleLabels& samples, Measure measure, Classifier classifier,
+                                const Predict& predict) {
   Recognition result{measure, classifier, std::vector<std::size_t>(samples.label.size()), {}, 0};
   const std::set<std::size_t> folds(samples.fold.begin(), samples.fold.end());
   for (const std::size_t fold : folds) {
@@ -202,9 +203,10 @@ std::vector<Recognition> cross_validate(const SampleLabels& samples,
   for (const Classifier classifier : {Classifier::nearest, Classifier::svm})
     for (const Measure measure : dytex::kMeasures) {
       if (!pairs.have(measure)) continue;
-      results.push_back(recognise(samples, measure, classifier,
-                                  classifier == Classifier::nearest ? nearest(samples, pairs, measure)
-                                                                    : svm(samples, pairs, measure)));
+      results.push_back(evaluate_classifier(samples, measure, classifier,
+                                            classifier == Classifier::nearest
+                                                ? predict_by_nearest(samples, pairs, measure)
+                                                : predict_by_svm(samples, pairs, measure)));
     }
   return results;
 }
@@ -223,8 +225,7 @@ cv::Mat draw_recognition(const std::vector<std::string>& classes, std::span<cons
   }
   const int count = static_cast<int>(panels.size()), columns = std::min(kColumns, std::max(1, count));
   const int rows = (count + columns - 1) / columns;
-  cv::Mat picture(std::max(1, rows) * (size.height + kGap), columns * (size.width + kGap), CV_8UC3,
-                  cv::Scalar(250, 248, 246));
+  cv::Mat picture(std::max(1, rows) * (size.height + kGap), columns * (size.width + kGap), CV_8UC3, kPaper);
   for (int i = 0; i < count; ++i) {
     const cv::Mat& panel = panels[static_cast<std::size_t>(i)];
     const cv::Point corner(i % columns * (size.width + kGap), i / columns * (size.height + kGap));

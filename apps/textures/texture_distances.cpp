@@ -22,11 +22,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-Json finite(double value) {
+Json finite_json(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-std::string text_of(double value, int width) {
+std::string number_column(double value, int width) {
   std::array<char, 40> text{};
   if (std::isfinite(value))
     std::snprintf(text.data(), text.size(), "%*.*g", width, 6, value);
@@ -35,29 +35,29 @@ std::string text_of(double value, int width) {
   return text.data();
 }
 
-// Characters, not bytes.
-std::size_t length(const std::string& text) {
+// Counts UTF-8 characters.
+std::size_t count_characters(const std::string& text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-std::string padded(const std::string& text, std::size_t width) {
-  return text + std::string(width > length(text) ? width - length(text) : 0, ' ');
+std::string pad_right(const std::string& text, std::size_t width) {
+  return text + std::string(width > count_characters(text) ? width - count_characters(text) : 0, ' ');
 }
 
-std::string right(const std::string& text, std::size_t width) {
-  return std::string(width > length(text) ? width - length(text) : 0, ' ') + text;
+std::string pad_left(const std::string& text, std::size_t width) {
+  return std::string(width > count_characters(text) ? width - count_characters(text) : 0, ' ') + text;
 }
 
-// A field of a CSV line.
-std::string field(const std::string& text) {
+// Quotes a field of a CSV line where it needs it.
+std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + "\"";
 }
 
-const char* about(dytex::Measure measure) {
+const char* measure_caption(dytex::Measure measure) {
   switch (measure) {
     case dytex::Measure::kl:
       return "KL rate of the row's model from the column's, nats a frame";
@@ -95,7 +95,7 @@ std::vector<std::string> short_names(const std::vector<std::string>& paths) {
     names.push_back(whole.back().filename().string());
   }
   rest = whole;
-  // A name that stands for two paths gets the folder above in front, until none does.
+  // Equal names get the folder above in front until all differ.
   for (bool longer = true; longer;) {
     longer = false;
     std::vector<std::size_t> alike;
@@ -139,7 +139,7 @@ Json distances_json(const std::vector<std::string>& models, std::span<const dyte
     Json rows = Json::array();
     for (int i = 0; i < values.rows; ++i) {
       Json row = Json::array();
-      for (int j = 0; j < values.cols; ++j) row.push_back(finite(values.at<double>(i, j)));
+      for (int j = 0; j < values.cols; ++j) row.push_back(finite_json(values.at<double>(i, j)));
       rows.push_back(std::move(row));
     }
     measures[name(measure)] = std::move(rows);
@@ -154,10 +154,11 @@ Json distances_json(const std::vector<std::string>& models, std::span<const dyte
 
 std::string pair_table(const std::vector<std::string>& names, const dytex::Distances& pair) {
   constexpr int kWidth = 14;
-  std::string out = padded(names[0] + " (1) and " + names[1] + " (2)", 38) + right("1 from 2", kWidth) +
-                    right("2 from 1", kWidth) + "\n";
+  std::string out = pad_right(names[0] + " (1) and " + names[1] + " (2)", 38) + pad_left("1 from 2", kWidth) +
+                    pad_left("2 from 1", kWidth) + "\n";
   const auto line = [&](const std::string& what, double there, std::optional<double> back = {}) {
-    out += padded("  " + what, 38) + text_of(there, kWidth) + (back ? text_of(*back, kWidth) : "") + "\n";
+    out += pad_right("  " + what, 38) + number_column(there, kWidth) +
+           (back ? number_column(*back, kWidth) : "") + "\n";
   };
   line("KL rate, nats a frame", pair.kl.value_or(kNone), pair.kl_back.value_or(kNone));
   const bool angles = pair.angles.size() > 0;
@@ -175,18 +176,18 @@ std::string pair_table(const std::vector<std::string>& names, const dytex::Dista
 std::string matrix_table(const std::vector<std::string>& names, const cv::Mat& values,
                          dytex::Measure measure) {
   std::size_t first = 0;
-  for (const auto& name : names) first = std::max(first, length(name));
-  std::string out = std::string(about(measure)) + "\n" + std::string(first, ' ');
+  for (const auto& name : names) first = std::max(first, count_characters(name));
+  std::string out = std::string(measure_caption(measure)) + "\n" + std::string(first, ' ');
   std::vector<std::size_t> widths;
   for (const auto& name : names) {
-    widths.push_back(std::max<std::size_t>(13, length(name) + 2));
-    out += right(name, widths.back());
+    widths.push_back(std::max<std::size_t>(13, count_characters(name) + 2));
+    out += pad_left(name, widths.back());
   }
   out += "\n";
   for (int i = 0; i < values.rows; ++i) {
-    out += padded(names[static_cast<std::size_t>(i)], first);
+    out += pad_right(names[static_cast<std::size_t>(i)], first);
     for (int j = 0; j < values.cols; ++j)
-      out += text_of(values.at<double>(i, j), static_cast<int>(widths[static_cast<std::size_t>(j)]));
+      out += number_column(values.at<double>(i, j), static_cast<int>(widths[static_cast<std::size_t>(j)]));
     out += "\n";
   }
   return out;
@@ -194,13 +195,13 @@ std::string matrix_table(const std::vector<std::string>& names, const cv::Mat& v
 
 std::string matrix_csv(const std::vector<std::string>& names, const cv::Mat& values) {
   std::string out = "model";
-  for (const auto& name : names) out += "," + field(name);
+  for (const auto& name : names) out += "," + csv_field(name);
   out += "\n";
   for (int i = 0; i < values.rows; ++i) {
-    out += field(names[static_cast<std::size_t>(i)]);
+    out += csv_field(names[static_cast<std::size_t>(i)]);
     for (int j = 0; j < values.cols; ++j) {
       const double value = values.at<double>(i, j);
-      out += "," + (std::isfinite(value) ? finite(value).dump() : std::string());
+      out += "," + (std::isfinite(value) ? finite_json(value).dump() : std::string());
     }
     out += "\n";
   }
@@ -208,7 +209,7 @@ std::string matrix_csv(const std::vector<std::string>& names, const cv::Mat& val
 }
 
 cv::Mat draw_distances(const std::vector<std::string>& names, const cv::Mat& values, dytex::Measure measure) {
-  return draw_heat_matrix({about(measure), names, values, measure == dytex::Measure::kl});
+  return draw_heat_matrix({measure_caption(measure), names, values, measure == dytex::Measure::kl});
 }
 
 Json growth_json(const std::vector<Growth>& curves) {

@@ -20,18 +20,18 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 3> kChannels{"blue", "green", "red"};
 
-std::string shortest(double value) {
+std::string shortest_text(double value) {
   std::array<char, 32> text{};
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
-std::string list_of(const std::vector<double>& values) {
+std::string list_text(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "" : ",") + shortest(value);
+  for (const double value : values) text += (text.empty() ? "" : ",") + shortest_text(value);
   return text;
 }
 
-/// Writes one edit after another.
+// Writes one edit after another.
 class Words {
  public:
   void add(const dytex::Edit& edit) {
@@ -47,7 +47,7 @@ class Words {
   void put(const std::string& option, const std::string& value = {}) {
     text_ += (text_.empty() ? "" : " ") + option + (value.empty() ? "" : " " + value);
   }
-  void put(const std::string& option, double value) { put(option, shortest(value)); }
+  void put(const std::string& option, double value) { put(option, shortest_text(value)); }
   void say_contrast(const dytex::Edit& edit) {
     if (edit.keep_contrast != contrast_) put(edit.keep_contrast ? "--contrast" : "--no-contrast");
     contrast_ = edit.keep_contrast;
@@ -63,9 +63,11 @@ class Words {
   void add(const dytex::Reverse&, const dytex::Edit&) { put("--reverse"); }
   void add(const dytex::Intensity& intensity, const dytex::Edit&) { put("--intensity", intensity.factor); }
   void add(const dytex::Directions& directions, const dytex::Edit&) {
-    put("--directions", list_of(directions.factors));
+    put("--directions", list_text(directions.factors));
   }
-  void add(const dytex::Weights& weights, const dytex::Edit&) { put("--weights", list_of(weights.factors)); }
+  void add(const dytex::Weights& weights, const dytex::Edit&) {
+    put("--weights", list_text(weights.factors));
+  }
   void add(const dytex::Scales& scales, const dytex::Edit&) {
     if (scales.coarse != 1) put("--coarse", scales.coarse);
     if (scales.medium != 1) put("--medium", scales.medium);
@@ -77,7 +79,7 @@ class Words {
   bool contrast_ = true;
 };
 
-/// The numbers of a text; nothing where it holds something else, or none.
+// Parses the numbers of a text; nothing where it holds anything else, or none.
 std::optional<std::vector<double>> numbers_of(std::string text) {
   std::ranges::replace(text, ',', ' ');
   std::vector<double> values;

@@ -8,13 +8,15 @@
 
 namespace emberfold::apps {
 
-/// The linear dynamic texture in a folder; IoError that names the folder.
+/// Reads a linear dynamic texture. Throws IoError naming the folder.
 dytex::LinearDynamicTexture read_texture(const std::string& folder);
 
+/// A texture and its edits since it was learned.
 struct TextureAndEdits {
   dytex::LinearDynamicTexture texture;
   std::vector<std::string> edits;  ///< as apps/textures/texture_edits.hpp tells
 };
+/// Reads both. Throws IoError naming the folder.
 TextureAndEdits read_texture_and_edits(const std::string& folder);
 
 }  // namespace emberfold::apps

@@ -12,6 +12,7 @@
 #include "apps/pictures/pictures.hpp"
 #include "core/clip/clip_range.hpp"
 #include "core/io/clip_writer.hpp"
+#include "core/text/format_number.hpp"
 #include "dytex/synthesize.hpp"
 
 namespace emberfold::apps {
@@ -23,14 +24,6 @@ namespace {
 double rms(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_L2) /
          std::sqrt(static_cast<double>(a.total() * static_cast<std::size_t>(a.channels())));
-}
-
-double rounded(double value) {
-  return std::round(value * 1e6) / 1e6;
-}
-
-void check_stop(const core::Context& context) {
-  if (context.cancelled()) throw core::Cancelled{};
 }
 
 std::vector<double> steps_of(std::size_t count) {
@@ -64,7 +57,7 @@ ForecastErrors forecast_errors(core::FrameSource& source, std::int64_t first,
   const cv::Mat last = core::to_levels(before, info);
   const cv::Mat mean = dytex::draw(texture, Eigen::VectorXd::Zero(texture.order()));
   for (Eigen::Index k = 0; k < forecast.states.cols(); ++k) {
-    check_stop(context);
+    context.check();
     const cv::Mat frame = part.next();
     if (frame.empty()) break;
     const cv::Mat truth = core::to_levels(frame, info);
@@ -83,7 +76,7 @@ double write_forecast(io::OutputFolder& output, const dytex::LinearDynamicTextur
                                        info.channels == 3);
   const auto count = static_cast<double>(forecast.states.cols());
   for (Eigen::Index k = 0; k < forecast.states.cols(); ++k) {
-    check_stop(context);
+    context.check();
     context.report("draw", static_cast<double>(k) / count);
     writer->write(core::to_bytes(dytex::draw(texture, forecast.states.col(k))));
   }
@@ -100,11 +93,12 @@ double write_forecast(io::OutputFolder& output, const dytex::LinearDynamicTextur
 Json forecast_json(const dytex::Forecast& forecast, const ForecastErrors& errors) {
   Json steps = Json::array();
   for (std::size_t k = 0; k < static_cast<std::size_t>(forecast.error.size()); ++k) {
-    Json step = {{"step", k + 1}, {"expected_error", rounded(forecast.error[static_cast<Eigen::Index>(k)])}};
+    Json step = {{"step", k + 1},
+                 {"expected_error", core::round_to(forecast.error[static_cast<Eigen::Index>(k)], 6)}};
     if (k < errors.forecast.size()) {
-      step["error"] = rounded(errors.forecast[k]);
-      step["last_frame_error"] = rounded(errors.last_frame[k]);
-      step["mean_error"] = rounded(errors.mean[k]);
+      step["error"] = core::round_to(errors.forecast[k], 6);
+      step["last_frame_error"] = core::round_to(errors.last_frame[k], 6);
+      step["mean_error"] = core::round_to(errors.mean[k], 6);
     }
     steps.push_back(std::move(step));
   }
@@ -146,13 +140,13 @@ Json learning_curve_json(const dytex::LearningCurve& curve) {
   Json points = Json::array();
   for (const auto& point : curve.points)
     points.push_back({{"length", point.length},
-                      {"error", rounded(point.error)},
-                      {"spread", rounded(point.spread)},
-                      {"left_out", rounded(point.left_out)}});
+                      {"error", core::round_to(point.error, 6)},
+                      {"spread", core::round_to(point.spread, 6)},
+                      {"left_out", core::round_to(point.left_out, 6)}});
   return {{"targets", curve.targets},
-          {"plateau", rounded(curve.plateau)},
+          {"plateau", core::round_to(curve.plateau, 6)},
           {"critical_length", curve.critical ? Json(*curve.critical) : Json(nullptr)},
-          {"frame_before_error", rounded(curve.frame_before)},
+          {"frame_before_error", core::round_to(curve.frame_before, 6)},
           {"points", std::move(points)}};
 }
 

@@ -16,29 +16,28 @@
 
 namespace emberfold::apps {
 
-/// RMS errors per value, levels, of the frames that were foretold and then came: of the forecast, of the last
-/// frame before it shown again, and of the model's mean.
+/// RMS errors per value, levels, by step: of the forecast, of repeating the last frame, of the model's mean.
 struct ForecastErrors {
   std::vector<double> forecast, last_frame, mean;
 };
 
-/// Reads on from frame `first` of a source, as far as it goes and the forecast reaches. Throws
+/// Measures the errors from frame `first` of a source on, to its end or that of the forecast. Throws
 /// core::Cancelled.
 ForecastErrors forecast_errors(core::FrameSource& source, std::int64_t first,
                                const dytex::LinearDynamicTexture& texture, const dytex::Forecast& forecast,
                                const core::Context& context);
 
-/// Writes forecast.avi (the expected frames), deviation.png (how far values of the last one may miss, black:
-/// 0, white: `white` levels, which is returned), forecast.png (the errors against the step). Throws
+/// Writes forecast.avi (expected frames), deviation.png (standard deviations of the last one) and
+/// forecast.png (errors by step). Returns the level that is white in deviation.png; black is 0. Throws
 /// core::Cancelled.
 double write_forecast(io::OutputFolder& output, const dytex::LinearDynamicTexture& texture,
                       const dytex::Forecast& forecast, const ForecastErrors& errors,
                       const core::Context& context);
 
-/// "steps": expected error, and where the clip went on those of forecast, last frame and mean.
+/// Writes "steps": expected error and, where the clip goes on, the errors of forecast, last frame and mean.
 nlohmann::ordered_json forecast_json(const dytex::Forecast& forecast, const ForecastErrors& errors);
 
-/// The learning curve with its spread, plateau and critical length.
+/// Draws and writes a learning curve with its spread, plateau and critical length.
 cv::Mat draw_learning_curve(const dytex::LearningCurve& curve, int components);
 nlohmann::ordered_json learning_curve_json(const dytex::LearningCurve& curve);
 

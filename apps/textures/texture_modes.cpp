@@ -19,11 +19,11 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-Json finite(double value, double per) {
+Json finite_json(double value, double per) {
   return std::isfinite(value) ? Json(std::round(value * per) / per) : Json(nullptr);
 }
 
-// A number in a column of a table.
+// Writes a number in a column of a table.
 std::string column(double value, int width, int digits) {
   std::ostringstream out;
   if (std::isfinite(value))
@@ -50,7 +50,7 @@ std::vector<std::complex<double>> texture_eigenvalues(const dytex::LinearDynamic
   if (solver.info() != Eigen::Success)
     throw core::NumericalError("the eigenvalues of A could not be computed");
   std::vector<std::complex<double>> values(solver.eigenvalues().begin(), solver.eigenvalues().end());
-  // A pair stays together: of equal radius and |angle|, the upper one first.
+  // A pair stays together, the upper one first: radius and |angle| are equal.
   std::ranges::stable_sort(values, [](const auto& a, const auto& b) {
     const auto key = [](const auto& z) { return std::pair{-std::norm(z), std::abs(z.imag())}; };
     return key(a) != key(b) ? key(a) < key(b) : a.imag() > b.imag();
@@ -73,9 +73,9 @@ double share_of_variance(const dytex::LinearDynamicTexture& texture, Eigen::Inde
 Json texture_json(const dytex::LinearDynamicTexture& texture) {
   Json modes = Json::array();
   for (const auto& mode : texture_modes(texture))
-    modes.push_back({{"radius", finite(mode.radius, 1e6)},
-                     {"period", finite(mode.period(), 1e3)},
-                     {"decay", finite(mode.decay(), 1e3)},
+    modes.push_back({{"radius", finite_json(mode.radius, 1e6)},
+                     {"period", finite_json(mode.period(), 1e3)},
+                     {"decay", finite_json(mode.decay(), 1e3)},
                      {"pair", mode.pair}});
   return {{"width", texture.info.width},
           {"height", texture.info.height},
@@ -87,9 +87,9 @@ Json texture_json(const dytex::LinearDynamicTexture& texture) {
           {"per_channel", texture.channels.size() > 0},
           {"residuals", texture.residuals.cols()},
           {"noise_inputs", texture.B.cols()},
-          {"share_of_variance", finite(share_of_variance(texture, texture.components()), 1e6)},
-          {"spectral_radius", finite(dytex::spectral_radius(texture.A), 1e6)},
-          {"r", finite(texture.r, 1e6)},
+          {"share_of_variance", finite_json(share_of_variance(texture, texture.components()), 1e6)},
+          {"spectral_radius", finite_json(dytex::spectral_radius(texture.A), 1e6)},
+          {"r", finite_json(texture.r, 1e6)},
           {"modes", std::move(modes)}};
 }
 

@@ -11,27 +11,26 @@
 
 namespace emberfold::apps {
 
-/// One way in which a linear dynamic texture moves by itself: an eigenvalue of A, a conjugate pair as one.
+/// A mode of a linear dynamic texture: an eigenvalue of A, a conjugate pair as one.
 struct TextureMode {
-  double radius = 0;  ///< of the eigenvalue: what is left of a deflection after a frame
+  double radius = 0;  ///< of the eigenvalue: the share of a deflection left after a frame
   double angle = 0;   ///< rad a frame, 0…π
   bool pair = false;
   [[nodiscard]] double period() const;  ///< frames; infinite for angle 0
   [[nodiscard]] double decay() const;   ///< frames until 1/e is left; 0 for radius 0
 };
 
-/// All eigenvalues of A, one above the real axis and its conjugate, slowest decay first.
+/// Returns all eigenvalues of A, slowest decay first, each upper one followed by its conjugate.
 std::vector<std::complex<double>> texture_eigenvalues(const dytex::LinearDynamicTexture& texture);
-/// The modes, slowest decay first.
+/// Returns the modes, slowest decay first.
 std::vector<TextureMode> texture_modes(const dytex::LinearDynamicTexture& texture);
 
-/// The share of the clip's variance that the first `count` components hold, 0…1; 1 for a clip that stands
-/// still.
+/// Returns the share of the clip's variance in the first `count` components, 0…1; 1 for a still clip.
 double share_of_variance(const dytex::LinearDynamicTexture& texture, Eigen::Index count);
 
-/// Order, sizes, share of variance, spectral radius, noise and all modes.
+/// Writes order, sizes, share of variance, spectral radius, noise and all modes.
 nlohmann::ordered_json texture_json(const dytex::LinearDynamicTexture& texture);
-/// The same as a table to read, with the `slowest` first modes.
+/// Writes the same as a table, with the `slowest` first modes.
 std::string texture_table(const dytex::LinearDynamicTexture& texture, std::size_t slowest);
 
 }  // namespace emberfold::apps

@@ -21,11 +21,7 @@ namespace {
 
 constexpr int kColumns = 4, kTiles = 12, kTileWidth = 240, kMargin = 12, kCaption = 24;
 constexpr int kCourses = 4, kCourseHeight = 84;
-const cv::Scalar kPaper(250, 248, 246), kInk(60, 52, 48), kFaint(215, 212, 208);
-
-void write(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& ink = kInk) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, ink, 1, cv::LINE_AA);
-}
+const cv::Scalar kFaint(215, 212, 208);
 
 std::string percent(double share) {
   std::array<char, 32> text{};
@@ -33,14 +29,15 @@ std::string percent(double share) {
   return text.data();
 }
 
-// A column of pixels as a frame, CV_32F.
+// Returns a column of pixels as a frame, CV_32F.
 cv::Mat as_frame(const Eigen::Ref<const Eigen::VectorXf>& column, const core::ClipInfo& info) {
   cv::Mat frame(info.height, info.width, CV_32FC(info.channels));
   std::copy(column.data(), column.data() + column.size(), frame.ptr<float>());
   return frame;
 }
 
-// Luma with its sign: white at 0, blue below, red above; full colour at the largest value but for outliers.
+// Colours signed luma: white at 0, blue below, red above; full colour near the largest value, without
+// outliers.
 cv::Mat signed_picture(const cv::Mat& luma) {
   std::vector<float> sizes(luma.begin<float>(), luma.end<float>());
   for (float& v : sizes) v = std::abs(v);
@@ -77,10 +74,10 @@ void draw_tile(cv::Mat& picture, int index, const cv::Mat& content, const std::s
   const cv::Rect box(corner, size);
   content.copyTo(picture(box));
   cv::rectangle(picture, box, kFaint);
-  write(picture, caption, {corner.x + 2, corner.y + size.height + 16});
+  write_text(picture, caption, {corner.x + 2, corner.y + size.height + 16});
 }
 
-// A state over the training frames, about its zero line.
+// Draws a state over the training frames with its zero line.
 void draw_course(cv::Mat& picture, int top, int index, const Eigen::Ref<const Eigen::RowVectorXd>& state) {
   const int left = kMargin, right = picture.cols - kMargin, middle = top + 18 + (kCourseHeight - 18) / 2;
   const double reach = (kCourseHeight - 26) / 2.0;
@@ -99,7 +96,7 @@ void draw_course(cv::Mat& picture, int top, int index, const Eigen::Ref<const Ei
   std::array<char, 96> label{};
   std::snprintf(label.data(), label.size(), "state %d, frames 0 to %lld, largest %.4g", index + 1,
                 static_cast<long long>(state.size() - 1), most);
-  write(picture, label.data(), {left + 2, top + 12});
+  write_text(picture, label.data(), {left + 2, top + 12});
 }
 
 }  // namespace

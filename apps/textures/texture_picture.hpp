@@ -7,9 +7,9 @@
 
 namespace emberfold::apps {
 
-/// What a linear dynamic texture is made of, CV_8UC3: its mean and first components (blue: darker than the
-/// mean, red: brighter, where the state is positive) with their shares of the variance, and below them the
-/// courses of the first states over the frames that it was learned from.
+/// Draws the mean, the first components and the first states of a texture, CV_8UC3. Components have their
+/// shares of the variance; for a positive state blue is darker than the mean, red brighter. States are drawn
+/// over the training frames.
 cv::Mat draw_components(const dytex::LinearDynamicTexture& texture);
 
 }  // namespace emberfold::apps

@@ -11,6 +11,7 @@
 #include "core/io/files.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/text/check_range.hpp"
 #include "dytex/learn.hpp"
 
 namespace emberfold::apps {
@@ -39,7 +40,7 @@ std::string size_text(int width, int height, int channels) {
   return std::to_string(width) + " x " + std::to_string(height) + (channels == 3 ? " in colour" : " in grey");
 }
 
-// What all samples have in common.
+// The size and channels of all samples.
 struct Shape {
   int width = 0, height = 0, channels = 0;
   std::string decided_by;
@@ -64,7 +65,7 @@ void join(std::optional<Shape>& shape, const Shape& next, bool exact) {
   shape->height = std::min(shape->height, next.height);
 }
 
-// The size of a block: that of the models, or of the smallest cell of any clip.
+// Returns the size of a block: that of the models, or of the smallest cell of any clip.
 Shape common_shape(const LabelledClips& labelled, const SampleOptions& options, const core::Warn& warn) {
   std::optional<Shape> models, cells;
   for (const auto& clip : labelled.clips) {
@@ -161,15 +162,10 @@ class Learner {
 }  // namespace
 
 void SampleOptions::validate() const {
-  const auto check = [](const char* field, int value, int most) {
-    if (value < 1 || value > most)
-      throw core::InputError("SampleOptions." + std::string(field) + " is " + std::to_string(value) +
-                             ", allowed is 1 to " + std::to_string(most));
-  };
-  check("columns", columns, 64);
-  check("rows", rows, 64);
-  check("pieces", pieces, 64);
-  check("components", components, 1000);
+  core::check_range("SampleOptions.columns", columns, 1, 64);
+  core::check_range("SampleOptions.rows", rows, 1, 64);
+  core::check_range("SampleOptions.pieces", pieces, 1, 64);
+  core::check_range("SampleOptions.components", components, 1, 1000);
   reading.validate();
 }
 

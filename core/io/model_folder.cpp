@@ -155,7 +155,7 @@ void write_model(OutputFolder& output, const std::string& name, const core::Mode
   const std::string prefix = name.empty() ? "" : name + "/";
   output.write(prefix + kText, [&](std::ostream& out) { out << archive.text; });
   for (const auto& [array, values] : archive.arrays)
-    output.write(prefix + array + ".npy", [&](std::ostream& out) {
+    output.write(prefix + array + ".npy", [&values = values](std::ostream& out) {
       try {
         core::write_npy_view(out, values);
       } catch (const core::IoError&) {

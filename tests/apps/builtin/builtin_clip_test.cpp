@@ -164,14 +164,14 @@ TEST_CASE("a change is at or past half from its frame on, and never at half") {
     const Change change{10, fade};
     double before = 0;
     for (int t = 0; t < 20; ++t) {
-      const double done = change.done(t);
+      const double done = change.progress(t);
       CHECK(done >= before);
       CHECK((done > 0.5) == (t >= 10));
       CHECK(std::abs(done - 0.5) > 0.1);
       before = done;
     }
-    CHECK(change.done(10 - 3) == 0);
-    CHECK(change.done(10 + 3) == 1);
+    CHECK(change.progress(10 - 3) == 0);
+    CHECK(change.progress(10 + 3) == 1);
   }
 }
 
@@ -232,8 +232,8 @@ TEST_CASE("strokes are long enough, stay in the picture and move as their auto-r
     for (const Body& body : plan.bodies) {
       for (int t = body.first; t < body.first + static_cast<int>(body.modes.size()); ++t)
         for (const auto& curve : body.curves) {
-          const Line line = shape(options, body, curve, t);
-          CHECK(length(line) >= 30);
+          const Line line = line_at(options, body, curve, t);
+          CHECK(line_length(line) >= 30);
           CHECK(std::all_of(line.begin(), line.end(), [&](const auto& p) { return picture.contains(p); }));
         }
       CHECK(body.ar[1] > -1);
@@ -283,14 +283,14 @@ TEST_CASE("what is drawn on a centre line is the contrast that the plan tells, g
     for (int t = 0; t < options.frames; t += 7) {
       const cv::Mat strokes = render_strokes(plan, t);
       for (const Body& body : plan.bodies) {
-        const double there = body.life.at(t);
+        const double there = body.life.contrast_at(t);
         if (there <= 0) continue;
         fading += there < 1;
         for (std::size_t c = 0; c < body.curves.size(); ++c) {
-          const Line line = shape(options, body, body.curves[c], t);
+          const Line line = line_at(options, body, body.curves[c], t);
           for (std::size_t i = 2; i + 2 < line.size(); ++i) {
-            const double left = c == 0 ? left_by_gaps(body, static_cast<double>(i), t) : 1;
-            const double full = body.contrast * profile(plan, body, i, line.size(), t);
+            const double left = c == 0 ? gap_contrast(body, static_cast<double>(i), t) : 1;
+            const double full = body.contrast * contrast_profile(plan, body, i, line.size(), t);
             const double drawn = body.polarity * at(strokes, line[i]);
             if (left > 0.99) {
               CHECK(drawn > 0.82 * there * full);
@@ -389,11 +389,12 @@ TEST_CASE("options are checked before memory is taken") {
     set(options);
     return message_of<core::InputError>([&] { make_builtin(options); });
   };
-  CHECK(contains(error_of([](auto& o) { o.width = 63; }), "width 63"));
-  CHECK(contains(error_of([](auto& o) { o.height = 5000; }), "height 5000"));
-  CHECK(contains(error_of([](auto& o) { o.frames = 1; }), "frames 1"));
-  CHECK(contains(error_of([](auto& o) { o.fps = std::numeric_limits<double>::quiet_NaN(); }), "fps nan"));
-  CHECK(contains(error_of([](auto& o) { o.fps = 0; }), "fps 0"));
+  CHECK(contains(error_of([](auto& o) { o.width = 63; }), "width is 63"));
+  CHECK(contains(error_of([](auto& o) { o.height = 5000; }), "height is 5000"));
+  CHECK(contains(error_of([](auto& o) { o.frames = 1; }), "frames is 1"));
+  CHECK(contains(error_of([](auto& o) { o.fps = std::numeric_limits<double>::quiet_NaN(); }),
+                 "fps is not finite"));
+  CHECK(contains(error_of([](auto& o) { o.fps = 0; }), "fps is 0"));
   CHECK(contains(error_of([](auto& o) {
                    o.width = o.height = 4096;
                    o.frames = 10000;

@@ -91,7 +91,8 @@ TEST_CASE("analyze writes everything it names, each readable and in agreement") 
   CHECK(summary["clip"]["frames"] == 14);
   CHECK(summary["events"]["total"] == events.size());
   for (const auto& [name, count] : summary["events"]["classes"].items())
-    CHECK(count == std::ranges::count_if(events, [&](const auto& e) { return graph::name(e.type) == name; }));
+    CHECK(count == std::ranges::count_if(
+                       events, [&type = name](const auto& e) { return graph::name(e.type) == type; }));
   std::size_t patches = 0;
   for (const auto& graph : motion.sketch.frames) patches += graph.size();
   CHECK(patches > 100);

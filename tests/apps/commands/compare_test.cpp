@@ -129,7 +129,9 @@ TEST_CASE("what is foretold is measured against the frame that comes") {
   CHECK(measured["first_frame"] == 5);
   CHECK(measured["moments"] == 5);
   const auto decibel = [](double mse) { return 10 * std::log10(255 * 255 / mse); };
-  const auto psnr = [&](const char* way) { return measured["methods"][way]["psnr"].get<double>(); };
+  const auto psnr = [&measured = measured](const char* way) {
+    return measured["methods"][way]["psnr"].get<double>();
+  };
   CHECK_THAT(psnr("frame_before"), WithinAbs(decibel(16), 1e-3));
   CHECK_THAT(psnr("mean_image"), WithinAbs(decibel((16 + 64 + 144 + 256 + 400) / 5.0), 1e-3));
   CHECK_THAT(measured["per_frame"]["mean_image"][4].get<double>(), WithinAbs(decibel(400), 1e-3));

@@ -441,16 +441,16 @@ TEST_CASE("frames that are worked on at once tell one progress that never goes b
   second.report("julesz", 0.5);
   CHECK_THAT(told.back(), WithinAbs((0.5 + 0.75) / 4, 1e-12));
   first.report("julesz", 0);
-  progress.tell(1, 1);
-  progress.tell(0, 1);
+  progress.report(1, 1);
+  progress.report(0, 1);
   CHECK_THAT(told.back(), WithinAbs(0.5, 1e-12));
-  progress.tell(2, 1);
-  progress.tell(3, 1);
+  progress.report(2, 1);
+  progress.report(3, 1);
   CHECK(told.back() == 1);
   CHECK(std::ranges::is_sorted(told));
   std::vector<double> unknown;
   const core::Context open({}, [&](std::string_view, double share) { unknown.push_back(share); });
   FrameProgress blind(open, "sketch", {});
-  blind.tell(0, 1);
+  blind.report(0, 1);
   CHECK(unknown == std::vector<double>{0});
 }

@@ -42,13 +42,13 @@ TEST_CASE("a still keeps to its bytes, even of noise, and to its longest side") 
 TEST_CASE("numbers are spread evenly, with both ends") {
   std::vector<int> numbers;
   for (int i = 0; i < 1000; ++i) numbers.push_back(3 * i);
-  const auto some = spread(numbers, 7);
+  const auto some = spread_evenly(numbers, 7);
   REQUIRE(some.size() == 7);
   CHECK(some.front() == 0);
   CHECK(some.back() == 2997);
   for (std::size_t i = 1; i < some.size(); ++i) CHECK(std::abs(some[i] - some[i - 1] - 2997 / 6) <= 3);
-  CHECK(spread(numbers, 5000) == numbers);
-  CHECK(spread(numbers, 0).empty());
-  CHECK(spread(numbers, 1).size() == 1);
-  CHECK(spread({}, 3).empty());
+  CHECK(spread_evenly(numbers, 5000) == numbers);
+  CHECK(spread_evenly(numbers, 0).empty());
+  CHECK(spread_evenly(numbers, 1).size() == 1);
+  CHECK(spread_evenly({}, 3).empty());
 }

@@ -144,7 +144,7 @@ TEST_CASE("An archive without one of its arrays is refused", "[archive]") {
 TEST_CASE("An archive with an array of another shape or type is refused", "[archive]") {
   const auto archive = mcmc::to_archive(made::full_model());
   for (const auto& [name, array] : archive.arrays) {
-    const auto refused_as = [&](const NpyArray& other) {
+    const auto refused_as = [&, &name = name](const NpyArray& other) {
       auto broken = archive;
       broken.arrays[name] = other;
       const auto message = refusal(broken);
@@ -189,8 +189,8 @@ TEST_CASE("An archive with a number that is none is refused", "[archive]") {
                                             {"exemplar_places", "exemplar"},
                                             {"exemplar_patches", "exemplar_patches"},
                                             {"first_patches", "first_patches"}})
-      check_refused({{names, [&](ModelArchive& a) { reals(a, name).back() = bad; }},
-                     {names, [&](ModelArchive& a) { reals(a, name)[1] = bad; }}});
+      check_refused({{names, [bad, &name = name](ModelArchive& a) { reals(a, name).back() = bad; }},
+                     {names, [bad, &name = name](ModelArchive& a) { reals(a, name)[1] = bad; }}});
 }
 
 TEST_CASE("A model.json that is none of this version is refused", "[archive]") {
