@@ -120,7 +120,7 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
     if (first_alike(k) == k) {
       const auto& sketch = reading.copy ? sketches.perturbed[*reading.copy] : sketches.clip.sketch;
       auto matched = graph::match(reading.backwards ? graph::reversed(sketch) : sketch, match, quiet);
-      starts[k] = reading.backwards ? graph::reversed(matched.motion) : std::move(matched.motion);
+      starts[k] = reading.backwards ? graph::reversed(matched) : std::move(matched);
     }
     const std::scoped_lock lock(telling);
     context.report("match", static_cast<double>(++done) / static_cast<double>(starts.size()));

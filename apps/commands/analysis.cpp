@@ -162,8 +162,7 @@ void infer_motion(const pipeline::StartSketches& sketches, const AnalyzeOptions&
                   Session& session) {
   made.stages.begin("match");
   if (options.bottom_up) {
-    auto matched = graph::match(sketches.clip.sketch, options.match, session.context);
-    made.motion = std::move(matched.motion);
+    made.motion = graph::match(sketches.clip.sketch, options.match, session.context);
     made.all_events = graph::stroke_events(made.motion);
     made.stages.begin("learn");
     made.fitted = mcmc::fit(made.motion, {session.common.seed, true}, session.context);
@@ -198,10 +197,10 @@ Json calibrate_model(const pipeline::StartSketches& sketches, const sketch::Rend
                      const AnalyzeOptions& options, Analysis& made, const Session& session) {
   if (options.calibrate.calibrate == 0) return nullptr;
   made.stages.begin("calibrate");
-  std::optional<graph::MatchResult> matched;
+  std::optional<graph::MotionGraph> matched;
   if (!options.bottom_up)
     matched = graph::match(sketches.clip.sketch, options.match, session.context.with_progress({}));
-  const auto& motion = matched ? matched->motion : made.motion;
+  const auto& motion = matched ? *matched : made.motion;
   const auto source = mcmc::census(motion, graph::stroke_events(motion));
   const pipeline::ReadingAndDrawing how{options.sketch, options.match, look};
   Json rounds = Json::array();

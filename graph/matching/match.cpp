@@ -312,45 +312,39 @@ std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGrap
 
 namespace {
 
-MatchResult match_once(SketchSequence sketch, const MatchOptions& options, const core::Context& context,
+MotionGraph match_once(SketchSequence sketch, const MatchOptions& options, const core::Context& context,
                        double share_before, double share_after) {
-  MatchResult result;
-  auto& frames = sketch.frames;
+  MotionGraph motion;
+  const auto& frames = sketch.frames;
   std::vector<Point> velocity;
-  std::size_t done = 0;
-  for (; done < frames.size() && !context.cancelled(); ++done) {
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    context.check();
     context.report("match", std::lerp(share_before, share_after,
-                                      static_cast<double>(done) / static_cast<double>(frames.size())));
-    result.motion.links.emplace_back();
-    if (done == 0) continue;
-    Linked linked = link_frames(frames[done - 1], frames[done], velocity, options);
-    velocity = carried_motion(frames[done - 1], frames[done], linked);
-    result.motion.links.back() = std::move(linked.links);
+                                      static_cast<double>(t) / static_cast<double>(frames.size())));
+    motion.links.emplace_back();
+    if (t == 0) continue;
+    Linked linked = link_frames(frames[t - 1], frames[t], velocity, options);
+    velocity = carried_motion(frames[t - 1], frames[t], linked);
+    motion.links.back() = std::move(linked.links);
   }
-  if (done < frames.size()) {
-    result.status = core::Status::cancelled;
-    frames.resize(done);
-  }
-  result.motion.sketch = std::move(sketch);
-  result.motion = identify(std::move(result.motion));
-  return result;
+  motion.sketch = std::move(sketch);
+  return identify(std::move(motion));
 }
 
 }  // namespace
 
-MatchResult match(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
+MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
   options.validate();
   constexpr int kRounds = 2;  // mending one flicker shows the next
   const int rounds = options.flicker > 0 ? kRounds : 0;
-  MatchResult result;
+  MotionGraph motion;
   for (int round = 0; round <= rounds; ++round) {
-    if (round > 0) sketch = steady(result.motion, options.flicker);
-    result = match_once(std::move(sketch), options, context, static_cast<double>(round) / (rounds + 1),
+    if (round > 0) sketch = steady(motion, options.flicker);
+    motion = match_once(std::move(sketch), options, context, static_cast<double>(round) / (rounds + 1),
                         (round + 1.0) / (rounds + 1));
-    if (result.status == core::Status::cancelled) return result;
   }
   context.report("match", 1);
-  return result;
+  return motion;
 }
 
 }  // namespace emberfold::graph

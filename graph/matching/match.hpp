@@ -35,14 +35,9 @@ std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGrap
 std::vector<Link> supported_links(const AttributeGraph& before, const AttributeGraph& after,
                                   std::vector<Link> links);
 
-struct MatchResult {
-  MotionGraph motion;  ///< with strokes identified
-  core::Status status = core::Status::done;
-};
-
 /// Links every frame to the next, bottom up (Wang & Zhu 2004, §3.2): subgraphs by count, shape, appearance
 /// and degree, then control points in order along matched curves, then what is left by assignment. What then
 /// flickers is steadied and matched anew. The start of the sampler. Cancelled: the frames matched so far.
-MatchResult match(SketchSequence sketch, const MatchOptions& options, const core::Context& context = {});
+MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core::Context& context = {});
 
 }  // namespace emberfold::graph

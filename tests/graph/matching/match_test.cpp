@@ -170,8 +170,7 @@ TEST_CASE("Swaying strokes are followed, and exactly what changes is an event", 
       sketch.append(scene.frame(owners.back()));
     }
     const auto result = graph::match(sketch, {});
-    CHECK(result.status == core::Status::done);
-    const auto events = graph::stroke_events(result.motion);
+    const auto events = graph::stroke_events(result);
     CAPTURE(seed, events.size());
     REQUIRE(events.size() == expected.size());
     for (std::size_t k = 0; k < events.size(); ++k) {
@@ -181,9 +180,9 @@ TEST_CASE("Swaying strokes are followed, and exactly what changes is an event", 
     }
     std::size_t links = 0, right = 0, patches = 0;
     for (std::size_t t = 1; t < owners.size(); ++t) {
-      const auto &before = result.motion.sketch.frames[t - 1], &after = result.motion.sketch.frames[t];
+      const auto &before = result.sketch.frames[t - 1], &after = result.sketch.frames[t];
       patches += before.size();
-      for (const auto& link : result.motion.links[t]) {
+      for (const auto& link : result.links[t]) {
         ++links;
         right += owners[t - 1][before.index_of(link.before)] == owners[t][after.index_of(link.after)];
       }
@@ -245,10 +244,10 @@ TEST_CASE("A motion that goes on is followed although it is faster than strokes 
     x += speed;
   }
   const auto result = graph::match(sketch, {});
-  CHECK(graph::stroke_events(result.motion).empty());
+  CHECK(graph::stroke_events(result).empty());
   for (std::size_t t = 1; t < sketch.frames.size(); ++t) {
-    REQUIRE(result.motion.links[t].size() == 72);
-    for (const auto& link : result.motion.links[t]) CHECK(link.after.value - link.before.value == 72);
+    REQUIRE(result.links[t].size() == 72);
+    for (const auto& link : result.links[t]) CHECK(link.after.value - link.before.value == 72);
   }
 }
 
@@ -276,7 +275,7 @@ TEST_CASE("A stroke that dies beside one that grows is not the same", "[graph][m
   sketch.append(after.graph());
   graph::MatchOptions options;
   options.flicker = 0;  // two frames cannot tell what lasts
-  const auto events = graph::stroke_events(graph::match(sketch, options).motion);
+  const auto events = graph::stroke_events(graph::match(sketch, options));
   REQUIRE(events.size() == 1);
   CHECK(events[0].type == EventType::death);
   CHECK(graph::distance(events[0].position, {1, 68.5}) < 1e-9);
@@ -290,8 +289,8 @@ TEST_CASE("Whatever the graphs, the links are a star forest", "[graph][match]") 
     graph::SketchSequence sketch;
     for (const auto* frame : {&before, &after, &before, &after}) sketch.append(*frame);
     const auto result = graph::match(sketch, {});
-    CHECK(make::message<core::InputError>([&] { graph::validate(result.motion); }).empty());
-    CHECK(result.motion.sketch.frames.size() == 4);
+    CHECK(make::message<core::InputError>([&] { graph::validate(result); }).empty());
+    CHECK(result.sketch.frames.size() == 4);
   }
 }
 
@@ -302,27 +301,25 @@ TEST_CASE("Many patches in one place are matched in a moment", "[graph][match]")
   CHECK_FALSE(graph::match_frames(heap, heap, {}, {}).empty());
 }
 
-TEST_CASE("A match that is cancelled holds the frames matched so far", "[graph][match]") {
+TEST_CASE("A match reports its progress, and a cancelled one throws", "[graph][match]") {
   Swaying scene = field(1);
   graph::SketchSequence sketch;
   std::vector<std::size_t> owner;
   for (int t = 0; t < 10; ++t) sketch.append((scene.step(), scene.frame(owner)));
   std::stop_source source;
-  double last = -1;
+  double last = -1, stop_at = 2;
   const core::Context context(source.get_token(), [&](std::string_view stage, double fraction) {
     CHECK(stage == "match");
     CHECK(fraction >= last);
     last = fraction;
-    if (fraction >= 0.45) source.request_stop();
+    if (fraction >= stop_at) source.request_stop();
   });
-  const auto part = graph::match(sketch, {}, context);
-  CHECK(part.status == core::Status::cancelled);
-  const std::size_t n = part.motion.sketch.frames.size();
-  REQUIRE((n > 0 && n < 10));
-  const auto whole = graph::match(sketch, {});
-  CHECK(std::equal(part.motion.links.begin(), part.motion.links.end(), whole.motion.links.begin()));
-  CHECK(part.motion.sketch.frames[n - 1] == whole.motion.sketch.frames[n - 1]);
-  CHECK(graph::match({}, {}).motion.sketch.frames.empty());
+  CHECK(graph::match(sketch, {}, context).sketch.frames.size() == 10);
+  CHECK(last == 1);
+  last = -1, stop_at = 0.45;
+  CHECK_THROWS_AS(graph::match(sketch, {}, context), core::Cancelled);
+  CHECK(last < 0.6);
+  CHECK(graph::match({}, {}).sketch.frames.empty());
 }
 
 TEST_CASE("Options and velocities that cannot be are refused by name", "[graph][match]") {

@@ -45,7 +45,7 @@ graph::MotionGraph random_motion(std::uint64_t seed) {
   }
   graph::MatchOptions options;
   options.flicker = 0;
-  return graph::match(sketch, options).motion;
+  return graph::match(sketch, options);
 }
 
 }  // namespace

@@ -305,7 +305,7 @@ TEST_CASE("A matched clip becomes a state and again the same clip", "[mcmc][hidd
   CHECK(mcmc::motion_graph(state, motion.sketch.fps) == motion);
 
   // Matched by the matcher, with what a matcher would make of it.
-  const auto matched = graph::match(motion.sketch, {}).motion;
+  const auto matched = graph::match(motion.sketch, {});
   const auto of_match = mcmc::hidden_graph(matched, {}, {});
   const auto back = mcmc::motion_graph(of_match, matched.sketch.fps);
   REQUIRE(back.links == matched.links);

@@ -22,7 +22,7 @@ std::vector<graph::MotionGraph> two_starts() {
   scene.sway = {1.5, -0.8, 0.3, 30};
   scene.jitter = 0.3;
   const auto sketch = made::make(scene, 4).motion.sketch;
-  return {graph::match(sketch, {}).motion, graph::reversed(graph::match(graph::reversed(sketch), {}).motion)};
+  return {graph::match(sketch, {}), graph::reversed(graph::match(graph::reversed(sketch), {}))};
 }
 
 mcmc::InferOptions short_runs() {
