@@ -86,7 +86,7 @@ TEST_CASE("the first starts are the clip's own sketch matched forwards and backw
   own.width = 96, own.height = 80, own.fps = clip.info.fps;
   for (const auto& frame : clip.frames) own.append(sketch::extract(core::to_levels(frame, clip.info), {}));
   CHECK(made[0] == graph::match(own, {}));
-  CHECK(graph::reversed(made[1]) == graph::match(graph::reversed(own), {}));
+  CHECK(graph::reverse_time(made[1]) == graph::match(graph::reverse_time(own), {}));
   for (const auto& motion : made) {
     CHECK_NOTHROW(graph::validate(motion));
     CHECK(motion == graph::identify(motion));
@@ -104,8 +104,8 @@ TEST_CASE("starts of a clip run backwards are its starts run backwards") {
   const auto there = starts(clip, with(2, 2));
   std::ranges::reverse(clip.frames);
   const auto back = starts(clip, with(2, 2));
-  CHECK(graph::reversed(back[0]) == there[1]);
-  CHECK(graph::reversed(back[1]) == there[0]);
+  CHECK(graph::reverse_time(back[0]) == there[1]);
+  CHECK(graph::reverse_time(back[1]) == there[0]);
 }
 
 TEST_CASE("copies differ from the clip and each other and depend on seed and place alone") {

@@ -269,10 +269,9 @@ TEST_CASE("A clip played backwards has the opposite events at the same places", 
   std::map<EventType, int> seen;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     const auto motion = graph::identify(make::random_motion(seed, 4, static_cast<int>(seed % 17)));
-    const auto mirror = graph::reversed(motion);
+    const auto mirror = graph::reverse_time(motion);
     const auto there = graph::stroke_events(motion);
     CHECK(turned(there, 4) == facts(graph::stroke_events(mirror)));
-    CHECK(turned(graph::patch_events(motion), 4) == facts(graph::patch_events(mirror)));
     for (const Event& event : there) ++seen[event.type];
   }
   CHECK(seen.size() == 6);
@@ -324,45 +323,5 @@ TEST_CASE("A cluster of p strokes before and q after has p - 1 unions and q - 1 
       }
     }
     CHECK(std::tuple(births, deaths, unions, separations) == std::tuple(0, 0, 0, 0));
-  }
-}
-
-TEST_CASE("Single patches have their events", "[graph][events]") {
-  // 0-1-2 and 3: 0 splits into 0 and 1, 1 and 2 go on and lose their edge, 3 dies, 4 is new.
-  make::Frame before = lines({make::segment({0, 0}, {20, 0}, 3), {{50, 50}}});
-  make::Frame after = lines({{{0, 1}, {0, 3}}, {{10, 0}}, {{20, 0}}, {{90, 90}}});
-  const auto events = graph::patch_events(
-      graph::identify(make::motion({before.graph(), after.graph()}, {{{0, 0}, {0, 1}, {1, 2}, {2, 3}}})));
-  std::multiset<Facts> expected;
-  expected.emplace(1, static_cast<int>(EventType::birth), 90, 90, 0, 1);
-  expected.emplace(1, static_cast<int>(EventType::death), 50, 50, 1, 0);
-  expected.emplace(1, static_cast<int>(EventType::split), 0, 0, 1, 1);
-  expected.emplace(1, static_cast<int>(EventType::disconnect), 15, 0, 1, 2);
-  CHECK(facts(events) == expected);
-}
-
-TEST_CASE("Patch events count vertices and edges one by one", "[graph][events]") {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    const auto motion = graph::identify(make::random_motion(seed, 2, static_cast<int>(seed % 30)));
-    const auto& links = motion.links[1];
-    std::map<EventType, int> expected, found;
-    const auto count = [&](const graph::AttributeGraph& g, auto end, EventType none, EventType several) {
-      for (const auto& v : g.vertices()) {
-        const auto n =
-            std::count_if(links.begin(), links.end(), [&](const graph::Link& l) { return end(l) == v.id; });
-        if (n == 0) ++expected[none];
-        if (n > 1) ++expected[several];
-      }
-    };
-    count(
-        motion.sketch.frames[0], [](const graph::Link& l) { return l.before; }, EventType::death,
-        EventType::split);
-    count(
-        motion.sketch.frames[1], [](const graph::Link& l) { return l.after; }, EventType::birth,
-        EventType::merge);
-    for (const Event& event : graph::patch_events(motion)) ++found[event.type];
-    for (const auto type : {EventType::birth, EventType::death, EventType::split, EventType::merge}) {
-      CHECK(expected[type] == found[type]);
-    }
   }
 }

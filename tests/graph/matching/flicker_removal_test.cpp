@@ -136,8 +136,8 @@ TEST_CASE("Steadying a steady sequence changes nothing", "[graph][steady]") {
   graph::MatchOptions options;
   options.flicker = 0;
   const graph::MotionGraph motion = graph::match(sketch, options);
-  CHECK(graph::steady(motion, 3) == motion.sketch);
-  CHECK(graph::steady(motion, 0) == motion.sketch);
+  CHECK(graph::remove_flicker(motion, 3) == motion.sketch);
+  CHECK(graph::remove_flicker(motion, 0) == motion.sketch);
 }
 
 namespace {

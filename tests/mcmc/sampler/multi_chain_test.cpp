@@ -22,7 +22,7 @@ std::vector<graph::MotionGraph> two_starts() {
   scene.sway = {1.5, -0.8, 0.3, 30};
   scene.jitter = 0.3;
   const auto sketch = made::make(scene, 4).motion.sketch;
-  return {graph::match(sketch, {}), graph::reversed(graph::match(graph::reversed(sketch), {}))};
+  return {graph::match(sketch, {}), graph::reverse_time(graph::match(graph::reverse_time(sketch), {}))};
 }
 
 mcmc::InferOptions short_runs() {
@@ -38,7 +38,7 @@ const std::vector<bool> kForwardsAndBackwards = {false, true};
 TEST_CASE("A clip run backwards has its own chains and the reversed events") {
   const auto starts = two_starts();
   const auto there = mcmc::sample_chains(starts, kForwardsAndBackwards, short_runs(), 1, {});
-  const auto back = mcmc::sample_chains({graph::reversed(starts[1]), graph::reversed(starts[0])},
+  const auto back = mcmc::sample_chains({graph::reverse_time(starts[1]), graph::reverse_time(starts[0])},
                                         kForwardsAndBackwards, short_runs(), 1, {});
   REQUIRE(there.sampler.samples.size() == 4);
   CHECK(there.sampler.chains == 2);
@@ -49,7 +49,7 @@ TEST_CASE("A clip run backwards has its own chains and the reversed events") {
           trace.chains[0]);
   }
   CHECK(back.sampler.proposals == there.sampler.proposals);
-  auto reversed = graph::reversed(back.events, 16);
+  auto reversed = graph::reverse_time(back.events, 16);
   auto events = there.events;
   CHECK(events.size() >= 5);
   for (auto* list : {&reversed, &events})  // which sample names the strokes may differ
