@@ -8,14 +8,14 @@
 
 namespace emberfold::core {
 
-/// A learned model as it lies in a folder: the text of model.json, and the arrays beside it by their names
-/// without ".npy". Rooms turn their models into archives and back; who opens the folder is not their matter.
+/// A learned model as files of a folder, held in memory.
+/// Rooms convert their models to archives and back; core/io reads and writes the folder.
 struct ModelArchive {
-  std::string text;
-  std::map<std::string, NpyArray> arrays;
+  std::string text;                        ///< content of model.json
+  std::map<std::string, NpyArray> arrays;  ///< by file name without ".npy"
 };
 
-/// The same of a model whose arrays lie elsewhere: written without a copy.
+/// A model to be written without copying its arrays, which it refers to.
 struct ModelView {
   std::string text;
   std::map<std::string, NpyView> arrays;

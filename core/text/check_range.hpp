@@ -10,8 +10,8 @@
 
 namespace emberfold::core {
 
-/// Throws InputError "<field> is <value>; allowed is <low> to <high>" unless low ≤ value ≤ high. A NaN is
-/// refused.
+/// Throws InputError "<field> is <value>; allowed is <low> to <high>" unless low ≤ value ≤ high.
+/// A NaN is refused.
 inline void check_range(std::string_view field, double value, double low, double high) {
   if (value >= low && value <= high) return;
   throw InputError(std::string(field) + " is " + number_text(value) + "; allowed is " + number_text(low) +
