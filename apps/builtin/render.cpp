@@ -16,7 +16,7 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A point of a line with what is drawn there.
 struct Dab {

@@ -14,6 +14,7 @@
 #include "graph/matching/time_reversal.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -328,14 +329,14 @@ TEST_CASE("the representative is the sample that agrees most") {
 
 TEST_CASE("what cannot be pooled is refused") {
   const auto complaint = [](const Samples& samples, std::size_t representative, graph::PoolOptions options) {
-    return make::message<core::InputError>([&] { graph::pool_events(samples, representative, options); });
+    return test::message_of<core::InputError>([&] { graph::pool_events(samples, representative, options); });
   };
-  CHECK(make::has(complaint({}, 0, {}), "no samples"));
-  CHECK(make::has(complaint({{}, {}}, 2, {}), "sample 2 of 2"));
-  CHECK(make::has(complaint({{}, {}, {}}, 0, {1, 10, 2}), "3 samples of 2 readings"));
-  CHECK(make::has(complaint({{}}, 0, {-1, 10, 0}), "frames is -1"));
-  CHECK(make::has(complaint({{}}, 0, {1, 0, 0}), "radius is 0"));
+  CHECK(test::contains(complaint({}, 0, {}), "no samples"));
+  CHECK(test::contains(complaint({{}, {}}, 2, {}), "sample 2 of 2"));
+  CHECK(test::contains(complaint({{}, {}, {}}, 0, {1, 10, 2}), "3 samples of 2 readings"));
+  CHECK(test::contains(complaint({{}}, 0, {-1, 10, 0}), "frames is -1"));
+  CHECK(test::contains(complaint({{}}, 0, {1, 0, 0}), "radius is 0"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(make::has(complaint({{at(4, {nan, 0})}}, 0, {}), "sample 0 in frame 4"));
+  CHECK(test::contains(complaint({{at(4, {nan, 0})}}, 0, {}), "sample 0 in frame 4"));
   CHECK(graph::pool_events(Samples(1)).empty());
 }

@@ -29,11 +29,11 @@ graph::MotionGraph random_motion(std::uint64_t seed) {
         {from, from + graph::Point{40, rng.uniform(-20, 20)}, first, last, static_cast<int>(rng.below(12))});
   }
   for (int t = 0; t < 10; ++t) {
-    make::Frame frame;
+    test::Frame frame;
     for (const Stroke& stroke : strokes) {
       if (t < stroke.first || t > stroke.last) continue;
       const graph::Point shift{rng.uniform(-1, 1) + 0.5 * t, rng.uniform(-1, 1)};
-      auto points = make::segment(stroke.from + shift, stroke.to + shift, 10);
+      auto points = test::segment(stroke.from + shift, stroke.to + shift, 10);
       if (t < stroke.torn) {
         frame.line(points);
       } else {
@@ -79,12 +79,12 @@ TEST_CASE("a reversed motion graph has the reversed events") {
 
 TEST_CASE("links reversed join the same patches") {
   // One stroke, one more born in the second frame; a patch of the first frame splits.
-  make::Frame first, second;
-  first.line(make::segment({10, 10}, {20, 10}, 3));
-  second.line(make::segment({10, 40}, {20, 40}, 3));
-  second.line(make::segment({11, 10}, {26, 10}, 4));
+  test::Frame first, second;
+  first.line(test::segment({10, 10}, {20, 10}, 3));
+  second.line(test::segment({10, 40}, {20, 40}, 3));
+  second.line(test::segment({11, 10}, {26, 10}, 4));
   const auto motion =
-      graph::identify(make::motion({first.graph(), second.graph()}, {{{0, 3}, {1, 4}, {2, 5}, {2, 6}}}));
+      graph::identify(test::motion({first.graph(), second.graph()}, {{{0, 3}, {1, 4}, {2, 5}, {2, 6}}}));
   const auto back = graph::reverse_time(motion);
   REQUIRE(back.sketch.frames.size() == 2);
   CHECK(back.sketch.frames[0].size() == 7);
@@ -110,9 +110,9 @@ TEST_CASE("events reversed") {
 }
 
 TEST_CASE("an invalid motion graph is not reversed") {
-  make::Frame frame;
-  frame.line(make::segment({10, 10}, {20, 10}, 3));
-  auto motion = make::motion({frame.graph(), frame.graph()}, {{{0, 0}}});
+  test::Frame frame;
+  frame.line(test::segment({10, 10}, {20, 10}, 3));
+  auto motion = test::motion({frame.graph(), frame.graph()}, {{{0, 0}}});
   motion.links[1].push_back({{0}, {99}});
   CHECK_THROWS_AS(graph::reverse_time(motion), core::InputError);
   CHECK(graph::reverse_time(graph::MotionGraph{}) == graph::MotionGraph{});

@@ -8,6 +8,7 @@
 #include "graph/matching/time_reversal.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/motion_scene.hpp"
 
 using namespace emberfold;
@@ -16,12 +17,12 @@ namespace {
 
 /// Strokes that come and go, matched forwards and backwards.
 std::vector<graph::MotionGraph> two_starts() {
-  made::Scene scene;
+  test::Scene scene;
   scene.width = 160, scene.height = 120, scene.frames = 16;
-  scene.strokes = made::living(0.6, 0.05, scene.frames, scene.width, scene.height, 3);
+  scene.strokes = test::living(0.6, 0.05, scene.frames, scene.width, scene.height, 3);
   scene.sway = {1.5, -0.8, 0.3, 30};
   scene.jitter = 0.3;
-  const auto sketch = made::make(scene, 4).motion.sketch;
+  const auto sketch = test::make(scene, 4).motion.sketch;
   return {graph::match(sketch, {}), graph::reverse_time(graph::match(graph::reverse_time(sketch), {}))};
 }
 
@@ -58,10 +59,11 @@ TEST_CASE("A clip run backwards has its own chains and the reversed events") {
 }
 
 TEST_CASE("Sampling asks for a reading of each start") {
-  CHECK(make::has(make::message<core::InputError>([&] { mcmc::sample_chains({}, {}, short_runs(), 1, {}); }),
-                  "0 starts of 0 readings"));
-  CHECK(make::has(make::message<core::InputError>([&] {
-                    mcmc::sample_chains(two_starts(), {false, true, false}, short_runs(), 1, {});
-                  }),
-                  "2 starts of 3 readings"));
+  CHECK(test::contains(
+      test::message_of<core::InputError>([&] { mcmc::sample_chains({}, {}, short_runs(), 1, {}); }),
+      "0 starts of 0 readings"));
+  CHECK(test::contains(test::message_of<core::InputError>([&] {
+                         mcmc::sample_chains(two_starts(), {false, true, false}, short_runs(), 1, {});
+                       }),
+                       "2 starts of 3 readings"));
 }
