@@ -10,26 +10,26 @@
 
 namespace emberfold::core {
 
-/// How a long call ended. A cancelled call returns what it had finished, which is valid.
+/// The outcome of a long call; always done, since a cancelled call throws Cancelled.
 enum class Status { done, cancelled };
 
-/// Thrown where a long call notices that it was asked to stop; caught at the program's door.
+/// Reports that a long call was asked to stop.
 class Cancelled : public std::exception {
  public:
   explicit Cancelled(std::string kept_files = "nothing was kept") : kept(std::move(kept_files)) {}
   [[nodiscard]] const char* what() const noexcept override { return "cancelled"; }
 
-  std::string kept;  ///< what remains of the work, in words for the user
+  std::string kept;  ///< results that remain, in words for the user
 };
 
 /// Receives warnings, one line each, no newline; may be empty.
 using Warn = std::function<void(const std::string&)>;
 
-/// Carries what a long call is given from outside: a way to be stopped, and sinks for progress and warnings.
-/// The default one never stops and tells nobody.
+/// Carries a stop token and sinks for progress and warnings into a long call.
+/// The default context never stops and discards both.
 class Context {
  public:
-  /// Called with the stage's name and the finished share of it, 0…1; from one thread at a time.
+  /// Receives the name of a stage and its finished share, 0…1; called from one thread at a time.
   using Progress = std::function<void(std::string_view stage, double fraction)>;
 
   Context() = default;
@@ -38,10 +38,11 @@ class Context {
   [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
   /// Throws Cancelled once a stop was requested.
   void check() const;
+  /// Reports the finished share of a stage, clamped to 0…1; from one thread at a time.
   void report(std::string_view stage, double fraction) const;
-  /// Passes on a warning; from one thread at a time.
+  /// Reports a warning; from one thread at a time.
   void warn(const std::string& text) const;
-  /// Returns a context that is stopped and warns with this one, and reports progress to another sink.
+  /// Returns a copy of this context with another sink for progress.
   [[nodiscard]] Context with_progress(Progress progress) const;
 
  private:

@@ -5,19 +5,19 @@
 
 namespace emberfold::core {
 
-/// The caller asked for something that cannot be: names what, the value, and what is allowed.
+/// Reports an invalid argument: its name, its value and what is allowed.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A file or device failed, or holds something else than its format promises.
+/// Reports a file or device that failed, or content that violates its format.
 class IoError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A computation left the range in which its result means anything.
+/// Reports a computation whose result is not meaningful.
 class NumericalError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -8,16 +8,15 @@
 
 namespace emberfold::core {
 
-/// Holds a learned model as its folder does: the text of model.json, and by name the arrays beside it (without
-/// ".npy") and the models in folders below it. Rooms turn their models into archives and back, core/io writes
-/// and reads the folder.
+/// A learned model as files of a folder, held in memory.
+/// Rooms convert their models to archives and back; core/io reads and writes the folder.
 struct ModelArchive {
-  std::string text;
-  std::map<std::string, NpyArray> arrays;
-  std::map<std::string, ModelArchive> parts = {};
+  std::string text;                        ///< content of model.json
+  std::map<std::string, NpyArray> arrays;  ///< by file name without ".npy"
+  std::map<std::string, ModelArchive> parts = {};  ///< models in folders below, by folder name
 };
 
-/// Refers to a model whose arrays lie elsewhere, to be written without a copy.
+/// A model to be written without copying its arrays, which it refers to.
 struct ModelView {
   std::string text;
   std::map<std::string, NpyView> arrays;

@@ -10,19 +10,21 @@
 
 #include "core/model_archive.hpp"
 
-// What is kept beside a motion model's own arrays.
+// Images as arrays of a model folder.
 namespace emberfold::core {
 
-/// CV_8U or CV_32F, any channels, as rows × columns × channels.
+/// Converts an image (CV_8U, any channels) to an array, rows × columns × channels.
 core::NpyArray byte_array(const cv::Mat& values);
+/// Converts an image (CV_32F, any channels) to an array, rows × columns × channels.
 core::NpyArray float_array(const cv::Mat& values);
 
-/// A motion model's array of that size; core::IoError, naming it, where it is missing, another, or holds a
-/// number that is not finite or beyond ±10⁶. One channel may go without its axis.
+/// Reads an array as an image, CV_8U; the axis of a single channel may be missing.
+/// Throws IoError, naming the array, if it is missing or of another type or shape.
 cv::Mat read_bytes(const core::ModelArchive& archive, const std::string& name, cv::Size size, int channels);
+/// Reads an array as an image, CV_32F; also refuses numbers that are not finite or beyond ±10⁶.
 cv::Mat read_floats(const core::ModelArchive& archive, const std::string& name, cv::Size size, int channels);
 
-/// 1 where the archive has this array and it has one channel, else 3.
+/// Returns 1 if the archive has this array with one channel, else 3.
 int channels_of(const core::ModelArchive& archive, const std::string& name);
 
 }  // namespace emberfold::core

@@ -20,8 +20,7 @@ namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kMaxHeader =
-    65535;  // what version 1 can hold; a longer one has no use for plain arrays
+constexpr std::size_t kMaxHeader = 65535;   // bytes: the limit of version 1, enough for plain arrays
 constexpr std::size_t kMaxDimensions = 32;  // of NumPy 1
 constexpr std::size_t kGrowthDigits = 21;   // NumPy leaves room for the growing axis to get so many digits
 constexpr std::size_t kChunk = 1 << 20;     // bytes taken at a time from a stream whose length is unknown
@@ -31,7 +30,7 @@ constexpr std::size_t kMaxQuoted = 60;      // characters of a file that a messa
   throw IoError("npy: " + what);
 }
 
-/// Text out of a file, made fit for a message: shortened, on one line, in ASCII.
+/// Quotes text of a file for a message: shortened, on one line, in ASCII.
 std::string quoted(std::string_view text) {
   std::string result = "'";
   for (const char c : text.substr(0, kMaxQuoted)) result += (c >= ' ' && c <= '~') ? c : '?';
@@ -45,7 +44,7 @@ struct Header {
   std::vector<std::size_t> shape;
 };
 
-/// Reads the header's Python dictionary, as much of the language as a header of a plain array can contain.
+/// Parses the header, a Python dictionary of a tuple, a boolean and a string.
 class HeaderParser {
  public:
   explicit HeaderParser(std::string_view text) : text_(text) {}
@@ -186,7 +185,7 @@ class HeaderParser {
   bool descr_ = false, order_ = false, shape_ = false;
 };
 
-/// Fills `bytes` or throws; what a stream throws by itself becomes an IoError too.
+/// Fills `bytes` or throws IoError, also where the stream itself throws.
 void read_bytes(std::istream& in, std::span<char> bytes, const char* what) {
   std::size_t got = 0;
   try {
@@ -201,7 +200,7 @@ void read_bytes(std::istream& in, std::span<char> bytes, const char* what) {
        std::to_string(got) + " found");
 }
 
-/// Bytes from here to the end, where the stream can be sought.
+/// Returns the number of bytes to the end, if the stream can be sought.
 std::optional<std::size_t> remaining_bytes(std::istream& in) {
   std::streambuf& buffer = *in.rdbuf();
   const std::streamoff here = buffer.pubseekoff(0, std::ios::cur, std::ios::in);
@@ -212,8 +211,8 @@ std::optional<std::size_t> remaining_bytes(std::istream& in) {
   return static_cast<std::size_t>(end - here);
 }
 
-/// The product of the extents; nothing where it or, in an array without elements, that of the extents other
-/// than 0 leaves the range of size_t.
+/// Returns the product of the extents.
+/// Empty if it exceeds size_t; in an array without elements, if the product of the other extents does.
 std::optional<std::size_t> element_count(std::span<const std::size_t> shape) {
   std::size_t product = 1;
   bool none = false;

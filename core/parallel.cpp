@@ -36,7 +36,7 @@ Status parallel_stream(std::size_t count, std::size_t at_once, const Context& co
                        const StreamSteps& steps) {
   std::size_t next = 0;
   std::atomic<bool> cancelled{false};
-  bool broken = false;  // an item was left out: nothing may follow it
+  bool broken = false;  // an item was skipped: later ones skip `after`
   struct Item {
     std::size_t index;
     bool made;

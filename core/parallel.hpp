@@ -9,31 +9,31 @@
 
 namespace emberfold::core {
 
-/// Calls body(i) once for every i in [0, count), on as many threads as the process allows; the order is free.
-/// Whoever needs random numbers in the body makes them from i. Checks `context` before each call: after a
-/// cancel no further call begins and the result is Status::cancelled. The first exception of a body is
-/// rethrown.
+/// Calls body(i) once for every i in [0, count), in any order, on as many threads as the process allows.
+/// Random numbers in the body are made from i. Checks `context` before each call: after a stop no call
+/// begins, and Cancelled is thrown. The first exception of a body is rethrown.
 Status parallel_for(std::size_t count, const Context& context, const std::function<void(std::size_t)>& body);
 
-/// Calls before(i), body(i) and after(i) for every i in [0, count): `before` and `after` in order, one call
-/// of each at a time, `body` on as many threads as the process allows, all three side by side. At most
-/// `at_once` ≥ 1 items are under way: before(i) comes after after(i − at_once) has returned, so that i %
-/// at_once may name an item's place. After a cancel nothing more is begun, items under way go on to their
-/// `after` as far as all those before them do, and the result is Status::cancelled. The first exception is
-/// rethrown.
+/// The steps of parallel_stream, each called with an item's index.
 struct StreamSteps {
   std::function<void(std::size_t)> before, body, after;
 };
+/// Runs a pipeline: before(i), body(i) and after(i) for every i in [0, count), concurrently.
+/// `before` and `after` are called in order, one call at a time; `body` on as many threads as the process
+/// allows. At most `at_once` ≥ 1 items are under way: before(i) follows after(i − at_once), so i % at_once
+/// may be an item's slot. After a stop nothing is begun, items under way reach `after` unless an earlier one
+/// does not, and Cancelled is thrown. The first exception is rethrown.
 Status parallel_stream(std::size_t count, std::size_t at_once, const Context& context,
                        const StreamSteps& steps);
 
-/// Sum of term(i) over [0, count), the same bits at any thread count: blocks of `grain` terms are summed in
-/// order, and the block sums are added along a fixed tree. `grain` is part of the result's definition.
+/// Sums term(i) over [0, count) in parallel, with the same bits at any number of threads.
+/// Blocks of `grain` terms are summed in order, and the block sums along a fixed tree; another `grain` may
+/// change the bits.
 double deterministic_sum(std::size_t count, std::size_t grain,
                          const std::function<double(std::size_t)>& term);
 
-/// While one lives, the process uses at most this many threads (the library's and OpenCV's). For
-/// applications: libraries never make one. 0 leaves the choice to the machine.
+/// Limits the threads of the process, the library's and OpenCV's, during its lifetime.
+/// For applications only. 0: no limit.
 class ThreadLimit {
  public:
   explicit ThreadLimit(std::size_t threads);

@@ -34,9 +34,8 @@ void Rng::refill() {
 }
 
 std::uint32_t Rng::below(std::uint32_t count) {
-  if (count == 0) throw InputError("Rng::below: count is 0, must be at least 1");
-  // Lemire's multiply-and-reject: the low half tells whether the draw fell into the uneven remainder, which
-  // is below `count`.
+  if (count == 0) throw InputError("Rng::below: count is 0; allowed is at least 1");
+  // Lemire 2019, multiply and reject: a low half below 2^32 mod count would make some results likelier.
   std::uint64_t product = static_cast<std::uint64_t>(bits()) * count;
   if (static_cast<std::uint32_t>(product) < count) {
     const std::uint32_t remainder = static_cast<std::uint32_t>(-count) % count;

@@ -8,37 +8,39 @@
 
 namespace emberfold::core {
 
-/// One block of Philox4x32-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
+/// Computes one block of Philox4x32-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
-/// Names one of the 2^96 independent streams of a seed, by what is computed with it: (sweep, frame, purpose),
-/// say.
+/// Selects one of the 2^96 independent streams of a seed, for example by (sweep, frame, purpose).
 struct Stream {
   std::uint32_t a = 0, b = 0, c = 0;
 };
 
-/// Random numbers as a value: the numbers depend on (seed, stream) and how many were drawn, on nothing else.
-/// A copy goes on from the same place. A stream holds 2^34 draws of 32 bits.
+/// Generates random numbers that depend only on (seed, stream) and the number of draws.
+/// A copy continues from the same position. A stream holds 2^34 draws of 32 bits.
 class Rng {
  public:
   explicit Rng(std::uint64_t seed, Stream stream = {});
 
+  /// Draws 32 uniform bits.
   std::uint32_t bits() {
     if (used_ == block_.size()) refill();
     return block_[used_++];
   }
-  /// Uniform on [0, 1), a multiple of 2^-53.
+  /// Draws uniformly from [0, 1), a multiple of 2^-53.
   double uniform() {
     const std::uint64_t high = bits() >> 5, low = bits() >> 6;
     return static_cast<double>((high << 26) | low) * 0x1p-53;
   }
+  /// Draws uniformly from [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// Uniform on {0, …, count − 1}, without bias. count ≥ 1.
+  /// Draws uniformly from {0, …, count − 1}, without bias. Throws InputError for count 0.
   std::uint32_t below(std::uint32_t count);
-  /// Standard normal (Box–Muller).
+  /// Draws from the standard normal distribution (Box & Muller 1958).
   double normal();
-  /// i with probability weights[i] / Σ weights. Weights are ≥ 0 with a positive finite sum, else InputError.
+  /// Draws i with probability weights[i] / Σ weights.
+  /// Throws InputError unless weights are ≥ 0 with a positive finite sum.
   std::size_t categorical(std::span<const double> weights);
 
  private:

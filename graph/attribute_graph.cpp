@@ -18,19 +18,19 @@ std::string text(VertexId id) {
   return std::to_string(id.value);
 }
 
-bool finite(const Level& level) {
+bool is_finite(const Level& level) {
   return std::all_of(level.begin(), level.end(), [](float value) { return std::isfinite(value); });
 }
 
-bool finite(const Patch& p) {
+bool is_finite(const Patch& p) {
   return std::isfinite(p.position.x) && std::isfinite(p.position.y) && std::isfinite(p.theta) &&
          std::isfinite(p.width) && std::isfinite(p.blur) && std::isfinite(p.contrast) &&
-         std::isfinite(p.cost) && std::isfinite(p.gain) && finite(p.left) && finite(p.middle) &&
-         finite(p.right) && std::isfinite(p.hollow) && finite(p.between);
+         std::isfinite(p.cost) && std::isfinite(p.gain) && is_finite(p.left) && is_finite(p.middle) &&
+         is_finite(p.right) && std::isfinite(p.hollow) && is_finite(p.between);
 }
 
-/// Sorts the vertices, unless they come sorted.
-void order(std::vector<Vertex>& vertices) {
+/// Sorts the vertices; refuses repeated ids and numbers that are not finite.
+void sort_vertices(std::vector<Vertex>& vertices) {
   const auto by_id = [](const Vertex& a, const Vertex& b) { return a.id < b.id; };
   if (!std::is_sorted(vertices.begin(), vertices.end(), by_id)) {
     std::sort(vertices.begin(), vertices.end(), by_id);
@@ -39,7 +39,7 @@ void order(std::vector<Vertex>& vertices) {
     if (i > 0 && vertices[i - 1].id == vertices[i].id) {
       throw core::InputError("attribute graph: vertex " + text(vertices[i].id) + " is there twice");
     }
-    if (!finite(vertices[i].patch)) {
+    if (!is_finite(vertices[i].patch)) {
       throw core::InputError("attribute graph: the patch of vertex " + text(vertices[i].id) +
                              " holds a number that is not finite");
     }
@@ -47,7 +47,7 @@ void order(std::vector<Vertex>& vertices) {
 }
 
 /// Sorts the edges and refuses loops and repeats.
-void order(std::vector<Edge>& edges) {
+void sort_edges(std::vector<Edge>& edges) {
   for (Edge& edge : edges) {
     if (edge.a == edge.b) {
       throw core::InputError("attribute graph: vertex " + text(edge.a) + " has an edge to itself");
@@ -66,8 +66,8 @@ void order(std::vector<Edge>& edges) {
 
 AttributeGraph::AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> edges)
     : vertices_(std::move(vertices)), edges_(std::move(edges)) {
-  order(vertices_);
-  order(edges_);
+  sort_vertices(vertices_);
+  sort_edges(edges_);
 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends(edges_.size());
   first_neighbour_.assign(vertices_.size() + 1, 0);
@@ -145,7 +145,7 @@ Components components(const AttributeGraph& graph) {
 namespace {
 
 /// Walks from `start` over its neighbour `next` to the next vertex that ends a curve, or back to `start`.
-Curve walk(const AttributeGraph& graph, std::uint32_t start, std::uint32_t next) {
+Curve walk_curve(const AttributeGraph& graph, std::uint32_t start, std::uint32_t next) {
   Curve curve{start, next};
   while (curve.back() != start && graph.degree(curve.back()) == 2) {
     const auto sides = graph.neighbours(curve.back());
@@ -154,8 +154,8 @@ Curve walk(const AttributeGraph& graph, std::uint32_t start, std::uint32_t next)
   return curve;
 }
 
-/// Whether this is the way round in which a curve is listed: lower end first; a ring by its lower neighbour.
-bool listed_way(const Curve& curve) {
+/// Returns whether a curve has its listed direction: lower end first; a ring by its lower neighbour.
+bool is_listed_way(const Curve& curve) {
   if (curve.front() != curve.back()) return curve.front() < curve.back();
   return curve.size() < 2 || curve[1] < curve[curve.size() - 2];
 }
@@ -167,15 +167,15 @@ std::vector<Curve> curves(const AttributeGraph& graph) {
   std::vector<bool> seen(graph.size(), false);
   const auto take = [&](Curve curve) {
     for (const std::uint32_t v : curve) seen[v] = true;
-    if (listed_way(curve)) result.push_back(std::move(curve));
+    if (is_listed_way(curve)) result.push_back(std::move(curve));
   };
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
     if (graph.degree(v) == 0) take({v});
     if (graph.degree(v) == 2) continue;
-    for (const std::uint32_t next : graph.neighbours(v)) take(walk(graph, v, next));
+    for (const std::uint32_t next : graph.neighbours(v)) take(walk_curve(graph, v, next));
   }
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
-    if (!seen[v]) take(walk(graph, v, graph.neighbours(v)[0]));
+    if (!seen[v]) take(walk_curve(graph, v, graph.neighbours(v)[0]));
   }
   std::vector<std::pair<std::uint32_t, std::size_t>> order_of(result.size());
   for (std::size_t i = 0; i < result.size(); ++i) {

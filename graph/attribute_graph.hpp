@@ -10,18 +10,19 @@
 
 namespace emberfold::graph {
 
-/// Names a patch, unique in its clip.
+/// Identifies a patch; unique in its clip.
 struct VertexId {
   std::uint32_t value = 0;
   auto operator<=>(const VertexId&) const = default;
 };
 
-/// Names a stroke (a connected subgraph) through time, unique in its clip. 0: not identified yet.
+/// Identifies a stroke (a connected subgraph) through time; unique in its clip. 0: not identified yet.
 struct SubgraphId {
   std::uint32_t value = 0;
   auto operator<=>(const SubgraphId&) const = default;
 };
 
+/// A patch with its identity and that of its stroke.
 struct Vertex {
   VertexId id;
   SubgraphId subgraph;
@@ -29,20 +30,21 @@ struct Vertex {
   bool operator==(const Vertex&) const = default;
 };
 
+/// An undirected edge between two vertices of one frame.
 struct Edge {
   VertexId a, b;  ///< a < b
   auto operator<=>(const Edge&) const = default;
 };
 
-/// G = ⟨V, E⟩ of one frame, a value: vertices sorted by id, undirected edges sorted, without loops or
-/// repeats. Algorithms address vertices by their index in vertices(), which is stable as long as the value
-/// is.
+/// Holds the attribute graph G = ⟨V, E⟩ of one frame as an immutable value.
+/// Vertices are sorted by id; edges are sorted, without loops or repeats. Algorithms address a vertex by its
+/// index in vertices().
 class AttributeGraph {
  public:
   AttributeGraph() = default;
-  /// Takes vertices and edges in any order, either end first. InputError (names the ids) for an id twice, an
-  /// edge to a vertex that is not there, a loop, an edge twice, or a patch with a non-finite number. O(n log
-  /// n).
+  /// Builds a graph from vertices and edges in any order, either end of an edge first.
+  /// Throws InputError, naming the ids, for a repeated id or edge, a loop, an edge to a missing vertex, or a
+  /// patch with a number that is not finite. O(n log n).
   AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> edges);
 
   [[nodiscard]] std::span<const Vertex> vertices() const { return vertices_; }
@@ -51,13 +53,14 @@ class AttributeGraph {
   [[nodiscard]] bool empty() const { return vertices_.empty(); }
   [[nodiscard]] const Patch& patch(std::size_t index) const { return vertices_[index].patch; }
 
-  /// Indices of the vertices that share an edge with this one, ascending.
+  /// Returns the indices of the adjacent vertices, ascending.
   [[nodiscard]] std::span<const std::uint32_t> neighbours(std::size_t index) const;
   [[nodiscard]] std::size_t degree(std::size_t index) const { return neighbours(index).size(); }
-  /// Index of the vertex with this id, or size() where there is none. O(log n).
+  /// Returns the index of the vertex with this id, or size() if there is none. O(log n).
   [[nodiscard]] std::size_t index_of(VertexId id) const;
 
-  /// The same graph with other stroke identities, one for each vertex in order.
+  /// Returns a copy with other stroke identities, one for each vertex in order.
+  /// Throws InputError if their number differs from size().
   [[nodiscard]] AttributeGraph with_subgraphs(std::span<const SubgraphId> subgraphs) const;
 
   bool operator==(const AttributeGraph& other) const {
@@ -72,20 +75,20 @@ class AttributeGraph {
   std::vector<std::uint32_t> neighbours_;
 };
 
-/// Connected components: for each vertex the number of its component. Components are numbered 0, 1, … by
-/// their lowest vertex index.
+/// The connected components of a graph, numbered 0, 1, … by their lowest vertex index.
 struct Components {
-  std::vector<std::uint32_t> of_vertex;
+  std::vector<std::uint32_t> of_vertex;  ///< number of each vertex's component
   std::size_t count = 0;
 };
+/// Finds the connected components of a graph. O(n α(n)) in vertices and edges.
 Components components(const AttributeGraph& graph);
 
-/// A maximal path whose inner vertices have degree 2, as vertex indices in order. A ring repeats its first
-/// vertex at the end; an isolated vertex is a curve of one. A vertex of degree ≥ 3 ends every curve that
-/// meets it.
+/// A maximal path whose inner vertices have degree 2, as vertex indices in order.
+/// A ring repeats its first vertex at the end; an isolated vertex is a curve of one. A vertex of degree ≥ 3
+/// ends every curve that meets it.
 using Curve = std::vector<std::uint32_t>;
-/// All curves, each edge in exactly one; ordered by their lowest vertices, so the same graph gives the same
-/// list.
+/// Splits a graph into its curves; each edge lies in exactly one.
+/// Ordered by their lowest vertices: equal graphs give equal lists. O(n log n).
 std::vector<Curve> curves(const AttributeGraph& graph);
 
 }  // namespace emberfold::graph

@@ -24,7 +24,7 @@ std::string text(const Link& link) {
   return "the link from vertex " + text(link.before) + " to vertex " + text(link.after);
 }
 
-/// The highest id of the frames [0, end).
+/// Returns the highest id of the frames [0, end).
 std::optional<VertexId> last_id(const std::vector<AttributeGraph>& frames, std::size_t end) {
   while (end > 0) {
     --end;
@@ -70,9 +70,9 @@ void validate_links(const AttributeGraph& before, const AttributeGraph& after, s
       throw core::InputError(text(links[k]) + " stands behind a higher one: links are sorted");
     }
   }
-  const detail::Gap gap = detail::gap(before, after, links);
+  const detail::FrameLinks found = detail::index_links(before, after, links);
   for (std::size_t k = 0; k < links.size(); ++k) {
-    if (gap.successors[gap.links[k].first] > 1 && gap.predecessors[gap.links[k].second] > 1) {
+    if (found.successors[found.links[k].first] > 1 && found.predecessors[found.links[k].second] > 1) {
       throw core::InputError(text(links[k]) +
                              " has a partner at both of its ends: a vertex that splits cannot merge at once");
     }
@@ -114,8 +114,8 @@ MotionGraph identify(MotionGraph motion) {
     Components parts = components(frames[t]);
     std::vector<std::uint32_t> identity(parts.count, 0);
     if (t > 0) {
-      const detail::Gap gap = detail::gap(frames[t - 1], frames[t], motion.links[t]);
-      const auto pairs = detail::component_pairs(frames[t - 1], frames[t], parts_before, parts, gap);
+      const detail::FrameLinks found = detail::index_links(frames[t - 1], frames[t], motion.links[t]);
+      const auto pairs = detail::component_pairs(frames[t - 1], frames[t], parts_before, parts, found);
       std::vector<std::uint32_t> ties_before(parts_before.count, 0), ties(parts.count, 0);
       for (const auto& pair : pairs) ++ties_before[pair.before], ++ties[pair.after];
       for (const auto& pair : pairs) {
@@ -139,14 +139,14 @@ MotionGraph identify(MotionGraph motion) {
 std::vector<Trajectory> trajectories(const MotionGraph& motion) {
   validate(motion);
   std::vector<Trajectory> result;
-  std::vector<std::uint32_t> course_before;  // of each vertex of the frame before: its trajectory
+  std::vector<std::uint32_t> course_before;  // trajectory of each vertex of the frame before
   const auto& frames = motion.sketch.frames;
   for (std::size_t t = 0; t < frames.size(); ++t) {
     std::vector<std::uint32_t> course(frames[t].size(), kNone);
     if (t > 0) {
-      const detail::Gap gap = detail::gap(frames[t - 1], frames[t], motion.links[t]);
-      for (const auto& [i, j] : gap.links) {
-        if (gap.successors[i] == 1 && gap.predecessors[j] == 1) course[j] = course_before[i];
+      const detail::FrameLinks found = detail::index_links(frames[t - 1], frames[t], motion.links[t]);
+      for (const auto& [i, j] : found.links) {
+        if (found.successors[i] == 1 && found.predecessors[j] == 1) course[j] = course_before[i];
       }
     }
     for (std::size_t j = 0; j < course.size(); ++j) {

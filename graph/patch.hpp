@@ -8,6 +8,7 @@
 
 namespace emberfold::graph {
 
+/// A point or vector in the image plane.
 struct Point {
   double x = 0, y = 0;  ///< px; x right, y down, pixel centres at integers
 
@@ -17,13 +18,16 @@ struct Point {
   Point operator*(double s) const { return {x * s, y * s}; }
 };
 
+/// Returns the scalar product.
 inline double dot(Point a, Point b) {
   return a.x * b.x + a.y * b.y;
 }
+/// Returns the Euclidean length.
 double norm(Point a);
+/// Returns the Euclidean distance.
 double distance(Point a, Point b);
 
-/// ℓ: what a patch shows.
+/// The type ℓ of a patch.
 enum class PatchType : std::uint8_t {
   ridge,
   valley,
@@ -39,48 +43,50 @@ enum class PatchType : std::uint8_t {
   blob
 };
 
+/// Returns the name of a type as files write it.
 std::string_view name(PatchType type);
+/// Returns the type of this name, if there is one.
 std::optional<PatchType> patch_type(std::string_view name);
 
-/// A level of each channel (blue, green, red, or the grey level three times), white = 255.
+/// Levels of blue, green and red (equal for a grey clip), white = 255.
 using Level = std::array<float, 3>;
 
-/// π = (ℓ, α, β): one oriented image patch. Its degree γ is the graph's to tell.
+/// One oriented image patch π = (ℓ, α, β); its degree γ follows from the graph.
 ///
-/// The profile across the patch, at signed distance d along the normal (−sin θ, cos θ), which points right of
-/// the direction θ as the image is seen: a line has the level `left` for d ≪ 0, `middle` on a core of `width`
-/// about d = 0, `right` for d ≫ 0, all blurred by a Gaussian of SD `blur`; a step has no core: `width` is 0
-/// and `middle` the mean of both sides. A double ridge is a line whose core is hollow: two thin lines, and
-/// `between` on `hollow` px about d = 0, blurred alike. A blob has no curve: it is a disc about `position`
-/// that shows, at (a, d) along and across, an even ramp from `left` to `right` over its diameter, and on it,
-/// in its centre, as much as `middle` differs from the ramp, falling off by a Gaussian of SD width / 2 +
-/// blur.
+/// The normal (−sin θ, cos θ) points to the right of the direction θ on the screen; d is the signed distance
+/// along it. By type, the profile across the patch is
+/// - line: `left` for d ≪ 0, `middle` on a core of `width` px about d = 0, `right` for d ≫ 0, blurred by a
+///   Gaussian of SD `blur`;
+/// - step: the same without a core; `width` is 0 and `middle` the mean of both sides;
+/// - double ridge: a line whose core has the level `between` on `hollow` px about d = 0;
+/// - blob: a disc about `position` with a linear ramp from `left` to `right` over its diameter. At its centre
+///   it has the level `middle`, which falls off to the ramp by a Gaussian of SD width / 2 + blur.
 struct Patch {
   PatchType type = PatchType::ridge;
   Point position;
   double theta = 0;     ///< rad, direction of the curve, in (−π, π]
   double width = 0;     ///< px, of the core before blurring
   double blur = 1;      ///< px, SD
-  double contrast = 0;  ///< luma, signed: a line's peak, as seen, above the mean of its sides (ridge > 0 >
-                        ///< valley); of a double ridge, that of its two lines; a step's right − left
+  double contrast = 0;  ///< luma, signed: blurred peak of a line above the mean of its sides (ridge > 0 >
+                        ///< valley); that of the two lines of a double ridge; right − left of a step
   Level left{}, middle{}, right{};
-  double hollow = 0;  ///< px, 0…width, of a double ridge; 0: a line of its core's level
-  Level between{};    ///< where it is hollow
-  double cost = 0;    ///< nats, ≥ 0: the description length of the numbers above; 0 where nobody counted
-  double gain = 0;    ///< nats that showing the patch saves in coding its frame, the cost paid; likewise
+  double hollow = 0;  ///< px, 0…width: width of the gap in a double ridge's core; 0: no gap
+  Level between{};    ///< level in the gap
+  double cost = 0;    ///< nats, ≥ 0: description length of the numbers above; 0: not computed
+  double gain = 0;    ///< nats saved in coding the frame, less the cost; 0: not computed
 
   bool operator==(const Patch&) const = default;
 };
 
-/// Whether the patch lies on a step edge, whatever its place in the graph makes its type: a step has no core.
+/// Returns whether the patch lies on a step edge, which has no core, whatever its type.
 inline bool on_step(const Patch& patch) {
   return patch.width <= 0;
 }
 
-/// Whether two patches may be the same thing at different times: lines of one sign, or steps.
+/// Returns whether two patches can be linked in time: both lines of one sign, or both steps.
 bool same_kind(const Patch& a, const Patch& b);
 
-/// The angle between two undirected orientations, 0…π/2.
+/// Returns the angle between two undirected orientations, rad, 0…π/2.
 double orientation_difference(double theta_a, double theta_b);
 
 }  // namespace emberfold::graph

@@ -41,7 +41,7 @@ void infer_motion(const StartSketches& sketches, const AnalyzeOptions& options, 
                   mcmc::FitResult& fitted, core::StageClock& clock, const core::Context& context) {
   clock.begin("match");
   if (options.bottom_up) {
-    analysis.motion = graph::match(sketches.clip.sketch, options.match, context).motion;
+    analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
     analysis.all_events = graph::stroke_events(analysis.motion);
     clock.begin("learn");
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
@@ -66,10 +66,10 @@ std::optional<Calibration> calibrate_rates(const StartSketches& sketches, const 
                                            const core::Context& context) {
   if (options.calibrate.calibrate == 0) return std::nullopt;
   clock.begin("calibrate");
-  std::optional<graph::MatchResult> matched;
+  std::optional<graph::MotionGraph> matched;
   if (!options.bottom_up)
     matched = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
-  const auto& motion = matched ? matched->motion : analysis.motion;
+  const auto& motion = matched ? *matched : analysis.motion;
   Calibration result{mcmc::census(motion, graph::stroke_events(motion)), {}};
   const ReadingAndDrawing how{options.sketch, options.match, look};
   result.rounds = calibrate(fitted, result.source, how, options.calibrate, options.seed, context);

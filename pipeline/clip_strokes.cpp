@@ -68,8 +68,7 @@ mcmc::StrokeSeries ClipStrokes::series(const core::Context& context) const {
 
 graph::MotionGraph match_strokes(graph::SketchSequence sketch, const graph::MatchOptions& match,
                                  const core::Context& context) {
-  auto matched = graph::match(std::move(sketch), match, context);
-  return std::move(matched.motion);
+  return graph::match(std::move(sketch), match, context);
 }
 
 mcmc::StrokeSeries stroke_series(graph::SketchSequence sketch, const graph::MatchOptions& match,

@@ -119,8 +119,8 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
     const StartReading& reading = wanted[k];
     if (first_alike(k) == k) {
       const auto& sketch = reading.copy ? sketches.perturbed[*reading.copy] : sketches.clip.sketch;
-      auto matched = graph::match(reading.backwards ? graph::reversed(sketch) : sketch, match, quiet);
-      starts[k] = reading.backwards ? graph::reversed(matched.motion) : std::move(matched.motion);
+      auto matched = graph::match(reading.backwards ? graph::reverse_time(sketch) : sketch, match, quiet);
+      starts[k] = reading.backwards ? graph::reverse_time(matched) : std::move(matched);
     }
     const std::scoped_lock lock(telling);
     context.report("match", static_cast<double>(++done) / static_cast<double>(starts.size()));

@@ -10,7 +10,7 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::array<double, 3> mode_shapes(BuiltinScene scene, double s) {
   switch (scene) {

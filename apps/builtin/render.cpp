@@ -16,7 +16,7 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A point of a line with contrast and width.
 struct Dab {
@@ -184,7 +184,7 @@ cv::Mat render_frame(const Scene& scene, int frame) {
   cv::Mat image(o.height, o.width, CV_8UC3);
   for (int y = 0; y < o.height; ++y)
     for (int x = 0; x < o.width; ++x) {
-      const double level = ground_level(o, core::between_pixels(waves, x / 4.0, y / 4.0), x, y) +
+      const double level = ground_level(o, core::sample_bilinear(waves, x / 4.0, y / 4.0), x, y) +
                            static_cast<double>(halo.at<float>(y, x)) +
                            static_cast<double>(strokes.at<float>(y, x));
       const cv::Vec3d colour = colour_of(o.scene, level) + cv::Vec3d::all(builtin_noise * noise.normal());

@@ -10,7 +10,7 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double step = 2;  // px between points at rest
 
 using Heading = std::function<double(const cv::Point2d& at, double travelled)>;  ///< rad, x right, y down

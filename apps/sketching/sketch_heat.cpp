@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numbers>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -68,7 +69,7 @@ std::int64_t steps_to_rest(const cv::Mat& mask) {
   double most = 0;
   cv::minMaxLoc(distance, nullptr, &most);
   // The slowest mode of a strip that is 2·most wide decays as exp(−(π / (2·most))² t).
-  const double rate = std::pow(CV_PI / (2 * std::max(most, 1.0)), 2);
+  const double rate = std::pow(std::numbers::pi / (2 * std::max(most, 1.0)), 2);
   return static_cast<std::int64_t>(
       std::ceil(std::log(kOpenLevel / kNear) / rate / sketch::HeatFlow::kLargestStep));
 }

@@ -7,7 +7,7 @@
 
 namespace emberfold::core {
 
-/// Frames first … last − 1 of a source, which must outlive it and is moved by it.
+/// Reads frames first … last − 1 of a source, which must outlive it and whose position it changes.
 class ClipRange final : public core::FrameSource {
  public:
   ClipRange(core::FrameSource& source, std::int64_t first, std::int64_t last)

@@ -12,15 +12,14 @@
 
 namespace emberfold::core {
 
-/// How many frames are worked on at once: 16, or as many as 192 MB hold in levels, at least one.
+/// Returns the number of frames in a batch: as many as 192 MB of levels hold, 1…16.
 inline std::size_t frames_at_once(int width, int height, int channels) {
   return static_cast<std::size_t>(std::clamp(192e6 / (4.0 * width * height * channels), 1.0, 16.0));
 }
 
-/// Runs through a clip from its first frame: work(t, frame) on several frames at once, then take(t, result)
-/// in order. Holds a batch of frames and their results, some 16 frames or 192 MB, whichever is less.
-/// `expected`: for the progress alone. Returns how many frames there were; throws Cancelled. What has to be
-/// done frame after frame is before(t, frame): in order, ahead of work(t, frame).
+/// Processes a clip in batches of frames_at_once() frames, from its first frame on.
+/// Calls before(t, frame) in order, then work(t, frame) in parallel, then take(t, result) in order.
+/// `expected`: number of frames, for the progress only. Returns the number of frames. Throws Cancelled.
 template <class Before, class Work, class Take>
 int stream_frames(core::FrameSource& source, std::string_view stage, std::optional<std::int64_t> expected,
                   const core::Context& context, const Before& before, const Work& work, const Take& take) {
@@ -37,7 +36,7 @@ int stream_frames(core::FrameSource& source, std::string_view stage, std::option
       if (frame.empty()) break;
       before(done + static_cast<int>(frames.size()), frame);
       frames.push_back(std::move(frame));
-      if (context.cancelled()) throw Cancelled{};
+      context.check();
     }
     if (frames.empty()) break;
     std::vector<std::optional<Result>> results(frames.size());
@@ -46,13 +45,14 @@ int stream_frames(core::FrameSource& source, std::string_view stage, std::option
     });
     for (auto& result : results) {
       take(done++, std::move(*result));
-      if (context.cancelled()) throw Cancelled{};
+      context.check();
     }
     context.report(stage, expected && *expected > 0 ? double(done) / double(*expected) : 0);
   }
   return done;
 }
 
+/// Processes a clip as above, without before().
 template <class Work, class Take>
 int stream_frames(core::FrameSource& source, std::string_view stage, std::optional<std::int64_t> expected,
                   const core::Context& context, const Work& work, const Take& take) {

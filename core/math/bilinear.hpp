@@ -7,9 +7,9 @@
 
 namespace emberfold::core {
 
-/// The value at (x, y) px, linear between the four pixels about it; outside the frame that of the nearest
-/// place in it. `values`: CV_32F, one channel.
-inline double between_pixels(const cv::Mat& values, double x, double y) {
+/// Interpolates bilinearly at (x, y) px; positions outside the frame are clamped to it.
+/// `values`: CV_32F, one channel.
+inline double sample_bilinear(const cv::Mat& values, double x, double y) {
   x = std::clamp(x, 0.0, values.cols - 1.0);
   y = std::clamp(y, 0.0, values.rows - 1.0);
   const int left = static_cast<int>(x), top = static_cast<int>(y);

@@ -5,13 +5,13 @@
 
 namespace emberfold::core {
 
-/// A frame's gradient at every pixel, CV_32F, levels/px.
+/// The gradient of a frame at every pixel, CV_32F, levels/px.
 struct ImageGradient {
-  cv::Mat x, y, size;
+  cv::Mat x, y, size;  ///< components and length
 };
 
-/// Computes Sobel's gradient, an eighth of its kernels; outside the frame its border goes on. `luma`: CV_32F,
-/// one channel. O(pixels).
+/// Computes the gradient by Sobel's kernels over 8, with replicated borders.
+/// `luma`: CV_32F, one channel. O(pixels).
 ImageGradient sobel(const cv::Mat& luma);
 
 }  // namespace emberfold::core

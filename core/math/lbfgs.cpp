@@ -8,12 +8,18 @@ namespace emberfold::core::detail {
 
 namespace {
 
+constexpr std::size_t kMemory = 10;  // steps that the inverse Hessian is made of
+constexpr int kWindow = 10;          // steps after which the gain is tested
+constexpr int kHalvings = 40;        // of the step length before the direction is given up
+constexpr double kArmijo = 1e-4;     // least share of the predicted descent (Nocedal & Wright 2006, eq. 3.4)
+constexpr double kFlat = 1e-12;      // least cosine between move and change for a step to be remembered
+
 struct Step {
-  Eigen::VectorXd move, change;  // of the point, of the slope
+  Eigen::VectorXd move, change;  // of the point, of the gradient
   double product;                // of the two, > 0
 };
 
-/// −H slope, H the inverse curvature that the steps tell (Nocedal 1980, two loops).
+/// Returns −H slope with H the inverse Hessian estimated from the steps (Nocedal 1980, two-loop recursion).
 Eigen::VectorXd direction(const Eigen::VectorXd& slope, const std::deque<Step>& steps) {
   Eigen::VectorXd along = -slope;
   std::vector<double> parts(steps.size());
@@ -31,17 +37,15 @@ Eigen::VectorXd direction(const Eigen::VectorXd& slope, const std::deque<Step>& 
 
 Eigen::VectorXd minimize_lbfgs(const Gradient& function, Eigen::VectorXd start, int most_steps,
                                double least_gain, const core::Context& context) {
-  constexpr std::size_t kMemory = 10;
-  constexpr int kWindow = 10, kHalvings = 40;
-  constexpr double kArmijo = 1e-4, kFlat = 1e-12;
   Eigen::VectorXd point = std::move(start);
   auto [value, slope] = function(point);
   std::deque<Step> steps;
   double before = value;
-  for (int step = 1; step <= most_steps && slope.norm() > 0 && !context.cancelled(); ++step) {
+  for (int step = 1; step <= most_steps && slope.norm() > 0; ++step) {
+    context.check();
     Eigen::VectorXd along = direction(slope, steps);
     double rise = along.dot(slope);
-    if (!(rise < 0)) {  // the curvature misleads
+    if (!(rise < 0)) {  // no descent: restart
       steps.clear();
       along = -slope, rise = -slope.squaredNorm();
     }

@@ -10,12 +10,12 @@
 
 namespace emberfold::core::detail {
 
-/// A function's value and slope at a point; a value that is not finite marks a point that is out of bounds.
+/// Returns value and gradient at a point; a value that is not finite marks a point out of bounds.
 using Gradient = std::function<std::pair<double, Eigen::VectorXd>(const Eigen::VectorXd&)>;
 
-/// A low point of the function near `start`, never above it: L-BFGS with the last 10 steps and halved step
-/// lengths (Armijo). Ends after `most_steps`, where 10 steps gain less than `least_gain` together, or where
-/// no step goes down.
+/// Minimises a function from `start` by L-BFGS (Nocedal 1980) with backtracking (Armijo 1966).
+/// The result's value never exceeds that of `start`. Stops after `most_steps`, when 10 steps together gain
+/// less than `least_gain`, or when no step descends. Throws Cancelled.
 Eigen::VectorXd minimize_lbfgs(const Gradient& function, Eigen::VectorXd start, int most_steps,
                                double least_gain, const core::Context& context);
 

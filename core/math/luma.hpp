@@ -5,7 +5,7 @@
 
 namespace emberfold::core {
 
-/// Weights of blue, green and red in luma (ITU-R BT.601).
+/// The weights of blue, green and red in luma (ITU-R BT.601).
 constexpr std::array<double, 3> kLumaWeights = {0.114, 0.587, 0.299};
 
 /// Returns the luma of a colour given in OpenCV's order.

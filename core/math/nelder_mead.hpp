@@ -7,14 +7,15 @@
 
 namespace emberfold::core::detail {
 
+/// A minimum of a function.
 struct Minimum {
   Eigen::VectorXd at;
   double value = 0;
 };
 
-/// Downhill simplex (Nelder & Mead 1965) from `start` and the points `steps` off it along each axis, until
-/// its values lie within `tolerance` or `most` values were asked for. Infinite values are stepped back from;
-/// the start's has to be finite.
+/// Minimises a function by the downhill simplex (Nelder & Mead 1965).
+/// The first simplex is `start` and the points start + steps[i] along axis i. Stops when its values lie
+/// within `tolerance` or after `most` evaluations. f(start) is finite; elsewhere infinite values are allowed.
 Minimum minimize_nelder_mead(const std::function<double(const Eigen::VectorXd&)>& f,
                              const Eigen::VectorXd& start, const Eigen::VectorXd& steps, double tolerance,
                              int most);

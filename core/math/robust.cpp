@@ -12,8 +12,7 @@ namespace emberfold::core {
 
 namespace {
 
-// The order of numbers that are not negative is that of their bits: the sign, the exponent and three bits of
-// the fraction tell the bin.
+/// Returns the bin of a number ≥ 0: sign, exponent and three bits of the fraction, which keep its order.
 std::size_t bin_of(float value) {
   return std::bit_cast<std::uint32_t>(std::abs(value)) >> 20U;
 }
@@ -21,8 +20,8 @@ std::size_t bin_of(float value) {
 }  // namespace
 
 float median_of_positive(std::vector<float> values) {
-  // Counting finds the bin in which the median lies, at a fraction of what partitioning everything costs.
-  // Four counters take turns: neighbours often lie in one bin.
+  // Counting finds the median's bin faster than partitioning all values. Four tables of counts take turns,
+  // since neighbours often fall into one bin.
   std::array<std::array<std::uint32_t, 2048>, 4> counts{};
   for (std::size_t i = 0; i < values.size(); ++i) ++counts[i % 4][bin_of(values[i])];
   const auto count = [&](std::size_t b) {

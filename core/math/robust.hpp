@@ -21,7 +21,7 @@ T median(std::vector<T> values) {
   return order_statistic(values, values.size() / 2);
 }
 
-/// Returns the upper median of values that are 0 or more, at least one; faster than median() for many. O(n).
+/// Returns the upper median of at least one value, all ≥ 0; faster than median() for many. O(n).
 float median_of_positive(std::vector<float> values);
 
 }  // namespace emberfold::core

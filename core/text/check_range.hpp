@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <string_view>
 
@@ -9,8 +10,8 @@
 
 namespace emberfold::core {
 
-/// Throws InputError "<field> is <value>; allowed is <low> to <high>" unless low ≤ value ≤ high. A NaN is
-/// refused.
+/// Throws InputError "<field> is <value>; allowed is <low> to <high>" unless low ≤ value ≤ high.
+/// A NaN is refused.
 inline void check_range(std::string_view field, double value, double low, double high) {
   if (value >= low && value <= high) return;
   throw InputError(std::string(field) + " is " + number_text(value) + "; allowed is " + number_text(low) +
@@ -22,6 +23,18 @@ inline void check_above(std::string_view field, double value, double low, double
   if (value > low && value <= high) return;
   throw InputError(std::string(field) + " is " + number_text(value) + "; allowed is above " +
                    number_text(low) + ", up to " + number_text(high));
+}
+
+/// Throws InputError "<field> is <value>; allowed is a finite number above 0" otherwise.
+inline void check_positive(std::string_view field, double value) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw InputError(std::string(field) + " is " + number_text(value) + "; allowed is a finite number above 0");
+}
+
+/// Throws InputError "<field> is <value>; allowed is a finite number from 0" otherwise.
+inline void check_not_negative(std::string_view field, double value) {
+  if (value >= 0 && std::isfinite(value)) return;
+  throw InputError(std::string(field) + " is " + number_text(value) + "; allowed is a finite number from 0");
 }
 
 }  // namespace emberfold::core

@@ -5,7 +5,7 @@
 
 namespace emberfold::core {
 
-/// Returns the shortest decimal text that reads back to the same number, "not finite" for what is none.
+/// Returns the shortest decimal text that reads back to the same number, or "not finite".
 std::string number_text(double value);
 
 /// Returns the number with `digits` decimals, as printf's %.*f.

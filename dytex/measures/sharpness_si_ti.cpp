@@ -41,7 +41,7 @@ struct CreasePoint {
   double steepness, height;
 };
 
-using core::between_pixels;
+using core::sample_bilinear;
 using core::sobel;
 
 // Where the gradient is largest along its own direction.
@@ -55,7 +55,7 @@ std::vector<CreasePoint> crease_points(const core::ImageGradient& g) {
       const double dx = static_cast<double>(g.x.at<float>(y, x)) / size,
                    dy = static_cast<double>(g.y.at<float>(y, x)) / size;
       // >= on one side alone: of two equal neighbours one is taken
-      if (size > between_pixels(g.size, x + dx, y + dy) && size >= between_pixels(g.size, x - dx, y - dy))
+      if (size > sample_bilinear(g.size, x + dx, y + dy) && size >= sample_bilinear(g.size, x - dx, y - dy))
         points.push_back({x, y, size, 0});
     }
   return points;
@@ -73,7 +73,7 @@ double step_height(const cv::Mat& luma, const core::ImageGradient& g, const Crea
     for (int i = 1; i <= kReach; ++i) {
       const double x = point.x + side * i * dx, y = point.y + side * i * dy;
       if (x < 0 || y < 0 || x >= luma.cols - 1 || y >= luma.rows - 1) break;
-      const double level = between_pixels(luma, x, y);
+      const double level = sample_bilinear(luma, x, y);
       if (side * (level - reached) <= 0) break;
       reached = level;
     }

@@ -9,30 +9,34 @@
 
 namespace emberfold::graph::detail {
 
-/// Classes that samples may take for each other; a reversal swaps the first two, and the last two.
+/// Groups of event classes that samples may confuse with each other.
+/// Reversing time swaps birth with death, and unite with separate.
 enum class Family : std::uint8_t { birth, death, unite, separate };
+/// Returns the family of an event class.
 Family family(EventType type);
 
-/// One event of one sample.
-struct Sighting {
-  int time = 0;  ///< the frame, negative where a reversal makes the family one that counts forwards
+/// One event in one sample.
+struct Observation {
+  int time = 0;  ///< frame; negated for deaths and separations, so that reversing time changes nothing
   Point place;
   bool bridge = false;  ///< connect or disconnect
   std::uint32_t sample = 0, event = 0;
 };
 
-/// One event of the world: at most one sighting of each sample.
+/// One event of the clip: at most one observation of each sample.
 struct Cluster {
   int time = 0;
   Point place;
-  std::vector<Sighting> members;  ///< ordered by time, then place
-  [[nodiscard]] std::size_t bridges() const;
+  std::vector<Observation> members;  ///< ordered by time, then place
+  /// Returns how many members are a connect or disconnect.
+  [[nodiscard]] std::size_t bridge_count() const;
 };
 
-/// The sightings of one family in clusters, each member within the tolerance of its cluster's time and place.
-/// First greedily about the sightings that most samples share; then each sample's sightings go to the
-/// clusters that they suit best as a whole, and the clusters to where their members are, some times over.
-std::vector<Cluster> clusters(std::vector<Sighting> sightings, std::size_t samples,
-                              const PoolOptions& options);
+/// Clusters the observations of one family in time and place.
+/// Each member lies within the tolerance of its cluster. Clusters are first formed greedily around the
+/// observations that most samples share. Then assignment (each sample's observations to clusters, optimally)
+/// and re-centring alternate a few times. The result does not depend on the order of the samples.
+std::vector<Cluster> cluster_observations(std::vector<Observation> observations, std::size_t samples,
+                                          const PoolOptions& options);
 
 }  // namespace emberfold::graph::detail

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 #include "graph/events/event_clusters.hpp"
 
 namespace emberfold::graph {
@@ -19,9 +20,16 @@ namespace {
 using detail::Cluster;
 using detail::Family;
 
+// Prior of the recurrence R of an event in another reading of its clip: kRecurred of kSeen observations, in
+// units of one event that every sample has.
+constexpr double kSeen = 5, kRecurred = 4;
+// Least R: matching in time and place is strict, and clips of lower agreement still find two thirds of the
+// events that all readings share again in other noise (docs/method.md, §4).
+constexpr double kLeastRecurrence = 0.6;
+
 constexpr std::array<Family, 4> kFamilies = {Family::birth, Family::death, Family::unite, Family::separate};
 
-bool backwards(Family family) {
+bool counts_backwards(Family family) {
   return family == Family::death || family == Family::separate;
 }
 
@@ -59,50 +67,46 @@ void check(std::span<const std::vector<Event>> samples, const PoolOptions& optio
   }
 }
 
-std::vector<Cluster> clusters_of(std::span<const std::vector<Event>> samples, Family family,
-                                 const PoolOptions& options) {
-  std::vector<detail::Sighting> sightings;
+std::vector<Cluster> find_clusters(std::span<const std::vector<Event>> samples, Family family,
+                                   const PoolOptions& options) {
+  std::vector<detail::Observation> observations;
   for (std::uint32_t k = 0; k < samples.size(); ++k) {
     for (std::uint32_t e = 0; e < samples[k].size(); ++e) {
       const Event& event = samples[k][e];
       if (detail::family(event.type) != family) continue;
       const bool bridge = event.type == EventType::connect || event.type == EventType::disconnect;
-      sightings.push_back({backwards(family) ? -event.frame : event.frame, event.position, bridge, k, e});
+      observations.push_back(
+          {counts_backwards(family) ? -event.frame : event.frame, event.position, bridge, k, e});
     }
   }
-  return detail::clusters(std::move(sightings), samples.size(), options);
+  return detail::cluster_observations(std::move(observations), samples.size(), options);
 }
 
-/// How far shares say less than they seem to: a of the law Beta(a, a) that the events' own probabilities
-/// have. By it what one reading has another has too with probability R = (a + 1) / (2a + 1).
-class Doubt {
+/// Estimates a of the prior Beta(a, a) of event probabilities from how often readings agree.
+/// Under it, an event of one reading recurs in another with probability R = (a + 1) / (2a + 1).
+class ReadingAgreement {
  public:
-  Doubt(std::size_t samples, std::size_t readings)
+  ReadingAgreement(std::size_t samples, std::size_t readings)
       : samples_(samples), readings_(readings), found_(std::max<std::size_t>(1, readings)) {}
 
   void add(const Cluster& cluster) {
     if (readings_ < 2) return;
     std::ranges::fill(found_, std::size_t{0});
     const std::size_t each = samples_ / readings_;
-    for (const detail::Sighting& seen : cluster.members) ++found_[seen.sample / each];
-    // Whole numbers: the same in any order.
+    for (const detail::Observation& seen : cluster.members) ++found_[seen.sample / each];
+    // Sums of whole numbers do not depend on the order.
     for (const std::size_t n : found_) {
       again_ += n * (cluster.members.size() - n);
       seen_ += n * each * (readings_ - 1);
     }
   }
-  /// The probability that a further reading has what this share of the samples has.
+  /// Returns the probability that a further reading has an event which this share of the samples has.
   [[nodiscard]] double probability(double share) const {
     if (readings_ < 2) return share;
-    // As if so many sightings had been seen before in this clip, of which so many came again.
-    constexpr double kBefore = 5, kAgain = 4;
-    // Pooling is strict about time and place: clips with less agreement than this still find two thirds of
-    // what all readings have again in other noise (docs/method.md, §4).
-    constexpr double kLeast = 0.6;
     const auto each = static_cast<double>(samples_ / readings_);
     const double weight = each * each * static_cast<double>(readings_ - 1);
-    const double again = std::max(kLeast, (static_cast<double>(again_) + kAgain * weight) /
-                                              (static_cast<double>(seen_) + kBefore * weight));
+    const double again = std::max(kLeastRecurrence, (static_cast<double>(again_) + kRecurred * weight) /
+                                                        (static_cast<double>(seen_) + kSeen * weight));
     const double a = (1 - again) / (2 * again - 1);
     const auto n = static_cast<double>(readings_);
     return 0.5 + (share - 0.5) * n / (n + 2 * a);
@@ -110,36 +114,32 @@ class Doubt {
 
  private:
   std::size_t samples_, readings_;
-  std::vector<std::size_t> found_;  // of a cluster's members, by reading
+  std::vector<std::size_t> found_;  // members of a cluster by reading
   std::uint64_t again_ = 0, seen_ = 0;
 };
 
-Event event_of(const Cluster& cluster, Family family, std::size_t samples, const Doubt& doubt) {
-  const std::size_t all = cluster.members.size(), bridges = cluster.bridges();
+Event event_of(const Cluster& cluster, Family family, std::size_t samples,
+               const ReadingAgreement& agreement) {
+  const std::size_t all = cluster.members.size(), bridges = cluster.bridge_count();
   const bool bridge = 2 * bridges > all;
   const auto share = [&](std::size_t count) {
     return static_cast<double>(count) / static_cast<double>(samples);
   };
   Event event;
-  event.frame = backwards(family) ? -cluster.time : cluster.time;
+  event.frame = counts_backwards(family) ? -cluster.time : cluster.time;
   event.type = type_of(family, bridge);
   event.position = cluster.place;
   double seen = share(bridge ? bridges : all - bridges);
   if (seen < 0.5 && share(all) >= 0.5) seen = share(all);
-  event.probability = doubt.probability(seen);
+  event.probability = agreement.probability(seen);
   return event;
 }
 
 }  // namespace
 
 void PoolOptions::validate() const {
-  if (frames < 0 || frames > 100) {
-    throw core::InputError("pooled events: frames is " + std::to_string(frames) + ", allowed is 0…100");
-  }
-  if (!(radius > 0) || !std::isfinite(radius)) {
-    throw core::InputError("pooled events: radius is " + std::to_string(radius) +
-                           ", allowed is a finite number above 0");
-  }
+  core::check_range("PoolOptions.frames", frames, 0, 100);
+  core::check_positive("PoolOptions.radius", radius);
 }
 
 std::vector<Event> pool_events(std::span<const std::vector<Event>> samples, std::size_t representative,
@@ -151,16 +151,16 @@ std::vector<Event> pool_events(std::span<const std::vector<Event>> samples, std:
                            " of " + std::to_string(samples.size()) + ", counted from 0");
   }
   std::array<std::vector<Cluster>, kFamilies.size()> found;
-  Doubt doubt(samples.size(), options.readings);
+  ReadingAgreement agreement(samples.size(), options.readings);
   for (std::size_t f = 0; f < found.size(); ++f) {
-    found[f] = clusters_of(samples, kFamilies[f], options);
-    for (const Cluster& cluster : found[f]) doubt.add(cluster);
+    found[f] = find_clusters(samples, kFamilies[f], options);
+    for (const Cluster& cluster : found[f]) agreement.add(cluster);
   }
   std::vector<Event> result;
   for (std::size_t f = 0; f < found.size(); ++f) {
     for (const Cluster& cluster : found[f]) {
-      Event event = event_of(cluster, kFamilies[f], samples.size(), doubt);
-      for (const detail::Sighting& seen : cluster.members) {
+      Event event = event_of(cluster, kFamilies[f], samples.size(), agreement);
+      for (const detail::Observation& seen : cluster.members) {
         if (seen.sample != representative) continue;
         event.before = samples[seen.sample][seen.event].before;
         event.after = samples[seen.sample][seen.event].after;
@@ -172,18 +172,18 @@ std::vector<Event> pool_events(std::span<const std::vector<Event>> samples, std:
   return result;
 }
 
-std::size_t representative(std::span<const std::vector<Event>> samples, const PoolOptions& options) {
+std::size_t find_representative(std::span<const std::vector<Event>> samples, const PoolOptions& options) {
   options.validate();
   check(samples, options);
-  // 2 · samples · Σ (probability − ½), a whole number; an event of no cluster has none.
+  // 2 · samples · Σ (probability − ½), a whole number; an event outside all clusters has probability 0.
   std::vector<std::int64_t> agreement(samples.size());
   const auto count = static_cast<std::int64_t>(samples.size());
   for (std::size_t k = 0; k < samples.size(); ++k) {
     agreement[k] = -count * static_cast<std::int64_t>(samples[k].size());
   }
   for (const Family family : kFamilies) {
-    for (const Cluster& cluster : clusters_of(samples, family, options)) {
-      for (const detail::Sighting& seen : cluster.members) {
+    for (const Cluster& cluster : find_clusters(samples, family, options)) {
+      for (const detail::Observation& seen : cluster.members) {
         agreement[seen.sample] += 2 * static_cast<std::int64_t>(cluster.members.size());
       }
     }

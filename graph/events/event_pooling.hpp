@@ -9,37 +9,41 @@
 
 namespace emberfold::graph {
 
+/// Options of pool_events.
 struct PoolOptions {
-  int frames = 1;      ///< 0…100: events of two samples at most so many frames apart may be the same
-  double radius = 10;  ///< px, > 0: and at most so far
-  /// The samples are of so many independent readings of the clip, as many of each, one reading after the
-  /// other: 0…samples, a divisor of their number. 0: probabilities are the shares themselves.
+  int frames = 1;      ///< 0…100: tolerance in time between two samples of one event, frames
+  double radius = 10;  ///< > 0: tolerance in place, px
+  /// Number of independent readings of the clip, 0 or a divisor of the number of samples. Each reading gives
+  /// equally many consecutive samples. 0: probabilities are the plain shares.
   std::size_t readings = 0;
+  /// Throws InputError naming field, value and range.
   void validate() const;
 };
 
-/// The events of a clip as samples of its posterior see them, all samples of equal weight. Each event is
-/// listed once, at the frame at which most samples have it and the median of their places there. Its
-/// probability is the share of samples that have an event of its class within `frames` and `radius` of that,
-/// where an event of a sample counts for one listed event only. Samples that agree on a union, or a
-/// separation, but not on its class (merge or connect, split or disconnect) make one event of the more
-/// frequent class, merge and split where both are as frequent; its probability is that of the class, but
-/// where it is below ½ and that of either is not, it is the probability of either. `before` and `after` name
-/// the strokes of samples[representative], where that sample has the event; else they are empty.
+/// Pools the events of posterior samples of equal weight into one list with probabilities.
 ///
-/// With `readings`, N of them, a share is drawn towards ½ by as much as readings of this clip differ: p = (a
-/// + N share) / (2a + N), a by the method of moments from how often what one reading has another has too. So
-/// p tells how often a further reading would have the event; p ≥ ½ where the share is.
+/// - Frame and position: the frame at which most samples have the event, and the median of their positions.
+/// - Probability: the share of samples with an event of the class within `frames` and `radius`. An event of a
+///   sample counts for one listed event only.
+/// - Class: samples that agree on a union (merge, connect) or a separation (split, disconnect) but not on its
+///   class give one event of the more frequent class; merge and split win ties. If only the share of both
+///   classes together reaches ½, that share is the probability.
+/// - `before` and `after`: the strokes of samples[representative]; empty if that sample lacks the event.
 ///
-/// Pooling is the same for samples in any order (of readings, and inside of each), and reversed samples give
-/// the reversed events. Ordered as sort_events orders. InputError: no samples, no sample `representative`, a
-/// place that is not finite. O(n log n) in the events of all samples, times how many of them lie near each
-/// other.
+/// With N = `readings` > 1 a share s is shrunk to p = (a + N s) / (2a + N), a Beta(a, a) prior: p is the
+/// probability that a further reading has the event. a comes from the method of moments on how often an event
+/// of one reading recurs in another.
+///
+/// The order of samples (of readings, and within each) does not matter; time-reversed samples give the
+/// time-reversed events. Sorted as by sort_events. Throws InputError for no samples, an invalid
+/// `representative`, or a position that is not finite. O(n log n) in all events, times the number of close
+/// ones.
 std::vector<Event> pool_events(std::span<const std::vector<Event>> samples, std::size_t representative = 0,
                                const PoolOptions& options = {});
 
-/// The sample whose events agree most with those of all: where Σ (probability − ½) over its events is
-/// greatest, the probability of a union or a separation being that of either class; the first of several.
-std::size_t representative(std::span<const std::vector<Event>> samples, const PoolOptions& options = {});
+/// Finds the sample whose events agree most with those of all samples.
+/// It maximises Σ (probability − ½) over its events, where a union or separation has the probability of both
+/// of its classes together; the first of several. Throws InputError as pool_events does.
+std::size_t find_representative(std::span<const std::vector<Event>> samples, const PoolOptions& options = {});
 
 }  // namespace emberfold::graph

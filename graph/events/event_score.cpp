@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/error.hpp"
+#include "core/text/check_range.hpp"
 #include "graph/matching/assignment.hpp"
 
 namespace emberfold::graph {
@@ -17,9 +17,9 @@ namespace {
 
 using Events = std::vector<const Event*>;
 
-/// Of the events of one class: how many pair up.
+/// Counts the pairs of true and found events of one class.
 std::size_t hits(const Events& truth, const Events& found, const ScoreOptions& options) {
-  // Above any sum of distances, each below 1: one hit more is worth any distance.
+  // Exceeds any sum of distances, each below 1: hits count before distances.
   const double hit = 1 + static_cast<double>(std::min(truth.size(), found.size()));
   std::vector<Candidate> candidates;
   for (std::uint32_t i = 0; i < truth.size(); ++i) {
@@ -71,14 +71,8 @@ double ratio(std::size_t part, std::size_t whole) {
 }  // namespace
 
 void ScoreOptions::validate() const {
-  const auto check = [](const char* field, double value) {
-    if (!(value >= 0) || !std::isfinite(value)) {
-      throw core::InputError("score: " + std::string(field) + " is " + std::to_string(value) +
-                             ", allowed is a finite number ≥ 0");
-    }
-  };
-  check("frames", frames);
-  check("radius", radius);
+  core::check_not_negative("ScoreOptions.frames", frames);
+  core::check_not_negative("ScoreOptions.radius", radius);
 }
 
 double ClassScore::precision() const {

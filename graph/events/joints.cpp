@@ -16,15 +16,18 @@ namespace emberfold::graph::detail {
 namespace {
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kNearEnd = 10;   // px: two patches
+constexpr double kTurnPrior = 8;  // px²: (0.085 rad noise of a step / 0.03 rad a px bend of strokes)²
+constexpr double kStraight = std::numbers::pi / 6;  // rad: largest turn at either end of a gap in one line
 }  // namespace
 
-Paths::Paths(const AttributeGraph& graph)
+ShortestPaths::ShortestPaths(const AttributeGraph& graph)
     : graph_(graph),
       distance_(graph.size(), kFar),
       source_(graph.size(), kNone),
       from_(graph.size(), kNone) {}
 
-void Paths::search(std::span<const std::uint32_t> sources) {
+void ShortestPaths::search(std::span<const std::uint32_t> sources) {
   for (const std::uint32_t v : touched_) distance_[v] = kFar, source_[v] = from_[v] = kNone;
   touched_.clear();
   reached_.clear();
@@ -50,13 +53,13 @@ void Paths::search(std::span<const std::uint32_t> sources) {
   }
 }
 
-std::vector<std::uint32_t> Paths::way(std::uint32_t vertex) const {
+std::vector<std::uint32_t> ShortestPaths::path_to_source(std::uint32_t vertex) const {
   std::vector<std::uint32_t> result{vertex};
   while (from_[result.back()] != result.back()) result.push_back(from_[result.back()]);
   return result;
 }
 
-Point middle(const AttributeGraph& graph, std::span<const std::uint32_t> path) {
+Point path_middle(const AttributeGraph& graph, std::span<const std::uint32_t> path) {
   const auto at = [&](std::size_t k) { return graph.patch(path[k]).position; };
   double length = 0;
   for (std::size_t k = 1; k < path.size(); ++k) length += distance(at(k - 1), at(k));
@@ -69,7 +72,7 @@ Point middle(const AttributeGraph& graph, std::span<const std::uint32_t> path) {
   return at(path.size() - 1);
 }
 
-Point component_middle(const AttributeGraph& graph, Paths& paths, std::uint32_t member) {
+Point component_middle(const AttributeGraph& graph, ShortestPaths& paths, std::uint32_t member) {
   const auto farthest = [&](std::uint32_t from) {
     paths.search(std::span(&from, 1));
     std::uint32_t best = from;
@@ -79,25 +82,23 @@ Point component_middle(const AttributeGraph& graph, Paths& paths, std::uint32_t 
     }
     return best;
   };
-  return middle(graph, paths.way(farthest(farthest(member))));
+  return path_middle(graph, paths.path_to_source(farthest(farthest(member))));
 }
 
-std::vector<bool> near_ends(const AttributeGraph& graph, Paths& paths) {
-  constexpr double kNear = 10;  // px: two patches
+std::vector<bool> find_vertices_near_ends(const AttributeGraph& graph, ShortestPaths& paths) {
   std::vector<std::uint32_t> ends;
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
     if (graph.degree(v) <= 1) ends.push_back(v);
   }
   paths.search(ends);
   std::vector<bool> result(graph.size(), false);
-  for (const std::uint32_t v : paths.reached()) result[v] = paths.distance(v) <= kNear;
+  for (const std::uint32_t v : paths.reached()) result[v] = paths.distance(v) <= kNearEnd;
   return result;
 }
 
 Point tip_direction(std::span<const Point> way) {
-  // The direction of the steps, as a line over arc length, taken at the tip. The curvature is held back by
-  // what is known beforehand: noise turns a step by about 0.085 rad, strokes bend by about 0.03 rad a px.
-  constexpr double kPrior = 8;  // px², the square of the ratio
+  // Ridge regression of the direction of the steps on arc length, evaluated at the tip. The penalty on the
+  // curvature is the variance of the noise over that of the curvature.
   const Point chord = way.front() - way.back();
   if (norm(chord) == 0) return {};
   double n = 0, arc = 0, sum_s = 0, sum_a = 0, sum_ss = 0, sum_sa = 0;
@@ -108,7 +109,7 @@ Point tip_direction(std::span<const Point> way) {
     arc += norm(step);
     n += 1, sum_s += s, sum_a += angle, sum_ss += s * s, sum_sa += s * angle;
   }
-  const double slope = (sum_sa - sum_s * sum_a / n) / (sum_ss - sum_s * sum_s / n + kPrior);
+  const double slope = (sum_sa - sum_s * sum_a / n) / (sum_ss - sum_s * sum_s / n + kTurnPrior);
   const double turn = sum_a / n - slope * sum_s / n;
   const Point unit = chord * (1 / norm(chord));
   return {unit.x * std::cos(turn) - unit.y * std::sin(turn),
@@ -117,16 +118,16 @@ Point tip_direction(std::span<const Point> way) {
 
 namespace {
 
-/// The parts of a component as they have grown over what lies between them.
-class Regions {
+/// The parts of a component, each grown over the unlabelled vertices nearest to it.
+class GrownParts {
  public:
-  /// `ties` sorted by vertex, then label.
-  Regions(const AttributeGraph& graph, Paths& paths, std::span<const Tie> ties)
-      : graph_(graph), paths_(paths), ties_(ties) {
-    for (const Tie& tie : ties) {
-      if (sources_.empty() || sources_.back() != tie.vertex) {
-        sources_.push_back(tie.vertex);
-        labels_.push_back(tie.label);
+  /// `vertices`: sorted by vertex, then label.
+  GrownParts(const AttributeGraph& graph, ShortestPaths& paths, std::span<const PartVertex> vertices)
+      : graph_(graph), paths_(paths), vertices_(vertices) {
+    for (const PartVertex& member : vertices) {
+      if (sources_.empty() || sources_.back() != member.vertex) {
+        sources_.push_back(member.vertex);
+        labels_.push_back(member.label);
       }
     }
     paths_.search(sources_);
@@ -137,31 +138,32 @@ class Regions {
     return labels_[static_cast<std::size_t>(at - sources_.begin())];
   }
 
-  /// Whether the part of this label ends where `path` leaves it at its front, and in which direction.
+  /// Returns the direction in which the part ends at the front of `path`, if it ends there.
   [[nodiscard]] std::optional<Point> end_tangent(std::uint32_t part,
                                                  std::span<const std::uint32_t> path) const;
 
  private:
-  [[nodiscard]] bool at_end(std::uint32_t v, std::uint32_t part) const;
-  /// From the end of the part back into it, as far as a tangent needs; empty where the part does not end
+  [[nodiscard]] bool ends_at(std::uint32_t v, std::uint32_t part) const;
+  /// Walks from the front of `path` into the part as far as a tangent needs; empty if the part does not end
   /// here.
-  [[nodiscard]] std::vector<std::uint32_t> way_back(std::uint32_t part,
-                                                    std::span<const std::uint32_t> path) const;
+  [[nodiscard]] std::vector<std::uint32_t> path_into_part(std::uint32_t part,
+                                                          std::span<const std::uint32_t> path) const;
 
   const AttributeGraph& graph_;
-  Paths& paths_;
-  std::span<const Tie> ties_;
+  ShortestPaths& paths_;
+  std::span<const PartVertex> vertices_;
   std::vector<std::uint32_t> sources_, labels_;
 };
 
-bool Regions::at_end(std::uint32_t v, std::uint32_t part) const {
-  const auto tie =
-      std::lower_bound(ties_.begin(), ties_.end(), std::pair(v, part),
-                       [](const Tie& t, const auto& key) { return std::pair(t.vertex, t.label) < key; });
-  return tie != ties_.end() && tie->vertex == v && tie->label == part && tie->at_end;
+bool GrownParts::ends_at(std::uint32_t v, std::uint32_t part) const {
+  const auto found = std::lower_bound(
+      vertices_.begin(), vertices_.end(), std::pair(v, part),
+      [](const PartVertex& t, const auto& key) { return std::pair(t.vertex, t.label) < key; });
+  return found != vertices_.end() && found->vertex == v && found->label == part && found->at_end;
 }
 
-std::vector<std::uint32_t> Regions::way_back(std::uint32_t part, std::span<const std::uint32_t> path) const {
+std::vector<std::uint32_t> GrownParts::path_into_part(std::uint32_t part,
+                                                      std::span<const std::uint32_t> path) const {
   std::vector<std::uint32_t> way{path[0]};
   std::uint32_t previous = path.size() > 1 ? path[1] : kNone;
   for (double walked = 0; walked < kTipReach;) {
@@ -172,7 +174,7 @@ std::vector<std::uint32_t> Regions::way_back(std::uint32_t part, std::span<const
     double straightest = -2;
     for (const std::uint32_t w : graph_.neighbours(v)) {
       if (w == previous || label(w) != part) continue;
-      if (way.size() == 1 && next != kNone) return {};  // the part goes on to both sides
+      if (way.size() == 1 && next != kNone) return {};  // the part continues on both sides
       const Point step = graph_.patch(w).position - here;
       const double lengths = norm(step) * norm(heading);
       const double straight = lengths > 0 ? dot(step, heading) / lengths : 0;
@@ -186,8 +188,8 @@ std::vector<std::uint32_t> Regions::way_back(std::uint32_t part, std::span<const
   return way;
 }
 
-std::optional<Point> Regions::end_tangent(std::uint32_t part, std::span<const std::uint32_t> path) const {
-  const auto way = at_end(path[0], part) ? way_back(part, path) : std::vector<std::uint32_t>{};
+std::optional<Point> GrownParts::end_tangent(std::uint32_t part, std::span<const std::uint32_t> path) const {
+  const auto way = ends_at(path[0], part) ? path_into_part(part, path) : std::vector<std::uint32_t>{};
   if (way.empty()) return std::nullopt;
   std::vector<Point> points;
   for (const std::uint32_t v : way) points.push_back(graph_.patch(v).position);
@@ -198,31 +200,32 @@ std::optional<Point> Regions::end_tangent(std::uint32_t part, std::span<const st
   return dot(along, ahead) < 0 ? along * -1 : along;
 }
 
-/// Whether the parts at both ends of the path continue each other.
-bool continues(const AttributeGraph& graph, const Regions& regions, std::span<const std::uint32_t> path,
-               std::uint32_t part_front, std::uint32_t part_back) {
-  const double kStraight = std::cos(std::numbers::pi / 6);
+/// Returns whether the parts at both ends of the path continue each other.
+bool is_continuation(const AttributeGraph& graph, const GrownParts& regions,
+                     std::span<const std::uint32_t> path, std::uint32_t part_front, std::uint32_t part_back) {
+  const double least = std::cos(kStraight);
   const auto out = regions.end_tangent(part_front, path);
   const std::vector<std::uint32_t> reversed(path.rbegin(), path.rend());
   const auto in = regions.end_tangent(part_back, reversed);
   if (!out || !in) return false;
   const Point gap = graph.patch(path.back()).position - graph.patch(path.front()).position;
-  if (norm(gap) == 0) return dot(*out, *in * -1) > kStraight;
-  return dot(*out, gap) > kStraight * norm(gap) && dot(*in * -1, gap) > kStraight * norm(gap);
+  if (norm(gap) == 0) return dot(*out, *in * -1) > least;
+  return dot(*out, gap) > least * norm(gap) && dot(*in * -1, gap) > least * norm(gap);
 }
 
+/// A place where two grown parts meet.
 struct Meeting {
-  double length = 0;
-  std::uint32_t a = 0, b = 0;  ///< the vertices at which two regions meet: an edge, or one vertex in both
+  double length = 0;           ///< px, of the path between the parts
+  std::uint32_t a = 0, b = 0;  ///< the ends of the edge between them, or one vertex of both
   std::uint32_t label_a = 0, label_b = 0;
 };
 
-std::vector<Meeting> meetings(const AttributeGraph& graph, const Paths& paths, const Regions& regions,
-                              std::span<const Tie> ties) {
+std::vector<Meeting> find_meetings(const AttributeGraph& graph, const ShortestPaths& paths,
+                                   const GrownParts& regions, std::span<const PartVertex> vertices) {
   std::vector<Meeting> result;
-  for (std::size_t k = 1; k < ties.size(); ++k) {
-    const std::uint32_t v = ties[k].vertex;
-    if (ties[k - 1].vertex == v) result.push_back({0, v, v, ties[k - 1].label, ties[k].label});
+  for (std::size_t k = 1; k < vertices.size(); ++k) {
+    const std::uint32_t v = vertices[k].vertex;
+    if (vertices[k - 1].vertex == v) result.push_back({0, v, v, vertices[k - 1].label, vertices[k].label});
   }
   for (const std::uint32_t a : paths.reached()) {
     for (const std::uint32_t b : graph.neighbours(a)) {
@@ -241,14 +244,17 @@ std::vector<Meeting> meetings(const AttributeGraph& graph, const Paths& paths, c
 
 }  // namespace
 
-std::vector<Joint> joints(const AttributeGraph& graph, Paths& paths, std::vector<Tie> ties) {
-  std::sort(ties.begin(), ties.end(), [](const Tie& a, const Tie& b) {
+std::vector<Joint> find_joints(const AttributeGraph& graph, ShortestPaths& paths,
+                               std::vector<PartVertex> vertices) {
+  std::sort(vertices.begin(), vertices.end(), [](const PartVertex& a, const PartVertex& b) {
     return std::tuple(a.vertex, a.label, !a.at_end) < std::tuple(b.vertex, b.label, !b.at_end);
   });
-  const auto same = [](const Tie& a, const Tie& b) { return a.vertex == b.vertex && a.label == b.label; };
-  ties.erase(std::unique(ties.begin(), ties.end(), same), ties.end());
+  const auto same = [](const PartVertex& a, const PartVertex& b) {
+    return a.vertex == b.vertex && a.label == b.label;
+  };
+  vertices.erase(std::unique(vertices.begin(), vertices.end(), same), vertices.end());
   std::vector<std::uint32_t> labels;
-  for (const Tie& tie : ties) labels.push_back(tie.label);
+  for (const PartVertex& member : vertices) labels.push_back(member.label);
   std::sort(labels.begin(), labels.end());
   labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   const auto number = [&](std::uint32_t label) {
@@ -259,22 +265,22 @@ std::vector<Joint> joints(const AttributeGraph& graph, Paths& paths, std::vector
   boost::disjoint_sets joined(rank.data(), parent.data());
   for (std::size_t k = 0; k < labels.size(); ++k) joined.make_set(k);
 
-  const Regions regions(graph, paths, ties);
+  const GrownParts regions(graph, paths, vertices);
   std::vector<Joint> result;
-  for (const Meeting& meeting : meetings(graph, paths, regions, ties)) {
+  for (const Meeting& meeting : find_meetings(graph, paths, regions, vertices)) {
     const std::size_t a = joined.find_set(number(meeting.label_a)),
                       b = joined.find_set(number(meeting.label_b));
     if (a == b) continue;
     joined.link(a, b);
-    std::vector<std::uint32_t> path = paths.way(meeting.a);
+    std::vector<std::uint32_t> path = paths.path_to_source(meeting.a);
     std::reverse(path.begin(), path.end());
     if (meeting.b != meeting.a) {
-      const auto rest = paths.way(meeting.b);
+      const auto rest = paths.path_to_source(meeting.b);
       path.insert(path.end(), rest.begin(), rest.end());
     }
     const auto [low, high] = std::minmax(meeting.label_a, meeting.label_b);
-    result.push_back(
-        {low, high, middle(graph, path), continues(graph, regions, path, meeting.label_a, meeting.label_b)});
+    result.push_back({low, high, path_middle(graph, path),
+                      is_continuation(graph, regions, path, meeting.label_a, meeting.label_b)});
   }
   return result;
 }

@@ -12,25 +12,29 @@ namespace emberfold::graph {
 
 namespace {
 
-/// A frame, its components, and what names them.
-struct Side {
+// A stroke that fades in shows in part at first, and may then show too much.
+constexpr int kSettlingFrames = 4;       // frames after a birth, or before a death, whose median size counts
+constexpr double kUnsettledRatio = 1.3;  // of sizes in patches: up to it the first frame gives the position
+
+/// A frame with its components and their strokes.
+struct FrameParts {
   const AttributeGraph* graph = nullptr;
   Components parts;
-  std::vector<std::uint32_t> first;  ///< of each component its lowest vertex
-  std::vector<bool> near_end;
+  std::vector<std::uint32_t> first;  ///< lowest vertex of each component
+  std::vector<bool> near_end;        ///< whether a vertex lies near an end of a curve
 
-  explicit Side(const AttributeGraph& g) : graph(&g), parts(components(g)), first(parts.count) {
+  explicit FrameParts(const AttributeGraph& g) : graph(&g), parts(components(g)), first(parts.count) {
     for (auto v = static_cast<std::uint32_t>(g.size()); v-- > 0;) first[parts.of_vertex[v]] = v;
-    detail::Paths paths(g);
-    near_end = detail::near_ends(g, paths);
+    detail::ShortestPaths paths(g);
+    near_end = detail::find_vertices_near_ends(g, paths);
   }
   [[nodiscard]] SubgraphId stroke(std::uint32_t part) const {
     return graph->vertices()[first[part]].subgraph;
   }
 };
 
-/// The pairs of components that hold the clusters together, p + q − 1 for a cluster of p before and q after:
-/// those with the most links first. Ordered alike in both senses of time.
+/// Selects a spanning forest of the linked components, pairs with the most links first.
+/// A cluster of p components before and q after keeps p + q − 1 pairs. Reversing time selects the same pairs.
 std::vector<detail::ComponentPair> spanning_pairs(std::vector<detail::ComponentPair> pairs,
                                                   std::size_t before, std::size_t after) {
   std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
@@ -50,20 +54,22 @@ std::vector<detail::ComponentPair> spanning_pairs(std::vector<detail::ComponentP
   return kept;
 }
 
-/// Of each component of one frame the vertices that are linked with components of the other frame.
-using Ties = std::vector<std::vector<detail::Tie>>;
+/// For each component of one frame, the vertices that are linked with components of the other frame.
+using LinkedVertices = std::vector<std::vector<detail::PartVertex>>;
 
 enum class Sense { forward, backward };
 
-/// Unions (forward: `whole` is the frame after) or separations (backward: the frame before).
-void join(const Side& whole, const Side& pieces, const Ties& ties, Sense sense, int frame,
-          std::vector<Event>& events) {
-  detail::Paths paths(*whole.graph);
+/// Adds unions (forward: `whole` is the frame after) or separations (backward: it is the frame before).
+void add_joint_events(const FrameParts& whole, const FrameParts& pieces, const LinkedVertices& linked,
+                      Sense sense, int frame, std::vector<Event>& events) {
+  detail::ShortestPaths paths(*whole.graph);
   for (std::uint32_t part = 0; part < whole.parts.count; ++part) {
-    const auto& of_part = ties[part];
-    const auto as_first = [&](const detail::Tie& tie) { return tie.label == of_part.front().label; };
-    if (std::all_of(of_part.begin(), of_part.end(), as_first)) continue;
-    for (const detail::Joint& joint : detail::joints(*whole.graph, paths, of_part)) {
+    const auto& of_part = linked[part];
+    const auto of_first = [&](const detail::PartVertex& member) {
+      return member.label == of_part.front().label;
+    };
+    if (std::all_of(of_part.begin(), of_part.end(), of_first)) continue;
+    for (const detail::Joint& joint : detail::find_joints(*whole.graph, paths, of_part)) {
       Event event;
       event.frame = frame;
       event.position = joint.place;
@@ -83,12 +89,12 @@ void join(const Side& whole, const Side& pieces, const Ties& ties, Sense sense, 
   }
 }
 
-/// Births (forward, `side` the frame after) or deaths (backward, the frame before).
-void lone(const Side& side, const std::vector<bool>& tied, Sense sense, int frame,
-          std::vector<Event>& events) {
-  detail::Paths paths(*side.graph);
+/// Adds births (forward: `side` is the frame after) or deaths (backward: it is the frame before).
+void add_births_or_deaths(const FrameParts& side, const std::vector<bool>& linked, Sense sense, int frame,
+                          std::vector<Event>& events) {
+  detail::ShortestPaths paths(*side.graph);
   for (std::uint32_t part = 0; part < side.parts.count; ++part) {
-    if (tied[part]) continue;
+    if (linked[part]) continue;
     Event event;
     event.frame = frame;
     event.position = detail::component_middle(*side.graph, paths, side.first[part]);
@@ -98,21 +104,21 @@ void lone(const Side& side, const std::vector<bool>& tied, Sense sense, int fram
   }
 }
 
-void gap_events(const Side& before, const Side& after, std::span<const Link> links, int frame,
-                std::vector<Event>& events) {
-  const detail::Gap gap = detail::gap(*before.graph, *after.graph, links);
-  const auto pairs = detail::component_pairs(*before.graph, *after.graph, before.parts, after.parts, gap);
+void add_frame_events(const FrameParts& before, const FrameParts& after, std::span<const Link> links,
+                      int frame, std::vector<Event>& events) {
+  const detail::FrameLinks found = detail::index_links(*before.graph, *after.graph, links);
+  const auto pairs = detail::component_pairs(*before.graph, *after.graph, before.parts, after.parts, found);
   std::vector<bool> goes_on(before.parts.count, false), was_there(after.parts.count, false);
   for (const auto& pair : pairs) goes_on[pair.before] = was_there[pair.after] = true;
-  lone(before, goes_on, Sense::backward, frame, events);
-  lone(after, was_there, Sense::forward, frame, events);
+  add_births_or_deaths(before, goes_on, Sense::backward, frame, events);
+  add_births_or_deaths(after, was_there, Sense::forward, frame, events);
 
   auto kept = spanning_pairs(pairs, before.parts.count, after.parts.count);
   std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) {
     return std::tie(a.before, a.after) < std::tie(b.before, b.after);
   });
-  Ties of_before(before.parts.count), of_after(after.parts.count);
-  for (const auto& [i, j] : gap.links) {
+  LinkedVertices of_before(before.parts.count), of_after(after.parts.count);
+  for (const auto& [i, j] : found.links) {
     const std::uint32_t a = before.parts.of_vertex[i], b = after.parts.of_vertex[j];
     const auto at = std::lower_bound(
         kept.begin(), kept.end(), std::tie(a, b),
@@ -121,13 +127,13 @@ void gap_events(const Side& before, const Side& after, std::span<const Link> lin
     of_before[a].push_back({i, b, after.near_end[j]});
     of_after[b].push_back({j, a, before.near_end[i]});
   }
-  join(before, after, of_before, Sense::backward, frame, events);
-  join(after, before, of_after, Sense::forward, frame, events);
+  add_joint_events(before, after, of_before, Sense::backward, frame, events);
+  add_joint_events(after, before, of_after, Sense::forward, frame, events);
 }
 
-/// How far a stroke moves from one frame to a neighbouring one, the mean over its links. Summed in the order
-/// of the ways: the same bits in both senses of time.
-Point shift(const MotionGraph& motion, int from, int to, SubgraphId stroke) {
+/// Returns the mean displacement of a stroke from one frame to a neighbouring one, over its links, px.
+/// Summed in sorted order, so that reversing time gives the same bits.
+Point mean_displacement(const MotionGraph& motion, int from, int to, SubgraphId stroke) {
   const AttributeGraph &a = motion.sketch.frames[static_cast<std::size_t>(from)],
                        &b = motion.sketch.frames[static_cast<std::size_t>(to)];
   std::vector<std::pair<double, double>> ways;
@@ -145,19 +151,18 @@ Point shift(const MotionGraph& motion, int from, int to, SubgraphId stroke) {
   return ways.empty() ? Point{} : sum * (1 / static_cast<double>(ways.size()));
 }
 
-/// A stroke that fades in shows in part at first, and may show too much: of its first frames (of a death, its
-/// last) the one with the median number of patches tells its middle, less how far it moved, if that number is
-/// another one than at first.
-void settle(const MotionGraph& motion, Event& event) {
-  constexpr int kFrames = 4;
-  constexpr double kOther = 1.3;  // times as many patches, or fewer
+/// Corrects the position of a birth or death of a stroke that fades.
+/// Its middle is taken in the frame of the median number of patches, of the first frames after a birth (the
+/// last before a death), and moved back by the mean displacements. Nothing changes if that number is as at
+/// first.
+void correct_place(const MotionGraph& motion, Event& event) {
   if (event.type != EventType::birth && event.type != EventType::death) return;
   const bool birth = event.type == EventType::birth;
   const SubgraphId stroke = birth ? event.after[0] : event.before[0];
   const auto& frames = motion.sketch.frames;
   const int first = birth ? event.frame : event.frame - 1, sense = birth ? 1 : -1;
-  std::vector<std::pair<std::ptrdiff_t, int>> sizes;  // and frames
-  for (int k = 0; k < kFrames; ++k) {
+  std::vector<std::pair<std::ptrdiff_t, int>> sizes;  // patches, frame
+  for (int k = 0; k < kSettlingFrames; ++k) {
     const int t = first + sense * k;
     if (t < 0 || t >= static_cast<int>(frames.size())) break;
     const auto size = std::ranges::count_if(frames[static_cast<std::size_t>(t)].vertices(),
@@ -169,15 +174,15 @@ void settle(const MotionGraph& motion, Event& event) {
   std::sort(sizes.begin(), sizes.end());
   const auto then = static_cast<double>(sizes[sizes.size() / 2].first);
   const int settled = sense * sizes[sizes.size() / 2].second;
-  if (then <= kOther * now && now <= kOther * then) return;
+  if (then <= kUnsettledRatio * now && now <= kUnsettledRatio * then) return;
   const AttributeGraph& graph = frames[static_cast<std::size_t>(settled)];
   const auto of_stroke =
       std::ranges::find_if(graph.vertices(), [&](const Vertex& v) { return v.subgraph == stroke; });
-  detail::Paths paths(graph);
+  detail::ShortestPaths paths(graph);
   event.position = detail::component_middle(graph, paths,
                                             static_cast<std::uint32_t>(of_stroke - graph.vertices().begin()));
   for (int t = settled; t != first; t -= sense)
-    event.position = event.position + shift(motion, t, t - sense, stroke);
+    event.position = event.position + mean_displacement(motion, t, t - sense, stroke);
 }
 
 }  // namespace
@@ -187,13 +192,13 @@ std::vector<Event> stroke_events(const MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   std::vector<Event> events;
   if (frames.empty()) return events;
-  Side before(frames[0]);
+  FrameParts before(frames[0]);
   for (std::size_t t = 1; t < frames.size(); ++t) {
-    Side after(frames[t]);
-    gap_events(before, after, motion.links[t], static_cast<int>(t), events);
+    FrameParts after(frames[t]);
+    add_frame_events(before, after, motion.links[t], static_cast<int>(t), events);
     before = std::move(after);
   }
-  for (Event& event : events) settle(motion, event);
+  for (Event& event : events) correct_place(motion, event);
   sort_events(events);
   return events;
 }

@@ -18,7 +18,7 @@ namespace {
 using core::append_number;
 using nlohmann::json;
 
-constexpr std::size_t kLongestFile = std::size_t{1} << 28;
+constexpr std::size_t kLongestFile = std::size_t{1} << 28;  // bytes, 256 MiB: bounds the memory of reading
 
 void append_ids(std::string& text, const std::vector<SubgraphId>& ids, char separator) {
   for (std::size_t k = 0; k < ids.size(); ++k) {
@@ -27,7 +27,7 @@ void append_ids(std::string& text, const std::vector<SubgraphId>& ids, char sepa
   }
 }
 
-void check(const Event& event) {
+void check_event(const Event& event) {
   const bool good = event.frame >= 0 && std::isfinite(event.position.x) && std::isfinite(event.position.y) &&
                     event.probability >= 0 && event.probability <= 1;
   if (good) return;
@@ -36,7 +36,7 @@ void check(const Event& event) {
                          " has a negative frame, a place that is not finite or a probability outside 0 to 1");
 }
 
-void finish(std::ostream& out, const std::string& text) {
+void write_text(std::ostream& out, const std::string& text) {
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   if (!out.flush()) throw core::IoError("events could not be written: the stream failed");
 }
@@ -46,7 +46,7 @@ void finish(std::ostream& out, const std::string& text) {
 void write_events(std::ostream& out, const std::vector<Event>& events) {
   std::string text = "{\"format\":\"emberfold.events\",\"version\":1,\"events\":[";
   for (const Event& event : events) {
-    check(event);
+    check_event(event);
     text += text.back() == '[' ? "\n" : ",\n";
     text += "{\"frame\":";
     core::append_number(text, static_cast<std::uint32_t>(event.frame));
@@ -65,13 +65,13 @@ void write_events(std::ostream& out, const std::vector<Event>& events) {
     text += "]}";
   }
   text += "\n]}\n";
-  finish(out, text);
+  write_text(out, text);
 }
 
 void write_events_csv(std::ostream& out, const std::vector<Event>& events) {
   std::string text = "frame,type,x,y,probability,before,after\n";
   for (const Event& event : events) {
-    check(event);
+    check_event(event);
     core::append_number(text, static_cast<std::uint32_t>(event.frame));
     text += ',';
     text += name(event.type);
@@ -85,13 +85,13 @@ void write_events_csv(std::ostream& out, const std::vector<Event>& events) {
     append_ids(text, event.after, ';');
     text += '\n';
   }
-  finish(out, text);
+  write_text(out, text);
 }
 
 namespace {
 
-/// The whole stream, up to kLongestFile.
-std::string slurp(std::istream& in) {
+/// Reads the whole stream, up to kLongestFile.
+std::string read_text(std::istream& in) {
   std::string text;
   std::string block(std::size_t{1} << 16, '\0');
   while (in) {
@@ -102,7 +102,7 @@ std::string slurp(std::istream& in) {
   return text;
 }
 
-double number(const json& object, const char* key, double low, double high) {
+double read_number(const json& object, const char* key, double low, double high) {
   const auto found = object.find(key);
   if (found == object.end()) throw core::IoError("\"" + std::string(key) + "\" is missing");
   const bool good = found->is_number() && found->get<double>() >= low && found->get<double>() <= high;
@@ -114,7 +114,7 @@ double number(const json& object, const char* key, double low, double high) {
   throw core::IoError(text);
 }
 
-std::vector<SubgraphId> strokes(const json& object, const char* key) {
+std::vector<SubgraphId> read_ids(const json& object, const char* key) {
   std::vector<SubgraphId> result;
   const auto found = object.find(key);
   if (found == object.end()) return result;
@@ -138,7 +138,7 @@ Event read_event(const json& object) {
   if (frame != object.end() && !frame->is_number_integer()) {
     throw core::IoError("\"frame\" must be a whole number");
   }
-  event.frame = static_cast<int>(number(object, "frame", 0, 2147483647));
+  event.frame = static_cast<int>(read_number(object, "frame", 0, 2147483647));
   const auto type = object.find("type");
   if (type == object.end()) throw core::IoError("\"type\" is missing");
   if (!type->is_string()) throw core::IoError("\"type\" must be a text");
@@ -148,14 +148,14 @@ Event read_event(const json& object) {
                         " is none of birth, death, split, merge, connect, disconnect");
   }
   event.type = *known;
-  event.position = {number(object, "x", -1e6, 1e6), number(object, "y", -1e6, 1e6)};
-  if (object.contains("probability")) event.probability = number(object, "probability", 0, 1);
-  event.before = strokes(object, "before");
-  event.after = strokes(object, "after");
+  event.position = {read_number(object, "x", -1e6, 1e6), read_number(object, "y", -1e6, 1e6)};
+  if (object.contains("probability")) event.probability = read_number(object, "probability", 0, 1);
+  event.before = read_ids(object, "before");
+  event.after = read_ids(object, "after");
   return event;
 }
 
-/// A truth has no format, events.json names its own.
+/// Checks format and version of events.json; a truth.json has neither.
 void check_format(const json& object) {
   const auto format = object.find("format");
   if (format == object.end()) return;
@@ -174,8 +174,8 @@ void check_format(const json& object) {
   }
 }
 
-std::vector<Event> events_of(std::istream& in) {
-  const std::string text = slurp(in);
+std::vector<Event> parse_events(std::istream& in) {
+  const std::string text = read_text(in);
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw core::IoError("is empty");
   const json object = core::parse_json(text);
   if (!object.is_object()) throw core::IoError("holds no JSON object");
@@ -197,7 +197,7 @@ std::vector<Event> events_of(std::istream& in) {
 
 std::vector<Event> read_events(std::istream& in, std::string_view name) {
   try {
-    return events_of(in);
+    return parse_events(in);
   } catch (const core::IoError& error) {
     throw core::IoError(std::string(name) + ": " + error.what());
   }

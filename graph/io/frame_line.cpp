@@ -56,7 +56,7 @@ std::string in_quotes(std::string_view text) {
   return "\"" + std::string(text) + "\"";
 }
 
-/// Takes the parser's calls and puts the line together as they come.
+/// Receives the parser's events and builds the line.
 class Handler {
  public:
   FrameLine line;
@@ -122,7 +122,7 @@ class Handler {
     require_all(kVertexKeys,
                 seen_vertex_ | 1U << kHollow | (hollow ? 0U : 1U << kBetween) | 1U << kCost | 1U << kGain,
                 vertex_name());
-    if (const auto wrong = detail::range_error(line.vertices.back().patch); !wrong.empty())
+    if (const auto wrong = detail::describe_range_error(line.vertices.back().patch); !wrong.empty())
       fail(vertex_name() + wrong);
     place_ = Place::vertices;
     return true;
@@ -186,7 +186,7 @@ class Handler {
     }
   }
 
-  /// An object or list opens where none is known.
+  /// Handles an object or list that opens where the format has none.
   bool open(const char* what) {
     if (place_ == Place::skip) {
       ++depth_;
@@ -206,7 +206,7 @@ class Handler {
     return true;
   }
 
-  /// A value of a kind that can only stand under an unknown key.
+  /// Handles a value that is allowed under an unknown key only.
   bool other(const char* what) {
     if (place_ == Place::skip) return true;
     if ((place_ == Place::frame || place_ == Place::vertex) && key_ == kUnknown) return true;
@@ -313,7 +313,7 @@ class Handler {
     }
   }
 
-  /// What no float holds becomes infinite, and is refused with the vertex.
+  /// Converts to float; numbers beyond its range become infinite and are refused with the vertex.
   static float to_float(double value) {
     if (std::abs(value) > static_cast<double>(std::numeric_limits<float>::max())) {
       return std::numeric_limits<float>::infinity();

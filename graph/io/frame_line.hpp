@@ -9,7 +9,7 @@
 
 namespace emberfold::graph::detail {
 
-/// What a line of sketch.jsonl or motion.jsonl holds, as it stands there.
+/// The unchecked content of one line of sketch.jsonl or motion.jsonl.
 struct FrameLine {
   std::uint32_t frame = 0;
   std::vector<Vertex> vertices;
@@ -18,8 +18,8 @@ struct FrameLine {
   bool has_links = false;
 };
 
-/// Reads one line. Takes memory for what is there, never for what is promised; keys it does not know are
-/// passed over. IoError (no prefix) for anything else than a frame.
+/// Parses one line; unknown keys are ignored.
+/// Memory is bounded by the length of the text. Throws IoError (without a prefix) unless it is a frame.
 FrameLine parse_frame_line(std::string_view text);
 
 }  // namespace emberfold::graph::detail

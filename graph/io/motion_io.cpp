@@ -41,7 +41,7 @@ void append_level(std::string& text, std::string_view name, const Level& level) 
 
 void append_vertex(std::string& text, const Vertex& vertex) {
   const Patch& patch = vertex.patch;
-  if (const auto wrong = detail::range_error(patch); !wrong.empty()) {
+  if (const auto wrong = detail::describe_range_error(patch); !wrong.empty()) {
     throw core::InputError("writing a sketch: vertex " + std::to_string(vertex.id.value) + ": " + wrong);
   }
   text += "{\"id\":";
@@ -77,7 +77,7 @@ void append_pair(std::string& text, VertexId a, VertexId b) {
   text += ']';
 }
 
-/// `links` may be missing: a sketch has none.
+/// Writes a sketch or, with `links`, a motion graph.
 void write(std::ostream& out, const SketchSequence& sketch, const std::vector<std::vector<Link>>* links) {
   const auto in_range = [](int value) { return value >= 1 && value <= 65536; };
   if (!in_range(sketch.width) || !in_range(sketch.height)) {

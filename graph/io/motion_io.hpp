@@ -10,32 +10,39 @@
 
 namespace emberfold::graph {
 
-/// JSON Lines: a header line, then a line a frame (docs/architecture.md, "Files"). Numbers are written so
-/// that they read back the same.
+/// Writes sketch.jsonl: a header line, then one line per frame (docs/architecture.md, "Files").
+/// Numbers read back to the same bits. Throws InputError for a graph that the readers would refuse, IoError
+/// if the stream fails.
 void write_sketch(std::ostream& out, const SketchSequence& sketch);
+/// Writes motion.jsonl, which holds the links too; otherwise as write_sketch.
 void write_motion(std::ostream& out, const MotionGraph& motion);
 
-/// The inverses. `name` (a file's, say) begins every message. core::IoError, naming line and cause, for
-/// another format, a newer version, a file that ends before the frames its header promises or goes on after
-/// them, wrong types or sizes, ids that do not exist or repeat. read_sketch takes a motion file too and
-/// leaves its links.
+/// Reads sketch.jsonl, or motion.jsonl without its links.
+/// `name`, of the file for example, begins every message. Throws IoError, naming line and cause, for another
+/// format, a newer version, more or fewer frames than the header promises, wrong types or sizes, and missing
+/// or repeated ids.
 SketchSequence read_sketch(std::istream& in, std::string_view name);
+/// Reads motion.jsonl; errors as for read_sketch.
 MotionGraph read_motion(std::istream& in, std::string_view name);
 
-/// events.json and events.csv.
+/// Writes events.json.
+/// Throws InputError for a negative frame, a position that is not finite or a probability outside 0…1,
+/// IoError if the stream fails.
 void write_events(std::ostream& out, const std::vector<Event>& events);
+/// Writes events.csv; errors as for write_events.
 void write_events_csv(std::ostream& out, const std::vector<Event>& events);
-/// Reads events.json, or a truth.json of a scene: any object with a list "events" of {frame, type, x, y}.
+/// Reads events.json, or truth.json of a scene: an object with a list "events" of {frame, type, x, y}.
+/// Throws IoError, beginning with `name`, for anything else.
 std::vector<Event> read_events(std::istream& in, std::string_view name);
 
-/// trajectories.csv: a row for each patch and frame: trajectory, frame, vertex, stroke, x, y, theta, width,
-/// blur, contrast.
+/// Writes trajectories.csv, a row for each patch and frame.
+/// Columns: trajectory, frame, vertex, stroke, x, y, theta, width, blur, contrast.
 void write_trajectories(std::ostream& out, const MotionGraph& motion);
 
-/// strokes.csv: a row for each stroke and frame, stroke after stroke: stroke, frame, x, y (its middle, px,
-/// half way along the longest of its shortest paths), length (px, of all its edges), patches, width (px) and
-/// contrast (means over the patches), ends (patches with one neighbour), junctions (with three or more). A
-/// stroke that is not identified has the number 0. O(n log n).
+/// Writes strokes.csv, a row for each stroke and frame, stroke after stroke.
+/// Columns: stroke (0: not identified), frame, x, y (its middle, px, half way along the longest of its
+/// shortest paths), length (px, of all its edges), patches, width (px) and contrast (means over the patches),
+/// ends (patches with one neighbour), junctions (with three or more). O(n log n).
 void write_strokes(std::ostream& out, const MotionGraph& motion);
 
 }  // namespace emberfold::graph

@@ -18,8 +18,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kLongestHeader = std::size_t{1} << 16;
-constexpr std::size_t kLongestLine = std::size_t{1} << 27;
+// Bytes; they bound the memory of reading a damaged file.
+constexpr std::size_t kLongestHeader = std::size_t{1} << 16, kLongestLine = std::size_t{1} << 27;
 
 struct Header {
   bool motion = false;
@@ -28,7 +28,7 @@ struct Header {
   std::uint64_t frames = 0;
 };
 
-std::uint64_t whole(const json& object, const char* key, std::uint64_t low, std::uint64_t high) {
+std::uint64_t read_whole_number(const json& object, const char* key, std::uint64_t low, std::uint64_t high) {
   const auto found = object.find(key);
   if (found == object.end()) throw core::IoError("\"" + std::string(key) + "\" is missing");
   const bool good = found->is_number_unsigned() && *found >= low && *found <= high;
@@ -52,7 +52,7 @@ Header parse_header(std::string_view text, bool needs_links) {
     throw core::IoError("the format is " + core::quoted(named) + ", expected \"emberfold.motion\"" +
                         (needs_links ? "" : " or \"emberfold.sketch\""));
   }
-  const auto version = whole(object, "version", 1, ~std::uint64_t{0});
+  const auto version = read_whole_number(object, "version", 1, ~std::uint64_t{0});
   if (version > 1) {
     throw core::IoError("format version " + std::to_string(version) + " is newer than this program's, 1");
   }
@@ -60,9 +60,9 @@ Header parse_header(std::string_view text, bool needs_links) {
     throw core::IoError(
         "the format is \"emberfold.sketch\", which has no links, expected \"emberfold.motion\"");
   }
-  header.width = static_cast<int>(whole(object, "width", 1, 65536));
-  header.height = static_cast<int>(whole(object, "height", 1, 65536));
-  header.frames = whole(object, "frames", 0, 2147483647);
+  header.width = static_cast<int>(read_whole_number(object, "width", 1, 65536));
+  header.height = static_cast<int>(read_whole_number(object, "height", 1, 65536));
+  header.frames = read_whole_number(object, "frames", 0, 2147483647);
   const auto fps = object.find("fps");
   if (fps == object.end()) throw core::IoError("\"fps\" is missing");
   if (!fps->is_number() || !(fps->get<double>() > 0 && fps->get<double>() <= 1000)) {
@@ -72,10 +72,10 @@ Header parse_header(std::string_view text, bool needs_links) {
   return header;
 }
 
-/// Lines of a stream, with the number of the last one for messages.
-class Lines {
+/// Reads the lines of a stream and counts them for messages.
+class LineReader {
  public:
-  explicit Lines(std::istream& in) : in_(in) {}
+  explicit LineReader(std::istream& in) : in_(in) {}
 
   std::optional<std::string> next(std::size_t limit) {
     ++number_;
@@ -85,7 +85,7 @@ class Lines {
     return std::move(line->text);
   }
   [[nodiscard]] std::size_t number() const { return number_; }
-  /// Whether the last line had its line break: where it has none, the file may have been cut off.
+  /// Returns whether the last line had its line break; without one the file may be cut off.
   [[nodiscard]] bool ended() const { return ended_; }
 
  private:
@@ -94,14 +94,14 @@ class Lines {
   bool ended_ = true;
 };
 
-/// What frames are added to, and what the next one must follow on.
-struct Reading {
+/// The frames read so far, and the highest vertex id in them.
+struct PartialMotion {
   MotionGraph motion;
   std::optional<VertexId> last;
 };
 
-void add_frame(Reading& reading, detail::FrameLine line, bool with_links) {
-  auto& frames = reading.motion.sketch.frames;
+void add_frame(PartialMotion& partial, detail::FrameLine line, bool with_links) {
+  auto& frames = partial.motion.sketch.frames;
   if (line.frame != frames.size()) {
     throw core::IoError("\"frame\" is " + std::to_string(line.frame) + ", expected " +
                         std::to_string(frames.size()));
@@ -111,17 +111,17 @@ void add_frame(Reading& reading, detail::FrameLine line, bool with_links) {
     AttributeGraph graph(std::move(line.vertices), std::move(line.edges));
     if (!graph.empty()) {
       const VertexId first = graph.vertices().front().id;
-      if (reading.last && first <= *reading.last) {
+      if (partial.last && first <= *partial.last) {
         throw core::InputError("vertex " + std::to_string(first.value) +
                                " is not above the ids of the frames before, " +
-                               std::to_string(reading.last->value));
+                               std::to_string(partial.last->value));
       }
-      reading.last = graph.vertices().back().id;
+      partial.last = graph.vertices().back().id;
     }
     if (with_links) {
       std::sort(line.links.begin(), line.links.end());
       validate_links(frames.empty() ? AttributeGraph{} : frames.back(), graph, line.links);
-      reading.motion.links.push_back(std::move(line.links));
+      partial.motion.links.push_back(std::move(line.links));
     }
     frames.push_back(std::move(graph));
   } catch (const core::InputError& error) {
@@ -130,22 +130,22 @@ void add_frame(Reading& reading, detail::FrameLine line, bool with_links) {
 }
 
 MotionGraph read(std::istream& in, std::string_view name, bool with_links) {
-  Lines lines(in);
+  LineReader lines(in);
   try {
     const auto first = lines.next(kLongestHeader);
     if (!first) throw core::IoError("the file is empty");
     const Header header = parse_header(*first, with_links);
-    Reading reading;
-    reading.motion.sketch.width = header.width;
-    reading.motion.sketch.height = header.height;
-    reading.motion.sketch.fps = header.fps;
+    PartialMotion partial;
+    partial.motion.sketch.width = header.width;
+    partial.motion.sketch.height = header.height;
+    partial.motion.sketch.fps = header.fps;
     for (std::uint64_t t = 0; t < header.frames; ++t) {
       const auto text = lines.next(kLongestLine);
       if (!text) {
         throw core::IoError("the file ends after " + std::to_string(t) + " of " +
                             std::to_string(header.frames) + " frames");
       }
-      add_frame(reading, detail::parse_frame_line(*text), with_links);
+      add_frame(partial, detail::parse_frame_line(*text), with_links);
     }
     while (const auto text = lines.next(kLongestLine)) {
       if (text->find_first_not_of(" \t") == std::string::npos) continue;
@@ -153,7 +153,7 @@ MotionGraph read(std::istream& in, std::string_view name, bool with_links) {
                           " frames that its header promises");
     }
     if (in.bad()) throw core::IoError("the stream failed");
-    return std::move(reading.motion);
+    return std::move(partial.motion);
   } catch (const core::IoError& error) {
     const std::string cause = error.what();
     const bool cut = !lines.ended() && cause.starts_with("no valid JSON");

@@ -15,7 +15,7 @@ std::string whole(double value) {
 }
 }  // namespace
 
-std::string range_error(const Patch& patch) {
+std::string describe_range_error(const Patch& patch) {
   constexpr double kLargest = 1e6, kMostNats = 1e9;
   const auto check = [](const char* field, double value, double least, double most) -> std::string {
     if (value >= least && value <= most) return {};

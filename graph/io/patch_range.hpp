@@ -7,9 +7,9 @@
 
 namespace emberfold::graph::detail {
 
-/// Says what of a patch is out of range, empty where nothing is. Readers and writers agree on it:
-/// coordinates, theta and lengths within ±1e6, so that they can be turned into whole pixels safely; no
-/// negative width or blur; costs and gains within ±1e9 nats.
-std::string range_error(const Patch& patch);
+/// Describes the first field of a patch that is out of range; empty if none is.
+/// Readers and writers share these ranges: coordinates, theta, lengths and levels within ±1e6, so that they
+/// convert to whole pixels safely; width, blur and cost not negative; cost and gain within ±1e9 nats.
+std::string describe_range_error(const Patch& patch);
 
 }  // namespace emberfold::graph::detail

@@ -20,7 +20,7 @@ struct Row {
   double length = 0, width = 0, contrast = 0;
 };
 
-/// A row for each component, by its lowest vertex.
+/// Returns a row for each component, by its lowest vertex.
 std::vector<Row> rows_of(const AttributeGraph& graph, std::uint32_t frame) {
   const Components parts = components(graph);
   std::vector<Row> rows(parts.count);
@@ -37,7 +37,7 @@ std::vector<Row> rows_of(const AttributeGraph& graph, std::uint32_t frame) {
     for (const std::uint32_t other : graph.neighbours(i))
       if (other > i) row.length += distance(patch.position, graph.patch(other).position);
   }
-  detail::Paths paths(graph);
+  detail::ShortestPaths paths(graph);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     Row& row = rows[k];
     row.stroke = graph.vertices()[member[k]].subgraph.value;

@@ -10,15 +10,16 @@
 #include <boost/pending/disjoint_sets.hpp>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::graph {
 
 namespace {
 
-/// rows ≤ columns. Adds one row after the other along the shortest augmenting path in reduced costs.
-class ShortestPaths {
+/// Solves an assignment with rows ≤ columns, adding row after row along the shortest augmenting path.
+class AugmentingPaths {
  public:
-  ShortestPaths(std::size_t rows, std::size_t columns, std::span<const double> cost)
+  AugmentingPaths(std::size_t rows, std::size_t columns, std::span<const double> cost)
       : columns_(columns),
         cost_(cost),
         row_price_(rows, 0),
@@ -80,7 +81,7 @@ std::vector<std::size_t> assign(std::size_t rows, std::size_t columns, std::span
   }
   std::vector<std::size_t> result(rows, kUnassigned);
   if (rows <= columns) {
-    ShortestPaths paths(rows, columns, cost);
+    AugmentingPaths paths(rows, columns, cost);
     for (std::size_t i = 0; i < rows; ++i) paths.add(i);
     for (std::size_t j = 0; j < columns; ++j) {
       if (paths.row_of()[j] != kUnassigned) result[paths.row_of()[j]] = j;
@@ -91,7 +92,7 @@ std::vector<std::size_t> assign(std::size_t rows, std::size_t columns, std::span
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t j = 0; j < columns; ++j) transposed[j * rows + i] = cost[i * columns + j];
   }
-  ShortestPaths paths(columns, rows, transposed);
+  AugmentingPaths paths(columns, rows, transposed);
   for (std::size_t j = 0; j < columns; ++j) paths.add(j);
   for (std::size_t i = 0; i < rows; ++i) result[i] = paths.row_of()[i];
   return result;
@@ -99,14 +100,14 @@ std::vector<std::size_t> assign(std::size_t rows, std::size_t columns, std::span
 
 namespace {
 
-/// Sorted, each once.
+/// Returns the values sorted, each once.
 std::vector<std::uint32_t> distinct(std::vector<std::uint32_t> values) {
   std::sort(values.begin(), values.end());
   values.erase(std::unique(values.begin(), values.end()), values.end());
   return values;
 }
 
-std::size_t place(const std::vector<std::uint32_t>& sorted, std::uint32_t value) {
+std::size_t position_in(const std::vector<std::uint32_t>& sorted, std::uint32_t value) {
   return static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
 }
 
@@ -130,13 +131,11 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> assign(std::span<const Cand
   boost::disjoint_sets sets(rank.data(), parent.data());
   for (std::size_t k = 0; k < nodes; ++k) sets.make_set(k);
   for (const Candidate& c : candidates) {
-    if (!(c.gain > 0) || !std::isfinite(c.gain)) {
-      throw core::InputError("assignment: a gain is " + std::to_string(c.gain) + ", allowed is above 0");
-    }
-    sets.union_set(place(all.rows, c.row), all.rows.size() + place(all.columns, c.column));
+    core::check_positive("Candidate.gain", c.gain);
+    sets.union_set(position_in(all.rows, c.row), all.rows.size() + position_in(all.columns, c.column));
   }
   std::map<std::size_t, std::vector<Candidate>> groups;
-  for (const Candidate& c : candidates) groups[sets.find_set(place(all.rows, c.row))].push_back(c);
+  for (const Candidate& c : candidates) groups[sets.find_set(position_in(all.rows, c.row))].push_back(c);
 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
   std::vector<double> cost;
@@ -145,7 +144,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> assign(std::span<const Cand
     const std::size_t columns = sides.columns.size();
     cost.assign(sides.rows.size() * columns, 0);
     for (const Candidate& c : group)
-      cost[place(sides.rows, c.row) * columns + place(sides.columns, c.column)] = -c.gain;
+      cost[position_in(sides.rows, c.row) * columns + position_in(sides.columns, c.column)] = -c.gain;
     const auto column_of = assign(sides.rows.size(), columns, cost);
     for (std::size_t i = 0; i < sides.rows.size(); ++i) {
       if (column_of[i] == kUnassigned || cost[i * columns + column_of[i]] == 0) continue;

@@ -9,12 +9,12 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr double kSkip = 0.5;  // what a point costs that is passed over
+constexpr double kSkipCost = 0.5;  // nats: cost of a skipped point, a ninth of the best gain of a link
 
 using Places = std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>>;
 
-/// Of each vertex the curves that it lies on, and where.
-Places places(const std::vector<Curve>& curves, std::size_t size) {
+/// Lists for each vertex the curves that it lies on, and its place on them.
+Places list_places(const std::vector<Curve>& curves, std::size_t size) {
   Places result(size);
   for (std::uint32_t c = 0; c < curves.size(); ++c) {
     const bool ring = curves[c].size() > 1 && curves[c].front() == curves[c].back();
@@ -30,8 +30,8 @@ Aligner::Aligner(const std::vector<Curve>& before, const std::vector<Curve>& aft
                  std::size_t size_after)
     : before_(before),
       after_(after),
-      places_before_(places(before, size_before)),
-      places_after_(places(after, size_after)) {}
+      places_before_(list_places(before, size_before)),
+      places_after_(list_places(after, size_after)) {}
 
 void Aligner::collect(const std::vector<Candidate>& candidates) {
   using Entry = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, double>;
@@ -52,7 +52,7 @@ void Aligner::collect(const std::vector<Candidate>& candidates) {
   }
 }
 
-IndexLinks Aligner::greedy() {
+IndexLinks Aligner::align_greedily() {
   used_before_.assign(places_before_.size(), false);
   used_after_.assign(places_after_.size(), false);
   struct Entry {
@@ -65,7 +65,7 @@ IndexLinks Aligner::greedy() {
   std::priority_queue<Entry> queue;
   std::vector<Alignment> alignments(pairs_.size());
   const auto offer = [&](std::uint32_t p) {
-    alignments[p] = best(pairs_[p]);
+    alignments[p] = best_alignment(pairs_[p]);
     const bool short_one =
         before_[pairs_[p].curve_before].size() == 1 || after_[pairs_[p].curve_after].size() == 1;
     if (alignments[p].links.size() >= (short_one ? 1U : 2U))
@@ -92,8 +92,8 @@ IndexLinks Aligner::greedy() {
   return result;
 }
 
-Aligner::Alignment Aligner::best(const Pair& pair) const {
-  Alignment there = best(pair, false), back = best(pair, true);
+Aligner::Alignment Aligner::best_alignment(const Pair& pair) const {
+  Alignment there = best_alignment(pair, false), back = best_alignment(pair, true);
   return there.gain >= back.gain ? there : back;
 }
 
@@ -101,15 +101,15 @@ namespace {
 
 enum class Step : unsigned char { stop, match, skip_before, skip_after, start };
 
-/// A table of which only the columns [low, high] of each row are there; outside of them all is 0.
-class Band {
+/// A table that stores only the columns [low, high] of each row; it is 0 elsewhere.
+class BandedTable {
  public:
   struct Place {
     std::int64_t i = 0, j = 0;
   };
 
-  /// Rows and columns that the places take, sorted by row.
-  explicit Band(const std::vector<Place>& places) : first_(places.front().i) {
+  /// Spans the rows and columns of the places, which are sorted by row.
+  explicit BandedTable(const std::vector<Place>& places) : first_(places.front().i) {
     const auto rows = static_cast<std::size_t>(places.back().i - first_ + 1);
     low_.assign(rows, 1);  // an empty row
     high_.assign(rows, 0);
@@ -130,7 +130,7 @@ class Band {
 
   void set_candidate(Place place, double gain) { own_[static_cast<std::size_t>(find(place))] = gain; }
 
-  /// The best gain of an alignment that ends at each place; returns the place where the best of all ends.
+  /// Computes the best gain of an alignment that ends at each place; returns the end of the best one.
   Place fill() {
     Place top{first_, low_[0]};
     for (std::size_t r = 0; r < low_.size(); ++r) {
@@ -168,7 +168,7 @@ class Band {
       gain_[k] = so_far + own_[k];
       step_[k] = so_far > 0 ? Step::match : Step::start;
     }
-    const double up = gain({here.i - 1, here.j}) - kSkip, left = gain({here.i, here.j - 1}) - kSkip;
+    const double up = gain({here.i - 1, here.j}) - kSkipCost, left = gain({here.i, here.j - 1}) - kSkipCost;
     if (up > gain_[k]) gain_[k] = up, step_[k] = Step::skip_before;
     if (left > gain_[k]) gain_[k] = left, step_[k] = Step::skip_after;
   }
@@ -176,24 +176,24 @@ class Band {
   std::int64_t first_;
   std::vector<std::int64_t> low_, high_;
   std::vector<std::size_t> offset_;
-  std::vector<double> own_, gain_;  // own_: what the place itself gains, 0 where it is no candidate
+  std::vector<double> own_, gain_;  // own_: gain of the place itself, 0 if it is no candidate
   std::vector<Step> step_;
 };
 
 }  // namespace
 
-Aligner::Alignment Aligner::best(const Pair& pair, bool backwards) const {
+Aligner::Alignment Aligner::best_alignment(const Pair& pair, bool backwards) const {
   const Curve &a = before_[pair.curve_before], &b = after_[pair.curve_after];
   const auto last = static_cast<std::int64_t>(b.size()) - 1;
-  std::vector<Band::Place> places;
+  std::vector<BandedTable::Place> places;
   for (const Cell& cell : pair.cells)
     places.push_back({cell.i, backwards ? last - cell.j : std::int64_t{cell.j}});
-  Band band(places);
+  BandedTable band(places);
   for (std::size_t k = 0; k < places.size(); ++k) {
     const Cell& cell = pair.cells[k];
     if (!used_before_[a[cell.i]] && !used_after_[b[cell.j]]) band.set_candidate(places[k], cell.gain);
   }
-  Band::Place at = band.fill();
+  BandedTable::Place at = band.fill();
   Alignment result;
   result.gain = band.gain(at);
   for (Step step = band.step(at); step != Step::stop; step = band.step(at)) {

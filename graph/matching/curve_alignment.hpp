@@ -10,24 +10,25 @@
 
 namespace emberfold::graph::detail {
 
-/// (vertex before, vertex after), by index.
+/// Pairs (vertex before, vertex after), by index.
 using IndexLinks = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// One-to-one links: curves are laid alongside each other in order (in either direction, ends free, a skipped
-/// point costs a little), the pair that gains most first; what it leaves of both may be laid alongside
-/// others. Single vertices that fit nothing in order are left over. A candidate's row is a vertex before, its
-/// column one after. O(candidates · log), times the number of pieces that a curve falls into.
+/// Finds one-to-one links by aligning pairs of curves in order (local alignment, Smith & Waterman 1981).
+/// Either direction is tried, ends are free, and a skipped point has a cost. The pair of the greatest gain is
+/// aligned first; the rest of both curves may be aligned with others. Vertices that fit no alignment stay
+/// unlinked. A candidate's row is a vertex before, its column one after. O(candidates · log), times the
+/// number of pieces that a curve falls into.
 class Aligner {
  public:
   Aligner(const std::vector<Curve>& before, const std::vector<Curve>& after, std::size_t size_before,
           std::size_t size_after);
 
-  /// `like(a, b)`: how alike curves a and b are, 0…1: those alike as wholes go first.
+  /// Aligns the curves. `like(a, b)`: similarity of curves a and b, 0…1, which favours similar pairs.
   template <class Like>
   IndexLinks align(const std::vector<Candidate>& candidates, Like like) {
     collect(candidates);
     for (Pair& pair : pairs_) pair.weight = 0.5 + 0.5 * like(pair.curve_before, pair.curve_after);
-    return greedy();
+    return align_greedily();
   }
 
  private:
@@ -46,9 +47,9 @@ class Aligner {
   };
 
   void collect(const std::vector<Candidate>& candidates);
-  IndexLinks greedy();
-  [[nodiscard]] Alignment best(const Pair& pair) const;
-  [[nodiscard]] Alignment best(const Pair& pair, bool backwards) const;
+  IndexLinks align_greedily();
+  [[nodiscard]] Alignment best_alignment(const Pair& pair) const;
+  [[nodiscard]] Alignment best_alignment(const Pair& pair, bool backwards) const;
 
   const std::vector<Curve>&before_, &after_;
   std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> places_before_, places_after_;

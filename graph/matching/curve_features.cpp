@@ -8,8 +8,8 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-/// Points at equal steps of arc length from one end of the curve to the other, their mean at the origin.
-std::array<Point, 5> resampled(std::span<const Point> at, const Curve& curve) {
+/// Returns points at equal steps of arc length from end to end of the curve, less their mean.
+std::array<Point, 5> resample(std::span<const Point> at, const Curve& curve) {
   std::array<Point, 5> result;
   double length = 0;
   for (std::size_t k = 1; k < curve.size(); ++k) length += distance(at[curve[k - 1]], at[curve[k]]);
@@ -41,10 +41,10 @@ double square(double x) {
 
 }  // namespace
 
-CurveFeatures features(const AttributeGraph& graph, std::span<const Point> at, const Curve& curve) {
+CurveFeatures compute_features(const AttributeGraph& graph, std::span<const Point> at, const Curve& curve) {
   CurveFeatures result;
   result.log_count = std::log(static_cast<double>(curve.size()));
-  result.shape = resampled(at, curve);
+  result.shape = resample(at, curve);
   double contrast = 0;
   for (const std::uint32_t v : curve) contrast += std::abs(graph.patch(v).contrast);
   result.log_contrast = std::log(1 + contrast / static_cast<double>(curve.size()));
@@ -56,7 +56,7 @@ CurveFeatures features(const AttributeGraph& graph, std::span<const Point> at, c
   return result;
 }
 
-double likeness(const CurveFeatures& a, const CurveFeatures& b, const MatchOptions& options) {
+double similarity(const CurveFeatures& a, const CurveFeatures& b, const MatchOptions& options) {
   double same_way = 0, other_way = 0;
   const std::size_t n = a.shape.size();
   for (std::size_t k = 0; k < n; ++k) {

@@ -11,21 +11,22 @@
 
 #include <boost/pending/disjoint_sets.hpp>
 
+#include "core/math/robust.hpp"
 #include "graph/events/events.hpp"
 
 namespace emberfold::graph {
 
 namespace {
 
-constexpr double kSamePlace =
-    15;  // px: a joint that opens again this near to where it closed is the same joint
-constexpr double kSameStroke =
-    4;  // px, mean: a stroke that comes back this near to where it was is the same stroke
-constexpr double kNearMiddle = 20;  // px: its middle may move more than its patches do, by what it grew
-constexpr double kWidestTear = 25;  // px: pieces farther apart are not joined
-constexpr double kWidestGap = 60;   // px: but where they part and unite in one place, a stretch was missed
+// Larger distances repair more flicker, and sooner take two strokes for one.
+constexpr double kSamePlace = 15;       // px: largest distance between the two events of one joint
+constexpr double kSameStroke = 4;       // px: largest mean distance of a stroke that comes back
+constexpr double kNearMiddle = 20;      // px: the same of its middle, which growth moves too
+constexpr double kWidestTear = 25;      // px: widest gap that is bridged
+constexpr double kWidestGap = 60;       // px: the same where pieces part and unite in one place
+constexpr double kMostPersistence = 2;  // largest factor on how long a stroke of low gain has to last
 
-/// A frame while it is being changed.
+/// A frame that is being changed.
 struct Draft {
   std::vector<Vertex> vertices;
   std::set<Edge> edges;
@@ -33,7 +34,7 @@ struct Draft {
   [[nodiscard]] AttributeGraph graph() const { return {vertices, {edges.begin(), edges.end()}}; }
 };
 
-std::vector<Draft> drafts(const SketchSequence& sketch) {
+std::vector<Draft> make_drafts(const SketchSequence& sketch) {
   std::vector<Draft> result;
   for (const AttributeGraph& g : sketch.frames) {
     result.push_back({{g.vertices().begin(), g.vertices().end()}, {g.edges().begin(), g.edges().end()}});
@@ -41,31 +42,23 @@ std::vector<Draft> drafts(const SketchSequence& sketch) {
   return result;
 }
 
-void take_out(Draft& draft, const std::set<VertexId>& gone) {
+void remove_vertices(Draft& draft, const std::set<VertexId>& gone) {
   std::erase_if(draft.edges, [&](const Edge& e) { return gone.contains(e.a) || gone.contains(e.b); });
   std::erase_if(draft.vertices, [&](const Vertex& v) { return gone.contains(v.id); });
 }
 
-// ---- what is there for a moment ----
+// ---- strokes that last too short a time ----
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// How many times as long a stroke has to be seen whose patches gain less than usual: until they have gained
-/// as much, twice as long at most.
-double doubted(double gain, double usual) {
-  constexpr double kMost = 2;
+/// Returns the factor on the least duration of a stroke: 1 for patches of median gain, up to 2 for lower
+/// gains.
+double persistence_factor(double gain, double usual) {
   if (!(usual > 0)) return 1;
-  return gain * kMost <= usual ? kMost : std::max(1.0, usual / gain);
+  return gain * kMostPersistence <= usual ? kMostPersistence : std::max(1.0, usual / gain);
 }
 
-/// Vertices that edges and links hold together, over all frames: for each vertex, in order of ids, whether
-/// that whole lasts.
-std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames, bool doubting) {
+/// Finds for each vertex whether its component over all frames, by edges and links, lasts long enough.
+/// `weigh_gain`: components of low gain have to last longer.
+std::map<VertexId, bool> find_lasting(const MotionGraph& motion, int frames, bool weigh_gain) {
   std::map<VertexId, std::size_t> index;
   std::vector<std::size_t> frame_of;
   std::vector<double> gains;
@@ -95,36 +88,39 @@ std::map<VertexId, bool> lasting(const MotionGraph& motion, int frames, bool dou
     gain[root] += gains[i];
     patches[root] += 1;
   }
-  const double usual = median(gains);
+  const double usual = gains.empty() ? 0 : core::median(gains);
   const std::size_t end = motion.sketch.frames.size() - 1;
   std::map<VertexId, bool> result;
   for (const auto& [id, i] : index) {
     const std::size_t root = wholes.find_set(i);
-    // At the clip's ends nobody knows how long it was there.
-    const double least = first[root] == 0 || last[root] == end
-                             ? 1
-                             : frames * (doubting ? doubted(gain[root] / patches[root], usual) : 1);
+    // It may have lasted longer outside the clip.
+    const double least =
+        first[root] == 0 || last[root] == end
+            ? 1
+            : frames * (weigh_gain ? persistence_factor(gain[root] / patches[root], usual) : 1);
     result.emplace(id, static_cast<double>(last[root] - first[root] + 1) > least);
   }
   return result;
 }
 
-/// Vertices that were put in are not in `lasts`: they stay; so do strokes that were mended.
-void leave_out(std::vector<Draft>& drafts, const std::map<VertexId, bool>& lasts,
-               const std::set<SubgraphId>& mended) {
+/// Removes the vertices that do not last. Inserted ones, which `lasts` lacks, and repaired strokes stay.
+void remove_short_lived(std::vector<Draft>& drafts, const std::map<VertexId, bool>& lasts,
+                        const std::set<SubgraphId>& repaired) {
   for (Draft& draft : drafts) {
     std::set<VertexId> gone;
     for (const Vertex& v : draft.vertices) {
       const auto known = lasts.find(v.id);
-      if (known != lasts.end() && !known->second && !mended.contains(v.subgraph)) gone.insert(v.id);
+      if (known != lasts.end() && !known->second && !repaired.contains(v.subgraph)) gone.insert(v.id);
     }
-    take_out(draft, gone);
+    remove_vertices(draft, gone);
   }
 }
 
-// ---- what is missing, cut or torn for a moment ----
+// ---- strokes that are missing, joined or broken for a short time ----
 
-std::vector<std::uint32_t> members(const AttributeGraph& graph, SubgraphId stroke) {
+/// Lists the vertices of a stroke.
+
+std::vector<std::uint32_t> find_vertices(const AttributeGraph& graph, SubgraphId stroke) {
   std::vector<std::uint32_t> result;
   for (std::uint32_t i = 0; i < graph.size(); ++i) {
     if (graph.vertices()[i].subgraph == stroke) result.push_back(i);
@@ -132,9 +128,9 @@ std::vector<std::uint32_t> members(const AttributeGraph& graph, SubgraphId strok
   return result;
 }
 
-/// Mean distance from the patches of one stroke to the nearest one of the other, of their kind.
-double apart(const AttributeGraph& a, std::span<const std::uint32_t> of_a, const AttributeGraph& b,
-             std::span<const std::uint32_t> of_b) {
+/// Returns the mean distance from the patches of stroke a to the nearest of b that can be linked, px.
+double mean_distance(const AttributeGraph& a, std::span<const std::uint32_t> of_a, const AttributeGraph& b,
+                     std::span<const std::uint32_t> of_b) {
   double sum = 0;
   for (const std::uint32_t i : of_a) {
     double least = std::numeric_limits<double>::infinity();
@@ -147,10 +143,9 @@ double apart(const AttributeGraph& a, std::span<const std::uint32_t> of_a, const
   return sum / static_cast<double>(of_a.size());
 }
 
-/// Puts a stroke of frame `from` into the frames [first, last) too. Its vertices there get ids above all
-/// others.
-void put_in(std::vector<Draft>& drafts, const AttributeGraph& from, std::span<const std::uint32_t> stroke,
-            int first, int last, std::uint32_t& next_id) {
+/// Copies a stroke of frame `from` into the frames [first, last), with new ids.
+void insert_stroke(std::vector<Draft>& drafts, const AttributeGraph& from,
+                   std::span<const std::uint32_t> stroke, int first, int last, std::uint32_t& next_id) {
   for (int t = first; t < last; ++t) {
     Draft& draft = drafts[static_cast<std::size_t>(t)];
     std::map<VertexId, VertexId> copies;
@@ -167,8 +162,8 @@ void put_in(std::vector<Draft>& drafts, const AttributeGraph& from, std::span<co
   }
 }
 
-/// Whether the edge is all that holds its two ends together.
-bool divides(const std::multimap<VertexId, VertexId>& neighbours, Edge edge) {
+/// Returns whether no other path connects the ends of the edge.
+bool is_cut_edge(const std::multimap<VertexId, VertexId>& neighbours, Edge edge) {
   std::set<VertexId> reached = {edge.a};
   std::vector<VertexId> open = {edge.a};
   while (!open.empty()) {
@@ -184,8 +179,8 @@ bool divides(const std::multimap<VertexId, VertexId>& neighbours, Edge edge) {
   return true;
 }
 
-/// Takes out the edge nearest to the place whose loss divides the stroke.
-void cut(Draft& draft, SubgraphId stroke, Point place) {
+/// Removes the cut edge of the stroke that is nearest to the place, within kSamePlace.
+void cut_stroke(Draft& draft, SubgraphId stroke, Point place) {
   std::map<VertexId, Point> positions;
   for (const Vertex& v : draft.vertices) {
     if (v.subgraph == stroke) positions.emplace(v.id, v.patch.position);
@@ -201,14 +196,14 @@ void cut(Draft& draft, SubgraphId stroke, Point place) {
     if (way < kSamePlace) near.emplace_back(way, e);
   }
   std::sort(near.begin(), near.end());
-  const auto first =
-      std::find_if(near.begin(), near.end(), [&](const auto& n) { return divides(neighbours, n.second); });
+  const auto first = std::find_if(near.begin(), near.end(),
+                                  [&](const auto& n) { return is_cut_edge(neighbours, n.second); });
   if (first != near.end()) draft.edges.erase(first->second);
 }
 
-/// Joins two of these strokes by their nearest patches, nearer than `widest` px; where there are more than
-/// two, near the place.
-void mend(Draft& draft, std::span<const SubgraphId> strokes, Point place, double widest) {
+/// Joins two of these strokes by an edge between their nearest patches, less than `widest` px apart.
+/// With more than two strokes, only patches near the place are joined.
+void bridge_pieces(Draft& draft, std::span<const SubgraphId> strokes, Point place, double widest) {
   std::vector<const Vertex*> members;
   for (const Vertex& v : draft.vertices) {
     if (std::ranges::find(strokes, v.subgraph) != strokes.end()) members.push_back(&v);
@@ -231,67 +226,71 @@ void mend(Draft& draft, std::span<const SubgraphId> strokes, Point place, double
   if (nearest) draft.edges.insert(*nearest);
 }
 
-void take_out(Draft& draft, SubgraphId stroke) {
+/// Removes all vertices of a stroke.
+void remove_stroke(Draft& draft, SubgraphId stroke) {
   std::set<VertexId> gone;
   for (const Vertex& v : draft.vertices) {
     if (v.subgraph == stroke) gone.insert(v.id);
   }
-  take_out(draft, gone);
+  remove_vertices(draft, gone);
 }
 
-bool unites(const Event& e) {
+bool is_union(const Event& e) {
   return e.type == EventType::merge || e.type == EventType::connect;
 }
-bool separates(const Event& e) {
+bool is_separation(const Event& e) {
   return e.type == EventType::split || e.type == EventType::disconnect;
 }
 
-/// Each event and the one that undoes it at most `frames` frames later. Every event undoes or is undone once.
-class Undoing {
+/// Finds pairs of events that reverse each other within `frames` frames, and reverts both in the drafts.
+/// Every event belongs to one pair at most.
+class FlickerRepair {
  public:
-  Undoing(const MotionGraph& motion, const std::map<VertexId, bool>& lasts, int frames)
+  FlickerRepair(const MotionGraph& motion, const std::map<VertexId, bool>& lasts, int frames)
       : motion_(motion), lasts_(lasts), events_(stroke_events(motion)), frames_(frames) {}
 
-  /// Returns the strokes of which what was missing was put in.
-  std::set<SubgraphId> mend_all(std::vector<Draft>& drafts) {
+  /// Repairs the drafts; returns the strokes that were copied into frames which lacked them.
+  std::set<SubgraphId> repair(std::vector<Draft>& drafts) {
     std::uint32_t next_id = 0;
     for (const Draft& d : drafts) {
       for (const Vertex& v : d.vertices) next_id = std::max(next_id, v.id.value + 1);
     }
-    std::set<SubgraphId> mended;
-    std::vector<bool> undone(events_.size(), false);
-    crumbs(drafts, undone);
-    // The shortest first: of three changes to and fro the two that lie nearest undo each other.
+    std::set<SubgraphId> repaired;
+    std::vector<bool> done(events_.size(), false);
+    merge_short_pieces(drafts, done);
+    // Shortest first: of three alternating changes the nearest two form the pair.
     for (int apart = 1; apart <= frames_; ++apart) {
       for (std::size_t i = 0; i < events_.size(); ++i) {
         for (std::size_t j = i + 1; j < events_.size() && events_[j].frame <= events_[i].frame + apart; ++j) {
-          if (undone[i] || undone[j] || events_[j].frame != events_[i].frame + apart ||
-              !undo(drafts, events_[i], events_[j], next_id))
+          if (done[i] || done[j] || events_[j].frame != events_[i].frame + apart ||
+              !repair_pair(drafts, events_[i], events_[j], next_id))
             continue;
-          undone[i] = undone[j] = true;
-          if (events_[i].type == EventType::death) mended.insert({events_[i].before[0], events_[j].after[0]});
+          done[i] = done[j] = true;
+          if (events_[i].type == EventType::death)
+            repaired.insert({events_[i].before[0], events_[j].after[0]});
         }
       }
     }
-    return mended;
+    return repaired;
   }
 
  private:
-  /// A piece that parts from a stroke and soon dies is the stroke's end that fades; one that is born and soon
-  /// joins another, its beginning: no stroke of its own. If all pieces die soon, the stroke fades as a whole.
-  void crumbs(std::vector<Draft>& drafts, std::vector<bool>& undone) const {
+  /// Merges short-lived pieces with their stroke: those that separate and soon die, or are born and soon
+  /// unite. They are an end of the stroke that fades out or in. If both pieces are short-lived, the stroke
+  /// fades as a whole and its pieces are joined.
+  void merge_short_pieces(std::vector<Draft>& drafts, std::vector<bool>& done) const {
     for (std::size_t i = 0; i < events_.size(); ++i) {
-      if (!separates(events_[i]) && !unites(events_[i])) continue;
+      if (!is_separation(events_[i]) && !is_union(events_[i])) continue;
       const Event& joint = events_[i];
-      const bool parts = separates(joint);
+      const bool parts = is_separation(joint);
       const auto& pieces = parts ? joint.after : joint.before;
-      if (pieces.size() != 2 || undone[i]) continue;
-      // The frames in which a piece stands alone, if it is for so short a time.
-      const std::array ends = {lone_end(pieces[0], joint.frame, parts),
-                               lone_end(pieces[1], joint.frame, parts)};
+      if (pieces.size() != 2 || done[i]) continue;
+      const std::array ends = {find_piece_end(pieces[0], joint.frame, parts),
+                               find_piece_end(pieces[1], joint.frame, parts)};
       const auto& there =
           motion_.sketch.frames[static_cast<std::size_t>(parts ? joint.frame : joint.frame - 1)];
-      const std::array sizes = {members(there, pieces[0]).size(), members(there, pieces[1]).size()};
+      const std::array sizes = {find_vertices(there, pieces[0]).size(),
+                                find_vertices(there, pieces[1]).size()};
       const auto frames_of = [&](int end) {
         return std::pair(std::min(joint.frame, end), std::max(joint.frame, end));
       };
@@ -299,21 +298,21 @@ class Undoing {
         const int end = parts ? std::min(*ends[0], *ends[1]) : std::max(*ends[0], *ends[1]);
         const auto [first, last] = frames_of(end);
         for (int t = first; t < last; ++t)
-          mend(drafts[static_cast<std::size_t>(t)], pieces, joint.position, kWidestTear);
-        undone[i] = true;
+          bridge_pieces(drafts[static_cast<std::size_t>(t)], pieces, joint.position, kWidestTear);
+        done[i] = true;
         continue;
       }
       for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
         if (!ends[k] || sizes[k] > sizes[1 - k]) continue;
         const auto [first, last] = frames_of(*ends[k]);
-        for (int t = first; t < last; ++t) take_out(drafts[static_cast<std::size_t>(t)], pieces[k]);
-        undone[i] = true;
+        for (int t = first; t < last; ++t) remove_stroke(drafts[static_cast<std::size_t>(t)], pieces[k]);
+        done[i] = true;
       }
     }
   }
 
-  /// The frame of the piece's death (birth, where it is one of those that unite), if that is near.
-  [[nodiscard]] std::optional<int> lone_end(SubgraphId piece, int frame, bool parts) const {
+  /// Returns the frame of the piece's death (its birth if it unites), if that is within `frames` frames.
+  [[nodiscard]] std::optional<int> find_piece_end(SubgraphId piece, int frame, bool parts) const {
     for (const Event& e : events_) {
       if (parts && e.type == EventType::death && e.before[0] == piece && e.frame - frame <= frames_)
         return e.frame;
@@ -323,8 +322,9 @@ class Undoing {
     return std::nullopt;
   }
 
-  bool undo(std::vector<Draft>& drafts, const Event& first, const Event& second,
-            std::uint32_t& next_id) const {
+  /// Reverts two events if they form a pair; returns whether they did.
+  bool repair_pair(std::vector<Draft>& drafts, const Event& first, const Event& second,
+                   std::uint32_t& next_id) const {
     const auto each = [&](auto change) {
       for (int t = first.frame; t < second.frame; ++t) change(drafts[static_cast<std::size_t>(t)]);
     };
@@ -334,26 +334,30 @@ class Undoing {
       });
     };
     const bool same_place = distance(first.position, second.position) < kSamePlace;
-    if (separates(first) && unites(second) && (first.after == second.before || (shared() && same_place))) {
+    if (is_separation(first) && is_union(second) &&
+        (first.after == second.before || (shared() && same_place))) {
       std::vector<SubgraphId> pieces = first.after;
       pieces.insert(pieces.end(), second.before.begin(), second.before.end());
-      each([&](Draft& draft) { mend(draft, pieces, first.position, same_place ? kWidestGap : kWidestTear); });
+      each([&](Draft& draft) {
+        bridge_pieces(draft, pieces, first.position, same_place ? kWidestGap : kWidestTear);
+      });
       return true;
     }
-    if (unites(first) && separates(second) && first.after == second.before && same_place) {
-      each([&](Draft& draft) { cut(draft, first.after[0], first.position); });
+    if (is_union(first) && is_separation(second) && first.after == second.before && same_place) {
+      each([&](Draft& draft) { cut_stroke(draft, first.after[0], first.position); });
       return true;
     }
     if (first.type == EventType::death && second.type == EventType::birth &&
         distance(first.position, second.position) < kNearMiddle) {
       const AttributeGraph& before = motion_.sketch.frames[static_cast<std::size_t>(first.frame - 1)];
       const AttributeGraph& after = motion_.sketch.frames[static_cast<std::size_t>(second.frame)];
-      const auto gone = members(before, first.before[0]), back = members(after, second.after[0]);
+      const auto gone = find_vertices(before, first.before[0]), back = find_vertices(after, second.after[0]);
       if (!lasts_.at(before.vertices()[gone.front()].id) || !lasts_.at(after.vertices()[back.front()].id))
         return false;
-      if (apart(before, gone, after, back) > kSameStroke || apart(after, back, before, gone) > kSameStroke)
+      if (mean_distance(before, gone, after, back) > kSameStroke ||
+          mean_distance(after, back, before, gone) > kSameStroke)
         return false;
-      put_in(drafts, before, gone, first.frame, second.frame, next_id);
+      insert_stroke(drafts, before, gone, first.frame, second.frame, next_id);
       return true;
     }
     return false;
@@ -367,12 +371,12 @@ class Undoing {
 
 }  // namespace
 
-SketchSequence steady(const MotionGraph& motion, int frames) {
+SketchSequence remove_flicker(const MotionGraph& motion, int frames) {
   if (motion.sketch.frames.empty() || frames <= 0) return motion.sketch;
-  const std::map<VertexId, bool> lasts = lasting(motion, frames, false);
-  std::vector<Draft> changed = drafts(motion.sketch);
-  const std::set<SubgraphId> mended = Undoing(motion, lasts, frames).mend_all(changed);
-  leave_out(changed, lasting(motion, frames, true), mended);
+  const std::map<VertexId, bool> lasts = find_lasting(motion, frames, false);
+  std::vector<Draft> changed = make_drafts(motion.sketch);
+  const std::set<SubgraphId> repaired = FlickerRepair(motion, lasts, frames).repair(changed);
+  remove_short_lived(changed, find_lasting(motion, frames, true), repaired);
   SketchSequence result{motion.sketch.width, motion.sketch.height, motion.sketch.fps, {}};
   for (const Draft& draft : changed) result.append(draft.graph());
   return result;

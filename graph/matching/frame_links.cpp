@@ -6,8 +6,9 @@
 
 namespace emberfold::graph::detail {
 
-Gap gap(const AttributeGraph& before, const AttributeGraph& after, std::span<const Link> links) {
-  Gap result;
+FrameLinks index_links(const AttributeGraph& before, const AttributeGraph& after,
+                       std::span<const Link> links) {
+  FrameLinks result;
   result.links.reserve(links.size());
   result.successors.assign(before.size(), 0);
   result.predecessors.assign(after.size(), 0);
@@ -22,10 +23,10 @@ Gap gap(const AttributeGraph& before, const AttributeGraph& after, std::span<con
 
 std::vector<ComponentPair> component_pairs(const AttributeGraph& before, const AttributeGraph& after,
                                            const Components& parts_before, const Components& parts_after,
-                                           const Gap& gap) {
+                                           const FrameLinks& links) {
   std::vector<ComponentPair> pairs;
-  pairs.reserve(gap.links.size());
-  for (const auto& [i, j] : gap.links) {
+  pairs.reserve(links.links.size());
+  for (const auto& [i, j] : links.links) {
     const Point middle = (before.patch(i).position + after.patch(j).position) * 0.5;
     pairs.push_back({parts_before.of_vertex[i], parts_after.of_vertex[j], 1, middle});
   }

@@ -11,23 +11,24 @@
 namespace emberfold::graph::detail {
 
 /// The links between two frames, by vertex index.
-struct Gap {
+struct FrameLinks {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> links;  ///< (index before, index after)
-  std::vector<std::uint32_t> successors;                       ///< how many each vertex before has
-  std::vector<std::uint32_t> predecessors;                     ///< how many each vertex after has
+  std::vector<std::uint32_t> successors;                       ///< number of links of each vertex before
+  std::vector<std::uint32_t> predecessors;                     ///< number of links of each vertex after
 };
-/// The links join vertices that are there.
-Gap gap(const AttributeGraph& before, const AttributeGraph& after, std::span<const Link> links);
+/// Looks up the vertices of links, all of which exist.
+FrameLinks index_links(const AttributeGraph& before, const AttributeGraph& after,
+                       std::span<const Link> links);
 
-/// A component before and one after that links tie together.
+/// A component before and one after that links connect.
 struct ComponentPair {
   std::uint32_t before = 0, after = 0;
   std::uint32_t links = 0;
-  Point first;  ///< the lowest middle of a link, by x, then y: tells pairs apart alike in both senses of time
+  Point first;  ///< lowest middle of a link by x, then y: an order that reversing time keeps
 };
-/// All tied pairs, ordered by (before, after).
+/// Finds all linked pairs of components, ordered by (before, after). O(links log links).
 std::vector<ComponentPair> component_pairs(const AttributeGraph& before, const AttributeGraph& after,
                                            const Components& parts_before, const Components& parts_after,
-                                           const Gap& gap);
+                                           const FrameLinks& links);
 
 }  // namespace emberfold::graph::detail

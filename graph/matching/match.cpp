@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 #include "graph/matching/assignment.hpp"
 #include "graph/matching/curve_alignment.hpp"
 #include "graph/matching/curve_features.hpp"
@@ -18,39 +19,42 @@
 namespace emberfold::graph {
 
 void MatchOptions::validate() const {
-  const std::array<std::pair<const char*, double>, 8> fields = {{{"max_motion", max_motion},
-                                                                 {"sigma_across", sigma_across},
-                                                                 {"sigma_along", sigma_along},
-                                                                 {"sigma_angle", sigma_angle},
-                                                                 {"sigma_contrast", sigma_contrast},
-                                                                 {"sigma_count", sigma_count},
-                                                                 {"sigma_shape", sigma_shape},
-                                                                 {"sigma_degree", sigma_degree}}};
-  for (const auto& [name, value] : fields) {
-    if (!(value > 0) || !std::isfinite(value)) {
-      throw core::InputError("match: " + std::string(name) + " is " + std::to_string(value) +
-                             ", allowed is a finite number above 0");
-    }
-  }
-  if (flicker < 0 || flicker > 100) {
-    throw core::InputError("match: flicker is " + std::to_string(flicker) + ", allowed is 0…100 frames");
-  }
+  core::check_positive("MatchOptions.max_motion", max_motion);
+  core::check_positive("MatchOptions.sigma_across", sigma_across);
+  core::check_positive("MatchOptions.sigma_along", sigma_along);
+  core::check_positive("MatchOptions.sigma_angle", sigma_angle);
+  core::check_positive("MatchOptions.sigma_contrast", sigma_contrast);
+  core::check_positive("MatchOptions.sigma_count", sigma_count);
+  core::check_positive("MatchOptions.sigma_shape", sigma_shape);
+  core::check_positive("MatchOptions.sigma_degree", sigma_degree);
+  core::check_range("MatchOptions.flicker", flicker, 0, 100);
 }
 
 namespace {
 
 using detail::IndexLinks;
 
-constexpr double kGate = 4.5;  // a link may cost as much as three SD of one attribute
-constexpr double kReach = 12;  // px along a curve over which patches move alike
+constexpr double kGate = 4.5;               // nats: cost of 3 SDs in one attribute; a link may cost no more
+constexpr double kReach = 12;               // px along a curve: SD of the window in which motion is smooth
+constexpr double kWindow = 3 * kReach;      // px: end of that window
+constexpr double kAlongWeight = 0.05;       // of motion along a curve, which hardly shows, against across it
+constexpr double kPriorWeight = 0.3;        // patches: weight of the expected motion
+constexpr std::array kWide = {2.5, 1.5};    // factors on sigma_across in the passes that only find the motion
+constexpr std::ptrdiff_t kCandidates = 32;  // at most for one patch: more lie on top of each other
+constexpr int kFlickerRounds = 2;           // repairing one flicker reveals another
+// A pair of components is linked by at least
+constexpr std::uint32_t kSmall = 3;           // vertices: half of them in a smaller component up to this size
+constexpr std::uint32_t kAlwaysEnough = 6;    // links in a larger one, or
+constexpr std::uint32_t kLeastLinks = 2;      // links that are
+constexpr std::uint32_t kShareOfSmaller = 3;  // one in so many of its vertices
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// What of a graph's patches is looked at again and again.
-struct Looks {
+/// The attributes of all patches of a graph that link gains are computed from.
+struct PatchFeatures {
   std::vector<Point> place, direction;
   std::vector<double> log_contrast;
 
-  explicit Looks(const AttributeGraph& graph) {
+  explicit PatchFeatures(const AttributeGraph& graph) {
     for (const Vertex& vertex : graph.vertices()) {
       const Patch& patch = vertex.patch;
       place.push_back(patch.position);
@@ -60,32 +64,32 @@ struct Looks {
   }
 };
 
-/// Both frames, and where the patches of the first are expected in the second.
-struct Frames {
+/// Two frames, and the positions at which the patches of the first are expected in the second.
+struct FramePair {
   const AttributeGraph &before, &after;
   std::vector<Curve> curves_before, curves_after;
-  Looks looks_before, looks_after;
+  PatchFeatures patches_before, patches_after;
   std::vector<detail::CurveFeatures> features_after;
-  std::vector<Point> first_expected, expected;  ///< from the past alone, and by what was seen since
+  std::vector<Point> first_expected, expected;  ///< from the past alone; updated by the passes
 
-  Frames(const AttributeGraph& a, const AttributeGraph& b, std::span<const Point> velocity)
+  FramePair(const AttributeGraph& a, const AttributeGraph& b, std::span<const Point> velocity)
       : before(a),
         after(b),
         curves_before(curves(a)),
         curves_after(curves(b)),
-        looks_before(a),
-        looks_after(b),
-        first_expected(looks_before.place) {
+        patches_before(a),
+        patches_after(b),
+        first_expected(patches_before.place) {
     for (const Curve& curve : curves_after) {
-      features_after.push_back(detail::features(after, looks_after.place, curve));
+      features_after.push_back(detail::compute_features(after, patches_after.place, curve));
     }
     for (std::size_t i = 0; i < velocity.size(); ++i) first_expected[i] = first_expected[i] + velocity[i];
     expected = first_expected;
   }
 
-  /// The mean of the undirected orientations of a vertex before and one after.
+  /// Returns the mean of the undirected orientations of a vertex before and one after.
   [[nodiscard]] Point along(std::uint32_t i, std::uint32_t j) const {
-    const Point a = looks_before.direction[i], b = looks_after.direction[j];
+    const Point a = patches_before.direction[i], b = patches_after.direction[j];
     const double cosine = dot(a, b);
     return (cosine < 0 ? a - b : a + b) * (1 / std::sqrt(2 + 2 * std::abs(cosine)));
   }
@@ -95,62 +99,58 @@ double square(double x) {
   return x * x;
 }
 
-/// What a link gains: kGate less half the squared distances in SDs. `wide`: how many times sigma_across the
-/// motion is known to.
-double gain(const Frames& frames, std::uint32_t i, std::uint32_t j, const MatchOptions& options,
-            double wide) {
-  const Point along = frames.along(i, j), apart = frames.looks_after.place[j] - frames.expected[i];
+/// Returns the gain of a link: kGate less half the squared distances in SDs. `wide`: factor on sigma_across.
+double link_gain(const FramePair& frames, std::uint32_t i, std::uint32_t j, const MatchOptions& options,
+                 double wide) {
+  const Point along = frames.along(i, j), apart = frames.patches_after.place[j] - frames.expected[i];
   const double across = apart.y * along.x - apart.x * along.y;
   const double place =
       square(across / (options.sigma_across * wide)) + square(dot(apart, along) / options.sigma_along);
-  const double contrast = frames.looks_after.log_contrast[j] - frames.looks_before.log_contrast[i];
+  const double contrast = frames.patches_after.log_contrast[j] - frames.patches_before.log_contrast[i];
   const double left = kGate - 0.5 * (place + square(contrast / options.sigma_contrast));
   if (left <= 0) return left;
-  const double cosine = std::abs(dot(frames.looks_before.direction[i], frames.looks_after.direction[j]));
+  const double cosine = std::abs(dot(frames.patches_before.direction[i], frames.patches_after.direction[j]));
   return left - 0.5 * square(std::acos(std::min(1.0, cosine)) / options.sigma_angle);
 }
 
-std::vector<Candidate> candidates(const Frames& frames, const detail::Near& near, const MatchOptions& options,
-                                  double wide) {
+std::vector<Candidate> find_candidates(const FramePair& frames, const detail::PointGrid& near,
+                                       const MatchOptions& options, double wide) {
   std::vector<Candidate> result;
   for (std::uint32_t i = 0; i < frames.before.size(); ++i) {
     const std::size_t start = result.size();
-    for (const std::uint32_t j : near.around(frames.expected[i])) {
-      const Point apart = frames.looks_after.place[j] - frames.first_expected[i];
+    for (const std::uint32_t j : near.find_near(frames.expected[i])) {
+      const Point apart = frames.patches_after.place[j] - frames.first_expected[i];
       if (dot(apart, apart) > square(options.max_motion)) continue;
       if (!same_kind(frames.before.patch(i), frames.after.patch(j))) continue;
-      const double gains = gain(frames, i, j, options, wide);
+      const double gains = link_gain(frames, i, j, options, wide);
       if (gains > 0) result.push_back({i, j, gains});
     }
-    // Where patches lie on top of each other there is no telling them apart, nor need to try.
-    constexpr std::ptrdiff_t kMost = 32;
     const auto first = result.begin() + static_cast<std::ptrdiff_t>(start);
-    if (result.end() - first > kMost) {
-      std::partial_sort(first, first + kMost, result.end(), [](const Candidate& p, const Candidate& q) {
+    if (result.end() - first > kCandidates) {
+      std::partial_sort(first, first + kCandidates, result.end(), [](const Candidate& p, const Candidate& q) {
         return p.gain != q.gain ? p.gain > q.gain : p.column < q.column;
       });
-      result.erase(first + kMost, result.end());
+      result.erase(first + kCandidates, result.end());
     }
   }
   return result;
 }
 
-IndexLinks align(const Frames& frames, detail::Aligner& aligner, const std::vector<Candidate>& candidates,
-                 const MatchOptions& options) {
+IndexLinks align_curves(const FramePair& frames, detail::Aligner& aligner,
+                        const std::vector<Candidate>& candidates, const MatchOptions& options) {
   std::vector<detail::CurveFeatures> features_before;
   for (const Curve& curve : frames.curves_before) {
-    features_before.push_back(detail::features(frames.before, frames.expected, curve));
+    features_before.push_back(detail::compute_features(frames.before, frames.expected, curve));
   }
   return aligner.align(candidates, [&](std::uint32_t a, std::uint32_t b) {
-    return detail::likeness(features_before[a], frames.features_after[b], options);
+    return detail::similarity(features_before[a], frames.features_after[b], options);
   });
 }
 
-/// Where the links show the patches to be, their motion smoothed along the curves: around each vertex the one
-/// shift that explains best how far its neighbours moved across their curve. What moves along a curve hardly
-/// shows: there the motion stays near what was expected.
-std::vector<Point> fitted(const Frames& frames, const IndexLinks& links) {
-  constexpr double kAlong = 0.05, kPrior = 0.3;
+/// Estimates where the linked patches are, their motion smoothed along the curves.
+/// At each vertex, weighted least squares give the shift that best explains how far its neighbours moved
+/// across their curve. Along the curve the weight is small, so the motion stays near the expected one.
+std::vector<Point> fit_motion(const FramePair& frames, const IndexLinks& links) {
   const auto& at = frames.expected;
   std::vector<std::uint32_t> partner(frames.before.size(), kNone);
   for (const auto& [i, j] : links) partner[i] = j;
@@ -162,18 +162,18 @@ std::vector<Point> fitted(const Frames& frames, const IndexLinks& links) {
       arc[k] = arc[k - 1] + distance(at[curve[k - 1]], at[curve[k]]);
     std::size_t first = 0;
     for (std::size_t k = 0; k < curve.size(); ++k) {
-      while (arc[k] - arc[first] > 3 * kReach) ++first;
-      double xx = kPrior, xy = 0, yy = kPrior, bx = 0, by = 0;
-      for (std::size_t m = first; m < curve.size() && arc[m] - arc[k] <= 3 * kReach; ++m) {
+      while (arc[k] - arc[first] > kWindow) ++first;
+      double xx = kPriorWeight, xy = 0, yy = kPriorWeight, bx = 0, by = 0;
+      for (std::size_t m = first; m < curve.size() && arc[m] - arc[k] <= kWindow; ++m) {
         const std::uint32_t i = curve[m], j = partner[i];
         if (j == kNone) continue;
         const double steps = (arc[m] - arc[k]) / kReach, weight = std::exp(-0.5 * steps * steps);
         const Point along = frames.along(i, j), normal{-along.y, along.x};
-        const Point apart = frames.looks_after.place[j] - at[i];
-        const double across = weight * dot(apart, normal), rest = weight * kAlong * dot(apart, along);
-        xx += weight * (normal.x * normal.x + kAlong * along.x * along.x);
-        xy += weight * (normal.x * normal.y + kAlong * along.x * along.y);
-        yy += weight * (normal.y * normal.y + kAlong * along.y * along.y);
+        const Point apart = frames.patches_after.place[j] - at[i];
+        const double across = weight * dot(apart, normal), rest = weight * kAlongWeight * dot(apart, along);
+        xx += weight * (normal.x * normal.x + kAlongWeight * along.x * along.x);
+        xy += weight * (normal.x * normal.y + kAlongWeight * along.x * along.y);
+        yy += weight * (normal.y * normal.y + kAlongWeight * along.y * along.y);
         bx += across * normal.x + rest * along.x;
         by += across * normal.y + rest * along.y;
       }
@@ -188,8 +188,8 @@ std::vector<Point> fitted(const Frames& frames, const IndexLinks& links) {
   return result;
 }
 
-/// Links what the aligned curves left over, at the most gain in all.
-IndexLinks with_rest(const Frames& frames, IndexLinks links, const std::vector<Candidate>& candidates) {
+/// Links the points that the aligned curves left unlinked, at the greatest total gain.
+IndexLinks assign_rest(const FramePair& frames, IndexLinks links, const std::vector<Candidate>& candidates) {
   std::vector<bool> used_before(frames.before.size(), false), used_after(frames.after.size(), false);
   for (const auto& [i, j] : links) used_before[i] = used_after[j] = true;
   std::vector<Candidate> rest;
@@ -202,42 +202,42 @@ IndexLinks with_rest(const Frames& frames, IndexLinks links, const std::vector<C
   return links;
 }
 
-std::vector<Link> named(const AttributeGraph& before, const AttributeGraph& after, const IndexLinks& links) {
+std::vector<Link> name_links(const AttributeGraph& before, const AttributeGraph& after,
+                             const IndexLinks& links) {
   std::vector<Link> all;
   for (const auto& [i, j] : links) all.push_back({before.vertices()[i].id, after.vertices()[j].id});
   return all;
 }
 
-/// The links and the motion of the patches before that they show.
-struct Linked {
+/// The links between two frames, and the motion of the patches before, px.
+struct LinkedPair {
   std::vector<Link> links;
   std::vector<Point> motion;
 };
 
-Linked link_frames(const AttributeGraph& before, const AttributeGraph& after, std::span<const Point> velocity,
-                   const MatchOptions& options) {
-  Frames frames(before, after, velocity);
-  const detail::Near near(frames.looks_after.place, options.max_motion);
+LinkedPair link_frames(const AttributeGraph& before, const AttributeGraph& after,
+                       std::span<const Point> velocity, const MatchOptions& options) {
+  FramePair frames(before, after, velocity);
+  const detail::PointGrid near(frames.patches_after.place, options.max_motion);
   detail::Aligner aligner(frames.curves_before, frames.curves_after, before.size(), after.size());
-  // The first passes only find how everything moves.
-  for (const double wide : {2.5, 1.5}) {
-    frames.expected =
-        fitted(frames, align(frames, aligner, candidates(frames, near, options, wide), options));
+  for (const double wide : kWide) {
+    frames.expected = fit_motion(
+        frames, align_curves(frames, aligner, find_candidates(frames, near, options, wide), options));
   }
-  const auto found = candidates(frames, near, options, 1);
-  const IndexLinks links = with_rest(frames, align(frames, aligner, found, options), found);
-  Linked result;
-  result.links = supported_links(before, after, named(before, after, links));
-  result.motion = fitted(frames, links);
+  const auto found = find_candidates(frames, near, options, 1);
+  const IndexLinks links = assign_rest(frames, align_curves(frames, aligner, found, options), found);
+  LinkedPair result;
+  result.links = supported_links(before, after, name_links(before, after, links));
+  result.motion = fit_motion(frames, links);
   for (std::size_t i = 0; i < before.size(); ++i)
     result.motion[i] = result.motion[i] - before.patch(i).position;
   return result;
 }
 
-/// The motion of each patch after: that of its predecessor, or of the nearest ones along the graph that have
-/// one.
-std::vector<Point> carried_motion(const AttributeGraph& before, const AttributeGraph& after,
-                                  const Linked& linked) {
+/// Returns the motion of each patch after: that of its predecessor, or the mean over the nearest patches
+/// along the graph that have one.
+std::vector<Point> carry_motion(const AttributeGraph& before, const AttributeGraph& after,
+                                const LinkedPair& linked) {
   std::vector<Point> motion(after.size());
   std::vector<std::uint32_t> ring;
   std::vector<bool> known(after.size(), false);
@@ -278,19 +278,20 @@ std::vector<Link> supported_links(const AttributeGraph& before, const AttributeG
   std::vector<std::uint32_t> size_before(parts_before.count, 0), size_after(parts_after.count, 0);
   for (const std::uint32_t part : parts_before.of_vertex) ++size_before[part];
   for (const std::uint32_t part : parts_after.of_vertex) ++size_after[part];
-  const detail::Gap gap = detail::gap(before, after, links);
-  const auto pairs = detail::component_pairs(before, after, parts_before, parts_after, gap);
+  const detail::FrameLinks found = detail::index_links(before, after, links);
+  const auto pairs = detail::component_pairs(before, after, parts_before, parts_after, found);
   const auto holds = [&](std::uint32_t a, std::uint32_t b) {
     const auto pair =
         std::lower_bound(pairs.begin(), pairs.end(), std::pair(a, b),
                          [](const auto& p, const auto& key) { return std::pair(p.before, p.after) < key; });
     const std::uint32_t smaller = std::min(size_before[a], size_after[b]);
-    if (smaller <= 3) return 2 * pair->links >= smaller;
-    return pair->links >= 6 || (pair->links >= 2 && 3 * pair->links >= smaller);
+    if (smaller <= kSmall) return 2 * pair->links >= smaller;
+    return pair->links >= kAlwaysEnough ||
+           (pair->links >= kLeastLinks && kShareOfSmaller * pair->links >= smaller);
   };
   std::vector<Link> result;
   for (std::size_t k = 0; k < links.size(); ++k) {
-    const auto& [i, j] = gap.links[k];
+    const auto& [i, j] = found.links[k];
     if (holds(parts_before.of_vertex[i], parts_after.of_vertex[j])) result.push_back(links[k]);
   }
   return result;
@@ -312,41 +313,38 @@ std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGrap
 
 namespace {
 
-MatchResult match_once(SketchSequence sketch, const MatchOptions& options, const core::Context& context,
+MotionGraph match_once(SketchSequence sketch, const MatchOptions& options, const core::Context& context,
                        double share_before, double share_after) {
-  MatchResult result;
-  auto& frames = sketch.frames;
+  MotionGraph motion;
+  const auto& frames = sketch.frames;
   std::vector<Point> velocity;
-  std::size_t done = 0;
-  for (; done < frames.size() && !context.cancelled(); ++done) {
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    context.check();
     context.report("match", std::lerp(share_before, share_after,
-                                      static_cast<double>(done) / static_cast<double>(frames.size())));
-    result.motion.links.emplace_back();
-    if (done == 0) continue;
-    Linked linked = link_frames(frames[done - 1], frames[done], velocity, options);
-    velocity = carried_motion(frames[done - 1], frames[done], linked);
-    result.motion.links.back() = std::move(linked.links);
+                                      static_cast<double>(t) / static_cast<double>(frames.size())));
+    motion.links.emplace_back();
+    if (t == 0) continue;
+    LinkedPair linked = link_frames(frames[t - 1], frames[t], velocity, options);
+    velocity = carry_motion(frames[t - 1], frames[t], linked);
+    motion.links.back() = std::move(linked.links);
   }
-  if (done < frames.size()) throw core::Cancelled{};
-  result.motion.sketch = std::move(sketch);
-  result.motion = identify(std::move(result.motion));
-  return result;
+  motion.sketch = std::move(sketch);
+  return identify(std::move(motion));
 }
 
 }  // namespace
 
-MatchResult match(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
+MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
   options.validate();
-  constexpr int kRounds = 2;  // mending one flicker shows the next
-  const int rounds = options.flicker > 0 ? kRounds : 0;
-  MatchResult result;
+  const int rounds = options.flicker > 0 ? kFlickerRounds : 0;
+  MotionGraph motion;
   for (int round = 0; round <= rounds; ++round) {
-    if (round > 0) sketch = steady(result.motion, options.flicker);
-    result = match_once(std::move(sketch), options, context, static_cast<double>(round) / (rounds + 1),
+    if (round > 0) sketch = remove_flicker(motion, options.flicker);
+    motion = match_once(std::move(sketch), options, context, static_cast<double>(round) / (rounds + 1),
                         (round + 1.0) / (rounds + 1));
   }
   context.report("match", 1);
-  return result;
+  return motion;
 }
 
 }  // namespace emberfold::graph

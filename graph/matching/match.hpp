@@ -9,39 +9,40 @@
 
 namespace emberfold::graph {
 
+/// Options of match. Spreads are SDs of the Gaussians in a link's gain.
 struct MatchOptions {
-  double max_motion = 12;  ///< px a frame, > 0: nothing is linked farther than this from where it is expected
-  double sigma_across = 2;  ///< px, > 0: spread of a patch about its expected place, across its curve
-  double sigma_along =
-      5;  ///< px, > 0: the same along the curve, where a patch can hardly be told from its neighbours
-  double sigma_angle = 0.35;    ///< rad, > 0
-  double sigma_contrast = 0.5;  ///< of the logarithm of the contrast, > 0
-  double sigma_count = 0.5, sigma_shape = 3,
-         sigma_degree = 1;  ///< c (log), s (px) and d of the coarse match, > 0
-  int flicker = 3;          ///< frames, ≥ 0: states that last no longer are taken for noise
-                            ///< (graph/matching/flicker_removal.hpp); 0: none
+  double max_motion = 12;       ///< > 0: farthest that a patch may be from its expected position, px a frame
+  double sigma_across = 2;      ///< > 0: of a patch about its expected position across its curve, px
+  double sigma_along = 5;       ///< > 0: along its curve, where patches look alike, px
+  double sigma_angle = 0.35;    ///< > 0: of the direction, rad
+  double sigma_contrast = 0.5;  ///< > 0: of the logarithm of the contrast
+  double sigma_count = 0.5;     ///< > 0: of c, the log number of control points, in the coarse match
+  double sigma_shape = 3;       ///< > 0: of s, the shape, in the coarse match, px
+  double sigma_degree = 1;      ///< > 0: of d, the degree, in the coarse match
+  int flicker = 3;  ///< 0…100: longest change that remove_flicker takes for noise, frames; 0: none
 
+  /// Throws InputError naming field, value and range.
   void validate() const;
 };
 
-/// The links from one frame's graph to the next one's, sorted; a star forest. `velocity`: px a frame of each
-/// vertex of `before` where its past is known, zero where not (empty: all zero).
+/// Links one frame's graph to the next one's.
+/// Returns sorted links that form a star forest. `velocity`: expected motion of each vertex of `before`, px a
+/// frame; empty: zero. Throws InputError for invalid options and for velocities of another number or not
+/// finite.
 std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGraph& after,
                                std::span<const Point> velocity, const MatchOptions& options);
 
-/// The links without those between components that too few of them hold together: in the smaller one at least
-/// half of up to 3 vertices, else 6 links or a third of its vertices (at least 2). A stroke that dies beside
-/// one that grows is not the same. `links` are sorted.
+/// Drops the links between components that too few links connect; `links` are sorted.
+/// Kept are pairs with links for at least half of a smaller component of up to 3 vertices; of a larger one 6
+/// links, or 2 and a third of its vertices. So a dying stroke does not become a neighbour that grows.
 std::vector<Link> supported_links(const AttributeGraph& before, const AttributeGraph& after,
                                   std::vector<Link> links);
 
-struct MatchResult {
-  MotionGraph motion;  ///< with strokes identified
-};
-
-/// Links every frame to the next, bottom up (Wang & Zhu 2004, §3.2): subgraphs by count, shape, appearance
-/// and degree, then control points in order along matched curves, then what is left by assignment. What then
-/// flickers is steadied and matched anew. The start of the sampler. Cancelled: the frames matched so far.
-MatchResult match(SketchSequence sketch, const MatchOptions& options, const core::Context& context = {});
+/// Links every frame to the next, bottom up (Wang & Zhu 2004, §3.2), and identifies the strokes.
+/// Matched are first curves by count, shape, appearance and degree, then control points in order along
+/// matched curves, then remaining points by assignment. Flicker is removed and the clip matched again. The
+/// result is the start of the sampler. Throws InputError for invalid options, Cancelled if `context` is
+/// stopped.
+MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core::Context& context = {});
 
 }  // namespace emberfold::graph

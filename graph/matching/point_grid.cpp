@@ -10,12 +10,12 @@ namespace emberfold::graph::detail {
 
 namespace {
 std::int64_t cell_of(double x, double radius) {
-  constexpr double kEnd = 4e18;  // what a cell's number can hold
+  constexpr double kEnd = 4e18;  // within std::int64_t, with room for one more
   return static_cast<std::int64_t>(std::clamp(std::floor(x / radius), -kEnd, kEnd));
 }
 }  // namespace
 
-Near::Near(std::vector<Point> points, double radius) : points_(std::move(points)), radius_(radius) {
+PointGrid::PointGrid(std::vector<Point> points, double radius) : points_(std::move(points)), radius_(radius) {
   for (std::uint32_t k = 0; k < points_.size(); ++k) {
     cells_.push_back({cell_of(points_[k].x, radius), cell_of(points_[k].y, radius), k});
   }
@@ -24,7 +24,7 @@ Near::Near(std::vector<Point> points, double radius) : points_(std::move(points)
   });
 }
 
-std::vector<std::uint32_t> Near::around(Point centre) const {
+std::vector<std::uint32_t> PointGrid::find_near(Point centre) const {
   std::vector<std::uint32_t> result;
   const std::int64_t column = cell_of(centre.x, radius_), row = cell_of(centre.y, radius_);
   for (std::int64_t c = column - 1; c <= column + 1; ++c) {

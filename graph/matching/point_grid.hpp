@@ -9,13 +9,14 @@
 
 namespace emberfold::graph::detail {
 
-/// Finds points within a fixed radius.
-class Near {
+/// Finds points within a fixed radius by a grid of cells of that size.
+class PointGrid {
  public:
-  Near(std::vector<Point> points, double radius);
+  /// `radius`: px, > 0.
+  PointGrid(std::vector<Point> points, double radius);
 
-  /// The points within the radius of `centre`, ascending by index.
-  [[nodiscard]] std::vector<std::uint32_t> around(Point centre) const;
+  /// Returns the indices of the points within the radius of `centre`, ascending. O(points near it).
+  [[nodiscard]] std::vector<std::uint32_t> find_near(Point centre) const;
 
  private:
   struct Cell {

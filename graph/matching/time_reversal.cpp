@@ -6,21 +6,21 @@
 
 namespace emberfold::graph {
 
-SketchSequence reversed(const SketchSequence& sketch) {
+SketchSequence reverse_time(const SketchSequence& sketch) {
   SketchSequence result;
   result.width = sketch.width, result.height = sketch.height, result.fps = sketch.fps;
   for (auto frame = sketch.frames.rbegin(); frame != sketch.frames.rend(); ++frame) result.append(*frame);
   return result;
 }
 
-MotionGraph reversed(const MotionGraph& motion) {
+MotionGraph reverse_time(const MotionGraph& motion) {
   validate(motion);
   MotionGraph result;
-  result.sketch = reversed(motion.sketch);
+  result.sketch = reverse_time(motion.sketch);
   const auto &old = motion.sketch.frames, &now = result.sketch.frames;
   result.links.resize(now.size());
   for (std::size_t t = 1; t < now.size(); ++t) {
-    const std::size_t there = old.size() - t;  // the frame that the gap led to
+    const std::size_t there = old.size() - t;  // the later frame of these links in the old order
     for (const Link& link : motion.links[there]) {
       const std::size_t i = old[there].index_of(link.after), j = old[there - 1].index_of(link.before);
       result.links[t].push_back({now[t - 1].vertices()[i].id, now[t].vertices()[j].id});
@@ -52,7 +52,7 @@ EventType opposite(EventType type) {
 
 }  // namespace
 
-std::vector<Event> reversed(std::vector<Event> events, int frames) {
+std::vector<Event> reverse_time(std::vector<Event> events, int frames) {
   for (Event& event : events) {
     event.frame = frames - event.frame;
     event.type = opposite(event.type);

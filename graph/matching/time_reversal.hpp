@@ -8,18 +8,18 @@
 
 namespace emberfold::graph {
 
-/// The frames in the opposite order, vertices numbered anew from 0, in each frame in the order they had.
-/// Twice gives the numbering that SketchSequence::append makes.
-SketchSequence reversed(const SketchSequence& sketch);
+/// Reverses the order of the frames.
+/// Vertices are renumbered from 0 and keep their order within a frame, as SketchSequence::append does.
+SketchSequence reverse_time(const SketchSequence& sketch);
 
-/// The clip run backwards: its frames and links in the opposite sense, vertices numbered and strokes
-/// identified anew. An involution on graphs that are so numbered and identified. O(n log n). InputError as
-/// validate().
-MotionGraph reversed(const MotionGraph& motion);
+/// Reverses the time of a motion graph: its frames and links run backwards.
+/// Vertices are renumbered and strokes identified again; on such graphs it is an involution. Throws
+/// InputError as validate() does. O(n log n).
+MotionGraph reverse_time(const MotionGraph& motion);
 
-/// What the events of a clip of so many frames are in the clip run backwards: births for deaths and so on, in
-/// frame `frames` − frame; `before` and `after` changed over, their strokes called as they were. Ordered as
-/// sort_events orders.
-std::vector<Event> reversed(std::vector<Event> events, int frames);
+/// Reverses the time of events of a clip of `frames` frames.
+/// Births become deaths and so on, in frame `frames` − frame; `before` and `after` are swapped, their strokes
+/// keep their identities. Sorted as by sort_events.
+std::vector<Event> reverse_time(std::vector<Event> events, int frames);
 
 }  // namespace emberfold::graph

@@ -45,7 +45,7 @@ using Counts = std::array<std::array<double, steps>, kinds>;
 struct Frame {
   const graph::AttributeGraph& graph;
   graph::Components parts;
-  graph::detail::Near near;
+  graph::detail::PointGrid near;
 };
 
 Frame frame_of(const graph::AttributeGraph& graph) {
@@ -60,7 +60,7 @@ void count(const Frame& frame, Point shift, double weight, Counts& counts) {
     const Point place = patch.position + shift;
     std::array<double, kinds> nearest{};
     nearest.fill(farthest);
-    for (const auto w : frame.near.around(place)) {
+    for (const auto w : frame.near.find_near(place)) {
       if (frame.parts.of_vertex[w] == frame.parts.of_vertex[v]) continue;
       const Patch& other = frame.graph.patch(w);
       if (!beside(patch, other.position - place)) continue;
@@ -115,12 +115,12 @@ constexpr int relaxations = 2, smoothings = 2;
 std::vector<Point> pushes(const Particles& p, const graph::Components& parts, const Exclusion& exclusion) {
   std::vector<Point> places;
   for (const auto& particle : p.list) places.push_back(particle.position());
-  const graph::detail::Near near(places, most_kept_apart(exclusion));
+  const graph::detail::PointGrid near(places, most_kept_apart(exclusion));
   std::vector<Point> result(p.list.size());
   for (std::uint32_t v = 0; v < p.list.size(); ++v) {
     if (p.list[v].leaving >= 0) continue;
     double most = 0;
-    for (const auto w : near.around(places[v])) {
+    for (const auto w : near.find_near(places[v])) {
       if (parts.of_vertex[w] == parts.of_vertex[v] || p.list[w].leaving >= 0) continue;
       const Point apart = places[v] - places[w];
       const double far = graph::norm(apart),

@@ -99,12 +99,12 @@ struct Approach {
 void find_between(const AttributeGraph& graph, const graph::Components& parts, double reach, Sites& result) {
   std::vector<Point> points;
   for (const auto& vertex : graph.vertices()) points.push_back(vertex.patch.position);
-  const graph::detail::Near near(points, reach);
+  const graph::detail::PointGrid near(points, reach);
   std::map<std::pair<Index, Index>, Approach> nearest;  // of two strokes
   for (Index v = 0; v < graph.size(); ++v) {
     if (graph.degree(v) != 1) continue;
     const Index own = parts.of_vertex[v];
-    for (const Index w : near.around(points[v])) {
+    for (const Index w : near.find_near(points[v])) {
       const Index other = parts.of_vertex[w];
       if (other == own || !graph::same_kind(graph.patch(v), graph.patch(w))) continue;
       const Approach found{{v, w},

@@ -59,7 +59,7 @@ void check(const CellMap& map, const MotionModel& model, const std::string& part
 
 void check(const graph::AttributeGraph& graph, const std::string& part) {
   for (const auto& vertex : graph.vertices()) {
-    const auto complaint = graph::detail::range_error(vertex.patch);
+    const auto complaint = graph::detail::describe_range_error(vertex.patch);
     check(complaint.empty(), part, "holds a patch that is none: " + complaint);
   }
 }

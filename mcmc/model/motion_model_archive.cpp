@@ -167,14 +167,15 @@ graph::Patch read_patch(const double* row, const std::string& name) {
   if (!(type >= 0 && type <= static_cast<double>(graph::PatchType::blob)) || type != std::floor(type))
     refuse(name + ".npy holds a patch of no known type");
   p.type = static_cast<graph::PatchType>(type);
-  if (const auto why = graph::detail::range_error(p); !why.empty()) refuse(name + ".npy: " + why);
+  if (const auto why = graph::detail::describe_range_error(p); !why.empty()) refuse(name + ".npy: " + why);
   return p;
 }
 
 void read_hollow(graph::Patch& patch, const double* row, const std::string& name) {
   patch.hollow = row[0];
   for (std::size_t c = 0; c < 3; ++c) patch.between[c] = static_cast<float>(row[1 + c]);
-  if (const auto why = graph::detail::range_error(patch); !why.empty()) refuse(name + ".npy: " + why);
+  if (const auto why = graph::detail::describe_range_error(patch); !why.empty())
+    refuse(name + ".npy: " + why);
 }
 
 // The next graph of the tables of this kind: "first" or "exemplar".

@@ -17,12 +17,12 @@ void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int fram
                 const Gates& gates) {
   std::vector<graph::Point> places;
   for (const Index i : nodes) places.push_back(state[i].patch.position);
-  const graph::detail::Near near(places, std::max(gates.overlap, 0.5));
+  const graph::detail::PointGrid near(places, std::max(gates.overlap, 0.5));
   std::vector<Index> as;
   for (const auto& vertex : other.vertices()) {
     const graph::Point at = vertex.patch.position;
     Index nearest = kNone;
-    for (const Index k : near.around(at))
+    for (const Index k : near.find_near(at))
       if (state[nodes[k]].kind == kind(vertex.patch) &&
           (nearest == kNone ||
            graph::distance(places[k], at) < graph::distance(state[nearest].patch.position, at)))

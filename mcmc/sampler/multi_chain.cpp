@@ -49,7 +49,7 @@ mcmc::InferResult sample_readings(const std::vector<graph::MotionGraph>& starts,
   mcmc::InferResult all;
   std::array<std::optional<mcmc::MotionModel>, 2> learned;  // of each sense, from the first that has it
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    const graph::MotionGraph start = backwards[k] ? graph::reversed(starts[k]) : starts[k];
+    const graph::MotionGraph start = backwards[k] ? graph::reverse_time(starts[k]) : starts[k];
     auto& model = learned.at(backwards[k] ? 1 : 0);
     if (!model) model = mcmc::fit(start, fitting(seed, false), context.with_progress({})).model;
     const core::Context part = context.with_progress([&](std::string_view stage, double share) {
@@ -58,7 +58,7 @@ mcmc::InferResult sample_readings(const std::vector<graph::MotionGraph>& starts,
     auto chain = mcmc::infer({&start, 1}, *model, mcmc::NotedEvidence{}, options, seed + k / 2, part);
     context.check();
     if (backwards[k])
-      for (auto& sample : chain.samples) sample = graph::reversed(sample);
+      for (auto& sample : chain.samples) sample = graph::reverse_time(sample);
     add(std::move(chain), all);
   }
   return all;
@@ -80,7 +80,7 @@ MultiChainResult sample_chains(const std::vector<graph::MotionGraph>& starts,
   core::parallel_for(samples.size(), context,
                      [&](std::size_t i) { events[i] = graph::stroke_events(samples[i]); });
   context.check();
-  const std::size_t shown = graph::representative(events);
+  const std::size_t shown = graph::find_representative(events);
   graph::PoolOptions pooling;
   pooling.readings = starts.size();
   result.events = graph::pool_events(events, shown, pooling);

@@ -194,11 +194,11 @@ void go_along(Particles& fresh, const Particles& there, const MotionModel& model
   std::vector<Point> places;
   for (const auto& particle : there.list) places.push_back(particle.rest.position);
   const double reach = 3 * std::max({model.sway.range, model.contrast.range, 1.0});
-  const graph::detail::Near near(places, reach);
+  const graph::detail::PointGrid near(places, reach);
   for (Particle& me : fresh.list) {
     double least = reach * reach;
     const Particle* nearest = nullptr;
-    for (const auto j : near.around(me.rest.position)) {
+    for (const auto j : near.find_near(me.rest.position)) {
       const Point apart = places[j] - me.rest.position;
       if (graph::dot(apart, apart) < least) least = graph::dot(apart, apart), nearest = &there.list[j];
     }

@@ -297,7 +297,7 @@ EMBERFOLD_SIMD_CLONES void divide_row(const double* by, int count, double* __res
   for (int i = 0; i < count; ++i) x[i] /= by[i], y[i] /= by[i];
 }
 
-// core::between_pixels at places of a row, moved by `away` along their directions.
+// core::sample_bilinear at places of a row, moved by `away` along their directions.
 EMBERFOLD_SIMD_CLONES void between_row(const float* values, int stride, cv::Size size, const int* x, int y,
                                        const double* nx, const double* ny, double away, int count,
                                        double* __restrict out) {
@@ -377,10 +377,10 @@ NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
         first.insert(first.end(), {static_cast<float>(std::abs(g.x)), static_cast<float>(std::abs(g.y))});
       }
     }
-    ground.second.push_back(
-        std::max(noise * level.hessian_sd, kMedianToSd * double{core::median_of_positive(std::move(second))}));
-    ground.first.push_back(
-        std::max(noise * level.gradient_sd, kMedianToSd * double{core::median_of_positive(std::move(first))}));
+    ground.second.push_back(std::max(noise * level.hessian_sd,
+                                     kMedianToSd * double{core::median_of_positive(std::move(second))}));
+    ground.first.push_back(std::max(noise * level.gradient_sd,
+                                    kMedianToSd * double{core::median_of_positive(std::move(first))}));
   }
   return ground;
 }

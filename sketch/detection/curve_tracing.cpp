@@ -16,21 +16,20 @@ using graph::Point;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::array<std::array<int, 2>, 8> kOctants = {
     {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
 // The difference in (−π, π]; both are a few turns at most.
 double turn(double from, double to) {
   double difference = to - from;
-  while (difference > kPi) difference -= 2 * kPi;
-  while (difference <= -kPi) difference += 2 * kPi;
+  while (difference > std::numbers::pi) difference -= 2 * std::numbers::pi;
+  while (difference <= -std::numbers::pi) difference += 2 * std::numbers::pi;
   return difference;
 }
 
 // The undirected theta of a point, as the one of its two directions nearer to `along`.
 double directed(double theta, double along) {
-  return std::abs(turn(along, theta)) > kPi / 2 ? theta + kPi : theta;
+  return std::abs(turn(along, theta)) > std::numbers::pi / 2 ? theta + std::numbers::pi : theta;
 }
 
 constexpr double kDouble = 1.5;  // px: nearer points are the same line's, whichever is stronger
@@ -56,9 +55,9 @@ class Linker {
     spend_beside(start);
     Chain chain{map_.kind, {}, false};
     const double first = stronger_way(start);
-    std::vector<CreasePoint> ahead = follow(seed, first), behind = follow(seed, first + kPi);
+    std::vector<CreasePoint> ahead = follow(seed, first), behind = follow(seed, first + std::numbers::pi);
     for (auto p = behind.rbegin(); p != behind.rend(); ++p) {
-      p->theta -= kPi;
+      p->theta -= std::numbers::pi;
       chain.points.push_back(*p);
     }
     chain.points.push_back(start);
@@ -67,14 +66,14 @@ class Linker {
     std::size_t middle = behind.size();
     if (first != start.theta) {  // steps keep their brighter side to the right
       std::reverse(chain.points.begin(), chain.points.end());
-      for (CreasePoint& p : chain.points) p.theta -= kPi;
+      for (CreasePoint& p : chain.points) p.theta -= std::numbers::pi;
       middle = ahead.size();
     }
-    for (CreasePoint& p : chain.points) p.theta = std::remainder(p.theta, 2 * kPi);
+    for (CreasePoint& p : chain.points) p.theta = std::remainder(p.theta, 2 * std::numbers::pi);
     const std::size_t n = chain.points.size();
-    chain.closed = n >= 8 &&
-                   graph::distance(chain.points.front().position, chain.points.back().position) < 2.5 &&
-                   std::abs(turn(chain.points.back().theta, chain.points.front().theta)) < kPi / 3;
+    chain.closed =
+        n >= 8 && graph::distance(chain.points.front().position, chain.points.back().position) < 2.5 &&
+        std::abs(turn(chain.points.back().theta, chain.points.front().theta)) < std::numbers::pi / 3;
     if (chain.closed)
       std::rotate(chain.points.begin(), chain.points.begin() + static_cast<std::ptrdiff_t>(middle),
                   chain.points.end());
@@ -91,7 +90,7 @@ class Linker {
       if (map_.kind != CreaseKind::step) return (map_.kind == CreaseKind::ridge ? 1 : -1) * level.value_at(q);
       return std::abs(level.value_at(q + across * level.sigma) - level.value_at(q - across * level.sigma));
     };
-    return shows(2) >= shows(-2) ? p.theta : p.theta + kPi;
+    return shows(2) >= shows(-2) ? p.theta : p.theta + std::numbers::pi;
   }
 
   std::vector<CreasePoint> follow(std::size_t from, double theta) {
@@ -111,7 +110,7 @@ class Linker {
 
   // The best of the three neighbours ahead, or of the pixels one further where those are empty.
   std::optional<std::size_t> step(Point position, double theta, double heading) const {
-    const int octant = core::fast_round(theta / (kPi / 4));
+    const int octant = core::fast_round(theta / (std::numbers::pi / 4));
     const int x = core::fast_round(position.x), y = core::fast_round(position.y);
     std::optional<std::size_t> best;
     for (int reach = 1; reach <= 2 && !best; ++reach) {
@@ -124,8 +123,8 @@ class Linker {
         const double bend = std::abs(turn(theta, directed(p.theta, theta)));
         const Point v = p.position - position;
         const double way = std::sqrt(graph::dot(v, v));
-        if (bend > kPi / 4 || way < 0.2) continue;
-        if (way > 0.7 && std::abs(turn(heading, std::atan2(v.y, v.x))) > kPi / 3.5) continue;
+        if (bend > std::numbers::pi / 4 || way < 0.2) continue;
+        if (way > 0.7 && std::abs(turn(heading, std::atan2(v.y, v.x))) > std::numbers::pi / 3.5) continue;
         if (way + bend < least) {
           least = way + bend;
           best = candidate;
@@ -169,7 +168,7 @@ class Linker {
         const Point v = q.position - p.position;
         const double across = std::abs(graph::dot(v, normal)), along = std::abs(graph::dot(v, way));
         if (across <= (q.strength < p.strength ? reach : kDouble) && along < kAlong &&
-            graph::orientation_difference(p.theta, q.theta) < kPi / 5)
+            graph::orientation_difference(p.theta, q.theta) < std::numbers::pi / 5)
           spent_[beside] = 1;
       }
     }
@@ -222,7 +221,7 @@ Point direction(const Chain& chain, std::size_t at, std::size_t reach) {
 
 std::vector<Chain> without_hooks(std::vector<Chain> chains) {
   constexpr std::size_t kTail = 6, kBody = 14;  // points
-  constexpr double kAside = kPi / 5;
+  constexpr double kAside = std::numbers::pi / 5;
   for (Chain& chain : chains) {
     if (chain.closed || chain.points.size() < kBody) continue;
     const auto hooked = [&](std::size_t end, std::size_t from, std::size_t to) {

@@ -12,7 +12,6 @@ using graph::PatchType;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kSharp = 3;  // blurs that a bar's core is wide at least
 
 PatchType by_profile(const graph::Patch& patch) {
@@ -28,13 +27,13 @@ struct Angles {
 };
 Angles angles(std::vector<double> arms) {
   std::sort(arms.begin(), arms.end());
-  Angles result{0, kPi};
+  Angles result{0, std::numbers::pi};
   for (std::size_t i = 0; i < arms.size(); ++i) {
-    const double next = i + 1 < arms.size() ? arms[i + 1] : arms[0] + 2 * kPi;
+    const double next = i + 1 < arms.size() ? arms[i + 1] : arms[0] + 2 * std::numbers::pi;
     result.widest = std::max(result.widest, next - arms[i]);
     for (std::size_t j = i + 1; j < arms.size(); ++j) {
-      const double between = std::min(arms[j] - arms[i], 2 * kPi - (arms[j] - arms[i]));
-      result.off_straight = std::min(result.off_straight, kPi - between);
+      const double between = std::min(arms[j] - arms[i], 2 * std::numbers::pi - (arms[j] - arms[i]));
+      result.off_straight = std::min(result.off_straight, std::numbers::pi - between);
     }
   }
   return result;
@@ -43,10 +42,11 @@ Angles angles(std::vector<double> arms) {
 PatchType by_degree(const graph::Patch& patch, const std::vector<double>& arms) {
   if (arms.size() == 1) return PatchType::terminator;
   const Angles seen = angles(arms);
-  if (arms.size() == 2) return seen.off_straight > kPi / 3 ? PatchType::corner : by_profile(patch);
+  if (arms.size() == 2)
+    return seen.off_straight > std::numbers::pi / 3 ? PatchType::corner : by_profile(patch);
   if (arms.size() > 3) return PatchType::crossing;
-  if (seen.off_straight < kPi / 6) return PatchType::t_junction;
-  return seen.widest > 7 * kPi / 6 ? PatchType::l_junction : PatchType::y_junction;
+  if (seen.off_straight < std::numbers::pi / 6) return PatchType::t_junction;
+  return seen.widest > 7 * std::numbers::pi / 6 ? PatchType::l_junction : PatchType::y_junction;
 }
 
 }  // namespace

@@ -42,13 +42,13 @@ cv::Rect box_of(const std::vector<Point>& places, cv::Size size) {
 }
 
 /// What is drawn within the box, near these places; what lies elsewhere is the same before and after.
-Sketchable drawn(const Draft& draft, const graph::detail::Near& places, const cv::Rect& box) {
+Sketchable drawn(const Draft& draft, const graph::detail::PointGrid& places, const cv::Rect& box) {
   std::vector<std::optional<graph::VertexId>> id(draft.slots());
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
   const Point corner{static_cast<double>(box.x), static_cast<double>(box.y)};
   for (Slot slot = 0; slot < draft.slots(); ++slot) {
-    if (!draft.holds(slot) || places.around(draft.patch(slot).position).empty()) continue;
+    if (!draft.holds(slot) || places.find_near(draft.patch(slot).position).empty()) continue;
     Patch patch = draft.patch(slot);
     patch.position = patch.position - corner;
     id[slot] = {static_cast<std::uint32_t>(vertices.size())};
@@ -65,7 +65,7 @@ double drawn_change(const Draft& draft, const Edit& edit, const GainFrame& luma)
   const std::vector<Point> places = places_of(draft, edit);
   const cv::Rect box = box_of(places, luma.luma.size());
   if (box.empty()) return 0;
-  const graph::detail::Near near(places, kMargin);
+  const graph::detail::PointGrid near(places, kMargin);
   Draft edited = draft;
   edited.apply(edit);
   const Sketchable before = drawn(draft, near, box), after = drawn(edited, near, box);

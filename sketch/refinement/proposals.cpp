@@ -186,7 +186,7 @@ bool Editor::overlaps(const Patch& patch, std::span<const Slot> besides) const {
 }
 
 std::vector<Slot> Editor::around(Point place) const {
-  std::vector<Slot> found = near_.around(place);
+  std::vector<Slot> found = near_.find_near(place);
   for (Slot& slot : found) slot = held_[slot];
   return found;
 }

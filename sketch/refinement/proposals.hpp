@@ -79,7 +79,7 @@ class Editor {
   Refinement refinement_;
   Tried& tried_;
   std::vector<Slot> held_;  // of the draft
-  graph::detail::Near near_;
+  graph::detail::PointGrid near_;
   std::vector<Proposal> proposals_;
 };
 

@@ -15,7 +15,6 @@ using graph::Point;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLongest = 16;  // px that a way bridges
 constexpr double kShows = 0.6;   // more than the half that makes a gap: what is on the verge would flicker
 
@@ -54,10 +53,10 @@ std::optional<std::vector<Patch>> row_like(Editor& editor, const Patch& begin, P
 /// is come to from the side.
 std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point from, const Patch& end,
                                       double contrast, std::span<const Slot> besides,
-                                      double from_side = kPi / 6) {
+                                      double from_side = std::numbers::pi / 6) {
   const Point to = end.position, step = to - from;
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
-  const double theta = std::cos(begin.theta - heading) < 0 ? heading + kPi : heading;
+  const double theta = std::cos(begin.theta - heading) < 0 ? heading + std::numbers::pi : heading;
   // Where a stroke comes in from the side, its own sides hide that the way goes on.
   const double hidden =
       graph::orientation_difference(heading, end.theta) < from_side ? 0 : end.width / 2 + 2 * end.blur;
@@ -103,8 +102,9 @@ void join_ends(Editor& editor, const End& a, const End& b) {
     if (before == after) return;
     const Point along = draft.patch(after).position - draft.patch(before).position;
     const double heading = std::atan2(along.y, along.x);
-    const auto one = editor.like(first, (a.place + b.place) * 0.5,
-                                 std::cos(first.theta - heading) < 0 ? heading + kPi : heading, contrast);
+    const auto one =
+        editor.like(first, (a.place + b.place) * 0.5,
+                    std::cos(first.theta - heading) < 0 ? heading + std::numbers::pi : heading, contrast);
     if (!one) return;
     Edit edit;
     drop(edit, draft, a.slot);
@@ -132,12 +132,12 @@ void reach_stroke(Editor& editor, const End& end, Slot target) {
   const double length = graph::norm(gap);
   if (draft.degree(target) < 1 || length > kLongest || !graph::same_kind(first, hit)) return;
   if (graph::dot(end.heading, gap) < kAhead * length) return;
-  if (graph::orientation_difference(std::atan2(gap.y, gap.x), hit.theta) < kPi / 6) return;
+  if (graph::orientation_difference(std::atan2(gap.y, gap.x), hit.theta) < std::numbers::pi / 6) return;
   std::vector<Slot> besides{end.slot, target};
   besides.insert(besides.end(), draft.neighbours(target).begin(), draft.neighbours(target).end());
   if (std::find(besides.begin(), besides.end(), draft.neighbours(end.slot)[0]) != besides.end()) return;
   // An end has sides only for what comes nearly square to it: before it, nothing hides a gap.
-  const double from_side = draft.degree(target) == 1 ? kPi / 3 : kPi / 6;
+  const double from_side = draft.degree(target) == 1 ? std::numbers::pi / 3 : std::numbers::pi / 6;
   if (const auto patches = way(editor, first, end.place, hit, fainter(first, hit), besides, from_side)) {
     Edit edit;
     Slot next = draft.slots();

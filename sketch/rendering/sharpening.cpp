@@ -62,7 +62,7 @@ FlankGradient flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& g
       if (!(at.x >= border && at.y >= border && at.x <= luma.cols - 1 - border &&
             at.y <= luma.rows - 1 - border))
         continue;
-      result.sum += core::between_pixels(slope, at.x, at.y);
+      result.sum += core::sample_bilinear(slope, at.x, at.y);
       ++result.places;
     }
   }

@@ -20,7 +20,7 @@ graph::MotionGraph swaying_clip(std::size_t patches) {
   graph::SketchSequence sketch;
   sketch.width = patches > 1000 ? 1280 : 320, sketch.height = patches > 1000 ? 720 : 240;
   for (int t = 0; t < kFrames; ++t) sketch.append(bench::swaying(patches, t));
-  return graph::match(std::move(sketch), {}).motion;
+  return graph::match(std::move(sketch), {});
 }
 
 void motion_fit(benchmark::State& state) {

@@ -26,7 +26,7 @@ mcmc::MotionModel learned_model(std::size_t patches) {
   graph::SketchSequence sketch;
   sketch.width = kSize.width, sketch.height = kSize.height;
   for (int t = 0; t < kFrames; ++t) sketch.append(bench::swaying(patches, t));
-  return mcmc::fit(graph::match(std::move(sketch), {}).motion).model;
+  return mcmc::fit(graph::match(std::move(sketch), {})).model;
 }
 
 /// Thirty components of noise, each decaying on its own.

@@ -11,9 +11,12 @@
 
 #include "core/error.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using core::NpyArray;
+
+using test::contains;
 
 namespace {
 
@@ -44,10 +47,6 @@ std::string refusal(const std::string& bytes) {
     return error.what();
   }
   return {};
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 /// A file of format version 1.0 around this dictionary.

@@ -8,6 +8,7 @@
 #include "dytex/learn.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -45,7 +46,7 @@ dytex::LearnOptions components(int n) {
 }
 
 std::string complaint(const core::Clip& clip, const dytex::LearnOptions& options) {
-  return test::message<core::InputError>([&] { learn(clip, options); });
+  return test::message_of<core::InputError>([&] { learn(clip, options); });
 }
 
 }  // namespace
@@ -173,7 +174,7 @@ TEST_CASE("What cannot be learned is refused with one line", "[dytex][learn]") {
 TEST_CASE("A frame of another size is refused", "[dytex][learn]") {
   core::Clip clip = test::wavy_clip(8, 6, 1, CV_8U, 10);
   clip.frames[4] = cv::Mat(6, 7, CV_8U, cv::Scalar(0));
-  CHECK(test::message<core::IoError>([&] { learn(clip, components(2)); }) ==
+  CHECK(test::message_of<core::IoError>([&] { learn(clip, components(2)); }) ==
         "frame 4 is 7 × 6 of OpenCV's type 0, the clip's frames are 8 × 6 of OpenCV's type 0");
 }
 

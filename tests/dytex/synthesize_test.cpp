@@ -13,6 +13,7 @@
 #include "dytex/synthesis/draw_frames.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -129,7 +130,7 @@ TEST_CASE("A clip may begin with a training frame", "[dytex][synthesize]") {
   synthesis.next();
   CHECK(synthesis.state() == texture.states.col(17));
   for (const int none : {-1, 50}) {
-    CHECK(test::message<core::InputError>([&] {
+    CHECK(test::message_of<core::InputError>([&] {
             dytex::Synthesis(texture, {.seed = 1, .first_frame = none});
           }) == "first_frame is " + std::to_string(none) + ", allowed is 0 to 49");
   }
@@ -196,10 +197,10 @@ TEST_CASE("One step ahead is predicted as the definition says", "[dytex][synthes
 
 TEST_CASE("Levels and states that do not fit are refused", "[dytex][synthesize]") {
   const dytex::LinearDynamicTexture texture = learned();
-  CHECK(test::message<core::InputError>([&] { dytex::project(texture, cv::Mat(30, 41, CV_32F)); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::project(texture, cv::Mat(30, 41, CV_32F)); }) ==
         "levels are 41 × 30 of OpenCV's type 5, the texture needs 40 × 30 of type 5");
   CHECK_THROWS_AS(dytex::predict(texture, cv::Mat(30, 40, CV_8U)), core::InputError);
-  CHECK(test::message<core::InputError>([&] { dytex::draw(texture, Eigen::VectorXd::Zero(7)); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::draw(texture, Eigen::VectorXd::Zero(7)); }) ==
         "the state has 7 numbers, the texture needs 6");
 }
 

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using graph::AttributeGraph;
@@ -15,18 +16,18 @@ using graph::Edge;
 namespace {
 std::vector<graph::Vertex> row(std::uint32_t count) {
   std::vector<graph::Vertex> vertices;
-  for (std::uint32_t i = 0; i < count; ++i) vertices.push_back(make::vertex(i, 5 * i, 0));
+  for (std::uint32_t i = 0; i < count; ++i) vertices.push_back(test::vertex(i, 5 * i, 0));
   return vertices;
 }
 std::string refusal(std::vector<graph::Vertex> vertices, std::vector<Edge> edges) {
-  return make::message<core::InputError>([&] { AttributeGraph(std::move(vertices), std::move(edges)); });
+  return test::message_of<core::InputError>([&] { AttributeGraph(std::move(vertices), std::move(edges)); });
 }
 }  // namespace
 
 TEST_CASE("A graph is the same whatever order its parts come in", "[graph]") {
   core::Rng rng(1);
   for (int k = 0; k < 20; ++k) {
-    const AttributeGraph graph = make::random_graph(rng, 5, 4);
+    const AttributeGraph graph = test::random_graph(rng, 5, 4);
     std::vector<graph::Vertex> vertices(graph.vertices().rbegin(), graph.vertices().rend());
     std::vector<Edge> edges(graph.edges().rbegin(), graph.edges().rend());
     for (Edge& edge : edges) std::swap(edge.a, edge.b);
@@ -37,7 +38,7 @@ TEST_CASE("A graph is the same whatever order its parts come in", "[graph]") {
 TEST_CASE("Neighbours are exactly the other ends of a vertex's edges, ascending", "[graph]") {
   core::Rng rng(2);
   for (int k = 0; k < 20; ++k) {
-    const AttributeGraph graph = make::random_graph(rng, 5, 6);
+    const AttributeGraph graph = test::random_graph(rng, 5, 6);
     std::vector<std::set<std::uint32_t>> expected(graph.size());
     for (const Edge& edge : graph.edges()) {
       const auto i = graph.index_of(edge.a), j = graph.index_of(edge.b);
@@ -53,7 +54,7 @@ TEST_CASE("Neighbours are exactly the other ends of a vertex's edges, ascending"
 }
 
 TEST_CASE("Vertices are found by their ids, with gaps too", "[graph]") {
-  std::vector<graph::Vertex> vertices{make::vertex(900, 0, 0), make::vertex(7, 1, 0), make::vertex(9, 2, 0)};
+  std::vector<graph::Vertex> vertices{test::vertex(900, 0, 0), test::vertex(7, 1, 0), test::vertex(9, 2, 0)};
   const AttributeGraph graph(vertices, {});
   CHECK(graph.index_of({7}) == 0);
   CHECK(graph.index_of({9}) == 1);
@@ -65,22 +66,22 @@ TEST_CASE("Vertices are found by their ids, with gaps too", "[graph]") {
 TEST_CASE("What is no graph is refused with the ids", "[graph]") {
   auto twice = row(3);
   twice[2].id = {1};
-  CHECK(make::has(refusal(twice, {}), "vertex 1 is there twice"));
-  CHECK(make::has(refusal(row(3), {{{0}, {4}}}), "vertex 4, which is not there"));
-  CHECK(make::has(refusal(row(3), {{{5}, {1}}}), "vertex 5, which is not there"));
-  CHECK(make::has(refusal(row(3), {{{2}, {2}}}), "vertex 2 has an edge to itself"));
-  CHECK(make::has(refusal(row(3), {{{0}, {1}}, {{1}, {0}}}), "vertex 0 to vertex 1 is there twice"));
+  CHECK(test::contains(refusal(twice, {}), "vertex 1 is there twice"));
+  CHECK(test::contains(refusal(row(3), {{{0}, {4}}}), "vertex 4, which is not there"));
+  CHECK(test::contains(refusal(row(3), {{{5}, {1}}}), "vertex 5, which is not there"));
+  CHECK(test::contains(refusal(row(3), {{{2}, {2}}}), "vertex 2 has an edge to itself"));
+  CHECK(test::contains(refusal(row(3), {{{0}, {1}}, {{1}, {0}}}), "vertex 0 to vertex 1 is there twice"));
   auto infinite = row(2);
   infinite[1].patch.left[2] = std::numeric_limits<float>::infinity();
-  CHECK(make::has(refusal(infinite, {}), "vertex 1 holds a number that is not finite"));
+  CHECK(test::contains(refusal(infinite, {}), "vertex 1 holds a number that is not finite"));
   infinite = row(2);
   infinite[0].patch.position.y = std::nan("");
-  CHECK(make::has(refusal(infinite, {}), "vertex 0"));
+  CHECK(test::contains(refusal(infinite, {}), "vertex 0"));
 }
 
 TEST_CASE("Stroke identities replace each other and nothing else", "[graph]") {
   core::Rng rng(3);
-  const AttributeGraph graph = make::random_graph(rng, 4, 2);
+  const AttributeGraph graph = test::random_graph(rng, 4, 2);
   std::vector<graph::SubgraphId> ids(graph.size());
   for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = {static_cast<std::uint32_t>(100 + i)};
   const AttributeGraph named = graph.with_subgraphs(ids);
@@ -93,7 +94,7 @@ TEST_CASE("Stroke identities replace each other and nothing else", "[graph]") {
 TEST_CASE("Components are what a walk along edges can reach, numbered by lowest vertex", "[graph]") {
   core::Rng rng(4);
   for (int k = 0; k < 30; ++k) {
-    const AttributeGraph graph = make::random_graph(rng, 7, 3);
+    const AttributeGraph graph = test::random_graph(rng, 7, 3);
     std::vector<int> expected(graph.size(), -1);
     int count = 0;
     for (std::size_t start = 0; start < graph.size(); ++start) {
@@ -118,7 +119,7 @@ TEST_CASE("Components are what a walk along edges can reach, numbered by lowest 
 TEST_CASE("Curves take every edge once and break at branchings only", "[graph]") {
   core::Rng rng(5);
   for (int k = 0; k < 40; ++k) {
-    const AttributeGraph graph = make::random_graph(rng, 6, rng.below(9));
+    const AttributeGraph graph = test::random_graph(rng, 6, rng.below(9));
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
     std::set<std::uint32_t> seen;
     for (const graph::Curve& curve : graph::curves(graph)) {

@@ -6,25 +6,26 @@
 #include "core/error.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 
 namespace {
 graph::AttributeGraph dots(std::uint32_t count) {
-  make::Frame frame;
+  test::Frame frame;
   for (std::uint32_t i = 0; i < count; ++i) frame.line({{20.0 * i, 0}});
   return frame.graph();
 }
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 bool is_valid(const graph::MotionGraph& motion) {
-  return make::message<core::InputError>([&] { graph::validate(motion); }).empty();
+  return test::message_of<core::InputError>([&] { graph::validate(motion); }).empty();
 }
 }  // namespace
 
 TEST_CASE("Frames that are appended are renumbered in their order", "[graph]") {
-  make::Frame frame;
-  frame.line(make::segment({0, 0}, {20, 0}, 3));
+  test::Frame frame;
+  frame.line(test::segment({0, 0}, {20, 0}, 3));
   graph::SketchSequence sketch;
   sketch.append(frame.graph());
   sketch.append({});
@@ -46,7 +47,7 @@ TEST_CASE("Exactly the star forests are valid: their number is known", "[graph]"
       for (std::uint32_t k = 0; k < m * n; ++k) {
         if ((set >> k) & 1U) links.emplace_back(k / n, k % n);
       }
-      valid += is_valid(make::motion({dots(m), dots(n)}, {links})) ? 1 : 0;
+      valid += is_valid(test::motion({dots(m), dots(n)}, {links})) ? 1 : 0;
     }
     return valid;
   };
@@ -58,43 +59,43 @@ TEST_CASE("Exactly the star forests are valid: their number is known", "[graph]"
 }
 
 TEST_CASE("A motion graph that is none is refused with frame and ids", "[graph]") {
-  const auto good = make::motion({dots(2), dots(2)}, {{{0, 0}, {1, 1}}});
+  const auto good = test::motion({dots(2), dots(2)}, {{{0, 0}, {1, 1}}});
   REQUIRE(is_valid(good));
   const auto refusal = [&](auto spoil) {
     graph::MotionGraph bad = good;
     spoil(bad);
-    return make::message<core::InputError>([&] { graph::validate(bad); });
+    return test::message_of<core::InputError>([&] { graph::validate(bad); });
   };
-  CHECK(make::has(refusal([](auto& m) { m.links.pop_back(); }), "1 lists of links for 2 frames"));
-  CHECK(make::has(refusal([](auto& m) { m.links[0] = m.links[1]; }), "frame 0"));
-  CHECK(make::has(refusal([](auto& m) { m.links[0] = m.links[1]; }), "no frame"));
-  CHECK(make::has(refusal([](auto& m) { m.links[1][0].before = {7}; }), "frame 1"));
-  CHECK(make::has(refusal([](auto& m) { m.links[1][0].before = {7}; }), "vertex 7"));
-  CHECK(make::has(refusal([](auto& m) { m.links[1][1].after = {1}; }), "to vertex 1 ends at a vertex"));
-  CHECK(make::has(refusal([](auto& m) { std::swap(m.links[1][0], m.links[1][1]); }), "sorted"));
-  CHECK(make::has(refusal([](auto& m) { m.links[1][1] = m.links[1][0]; }), "twice"));
-  CHECK(make::has(refusal([](auto& m) {
-                    m.links[1].insert(m.links[1].begin() + 1, graph::Link{{0}, {3}});
-                  }),
-                  "link from vertex 0 to vertex 3"));
-  CHECK(make::has(refusal([](auto& m) {
-                    m.links[1].insert(m.links[1].begin() + 1, graph::Link{{0}, {3}});
-                  }),
-                  "both of its ends"));
-  CHECK(make::has(refusal([](auto& m) { m.sketch.frames[1] = m.sketch.frames[0], m.links[1].clear(); }),
-                  "frame 1"));
-  CHECK(make::has(refusal([](auto& m) { m.sketch.frames[1] = m.sketch.frames[0], m.links[1].clear(); }),
-                  "vertex 0 is not above"));
+  CHECK(test::contains(refusal([](auto& m) { m.links.pop_back(); }), "1 lists of links for 2 frames"));
+  CHECK(test::contains(refusal([](auto& m) { m.links[0] = m.links[1]; }), "frame 0"));
+  CHECK(test::contains(refusal([](auto& m) { m.links[0] = m.links[1]; }), "no frame"));
+  CHECK(test::contains(refusal([](auto& m) { m.links[1][0].before = {7}; }), "frame 1"));
+  CHECK(test::contains(refusal([](auto& m) { m.links[1][0].before = {7}; }), "vertex 7"));
+  CHECK(test::contains(refusal([](auto& m) { m.links[1][1].after = {1}; }), "to vertex 1 ends at a vertex"));
+  CHECK(test::contains(refusal([](auto& m) { std::swap(m.links[1][0], m.links[1][1]); }), "sorted"));
+  CHECK(test::contains(refusal([](auto& m) { m.links[1][1] = m.links[1][0]; }), "twice"));
+  CHECK(test::contains(refusal([](auto& m) {
+                         m.links[1].insert(m.links[1].begin() + 1, graph::Link{{0}, {3}});
+                       }),
+                       "link from vertex 0 to vertex 3"));
+  CHECK(test::contains(refusal([](auto& m) {
+                         m.links[1].insert(m.links[1].begin() + 1, graph::Link{{0}, {3}});
+                       }),
+                       "both of its ends"));
+  CHECK(test::contains(refusal([](auto& m) { m.sketch.frames[1] = m.sketch.frames[0], m.links[1].clear(); }),
+                       "frame 1"));
+  CHECK(test::contains(refusal([](auto& m) { m.sketch.frames[1] = m.sketch.frames[0], m.links[1].clear(); }),
+                       "vertex 0 is not above"));
 }
 
 TEST_CASE("A stroke keeps its identity until it splits or merges", "[graph]") {
   // A pair of strokes; one splits, the other goes on; then two of three merge; one dies and one is born.
   const auto frame = [](int strokes) {
-    make::Frame f;
-    for (int k = 0; k < strokes; ++k) f.line(make::segment({0, 20.0 * k}, {10, 20.0 * k}, 2));
+    test::Frame f;
+    for (int k = 0; k < strokes; ++k) f.line(test::segment({0, 20.0 * k}, {10, 20.0 * k}, 2));
     return f.graph();
   };
-  const auto motion = graph::identify(make::motion(
+  const auto motion = graph::identify(test::motion(
       {frame(2), frame(2), frame(3), frame(2), frame(2)},
       {{{0, 0}, {2, 2}, {3, 3}}, {{0, 0}, {1, 2}, {2, 4}}, {{0, 0}, {2, 1}, {4, 2}}, {{2, 0}, {3, 1}}}));
   const auto ids = [&](std::size_t t) {
@@ -112,7 +113,7 @@ TEST_CASE("A stroke keeps its identity until it splits or merges", "[graph]") {
 
 TEST_CASE("Identities are one for each component and stay exactly along lone ties", "[graph]") {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const auto motion = graph::identify(make::random_motion(seed, 4, 8));
+    const auto motion = graph::identify(test::random_motion(seed, 4, 8));
     CHECK(graph::identify(motion) == motion);
     for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t) {
       const auto& frame = motion.sketch.frames[t];
@@ -143,7 +144,7 @@ TEST_CASE("Identities are one for each component and stay exactly along lone tie
 
 TEST_CASE("Every vertex lies in one trajectory, and they are as long as can be", "[graph]") {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const auto motion = make::random_motion(seed, 5, 12);
+    const auto motion = test::random_motion(seed, 5, 12);
     std::set<std::uint32_t> seen;
     std::size_t steps = 0, vertices = 0, lone = 0;
     graph::Trajectory last;

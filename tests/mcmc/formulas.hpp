@@ -11,15 +11,14 @@ namespace emberfold::formula {
 
 using mcmc::Theta;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kTight = 1e-10;
 
 inline double normal(double x, double sd) {
-  return std::exp(-x * x / (2 * sd * sd)) / (std::sqrt(2 * kPi) * sd);
+  return std::exp(-x * x / (2 * sd * sd)) / (std::sqrt(2 * std::numbers::pi) * sd);
 }
 /// Density of a turn on either side, normal on (−π/2, π/2).
 inline double turned(double x, double sd) {
-  return normal(x, sd) / (2 * std::erf(kPi / 2 / std::sqrt(2.0) / sd));
+  return normal(x, sd) / (2 * std::erf(std::numbers::pi / 2 / std::sqrt(2.0) / sd));
 }
 /// One time in twenty the sketch errs, and what it shows spreads four times wider.
 inline double erring(double (*density)(double, double), double x, double sd) {
@@ -34,7 +33,7 @@ inline double stationary(const Theta& t) {
   return t.sway.noise * t.sway.noise / (1 - t.sway.a1 * rho1 - t.sway.a2 * rho2);
 }
 inline double begun(const Theta& t, int frame, double contrast, std::size_t kind) {
-  return t.birth[frame == 0 ? 0 : 1] / (2 * kPi) *
+  return t.birth[frame == 0 ? 0 : 1] / (2 * std::numbers::pi) *
          normal(log_contrast(contrast) - t.new_contrast, t.new_contrast_sd) * t.kinds[kind];
 }
 /// Of what lies `along` and `side` of where it grows from, turned by `turn`, of the same kind and contrast.
@@ -42,7 +41,8 @@ inline double grown(const Theta& t, double along, double side, double turn) {
   const double line = 0.5 * (normal(along - t.step, t.step_sd) + normal(along + t.step, t.step_sd)) *
                       normal(side, t.side_sd) * turned(turn, t.bend_sd);
   const double r = t.branch_reach;
-  const double anywhere = std::hypot(along, side) <= r ? 1 / (kPi * r * r) / (2 * kPi) : 0;
+  const double anywhere =
+      std::hypot(along, side) <= r ? 1 / (std::numbers::pi * r * r) / (2 * std::numbers::pi) : 0;
   return ((1 - t.branch) * line + t.branch * anywhere) * normal(0, t.grown_contrast_sd) * (1 - t.other_kind);
 }
 /// The logarithm of the chance that no stroke more begins.
@@ -56,7 +56,7 @@ inline double chance(const Theta& t, std::size_t degree, std::size_t told, mcmc:
 }
 
 inline Theta theta() {
-  auto t = made::even_theta();
+  auto t = test::even_theta();
   t.new_contrast = 3.1;
   return t;
 }

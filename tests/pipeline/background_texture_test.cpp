@@ -18,9 +18,10 @@
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/drawn_models.hpp"
 #include "tests/support/drawn_motion.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace {
 

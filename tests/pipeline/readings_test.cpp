@@ -18,6 +18,7 @@
 #include "graph/matching/time_reversal.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 
@@ -85,8 +86,8 @@ TEST_CASE("the first starts are the clip's own sketch matched forwards and backw
   graph::SketchSequence own;
   own.width = 96, own.height = 80, own.fps = clip.info.fps;
   for (const auto& frame : clip.frames) own.append(sketch::extract(core::to_levels(frame, clip.info), {}));
-  CHECK(made[0] == graph::match(own, {}).motion);
-  CHECK(graph::reversed(made[1]) == graph::match(graph::reversed(own), {}).motion);
+  CHECK(made[0] == graph::match(own, {}));
+  CHECK(graph::reverse_time(made[1]) == graph::match(graph::reverse_time(own), {}));
   for (const auto& motion : made) {
     CHECK_NOTHROW(graph::validate(motion));
     CHECK(motion == graph::identify(motion));
@@ -104,8 +105,8 @@ TEST_CASE("starts of a clip run backwards are its starts run backwards") {
   const auto there = starts(clip, with(2, 2));
   std::ranges::reverse(clip.frames);
   const auto back = starts(clip, with(2, 2));
-  CHECK(graph::reversed(back[0]) == there[1]);
-  CHECK(graph::reversed(back[1]) == there[0]);
+  CHECK(graph::reverse_time(back[0]) == there[1]);
+  CHECK(graph::reverse_time(back[1]) == there[0]);
 }
 
 TEST_CASE("copies differ from the clip and each other and depend on seed and place alone") {
@@ -172,19 +173,19 @@ TEST_CASE("noise in luma is as strong in colour as in grey") {
 
 TEST_CASE("starts: options out of range are named") {
   const auto complaint = [](const pipeline::StartOptions& options) {
-    return make::message<core::InputError>([&] { options.validate(); });
+    return test::message_of<core::InputError>([&] { options.validate(); });
   };
   CHECK(complaint({}).empty());
-  CHECK(make::has(complaint(with(0, 2)), "chains is 0"));
-  CHECK(make::has(complaint(with(65, 2)), "chains is 65"));
-  CHECK(make::has(complaint(with(4, -1)), "perturb is -1"));
-  CHECK(make::has(complaint(with(4, std::numeric_limits<double>::quiet_NaN())), "perturb is"));
+  CHECK(test::contains(complaint(with(0, 2)), "chains is 0"));
+  CHECK(test::contains(complaint(with(65, 2)), "chains is 65"));
+  CHECK(test::contains(complaint(with(4, -1)), "perturb is -1"));
+  CHECK(test::contains(complaint(with(4, std::numeric_limits<double>::quiet_NaN())), "perturb is"));
   const core::Clip clip = lines(2);
   core::ClipSource source(clip);
   auto sketches = pipeline::sketch_starts(source, {}, with(3, 1), 1, {});
   const auto mismatch =
-      make::message<core::InputError>([&] { pipeline::match_starts(sketches, {}, with(4, 1), {}); });
-  CHECK(make::has(mismatch, "1 copies in noise for 4 chains"));
+      test::message_of<core::InputError>([&] { pipeline::match_starts(sketches, {}, with(4, 1), {}); });
+  CHECK(test::contains(mismatch, "1 copies in noise for 4 chains"));
 }
 
 TEST_CASE("starts can be stopped and tell how far they are") {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "core/parallel.hpp"
 #include "sketch/extract.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/sketch_scene.hpp"
 
 using namespace emberfold;
@@ -42,7 +44,7 @@ cv::Mat1f thicket() {
   for (int i = 0; i < 60; ++i) {
     const auto part = [&](double step) { return std::fmod(i * step, 1.0); };  // evenly over 0…1
     const Point middle{kSize.width * part(0.6180339887), kSize.height * part(0.7548776662)};
-    const Point half = unit(kPi * part(0.5698402910)) * (12 + 20 * part(0.3247179572));
+    const Point half = unit(std::numbers::pi * part(0.5698402910)) * (12 + 20 * part(0.3247179572));
     (i % 2 == 0 ? bright : dark)
         .push_back(segment(middle - half, middle + half, 1.5 + 4 * part(0.2207440846), 1));
   }
@@ -131,15 +133,6 @@ std::vector<Case> symmetric_frames(const cv::Mat1f& frame) {
   return cases;
 }
 
-std::string message_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const core::InputError& error) {
-    return error.what();
-  }
-  return {};
-}
-
 }  // namespace
 
 TEST_CASE("Mirrored, turned, transposed, brighter, fainter and negative frames have the same sketch") {
@@ -215,7 +208,7 @@ TEST_CASE("Frames of another kind, empty ones, and values that are not finite ar
                           -std::numeric_limits<float>::infinity()}) {
     cv::Mat1f frame(40, 40, 100.0F);
     frame(39, 39) = bad;
-    const std::string message = message_of([&] { (void)sketch::extract(frame, {}); });
+    const std::string message = message_of<core::InputError>([&] { (void)sketch::extract(frame, {}); });
     REQUIRE(message.find("not finite") != std::string::npos);
     cv::Mat3f colour(40, 40, cv::Vec3f(1, 2, 3));
     colour(0, 0)[2] = bad;
@@ -246,12 +239,13 @@ TEST_CASE("Options out of range are refused by name, value and range") {
                                   {{.spacing = 1.5}, "spacing", "1.5", "[2, 100]"},
                                   {{.spacing = nan}, "spacing", "nan", "[2, 100]"}};
   for (const Wrong& wrong : all) {
-    const std::string message = message_of([&] { wrong.options.validate(); });
+    const std::string message = message_of<core::InputError>([&] { wrong.options.validate(); });
     INFO(wrong.field << ": " << message);
     REQUIRE(message.find(wrong.field) != std::string::npos);
     REQUIRE(message.find(wrong.value) != std::string::npos);
     REQUIRE(message.find(wrong.allowed) != std::string::npos);
-    REQUIRE(message_of([&] { (void)sketch::extract(cv::Mat1f(9, 9, 1.0F), wrong.options); }) == message);
+    REQUIRE(message_of<core::InputError>(
+                [&] { (void)sketch::extract(cv::Mat1f(9, 9, 1.0F), wrong.options); }) == message);
   }
   REQUIRE_NOTHROW(ExtractOptions{}.validate());
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,9 @@ struct Straight {
   Point origin;
   double theta;
   [[nodiscard]] Point along() const { return unit(theta); }
-  [[nodiscard]] double across(Point p) const { return graph::dot(p - origin, unit(theta + kPi / 2)); }
+  [[nodiscard]] double across(Point p) const {
+    return graph::dot(p - origin, unit(theta + std::numbers::pi / 2));
+  }
 };
 
 Straight at_angle(int k, double whole_turn) {
@@ -80,7 +83,7 @@ void add_bar(BarErrors& errors, const AttributeGraph& found, const Straight& bar
 BarErrors measure_bars(double width, double blur, double sign, double noise) {
   BarErrors errors;
   for (int k = 0; k < kAngles; ++k) {
-    const Straight bar = at_angle(k, kPi);
+    const Straight bar = at_angle(k, std::numbers::pi);
     auto frame =
         draw(kSize, {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, width, blur)},
              sign > 0 ? 60 : 180, 80 * sign);
@@ -137,7 +140,7 @@ TEST_CASE("A fitted profile shows what the image shows") {
     for (const double blur : {0.8, 1.5, 2.0}) {
       Spread error;
       for (int k = 0; k < kAngles; ++k) {
-        const Straight bar = at_angle(k, kPi);
+        const Straight bar = at_angle(k, std::numbers::pi);
         const auto frame = draw(kSize, [&](Point p) { return 60 + 80 * seen(bar.across(p), width, blur); });
         const AttributeGraph found = sketch::extract(frame, {});
         for (std::size_t i = 0; i < found.size(); ++i) {
@@ -176,7 +179,7 @@ TEST_CASE("Arcs lie in their middle, not towards the centre as smoothing moves t
         }
         INFO("noise " << noise << ", width " << width << ", radius " << radius << ": " << error.mean()
                       << " ± " << error.rms() << " of " << error.count);
-        CHECK(error.count >= 0.9 * 3 * 2 * kPi * radius / 5);
+        CHECK(error.count >= 0.9 * 3 * 2 * std::numbers::pi * radius / 5);
         CHECK(std::abs(error.mean()) <= (noise > 0 ? 0.05 : 0.02));
         CHECK(error.rms() <= (noise > 0 ? 0.15 : 0.05));
       }
@@ -188,7 +191,7 @@ TEST_CASE("A line whose sides differ lies in its middle") {
     for (const double more : {10.0, 20.0, 40.0}) {
       Spread position, left, right;
       for (int k = 0; k < kAngles; ++k) {
-        const Straight bar = at_angle(k, kPi);
+        const Straight bar = at_angle(k, std::numbers::pi);
         const auto frame = draw(kSize, [&](Point p) {
           const double d = bar.across(p);
           return 60 + 80 * reached(d + width / 2, 1) + (more - 80) * reached(d - width / 2, 1);
@@ -220,7 +223,7 @@ TEST_CASE("Step edges: place, blur, both levels, and the sign that the side conv
       Spread position, theta, width, left, right, contrast;
       std::size_t wrong_sign = 0;
       for (int k = 0; k < kAngles; ++k) {
-        const Straight edge = at_angle(k, 2 * kPi);
+        const Straight edge = at_angle(k, 2 * std::numbers::pi);
         auto frame = draw(kSize, [&](Point p) { return 60 + 80 * reached(edge.across(p), blur); });
         if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
         const AttributeGraph found = sketch::extract(frame, {});
@@ -256,7 +259,7 @@ TEST_CASE("Step edges: place, blur, both levels, and the sign that the side conv
 }
 
 TEST_CASE("A colour frame's patches have its colours, and luma decides what is found") {
-  const Straight bar = at_angle(2, kPi);
+  const Straight bar = at_angle(2, std::numbers::pi);
   const auto cover = draw(kSize, [&](Point p) { return seen(bar.across(p), 6, 1); });
   std::vector<cv::Mat> channels;
   for (const auto& [ground, core] : {std::pair{10.0, 61.0}, {20.0, 224.0}, {30.0, 132.0}})
@@ -289,7 +292,7 @@ TEST_CASE("A colour frame's patches have its colours, and luma decides what is f
 }
 
 TEST_CASE("What is clipped at white keeps its place and its levels") {
-  const Straight bar = at_angle(5, kPi);
+  const Straight bar = at_angle(5, std::numbers::pi);
   auto frame =
       draw(kSize, {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, 6, 1)}, 0, 400);
   cv::min(frame, 255.0F, frame);
@@ -325,7 +328,7 @@ TEST_CASE("A stripe of another colour but the same luma is found in colour only"
   // 0.587 · 80 = 0.299 · 157.06: red for green at equal luma.
   for (const double width : {3.0, 5.0, 8.0})
     for (int k = 0; k < kAngles; k += 3) {
-      const Straight bar = at_angle(k, kPi);
+      const Straight bar = at_angle(k, std::numbers::pi);
       const cv::Mat3f frame = stripe(bar, width, {40, 140, 40}, {40, 60, 197.06F});
       CHECK(sketch::extract(frame, {}).empty());
       const AttributeGraph found = sketch::extract(frame, {.colour = true});
@@ -359,7 +362,7 @@ TEST_CASE("Colour changes nothing in grey frames") {
 }
 
 TEST_CASE("Where luma falls and a colour rises on the same stripe there is one line") {
-  const Straight bar = at_angle(2, kPi);
+  const Straight bar = at_angle(2, std::numbers::pi);
   const AttributeGraph found =
       sketch::extract(stripe(bar, 5, {40, 140, 40}, {40, 20, 150}), {.colour = true});
   CHECK(components(found).count == 1);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -122,8 +123,8 @@ TEST_CASE("Lines that cross at a right angle are one component with one junction
 TEST_CASE("A soft line on a steep slope of the ground is one stroke") {
   // The scales of such a line lie beside each other, by up to 4 px.
   for (int k = 0; k < 12; ++k) {
-    const double theta = 0.13 + kPi * k / 12;
-    const Point along = unit(theta), across = unit(theta + kPi / 2);
+    const double theta = 0.13 + std::numbers::pi * k / 12;
+    const Point along = unit(theta), across = unit(theta + std::numbers::pi / 2);
     const auto frame = with_noise(draw({160, 160},
                                        [&](Point p) {
                                          const Point off = p - Point{80.2, 79.6};
@@ -170,7 +171,7 @@ TEST_CASE("A ring is one closed curve") {
         INFO("noise " << noise << ", sign " << sign << ", radius " << radius);
         CHECK(components(found).count == 1);
         CHECK(count_degree(found, 2) == found.size());
-        CHECK(std::abs(static_cast<double>(found.size()) * 5 / (2 * kPi * radius) - 1) < 0.1);
+        CHECK(std::abs(static_cast<double>(found.size()) * 5 / (2 * std::numbers::pi * radius) - 1) < 0.1);
       }
 }
 
@@ -193,7 +194,8 @@ TEST_CASE("Even frames, ramps and slow waves have no strokes") {
   for (const double length : {40.0, 80.0, 160.0})
     for (const double noise : {0.0, 3.0}) {
       const auto waves = draw({256, 256}, [&](Point p) {
-        return 128 + 30 * std::sin(2 * kPi * p.x / length) * std::sin(1 + 1.6 * kPi * p.y / length);
+        return 128 + 30 * std::sin(2 * std::numbers::pi * p.x / length) *
+                         std::sin(1 + 1.6 * std::numbers::pi * p.y / length);
       });
       INFO("wavelength " << length << ", noise " << noise);
       CHECK(sketch::extract(noise > 0 ? with_noise(waves, noise, 1) : waves, {}).empty());

@@ -15,7 +15,7 @@
 
 #include "core/rng.hpp"
 
-namespace emberfold::tests {
+namespace emberfold::test {
 
 /// A new folder, removed at the end.
 class TempFolder {
@@ -64,19 +64,4 @@ inline std::string bytes_of(const std::filesystem::path& path) {
   return out.str();
 }
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-/// The message of the Error that the call throws; empty if it throws none.
-template <class Error>
-std::string message_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
-}
-
-}  // namespace emberfold::tests
+}  // namespace emberfold::test

@@ -6,7 +6,7 @@
 #include "core/rng.hpp"
 #include "mcmc/model/motion_model.hpp"
 
-namespace emberfold::tests {
+namespace emberfold::test {
 
 inline mcmc::CellMap made_map(int width, int height, double cell, double low, double high) {
   mcmc::CellMap map{
@@ -62,4 +62,4 @@ inline mcmc::MotionModel made_model(int width, int height, double cell) {
   return model;
 }
 
-}  // namespace emberfold::tests
+}  // namespace emberfold::test

@@ -11,7 +11,7 @@
 #include "core/rng.hpp"
 #include "graph/motion_graph.hpp"
 
-namespace emberfold::tests {
+namespace emberfold::test {
 
 /// A wavy upright stroke that drifts, from its first to its last frame; it may come apart in its middle half
 /// way through its life.
@@ -97,4 +97,4 @@ inline cv::Mat made_picture(const std::vector<MadeStroke>& strokes, int width, i
   return picture;
 }
 
-}  // namespace emberfold::tests
+}  // namespace emberfold::test

@@ -12,7 +12,7 @@
 #include "core/rng.hpp"
 #include "graph/motion_graph.hpp"
 
-namespace emberfold::make {
+namespace emberfold::test {
 
 inline graph::Vertex vertex(std::uint32_t id, double x, double y, double theta = 0, double contrast = 40) {
   graph::Vertex v;
@@ -134,19 +134,4 @@ inline graph::MotionGraph random_motion(std::uint64_t seed, int frames, int trie
   return motion(graphs, links);
 }
 
-inline bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-/// The message of the exception of type E that `call` throws; empty where it throws none.
-template <class E, class Call>
-std::string message(Call call) {
-  try {
-    call();
-  } catch (const E& error) {
-    return error.what();
-  }
-  return {};
-}
-
-}  // namespace emberfold::make
+}  // namespace emberfold::test

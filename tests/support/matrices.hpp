@@ -101,15 +101,4 @@ inline bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynami
          equal(a.channels, b.channels);
 }
 
-/// What an exception of the given type says; empty where none is thrown.
-template <class Error, class Call>
-std::string message(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
-}
-
 }  // namespace emberfold::test

@@ -7,7 +7,7 @@
 #include "mcmc/model/motion_model.hpp"
 #include "tests/support/graphs.hpp"
 
-namespace emberfold::made {
+namespace emberfold::test {
 
 inline mcmc::CellMap map_over(int width, int height, double cell, double value) {
   mcmc::CellMap map;
@@ -33,8 +33,8 @@ inline mcmc::MotionModel empty_model(int width = 320, int height = 240) {
 /// A stroke about (0, 0) of patches 5 px apart.
 inline graph::AttributeGraph straight(int patches, double theta = 0, double contrast = 40) {
   const graph::Point half = graph::Point{std::cos(theta), std::sin(theta)} * (2.5 * (patches - 1));
-  make::Frame frame;
-  frame.line(make::segment(half * -1, half, patches), contrast);
+  test::Frame frame;
+  frame.line(test::segment(half * -1, half, patches), contrast);
   return frame.graph();
 }
 
@@ -74,9 +74,9 @@ inline mcmc::MotionModel full_model() {
   model.vanishing = {0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1, 1};
   model.exemplars.push_back({straight(5, 0.3, -20), {20.5, 30}, 11});
   model.exemplars.push_back({straight(9, 1.3), {70, 33.25}, 1000});
-  make::Frame t;
-  t.line(make::segment({10, 20}, {60, 20}, 11));
-  t.line(make::segment({35, 25}, {35, 50}, 6), 25);
+  test::Frame t;
+  t.line(test::segment({10, 20}, {60, 20}, 11));
+  t.line(test::segment({35, 25}, {35, 50}, 6), 25);
   t.edge(5, 11);
   for (auto& v : t.vertices) v.patch.blur = 1.25, v.patch.left = {1, 2, 3};
   t.vertices[5].patch.type = graph::PatchType::t_junction;
@@ -84,4 +84,4 @@ inline mcmc::MotionModel full_model() {
   return model;
 }
 
-}  // namespace emberfold::made
+}  // namespace emberfold::test

@@ -15,7 +15,7 @@
 #include "core/rng.hpp"
 #include "graph/motion_graph.hpp"
 
-namespace emberfold::made {
+namespace emberfold::test {
 
 using graph::Point;
 
@@ -228,4 +228,4 @@ inline std::vector<Stroke> living(double births, double death, int frames, int w
   return strokes;
 }
 
-}  // namespace emberfold::made
+}  // namespace emberfold::test

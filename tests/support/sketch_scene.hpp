@@ -18,8 +18,6 @@ namespace emberfold::test {
 
 using graph::Point;
 
-constexpr double kPi = std::numbers::pi;
-
 inline Point unit(double theta) {
   return {std::cos(theta), std::sin(theta)};
 }

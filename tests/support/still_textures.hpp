@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -31,7 +32,8 @@ inline cv::Mat texture(cv::Size size, int kind, double mean, std::uint64_t seed)
     levels *= 3;
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x)
-        levels.at<float>(y, x) += static_cast<float>(35 * std::sin((kind == 1 ? y : x) * CV_PI / 3));
+        levels.at<float>(y, x) +=
+            static_cast<float>(35 * std::sin((kind == 1 ? y : x) * std::numbers::pi / 3));
   }
   for (float& value : cv::Mat_<float>(levels))
     value = std::round(std::fmin(std::fmax(value + static_cast<float>(mean), 0.0F), 255.0F));

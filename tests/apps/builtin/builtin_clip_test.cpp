@@ -20,10 +20,11 @@
 #include "core/parallel.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using nlohmann::json;
 
 namespace {

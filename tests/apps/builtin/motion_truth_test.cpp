@@ -25,7 +25,7 @@ graph::MotionGraph follow(const core::Clip& clip) {
   graph::SketchSequence sketch;
   sketch.width = clip.info.width, sketch.height = clip.info.height, sketch.fps = clip.info.fps;
   for (const auto& graph : graphs) sketch.append(graph);
-  return graph::match(std::move(sketch), {}).motion;
+  return graph::match(std::move(sketch), {});
 }
 
 /// The mean over strokes of the two coefficients of their sway.

@@ -7,8 +7,9 @@
 #include "tests/apps/commands/run_command.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/drawn_motion.hpp"
+#include "tests/support/messages.hpp"
 
-namespace emberfold::tests {
+namespace emberfold::test {
 
 /// A folder of pictures of moving strokes.
 inline std::string write_strokes(const std::filesystem::path& path, cv::Size size, int frames,
@@ -42,4 +43,4 @@ inline void check_one_line(const std::vector<std::string>& arguments, int exit,
   if (!output.empty()) CHECK_FALSE(std::filesystem::exists(output));
 }
 
-}  // namespace emberfold::tests
+}  // namespace emberfold::test

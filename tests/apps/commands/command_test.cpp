@@ -12,10 +12,11 @@
 #include "tests/apps/commands/run_command.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/drawn_motion.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace fs = std::filesystem;
 

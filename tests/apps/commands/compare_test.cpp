@@ -13,10 +13,11 @@
 #include "pipeline/clip_measures.hpp"
 #include "pipeline/prediction.hpp"
 #include "tests/apps/commands/command_check.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 
 namespace fs = std::filesystem;

@@ -11,10 +11,11 @@
 #include "dytex/model/archive.hpp"
 #include "dytex/model/layers.hpp"
 #include "tests/apps/commands/command_check.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinRel;
 
 namespace fs = std::filesystem;

@@ -10,10 +10,11 @@
 #include "apps/page/texture_page.hpp"
 #include "core/error.hpp"
 #include "tests/apps/commands/command_check.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace fs = std::filesystem;
 

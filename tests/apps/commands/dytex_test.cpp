@@ -13,10 +13,11 @@
 #include "core/io/model_folder.hpp"
 #include "dytex/model/archive.hpp"
 #include "tests/apps/commands/command_check.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 

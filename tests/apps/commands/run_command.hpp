@@ -15,7 +15,7 @@
 
 #include "tests/support/clip_fixture.hpp"
 
-namespace emberfold::tests {
+namespace emberfold::test {
 
 /// How the real program ended, and what it said.
 struct CommandResult {
@@ -69,4 +69,4 @@ inline CommandResult run_command(const std::vector<std::string>& arguments,
   return result;
 }
 
-}  // namespace emberfold::tests
+}  // namespace emberfold::test

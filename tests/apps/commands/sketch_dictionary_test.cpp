@@ -13,7 +13,7 @@
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace fs = std::filesystem;
 

@@ -8,7 +8,7 @@
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 
 namespace {

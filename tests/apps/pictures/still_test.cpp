@@ -8,7 +8,7 @@
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 TEST_CASE("base64 of RFC 4648's own examples") {
   const auto of = [](const std::string& text) {

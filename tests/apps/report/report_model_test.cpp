@@ -15,10 +15,11 @@
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/drawn_models.hpp"
 #include "tests/support/drawn_motion.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 

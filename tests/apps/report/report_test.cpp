@@ -14,7 +14,7 @@
 
 using namespace emberfold;
 using namespace emberfold::apps;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace {
 

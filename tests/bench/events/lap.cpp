@@ -34,7 +34,7 @@ Frames blobs_of(const graph::SketchSequence& sketch) {
       blobs[parts.of_vertex[i]].patches.push_back(graph.patch(i).position);
       member[parts.of_vertex[i]] = static_cast<std::uint32_t>(i);
     }
-    graph::detail::Paths paths(graph);
+    graph::detail::ShortestPaths paths(graph);
     for (std::size_t k = 0; k < blobs.size(); ++k) {
       Blob& blob = blobs[k];
       blob.middle = graph::detail::component_middle(graph, paths, member[k]);

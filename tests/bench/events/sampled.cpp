@@ -23,7 +23,7 @@ Found matched_events(const EventClip& clip, int flicker) {
   const std::clock_t begin = std::clock();
   graph::MatchOptions options;
   options.flicker = flicker;
-  auto motion = graph::match(clip.sketch, options).motion;
+  auto motion = graph::match(clip.sketch, options);
   Found found{graph::stroke_events(motion), 0, 0, 0, {}};
   const auto sway = mcmc::fit(motion).model.sway;
   found.a1 = sway.a1, found.a2 = sway.a2;

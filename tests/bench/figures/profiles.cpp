@@ -2,6 +2,7 @@
 // Bars drawn by formula: how far from their axis the patches lie, and how wide they say the bars are.
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 
 #include "sketch/extract.hpp"
@@ -11,8 +12,6 @@
 namespace emberfold::figures {
 
 namespace {
-
-using test::kPi;
 
 const cv::Size kSize{140, 140};
 constexpr int kAngles = 24;
@@ -32,9 +31,9 @@ struct Sums {
 
 /// One bar through the whole frame, never twice the same to the pixel grid; a ridge and a valley by turns.
 void add_bar(Sums& sums, const Case& c, double width, int k) {
-  const double theta = 0.013 + kPi * k / kAngles, sign = k % 2 == 0 ? 1 : -1;
+  const double theta = 0.013 + std::numbers::pi * k / kAngles, sign = k % 2 == 0 ? 1 : -1;
   const Point origin{69.5 + 0.37 * std::cos(k * 1.7), 69.5 + 0.41 * std::sin(k * 2.3)};
-  const Point normal = test::unit(theta + kPi / 2);
+  const Point normal = test::unit(theta + std::numbers::pi / 2);
   const auto across = [&](Point p) { return graph::dot(p - origin, normal); };
   cv::Mat1f frame = test::draw(kSize, [&](Point p) {
     return (sign > 0 ? kGround : kGround + 2 * kContrast) +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One frame with two draws of noise: how much of the curve length of either sketch the other has too.
 #include <cstdint>
+#include <numbers>
 #include <span>
 #include <string>
 
@@ -12,7 +13,7 @@ namespace emberfold::figures {
 
 namespace {
 
-constexpr double kNoise = 2, kAcross = 1, kAngle = 10 * test::kPi / 180;
+constexpr double kNoise = 2, kAcross = 1, kAngle = 10 * std::numbers::pi / 180;
 
 struct Shared {
   double hit = 0, all = 0;

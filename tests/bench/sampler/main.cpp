@@ -182,7 +182,7 @@ void print_mixing(const Indicators& indicators, double draws, double seconds) {
 
 void print_clip(const std::string& name, const graph::SketchSequence& clip, const Arguments& arguments) {
   mcmc::Theta prior;
-  mcmc::Chain chain = begin(graph::match(clip, {}).motion, prior);
+  mcmc::Chain chain = begin(graph::match(clip, {}), prior);
   Stages stages;
   const int burn_in = arguments.sweeps / 4;
   for (int n = 0; n < burn_in; ++n) {
@@ -219,7 +219,7 @@ void print_growth(const std::string& name, const graph::SketchSequence& clip, do
     const auto longer = to_and_fro(clip, frames);
     mcmc::Theta prior;
     double begun = user_seconds();
-    const auto start = graph::match(longer, {}).motion;
+    const auto start = graph::match(longer, {});
     const double matched = user_seconds() - begun;
     begun = user_seconds();
     mcmc::Chain chain = begin(start, prior);

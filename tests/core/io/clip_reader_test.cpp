@@ -18,9 +18,10 @@
 #include "core/parallel.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 
 namespace {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -25,7 +26,9 @@ cv::Mat falling(double variance, double length, int drift = 0) {
     for (int x = 0; x < kTextureLags; ++x) {
       const int dx = x - kMiddle - drift, dy = y - kMiddle;
       if (std::abs(dx) > kTextureReach) continue;
-      const auto taper = [](int lag) { return (1 + std::cos(CV_PI * lag / (kTextureReach + 1))) / 2; };
+      const auto taper = [](int lag) {
+        return (1 + std::cos(std::numbers::pi * lag / (kTextureReach + 1))) / 2;
+      };
       lags.at<float>(y, x) =
           static_cast<float>(variance * taper(dx) * taper(dy) * std::exp(-std::hypot(dx, dy) / length));
     }
@@ -143,7 +146,8 @@ TEST_CASE("Gaussian texture: means are those of the pixels seen, lag by lag") {
         add(next, seen_next, next, seen_next, within, within_count);
         add(now, seen_now, next, seen_next, ahead, ahead_count);
       }
-    const double taper = (1 + std::cos(CV_PI * dx / 32)) / 2 * (1 + std::cos(CV_PI * dy / 32)) / 2;
+    const double taper =
+        (1 + std::cos(std::numbers::pi * dx / 32)) / 2 * (1 + std::cos(std::numbers::pi * dy / 32)) / 2;
     CAPTURE(dx, dy);
     CHECK_THAT(double{learned.within.at<float>(kMiddle + dy, kMiddle + dx)},
                WithinAbs(taper * within / within_count, 1e-5));
@@ -165,7 +169,7 @@ TEST_CASE("Gaussian texture: learned back from what it draws") {
   }
   const auto learned = learner.learned();
   // What is learned is drawn to 0 once more.
-  const auto taper = [](int lag) { return (1 + std::cos(CV_PI * lag / (kTextureReach + 1))) / 2; };
+  const auto taper = [](int lag) { return (1 + std::cos(std::numbers::pi * lag / (kTextureReach + 1))) / 2; };
   for (const auto& [dx, dy] : {std::pair{0, 0}, {3, 0}, {0, -4}, {6, 6}}) {
     CAPTURE(dx, dy);
     const auto at = [&, x = dx, y = dy](const cv::Mat& lags) {

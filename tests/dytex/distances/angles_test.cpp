@@ -8,6 +8,7 @@
 #include "dytex/distances/distances.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -100,26 +101,26 @@ TEST_CASE("All distances of many models agree with those of each pair", "[dytex]
 
 TEST_CASE("Angles and matrices that cannot be are refused", "[dytex][angles]") {
   const LinearDynamicTexture p = made_texture(3, 2, 2, 1), still = made_texture(3, 2, 0, 2);
-  CHECK(test::message<core::InputError>([&] { dytex::subspace_angles(p, still); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::subspace_angles(p, still); }) ==
         "the second model has no components, so no angles");
-  CHECK(test::message<core::InputError>([&] { dytex::subspace_angles(still, p); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::subspace_angles(still, p); }) ==
         "the first model has no components, so no angles");
   const auto pair = dytex::distances(p, still);
   CHECK(pair.angles.size() == 0);
   CHECK(pair.binet_cauchy == 0);
   CHECK(pair.kl.has_value());
-  CHECK(test::message<core::InputError>([&] { distance(pair, dytex::Measure::martin); }) ==
+  CHECK(test::message_of<core::InputError>([&] { distance(pair, dytex::Measure::martin); }) ==
         "a model has no components, so there are no angles");
   LinearDynamicTexture exact = p;
   exact.r = 0;
-  CHECK(test::message<core::InputError>([&] {
+  CHECK(test::message_of<core::InputError>([&] {
           distance(dytex::distances(p, exact), dytex::Measure::kl);
         }).starts_with("a model's noise r is 0"));
   const std::vector<LinearDynamicTexture> models{p, p, made_texture(3, 3, 2, 1)};
-  CHECK(test::message<core::InputError>([&] {
+  CHECK(test::message_of<core::InputError>([&] {
           dytex::all_distances(models);
         }).starts_with("model 2: frames of 3×2 in grey and of 3×3 in grey"));
   const std::vector<dytex::Distances> two(2);
-  CHECK(test::message<core::InputError>([&] { dytex::distance_matrix(two, dytex::Measure::kl); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::distance_matrix(two, dytex::Measure::kl); }) ==
         "distance_matrix: 2 pairs are not all pairs of any number of models");
 }

@@ -9,6 +9,7 @@
 #include "dytex/learn.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -175,13 +176,13 @@ TEST_CASE("Growth stops when it is told to", "[dytex][kl]") {
 TEST_CASE("What has no divergence is refused", "[dytex][kl]") {
   const LinearDynamicTexture p = made_texture(3, 2, 2, 1);
   LinearDynamicTexture q = made_texture(3, 2, 2, 2);
-  const auto refusal = [&] { return test::message<core::InputError>([&] { dytex::kl_rate(p, q); }); };
+  const auto refusal = [&] { return test::message_of<core::InputError>([&] { dytex::kl_rate(p, q); }); };
   q.r = 0;
   CHECK(
       refusal() ==
       "the noise r of the second model is 0, so the KL rate is infinite; learn it with fewer components than "
       "the clip has independent frames, so that r is estimated");
-  CHECK(test::message<core::InputError>([&] {
+  CHECK(test::message_of<core::InputError>([&] {
           dytex::kl_growth(q, p, 3);
         }).starts_with("the noise r of the first"));
   q.noise = Eigen::VectorXf::Ones(6);
@@ -196,6 +197,6 @@ TEST_CASE("What has no divergence is refused", "[dytex][kl]") {
   q.info.channels = 3;
   CHECK(refusal().starts_with("frames of 3×2 in grey and of 3×2 in colour"));
   for (const int length : {0, -1, 100'001})
-    CHECK(test::message<core::InputError>([&] { dytex::kl_growth(p, p, length); }) ==
+    CHECK(test::message_of<core::InputError>([&] { dytex::kl_growth(p, p, length); }) ==
           "length is " + std::to_string(length) + ", allowed is 1 to 100000");
 }

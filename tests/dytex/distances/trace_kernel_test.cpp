@@ -8,6 +8,7 @@
 #include "dytex/distances/distances.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -98,10 +99,10 @@ TEST_CASE("A matrix of trace kernels has no negative eigenvalue", "[dytex][kerne
 TEST_CASE("The discount of the trace kernel is checked", "[dytex][kernel]") {
   const LinearDynamicTexture p = made_texture(3, 2, 2, 1);
   for (const double bad : {0.0, -1.0, 51.0, std::numeric_limits<double>::quiet_NaN()})
-    CHECK(test::message<core::InputError>([&] {
+    CHECK(test::message_of<core::InputError>([&] {
             dytex::binet_cauchy(p, p, {bad, false});
           }).ends_with("allowed is 0.001 to 50"));
-  CHECK(test::message<core::InputError>([&] {
+  CHECK(test::message_of<core::InputError>([&] {
           dytex::distances(p, p, {0, false});
         }) == "BinetCauchyOptions.discount is 0.000000, allowed is 0.001 to 50");
 }

@@ -2,11 +2,13 @@
 #include "dytex/editing/edit.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "dytex/model/archive.hpp"
 #include "tests/dytex/distances/systems.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::dytex;
@@ -334,7 +336,7 @@ TEST_CASE("A channel is edited alone where the model has a part for each", "[dyt
   CHECK(test::same(turns, after(texture, {{Speed{1.5}}})));
   const MatrixXd between = test::covariance(after(texture, {{Intensity{0.5}, 1}}));
   CHECK_THAT(between(0, 1), WithinRel(std::sqrt(0.5) * test::covariance(texture)(0, 1), 1e-12));
-  CHECK(test::message<core::InputError>([] {
+  CHECK(test::message_of<core::InputError>([] {
           edited(test::random_texture(4, 0.9, 1), {{Speed{2}, 0}});
         }) == "channel is 0, but every component of the model shows all channels: edit a model per channel");
 }
@@ -371,14 +373,14 @@ TEST_CASE("Presets do what the paper's text says of its figures", "[dytex][edit]
     went(found.weights[0], "coarse");
     went(found.weights[29], "fine");
   }
-  CHECK(test::message<core::InputError>([] { preset("stormy"); }) ==
+  CHECK(test::message_of<core::InputError>([] { preset("stormy"); }) ==
         "preset is stormy, allowed is turbulent, hazy, patchy, rough-sea, lake, rain, spray, frothy, spurty");
 }
 
 TEST_CASE("Edits out of range are refused by name and value", "[dytex][edit]") {
   const LinearDynamicTexture texture = test::random_texture(3, 0.9, 1);
   const auto refused = [&](const Edit& one) {
-    return test::message<core::InputError>([&] { edited(texture, {one}); });
+    return test::message_of<core::InputError>([&] { edited(texture, {one}); });
   };
   CHECK(refused({Speed{3.5}}) == "speed is 3.5, allowed is -3 to 3");
   CHECK(refused({Speed{NAN}}) == "speed is nan, allowed is -3 to 3");

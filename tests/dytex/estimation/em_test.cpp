@@ -15,6 +15,7 @@
 #include "dytex/estimation/observations.hpp"
 #include "tests/dytex/estimation/em_make.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::Contains;
@@ -318,7 +319,7 @@ TEST_CASE("What EM cannot take is named", "[dytex][em]") {
   const auto start = learned(clip, 3);
   const auto said = [&](const dytex::LinearDynamicTexture& from, const dytex::EmOptions& options,
                         const core::Clip& of) {
-    return test::message<core::InputError>([&] { improved(of, from, options); });
+    return test::message_of<core::InputError>([&] { improved(of, from, options); });
   };
   dytex::EmOptions options;
   options.iterations = 0;

@@ -13,6 +13,7 @@
 #include "dytex/synthesize.hpp"
 #include "tests/dytex/estimation/em_make.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::Contains;
@@ -104,7 +105,7 @@ TEST_CASE("The deviation of each value is that of its covariance", "[dytex][fore
 TEST_CASE("What a forecast cannot take is named", "[dytex][forecast]") {
   const auto texture = known_texture(test::known_clip(48, 20, 2, 4), 8, 6);
   const dytex::StateGuess from{Eigen::VectorXd::Zero(4), Eigen::MatrixXd::Zero(4, 0)};
-  const auto said = [](const auto& call) { return test::message<core::InputError>(call); };
+  const auto said = [](const auto& call) { return test::message_of<core::InputError>(call); };
   CHECK(said([&] { dytex::forecast(texture, from, 0); }) == "forecast: steps is 0, allowed is 1 to 100000");
   CHECK_THAT(said([&] {
                dytex::forecast(texture, {Eigen::VectorXd::Zero(3), Eigen::MatrixXd::Zero(3, 1)}, 2);
@@ -179,7 +180,7 @@ TEST_CASE("What the learning curve cannot take is named", "[dytex][forecast]") {
   const core::Clip clip = test::wavy_clip(12, 10, 1, CV_8U, 20);
   core::ClipSource source(clip);
   const auto said = [&](dytex::CurveOptions options) {
-    return test::message<core::InputError>([&] { dytex::learning_curve(source, options); });
+    return test::message_of<core::InputError>([&] { dytex::learning_curve(source, options); });
   };
   dytex::CurveOptions options;
   CHECK_THAT(said(options), Contains("components is 20") && Contains("allowed is 1 to 12"));

@@ -14,6 +14,7 @@
 #include "tests/dytex/estimation/dense_gaussian.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -202,7 +203,7 @@ TEST_CASE("What the filter cannot take is named", "[dytex][kalman]") {
   Case made = random_case(4, 2, 2, 5, 0, 1);
   const auto seen = test::plain_observations(made.look, made.Y, made.seen);
   const auto said = [&](const dytex::StateSpace& space, const dytex::Observations& what) {
-    return test::message<core::InputError>([&] { dytex::filter(space, what); });
+    return test::message_of<core::InputError>([&] { dytex::filter(space, what); });
   };
   auto space = made.space;
   space.A(0, 0) = std::numeric_limits<double>::quiet_NaN();

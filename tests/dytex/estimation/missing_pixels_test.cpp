@@ -11,6 +11,7 @@
 #include "dytex/synthesize.hpp"
 #include "tests/dytex/estimation/em_make.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::Contains;
@@ -192,7 +193,7 @@ TEST_CASE("A mask's bits are what its frames show", "[dytex][missing]") {
 TEST_CASE("Masks that do not fit are refused", "[dytex][missing]") {
   const core::Clip clip = test::wavy_clip(12, 10, 1, CV_8U, 8);
   const auto said = [&](const core::Clip& mask) {
-    return test::message<core::InputError>([&] {
+    return test::message_of<core::InputError>([&] {
       core::ClipSource source(clip);
       dytex::learn_missing(source, test::missing_of(mask, clip.info), {.components = 2, .energy = {}});
     });

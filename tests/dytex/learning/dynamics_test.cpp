@@ -12,6 +12,7 @@
 #include "dytex/synthesize.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::dytex;
@@ -316,7 +317,7 @@ TEST_CASE("Blocks move by themselves and share the noise", "[dytex][dynamics]") 
 TEST_CASE("Clips too short for what is asked are refused", "[dytex][dynamics]") {
   const detail::Block block = test::principal(test::normals(4, 16, 1)).block;
   const auto complaint = [&](const LearnOptions& options) {
-    return test::message<core::InputError>([&] { detail::fit_dynamics({block}, options); });
+    return test::message_of<core::InputError>([&] { detail::fit_dynamics({block}, options); });
   };
   LearnOptions lags;
   lags.lags = 4;

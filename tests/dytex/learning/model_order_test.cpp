@@ -8,6 +8,7 @@
 #include "dytex/learn.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinRel;
@@ -83,6 +84,6 @@ TEST_CASE("What foretells best is near the true order", "[dytex][order]") {
     REQUIRE(result.held_out.size() > 60);
     for (const auto& [n, error] : result.held_out) CHECK(error > 3.5);  // pixel noise is not foretold
   }
-  CHECK(test::message<core::InputError>([&] { learned(six_modes(9, 1), dytex::Order::held_out); }) ==
+  CHECK(test::message_of<core::InputError>([&] { learned(six_modes(9, 1), dytex::Order::held_out); }) ==
         "order: to hold out a fifth of the frames takes a clip of at least 10, this has 9");
 }

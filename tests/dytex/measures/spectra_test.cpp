@@ -17,13 +17,12 @@
 
 using namespace emberfold;
 using namespace emberfold::dytex;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kSegment = 32;
 
 struct Spectra {
@@ -57,8 +56,8 @@ TEST_CASE("a sinusoid in time stands at its frequency with its power") {
     cv::Mat frame(5, 6, CV_32F);
     for (int y = 0; y < 5; ++y)
       for (int x = 0; x < 6; ++x)
-        frame.at<float>(y, x) =
-            static_cast<float>(100 + amplitude * std::cos(2 * kPi * k * t / kSegment + x + 2.0 * y));
+        frame.at<float>(y, x) = static_cast<float>(
+            100 + amplitude * std::cos(2 * std::numbers::pi * k * t / kSegment + x + 2.0 * y));
     clip.frames.push_back(frame);
   }
   core::ClipSource source(clip);
@@ -74,7 +73,8 @@ TEST_CASE("a sinusoid in space of any direction stands in its ring") {
     cv::Mat frame(side, side, CV_32F);
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x)
-        frame.at<float>(y, x) = static_cast<float>(90 + 30 * std::sin(2 * kPi * (u * x + v * y) / side));
+        frame.at<float>(y, x) =
+            static_cast<float>(90 + 30 * std::sin(2 * std::numbers::pi * (u * x + v * y) / side));
     const auto power = radial_spectrum(frame, rings);
     Eigen::Index peak = 0;
     power.maxCoeff(&peak);
@@ -98,7 +98,7 @@ TEST_CASE("the power agrees with its definition written out") {
   core::ClipSource source(clip);
   const auto power = temporal_spectrum(source, segment);
   REQUIRE(power.size() == segment / 2);
-  const auto window = [&](int i) { return 0.5 - 0.5 * std::cos(2 * kPi * (i + 0.5) / segment); };
+  const auto window = [&](int i) { return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (i + 0.5) / segment); };
   for (int k = 1; k <= segment / 2; ++k) {
     double total = 0, energy = 0;
     for (int i = 0; i < segment; ++i) energy += window(i) * window(i);
@@ -112,7 +112,7 @@ TEST_CASE("the power agrees with its definition written out") {
         for (int i = 0; i < segment; ++i) mean += value(i) / segment;
         std::complex<double> sum = 0;
         for (int i = 0; i < segment; ++i)
-          sum += window(i) * (value(i) - mean) * std::polar(1.0, -2 * kPi * k * i / segment);
+          sum += window(i) * (value(i) - mean) * std::polar(1.0, -2 * std::numbers::pi * k * i / segment);
         total += std::norm(sum);
       }
     CHECK_THAT(power(k - 1), WithinRel(total / energy / 18, 1e-5));

@@ -9,6 +9,7 @@
 #include "dytex/learn.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 
@@ -194,14 +195,14 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
   for (const Damage& damage : table) {
     core::ModelArchive archive = whole;
     damage.make(archive);
-    CHECK(test::message<core::IoError>([&] { dytex::linear_dynamic_texture(archive); }) == damage.message);
+    CHECK(test::message_of<core::IoError>([&] { dytex::linear_dynamic_texture(archive); }) == damage.message);
   }
 }
 
 TEST_CASE("A texture that is not valid is not kept", "[dytex][archive]") {
   const dytex::LinearDynamicTexture texture = learned(1, CV_8U);
   const auto complaint = [](const dytex::LinearDynamicTexture& bad) {
-    return test::message<core::InputError>([&] { dytex::to_archive(bad); });
+    return test::message_of<core::InputError>([&] { dytex::to_archive(bad); });
   };
   dytex::LinearDynamicTexture bad = texture;
   bad.r = -1;

@@ -11,6 +11,7 @@
 #include "dytex/model/archive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -113,11 +114,11 @@ TEST_CASE("The measured error is that of the drawn frames in 8 bits", "[dytex][c
   core::Clip other = frames;
   other.frames.pop_back();
   core::ClipSource shorter(other);
-  CHECK(test::message<core::InputError>([&] { dytex::measured_error(texture, shorter); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::measured_error(texture, shorter); }) ==
         "the clip has 29 frames, the model was learned from 30");
   const core::Clip wide = test::wavy_clip(25, 18, 1, CV_8U, 30);
   core::ClipSource wider(wide);
-  CHECK(test::message<core::InputError>([&] { dytex::measured_error(texture, wider); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::measured_error(texture, wider); }) ==
         "the clip's frames are 25×18 in grey, the model's 24×18 in grey");
 }
 
@@ -142,7 +143,7 @@ TEST_CASE("A coarser model is smaller and a little worse", "[dytex][compress]") 
     CHECK(step >= value * 24 * 18 * 3);
     CHECK(step < value * 24 * 18 * 3 + 8 * (64 + 30));
   }
-  CHECK(test::message<core::InputError>([&] { dytex::stored_bytes(texture, 9, Precision::f32); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::stored_bytes(texture, 9, Precision::f32); }) ==
         "components is 9, allowed is 0 to 8");
   CHECK_THAT(dytex::psnr(255.0 * 255.0 / 1000), WithinRel(30.0, 1e-12));
   CHECK(dytex::psnr(0) == 100);
@@ -165,7 +166,7 @@ TEST_CASE("What is not whole or not in range is refused", "[dytex][compress]") {
   const auto refusal = [&](Precision precision, const auto& damage) {
     auto archive = dytex::to_archive(texture, precision);
     damage(archive.arrays);
-    return test::message<core::IoError>([&] { dytex::linear_dynamic_texture(archive); });
+    return test::message_of<core::IoError>([&] { dytex::linear_dynamic_texture(archive); });
   };
   CHECK(refusal(Precision::u8, [](auto& arrays) { arrays.erase("C_scale"); }) ==
         "model: the array C_scale is missing");
@@ -184,7 +185,7 @@ TEST_CASE("What is not whole or not in range is refused", "[dytex][compress]") {
   CHECK(refusal(Precision::u8, [](auto& arrays) { arrays["C"].data = std::vector<double>(4 * 432); }) ==
         "model: the array C must hold float32, float16 or uint8");
   texture.mean[5] = 70'000;
-  CHECK(test::message<core::InputError>([&] { dytex::to_archive(texture, Precision::f16); }) ==
+  CHECK(test::message_of<core::InputError>([&] { dytex::to_archive(texture, Precision::f16); }) ==
         "mean has a value beyond 65504, the most that f16 holds; keep f32");
   CHECK(dytex::precision_of("f16") == Precision::f16);
   CHECK_FALSE(dytex::precision_of("f64"));

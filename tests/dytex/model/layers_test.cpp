@@ -7,6 +7,7 @@
 #include "dytex/synthesize.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -114,7 +115,7 @@ TEST_CASE("A layer leaves what is outside its edge as it was and is all itself i
 TEST_CASE("Masks of layers that do not fit are refused", "[dytex][layers]") {
   const core::Clip clip = test::wavy_clip(20, 10, 1, CV_8U, 5);
   core::ClipSource source(clip);
-  const auto refused = [](const auto& call) { return test::message<core::InputError>(call); };
+  const auto refused = [](const auto& call) { return test::message_of<core::InputError>(call); };
   CHECK(refused([&] { dytex::RegionSource(source, cv::Mat(10, 21, CV_8U, cv::Scalar(1))); }) ==
         "mask is 21 × 10, must be as the frames are, 20 × 10");
   CHECK(refused([&] { dytex::RegionSource(source, cv::Mat::zeros(10, 20, CV_8U)); }) ==

@@ -7,6 +7,7 @@
 #include "dytex/synthesize.hpp"
 #include "tests/dytex/distances/systems.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinRel;
@@ -116,7 +117,7 @@ TEST_CASE("The step over a loop's seam is no larger than others", "[dytex][loop]
 TEST_CASE("Loops that cannot be are refused", "[dytex][loop]") {
   const dytex::LinearDynamicTexture texture = test::random_texture(3, 0.9, 1);
   const auto refused = [&](const dytex::SynthesisOptions& options) {
-    return test::message<core::InputError>([&] { dytex::Synthesis(texture, options); });
+    return test::message_of<core::InputError>([&] { dytex::Synthesis(texture, options); });
   };
   CHECK(refused(loop_of(-1)) == "SynthesisOptions.loop is -1, allowed is 0 to 1000000");
   CHECK(refused({.seed = 1, .first_frame = 2, .loop = 5})

@@ -14,6 +14,7 @@
 #include "graph/matching/time_reversal.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -81,7 +82,7 @@ int family(EventType type) {
 TEST_CASE("one sample is its own pool") {
   Samples samples = world(3, 1, 60, 400);
   CHECK(graph::pool_events(samples) == samples[0]);
-  CHECK(graph::representative(samples) == 0);
+  CHECK(graph::find_representative(samples) == 0);
 }
 
 TEST_CASE("samples that agree give their events with probability 1") {
@@ -181,9 +182,9 @@ TEST_CASE("pools of random samples") {
 
   SECTION("reversed samples give the reversed events") {
     Samples backwards;
-    for (const auto& sample : samples) backwards.push_back(graph::reversed(sample, 31));
-    CHECK(graph::reversed(graph::pool_events(backwards, 2), 31) == pooled);
-    CHECK(graph::representative(backwards) == graph::representative(samples));
+    for (const auto& sample : samples) backwards.push_back(graph::reverse_time(sample, 31));
+    CHECK(graph::reverse_time(graph::pool_events(backwards, 2), 31) == pooled);
+    CHECK(graph::find_representative(backwards) == graph::find_representative(samples));
   }
   SECTION("the order of samples does not matter") {
     std::vector<std::size_t> order(samples.size());
@@ -308,8 +309,8 @@ TEST_CASE("readings that agree are believed, and no reading turns the majority")
   }
   Samples backwards;  // and the readings in another order
   for (std::size_t k = 0; k < samples.size(); ++k)
-    backwards.push_back(graph::reversed(samples[(k + 4) % samples.size()], 31));
-  auto again = graph::reversed(graph::pool_events(backwards, 8, options), 31);
+    backwards.push_back(graph::reverse_time(samples[(k + 4) % samples.size()], 31));
+  auto again = graph::reverse_time(graph::pool_events(backwards, 8, options), 31);
   CHECK(again == doubted);
   options.readings = 1;
   CHECK(graph::pool_events(samples, 0, options) == shares);
@@ -318,24 +319,24 @@ TEST_CASE("readings that agree are believed, and no reading turns the majority")
 TEST_CASE("the representative is the sample that agrees most") {
   const Event a = at(3, {10, 10}), b = at(5, {80, 10}), c = at(7, {150, 10}), odd = at(9, {300, 10});
   // c and `odd` are in one sample in four, a and b in most.
-  CHECK(graph::representative(Samples{{a}, {a, b, odd}, {a, b}, {b, c}}) == 2);
-  CHECK(graph::representative(Samples{{a, b}, {a, b}}) == 0);
-  CHECK(graph::representative(Samples{{odd}, {}, {}}) == 1);
+  CHECK(graph::find_representative(Samples{{a}, {a, b, odd}, {a, b}, {b, c}}) == 2);
+  CHECK(graph::find_representative(Samples{{a, b}, {a, b}}) == 0);
+  CHECK(graph::find_representative(Samples{{odd}, {}, {}}) == 1);
   // Which class a union has does not make it disagree.
   const Event merge = at(3, {10, 10}, EventType::merge), connect = at(3, {10, 10}, EventType::connect);
-  CHECK(graph::representative(Samples{{}, {merge}, {connect}}) == 1);
+  CHECK(graph::find_representative(Samples{{}, {merge}, {connect}}) == 1);
 }
 
 TEST_CASE("what cannot be pooled is refused") {
   const auto complaint = [](const Samples& samples, std::size_t representative, graph::PoolOptions options) {
-    return make::message<core::InputError>([&] { graph::pool_events(samples, representative, options); });
+    return test::message_of<core::InputError>([&] { graph::pool_events(samples, representative, options); });
   };
-  CHECK(make::has(complaint({}, 0, {}), "no samples"));
-  CHECK(make::has(complaint({{}, {}}, 2, {}), "sample 2 of 2"));
-  CHECK(make::has(complaint({{}, {}, {}}, 0, {1, 10, 2}), "3 samples of 2 readings"));
-  CHECK(make::has(complaint({{}}, 0, {-1, 10, 0}), "frames is -1"));
-  CHECK(make::has(complaint({{}}, 0, {1, 0, 0}), "radius is 0"));
+  CHECK(test::contains(complaint({}, 0, {}), "no samples"));
+  CHECK(test::contains(complaint({{}, {}}, 2, {}), "sample 2 of 2"));
+  CHECK(test::contains(complaint({{}, {}, {}}, 0, {1, 10, 2}), "3 samples of 2 readings"));
+  CHECK(test::contains(complaint({{}}, 0, {-1, 10, 0}), "frames is -1"));
+  CHECK(test::contains(complaint({{}}, 0, {1, 0, 0}), "radius is 0"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(make::has(complaint({{at(4, {nan, 0})}}, 0, {}), "sample 0 in frame 4"));
+  CHECK(test::contains(complaint({{at(4, {nan, 0})}}, 0, {}), "sample 0 in frame 4"));
   CHECK(graph::pool_events(Samples(1)).empty());
 }

@@ -8,6 +8,7 @@
 #include "graph/matching/assignment.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -181,9 +182,9 @@ TEST_CASE("Four classes see no difference between split and disconnect, merge an
 
 TEST_CASE("Options of the score are held to their ranges", "[graph][score]") {
   const auto refusal = [](graph::ScoreOptions options) {
-    return make::message<core::InputError>([&] { options.validate(); });
+    return test::message_of<core::InputError>([&] { options.validate(); });
   };
-  CHECK(make::has(refusal({-1, 20}), "frames"));
-  CHECK(make::has(refusal({2, std::nan("")}), "radius"));
+  CHECK(test::contains(refusal({-1, 20}), "frames"));
+  CHECK(test::contains(refusal({2, std::nan("")}), "radius"));
   CHECK(refusal({0, 0}).empty());
 }

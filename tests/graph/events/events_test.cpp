@@ -19,8 +19,8 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-std::vector<Event> events_of(const make::Frame& before, const make::Frame& after, const Pairs& links) {
-  return graph::stroke_events(graph::identify(make::motion({before.graph(), after.graph()}, {links})));
+std::vector<Event> events_of(const test::Frame& before, const test::Frame& after, const Pairs& links) {
+  return graph::stroke_events(graph::identify(test::motion({before.graph(), after.graph()}, {links})));
 }
 
 void check_one(const std::vector<Event>& events, EventType type, graph::Point place) {
@@ -38,7 +38,7 @@ Pairs mirrored(Pairs links) {
 }
 
 /// The change in both senses of time: `there` from a to b, `back` from b to a.
-void check_both(const make::Frame& a, const make::Frame& b, const Pairs& links, EventType there,
+void check_both(const test::Frame& a, const test::Frame& b, const Pairs& links, EventType there,
                 EventType back, graph::Point place) {
   check_one(events_of(a, b, links), there, place);
   check_one(events_of(b, a, mirrored(links)), back, place);
@@ -55,8 +55,8 @@ Pairs operator+(Pairs a, const Pairs& b) {
   return a;
 }
 
-make::Frame lines(const std::vector<std::vector<graph::Point>>& all) {
-  make::Frame frame;
+test::Frame lines(const std::vector<std::vector<graph::Point>>& all) {
+  test::Frame frame;
   for (const auto& points : all) frame.line(points);
   return frame;
 }
@@ -111,13 +111,13 @@ TEST_CASE("Every event type has a name that leads back to it", "[graph][events]"
 }
 
 TEST_CASE("A stroke is born and dies at its middle", "[graph][events]") {
-  const auto stays = make::segment({0, 100}, {40, 100}, 9);
-  const make::Frame a = lines({stays});
+  const auto stays = test::segment({0, 100}, {40, 100}, 9);
+  const test::Frame a = lines({stays});
   // An L of 20 + 10 px: its middle is 15 px from either end.
-  const make::Frame b = lines({stays, {{50, 0}, {60, 0}, {70, 0}, {70, 10}}});
+  const test::Frame b = lines({stays, {{50, 0}, {60, 0}, {70, 0}, {70, 10}}});
   check_both(a, b, straight(0, 9), EventType::birth, EventType::death, {65, 0});
   // A branch does not move it: the longest path counts.
-  make::Frame branched = b;
+  test::Frame branched = b;
   branched.line({{65, 3}});
   branched.edge(10, 13);
   check_both(a, branched, straight(0, 9), EventType::birth, EventType::death, {65, 0});
@@ -125,11 +125,11 @@ TEST_CASE("A stroke is born and dies at its middle", "[graph][events]") {
 }
 
 TEST_CASE("A gap that closes along a line is a merge, at its middle", "[graph][events]") {
-  const make::Frame apart = lines({make::segment({0, 0}, {20, 0}, 5), make::segment({40, 0}, {60, 0}, 5)});
-  const make::Frame one = lines({make::segment({0, 0}, {60, 0}, 13)});
+  const test::Frame apart = lines({test::segment({0, 0}, {20, 0}, 5), test::segment({40, 0}, {60, 0}, 5)});
+  const test::Frame one = lines({test::segment({0, 0}, {60, 0}, 13)});
   check_both(apart, one, straight(0, 5) + straight(5, 5, 3), EventType::merge, EventType::split, {30, 0});
   // With nothing new between them they meet at the middle of the edge.
-  make::Frame touching = apart;
+  test::Frame touching = apart;
   touching.edge(4, 5);
   check_both(apart, touching, straight(0, 10), EventType::merge, EventType::split, {30, 0});
 }
@@ -139,19 +139,19 @@ TEST_CASE("A union is a merge as long as it turns by less than 30 degrees at bot
     const double turn = degrees * std::numbers::pi / 180;
     // Both lines fall away from the gap's line by `turn`.
     const graph::Point down{20 * std::cos(turn), 20 * std::sin(turn)};
-    make::Frame apart = lines({make::segment({-10 - down.x, down.y}, {-10, 0}, 5),
-                               make::segment({10, 0}, {10 + down.x, down.y}, 5)});
-    make::Frame one = apart;
-    one.line(make::segment({-5, 0}, {5, 0}, 3));
+    test::Frame apart = lines({test::segment({-10 - down.x, down.y}, {-10, 0}, 5),
+                               test::segment({10, 0}, {10 + down.x, down.y}, 5)});
+    test::Frame one = apart;
+    one.line(test::segment({-5, 0}, {5, 0}, 3));
     one.edge(4, 10);
     one.edge(12, 5);
     const bool straight_on = degrees < 30;
     check_both(apart, one, straight(0, 10), straight_on ? EventType::merge : EventType::connect,
                straight_on ? EventType::split : EventType::disconnect, {0, 0});
     // One end that turns is enough to be no merge.
-    make::Frame half =
-        lines({make::segment({-30, 0}, {-10, 0}, 5), make::segment({10, 0}, {10 + down.x, down.y}, 5)});
-    make::Frame whole = half;
+    test::Frame half =
+        lines({test::segment({-30, 0}, {-10, 0}, 5), test::segment({10, 0}, {10 + down.x, down.y}, 5)});
+    test::Frame whole = half;
     whole.edge(4, 5);
     check_both(half, whole, straight(0, 10), straight_on ? EventType::merge : EventType::connect,
                straight_on ? EventType::split : EventType::disconnect, {0, 0});
@@ -159,20 +159,20 @@ TEST_CASE("A union is a merge as long as it turns by less than 30 degrees at bot
 }
 
 TEST_CASE("A bridge between two strokes connects them at its middle and is not born", "[graph][events]") {
-  const make::Frame two = lines({make::segment({0, 0}, {40, 0}, 9), make::segment({0, 30}, {40, 30}, 9)});
-  make::Frame bridged = two;
-  const auto bridge = bridged.line(make::segment({20, 5}, {20, 20}, 4));
+  const test::Frame two = lines({test::segment({0, 0}, {40, 0}, 9), test::segment({0, 30}, {40, 30}, 9)});
+  test::Frame bridged = two;
+  const auto bridge = bridged.line(test::segment({20, 5}, {20, 20}, 4));
   bridged.edge(4, bridge);
   bridged.edge(bridge + 3, 13);
   check_both(two, bridged, straight(0, 18), EventType::connect, EventType::disconnect, {20, 15});
   // A T without anything between, from the end of one line to the side of the other.
-  const make::Frame tee = lines({make::segment({0, 0}, {40, 0}, 9), make::segment({20, 6}, {20, 26}, 5)});
-  make::Frame joined = tee;
+  const test::Frame tee = lines({test::segment({0, 0}, {40, 0}, 9), test::segment({20, 6}, {20, 26}, 5)});
+  test::Frame joined = tee;
   joined.edge(4, 9);
   check_both(tee, joined, straight(0, 14), EventType::connect, EventType::disconnect, {20, 3});
   // In line with one of them, but in the middle of the other.
-  make::Frame side = lines({make::segment({0, 0}, {0, 40}, 9), make::segment({10, 20}, {30, 20}, 5)});
-  make::Frame sided = side;
+  test::Frame side = lines({test::segment({0, 0}, {0, 40}, 9), test::segment({10, 20}, {30, 20}, 5)});
+  test::Frame sided = side;
   sided.edge(4, 9);
   check_both(side, sided, straight(0, 14), EventType::connect, EventType::disconnect, {5, 20});
 }
@@ -180,28 +180,28 @@ TEST_CASE("A bridge between two strokes connects them at its middle and is not b
 TEST_CASE("A bridge that leaves a stub at its foot is a bridge all the same", "[graph][events]") {
   // The stub looks like an end that the other stroke continues, but the stroke it stands on goes on to both
   // sides.
-  make::Frame apart = lines({make::segment({0, 0}, {0, 60}, 13), make::segment({35, 30}, {75, 30}, 9)});
+  test::Frame apart = lines({test::segment({0, 0}, {0, 60}, 13), test::segment({35, 30}, {75, 30}, 9)});
   const auto stub = apart.line({{5, 30}});
   apart.edge(6, stub);
-  make::Frame joined = apart;
-  const auto bridge = joined.line(make::segment({10, 30}, {30, 30}, 5));
+  test::Frame joined = apart;
+  const auto bridge = joined.line(test::segment({10, 30}, {30, 30}, 5));
   joined.edge(stub, bridge);
   joined.edge(bridge + 4, 13);
-  make::Frame bare = lines({make::segment({0, 0}, {0, 60}, 13), make::segment({35, 30}, {75, 30}, 9)});
+  test::Frame bare = lines({test::segment({0, 0}, {0, 60}, 13), test::segment({35, 30}, {75, 30}, 9)});
   check_both(bare, joined, straight(0, 6) + straight(7, 15) + Pairs{{6, stub}}, EventType::connect,
              EventType::disconnect, {20, 30});
 }
 
 TEST_CASE("Growing, branching, and closing a loop are no events", "[graph][events]") {
-  const make::Frame line = lines({make::segment({0, 0}, {40, 0}, 9)});
-  const make::Frame longer = lines({make::segment({0, 0}, {60, 0}, 13)});
+  const test::Frame line = lines({test::segment({0, 0}, {40, 0}, 9)});
+  const test::Frame longer = lines({test::segment({0, 0}, {60, 0}, 13)});
   CHECK(events_of(line, longer, straight(0, 9)).empty());
   CHECK(events_of(longer, line, straight(0, 9)).empty());
-  make::Frame branched = line;
-  const auto branch = branched.line(make::segment({20, 5}, {20, 20}, 4));
+  test::Frame branched = line;
+  const auto branch = branched.line(test::segment({20, 5}, {20, 20}, 4));
   branched.edge(4, branch);
   CHECK(events_of(line, branched, straight(0, 9)).empty());
-  make::Frame loop = branched;
+  test::Frame loop = branched;
   loop.edge(branch + 3, 8);
   CHECK(events_of(branched, loop, straight(0, 13)).empty());
   CHECK(events_of(loop, branched, straight(0, 13)).empty());
@@ -209,10 +209,10 @@ TEST_CASE("Growing, branching, and closing a loop are no events", "[graph][event
 }
 
 TEST_CASE("Three strokes that become one are two unions, each in its place", "[graph][events]") {
-  const auto a = make::segment({0, 0}, {20, 0}, 5), b = make::segment({40, 0}, {60, 0}, 5),
-             c = make::segment({50, 30}, {50, 50}, 5);
-  const make::Frame apart = lines({a, b, c});
-  make::Frame one = apart;
+  const auto a = test::segment({0, 0}, {20, 0}, 5), b = test::segment({40, 0}, {60, 0}, 5),
+             c = test::segment({50, 30}, {50, 50}, 5);
+  const test::Frame apart = lines({a, b, c});
+  test::Frame one = apart;
   const auto gap = one.line({{30, 0}});
   one.edge(4, gap);
   one.edge(gap, 5);
@@ -233,9 +233,9 @@ TEST_CASE("Three strokes that become one are two unions, each in its place", "[g
 TEST_CASE("A piece that goes over from one stroke to another is a separation and a union",
           "[graph][events]") {
   // Three pieces in a row: first the left two are one stroke, then the right two.
-  const auto a = make::segment({0, 0}, {40, 0}, 9), b = make::segment({50, 0}, {65, 0}, 4),
-             c = make::segment({80, 0}, {120, 0}, 9);
-  make::Frame left = lines({a, b, c}), right = left;
+  const auto a = test::segment({0, 0}, {40, 0}, 9), b = test::segment({50, 0}, {65, 0}, 4),
+             c = test::segment({80, 0}, {120, 0}, 9);
+  test::Frame left = lines({a, b, c}), right = left;
   left.edge(8, 9);
   right.edge(12, 13);
   const auto events = events_of(left, right, straight(0, 22));
@@ -247,18 +247,18 @@ TEST_CASE("A piece that goes over from one stroke to another is a separation and
 }
 
 TEST_CASE("Two patches that become one join their strokes there", "[graph][events]") {
-  const make::Frame apart = lines({make::segment({0, 0}, {20, 0}, 5), make::segment({22, 0}, {42, 0}, 5)});
-  const make::Frame one = lines({make::segment({1, 0}, {41, 0}, 9)});
+  const test::Frame apart = lines({test::segment({0, 0}, {20, 0}, 5), test::segment({22, 0}, {42, 0}, 5)});
+  const test::Frame one = lines({test::segment({1, 0}, {41, 0}, 9)});
   const Pairs links = straight(0, 4) + Pairs{{4, 4}, {5, 4}} + straight(6, 4, ~0U);
   check_both(apart, one, links, EventType::merge, EventType::split, {21, 0});
 }
 
 TEST_CASE("The frame of an event is the first one that shows it", "[graph][events]") {
-  const make::Frame one = lines({make::segment({0, 0}, {20, 0}, 5)});
-  const make::Frame two = lines({make::segment({0, 0}, {20, 0}, 5), make::segment({0, 50}, {20, 50}, 5)});
+  const test::Frame one = lines({test::segment({0, 0}, {20, 0}, 5)});
+  const test::Frame two = lines({test::segment({0, 0}, {20, 0}, 5), test::segment({0, 50}, {20, 50}, 5)});
   const auto g = one.graph(), h = two.graph();
   const auto events = graph::stroke_events(graph::identify(
-      make::motion({g, g, h, h, g}, {straight(0, 5), straight(0, 5), straight(0, 10), straight(0, 5)})));
+      test::motion({g, g, h, h, g}, {straight(0, 5), straight(0, 5), straight(0, 10), straight(0, 5)})));
   REQUIRE(events.size() == 2);
   CHECK(events[0] == Event{2, EventType::birth, {10, 50}, 1, {}, {{2}}});
   CHECK(events[1] == Event{4, EventType::death, {10, 50}, 1, {{2}}, {}});
@@ -268,11 +268,10 @@ TEST_CASE("The frame of an event is the first one that shows it", "[graph][event
 TEST_CASE("A clip played backwards has the opposite events at the same places", "[graph][events]") {
   std::map<EventType, int> seen;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    const auto motion = graph::identify(make::random_motion(seed, 4, static_cast<int>(seed % 17)));
-    const auto mirror = graph::reversed(motion);
+    const auto motion = graph::identify(test::random_motion(seed, 4, static_cast<int>(seed % 17)));
+    const auto mirror = graph::reverse_time(motion);
     const auto there = graph::stroke_events(motion);
     CHECK(turned(there, 4) == facts(graph::stroke_events(mirror)));
-    CHECK(turned(graph::patch_events(motion), 4) == facts(graph::patch_events(mirror)));
     for (const Event& event : there) ++seen[event.type];
   }
   CHECK(seen.size() == 6);
@@ -281,7 +280,7 @@ TEST_CASE("A clip played backwards has the opposite events at the same places", 
 TEST_CASE("A cluster of p strokes before and q after has p - 1 unions and q - 1 separations",
           "[graph][events]") {
   for (std::uint64_t seed = 1000; seed < 1200; ++seed) {
-    const auto motion = graph::identify(make::random_motion(seed, 2, static_cast<int>(seed % 23)));
+    const auto motion = graph::identify(test::random_motion(seed, 2, static_cast<int>(seed % 23)));
     const auto &before = motion.sketch.frames[0], &after = motion.sketch.frames[1];
     const auto p = graph::components(before), q = graph::components(after);
     // Clusters by spreading the lowest label until nothing changes.
@@ -324,45 +323,5 @@ TEST_CASE("A cluster of p strokes before and q after has p - 1 unions and q - 1 
       }
     }
     CHECK(std::tuple(births, deaths, unions, separations) == std::tuple(0, 0, 0, 0));
-  }
-}
-
-TEST_CASE("Single patches have their events", "[graph][events]") {
-  // 0-1-2 and 3: 0 splits into 0 and 1, 1 and 2 go on and lose their edge, 3 dies, 4 is new.
-  make::Frame before = lines({make::segment({0, 0}, {20, 0}, 3), {{50, 50}}});
-  make::Frame after = lines({{{0, 1}, {0, 3}}, {{10, 0}}, {{20, 0}}, {{90, 90}}});
-  const auto events = graph::patch_events(
-      graph::identify(make::motion({before.graph(), after.graph()}, {{{0, 0}, {0, 1}, {1, 2}, {2, 3}}})));
-  std::multiset<Facts> expected;
-  expected.emplace(1, static_cast<int>(EventType::birth), 90, 90, 0, 1);
-  expected.emplace(1, static_cast<int>(EventType::death), 50, 50, 1, 0);
-  expected.emplace(1, static_cast<int>(EventType::split), 0, 0, 1, 1);
-  expected.emplace(1, static_cast<int>(EventType::disconnect), 15, 0, 1, 2);
-  CHECK(facts(events) == expected);
-}
-
-TEST_CASE("Patch events count vertices and edges one by one", "[graph][events]") {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    const auto motion = graph::identify(make::random_motion(seed, 2, static_cast<int>(seed % 30)));
-    const auto& links = motion.links[1];
-    std::map<EventType, int> expected, found;
-    const auto count = [&](const graph::AttributeGraph& g, auto end, EventType none, EventType several) {
-      for (const auto& v : g.vertices()) {
-        const auto n =
-            std::count_if(links.begin(), links.end(), [&](const graph::Link& l) { return end(l) == v.id; });
-        if (n == 0) ++expected[none];
-        if (n > 1) ++expected[several];
-      }
-    };
-    count(
-        motion.sketch.frames[0], [](const graph::Link& l) { return l.before; }, EventType::death,
-        EventType::split);
-    count(
-        motion.sketch.frames[1], [](const graph::Link& l) { return l.after; }, EventType::birth,
-        EventType::merge);
-    for (const Event& event : graph::patch_events(motion)) ++found[event.type];
-    for (const auto type : {EventType::birth, EventType::death, EventType::split, EventType::merge}) {
-      CHECK(expected[type] == found[type]);
-    }
   }
 }

@@ -9,9 +9,10 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/clock.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using make::has;
+using test::has;
 
 namespace {
 
@@ -27,7 +28,7 @@ graph::MotionGraph read(const std::string& text) {
 }
 
 std::string refusal(const std::string& text) {
-  return make::message<core::IoError>([&] { read(text); });
+  return test::message_of<core::IoError>([&] { read(text); });
 }
 
 std::string replaced(std::string text, const std::string& what, const std::string& with) {
@@ -56,7 +57,7 @@ std::string good() {
 
 TEST_CASE("Motion and sketch files read back the same, bit for bit", "[graph][io]") {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    graph::MotionGraph motion = graph::identify(make::random_motion(seed, 4, 15));
+    graph::MotionGraph motion = graph::identify(test::random_motion(seed, 4, 15));
     motion.sketch.fps = 30000.0 / 1001;
     const std::string text = written(motion);
     CHECK(read(text) == motion);
@@ -73,7 +74,7 @@ TEST_CASE("Hard numbers read back the same", "[graph][io]") {
   core::Rng rng(9);
   std::vector<graph::Vertex> vertices;
   for (std::uint32_t i = 0; i < 20000; ++i) {
-    auto v = make::vertex(i, 0, 0);
+    auto v = test::vertex(i, 0, 0);
     v.patch.position.x = std::ldexp(rng.uniform(-1, 1), -static_cast<int>(rng.below(300)));
     for (float& value : v.patch.left) {
       const auto bits = rng.bits() & 0xbfffffffU;  // |value| < 2
@@ -252,7 +253,8 @@ TEST_CASE("Deep nesting is refused or passed over, never followed", "[graph][io]
   CHECK(has(refusal(kHeader + "{\"frame\":0,\"note\":" + deep + "\n"), "line 2: no valid JSON"));
   CHECK(read(replaced(good(), R"("frame":1,)", R"("frame":1,"note":)" + deep + shut + ",")) == read(good()));
   std::istringstream events("{\"events\":" + deep + shut + "}");
-  CHECK(has(make::message<core::IoError>([&] { graph::read_events(events, "e.json"); }), "nested more than"));
+  CHECK(has(test::message_of<core::IoError>([&] { graph::read_events(events, "e.json"); }),
+            "nested more than"));
 }
 
 TEST_CASE("A header line without end is given up on", "[graph][io]") {
@@ -260,15 +262,15 @@ TEST_CASE("A header line without end is given up on", "[graph][io]") {
 }
 
 TEST_CASE("Writers refuse what readers would, and say so where the stream fails", "[graph][io]") {
-  graph::MotionGraph motion = make::random_motion(3, 3, 5);
-  const auto complaint = [&] { return make::message<core::InputError>([&] { written(motion); }); };
+  graph::MotionGraph motion = test::random_motion(3, 3, 5);
+  const auto complaint = [&] { return test::message_of<core::InputError>([&] { written(motion); }); };
   motion.sketch.width = 0;
   CHECK(has(complaint(), "0 x 240"));
   motion.sketch.width = 320;
   motion.sketch.fps = std::nan("");
   CHECK(has(complaint(), "fps"));
   motion.sketch.fps = 25;
-  auto far = make::vertex(0, 2e6, 0);
+  auto far = test::vertex(0, 2e6, 0);
   motion.sketch.frames = {graph::AttributeGraph({far}, {})};
   motion.links.resize(1);
   CHECK(has(complaint(), "vertex 0: \"x\" is 2e+06"));
@@ -308,7 +310,7 @@ TEST_CASE("A scene's truth is read for its events", "[graph][io]") {
 
 TEST_CASE("Every bad events file is refused with name and cause", "[graph][io]") {
   const auto message_for = [](const std::string& text) {
-    return make::message<core::IoError>([&] {
+    return test::message_of<core::IoError>([&] {
       std::istringstream in(text);
       graph::read_events(in, "e.json");
     });
@@ -358,15 +360,15 @@ TEST_CASE("Events and trajectories have their tables", "[graph][io]") {
 
 TEST_CASE("A long clip's motion is written and read in a moment", "[graph][io]") {
   core::Rng rng(4);
-  make::Frame frame;
+  test::Frame frame;
   for (int k = 0; k < 50; ++k) {
-    frame.line(make::segment({rng.uniform(0, 300), rng.uniform(0, 200)},
+    frame.line(test::segment({rng.uniform(0, 300), rng.uniform(0, 200)},
                              {rng.uniform(0, 300), rng.uniform(0, 200)}, 10));
   }
   const graph::AttributeGraph one = frame.graph();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> straight;
   for (std::uint32_t i = 0; i < one.size(); ++i) straight.emplace_back(i, i);
-  const auto motion = make::motion(std::vector(300, one), std::vector(299, straight));
+  const auto motion = test::motion(std::vector(300, one), std::vector(299, straight));
   const auto start = std::chrono::steady_clock::now();
   const std::string text = written(motion);
   const auto middle = std::chrono::steady_clock::now();

@@ -33,7 +33,7 @@ std::vector<std::vector<double>> rows_of(const std::string& table) {
 }  // namespace
 
 TEST_CASE("The table of strokes has a row for each stroke and frame", "[graph][io]") {
-  make::Frame first, second;
+  test::Frame first, second;
   first.line({{10, 20}, {14, 20}, {18, 20}}, 40);
   first.line({{60, 80}}, -30);
   // the line goes on with an arm: a T; the single patch goes, another line comes
@@ -42,7 +42,7 @@ TEST_CASE("The table of strokes has a row for each stroke and frame", "[graph][i
   second.line({{100, 100}, {100, 112}}, 20);
   second.vertices[0].patch.width = 6;
   const auto motion =
-      graph::identify(make::motion({first.graph(), second.graph()}, {{{0, 0}, {1, 1}, {2, 2}}}));
+      graph::identify(test::motion({first.graph(), second.graph()}, {{{0, 0}, {1, 1}, {2, 2}}}));
   CHECK(table_of(motion) ==
         "stroke,frame,x,y,length,patches,width,contrast,ends,junctions\n"
         "1,0,14,20,8,3,2,40,2,0\n"
@@ -52,10 +52,10 @@ TEST_CASE("The table of strokes has a row for each stroke and frame", "[graph][i
 }
 
 TEST_CASE("A ring has no end, a stroke's length is that of all its edges", "[graph][io]") {
-  make::Frame frame;
+  test::Frame frame;
   frame.line({{0, 0}, {3, 4}, {6, 0}});
   frame.edge(0, 2);
-  const auto rows = rows_of(table_of(graph::identify(make::motion({frame.graph()}, {}))));
+  const auto rows = rows_of(table_of(graph::identify(test::motion({frame.graph()}, {}))));
   REQUIRE(rows.size() == 1);
   CHECK(rows[0][4] == 16);
   CHECK(rows[0][8] == 0);
@@ -64,7 +64,7 @@ TEST_CASE("A ring has no end, a stroke's length is that of all its edges", "[gra
 
 TEST_CASE("The table of strokes tells of every patch once, in order", "[graph][io]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const auto motion = graph::identify(make::random_motion(seed, 5, 8));
+    const auto motion = graph::identify(test::random_motion(seed, 5, 8));
     const auto rows = rows_of(table_of(motion));
     std::map<std::pair<double, double>, double> patches;  // by stroke and frame
     for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t)
@@ -81,15 +81,15 @@ TEST_CASE("The table of strokes tells of every patch once, in order", "[graph][i
 }
 
 TEST_CASE("Strokes that were not identified are told apart all the same", "[graph][io]") {
-  make::Frame frame;
+  test::Frame frame;
   frame.line({{0, 0}, {4, 0}});
   frame.line({{50, 0}, {58, 0}});
-  const auto rows = rows_of(table_of(make::motion({frame.graph()}, {})));
+  const auto rows = rows_of(table_of(test::motion({frame.graph()}, {})));
   REQUIRE(rows.size() == 2);
   CHECK(rows[0][0] == 0);
   CHECK(rows[0][4] == 4);
   CHECK(rows[1][4] == 8);
   std::ostringstream broken;
   broken.setstate(std::ios::badbit);
-  CHECK_THROWS_AS(graph::write_strokes(broken, make::motion({frame.graph()}, {})), core::IoError);
+  CHECK_THROWS_AS(graph::write_strokes(broken, test::motion({frame.graph()}, {})), core::IoError);
 }

@@ -66,7 +66,7 @@ std::vector<graph::Event> events_with(const std::vector<Line>& usual, const std:
   for (int t = 0; t < 12; ++t) sketch.append(draw(t >= first && t < last ? other : usual));
   graph::MatchOptions options;
   options.flicker = flicker;
-  return graph::stroke_events(graph::match(sketch, options).motion);
+  return graph::stroke_events(graph::match(sketch, options));
 }
 
 }  // namespace
@@ -135,9 +135,9 @@ TEST_CASE("Steadying a steady sequence changes nothing", "[graph][steady]") {
   for (int t = 0; t < 10; ++t) sketch.append(draw(t < 5 ? kPair : kBridged));
   graph::MatchOptions options;
   options.flicker = 0;
-  const graph::MotionGraph motion = graph::match(sketch, options).motion;
-  CHECK(graph::steady(motion, 3) == motion.sketch);
-  CHECK(graph::steady(motion, 0) == motion.sketch);
+  const graph::MotionGraph motion = graph::match(sketch, options);
+  CHECK(graph::remove_flicker(motion, 3) == motion.sketch);
+  CHECK(graph::remove_flicker(motion, 0) == motion.sketch);
 }
 
 namespace {
@@ -145,7 +145,7 @@ namespace {
 std::vector<graph::Event> events_of(const std::vector<AttributeGraph>& frames) {
   graph::SketchSequence sketch{160, 120, 25, {}};
   for (const AttributeGraph& frame : frames) sketch.append(frame);
-  return graph::stroke_events(graph::match(sketch, {}).motion);
+  return graph::stroke_events(graph::match(sketch, {}));
 }
 
 AttributeGraph gaining(AttributeGraph graph, double from_x, double gain) {

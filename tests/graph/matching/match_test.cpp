@@ -9,6 +9,7 @@
 #include "graph/events/events.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using graph::EventType;
@@ -57,7 +58,7 @@ class Swaying {
 
   /// The frame, and of each of its vertices the stroke it lies on (bridges count on after the strokes).
   graph::AttributeGraph frame(std::vector<std::size_t>& owner) {
-    make::Frame frame;
+    test::Frame frame;
     owner.clear();
     std::map<std::size_t, std::uint32_t> middles;
     for (std::size_t k = 0; k < strokes_.size(); ++k) {
@@ -170,7 +171,7 @@ TEST_CASE("Swaying strokes are followed, and exactly what changes is an event", 
       sketch.append(scene.frame(owners.back()));
     }
     const auto result = graph::match(sketch, {});
-    const auto events = graph::stroke_events(result.motion);
+    const auto events = graph::stroke_events(result);
     CAPTURE(seed, events.size());
     REQUIRE(events.size() == expected.size());
     for (std::size_t k = 0; k < events.size(); ++k) {
@@ -180,9 +181,9 @@ TEST_CASE("Swaying strokes are followed, and exactly what changes is an event", 
     }
     std::size_t links = 0, right = 0, patches = 0;
     for (std::size_t t = 1; t < owners.size(); ++t) {
-      const auto &before = result.motion.sketch.frames[t - 1], &after = result.motion.sketch.frames[t];
+      const auto &before = result.sketch.frames[t - 1], &after = result.sketch.frames[t];
       patches += before.size();
-      for (const auto& link : result.motion.links[t]) {
+      for (const auto& link : result.links[t]) {
         ++links;
         right += owners[t - 1][before.index_of(link.before)] == owners[t][after.index_of(link.after)];
       }
@@ -201,7 +202,7 @@ TEST_CASE("A graph matches itself vertex by vertex", "[graph][match]") {
     const auto frame = scene.frame(owner);
     CHECK(graph::match_frames(frame, frame, {}, {}) == identity(frame));
   }
-  make::Frame ring;
+  test::Frame ring;
   std::vector<Point> points;
   for (int k = 0; k < 20; ++k)
     points.push_back({50 + 16 * std::cos(0.1 * k * 3.1416), 50 + 16 * std::sin(0.1 * k * 3.1416)});
@@ -237,24 +238,24 @@ TEST_CASE("A motion that goes on is followed although it is faster than strokes 
   sketch.width = sketch.height = 400;
   double x = 0, speed = 0;
   for (int t = 0; t < 30; ++t) {
-    make::Frame frame;
-    for (int k = 0; k < 8; ++k) frame.line(make::segment({x + 14.0 * k, 20}, {x + 14.0 * k + 3, 60}, 9));
+    test::Frame frame;
+    for (int k = 0; k < 8; ++k) frame.line(test::segment({x + 14.0 * k, 20}, {x + 14.0 * k + 3, 60}, 9));
     sketch.append(frame.graph());
     speed = std::min(10.0, speed + 1);
     x += speed;
   }
   const auto result = graph::match(sketch, {});
-  CHECK(graph::stroke_events(result.motion).empty());
+  CHECK(graph::stroke_events(result).empty());
   for (std::size_t t = 1; t < sketch.frames.size(); ++t) {
-    REQUIRE(result.motion.links[t].size() == 72);
-    for (const auto& link : result.motion.links[t]) CHECK(link.after.value - link.before.value == 72);
+    REQUIRE(result.links[t].size() == 72);
+    for (const auto& link : result.links[t]) CHECK(link.after.value - link.before.value == 72);
   }
 }
 
 TEST_CASE("Strokes of another kind or too far are not the same", "[graph][match]") {
   const auto stroke = [](Point at, double contrast) {
-    make::Frame frame;
-    frame.line(make::segment(at, at + Point{0, 40}, 9), contrast);
+    test::Frame frame;
+    frame.line(test::segment(at, at + Point{0, 40}, 9), contrast);
     return frame.graph();
   };
   CHECK(graph::match_frames(stroke({0, 0}, 40), stroke({1, 0}, 40), {}, {}).size() == 9);
@@ -266,16 +267,16 @@ TEST_CASE("Strokes of another kind or too far are not the same", "[graph][match]
 }
 
 TEST_CASE("A stroke that dies beside one that grows is not the same", "[graph][match]") {
-  make::Frame before, after;
-  before.line(make::segment({0, 0}, {0, 40}, 9));
-  before.line(make::segment({1, 46}, {1, 91}, 10));
-  after.line(make::segment({0, 0}, {0, 52}, 12));  // grown over the first patches of the one below
+  test::Frame before, after;
+  before.line(test::segment({0, 0}, {0, 40}, 9));
+  before.line(test::segment({1, 46}, {1, 91}, 10));
+  after.line(test::segment({0, 0}, {0, 52}, 12));  // grown over the first patches of the one below
   graph::SketchSequence sketch;
   sketch.append(before.graph());
   sketch.append(after.graph());
   graph::MatchOptions options;
   options.flicker = 0;  // two frames cannot tell what lasts
-  const auto events = graph::stroke_events(graph::match(sketch, options).motion);
+  const auto events = graph::stroke_events(graph::match(sketch, options));
   REQUIRE(events.size() == 1);
   CHECK(events[0].type == EventType::death);
   CHECK(graph::distance(events[0].position, {1, 68.5}) < 1e-9);
@@ -284,53 +285,56 @@ TEST_CASE("A stroke that dies beside one that grows is not the same", "[graph][m
 TEST_CASE("Whatever the graphs, the links are a star forest", "[graph][match]") {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     core::Rng rng(seed);
-    const auto before = make::random_graph(rng, rng.below(12), rng.below(12));
-    const auto after = make::random_graph(rng, rng.below(12), rng.below(12));
+    const auto before = test::random_graph(rng, rng.below(12), rng.below(12));
+    const auto after = test::random_graph(rng, rng.below(12), rng.below(12));
     graph::SketchSequence sketch;
     for (const auto* frame : {&before, &after, &before, &after}) sketch.append(*frame);
     const auto result = graph::match(sketch, {});
-    CHECK(make::message<core::InputError>([&] { graph::validate(result.motion); }).empty());
-    CHECK(result.motion.sketch.frames.size() == 4);
+    CHECK(test::message_of<core::InputError>([&] { graph::validate(result); }).empty());
+    CHECK(result.sketch.frames.size() == 4);
   }
 }
 
 TEST_CASE("Many patches in one place are matched in a moment", "[graph][match]") {
   std::vector<graph::Vertex> vertices;
-  for (std::uint32_t k = 0; k < 600; ++k) vertices.push_back(make::vertex(k, 5, 5));
+  for (std::uint32_t k = 0; k < 600; ++k) vertices.push_back(test::vertex(k, 5, 5));
   const graph::AttributeGraph heap(vertices, {});
   CHECK_FALSE(graph::match_frames(heap, heap, {}, {}).empty());
 }
 
-TEST_CASE("A match that is cancelled holds the frames matched so far", "[graph][match]") {
+TEST_CASE("A match reports its progress, and a cancelled one throws", "[graph][match]") {
   Swaying scene = field(1);
   graph::SketchSequence sketch;
   std::vector<std::size_t> owner;
   for (int t = 0; t < 10; ++t) sketch.append((scene.step(), scene.frame(owner)));
   std::stop_source source;
-  double last = -1;
+  double last = -1, stop_at = 2;
   const core::Context context(source.get_token(), [&](std::string_view stage, double fraction) {
     CHECK(stage == "match");
     CHECK(fraction >= last);
     last = fraction;
-    if (fraction >= 0.45) source.request_stop();
+    if (fraction >= stop_at) source.request_stop();
   });
+  CHECK(graph::match(sketch, {}, context).sketch.frames.size() == 10);
+  CHECK(last == 1);
+  last = -1, stop_at = 0.45;
   CHECK_THROWS_AS(graph::match(sketch, {}, context), core::Cancelled);
-  CHECK(last < 1);
-  CHECK(graph::match({}, {}).motion.sketch.frames.empty());
+  CHECK(last < 0.6);
+  CHECK(graph::match({}, {}).sketch.frames.empty());
 }
 
 TEST_CASE("Options and velocities that cannot be are refused by name", "[graph][match]") {
   const auto refusal = [](auto spoil) {
     graph::MatchOptions options;
     spoil(options);
-    return make::message<core::InputError>([&] { graph::match({}, options); });
+    return test::message_of<core::InputError>([&] { graph::match({}, options); });
   };
-  CHECK(make::has(refusal([](auto& o) { o.max_motion = 0; }), "max_motion"));
-  CHECK(make::has(refusal([](auto& o) { o.sigma_along = -1; }), "sigma_along"));
-  CHECK(make::has(refusal([](auto& o) { o.sigma_degree = std::nan(""); }), "sigma_degree"));
-  CHECK(make::has(refusal([](auto& o) { o.sigma_angle = 1 / 0.0; }), "sigma_angle"));
-  make::Frame frame;
-  frame.line(make::segment({0, 0}, {20, 0}, 5));
+  CHECK(test::contains(refusal([](auto& o) { o.max_motion = 0; }), "max_motion"));
+  CHECK(test::contains(refusal([](auto& o) { o.sigma_along = -1; }), "sigma_along"));
+  CHECK(test::contains(refusal([](auto& o) { o.sigma_degree = std::nan(""); }), "sigma_degree"));
+  CHECK(test::contains(refusal([](auto& o) { o.sigma_angle = 1 / 0.0; }), "sigma_angle"));
+  test::Frame frame;
+  frame.line(test::segment({0, 0}, {20, 0}, 5));
   const auto g = frame.graph();
   CHECK_THROWS_AS(graph::match_frames(g, g, std::vector<Point>(4), {}), core::InputError);
   CHECK_THROWS_AS(graph::match_frames(g, g, std::vector<Point>(5, Point{std::nan(""), 0}), {}),

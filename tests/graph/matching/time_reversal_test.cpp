@@ -29,11 +29,11 @@ graph::MotionGraph random_motion(std::uint64_t seed) {
         {from, from + graph::Point{40, rng.uniform(-20, 20)}, first, last, static_cast<int>(rng.below(12))});
   }
   for (int t = 0; t < 10; ++t) {
-    make::Frame frame;
+    test::Frame frame;
     for (const Stroke& stroke : strokes) {
       if (t < stroke.first || t > stroke.last) continue;
       const graph::Point shift{rng.uniform(-1, 1) + 0.5 * t, rng.uniform(-1, 1)};
-      auto points = make::segment(stroke.from + shift, stroke.to + shift, 10);
+      auto points = test::segment(stroke.from + shift, stroke.to + shift, 10);
       if (t < stroke.torn) {
         frame.line(points);
       } else {
@@ -45,7 +45,7 @@ graph::MotionGraph random_motion(std::uint64_t seed) {
   }
   graph::MatchOptions options;
   options.flicker = 0;
-  return graph::match(sketch, options).motion;
+  return graph::match(sketch, options);
 }
 
 }  // namespace
@@ -53,19 +53,19 @@ graph::MotionGraph random_motion(std::uint64_t seed) {
 TEST_CASE("a motion graph reversed twice is itself") {
   const auto seed = GENERATE(range(0, 5));
   const graph::MotionGraph motion = random_motion(static_cast<std::uint64_t>(seed));
-  const graph::MotionGraph back = graph::reversed(motion);
+  const graph::MotionGraph back = graph::reverse_time(motion);
   CHECK_NOTHROW(graph::validate(back));
   CHECK(back.sketch == graph::identify(back).sketch);
   CHECK_FALSE(back == motion);
-  CHECK(graph::reversed(back) == motion);
-  CHECK(graph::reversed(back).sketch.frames.size() == 10);
+  CHECK(graph::reverse_time(back) == motion);
+  CHECK(graph::reverse_time(back).sketch.frames.size() == 10);
 }
 
 TEST_CASE("a reversed motion graph has the reversed events") {
   const auto seed = GENERATE(range(0, 5));
   const graph::MotionGraph motion = random_motion(static_cast<std::uint64_t>(seed));
   const auto there = graph::stroke_events(motion);
-  const auto back = graph::reversed(graph::stroke_events(graph::reversed(motion)), 10);
+  const auto back = graph::reverse_time(graph::stroke_events(graph::reverse_time(motion)), 10);
   CHECK(there.size() > 5);
   REQUIRE(there.size() == back.size());
   for (std::size_t k = 0; k < there.size(); ++k) {
@@ -79,13 +79,13 @@ TEST_CASE("a reversed motion graph has the reversed events") {
 
 TEST_CASE("links reversed join the same patches") {
   // One stroke, one more born in the second frame; a patch of the first frame splits.
-  make::Frame first, second;
-  first.line(make::segment({10, 10}, {20, 10}, 3));
-  second.line(make::segment({10, 40}, {20, 40}, 3));
-  second.line(make::segment({11, 10}, {26, 10}, 4));
+  test::Frame first, second;
+  first.line(test::segment({10, 10}, {20, 10}, 3));
+  second.line(test::segment({10, 40}, {20, 40}, 3));
+  second.line(test::segment({11, 10}, {26, 10}, 4));
   const auto motion =
-      graph::identify(make::motion({first.graph(), second.graph()}, {{{0, 3}, {1, 4}, {2, 5}, {2, 6}}}));
-  const auto back = graph::reversed(motion);
+      graph::identify(test::motion({first.graph(), second.graph()}, {{{0, 3}, {1, 4}, {2, 5}, {2, 6}}}));
+  const auto back = graph::reverse_time(motion);
   REQUIRE(back.sketch.frames.size() == 2);
   CHECK(back.sketch.frames[0].size() == 7);
   CHECK(back.sketch.frames[0].vertices()[0].id.value == 0);
@@ -101,19 +101,19 @@ TEST_CASE("events reversed") {
   const graph::Event birth{3, EventType::birth, {1, 2}, 0.5, {}, {{4}}};
   const graph::Event split{5, EventType::split, {3, 4}, 1, {{1}}, {{2}, {3}}};
   const graph::Event connect{7, EventType::connect, {5, 6}, 1, {{5}, {6}}, {{7}}};
-  const auto back = graph::reversed({birth, split, connect}, 20);
+  const auto back = graph::reverse_time({birth, split, connect}, 20);
   REQUIRE(back.size() == 3);
   CHECK(back[0] == graph::Event{13, EventType::disconnect, {5, 6}, 1, {{7}}, {{5}, {6}}});
   CHECK(back[1] == graph::Event{15, EventType::merge, {3, 4}, 1, {{2}, {3}}, {{1}}});
   CHECK(back[2] == graph::Event{17, EventType::death, {1, 2}, 0.5, {{4}}, {}});
-  CHECK(graph::reversed(back, 20) == std::vector<graph::Event>{birth, split, connect});
+  CHECK(graph::reverse_time(back, 20) == std::vector<graph::Event>{birth, split, connect});
 }
 
 TEST_CASE("an invalid motion graph is not reversed") {
-  make::Frame frame;
-  frame.line(make::segment({10, 10}, {20, 10}, 3));
-  auto motion = make::motion({frame.graph(), frame.graph()}, {{{0, 0}}});
+  test::Frame frame;
+  frame.line(test::segment({10, 10}, {20, 10}, 3));
+  auto motion = test::motion({frame.graph(), frame.graph()}, {{{0, 0}}});
   motion.links[1].push_back({{0}, {99}});
-  CHECK_THROWS_AS(graph::reversed(motion), core::InputError);
-  CHECK(graph::reversed(graph::MotionGraph{}) == graph::MotionGraph{});
+  CHECK_THROWS_AS(graph::reverse_time(motion), core::InputError);
+  CHECK(graph::reverse_time(graph::MotionGraph{}) == graph::MotionGraph{});
 }

@@ -262,21 +262,21 @@ TEST_CASE("The likeliest law is the same at any thread count", "[likelihood]") {
 }
 
 TEST_CASE("The sway of strokes that live for 15 to 30 frames is found", "[likelihood][slow]") {
-  const auto law = GENERATE(made::Law{1.66, -0.94, 0.35, 30}, made::Law{1.85, -0.96, 0.12, 30});
-  made::Scene scene;
+  const auto law = GENERATE(test::Law{1.66, -0.94, 0.35, 30}, test::Law{1.85, -0.96, 0.12, 30});
+  test::Scene scene;
   scene.frames = 100;
   scene.jitter = 0.1;
   scene.sway = law;
   core::Rng rng(10);
   for (int born = -20; born < scene.frames; born += 15)
-    for (auto stroke : made::scattered(6, 4, scene.width, scene.height, 50)) {
+    for (auto stroke : test::scattered(6, 4, scene.width, scene.height, 50)) {
       stroke.born = std::max(0, born + static_cast<int>(rng.uniform(0, 5)));
       stroke.dies = stroke.born + static_cast<int>(rng.uniform(15, 31));
       // Apart from those before them.
-      stroke.start = stroke.start + made::Point{rng.uniform(-14, 14), rng.uniform(-14, 14)};
+      stroke.start = stroke.start + test::Point{rng.uniform(-14, 14), rng.uniform(-14, 14)};
       scene.strokes.push_back(stroke);
     }
-  const auto truth = made::make(scene, 11);
+  const auto truth = test::make(scene, 11);
   const auto lineages = mcmc::detail::lineages(truth.motion);
   mcmc::Series travel;
   for (const auto& lineage : lineages) {

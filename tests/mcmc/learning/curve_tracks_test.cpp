@@ -15,8 +15,8 @@ using mcmc::detail::Lineage;
 
 namespace {
 
-made::Scene one_stroke(double bend, int frames) {
-  made::Scene scene;
+test::Scene one_stroke(double bend, int frames) {
+  test::Scene scene;
   scene.frames = frames;
   scene.strokes = {{{60, 80}, 0.3, 150, bend}};
   // Wide swings, slow along the stroke: its normal turns little.
@@ -30,7 +30,7 @@ std::size_t frame_of(const Lineage& lineage, std::size_t k) {
 }
 
 // The arc length at which the true curve lies nearest a point.
-double arc_at(const made::Stroke& stroke, Point p) {
+double arc_at(const test::Stroke& stroke, Point p) {
   double best = 0, nearest = 1e300;
   const auto look = [&](double from, double to, double step) {
     for (double s = from; s <= to; s += step)
@@ -46,7 +46,7 @@ double arc_at(const made::Stroke& stroke, Point p) {
 TEST_CASE("A lineage's travel is the curve's true displacement along its normal", "[lineages]") {
   for (const double bend : {0.0, 0.012, -0.02}) {
     const auto scene = one_stroke(bend, 60);
-    const auto truth = made::make(scene, 5);
+    const auto truth = test::make(scene, 5);
     const auto& stroke = scene.strokes[0];
     const auto all = mcmc::detail::lineages(truth.motion);
     REQUIRE(all.size() >= 20);
@@ -83,9 +83,9 @@ TEST_CASE("A lineage's travel is the curve's true displacement along its normal"
 }
 
 TEST_CASE("A lineage lives as long as its curve", "[lineages]") {
-  made::Scene scene = one_stroke(0.01, 80);
+  test::Scene scene = one_stroke(0.01, 80);
   scene.strokes.push_back({{60, 180}, 0, 150, 0, 40, 20, 50});
-  const auto truth = made::make(scene, 6);
+  const auto truth = test::make(scene, 6);
   const auto all = mcmc::detail::lineages(truth.motion);
   std::array<int, 2> whole{};
   for (const auto& lineage : all) {
@@ -106,9 +106,9 @@ TEST_CASE("A lineage lives as long as its curve", "[lineages]") {
 }
 
 TEST_CASE("Every place of a curve has a lineage and no two are closer than 2 px", "[lineages]") {
-  made::Scene scene = one_stroke(0.015, 100);
+  test::Scene scene = one_stroke(0.015, 100);
   scene.strokes.push_back({{180, 190}, -0.2, 120, 0});  // far from the first
-  const auto truth = made::make(scene, 7);
+  const auto truth = test::make(scene, 7);
   const auto all = mcmc::detail::lineages(truth.motion);
   std::vector<std::vector<Point>> places(100);
   int before_first = 0;
@@ -138,7 +138,7 @@ TEST_CASE("Every place of a curve has a lineage and no two are closer than 2 px"
 }
 
 TEST_CASE("Without links there are only lineages of one frame", "[lineages]") {
-  auto truth = made::make(one_stroke(0, 5), 3);
+  auto truth = test::make(one_stroke(0, 5), 3);
   for (auto& links : truth.motion.links) links.clear();
   const auto all = mcmc::detail::lineages(truth.motion);
   std::size_t inner = 0;
@@ -150,9 +150,9 @@ TEST_CASE("Without links there are only lineages of one frame", "[lineages]") {
 }
 
 TEST_CASE("Neighbours lie side by side on one curve and know which way their normals point", "[lineages]") {
-  made::Scene scene = one_stroke(0.01, 40);
+  test::Scene scene = one_stroke(0.01, 40);
   scene.strokes.push_back({{60, 90}, 0.3, 150, 0.01});  // 10 px beside the first
-  const auto truth = made::make(scene, 8);
+  const auto truth = test::make(scene, 8);
   const auto all = mcmc::detail::lineages(truth.motion);
   const auto sides = mcmc::detail::neighbours(truth.motion, all);
   REQUIRE(sides.frames.size() == 40);
@@ -187,7 +187,7 @@ TEST_CASE("Neighbours lie side by side on one curve and know which way their nor
 }
 
 TEST_CASE("Normals keep their sense though patches turn round", "[lineages]") {
-  auto truth = made::make(one_stroke(0, 20), 9);
+  auto truth = test::make(one_stroke(0, 20), 9);
   // Every second frame's patches run the other way: the same curve.
   auto& frames = truth.motion.sketch.frames;
   for (std::size_t t = 1; t < frames.size(); t += 2) {
@@ -197,7 +197,7 @@ TEST_CASE("Normals keep their sense though patches turn round", "[lineages]") {
     frames[t] = {std::move(vertices), {frames[t].edges().begin(), frames[t].edges().end()}};
   }
   const auto turned = mcmc::detail::lineages(truth.motion);
-  const auto plain = mcmc::detail::lineages(made::make(one_stroke(0, 20), 9).motion);
+  const auto plain = mcmc::detail::lineages(test::make(one_stroke(0, 20), 9).motion);
   REQUIRE(turned.size() == plain.size());
   for (std::size_t i = 0; i < turned.size(); ++i) {
     REQUIRE(turned[i].samples.size() == plain[i].samples.size());
@@ -212,9 +212,9 @@ TEST_CASE("Normals keep their sense though patches turn round", "[lineages]") {
 }
 
 TEST_CASE("Patches take what they are told and those that are told nothing their neighbours'", "[lineages]") {
-  make::Frame frame;
-  frame.line(make::segment({0, 50}, {45, 50}, 10));
-  frame.line(make::segment({0, 90}, {20, 90}, 5));
+  test::Frame frame;
+  frame.line(test::segment({0, 50}, {45, 50}, 10));
+  frame.line(test::segment({0, 90}, {20, 90}, 5));
   const auto graph = frame.graph();
   SECTION("the same for all stays, with every patch of the stroke told and only some") {
     for (const bool all : {true, false}) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mcmc/learning/drift.hpp"
 
+#include <numbers>
 #include <numeric>
 
 #include "tests/support/catch.hpp"
@@ -11,16 +12,16 @@ using graph::Point;
 
 namespace {
 
-mcmc::Drift drift_of(const made::Scene& scene, std::uint64_t seed) {
-  const auto truth = made::make(scene, seed);
+mcmc::Drift drift_of(const test::Scene& scene, std::uint64_t seed) {
+  const auto truth = test::make(scene, seed);
   return mcmc::measure_drift(mcmc::detail::lineages(truth.motion),
                              mcmc::grid_over(scene.width, scene.height));
 }
 
-made::Scene scattered(int frames) {
-  made::Scene scene;
+test::Scene scattered(int frames) {
+  test::Scene scene;
   scene.frames = frames;
-  scene.strokes = made::scattered(6, 4, scene.width, scene.height, 45);
+  scene.strokes = test::scattered(6, 4, scene.width, scene.height, 45);
   scene.sway = {1.3, -0.45, 0.35, 30};  // SD 0.8 px
   return scene;
 }
@@ -67,7 +68,7 @@ TEST_CASE("A sway about rest is no drift", "[drift]") {
 }
 
 TEST_CASE("Curves of one direction tell nothing of a drift along them", "[drift]") {
-  made::Scene scene;
+  test::Scene scene;
   scene.frames = 30;
   for (int i = 0; i < 8; ++i) scene.strokes.push_back({{40.0 + 30 * i, 60}, std::numbers::pi / 2, 120});
   scene.drift = [](Point) { return Point{0.5, 0.8}; };

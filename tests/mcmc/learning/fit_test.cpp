@@ -4,6 +4,7 @@
 #include "core/error.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/motion_models.hpp"
 #include "tests/support/motion_scene.hpp"
 
@@ -18,8 +19,8 @@ graph::MotionGraph empty_clip(std::size_t frames) {
   return motion;
 }
 
-made::Scene one_stroke(int frames) {
-  made::Scene scene;
+test::Scene one_stroke(int frames) {
+  test::Scene scene;
   scene.width = 200, scene.height = 120, scene.frames = frames;
   scene.strokes = {{{40, 60}, 0.1, 100, 0.004}};
   scene.sway = {1.5, -0.6, 0.2, 30};
@@ -39,9 +40,9 @@ void check_sound(const mcmc::FitResult& result) {
 
 TEST_CASE("A model is not learned from fewer than two frames", "[fit]") {
   for (const std::size_t frames : {0, 1}) {
-    const auto message = make::message<core::InputError>([&] { (void)mcmc::fit(empty_clip(frames)); });
-    CHECK(make::has(message, "two frames"));
-    CHECK(make::has(message, std::to_string(frames)));
+    const auto message = test::message_of<core::InputError>([&] { (void)mcmc::fit(empty_clip(frames)); });
+    CHECK(test::contains(message, "two frames"));
+    CHECK(test::contains(message, std::to_string(frames)));
   }
 }
 
@@ -59,7 +60,7 @@ TEST_CASE("A clip without a stroke gives a model of nothing", "[fit]") {
 TEST_CASE("Frames without strokes among others are no trouble", "[fit]") {
   auto scene = one_stroke(40);
   scene.strokes[0].born = 10, scene.strokes[0].dies = 25;
-  const auto result = mcmc::fit(made::make(scene, 1).motion);
+  const auto result = mcmc::fit(test::make(scene, 1).motion);
   check_sound(result);
   CHECK(result.counts.events[0] == 1);
   CHECK(result.counts.events[1] == 1);
@@ -68,7 +69,7 @@ TEST_CASE("Frames without strokes among others are no trouble", "[fit]") {
 
 TEST_CASE("One stroke makes a model that keeps it", "[fit]") {
   const auto scene = one_stroke(120);
-  const auto result = mcmc::fit(made::make(scene, 2).motion);
+  const auto result = mcmc::fit(test::make(scene, 2).motion);
   check_sound(result);
   const auto& model = result.model;
   CHECK(model.width == 200);
@@ -89,11 +90,11 @@ TEST_CASE("One stroke makes a model that keeps it", "[fit]") {
 }
 
 TEST_CASE("Two frames make a model that says what it does not know", "[fit]") {
-  made::Scene scene;
+  test::Scene scene;
   scene.frames = 2;
-  scene.strokes = made::scattered(4, 3, scene.width, scene.height, 50);
+  scene.strokes = test::scattered(4, 3, scene.width, scene.height, 50);
   scene.sway = {1.5, -0.6, 0.2, 30};
-  const auto result = mcmc::fit(made::make(scene, 4).motion);
+  const auto result = mcmc::fit(test::make(scene, 4).motion);
   check_sound(result);
   // Sway, contrast and rates.
   CHECK(result.notes.size() >= 3);
@@ -105,14 +106,14 @@ TEST_CASE("Two frames make a model that says what it does not know", "[fit]") {
 }
 
 TEST_CASE("The laws of sway and contrast of a made scene are learned", "[fit]") {
-  made::Scene scene;
+  test::Scene scene;
   scene.frames = 300;
-  scene.strokes = made::scattered(6, 4, scene.width, scene.height, 50);
+  scene.strokes = test::scattered(6, 4, scene.width, scene.height, 50);
   scene.sway = {1.5, -0.6, 0.25, 25};
   scene.gain = {1.2, -0.4, 0.06, 20};
-  const auto result = mcmc::fit(made::make(scene, 5).motion);
+  const auto result = mcmc::fit(test::make(scene, 5).motion);
   check_sound(result);
-  const auto close = [](const mcmc::Autoregression& found, const made::Law& law) {
+  const auto close = [](const mcmc::Autoregression& found, const test::Law& law) {
     CHECK_THAT(found.a1, Catch::Matchers::WithinRel(law.a1, 0.1));
     CHECK_THAT(found.a2, Catch::Matchers::WithinRel(law.a2, 0.15));
     CHECK_THAT(mcmc::stationary_deviation(found), Catch::Matchers::WithinRel(law.deviation(), 0.1));
@@ -127,11 +128,11 @@ TEST_CASE("The laws of sway and contrast of a made scene are learned", "[fit]") 
 }
 
 TEST_CASE("The same clip gives the same model and a cancelled fit says so", "[fit]") {
-  made::Scene scene;
+  test::Scene scene;
   scene.frames = 60;
-  scene.strokes = made::living(0.4, 0.05, scene.frames, scene.width, scene.height, 6);
+  scene.strokes = test::living(0.4, 0.05, scene.frames, scene.width, scene.height, 6);
   scene.sway = {1.5, -0.6, 0.2, 30};
-  const auto motion = made::make(scene, 7).motion;
+  const auto motion = test::make(scene, 7).motion;
   const auto one = mcmc::fit(motion, {9}), again = mcmc::fit(motion, {9});
   CHECK(one.model == again.model);
   CHECK(one.notes == again.notes);
@@ -144,10 +145,10 @@ TEST_CASE("The same clip gives the same model and a cancelled fit says so", "[fi
 
 namespace {
 
-made::Scene living_scene() {
-  made::Scene scene;
+test::Scene living_scene() {
+  test::Scene scene;
   scene.frames = 60;
-  scene.strokes = made::living(0.6, 0.04, scene.frames, scene.width, scene.height, 10);
+  scene.strokes = test::living(0.6, 0.04, scene.frames, scene.width, scene.height, 10);
   scene.sway = {1.5, -0.6, 0.25, 30};
   return scene;
 }
@@ -155,7 +156,7 @@ made::Scene living_scene() {
 }  // namespace
 
 TEST_CASE("A clip sampled once is a sample of one", "[fit]") {
-  const auto motion = made::make(living_scene(), 11).motion;
+  const auto motion = test::make(living_scene(), 11).motion;
   const auto alone = mcmc::fit(motion), of_one = mcmc::fit(std::span(&motion, 1));
   CHECK(alone.model == of_one.model);
   CHECK(alone.notes == of_one.notes);
@@ -179,13 +180,13 @@ TEST_CASE("A clip sampled once is a sample of one", "[fit]") {
 
 TEST_CASE("Over several samples counts are averaged and the last gives the strokes", "[fit]") {
   auto scene = living_scene();
-  const auto first = made::make(scene, 12).motion;
+  const auto first = test::make(scene, 12).motion;
   // The second sample says that a fifth of the strokes are not there.
-  std::vector<made::Stroke> fewer;
+  std::vector<test::Stroke> fewer;
   for (std::size_t i = 0; i < scene.strokes.size(); ++i)
     if (i % 5 != 0) fewer.push_back(scene.strokes[i]);
   scene.strokes = fewer;
-  const auto second = made::make(scene, 13).motion;
+  const auto second = test::make(scene, 13).motion;
   const auto a = mcmc::fit(first), b = mcmc::fit(second), both = mcmc::fit(std::vector{first, second});
   check_sound(both);
   for (std::size_t type = 0; type < 6; ++type) {
@@ -214,18 +215,18 @@ TEST_CASE("Over several samples counts are averaged and the last gives the strok
 
 TEST_CASE("Samples of no clip or of unlike clips are refused", "[fit]") {
   const auto none =
-      make::message<core::InputError>([] { (void)mcmc::fit(std::span<const graph::MotionGraph>{}); });
-  CHECK(make::has(none, "none"));
-  const auto longer = make::message<core::InputError>([] {
+      test::message_of<core::InputError>([] { (void)mcmc::fit(std::span<const graph::MotionGraph>{}); });
+  CHECK(test::contains(none, "none"));
+  const auto longer = test::message_of<core::InputError>([] {
     (void)mcmc::fit(std::vector{empty_clip(5), empty_clip(5), empty_clip(6)});
   });
-  CHECK(make::has(longer, "sample 2"));
-  CHECK(make::has(longer, "6 frames"));
+  CHECK(test::contains(longer, "sample 2"));
+  CHECK(test::contains(longer, "6 frames"));
   auto wide = empty_clip(5);
   wide.sketch.width = 130;
-  const auto wider = make::message<core::InputError>([&] {
+  const auto wider = test::message_of<core::InputError>([&] {
     (void)mcmc::fit(std::vector{empty_clip(5), wide});
   });
-  CHECK(make::has(wider, "sample 1"));
-  CHECK(make::has(wider, "130 x 90"));
+  CHECK(test::contains(wider, "sample 1"));
+  CHECK(test::contains(wider, "130 x 90"));
 }

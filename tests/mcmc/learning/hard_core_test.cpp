@@ -26,12 +26,12 @@ graph::MotionGraph clip_of(std::vector<graph::AttributeGraph> frames) {
 /// Ridges `apart` px from each other or more, at random; each with a valley `beside` px below it and a step
 /// as far above.
 graph::AttributeGraph folds(double apart, double beside, core::Rng& rng) {
-  make::Frame frame;
+  test::Frame frame;
   for (double y = 10; y < 470; y += apart + rng.uniform(0, 20)) {
-    frame.line(make::segment({20, y}, {620, y}, 121));
-    frame.line(make::segment({20, y + beside}, {620, y + beside}, 121), -40);
+    frame.line(test::segment({20, y}, {620, y}, 121));
+    frame.line(test::segment({20, y + beside}, {620, y + beside}, 121), -40);
     const auto first = frame.vertices.size();
-    frame.line(make::segment({20, y - beside}, {620, y - beside}, 121));
+    frame.line(test::segment({20, y - beside}, {620, y - beside}, 121));
     for (auto v = first; v < frame.vertices.size(); ++v) frame.vertices[v].patch.width = 0;
   }
   return frame.graph();
@@ -64,11 +64,11 @@ TEST_CASE("Strokes that lie anywhere keep no distance", "[exclusion]") {
   core::Rng rng(4);
   std::vector<graph::AttributeGraph> frames;
   for (int t = 0; t < 20; ++t) {
-    make::Frame frame;
+    test::Frame frame;
     for (int k = 0; k < 60; ++k) {
       const graph::Point a{rng.uniform(20, 560), rng.uniform(20, 460)};
       const double theta = rng.uniform(0, 6.28);
-      frame.line(make::segment(a, a + graph::Point{std::cos(theta), std::sin(theta)} * 50, 11));
+      frame.line(test::segment(a, a + graph::Point{std::cos(theta), std::sin(theta)} * 50, 11));
     }
     frames.push_back(frame.graph());
   }
@@ -80,11 +80,11 @@ TEST_CASE("Strokes that lie anywhere keep no distance", "[exclusion]") {
 }
 
 TEST_CASE("What comes too near makes way, and what goes on beyond an end does not", "[exclusion]") {
-  auto model = made::empty_model();
-  make::Frame frame;
-  frame.line(make::segment({40, 100}, {140, 100}, 21));
+  auto model = test::empty_model();
+  test::Frame frame;
+  frame.line(test::segment({40, 100}, {140, 100}, 21));
   SECTION("a line beside it") {
-    frame.line(make::segment({40, 104}, {140, 104}, 21));
+    frame.line(test::segment({40, 104}, {140, 104}, 21));
     model.first = frame.graph();
     SECTION("of the same kind") {
       model.exclusion.alike = 8;
@@ -98,7 +98,7 @@ TEST_CASE("What comes too near makes way, and what goes on beyond an end does no
     }
   }
   SECTION("a line behind its end") {
-    frame.line(make::segment({144, 100}, {240, 100}, 20));
+    frame.line(test::segment({144, 100}, {240, 100}, 20));
     model.first = frame.graph();
     model.exclusion.alike = 8;
     const auto motion = mcmc::synthesize(model, 12, 1).motion;
@@ -107,7 +107,7 @@ TEST_CASE("What comes too near makes way, and what goes on beyond an end does no
 }
 
 TEST_CASE("Strokes are born and sway as far apart as they are to be", "[exclusion]") {
-  auto model = made::coming_and_going(9, 8, 0.25, 0.03);
+  auto model = test::coming_and_going(9, 8, 0.25, 0.03);
   model.sway = {0.97, 0, 0, 0.8, 20, 0};
   const auto near = [&] {
     const auto motion = mcmc::synthesize(model, 200, 2).motion;

@@ -14,6 +14,7 @@
 #include "core/rng.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using graph::Point;
@@ -34,7 +35,7 @@ struct Still {
 Still still(int strokes, int patches, int frames, std::uint64_t seed) {
   Still result;
   core::Rng rng(seed, {7, 0, 0});
-  make::Frame frame;
+  test::Frame frame;
   for (int i = 0; i < strokes; ++i) {
     std::vector<Point> points;
     double s = 0;
@@ -196,8 +197,8 @@ TEST_CASE("A motion that grows is drawn back and said to be", "[moments]") {
     for (double& value : d) value += 0.01 * rng.normal();
   const auto found = mcmc::estimate(mcmc::observe(scene.motion, scene.lineages, series, true), "sway");
   REQUIRE(found.notes.size() == 1);
-  CHECK(make::has(found.notes[0], "sway"));
-  CHECK(make::has(found.notes[0], "grows"));
+  CHECK(test::contains(found.notes[0], "sway"));
+  CHECK(test::contains(found.notes[0], "grows"));
   CHECK(mcmc::spectral_radius(found.motion) <= 0.995 + 1e-12);
   CHECK(mcmc::spectral_radius(found.motion) > 0.9);
   CHECK(std::isfinite(mcmc::stationary_deviation(found.motion)));
@@ -212,8 +213,8 @@ TEST_CASE("Too little and nothing that moves both stand still with a note", "[mo
     const auto found = mcmc::estimate(seen, "contrast");
     CHECK(found.motion == Autoregression{});
     REQUIRE(found.notes.size() == 1);
-    CHECK(make::has(found.notes[0], "contrast"));
-    CHECK(make::has(found.notes[0], "54"));
+    CHECK(test::contains(found.notes[0], "contrast"));
+    CHECK(test::contains(found.notes[0], "54"));
   }
   SECTION("none") {
     const auto found = mcmc::estimate(mcmc::observe({}, {}, {}, true), "sway");
@@ -226,7 +227,7 @@ TEST_CASE("Too little and nothing that moves both stand still with a note", "[mo
     const auto found = mcmc::estimate(mcmc::observe(scene.motion, scene.lineages, series, true), "sway");
     CHECK(found.motion == Autoregression{});
     REQUIRE(found.notes.size() == 1);
-    CHECK(make::has(found.notes[0], "nothing moves"));
+    CHECK(test::contains(found.notes[0], "nothing moves"));
   }
 }
 

@@ -9,6 +9,7 @@
 #include "mcmc/learning/drift.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/motion_scene.hpp"
 
 using namespace emberfold;
@@ -61,9 +62,9 @@ TEST_CASE("Sizes in powers of two", "[rates]") {
 }
 
 TEST_CASE("A stroke's middle is one of its patches", "[rates]") {
-  make::Frame frame;
-  frame.line(make::segment({0, 0}, {40, 0}, 9));
-  frame.line(make::segment({100, 100}, {100, 150}, 11));
+  test::Frame frame;
+  frame.line(test::segment({0, 0}, {40, 0}, 9));
+  frame.line(test::segment({100, 100}, {100, 150}, 11));
   const auto graph = frame.graph();
   const auto strokes = mcmc::strokes(graph::components(graph));
   REQUIRE(strokes.size() == 2);
@@ -76,14 +77,14 @@ TEST_CASE("A stroke's middle is one of its patches", "[rates]") {
 TEST_CASE("Births and deaths are counted by place and size, and what could have died", "[rates]") {
   // Three frames. A: 9 patches at (40, 40), always there. B: 5 patches at (200, 40), dies after the first
   // frame. C: 12 patches about (100, 200), born in the last.
-  make::Frame one, two, three;
-  one.line(make::segment({20, 40}, {60, 40}, 9));
-  one.line(make::segment({190, 40}, {210, 40}, 5));
-  two.line(make::segment({20, 40}, {60, 40}, 9));
-  three.line(make::segment({20, 40}, {60, 40}, 9));
-  three.line(make::segment({70, 200}, {125, 200}, 12));
+  test::Frame one, two, three;
+  one.line(test::segment({20, 40}, {60, 40}, 9));
+  one.line(test::segment({190, 40}, {210, 40}, 5));
+  two.line(test::segment({20, 40}, {60, 40}, 9));
+  three.line(test::segment({20, 40}, {60, 40}, 9));
+  three.line(test::segment({70, 200}, {125, 200}, 12));
   const auto counts =
-      counts_of(make::motion({one.graph(), two.graph(), three.graph()}, {same(0, 0, 9), same(0, 0, 9)}));
+      counts_of(test::motion({one.graph(), two.graph(), three.graph()}, {same(0, 0, 9), same(0, 0, 9)}));
   CHECK(counts.gaps == 2);
   CHECK(counts.events == std::array<double, 6>{1, 1, 0, 0, 0, 0});
   // In the last frame nothing can happen any more.
@@ -106,14 +107,14 @@ TEST_CASE("Births and deaths are counted by place and size, and what could have 
 
 TEST_CASE("A split and a merge are counted with their gaps", "[rates]") {
   // 21 patches that lose the two in their middle for a frame: 9 and 10 patches, a gap of 15 px.
-  make::Frame whole, pieces;
-  whole.line(make::segment({20, 40}, {120, 40}, 21));
-  pieces.line(make::segment({20, 40}, {60, 40}, 9));
-  pieces.line(make::segment({75, 40}, {120, 40}, 10));
+  test::Frame whole, pieces;
+  whole.line(test::segment({20, 40}, {120, 40}, 21));
+  pieces.line(test::segment({20, 40}, {60, 40}, 9));
+  pieces.line(test::segment({75, 40}, {120, 40}, 10));
   Links apart = same(0, 0, 9), together = same(0, 0, 9);
   for (std::uint32_t k = 0; k < 10; ++k)
     apart.emplace_back(11 + k, 9 + k), together.emplace_back(9 + k, 11 + k);
-  const auto counts = counts_of(make::motion({whole.graph(), pieces.graph(), pieces.graph(), whole.graph()},
+  const auto counts = counts_of(test::motion({whole.graph(), pieces.graph(), pieces.graph(), whole.graph()},
                                              {apart, same(0, 0, 19), together}));
   CHECK(counts.events == std::array<double, 6>{0, 0, 1, 1, 0, 0});
   CHECK(counts.split.happened == 1);
@@ -131,10 +132,10 @@ TEST_CASE("A split and a merge are counted with their gaps", "[rates]") {
 TEST_CASE("A connect and a disconnect are counted with their sites", "[rates]") {
   // A bar of a T that hangs on for a frame: 6 patches below the middle of 17.
   const auto frame = [](bool joined) {
-    make::Frame f;
-    f.line(make::segment({20, 50}, {100, 50}, 17));
-    if (joined) f.line(make::segment({60, 55}, {60, 60}, 2));
-    const auto bar = f.line(make::segment({60, 65}, {60, 90}, 6));
+    test::Frame f;
+    f.line(test::segment({20, 50}, {100, 50}, 17));
+    if (joined) f.line(test::segment({60, 55}, {60, 60}, 2));
+    const auto bar = f.line(test::segment({60, 65}, {60, 90}, 6));
     if (joined) f.edge(8, 17), f.edge(18, bar);
     return f.graph();
   };
@@ -142,7 +143,7 @@ TEST_CASE("A connect and a disconnect are counted with their sites", "[rates]") 
   for (std::uint32_t k = 0; k < 6; ++k)
     connect.emplace_back(17 + k, 19 + k), disconnect.emplace_back(19 + k, 17 + k);
   const auto counts =
-      counts_of(make::motion({frame(false), frame(true), frame(false)}, {connect, disconnect}));
+      counts_of(test::motion({frame(false), frame(true), frame(false)}, {connect, disconnect}));
   CHECK(counts.events[event(graph::EventType::connect)] == 1);
   CHECK(counts.events[event(graph::EventType::disconnect)] == 1);
   CHECK(counts.connect.happened == 1);
@@ -156,10 +157,10 @@ TEST_CASE("A connect and a disconnect are counted with their sites", "[rates]") 
 
 TEST_CASE("A known death rate and birth density are recovered", "[rates]") {
   const auto [births, death] = GENERATE(std::pair{0.5, 0.03}, std::pair{2.0, 0.08});
-  made::Scene scene;
+  test::Scene scene;
   scene.frames = 300;
-  scene.strokes = made::living(births, death, scene.frames, scene.width, scene.height, 17);
-  const auto motion = made::make(scene, 18).motion;
+  scene.strokes = test::living(births, death, scene.frames, scene.width, scene.height, 17);
+  const auto motion = test::make(scene, 18).motion;
   const auto counts = mcmc::count_operators(motion, graph::stroke_events(motion));
   const auto found = mcmc::estimate_rates(counts);
   CHECK(found.notes.empty());
@@ -182,16 +183,16 @@ TEST_CASE("A known death rate and birth density are recovered", "[rates]") {
 
 TEST_CASE("Births all over the frame make a flat map and a hot corner shows up", "[rates][slow]") {
   const bool corner = GENERATE(false, true);
-  made::Scene scene;
+  test::Scene scene;
   scene.frames = 400;
-  const auto all = made::living(2.5, 0.2, scene.frames, scene.width, scene.height, 19);
+  const auto all = test::living(2.5, 0.2, scene.frames, scene.width, scene.height, 19);
   // The corner keeps all its births, the rest of the frame one in ten.
   core::Rng rng(20);
   for (const auto& stroke : all) {
     const Point p = stroke.at(stroke.length / 2);
     if (!corner || (p.x < 80 && p.y < 80) || rng.uniform() < 0.1) scene.strokes.push_back(stroke);
   }
-  const auto motion = made::make(scene, 21).motion;
+  const auto motion = test::make(scene, 21).motion;
   const auto rates = mcmc::estimate_rates(mcmc::count_operators(motion, graph::stroke_events(motion))).rates;
   double in = 0, out = 0, inside = 0, outside = 0, least = 1e9, most = 0;
   for (int y = 8; y < scene.height; y += 16)
@@ -218,14 +219,14 @@ TEST_CASE("Births all over the frame make a flat map and a hot corner shows up",
 
 TEST_CASE("Deaths at one rate everywhere make a flat map, and more on one side show up", "[rates][slow]") {
   const bool uneven = GENERATE(false, true);
-  made::Scene scene;
+  test::Scene scene;
   scene.frames = 400;
-  scene.strokes = made::living(2, 0.1, scene.frames, scene.width, scene.height, 22);
+  scene.strokes = test::living(2, 0.1, scene.frames, scene.width, scene.height, 22);
   if (uneven)  // on the left strokes live a fifth as long
     for (auto& stroke : scene.strokes)
       if (stroke.at(stroke.length / 2).x < 160)
         stroke.dies = stroke.born + 1 + (stroke.dies - stroke.born - 1) / 5;
-  const auto motion = made::make(scene, 23).motion;
+  const auto motion = test::make(scene, 23).motion;
   const auto rates = mcmc::estimate_rates(mcmc::count_operators(motion, graph::stroke_events(motion))).rates;
   double left = 0, right = 0;
   for (double y = 8; y < 240; y += 16) left += rates.death.at({64, y}), right += rates.death.at({256, y});
@@ -236,10 +237,10 @@ TEST_CASE("Deaths at one rate everywhere make a flat map, and more on one side s
 }
 
 TEST_CASE("Nothing happened: rates of zero and a note", "[rates]") {
-  make::Frame frame;
-  frame.line(make::segment({20, 40}, {120, 40}, 21));
+  test::Frame frame;
+  frame.line(test::segment({20, 40}, {120, 40}, 21));
   const auto found = mcmc::estimate_rates(counts_of(
-      make::motion({frame.graph(), frame.graph(), frame.graph()}, {same(0, 0, 21), same(0, 0, 21)})));
+      test::motion({frame.graph(), frame.graph(), frame.graph()}, {same(0, 0, 21), same(0, 0, 21)})));
   CHECK(found.notes.size() == 1);
   CHECK(births_a_frame(found.rates.birth) == 0);
   for (const auto& interval : found.a_frame) {
@@ -369,10 +370,10 @@ TEST_CASE("What samples disagree on makes intervals wider", "[rates]") {
 }
 
 TEST_CASE("The mean of one sample is itself and samples have to be alike", "[rates]") {
-  made::Scene scene;
+  test::Scene scene;
   scene.frames = 40;
-  scene.strokes = made::living(1, 0.1, scene.frames, scene.width, scene.height, 33);
-  const auto motion = made::make(scene, 34).motion;
+  scene.strokes = test::living(1, 0.1, scene.frames, scene.width, scene.height, 33);
+  const auto motion = test::make(scene, 34).motion;
   const auto one = mcmc::count_operators(motion, graph::stroke_events(motion));
   const auto same_again = mcmc::mean(std::vector{one, one, one, one});
   const auto a = mcmc::estimate_rates(one), b = mcmc::estimate_rates(same_again);
@@ -384,7 +385,7 @@ TEST_CASE("The mean of one sample is itself and samples have to be alike", "[rat
   for (std::size_t type = 0; type < 6; ++type) CHECK(a.a_frame[type].high == b.a_frame[type].high);
   CHECK_THROWS_AS(mcmc::mean({}), core::InputError);
   const std::vector unlike{blank(9), blank(10)};
-  const auto message = make::message<core::InputError>([&] { (void)mcmc::mean(unlike); });
-  CHECK(make::has(message, "sample 1"));
-  CHECK(make::has(message, "11 frames"));
+  const auto message = test::message_of<core::InputError>([&] { (void)mcmc::mean(unlike); });
+  CHECK(test::contains(message, "sample 1"));
+  CHECK(test::contains(message, "11 frames"));
 }

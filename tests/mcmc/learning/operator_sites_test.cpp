@@ -16,7 +16,7 @@ using Vertices = std::vector<std::uint32_t>;
 
 namespace {
 
-mcmc::Sites sites(const make::Frame& frame, double reach = 24) {
+mcmc::Sites sites(const test::Frame& frame, double reach = 24) {
   const auto graph = frame.graph();
   return mcmc::sites(graph, graph::components(graph), reach);
 }
@@ -25,8 +25,8 @@ mcmc::Sites sites(const make::Frame& frame, double reach = 24) {
 
 TEST_CASE("A straight stroke can split where both pieces are strokes", "[sites]") {
   for (const int patches : {1, 2, 5, 8, 9, 10, 14}) {
-    make::Frame frame;
-    frame.line(make::segment({20, 20}, {20 + 5.0 * (patches - 1), 20}, patches));
+    test::Frame frame;
+    frame.line(test::segment({20, 20}, {20 + 5.0 * (patches - 1), 20}, patches));
     const auto found = sites(frame);
     // What goes leaves pieces of 4 patches or more on both sides: 4, 5, … , n − 5.
     Vertices inner;
@@ -39,7 +39,7 @@ TEST_CASE("A straight stroke can split where both pieces are strokes", "[sites]"
 }
 
 TEST_CASE("A ring can split everywhere", "[sites]") {
-  make::Frame frame;
+  test::Frame frame;
   std::vector<graph::Point> points;
   for (int k = 0; k < 50; ++k)
     points.push_back(
@@ -56,9 +56,9 @@ TEST_CASE("A ring can split everywhere", "[sites]") {
 }
 
 TEST_CASE("A T can come apart at each arm that is long enough", "[sites]") {
-  make::Frame frame;
-  frame.line(make::segment({0, 50}, {60, 50}, 13));  // 0 … 12
-  frame.line(make::segment({30, 55}, {30, 80}, 6));  // 13 … 18
+  test::Frame frame;
+  frame.line(test::segment({0, 50}, {60, 50}, 13));  // 0 … 12
+  frame.line(test::segment({30, 55}, {30, 80}, 6));  // 13 … 18
   frame.edge(6, 13);
   SECTION("all arms") {
     const auto found = sites(frame);
@@ -67,9 +67,9 @@ TEST_CASE("A T can come apart at each arm that is long enough", "[sites]") {
     CHECK(found.inner == Vertices{4, 5, 7, 8, 13, 14});
   }
   SECTION("one arm of fewer patches than a stroke") {
-    make::Frame other;
-    other.line(make::segment({0, 50}, {60, 50}, 13));
-    other.line(make::segment({30, 55}, {30, 65}, 3));
+    test::Frame other;
+    other.line(test::segment({0, 50}, {60, 50}, 13));
+    other.line(test::segment({30, 55}, {30, 65}, 3));
     other.edge(6, 13);
     const auto found = sites(other);
     CHECK(found.arms == Pairs{{6, 5}, {6, 7}});
@@ -78,16 +78,16 @@ TEST_CASE("A T can come apart at each arm that is long enough", "[sites]") {
 }
 
 TEST_CASE("A corner can come apart on both sides and is no place to split", "[sites]") {
-  make::Frame frame;
-  auto points = make::segment({20, 20}, {50, 20}, 7);
-  for (const auto p : make::segment({50, 25}, {50, 50}, 6)) points.push_back(p);
+  test::Frame frame;
+  auto points = test::segment({20, 20}, {50, 20}, 7);
+  for (const auto p : test::segment({50, 25}, {50, 50}, 6)) points.push_back(p);
   frame.line(points);  // the corner is 6 of 0 … 12
   const auto found = sites(frame);
   CHECK(found.arms == Pairs{{6, 5}, {6, 7}});
   CHECK(found.inner.empty());  // with the corner so near, it would be read as a disconnect
   SECTION("near a free end it cannot") {
-    make::Frame hook;
-    auto bent = make::segment({20, 20}, {60, 20}, 9);
+    test::Frame hook;
+    auto bent = test::segment({20, 20}, {60, 20}, 9);
     bent.insert(bent.end(), {{60, 25}, {60, 30}});
     hook.line(bent);  // the corner is 8 of 0 … 10
     CHECK(sites(hook).arms.empty());
@@ -97,8 +97,8 @@ TEST_CASE("A corner can come apart on both sides and is no place to split", "[si
 
 TEST_CASE("A turn of less than 30 degrees is no corner and one of more is", "[sites]") {
   for (const auto& [degrees, is_corner] : {std::pair{25.0, false}, {35.0, true}}) {
-    make::Frame frame;
-    auto points = make::segment({20, 20}, {50, 20}, 7);
+    test::Frame frame;
+    auto points = test::segment({20, 20}, {50, 20}, 7);
     const double angle = degrees * std::numbers::pi / 180;
     for (int k = 1; k <= 6; ++k)
       points.push_back(graph::Point{50, 20} + graph::Point{std::cos(angle), std::sin(angle)} * (5.0 * k));
@@ -113,7 +113,7 @@ TEST_CASE("A curve without a patch where it can split is read as split", "[sites
   for (const double height : {0.0, 4.0, 8.0, 14.0}) {
     std::vector<graph::Point> points;
     for (int k = 0; k < 40; ++k) points.push_back({20 + 4.5 * k, 100 + height * std::sin(0.35 * k)});
-    make::Frame frame;
+    test::Frame frame;
     frame.line(points);
     const auto whole = frame.graph();
     const auto inner = sites(frame).inner;
@@ -138,43 +138,43 @@ TEST_CASE("A curve without a patch where it can split is read as split", "[sites
 }
 
 TEST_CASE("Two ends in line can merge and in no line connect", "[sites]") {
-  make::Frame frame;
-  frame.line(make::segment({20, 20}, {60, 20}, 9));  // 0 … 8
+  test::Frame frame;
+  frame.line(test::segment({20, 20}, {60, 20}, 9));  // 0 … 8
   SECTION("in line") {
-    frame.line(make::segment({75, 20}, {115, 20}, 9));
+    frame.line(test::segment({75, 20}, {115, 20}, 9));
     const auto found = sites(frame);
     CHECK(found.facing == Pairs{{8, 9}});
     CHECK(found.beside.empty());
   }
   SECTION("in line, but out of reach") {
-    frame.line(make::segment({75, 20}, {115, 20}, 9));
+    frame.line(test::segment({75, 20}, {115, 20}, 9));
     CHECK(sites(frame, 14.9).facing.empty());
     CHECK(sites(frame, 15.1).facing.size() == 1);
   }
   SECTION("in line, of other sign") {
-    frame.line(make::segment({75, 20}, {115, 20}, 9), -40);
+    frame.line(test::segment({75, 20}, {115, 20}, 9), -40);
     const auto found = sites(frame);
     CHECK(found.facing.empty());
     CHECK(found.beside.empty());
   }
   SECTION("shifted aside by more than a turn of 30 degrees") {
-    frame.line(make::segment({70, 32}, {110, 32}, 9));  // 50 degrees
+    frame.line(test::segment({70, 32}, {110, 32}, 9));  // 50 degrees
     const auto found = sites(frame);
     CHECK(found.facing.empty());
     // Each end to the other's: one site for two strokes.
     CHECK(found.beside == Pairs{{8, 9}});
   }
   SECTION("at right angles") {
-    frame.line(make::segment({70, 20}, {70, 60}, 9));
+    frame.line(test::segment({70, 20}, {70, 60}, 9));
     CHECK(sites(frame).facing.empty());
     CHECK(sites(frame).beside == Pairs{{8, 9}});
   }
 }
 
 TEST_CASE("An end beside a line can connect with its nearest patch", "[sites]") {
-  make::Frame frame;
-  frame.line(make::segment({20, 50}, {100, 50}, 17));  // 0 … 16; 8 at x = 60
-  frame.line(make::segment({61, 60}, {61, 90}, 7));    // 17 … 23
+  test::Frame frame;
+  frame.line(test::segment({20, 50}, {100, 50}, 17));  // 0 … 16; 8 at x = 60
+  frame.line(test::segment({61, 60}, {61, 90}, 7));    // 17 … 23
   const auto found = sites(frame);
   CHECK(found.beside == Pairs{{17, 8}});
   CHECK(found.facing.empty());
@@ -182,13 +182,13 @@ TEST_CASE("An end beside a line can connect with its nearest patch", "[sites]") 
 }
 
 TEST_CASE("Two strokes are one site, where they come nearest and in line first", "[sites]") {
-  make::Frame frame;
+  test::Frame frame;
   // A horseshoe about a straight stroke: both ends of it come near, and the stroke's own end faces one side.
-  frame.line(make::segment({20, 20}, {60, 20}, 9));  // 0 … 8
+  frame.line(test::segment({20, 20}, {60, 20}, 9));  // 0 … 8
   // A stroke that begins in line with the first, 20 px on, and whose other end turns back to within 10 px.
-  auto points = make::segment({80, 20}, {120, 20}, 9);  // 9 … 17
-  for (const auto p : make::segment({120, 25}, {120, 35}, 3)) points.push_back(p);
-  for (const auto p : make::segment({115, 35}, {60, 30}, 12)) points.push_back(p);
+  auto points = test::segment({80, 20}, {120, 20}, 9);  // 9 … 17
+  for (const auto p : test::segment({120, 25}, {120, 35}, 3)) points.push_back(p);
+  for (const auto p : test::segment({115, 35}, {60, 30}, 12)) points.push_back(p);
   frame.line(points);
   const auto found = sites(frame);
   CHECK(found.facing == Pairs{{8, 9}});
@@ -196,11 +196,11 @@ TEST_CASE("Two strokes are one site, where they come nearest and in line first",
 }
 
 TEST_CASE("Three ends about a place are three sites of pairs", "[sites]") {
-  make::Frame frame;
+  test::Frame frame;
   for (const double degrees : {0, 90, 200}) {
     const double angle = degrees * std::numbers::pi / 180;
     const graph::Point out{std::cos(angle), std::sin(angle)};
-    frame.line(make::segment(graph::Point{100, 100} + out * 6, graph::Point{100, 100} + out * 46, 9));
+    frame.line(test::segment(graph::Point{100, 100} + out * 6, graph::Point{100, 100} + out * 46, 9));
   }
   const auto found = sites(frame);
   // Between the first and the last the line turns by 10 degrees, else by 45 and 35.
@@ -209,11 +209,11 @@ TEST_CASE("Three ends about a place are three sites of pairs", "[sites]") {
 }
 
 TEST_CASE("A stroke alone, a patch alone and nothing have no sites between", "[sites]") {
-  make::Frame frame;
+  test::Frame frame;
   CHECK(sites(frame).inner.empty());
   frame.line({{50, 50}});
   // A patch has no end that points anywhere; another's end can reach it.
-  frame.line(make::segment({56, 50}, {96, 50}, 9));  // 1 … 9
+  frame.line(test::segment({56, 50}, {96, 50}, 9));  // 1 … 9
   CHECK(sites(frame).facing.empty());
   CHECK(sites(frame).beside == Pairs{{1, 0}});
 }

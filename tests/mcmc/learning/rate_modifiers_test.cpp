@@ -17,13 +17,13 @@ namespace {
 
 /// Rows of two strokes in line, 15 px apart, and of one: they unite and come apart.
 mcmc::MotionModel uniting_and_parting() {
-  auto model = made::empty_model(640, 480);
-  make::Frame frame;
+  auto model = test::empty_model(640, 480);
+  test::Frame frame;
   for (int row = 0; row < 11; ++row)
     for (int column = 0; column < 4; ++column) {
       const graph::Point at{20.0 + 155 * column, 20.0 + 42 * row};
-      frame.line(make::segment(at, at + graph::Point{50, 0}, 11));
-      frame.line(make::segment(at + graph::Point{65, 0}, at + graph::Point{115, 0}, 11));
+      frame.line(test::segment(at, at + graph::Point{50, 0}, 11));
+      frame.line(test::segment(at + graph::Point{65, 0}, at + graph::Point{115, 0}, 11));
     }
   model.first = frame.graph();
   for (double& value : model.density.values) value = 1;
@@ -62,7 +62,7 @@ TEST_CASE("The latest happening near a place counts", "[circumstances]") {
 }
 
 TEST_CASE("Deaths by age are found as they were made", "[circumstances]") {
-  auto model = made::coming_and_going(5, 10, 0.1, 0.06);
+  auto model = test::coming_and_going(5, 10, 0.1, 0.06);
   SECTION("as often at any age") {
     const auto found = found_in(model, 400);
     // In a crowd all die more often. The youngest are too young to die in their first frame.
@@ -104,16 +104,16 @@ TEST_CASE("Gaps are bridged by their width", "[circumstances]") {
 
 TEST_CASE("Strokes connect by how far they have to turn and that is found again", "[circumstances]") {
   // Above a long line each time: one that ends towards it, and two whose ends pass it by, at 45° and at 80°.
-  auto model = made::empty_model(640, 480);
-  make::Frame frame;
+  auto model = test::empty_model(640, 480);
+  test::Frame frame;
   const auto towards = [&](graph::Point end, double degrees) {
     const double turn = degrees * std::numbers::pi / 180;
     const graph::Point back{-std::sin(turn), -std::cos(turn)};
-    frame.line(make::segment(end + back * 40, end, 9));
+    frame.line(test::segment(end + back * 40, end, 9));
   };
   for (int row = 0; row < 4; ++row) {
     const double y = 110.0 * row + 90;
-    frame.line(make::segment({20, y}, {620, y}, 121));
+    frame.line(test::segment({20, y}, {620, y}, 121));
     for (int column = 0; column < 4; ++column) {
       const double x = 40 + 150.0 * column;
       towards({x, y - 12}, 0);
@@ -139,7 +139,7 @@ TEST_CASE("Strokes connect by how far they have to turn and that is found again"
 }
 
 TEST_CASE("At twice the speed what depends on time does so twice as soon", "[circumstances]") {
-  auto model = made::coming_and_going(5, 10, 0.1, 0.06);
+  auto model = test::coming_and_going(5, 10, 0.1, 0.06);
   model.rates.circumstances.death = {0, 0, 0, 1, 1, 1};
   const auto youngest = [](const mcmc::MotionModel& m) {
     const auto motion = mcmc::synthesize(m, 150, 2).motion;

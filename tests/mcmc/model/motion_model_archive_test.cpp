@@ -7,6 +7,7 @@
 #include "mcmc/model/motion_model.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/motion_models.hpp"
 
 using namespace emberfold;
@@ -23,7 +24,7 @@ void replace(std::string& text, const std::string& what, const std::string& by) 
 }
 
 std::string refusal(const ModelArchive& archive) {
-  return make::message<core::IoError>([&] { (void)mcmc::motion_model(archive); });
+  return test::message_of<core::IoError>([&] { (void)mcmc::motion_model(archive); });
 }
 
 std::vector<double>& reals(ModelArchive& archive, const std::string& name) {
@@ -41,12 +42,12 @@ struct Broken {
 
 void check_refused(const std::vector<Broken>& table) {
   for (const auto& [names, breaking] : table) {
-    auto archive = mcmc::to_archive(made::full_model());
+    auto archive = mcmc::to_archive(test::full_model());
     breaking(archive);
     const auto message = refusal(archive);
     CAPTURE(names, message);
-    CHECK(make::has(message, "motion model"));
-    CHECK(make::has(message, names));
+    CHECK(test::contains(message, "motion model"));
+    CHECK(test::contains(message, names));
     CHECK(message.find('\n') == std::string::npos);
     CHECK(message.size() < 300);
   }
@@ -55,7 +56,7 @@ void check_refused(const std::vector<Broken>& table) {
 }  // namespace
 
 TEST_CASE("A model comes back from its archive", "[archive]") {
-  for (const auto& model : {made::full_model(), made::empty_model()}) {
+  for (const auto& model : {test::full_model(), test::empty_model()}) {
     const auto archive = mcmc::to_archive(model);
     const auto again = mcmc::motion_model(archive);
     CHECK(again == model);
@@ -67,7 +68,7 @@ TEST_CASE("A model comes back from its archive", "[archive]") {
 
 TEST_CASE("Every number of a model is in its archive", "[archive]") {
   // A change of any one of them changes what is written.
-  const auto model = made::full_model();
+  const auto model = test::full_model();
   const auto archive = mcmc::to_archive(model);
   std::vector<std::function<void(mcmc::MotionModel&)>> changes{
       [](auto& m) { m.fps += 1; },
@@ -105,7 +106,7 @@ TEST_CASE("Every number of a model is in its archive", "[archive]") {
 }
 
 TEST_CASE("A model's double ridges are in its archive, and broken ones are refused", "[archive]") {
-  auto model = made::full_model();
+  auto model = test::full_model();
   const auto make_double = [](graph::AttributeGraph& graph) {
     std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
     auto& patch = vertices[1].patch;
@@ -121,7 +122,7 @@ TEST_CASE("A model's double ridges are in its archive, and broken ones are refus
     const auto refused = [&](auto&& broken) {
       auto other = archive;
       broken(other.arrays[name]);
-      CHECK(make::has(refusal(other), name));
+      CHECK(test::contains(refusal(other), name));
     };
     using Values = std::vector<double>;
     refused([](core::NpyArray& a) { std::get<Values>(a.data)[4] = 8.5; });  // wider than the core
@@ -132,24 +133,24 @@ TEST_CASE("A model's double ridges are in its archive, and broken ones are refus
 }
 
 TEST_CASE("An archive without one of its arrays is refused", "[archive]") {
-  const auto archive = mcmc::to_archive(made::full_model());
+  const auto archive = mcmc::to_archive(test::full_model());
   REQUIRE(archive.arrays.size() == 13);
   for (const auto& [name, array] : archive.arrays) {
     auto broken = archive;
     broken.arrays.erase(name);
-    CHECK(make::has(refusal(broken), name + ".npy is missing"));
+    CHECK(test::contains(refusal(broken), name + ".npy is missing"));
   }
 }
 
 TEST_CASE("An archive with an array of another shape or type is refused", "[archive]") {
-  const auto archive = mcmc::to_archive(made::full_model());
+  const auto archive = mcmc::to_archive(test::full_model());
   for (const auto& [name, array] : archive.arrays) {
     const auto refused_as = [&, &name = name](const NpyArray& other) {
       auto broken = archive;
       broken.arrays[name] = other;
       const auto message = refusal(broken);
       CAPTURE(name, message);
-      CHECK(make::has(message, name + ".npy"));
+      CHECK(test::contains(message, name + ".npy"));
     };
     CAPTURE(name);
     NpyArray other = array;
@@ -212,11 +213,11 @@ TEST_CASE("A model.json that is none of this version is refused", "[archive]") {
       {"model.json", text("\"fps\": ", "\"fps\": 1e999, \"x\": ")},
   });
   // Cut off anywhere it is refused, and never reads as another model.
-  const auto archive = mcmc::to_archive(made::full_model());
+  const auto archive = mcmc::to_archive(test::full_model());
   for (std::size_t size = 0; size + 2 < archive.text.size(); size += 7) {
     auto broken = archive;
     broken.text.resize(size);
-    CHECK(make::has(refusal(broken), "motion model"));
+    CHECK(test::contains(refusal(broken), "motion model"));
   }
 }
 
@@ -282,7 +283,7 @@ TEST_CASE("A model out of its ranges is refused, from an archive and into one", 
       {"birth map", [](auto& m) { m.rates.birth.values.pop_back(); }},
       {"death map", [](auto& m) { m.rates.death.columns += 1; }},
       {"density", [](auto& m) { m.density.cell = 0; }},
-      {"birth map", [](auto& m) { m.rates.birth = made::map_over(m.width, m.height, 32, 1e-5); }},
+      {"birth map", [](auto& m) { m.rates.birth = test::map_over(m.width, m.height, 32, 1e-5); }},
       {"births", [](auto& m) { m.rates.birth_by_size[0] = 2; }},
       {"death", [](auto& m) { m.rates.death_by_size[3] = -0.1; }},
       {"split", [](auto& m) { m.rates.split = 1.1; }},
@@ -304,24 +305,24 @@ TEST_CASE("A model out of its ranges is refused, from an archive and into one", 
       {"exemplar",
        [](auto& m) {
          // What no reader takes is not written either.
-         make::Frame frame;
+         test::Frame frame;
          frame.line({{2e6, 0}, {5, 0}});
          m.exemplars[0].graph = frame.graph();
        }},
       {"first",
        [](auto& m) {
-         make::Frame frame;
+         test::Frame frame;
          frame.line({{0, 0}, {5, -3e6}});
          m.first = frame.graph();
        }},
   };
   for (std::size_t i = 0; i < table.size(); ++i) {
-    auto model = made::full_model();
+    auto model = test::full_model();
     table[i].breaking(model);
-    const auto message = make::message<core::InputError>([&] { mcmc::validate(model); });
+    const auto message = test::message_of<core::InputError>([&] { mcmc::validate(model); });
     CAPTURE(i, table[i].names, message);
-    CHECK(make::has(message, table[i].names));
-    CHECK(make::message<core::InputError>([&] { (void)mcmc::to_archive(model); }) == message);
+    CHECK(test::contains(message, table[i].names));
+    CHECK(test::message_of<core::InputError>([&] { (void)mcmc::to_archive(model); }) == message);
   }
   const auto text = [](const std::string& what, const std::string& by) {
     return [=](ModelArchive& a) { replace(a.text, what, by); };

@@ -73,8 +73,8 @@ struct Said {
 /// Of one sequence: every event that a sample or the truth has.
 std::vector<Said> judged(std::uint32_t number, int burn_in, int samples) {
   core::Rng rng(61, {number, 0, 0});
-  const auto theta = made::lively_theta();
-  HiddenGraph truth = mcmc::draw_forward(theta, kSide, kSide, kFrames, made::kLivelyGates, rng);
+  const auto theta = test::lively_theta();
+  HiddenGraph truth = mcmc::draw_forward(theta, kSide, kSide, kFrames, test::kLivelyGates, rng);
   if (beyond(truth)) return {};
   observe(truth, rng);
   std::map<Key, Said> all;

@@ -23,12 +23,12 @@ using mcmc::Index;
 
 HiddenGraph drawn(const mcmc::Theta& theta, int side, int frames, std::uint32_t number) {
   core::Rng rng(11, {number, 0, 0});
-  return mcmc::draw_forward(theta, side, side, frames, made::kLivelyGates, rng);
+  return mcmc::draw_forward(theta, side, side, frames, test::kLivelyGates, rng);
 }
 
 /// A θ under which strokes live long and sway much, so that it can be learned from them.
 mcmc::Theta lasting_theta() {
-  auto theta = made::lively_theta();
+  auto theta = test::lively_theta();
   for (auto& chances : theta.outcome) chances = {0.04, 0.94, 0.01, 0.01};
   theta.sway = {1.5, -0.8, 0.1, 0.4, 0, 0};
   theta.across = 0.2;
@@ -39,18 +39,18 @@ mcmc::Theta lasting_theta() {
 }
 
 std::vector<graph::MotionGraph> swaying_starts() {
-  made::Scene scene;
-  scene.strokes = made::scattered(3, 3, 160, 120, 30);
+  test::Scene scene;
+  scene.strokes = test::scattered(3, 3, 160, 120, 30);
   scene.width = 160, scene.height = 120, scene.frames = 14;
   scene.sway = {1.5, -0.8, 0.3, 30};
-  auto motion = made::make(scene, 5).motion;
+  auto motion = test::make(scene, 5).motion;
   return {motion, motion};
 }
 
 }  // namespace
 
 TEST_CASE("Sways of a course have the Gaussian that the density gives them", "[mcmc][chain]") {
-  auto theta = made::lively_theta();
+  auto theta = test::lively_theta();
   theta.sway.coupling = 0.2;
   const mcmc::Density density(theta);
   for (std::uint32_t number = 0; number < 10; ++number) {
@@ -78,7 +78,7 @@ TEST_CASE("Sways of a course have the Gaussian that the density gives them", "[m
 }
 
 TEST_CASE("Every node that is on lies in one course", "[mcmc][chain]") {
-  const auto g = drawn(made::lively_theta(), 50, 6, 3);
+  const auto g = drawn(test::lively_theta(), 50, 6, 3);
   std::vector<int> seen(g.size());
   for (const auto& course : mcmc::courses(g))
     for (std::size_t k = 0; k < course.size(); ++k) {
@@ -89,7 +89,7 @@ TEST_CASE("Every node that is on lies in one course", "[mcmc][chain]") {
 }
 
 TEST_CASE("A chain keeps its density by the moves' gains, whatever the threads", "[mcmc][chain]") {
-  const auto theta = made::lively_theta();
+  const auto theta = test::lively_theta();
   const auto start = drawn(theta, 60, 14, 7);
   std::array<std::uint64_t, 3> hashes{};
   for (std::size_t k = 0; k < hashes.size(); ++k) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/mcmc/formulas.hpp"
 #include "tests/support/catch.hpp"
@@ -11,11 +12,11 @@
 using namespace emberfold;
 using namespace emberfold::formula;
 using Catch::Matchers::WithinAbs;
-using made::patch;
-using made::shown;
 using mcmc::Density;
 using mcmc::HiddenGraph;
 using mcmc::Index;
+using test::patch;
+using test::shown;
 
 TEST_CASE("An empty state has the chance that nothing begins", "[mcmc][density]") {
   const HiddenGraph g(60, 40, 3, {12, 12, 0});
@@ -112,7 +113,7 @@ TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]"
   const graph::Point third = second + drift * 2 + along * -0.3 + across * 0.9;
   const Index u = shown(g, 0, at(first, direction, 20)), v = shown(g, 1, at(second, direction, 24));
   // The third patch's direction is reversed: its sway is in the other sense.
-  const Index w = shown(g, 2, at(third, direction + kPi + 0.25, 24));
+  const Index w = shown(g, 2, at(third, direction + std::numbers::pi + 0.25, 24));
   g.set_sway(u, 0.6), g.set_sway(v, 1.1), g.set_sway(w, -0.9);
   g.set_place(u, 0, 4, drift), g.set_place(v, 0, 4, drift * 2);
   g.link(u, v), g.link(v, w);
@@ -134,7 +135,7 @@ TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]"
                          normal(-0.3, t.along) * erring(turned, 0.25, t.turn) * erring(normal, 0, t.flicker)),
                 kTight));
   // A neighbour of the one before draws it along, here one whose normal points to the other side.
-  const Index x = shown(g, 1, at(second + along * 5, direction - kPi, 24));
+  const Index x = shown(g, 1, at(second + along * 5, direction - std::numbers::pi, 24));
   g.set_sway(x, 0.2);
   g.join(v, x);
   const double drawn = mean + m.coupling * (-0.2 - 1.1);
@@ -146,7 +147,7 @@ TEST_CASE("Edges between patches that go on are kept or made", "[mcmc][density]"
   const Theta t = theta();
   const Density density(t);
   HiddenGraph g(80, 80, 2, {12, 12, 0});
-  made::row(g, 0, 3, 40, 40, false), made::row(g, 1, 3, 40, 40, false);
+  test::row(g, 0, 3, 40, 40, false), test::row(g, 1, 3, 40, 40, false);
   for (Index i = 0; i < 3; ++i) g.link(i, i + 3);
   g.join(0, 1), g.join(3, 4);
   const auto of = [&](Index a, Index b) {

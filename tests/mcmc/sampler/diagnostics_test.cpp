@@ -10,6 +10,7 @@
 #include "core/rng.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/statistics.hpp"
 
 using namespace emberfold;
@@ -287,10 +288,10 @@ TEST_CASE("what cannot be told is not a number") {
     CHECK(std::isnan(mcmc::diagnose(chains).mean));
     CHECK(std::isnan(mcmc::effective_size(chains)));
   }
-  const auto text = make::message<core::InputError>([] {
+  const auto text = test::message_of<core::InputError>([] {
     (void)mcmc::diagnose(Chains{{1, 2, 3, 4}, {1, 2, 3}});
   });
-  CHECK(make::has(text, "chain 1 has 3 draws, chain 0 has 4"));
+  CHECK(test::contains(text, "chain 1 has 3 draws, chain 0 has 4"));
 }
 
 TEST_CASE("four draws are enough to say something") {

@@ -15,7 +15,7 @@
 
 #include "tests/mcmc/sampler/small_models.hpp"
 
-namespace emberfold::made {
+namespace emberfold::test {
 
 using mcmc::Theta;
 
@@ -49,19 +49,19 @@ class Broad {
   graph::Patch draw(core::Rng& rng) const {
     if (models_.empty() || rng.uniform() < kAnywhere)
       return shaped({rng.uniform(-kMargin, size_ + kMargin), rng.uniform(-kMargin, size_ + kMargin)},
-                    rng.uniform(-kPi, kPi), 3 + 0.4 * rng.normal(), rng.below(3));
+                    rng.uniform(-std::numbers::pi, std::numbers::pi), 3 + 0.4 * rng.normal(), rng.below(3));
     const auto& [m, spread] = models_[rng.below(static_cast<std::uint32_t>(models_.size()))];
     const graph::Point at = m.position + graph::Point{spread * rng.normal(), spread * rng.normal()};
-    double theta = rng.uniform(-kPi, kPi);
+    double theta = rng.uniform(-std::numbers::pi, std::numbers::pi);
     if (rng.uniform() < 0.7) {
       double turn = 0;
       do turn = kTurn * rng.normal();
-      while (std::abs(turn) > kPi / 2);
-      theta = m.theta + turn + (rng.below(2) == 1 ? kPi : 0);
+      while (std::abs(turn) > std::numbers::pi / 2);
+      theta = m.theta + turn + (rng.below(2) == 1 ? std::numbers::pi : 0);
     }
     const auto kind = static_cast<std::uint32_t>(mcmc::kind(m));
     const double contrast = std::log1p(std::abs(m.contrast)) + kContrast * rng.normal();
-    return shaped(at, std::remainder(theta, 2 * kPi), contrast,
+    return shaped(at, std::remainder(theta, 2 * std::numbers::pi), contrast,
                   rng.uniform() < 0.9 ? kind : (kind + 1 + rng.below(2)) % 3);
   }
 
@@ -70,13 +70,15 @@ class Broad {
     const bool inside = std::max(std::abs(p.position.x - size_ / 2), std::abs(p.position.y - size_ / 2)) <=
                         size_ / 2 + kMargin;
     const double side = size_ + 2 * kMargin;
-    const double anywhere = inside ? normal(contrast - 3, 0.4) / (side * side * 2 * kPi * 3) : 0;
+    const double anywhere = inside ? normal(contrast - 3, 0.4) / (side * side * 2 * std::numbers::pi * 3) : 0;
     double like = 0;
     for (const auto& [m, spread] : models_) {
       const auto apart = p.position - m.position;
-      double turn = std::remainder(p.theta - m.theta, kPi);
-      const double turned = normal(turn, kTurn) / std::erf(kPi / 2 / (kTurn * std::numbers::sqrt2)) / 2;
-      like += normal(apart.x, spread) * normal(apart.y, spread) * (0.7 * turned + 0.3 / (2 * kPi)) *
+      double turn = std::remainder(p.theta - m.theta, std::numbers::pi);
+      const double turned =
+          normal(turn, kTurn) / std::erf(std::numbers::pi / 2 / (kTurn * std::numbers::sqrt2)) / 2;
+      like += normal(apart.x, spread) * normal(apart.y, spread) *
+              (0.7 * turned + 0.3 / (2 * std::numbers::pi)) *
               normal(contrast - std::log1p(std::abs(m.contrast)), kContrast) *
               (mcmc::kind(m) == mcmc::kind(p) ? 0.9 : 0.05);
     }
@@ -85,9 +87,9 @@ class Broad {
   }
 
  private:
-  static constexpr double kPi = std::numbers::pi, kAnywhere = 0.2, kMargin = 6, kTurn = 0.3, kContrast = 0.25;
+  static constexpr double kAnywhere = 0.2, kMargin = 6, kTurn = 0.3, kContrast = 0.25;
   static double normal(double x, double sd) {
-    return std::exp(-0.5 * x * x / (sd * sd)) / (sd * std::sqrt(2 * kPi));
+    return std::exp(-0.5 * x * x / (sd * sd)) / (sd * std::sqrt(2 * std::numbers::pi));
   }
   static graph::Patch shaped(graph::Point at, double theta, double log_contrast, std::uint32_t kind) {
     graph::Patch p;
@@ -291,4 +293,4 @@ inline double z_score(const Mean& a, const Mean& b) {
   return error > 0 ? (a.value - b.value) / error : (a.value == b.value ? 0 : 1e9);
 }
 
-}  // namespace emberfold::made
+}  // namespace emberfold::test

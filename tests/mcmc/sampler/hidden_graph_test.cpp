@@ -16,11 +16,11 @@
 #include "tests/support/motion_scene.hpp"
 
 using namespace emberfold;
-using made::patch;
-using made::shown;
 using mcmc::Gates;
 using mcmc::HiddenGraph;
 using mcmc::Index;
+using test::patch;
+using test::shown;
 
 namespace {
 
@@ -296,16 +296,16 @@ TEST_CASE("No patch takes more edges or links than there is room for", "[mcmc][h
 }
 
 TEST_CASE("A matched clip becomes a state and again the same clip", "[mcmc][hidden_graph]") {
-  made::Scene scene;
+  test::Scene scene;
   scene.width = 160, scene.height = 120, scene.frames = 8;
-  scene.strokes = made::living(1, 0.1, 8, 160, 120, 4);
+  scene.strokes = test::living(1, 0.1, 8, 160, 120, 4);
   scene.sway = {1.5, -0.7, 0.4, 30};
-  const auto motion = made::make(scene, 5).motion;
+  const auto motion = test::make(scene, 5).motion;
   const auto state = mcmc::hidden_graph(motion, {}, {});
   CHECK(mcmc::motion_graph(state, motion.sketch.fps) == motion);
 
   // Matched by the matcher, with what a matcher would make of it.
-  const auto matched = graph::match(motion.sketch, {}).motion;
+  const auto matched = graph::match(motion.sketch, {});
   const auto of_match = mcmc::hidden_graph(matched, {}, {});
   const auto back = mcmc::motion_graph(of_match, matched.sketch.fps);
   REQUIRE(back.links == matched.links);
@@ -313,13 +313,13 @@ TEST_CASE("A matched clip becomes a state and again the same clip", "[mcmc][hidd
 }
 
 TEST_CASE("Candidates of other sketches are off and lie clear of those before", "[mcmc][hidden_graph]") {
-  made::Scene scene;
+  test::Scene scene;
   scene.width = 160, scene.height = 120, scene.frames = 5;
-  scene.strokes = made::scattered(3, 2, 160, 120, 50);
-  const auto start = made::make(scene, 5).motion;
-  scene.strokes = made::scattered(3, 3, 160, 120, 40);
-  const std::vector<graph::SketchSequence> others = {made::make(scene, 6).motion.sketch,
-                                                     made::make(scene, 7).motion.sketch};
+  scene.strokes = test::scattered(3, 2, 160, 120, 50);
+  const auto start = test::make(scene, 5).motion;
+  scene.strokes = test::scattered(3, 3, 160, 120, 40);
+  const std::vector<graph::SketchSequence> others = {test::make(scene, 6).motion.sketch,
+                                                     test::make(scene, 7).motion.sketch};
   const Gates gates{12, 12, 3};
   const auto state = mcmc::hidden_graph(start, others, gates);
   CHECK(mcmc::motion_graph(state, start.sketch.fps) == start);
@@ -347,10 +347,10 @@ TEST_CASE("Candidates of other sketches are off and lie clear of those before", 
 }
 
 TEST_CASE("Edges and links beyond the gates stay where the start has them", "[mcmc][hidden_graph]") {
-  auto motion = made::make({.width = 160,
+  auto motion = test::make({.width = 160,
                             .height = 120,
                             .frames = 4,
-                            .strokes = made::scattered(2, 2, 160, 120, 40),
+                            .strokes = test::scattered(2, 2, 160, 120, 40),
                             .sway = {1.5, -0.7, 0.4, 30},
                             .gain = {},
                             .drift =
@@ -364,10 +364,10 @@ TEST_CASE("Edges and links beyond the gates stay where the start has them", "[mc
 }
 
 TEST_CASE("Starts of different clips are refused", "[mcmc][hidden_graph]") {
-  made::Scene scene;
+  test::Scene scene;
   scene.width = 80, scene.height = 60, scene.frames = 3;
-  scene.strokes = made::scattered(1, 1, 80, 60, 30);
-  const auto start = made::make(scene, 1).motion;
+  scene.strokes = test::scattered(1, 1, 80, 60, 30);
+  const auto start = test::make(scene, 1).motion;
   auto wider = start.sketch, longer = start.sketch;
   wider.width = 81;
   longer.append(longer.frames.back());
@@ -379,6 +379,6 @@ TEST_CASE("Starts of different clips are refused", "[mcmc][hidden_graph]") {
 TEST_CASE("Kinds are told by contrast and core", "[mcmc][hidden_graph]") {
   CHECK(mcmc::kind(patch(0, 0, 0, 5)) == mcmc::Kind::bright);
   CHECK(mcmc::kind(patch(0, 0, 0, -5)) == mcmc::Kind::dark);
-  CHECK(mcmc::kind(made::step_patch(0, 0, 0, 5)) == mcmc::Kind::step);
-  CHECK(mcmc::kind(made::step_patch(0, 0, 0, -5)) == mcmc::Kind::step);
+  CHECK(mcmc::kind(test::step_patch(0, 0, 0, 5)) == mcmc::Kind::step);
+  CHECK(mcmc::kind(test::step_patch(0, 0, 0, -5)) == mcmc::Kind::step);
 }

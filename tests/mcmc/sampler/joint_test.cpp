@@ -12,12 +12,12 @@
 #include "tests/support/statistics.hpp"
 
 using namespace emberfold;
-using made::Mean;
-using made::Statistic;
 using mcmc::Density;
 using mcmc::HiddenGraph;
 using mcmc::Index;
 using mcmc::Theta;
+using test::Mean;
+using test::Statistic;
 
 namespace {
 
@@ -84,7 +84,7 @@ struct Rates {
   }
 
   Theta draw(core::Rng& rng) const {
-    Theta t = made::lively_theta();
+    Theta t = test::lively_theta();
     t.along = 2, t.across = 1.5, t.turn = 0.4, t.flicker = 0.3;
     t.step_sd = 1, t.side_sd = 1.2, t.bend_sd = 0.4, t.grown_contrast_sd = 0.3;
     for (std::size_t e = 0; e < 2; ++e) t.birth[e] = birth[e].draw(rng);
@@ -217,7 +217,7 @@ std::vector<Statistic> of_rates(const Theta& t) {
           {"close", t.close[1][1]}};
 }
 std::vector<Statistic> of_both(const HiddenGraph& g, const Density& density) {
-  auto all = made::statistics(g);
+  auto all = test::statistics(g);
   for (const auto& [name, value] : of_rates(density.theta())) {
     all.push_back({name, value});
     all.push_back({name + " squared", value * value});
@@ -240,7 +240,7 @@ void check_joint(std::uint32_t chains, int rounds, int moves) {
     const Theta theta = Rates().draw(rng);
     const HiddenGraph drawn = forward(theta, rng);
     REQUIRE(std::isfinite(Density(theta).total(drawn)));
-    made::FreeChain chain(drawn, theta, kGates, core::Rng(42, {n, 0, 0}));
+    test::FreeChain chain(drawn, theta, kGates, core::Rng(42, {n, 0, 0}));
     const auto was = of_both(chain.state(), chain.density());
     for (int r = 0; r < rounds; ++r) {
       for (int k = 0; k < moves; ++k) chain.step(true);
@@ -256,10 +256,10 @@ void check_joint(std::uint32_t chains, int rounds, int moves) {
   }
   CHECK(names.size() >= 40);
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const Mean mean = made::mean_of(change[k]);
+    const Mean mean = test::mean_of(change[k]);
     INFO(names[k] << " changes by " << mean.value << " +- " << mean.error);
     CHECK(mean.error > 0);
-    CHECK(std::abs(made::z_score(mean, {0, 0})) < 4.5);
+    CHECK(std::abs(test::z_score(mean, {0, 0})) < 4.5);
   }
 }
 
@@ -296,7 +296,7 @@ void check_ranks(std::uint32_t data_sets, int steps) {
     std::vector<std::uint32_t> below(of_truth.size()), ties(of_truth.size());
     const std::uint32_t before = rng.below(kBins);
     for (const bool back : {true, false}) {
-      made::FreeChain chain(drawn, truth, kGates, core::Rng(44, {n, back, 0}));
+      test::FreeChain chain(drawn, truth, kGates, core::Rng(44, {n, back, 0}));
       const std::uint32_t draws = back ? before : kBins - 1 - before;
       for (std::uint32_t d = 0; d < draws; ++d) {
         for (int k = 0; k < steps; ++k)

@@ -8,6 +8,7 @@
 #include "graph/matching/time_reversal.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/motion_scene.hpp"
 
 using namespace emberfold;
@@ -16,13 +17,13 @@ namespace {
 
 /// Strokes that come and go, matched forwards and backwards.
 std::vector<graph::MotionGraph> two_starts() {
-  made::Scene scene;
+  test::Scene scene;
   scene.width = 160, scene.height = 120, scene.frames = 16;
-  scene.strokes = made::living(0.6, 0.05, scene.frames, scene.width, scene.height, 3);
+  scene.strokes = test::living(0.6, 0.05, scene.frames, scene.width, scene.height, 3);
   scene.sway = {1.5, -0.8, 0.3, 30};
   scene.jitter = 0.3;
-  const auto sketch = made::make(scene, 4).motion.sketch;
-  return {graph::match(sketch, {}).motion, graph::reversed(graph::match(graph::reversed(sketch), {}).motion)};
+  const auto sketch = test::make(scene, 4).motion.sketch;
+  return {graph::match(sketch, {}), graph::reverse_time(graph::match(graph::reverse_time(sketch), {}))};
 }
 
 mcmc::InferOptions short_runs() {
@@ -38,7 +39,7 @@ const std::vector<bool> kForwardsAndBackwards = {false, true};
 TEST_CASE("A clip run backwards has its own chains and the reversed events") {
   const auto starts = two_starts();
   const auto there = mcmc::sample_chains(starts, kForwardsAndBackwards, short_runs(), 1, {});
-  const auto back = mcmc::sample_chains({graph::reversed(starts[1]), graph::reversed(starts[0])},
+  const auto back = mcmc::sample_chains({graph::reverse_time(starts[1]), graph::reverse_time(starts[0])},
                                         kForwardsAndBackwards, short_runs(), 1, {});
   REQUIRE(there.sampler.samples.size() == 4);
   CHECK(there.sampler.chains == 2);
@@ -49,7 +50,7 @@ TEST_CASE("A clip run backwards has its own chains and the reversed events") {
           trace.chains[0]);
   }
   CHECK(back.sampler.proposals == there.sampler.proposals);
-  auto reversed = graph::reversed(back.events, 16);
+  auto reversed = graph::reverse_time(back.events, 16);
   auto events = there.events;
   CHECK(events.size() >= 5);
   for (auto* list : {&reversed, &events})  // which sample names the strokes may differ
@@ -58,10 +59,11 @@ TEST_CASE("A clip run backwards has its own chains and the reversed events") {
 }
 
 TEST_CASE("Sampling asks for a reading of each start") {
-  CHECK(make::has(make::message<core::InputError>([&] { mcmc::sample_chains({}, {}, short_runs(), 1, {}); }),
-                  "0 starts of 0 readings"));
-  CHECK(make::has(make::message<core::InputError>([&] {
-                    mcmc::sample_chains(two_starts(), {false, true, false}, short_runs(), 1, {});
-                  }),
-                  "2 starts of 3 readings"));
+  CHECK(test::contains(
+      test::message_of<core::InputError>([&] { mcmc::sample_chains({}, {}, short_runs(), 1, {}); }),
+      "0 starts of 0 readings"));
+  CHECK(test::contains(test::message_of<core::InputError>([&] {
+                         mcmc::sample_chains(two_starts(), {false, true, false}, short_runs(), 1, {});
+                       }),
+                       "2 starts of 3 readings"));
 }

@@ -5,18 +5,19 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <numbers>
 
 #include "tests/mcmc/sampler/small_models.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using made::patch;
-using made::shown;
 using mcmc::CheckedMove;
 using mcmc::Draws;
 using mcmc::Edit;
 using mcmc::HiddenGraph;
 using mcmc::Index;
+using test::patch;
+using test::shown;
 
 namespace {
 
@@ -24,7 +25,7 @@ namespace {
 using Fault = std::function<double(const HiddenGraph& was, const HiddenGraph& is, int frame)>;
 
 CheckedMove with_fault(std::string_view name, Fault fault) {
-  return [right = made::checked(made::move_named(name)), fault = std::move(fault)](
+  return [right = test::checked(test::move_named(name)), fault = std::move(fault)](
              Edit& edit, Draws& draws, int frame) -> std::optional<double> {
     const HiddenGraph was = edit.state();
     const auto ratio = right(edit, draws, frame);
@@ -102,7 +103,7 @@ HiddenGraph rows() {
   g.link(shown(g, 0, patch(30, 31)), v);
   g.add_candidate(1, patch(31, 31, 0.3));
   g.add_candidate(1, patch(28, 31, 0.2));
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 /// Two and two patches near each other.
@@ -111,15 +112,15 @@ HiddenGraph pairs() {
   for (int t = 0; t < 2; ++t) {
     g.add_candidate(t, patch(20 + t, 20)), g.add_candidate(t, patch(25, 20 + t, 0.3));
   }
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 /// Three patches in a frame that may be joined; they are there.
 HiddenGraph corner() {
   HiddenGraph g(60, 60, 1, {12, 12, 0});
-  made::row(g, 0, 3, 20, 20, false);
+  test::row(g, 0, 3, 20, 20, false);
   shown(g, 0, patch(24, 25));
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 /// Three before and three after: all splits and merges among them.
@@ -128,14 +129,14 @@ HiddenGraph crowd() {
   for (int t = 0; t < 2; ++t) {
     shown(g, t, patch(20, 20 + t)), shown(g, t, patch(23, 20)), shown(g, t, patch(22, 23));
   }
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 
 /// The right move passes on the model, and the wrong one does not.
 void require_caught(const HiddenGraph& model, std::string_view name, const Fault& fault) {
-  const mcmc::Density density(made::even_theta());
-  const auto right = check_ratios(model, density, {made::checked(made::move_named(name))});
+  const mcmc::Density density(test::even_theta());
+  const auto right = check_ratios(model, density, {test::checked(test::move_named(name))});
   REQUIRE(right.complete);
   REQUIRE(right.transitions > 0);
   REQUIRE(right.worst_ratio <= 1e-10);
@@ -200,8 +201,8 @@ TEST_CASE("The checker catches births and deaths that count in the old state", "
 }
 
 TEST_CASE("The checker catches births and deaths that leave their chances out", "[mcmc][mutants]") {
-  const mcmc::Density density(made::even_theta());
-  const auto right = made::checked(made::move_named("add, delete"));
+  const mcmc::Density density(test::even_theta());
+  const auto right = test::checked(test::move_named("add, delete"));
   REQUIRE(check_ratios(pairs(), density, {right}).worst_ratio <= 1e-10);
   const CheckedMove wrong = [&](Edit& edit, Draws& draws, int frame) -> std::optional<double> {
     if (!right(edit, draws, frame)) return std::nullopt;
@@ -214,8 +215,8 @@ TEST_CASE("The checker catches births and deaths that leave their chances out", 
 }
 
 TEST_CASE("The checker catches a way there that has no way back", "[mcmc][mutants]") {
-  const mcmc::Density density(made::even_theta());
-  const auto right = made::checked(made::move_named("add, delete"));
+  const mcmc::Density density(test::even_theta());
+  const auto right = test::checked(test::move_named("add, delete"));
   const CheckedMove only_add = [&](Edit& edit, Draws& draws, int frame) -> std::optional<double> {
     const std::size_t count = edit.state().on(frame).size();
     const auto ratio = right(edit, draws, frame);

@@ -11,11 +11,11 @@
 using namespace emberfold;
 using namespace emberfold::formula;
 using Catch::Matchers::WithinAbs;
-using made::patch;
-using made::shown;
 using mcmc::Density;
 using mcmc::HiddenGraph;
 using mcmc::Index;
+using test::patch;
+using test::shown;
 
 TEST_CASE("The place on the death map scales a chance of death up to a limit", "[mcmc][density]") {
   const Theta t = theta();
@@ -98,7 +98,7 @@ TEST_CASE("A patch is told what became of its earlier neighbours", "[mcmc][densi
   const Theta t = theta();
   const Density density(t);
   HiddenGraph g(80, 80, 2, {7, 12, 0});
-  made::row(g, 0, 3, 40, 40);
+  test::row(g, 0, 3, 40, 40);
   const Index w = shown(g, 1, patch(40, 41));
   CHECK_THAT(density.of_outcome(g, 0),
              WithinAbs(std::log(chance(t, 1, 0, mcmc::Outcome::death, false)), kTight));
@@ -126,7 +126,7 @@ TEST_CASE("Link moves reach as many star forests as there are", "[mcmc][density]
     HiddenGraph g(60, 60, 2, {12, 12, 0});
     for (int k = 0; k < m; ++k) shown(g, 0, patch(30 + 2 * k, 30));
     for (int k = 0; k < n; ++k) shown(g, 1, patch(30 + 2 * k, 30.5));
-    const auto report = check_ratios(g, Density(theta()), {made::checked(made::move_named("link, unlink"))});
+    const auto report = check_ratios(g, Density(theta()), {test::checked(test::move_named("link, unlink"))});
     INFO(m << " and " << n);
     CHECK(report.complete);
     CHECK(report.states == forests);
@@ -156,7 +156,7 @@ TEST_CASE("Link moves reach just the star forests that the density lets be", "[m
   }
   CHECK(forests == 356);
   CHECK(possible < 356);
-  const auto report = check_ratios(g, density, {made::checked(made::move_named("link, unlink"))});
+  const auto report = check_ratios(g, density, {test::checked(test::move_named("link, unlink"))});
   CHECK(report.states == possible);
 }
 

@@ -12,12 +12,12 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using made::kLivelyGates;
-using made::Mean;
 using mcmc::Density;
 using mcmc::HiddenGraph;
 using mcmc::Index;
 using mcmc::Theta;
+using test::kLivelyGates;
+using test::Mean;
 
 namespace {
 
@@ -97,7 +97,7 @@ bool crowded(const HiddenGraph& g) {
 /// E[π′(x)/π(x)] = 1 over draws x from π, whatever π′: where a factor were not normalised, or the draws not
 /// from it, it would not be.
 void check_normalised(std::uint32_t draws) {
-  const Theta theta = made::lively_theta();
+  const Theta theta = test::lively_theta();
   const Density density(theta);
   std::vector<Density> changed;
   for (const Change& change : changes()) {
@@ -122,17 +122,17 @@ void check_normalised(std::uint32_t draws) {
        {mcmc::Outcome::death, mcmc::Outcome::going_on, mcmc::Outcome::split, mcmc::Outcome::merge})
     CHECK(seen[what] > 50);
   for (std::size_t k = 0; k < changed.size(); ++k) {
-    const Mean mean = made::mean_of(ratios[k]);
+    const Mean mean = test::mean_of(ratios[k]);
     INFO(changes()[k].name << ": " << mean.value << " +- " << mean.error);
     CHECK(mean.error > 0);
-    CHECK(std::abs(made::z_score(mean, {1, 0})) < 4.5);
+    CHECK(std::abs(test::z_score(mean, {1, 0})) < 4.5);
   }
 }
 
 constexpr int kSize = 30, kFrames = 3;
 constexpr mcmc::Gates kFreeGates{14, 16, 0};
 Theta small_theta() {
-  Theta t = made::lively_theta();
+  Theta t = test::lively_theta();
   t.birth = {0.002, 0.0006};
   t.growth = {0.12, 0.06, 0.1, 0.6};
   t.first_growth = 0.7;
@@ -154,7 +154,7 @@ void check_prior(int moves, std::uint32_t draws) {
   std::vector<std::vector<double>> drawn, chained;
   std::vector<std::string> names;
   const auto note = [&](const HiddenGraph& g, auto& into) {
-    const auto all = made::statistics(g);
+    const auto all = test::statistics(g);
     into.resize(all.size()), names.resize(all.size());
     for (std::size_t k = 0; k < all.size(); ++k) {
       into[k].push_back(all[k].value);
@@ -162,33 +162,33 @@ void check_prior(int moves, std::uint32_t draws) {
     }
   };
   for (std::uint32_t n = 0; n < draws; ++n) note(forward(theta, 0, n), drawn);
-  made::FreeChain chain(forward(theta, 1, 0), theta, kFreeGates, core::Rng(32, {0, 0, 0}));
+  test::FreeChain chain(forward(theta, 1, 0), theta, kFreeGates, core::Rng(32, {0, 0, 0}));
   for (int n = 0; n < moves; ++n) {
     chain.step(true);
     if (n % 10 == 9) note(chain.state(), chained);
   }
   CHECK(static_cast<double>(chain.accepted()) > 0.05 * moves);
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const Mean a = made::mean_of(drawn[k]), b = made::mean_of_chain(chained[k]);
+    const Mean a = test::mean_of(drawn[k]), b = test::mean_of_chain(chained[k]);
     INFO(names[k] << ": " << a.value << " +- " << a.error << " drawn, " << b.value << " +- " << b.error
-                  << " in the chain, z = " << made::z_score(a, b));
-    CHECK(std::abs(made::z_score(a, b)) < 5);
+                  << " in the chain, z = " << test::z_score(a, b));
+    CHECK(std::abs(test::z_score(a, b)) < 5);
   }
 }
 
 /// States drawn from the density, each moved by one kind of move alone: their law stays.
-void check_kept(const char* name, const std::function<void(made::FreeChain&)>& step, std::uint32_t draws,
+void check_kept(const char* name, const std::function<void(test::FreeChain&)>& step, std::uint32_t draws,
                 bool seldom = false, int steps = 30) {
   const Theta theta = small_theta();
   std::vector<std::vector<double>> change;
   std::vector<std::string> names;
   std::size_t accepted = 0;
   for (std::uint32_t n = 0; n < draws; ++n) {
-    made::FreeChain chain(forward(theta, 2, n), theta, kFreeGates, core::Rng(33, {n, 0, 0}));
-    auto was = made::statistics(chain.state());
+    test::FreeChain chain(forward(theta, 2, n), theta, kFreeGates, core::Rng(33, {n, 0, 0}));
+    auto was = test::statistics(chain.state());
     const double log_density = chain.density().total(chain.state());
     for (int k = 0; k < steps; ++k) step(chain);
-    auto is = made::statistics(chain.state());
+    auto is = test::statistics(chain.state());
     was.push_back({"log density", log_density});
     is.push_back({"log density", chain.density().total(chain.state())});
     change.resize(is.size()), names.resize(is.size());
@@ -201,18 +201,18 @@ void check_kept(const char* name, const std::function<void(made::FreeChain&)>& s
   INFO(name << ", " << accepted << " accepted");
   if (!seldom) CHECK(accepted > 20);
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const Mean mean = made::mean_of(change[k]);
+    const Mean mean = test::mean_of(change[k]);
     INFO(names[k] << " changes by " << mean.value << " +- " << mean.error);
-    if (mean.error > 0) CHECK(std::abs(made::z_score(mean, {0, 0})) < 4.5);
+    if (mean.error > 0) CHECK(std::abs(test::z_score(mean, {0, 0})) < 4.5);
   }
 }
 void check_each_kept(std::uint32_t draws) {
   for (const auto& move : mcmc::moves())
     check_kept(
-        move.name.data(), [&](made::FreeChain& chain) { chain.step(move); }, draws,
+        move.name.data(), [&](test::FreeChain& chain) { chain.step(move); }, draws,
         move.propose == mcmc::hand_over);
   check_kept(
-      "sway", [](made::FreeChain& chain) { chain.move_sway(); }, draws);
+      "sway", [](test::FreeChain& chain) { chain.move_sway(); }, draws);
 }
 
 }  // namespace
@@ -233,11 +233,11 @@ TEST_CASE("Closely: each move alone keeps the law of what is drawn", "[mcmc][for
 
 TEST_CASE("Moves of all kinds keep the law of what is drawn", "[mcmc][forward]") {
   check_kept(
-      "all", [](made::FreeChain& chain) { chain.step(true); }, 1000, false, 500);
+      "all", [](test::FreeChain& chain) { chain.step(true); }, 1000, false, 500);
 }
 TEST_CASE("Closely: moves of all kinds keep the law of what is drawn", "[mcmc][forward][slow]") {
   check_kept(
-      "all", [](made::FreeChain& chain) { chain.step(true); }, 20000, false, 1000);
+      "all", [](test::FreeChain& chain) { chain.step(true); }, 20000, false, 1000);
 }
 
 TEST_CASE("A chain of a million moves without images has the law of what is drawn", "[mcmc][forward]") {

@@ -11,14 +11,14 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using made::patch;
-using made::shown;
 using mcmc::CheckedMove;
 using mcmc::Density;
 using mcmc::Gates;
 using mcmc::HiddenGraph;
 using mcmc::Index;
 using mcmc::RatioReport;
+using test::patch;
+using test::shown;
 
 namespace {
 
@@ -29,7 +29,7 @@ HiddenGraph three_frames() {
   g.add_candidate(0, patch(20, 20)), g.add_candidate(0, patch(25, 21, 0.3));
   g.add_candidate(1, patch(21, 22)), g.add_candidate(1, patch(26, 20, 3.0));
   g.add_candidate(2, patch(22, 21));
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 
@@ -39,7 +39,7 @@ HiddenGraph three_and_three() {
   g.add_candidate(0, patch(23, 25));
   g.add_candidate(1, patch(21, 22)), g.add_candidate(1, patch(26, 20, 3.0));
   g.add_candidate(1, patch(24, 24));
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 
@@ -47,10 +47,10 @@ HiddenGraph three_and_three() {
 HiddenGraph mixed() {
   HiddenGraph g(30, 30, 2, {12, 12, 3});
   g.add_candidate(0, patch(5, 5)), g.add_candidate(0, patch(7, 5, 0.2));
-  g.add_candidate(0, patch(9, 9, 0.4, -15)), g.add_candidate(0, made::step_patch(6, 6, 1.1));
+  g.add_candidate(0, patch(9, 9, 0.4, -15)), g.add_candidate(0, test::step_patch(6, 6, 1.1));
   g.add_candidate(1, patch(6, 5, 3.2)), g.add_candidate(1, patch(10, 8, 0.5, -14));
   g.add_candidate(1, patch(11, 9, 0.4, -18));
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 
@@ -65,24 +65,24 @@ HiddenGraph fan() {
   g.add_candidate(1, patch(31, 31, 0.3));
   g.add_candidate(1, patch(28, 31, 0.2));
   g.link(past, v);
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 
 /// A stroke of four in each of two frames: runs of links.
 HiddenGraph two_rows(int count) {
   HiddenGraph g(60, 60, 2, kWide);
-  made::row(g, 0, count, 20, 20), made::row(g, 1, count, 20, 21);
-  made::furnish(g);
+  test::row(g, 0, count, 20, 20), test::row(g, 1, count, 20, 21);
+  test::furnish(g);
   return g;
 }
 
 /// Two strokes before, one after between them.
 HiddenGraph heirs() {
   HiddenGraph g(60, 60, 2, {6, 12, 0});
-  made::row(g, 0, 3, 20, 20), made::row(g, 0, 2, 20, 27);
-  made::row(g, 1, 3, 20, 23);
-  made::furnish(g);
+  test::row(g, 0, 3, 20, 20), test::row(g, 0, 2, 20, 27);
+  test::row(g, 1, 3, 20, 23);
+  test::furnish(g);
   return g;
 }
 
@@ -95,7 +95,7 @@ HiddenGraph rings() {
       ring.push_back(shown(g, t, patch(x + t, y)));
     for (std::size_t k = 0; k < 4; ++k) g.join(ring[k], ring[(k + 1) % 4]);
   }
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 
@@ -109,7 +109,7 @@ HiddenGraph apart() {
   shown(g, 0, at(-1, 0)), shown(g, 0, at(-2, 0)), shown(g, 0, at(0, 4)), shown(g, 0, at(0, -4));
   shown(g, 0, at(-9.5, 0));
   shown(g, 1, at(0, 0)), shown(g, 1, at(-3, 0));
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 
@@ -128,7 +128,7 @@ std::size_t links_changed(const HiddenGraph& a, const HiddenGraph& b) {
 std::vector<CheckedMove> all_but(const std::vector<std::string_view>& left_out = {}) {
   std::vector<CheckedMove> moves;
   for (const auto& move : mcmc::moves())
-    if (std::ranges::find(left_out, move.name) == left_out.end()) moves.push_back(made::checked(move));
+    if (std::ranges::find(left_out, move.name) == left_out.end()) moves.push_back(test::checked(move));
   return moves;
 }
 const std::vector<std::string_view> kPatchMoves = {"add, delete", "split, merge"};
@@ -175,44 +175,44 @@ HiddenGraph stirred(HiddenGraph g, const Density& density, const std::vector<Che
 }  // namespace
 
 TEST_CASE("Ratios hold over three frames", "[mcmc][ratios]") {
-  require_right_together(three_frames(), Density(made::even_theta()), all_but(), 398);
+  require_right_together(three_frames(), Density(test::even_theta()), all_but(), 398);
 }
 
 TEST_CASE("Ratios hold among ten thousand states", "[mcmc][ratios]") {
-  require_right_together(three_and_three(), Density(made::even_theta()), all_but(), 10000);
+  require_right_together(three_and_three(), Density(test::even_theta()), all_but(), 10000);
 }
 
 TEST_CASE("Ratios hold among all kinds at the border where patches overlap", "[mcmc][ratios]") {
-  require_right_together(mixed(), Density(made::even_theta()), all_but(), 500);
+  require_right_together(mixed(), Density(test::even_theta()), all_but(), 500);
 }
 
 TEST_CASE("Ratios hold where the evidence is tempered", "[mcmc][ratios]") {
-  require_right_together(three_frames(), Density(made::even_theta(), 0.3), all_but(), 398);
+  require_right_together(three_frames(), Density(test::even_theta(), 0.3), all_but(), 398);
 }
 
 TEST_CASE("Ratios hold where a patch shares four edges with two candidates", "[mcmc][ratios]") {
-  const std::vector<CheckedMove> shares = {made::checked(made::move_named("split, merge"))};
-  require_right_together(fan(), Density(made::even_theta()), shares, 100);
+  const std::vector<CheckedMove> shares = {test::checked(test::move_named("split, merge"))};
+  require_right_together(fan(), Density(test::even_theta()), shares, 100);
 }
 
 TEST_CASE("Ratios hold for links among four and four", "[mcmc][ratios]") {
-  require_right_together(two_rows(4), Density(made::even_theta()), all_but(kAllButLinks), 350);
+  require_right_together(two_rows(4), Density(test::even_theta()), all_but(kAllButLinks), 350);
 }
 
 TEST_CASE("Ratios hold on rings", "[mcmc][ratios]") {
-  require_right_together(rings(), Density(made::even_theta()), all_but(kAllButLinks), 350);
+  require_right_together(rings(), Density(test::even_theta()), all_but(kAllButLinks), 350);
 }
 
 TEST_CASE("Ratios hold for strokes that inherit from one of two", "[mcmc][ratios]") {
-  require_right_together(heirs(), Density(made::even_theta()), all_but(kAllButLinks), 350);
+  require_right_together(heirs(), Density(test::even_theta()), all_but(kAllButLinks), 350);
 }
 
 TEST_CASE("Ratios hold where some merges cannot be", "[mcmc][ratios]") {
-  require_right_together(apart(), Density(made::even_theta()), all_but(kAllButLinks), 100);
+  require_right_together(apart(), Density(test::even_theta()), all_but(kAllButLinks), 100);
 }
 
 TEST_CASE("Each move alone has the right ratios from wherever it starts", "[mcmc][ratios]") {
-  const Density density(made::even_theta());
+  const Density density(test::even_theta());
   for (const auto& move : mcmc::moves()) {
     INFO(move.name);
     std::size_t transitions = 0;
@@ -220,7 +220,7 @@ TEST_CASE("Each move alone has the right ratios from wherever it starts", "[mcmc
       const bool patches = number % 2 == 0;
       const auto start = patches ? stirred(three_frames(), density, all_but(), number, 300)
                                  : stirred(heirs(), density, all_but(kPatchMoves), number, 300);
-      const auto r = check_ratios(start, density, {made::checked(move)}, 20000);
+      const auto r = check_ratios(start, density, {test::checked(move)}, 20000);
       CHECK(r.complete);
       CHECK(r.worst_ratio <= 1e-10);
       CHECK(r.worst_balance <= 1e-14);
@@ -233,13 +233,13 @@ TEST_CASE("Each move alone has the right ratios from wherever it starts", "[mcmc
 }
 
 TEST_CASE("The models put every move to use", "[mcmc][ratios]") {
-  const Density density(made::even_theta());
+  const Density density(test::even_theta());
   std::map<std::string_view, Use> uses;
   std::vector<CheckedMove> counting;
   for (const auto& move : mcmc::moves()) {
     if (std::ranges::find(kAllButLinks, move.name) != kAllButLinks.end()) continue;
     Use& use = uses[move.name];
-    counting.push_back([&use, inner = made::checked(move)](mcmc::Edit& edit, mcmc::Draws& draws, int frame) {
+    counting.push_back([&use, inner = test::checked(move)](mcmc::Edit& edit, mcmc::Draws& draws, int frame) {
       const HiddenGraph was = edit.state();
       const auto ratio = inner(edit, draws, frame);
       if (ratio && !(was == edit.state())) {

@@ -7,12 +7,12 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using made::AllDraws;
 using mcmc::Density;
 using mcmc::Edit;
 using mcmc::HiddenGraph;
 using mcmc::Index;
 using mcmc::Move;
+using test::AllDraws;
 
 namespace {
 
@@ -51,7 +51,7 @@ double new_sway(const HiddenGraph& a, const HiddenGraph& b) {
 /// Makes moves at random, each tried back and forth.
 void there_and_back(HiddenGraph g, std::uint32_t number, int times, bool strokes,
                     std::map<std::string_view, int>& seen) {
-  const Density density(made::lively_theta());
+  const Density density(test::lively_theta());
   core::Rng rng(17, {number, 0, 0});
   mcmc::Scratch scratch;
   scratch.fit(g.size());
@@ -88,9 +88,9 @@ void there_and_back(HiddenGraph g, std::uint32_t number, int times, bool strokes
 HiddenGraph heirs(std::uint32_t number) {
   core::Rng rng(18, {number, 0, 0});
   HiddenGraph g(60, 60, 2, {6, 12, 0});
-  made::row(g, 0, 3, 20, 20), made::row(g, 0, 3, 20, 27), made::row(g, 1, 3, 20, 23);
+  test::row(g, 0, 3, 20, 20), test::row(g, 0, 3, 20, 27), test::row(g, 1, 3, 20, 23);
   for (Index i = 0; i < g.size(); ++i) g.set_sway(i, rng.normal());
-  made::furnish(g);
+  test::furnish(g);
   return g;
 }
 
@@ -99,7 +99,7 @@ HiddenGraph heirs(std::uint32_t number) {
 TEST_CASE("What a move claims on random states is what the way back denies", "[mcmc][ratios]") {
   std::map<std::string_view, int> seen;
   for (std::uint32_t number = 0; number < 12; ++number)
-    there_and_back(made::drawn_state(number, 3, 50, 5), number, 60, false, seen);
+    there_and_back(test::drawn_state(number, 3, 50, 5), number, 60, false, seen);
   for (std::uint32_t number = 0; number < 40; ++number) there_and_back(heirs(number), number, 40, true, seen);
   for (const Move& move : mcmc::moves()) {
     INFO(move.name << ": " << seen[move.name]);

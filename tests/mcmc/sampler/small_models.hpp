@@ -14,7 +14,7 @@
 #include "mcmc/sampler/prior_simulation.hpp"
 #include "mcmc/sampler/ratio_check.hpp"
 
-namespace emberfold::made {
+namespace emberfold::test {
 
 using mcmc::HiddenGraph;
 using mcmc::Index;
@@ -181,4 +181,4 @@ inline HiddenGraph drawn_state(std::uint32_t number, int frames = 3, double size
   return g;
 }
 
-}  // namespace emberfold::made
+}  // namespace emberfold::test

@@ -59,8 +59,8 @@ TEST_CASE("Each step gains what the whole density gains", "[mcmc][edit]") {
   int impossible = 0;
   for (std::uint32_t number = 0; number < 60; ++number) {
     const bool borders = number % 2 == 1;
-    const Density density(borders ? made::even_theta() : made::lively_theta(), borders ? 0.4 : 1);
-    HiddenGraph g = made::drawn_state(number, 4, borders ? 25 : 50, 20, number % 3 == 0 ? 2 : 0);
+    const Density density(borders ? test::even_theta() : test::lively_theta(), borders ? 0.4 : 1);
+    HiddenGraph g = test::drawn_state(number, 4, borders ? 25 : 50, 20, number % 3 == 0 ? 2 : 0);
     core::Rng rng(21, {number, 0, 0});
     mcmc::Scratch scratch;
     scratch.fit(g.size());
@@ -89,10 +89,10 @@ TEST_CASE("Each step gains what the whole density gains", "[mcmc][edit]") {
 }
 
 TEST_CASE("Steps add up and undone leave no trace", "[mcmc][edit]") {
-  const Density density(made::lively_theta());
+  const Density density(test::lively_theta());
   int whole = 0;
   for (std::uint32_t number = 0; number < 30; ++number) {
-    HiddenGraph g = made::drawn_state(100 + number, 4, 50, 20);
+    HiddenGraph g = test::drawn_state(100 + number, 4, 50, 20);
     core::Rng rng(22, {number, 0, 0});
     mcmc::Scratch scratch;
     scratch.fit(g.size());
@@ -126,8 +126,8 @@ TEST_CASE("Steps add up and undone leave no trace", "[mcmc][edit]") {
 }
 
 TEST_CASE("Two edits of one state far apart in time share their marks", "[mcmc][edit]") {
-  const Density density(made::lively_theta());
-  HiddenGraph g = made::drawn_state(3, 9, 50, 40), alone = g;
+  const Density density(test::lively_theta());
+  HiddenGraph g = test::drawn_state(3, 9, 50, 40), alone = g;
   mcmc::Scratch scratch, own;
   scratch.fit(g.size()), own.fit(g.size());
   Edit early(g, density, scratch, 0), late(g, density, scratch, 1);
@@ -151,8 +151,8 @@ TEST_CASE("Two edits of one state far apart in time share their marks", "[mcmc][
 }
 
 TEST_CASE("After ten thousand moves gains add up to the density", "[mcmc][edit]") {
-  const Density density(made::lively_theta());
-  HiddenGraph g = made::drawn_state(7, 5, 50, 40, 1.5);
+  const Density density(test::lively_theta());
+  HiddenGraph g = test::drawn_state(7, 5, 50, 40, 1.5);
   mcmc::Scratch scratch;
   scratch.fit(g.size());
   Edit edit(g, density, scratch);
@@ -189,10 +189,10 @@ TEST_CASE("After ten thousand moves gains add up to the density", "[mcmc][edit]"
 TEST_CASE("A gain that is asked for from a level on is the gain or lies below it", "[mcmc][edit]") {
   int hidden = 0, told = 0;
   for (std::uint32_t number = 0; number < 12; ++number) {
-    auto theta = number % 2 == 0 ? made::lively_theta() : made::even_theta();
+    auto theta = number % 2 == 0 ? test::lively_theta() : test::even_theta();
     theta.sway.coupling = number % 3 == 0 ? 0.1 : 0;
     Density density(theta, number % 4 == 3 ? 0.5 : 1);
-    HiddenGraph g = made::drawn_state(200 + number, 5, 50, 30, 1.5);
+    HiddenGraph g = test::drawn_state(200 + number, 5, 50, 30, 1.5);
     if (number < 6) density.prepare(g);
     mcmc::Scratch scratch;
     scratch.remember(g);

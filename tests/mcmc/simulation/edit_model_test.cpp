@@ -22,10 +22,10 @@ namespace {
 
 // Some thirty strokes that come, go, fall into pieces and grow together.
 mcmc::MotionModel make_lively(double split, double merge, double connect, double disconnect) {
-  auto model = made::empty_model();
+  auto model = test::empty_model();
   for (int i = 0; i < 24; ++i) {
     const graph::Point place{30 + 52.0 * (i % 6), 30 + 58.0 * (i / 6)};
-    model.exemplars.push_back({made::straight(i % 2 == 0 ? 7 : 12, 0.5 * i), place, 8});
+    model.exemplars.push_back({test::straight(i % 2 == 0 ? 7 : 12, 0.5 * i), place, 8});
   }
   model.rates.birth_by_size = {0, 0.5, 0.5, 0, 0, 0, 0};
   for (double& value : model.rates.birth.values) value = 0.8 / (320 * 240);
@@ -72,7 +72,7 @@ double tolerance(double rate, int frames = 1200) {
 }  // namespace
 
 TEST_CASE("A neutral edit changes nothing", "[edit_motion]") {
-  const auto model = made::full_model();
+  const auto model = test::full_model();
   CHECK(mcmc::edit_motion(model, {}).model == model);
   CHECK(mcmc::edit_motion(model, {}).notes.empty());
   MotionEdit same;
@@ -93,9 +93,9 @@ TEST_CASE("Edits out of range are refused by name", "[edit_motion]") {
   refused([](MotionEdit& e) { e.flicker = 11; }, "flicker");
   refused([](MotionEdit& e) { e.rates[3] = -0.5; }, "merges");
   refused([](MotionEdit& e) { e.rates[1] = 0; }, "at most 4 times the deaths");
-  refused([](MotionEdit& e) { e.birth_map = made::map_over(320, 240, 16, 0); }, "nothing is painted");
+  refused([](MotionEdit& e) { e.birth_map = test::map_over(320, 240, 16, 0); }, "nothing is painted");
   MotionEdit edit;
-  edit.birth_map = made::map_over(320, 240, 20, 1);
+  edit.birth_map = test::map_over(320, 240, 20, 1);
   CHECK_THROWS_AS(mcmc::edit_motion(lively(), edit), core::InputError);
   edit = {};
   edit.strokes = mcmc::StrokeChoice::coarse;
@@ -208,7 +208,7 @@ TEST_CASE("Faster and backwards, everything happens as often as that says", "[ed
 TEST_CASE("Strokes are born where the map is painted", "[edit_motion]") {
   const auto model = lively();
   MotionEdit edit;
-  edit.birth_map = made::map_over(320, 240, 16, 0);
+  edit.birth_map = test::map_over(320, 240, 16, 0);
   for (int row = 2; row < 13; ++row)
     for (int column = 12; column < 18; ++column)
       edit.birth_map->values[static_cast<std::size_t>(row * edit.birth_map->columns + column)] = 1;

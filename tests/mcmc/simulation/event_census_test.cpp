@@ -14,10 +14,10 @@ using Catch::Matchers::WithinAbs;
 TEST_CASE("A census counts what frames show", "[census]") {
   graph::MotionGraph motion;
   motion.sketch.width = 320, motion.sketch.height = 240;
-  make::Frame one, two;
-  one.line(make::segment({20, 20}, {60, 20}, 9));
-  two.line(make::segment({20, 20}, {60, 20}, 9));
-  two.line(make::segment({20, 80}, {30, 80}, 3));
+  test::Frame one, two;
+  one.line(test::segment({20, 20}, {60, 20}, 9));
+  two.line(test::segment({20, 20}, {60, 20}, 9));
+  two.line(test::segment({20, 80}, {30, 80}, 3));
   motion.sketch.append(one.graph());
   motion.sketch.append(two.graph());
   motion.links.resize(2);
@@ -50,10 +50,10 @@ TEST_CASE("Reconciled events make as many strokes as they take", "[census]") {
 }
 
 TEST_CASE("A model can be balanced to what is wanted", "[census]") {
-  auto model = made::empty_model();
+  auto model = test::empty_model();
   for (int i = 0; i < 12; ++i)
     model.exemplars.push_back(
-        {made::straight(i % 2 == 0 ? 6 : 12, 0.5 * i), {40 + 75.0 * (i % 4), 50 + 70.0 * (i / 4)}, 8});
+        {test::straight(i % 2 == 0 ? 6 : 12, 0.5 * i), {40 + 75.0 * (i % 4), 50 + 70.0 * (i / 4)}, 8});
   model.rates.birth_by_size = {0, 0.5, 0.5, 0, 0, 0, 0};
   for (double& value : model.rates.birth.values) value = 0.3 / (320 * 240);
   model.rates.death_by_size.fill(0.1);
@@ -73,9 +73,9 @@ TEST_CASE("A model can be balanced to what is wanted", "[census]") {
 }
 
 TEST_CASE("A clip begins as it was seen or as it usually is", "[synthesis]") {
-  auto model = made::empty_model();
-  make::Frame frame;
-  frame.line(make::segment({100, 100}, {140, 100}, 9));
+  auto model = test::empty_model();
+  test::Frame frame;
+  frame.line(test::segment({100, 100}, {140, 100}, 9));
   model.first = frame.graph();
   model.sway = {1.2, -0.4, 0, 0, 0, 0};
   model.first_swing.assign(9, {{3, 0}, {1, 0}, 0.5, 0.25});
@@ -92,7 +92,7 @@ TEST_CASE("A clip begins as it was seen or as it usually is", "[synthesis]") {
     CHECK_THAT(synthesis.next().patch(0).position.x, WithinAbs(100, 0.05));
     // And of strokes that come and go, none of the first.
     model.rates.death_by_size.fill(0.2);
-    model.exemplars = {{made::straight(5), {250, 200}, 20}};
+    model.exemplars = {{test::straight(5), {250, 200}, 20}};
     model.rates.birth_by_size = {0, 1, 0, 0, 0, 0, 0};
     for (double& value : model.rates.birth.values) value = 0.5 / (320 * 240);
     mcmc::Synthesis other(model, 1, mcmc::Start::stationary);

@@ -2,6 +2,7 @@
 #include "mcmc/simulation/operators.hpp"
 
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "graph/events/events.hpp"
@@ -66,24 +67,24 @@ std::size_t strokes(const graph::AttributeGraph& graph) {
   return graph::components(graph).count;
 }
 
-mcmc::MotionModel showing(const make::Frame& frame) {
-  auto model = made::empty_model();
+mcmc::MotionModel showing(const test::Frame& frame) {
+  auto model = test::empty_model();
   model.first = frame.graph();
-  model.exemplars.push_back({made::straight(2), {160, 120}, 10});  // of a stroke smaller than all others
+  model.exemplars.push_back({test::straight(2), {160, 120}, 10});  // of a stroke smaller than all others
   return model;
 }
 
 // What `add` adds, twelve times over the frame.
 template <class Add>
-make::Frame tiled(Add add) {
-  make::Frame frame;
+test::Frame tiled(Add add) {
+  test::Frame frame;
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 3; ++x) add(frame, Point{10 + 105.0 * x, 12 + 60.0 * y});
   return frame;
 }
 
-void straight_stroke(make::Frame& frame, Point at) {
-  frame.line(make::segment(at, at + Point{90, 0}, 19));
+void straight_stroke(test::Frame& frame, Point at) {
+  frame.line(test::segment(at, at + Point{90, 0}, 19));
 }
 
 }  // namespace
@@ -106,10 +107,10 @@ TEST_CASE("Without rates nothing ever happens", "[operators]") {
 }
 
 TEST_CASE("At a rate of one every stroke of that size dies", "[operators]") {
-  make::Frame frame;
-  frame.line(make::segment({20, 20}, {60, 20}, 9));
-  frame.line(make::segment({20, 60}, {60, 60}, 9));
-  frame.line(make::segment({20, 100}, {40, 100}, 5));
+  test::Frame frame;
+  frame.line(test::segment({20, 20}, {60, 20}, 9));
+  frame.line(test::segment({20, 60}, {60, 60}, 9));
+  frame.line(test::segment({20, 100}, {40, 100}, 5));
   auto model = showing(frame);
   model.rates.death_by_size[2] = 1;  // 9 to 16 patches
   const auto found = clip(model, 4);
@@ -122,11 +123,11 @@ TEST_CASE("At a rate of one every stroke of that size dies", "[operators]") {
 }
 
 TEST_CASE("A stroke smaller than any that was seen goes", "[operators]") {
-  make::Frame frame;
-  frame.line(make::segment({20, 20}, {60, 20}, 9));
-  frame.line(make::segment({20, 60}, {30, 60}, 3));
+  test::Frame frame;
+  frame.line(test::segment({20, 20}, {60, 20}, 9));
+  frame.line(test::segment({20, 60}, {30, 60}, 3));
   auto model = showing(frame);
-  model.exemplars[0].graph = made::straight(4);
+  model.exemplars[0].graph = test::straight(4);
   CHECK(clip(model, 3).motion.sketch.frames[2].size() == 9);
 }
 
@@ -142,8 +143,8 @@ TEST_CASE("The death map says where strokes die", "[operators]") {
 
 TEST_CASE("At a rate of one a stroke splits once and leaves a gap of that width", "[operators]") {
   for (const double gap : {10.0, 15.0, 20.0, 30.0}) {
-    make::Frame frame;
-    frame.line(make::segment({20, 20}, {220, 20}, 41));
+    test::Frame frame;
+    frame.line(test::segment({20, 20}, {220, 20}, 41));
     auto model = showing(frame);
     model.rates.split = 1;
     model.rates.split_gap = gap;
@@ -166,12 +167,12 @@ TEST_CASE("At a rate of one a stroke splits once and leaves a gap of that width"
 
 TEST_CASE("At a rate of one ends in line merge and ends beside a line connect", "[operators]") {
   const bool in_line = GENERATE(true, false);
-  make::Frame frame;
-  frame.line(make::segment({20, 20}, {100, 20}, 17), 40);
+  test::Frame frame;
+  frame.line(test::segment({20, 20}, {100, 20}, 17), 40);
   if (in_line)
-    frame.line(make::segment({120, 20}, {200, 20}, 17), 60);
+    frame.line(test::segment({120, 20}, {200, 20}, 17), 60);
   else
-    frame.line(make::segment({60, 40}, {60, 100}, 13), 60);
+    frame.line(test::segment({60, 40}, {60, 100}, 13), 60);
   auto model = showing(frame);
   (in_line ? model.rates.merge : model.rates.connect) = 1;
   const auto found = clip(model, 3);
@@ -204,10 +205,10 @@ TEST_CASE("At a rate of one ends in line merge and ends beside a line connect", 
 }
 
 TEST_CASE("A bridge leaves as the stroke ends and sways as its ends do", "[operators]") {
-  make::Frame frame;
-  frame.line(make::segment({60, 20}, {60, 60}, 9));
+  test::Frame frame;
+  frame.line(test::segment({60, 20}, {60, 60}, 9));
   frame.line(
-      make::segment({20, 72}, {200, 92}, 37));  // the nearest patch lies aside of where the other points
+      test::segment({20, 72}, {200, 92}, 37));  // the nearest patch lies aside of where the other points
   auto model = showing(frame);
   model.rates.connect = 1;
   model.sway = {0.9, 0, 0, 0.5, 20, 0};
@@ -230,8 +231,8 @@ TEST_CASE("A bridge leaves as the stroke ends and sways as its ends do", "[opera
 
 TEST_CASE("Events read off a synthesized clip are those that the operators carried out", "[operators]") {
   SECTION("births") {
-    auto model = made::empty_model();
-    model.exemplars = {{made::straight(7, 0.4), {80, 60}, 20}, {made::straight(11, 1.4), {230, 150}, 20}};
+    auto model = test::empty_model();
+    model.exemplars = {{test::straight(7, 0.4), {80, 60}, 20}, {test::straight(11, 1.4), {230, 150}, 20}};
     model.rates.birth_by_size = {0, 0.5, 0.5, 0, 0, 0, 0};
     for (double& value : model.rates.birth.values) value = 1.5 / (320 * 240);
     const auto found = clip(model, 60);
@@ -261,26 +262,26 @@ TEST_CASE("Events read off a synthesized clip are those that the operators carri
     check_agreement(clip(model, 80), EventType::split, true, 12);
   }
   SECTION("merges") {
-    auto model = showing(tiled([](make::Frame& frame, Point at) {
-      frame.line(make::segment(at, at + Point{35, 0}, 8));
-      frame.line(make::segment(at + Point{50, 2}, at + Point{85, 2}, 8));
+    auto model = showing(tiled([](test::Frame& frame, Point at) {
+      frame.line(test::segment(at, at + Point{35, 0}, 8));
+      frame.line(test::segment(at + Point{50, 2}, at + Point{85, 2}, 8));
     }));
     model.rates.merge = 0.05;
     check_agreement(clip(model, 80), EventType::merge, false, 12);
   }
   SECTION("connects") {
-    auto model = showing(tiled([](make::Frame& frame, Point at) {
+    auto model = showing(tiled([](test::Frame& frame, Point at) {
       straight_stroke(frame, at);
-      frame.line(make::segment(at + Point{45, 12}, at + Point{45, 37}, 6));
+      frame.line(test::segment(at + Point{45, 12}, at + Point{45, 37}, 6));
     }));
     model.rates.reach = 14;
     model.rates.connect = 0.05;
     check_agreement(clip(model, 80), EventType::connect, false, 8);
   }
   SECTION("disconnects") {
-    auto model = showing(tiled([](make::Frame& frame, Point at) {
-      const auto line = frame.line(make::segment(at, at + Point{90, 0}, 19));
-      const auto bar = frame.line(make::segment(at + Point{45, 5}, at + Point{45, 35}, 7));
+    auto model = showing(tiled([](test::Frame& frame, Point at) {
+      const auto line = frame.line(test::segment(at, at + Point{90, 0}, 19));
+      const auto bar = frame.line(test::segment(at + Point{45, 5}, at + Point{45, 35}, 7));
       frame.edge(line + 9, bar);
     }));
     model.rates.disconnect = 0.01;
@@ -289,11 +290,11 @@ TEST_CASE("Events read off a synthesized clip are those that the operators carri
 }
 
 TEST_CASE("What is born fades in and what dies fades out", "[operators]") {
-  auto model = made::empty_model();
-  make::Frame frame;
-  frame.line(make::segment({20, 20}, {60, 20}, 9));
+  auto model = test::empty_model();
+  test::Frame frame;
+  frame.line(test::segment({20, 20}, {60, 20}, 9));
   model.first = frame.graph();
-  model.exemplars = {{made::straight(5), {200, 150}, 20}};
+  model.exemplars = {{test::straight(5), {200, 150}, 20}};
   model.appearing = {0.25, 0.5, 0.75, 1, 1, 1, 1, 1};
   model.vanishing = {0.2, 0.5, 0.8, 1, 1, 1, 1, 1};
   SECTION("in") {

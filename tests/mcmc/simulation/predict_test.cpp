@@ -11,16 +11,16 @@ using graph::Point;
 
 namespace {
 
-made::Scene swaying(int frames) {
-  made::Scene scene;
+test::Scene swaying(int frames) {
+  test::Scene scene;
   scene.frames = frames;
-  scene.strokes = made::scattered(5, 3, scene.width, scene.height, 60);
+  scene.strokes = test::scattered(5, 3, scene.width, scene.height, 60);
   scene.sway = {1.7, -0.8, 0.25, 60};
   return scene;
 }
 
-mcmc::MotionModel model_of(const made::Scene& scene) {
-  auto model = made::empty_model();
+mcmc::MotionModel model_of(const test::Scene& scene) {
+  auto model = test::empty_model();
   model.sway = {scene.sway.a1, scene.sway.a2, 0, scene.sway.noise, scene.sway.range, 0};
   return model;
 }
@@ -30,7 +30,7 @@ mcmc::MotionModel model_of(const made::Scene& scene) {
 struct Errors {
   double predicted = 0, still = 0;
 };
-Errors errors(const made::Scene& scene, const made::Made& truth,
+Errors errors(const test::Scene& scene, const test::Made& truth,
               const std::vector<graph::AttributeGraph>& predicted, int from) {
   Errors sums;
   double count = 0;
@@ -57,7 +57,7 @@ Errors errors(const made::Scene& scene, const made::Made& truth,
 
 TEST_CASE("A prediction is nearly as good as the noise lets it be", "[predict]") {
   auto scene = swaying(150);
-  const auto truth = made::make(scene, 31);
+  const auto truth = test::make(scene, 31);
   const auto predicted = mcmc::predict(model_of(scene), truth.motion);
   REQUIRE(predicted.size() == 150);
   CHECK(predicted[0].empty());
@@ -74,7 +74,7 @@ TEST_CASE("A drift is part of a prediction", "[predict]") {
   auto scene = swaying(60);
   scene.sway.noise = 0.1;
   scene.drift = [](Point) { return Point{0.5, 0.4}; };
-  const auto truth = made::make(scene, 32);
+  const auto truth = test::make(scene, 32);
   auto model = model_of(scene);
   const auto without = errors(scene, truth, mcmc::predict(model, truth.motion), 20);
   for (double& value : model.drift_x.values) value = 0.5;
@@ -86,7 +86,7 @@ TEST_CASE("A drift is part of a prediction", "[predict]") {
 
 TEST_CASE("A frame's prediction has the patches of the frame before", "[predict]") {
   const auto scene = swaying(10);
-  const auto truth = made::make(scene, 33);
+  const auto truth = test::make(scene, 33);
   const auto predicted = mcmc::predict(model_of(scene), truth.motion);
   for (std::size_t t = 1; t < 10; ++t) {
     const auto& before = truth.motion.sketch.frames[t - 1];
@@ -103,7 +103,7 @@ TEST_CASE("A frame's prediction has the patches of the frame before", "[predict]
 
 TEST_CASE("A prediction knows nothing of what it predicts", "[predict]") {
   const auto scene = swaying(20);
-  const auto truth = made::make(scene, 34);
+  const auto truth = test::make(scene, 34);
   const auto model = model_of(scene);
   const auto all = mcmc::predict(model, truth.motion);
   for (const std::size_t t : {1, 7, 15}) {
@@ -123,7 +123,7 @@ TEST_CASE("A prediction knows nothing of what it predicts", "[predict]") {
 }
 
 TEST_CASE("Predicting nothing and with a model that is none", "[predict]") {
-  auto model = made::empty_model();
+  auto model = test::empty_model();
   CHECK(mcmc::predict(model, {}).empty());
   graph::MotionGraph empty;
   empty.sketch.frames.resize(3), empty.links.resize(3);
@@ -131,7 +131,7 @@ TEST_CASE("Predicting nothing and with a model that is none", "[predict]") {
   // What stands still is predicted where it is.
   auto scene = swaying(5);
   scene.sway = {}, scene.resampled = false;
-  const auto truth = made::make(scene, 35);
+  const auto truth = test::make(scene, 35);
   const auto predicted = mcmc::predict(model, truth.motion);
   for (std::size_t v = 0; v < predicted[4].size(); ++v)
     CHECK(graph::distance(predicted[4].patch(v).position, truth.motion.sketch.frames[3].patch(v).position) <

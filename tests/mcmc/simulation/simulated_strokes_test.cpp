@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mcmc/simulation/simulated_strokes.hpp"
 
+#include <numbers>
+
 #include "tests/support/catch.hpp"
 #include "tests/support/motion_models.hpp"
 #include "tests/support/motion_scene.hpp"
@@ -19,7 +21,7 @@ Particles particles(const std::vector<std::vector<Point>>& strokes) {
   for (const auto& points : strokes)
     for (std::size_t k = 0; k < points.size(); ++k) {
       Particle particle;
-      particle.rest = make::vertex(0, points[k].x, points[k].y).patch;
+      particle.rest = test::vertex(0, points[k].x, points[k].y).patch;
       const auto index = result.add(particle);
       if (k > 0) result.edges.emplace_back(index - 1, index);
     }
@@ -28,7 +30,7 @@ Particles particles(const std::vector<std::vector<Point>>& strokes) {
 
 // Nothing is remembered: the displacement is the noise itself.
 mcmc::MotionModel noise_alone(double range, double gain_range) {
-  auto model = made::empty_model();
+  auto model = test::empty_model();
   model.sway = {0, 0, 0, 1, range, 0};
   model.contrast = {0, 0, 0, 1, gain_range, 0};
   return model;
@@ -126,9 +128,9 @@ TEST_CASE("Strokes near each other sway alike and far apart on their own and so 
 }
 
 TEST_CASE("Particles are settled in the stationary state and stay in it", "[particles]") {
-  const made::Law law =
-      GENERATE(made::Law{1.6, -0.7, 0.3, 15}, made::Law{0.9, 0, 0.5, 0}, made::Law{0.2, -0.5, 2, 40});
-  auto model = made::empty_model();
+  const test::Law law =
+      GENERATE(test::Law{1.6, -0.7, 0.3, 15}, test::Law{0.9, 0, 0.5, 0}, test::Law{0.2, -0.5, 2, 40});
+  auto model = test::empty_model();
   model.sway = {law.a1, law.a2, 0, law.noise, law.range, 0};
   model.contrast = {0.5, 0.2, 0, 0.1, law.range, 0};
   std::vector<std::vector<Point>> strokes;
@@ -149,7 +151,7 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
     CHECK_THAT(now, Catch::Matchers::WithinRel(variance, five_sigma(1, 6000)));
     CHECK_THAT(before, Catch::Matchers::WithinRel(variance, five_sigma(1, 6000)));
     CHECK_THAT(both / variance, Catch::Matchers::WithinAbs(r, five_sigma(r, 6000)));
-    const double gains = made::Law{0.5, 0.2, 0.1, 0}.deviation();
+    const double gains = test::Law{0.5, 0.2, 0.1, 0}.deviation();
     CHECK_THAT(gain, Catch::Matchers::WithinRel(gains * gains, five_sigma(1, 6000)));
   };
   check();
@@ -158,7 +160,7 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
 }
 
 TEST_CASE("What appears beside others sways as they do", "[particles]") {
-  auto model = made::empty_model(2000, 2000);
+  auto model = test::empty_model(2000, 2000);
   model.sway = {1.6, -0.7, 0, 0.3, 20, 0};
   model.contrast = {0.5, 0.2, 0, 0.1, 20, 0};
   const double variance = std::pow(stationary_deviation(model.sway), 2);
@@ -170,7 +172,7 @@ TEST_CASE("What appears beside others sways as they do", "[particles]") {
     settle(p, model, seed);
     for (const Point place : {Point{500, 500}, {500, 520}, {900, 900}}) {
       auto both = p;
-      add_settled(both, made::straight(1), place, 0, model, seed);
+      add_settled(both, test::straight(1), place, 0, model, seed);
       const auto &old = both.list[0], &fresh = both.list[1];
       if (place.x > 600) {
         far += old.offset.x * fresh.offset.x / n;
@@ -188,7 +190,7 @@ TEST_CASE("What appears beside others sways as they do", "[particles]") {
 }
 
 TEST_CASE("A motion without noise decays as its law says, each coordinate and the contrast", "[particles]") {
-  auto model = made::empty_model();
+  auto model = test::empty_model();
   model.sway = {1.2, -0.4, 0.25, 0, 0, 0};
   model.contrast = {0.5, 0.1, 0, 0, 0, 0};
   auto p = particles({{{0, 0}, {5, 0}, {10, 0}}});
@@ -205,7 +207,7 @@ TEST_CASE("A motion without noise decays as its law says, each coordinate and th
 }
 
 TEST_CASE("A patch brought to some of its contrast keeps its surroundings", "[particles]") {
-  auto model = made::empty_model();
+  auto model = test::empty_model();
   model.appearing = {0.25, 0.5, 1, 1, 1, 1, 1, 1};
   model.vanishing = {0.1, 0.75, 1, 1, 1, 1, 1, 1};
   auto p = particles({{{50, 50}, {55, 50}, {60, 50}}});
@@ -284,13 +286,13 @@ TEST_CASE("What is removed takes its edges along and leaves the others", "[parti
 }
 
 TEST_CASE("A place's share of the sway scales what is seen of it", "[particles]") {
-  auto model = made::empty_model();
+  auto model = test::empty_model();
   model.sway = {0.5, 0, 0, 1, 15, 0};
   for (std::size_t c = 0; c < model.sway_share.values.size(); ++c)
     model.sway_share.values[c] = c % std::size_t(model.sway_share.columns) < 10 ? 0.0 : 2.0;
   Particles p;
-  add_settled(p, made::straight(5), {40, 100}, 3, model, 1);
-  add_settled(p, made::straight(5), {280, 100}, 3, model, 1);
+  add_settled(p, test::straight(5), {40, 100}, 3, model, 1);
+  add_settled(p, test::straight(5), {280, 100}, 3, model, 1);
   REQUIRE(p.list.size() == 10);
   for (std::size_t i = 0; i < 10; ++i) {
     const Point off = p.list[i].position() - p.list[i].rest.position;

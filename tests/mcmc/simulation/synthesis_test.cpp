@@ -16,10 +16,10 @@ using namespace emberfold;
 namespace {
 
 // About ten strokes that sway, come and go.
-made::Scene scene_of_life(int frames) {
-  made::Scene scene;
+test::Scene scene_of_life(int frames) {
+  test::Scene scene;
   scene.frames = frames;
-  scene.strokes = made::living(0.3, 0.03, frames, scene.width, scene.height, 51);
+  scene.strokes = test::living(0.3, 0.03, frames, scene.width, scene.height, 51);
   scene.sway = {1.5, -0.6, 0.25, 30};
   scene.gain = {1.3, -0.5, 0.05, 30};
   return scene;
@@ -73,7 +73,7 @@ double trend(const std::vector<double>& values, std::size_t blocks) {
 }  // namespace
 
 TEST_CASE("A synthesized clip stays as the learned one was for a thousand frames", "[synthesis][slow]") {
-  const auto data = made::make(scene_of_life(400), 52).motion;
+  const auto data = test::make(scene_of_life(400), 52).motion;
   const auto fitted = mcmc::fit(data);
   const auto clip = mcmc::synthesize(fitted.model, 1000, 53).motion;
   REQUIRE(clip.sketch.frames.size() == 1000);
@@ -102,7 +102,7 @@ TEST_CASE("A synthesized clip stays as the learned one was for a thousand frames
 }
 
 TEST_CASE("Neither strokes nor contrast nor events drift in five thousand frames", "[synthesis][slow]") {
-  auto model = mcmc::fit(made::make(scene_of_life(200), 58).motion).model;
+  auto model = mcmc::fit(test::make(scene_of_life(200), 58).motion).model;
   for (double& value : model.drift_x.values) value += 0.3;  // some leave the frame
   constexpr int frames = 5000;
   mcmc::Synthesis synthesis(model, 59);
@@ -140,9 +140,9 @@ TEST_CASE("Neither strokes nor contrast nor events drift in five thousand frames
 }
 
 TEST_CASE("A model that was drawn from is learned again", "[synthesis][slow]") {
-  made::Scene scene = scene_of_life(300);
-  scene.strokes = made::scattered(6, 4, scene.width, scene.height, 50);
-  const auto model = mcmc::fit(made::make(scene, 54).motion).model;
+  test::Scene scene = scene_of_life(300);
+  scene.strokes = test::scattered(6, 4, scene.width, scene.height, 50);
+  const auto model = mcmc::fit(test::make(scene, 54).motion).model;
   const auto again = mcmc::fit(mcmc::synthesize(model, 400, 55).motion).model;
   CHECK_THAT(again.sway.a1, Catch::Matchers::WithinRel(model.sway.a1, 0.1));
   CHECK_THAT(again.sway.a2, Catch::Matchers::WithinRel(model.sway.a2, 0.1));
@@ -155,7 +155,7 @@ TEST_CASE("A model that was drawn from is learned again", "[synthesis][slow]") {
 }
 
 TEST_CASE("The same seed gives the same graphs, another others, and a longer clip goes on", "[synthesis]") {
-  auto model = mcmc::fit(made::make(scene_of_life(60), 56).motion).model;
+  auto model = mcmc::fit(test::make(scene_of_life(60), 56).motion).model;
   const auto clip = mcmc::synthesize(model, 60, 7).motion;
   CHECK(mcmc::synthesize(model, 60, 7).motion == clip);
   // All begin as the source did; from the next frame on they differ.
@@ -189,7 +189,7 @@ TEST_CASE("The same seed gives the same graphs, another others, and a longer cli
 }
 
 TEST_CASE("A synthesized clip is a valid motion graph", "[synthesis]") {
-  const auto model = mcmc::fit(made::make(scene_of_life(80), 57).motion).model;
+  const auto model = mcmc::fit(test::make(scene_of_life(80), 57).motion).model;
   const auto result = mcmc::synthesize(model, 100, 1);
   const auto& motion = result.motion;
   CHECK(motion.sketch.width == model.width);
@@ -212,7 +212,7 @@ TEST_CASE("A synthesized clip is a valid motion graph", "[synthesis]") {
 }
 
 TEST_CASE("Bad calls of the synthesis are refused", "[synthesis]") {
-  auto model = made::empty_model();
+  auto model = test::empty_model();
   for (const int frames : {0, -5}) CHECK_THROWS_AS(mcmc::synthesize(model, frames, 1), core::InputError);
   model.sway.a1 = 1.5;
   CHECK_THROWS_AS(mcmc::synthesize(model, 5, 1), core::InputError);

@@ -10,9 +10,10 @@
 #include "core/rng.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace {
 

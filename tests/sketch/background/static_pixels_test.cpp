@@ -14,9 +14,10 @@
 #include "sketch/rendering/frame_renderer.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace {
 

@@ -3,6 +3,7 @@
 #include "sketch/detection/creaseness.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/sketch_scene.hpp"
@@ -38,7 +39,7 @@ TEST_CASE("On a straight ridge creaseness is 1, in a valley -1, on a slope 0") {
 }
 
 TEST_CASE("Across a ridge at any angle it is between 1 and the square root of 2") {
-  for (const double angle : {0.3, kPi / 4, 1.2}) {
+  for (const double angle : {0.3, std::numbers::pi / 4, 1.2}) {
     const Point across = unit(angle);
     const auto level = smoothed(
         [&](Point p) { return 100 + 60 * std::exp(-std::pow(graph::dot(p - kMiddle, across), 2) / 18); });

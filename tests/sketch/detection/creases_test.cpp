@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <opencv2/core.hpp>
 
@@ -31,7 +32,7 @@ struct Straight {
 };
 
 Straight at_angle(int k) {
-  return {{49.5 + 0.3 * std::cos(k), 49.5 + 0.4 * std::sin(2.0 * k)}, 0.02 + kPi * k / 8};
+  return {{49.5 + 0.3 * std::cos(k), 49.5 + 0.4 * std::sin(2.0 * k)}, 0.02 + std::numbers::pi * k / 8};
 }
 
 cv::Mat1f gaussian_line(const Straight& line, double spread, double height) {
@@ -149,7 +150,8 @@ TEST_CASE("The flanks of a line are taken away, a step of its own stays") {
 
 TEST_CASE("A faint line beside a strong one of the other sign is its lobe, a strong one is not") {
   for (int k = 0; k < 8; ++k) {
-    const Straight line = at_angle(k), beside{line.origin + unit(line.theta + kPi / 2) * 8, line.theta};
+    const Straight line = at_angle(k),
+                   beside{line.origin + unit(line.theta + std::numbers::pi / 2) * 8, line.theta};
     const auto valleys = [&](double depth, bool without_lobes) {
       const auto image = draw(kSize, [&](Point p) {
         return 120 + 80 * std::exp(-0.5 * std::pow(line(p) / 1.7, 2)) -
@@ -177,7 +179,7 @@ TEST_CASE("Thinning keeps one line of points") {
     for (const CreasePoint& p : map.points)
       for (const CreasePoint& q : map.points) {
         const Point way = q.position - p.position;
-        const double across = std::abs(graph::dot(way, unit(p.theta + kPi / 2)));
+        const double across = std::abs(graph::dot(way, unit(p.theta + std::numbers::pi / 2)));
         const double along = std::abs(graph::dot(way, unit(p.theta)));
         INFO("angle " << line.theta << " at " << p.position.x << ", " << p.position.y);
         REQUIRE(!(across > 0.5 && across < 1.5 && along < 0.5 && well_inside(p.position, kSize, 8)));

@@ -2,6 +2,7 @@
 #include "sketch/detection/scale_space.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -96,7 +97,7 @@ TEST_CASE("Noise gains are those of measured white noise") {
       }
     INFO("sigma " << level.sigma);
     // Smoothed noise has about one independent value in 4πσ² pixels; four SD of an SD's estimate.
-    const double independent = count / (4 * kPi * level.sigma * level.sigma);
+    const double independent = count / (4 * std::numbers::pi * level.sigma * level.sigma);
     const double tolerance = 4 / std::sqrt(2 * independent);
     REQUIRE_THAT(std::sqrt(first / count), WithinRel(level.gradient_sd, tolerance));
     REQUIRE_THAT(std::sqrt(second / count), WithinRel(level.hessian_sd, tolerance));
@@ -125,7 +126,7 @@ TEST_CASE("A second derivative along a direction is the quadratic form") {
   const sketch::Hessian h{2, -1, 0.5F};
   REQUIRE_THAT(h.along({1, 0}), WithinAbs(2, 1e-12));
   REQUIRE_THAT(h.along({0, 1}), WithinAbs(0.5, 1e-12));
-  REQUIRE_THAT(h.along(unit(kPi / 4)), WithinAbs(0.5 * (2 + 0.5) - 1, 1e-12));
+  REQUIRE_THAT(h.along(unit(std::numbers::pi / 4)), WithinAbs(0.5 * (2 + 0.5) - 1, 1e-12));
 }
 
 TEST_CASE("The noise is found beneath structure and on flat ground") {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -203,7 +204,7 @@ TEST_CASE("Codes follow level and contrast and do not mind the way that a curve 
   const auto faint = encode(fainter, made.graph, dictionary, 0.75);
   auto vertices = std::vector<graph::Vertex>(made.graph.vertices().begin(), made.graph.vertices().end());
   for (auto& vertex : vertices) {
-    vertex.patch.theta += vertex.patch.theta > 0 ? -test::kPi : test::kPi;
+    vertex.patch.theta += vertex.patch.theta > 0 ? -std::numbers::pi : std::numbers::pi;
     std::swap(vertex.patch.left, vertex.patch.right);
     if (graph::on_step(vertex.patch)) vertex.patch.contrast = -vertex.patch.contrast;
   }

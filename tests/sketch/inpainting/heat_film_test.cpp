@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numbers>
 #include <stop_token>
 #include <utility>
 #include <vector>
@@ -125,10 +126,10 @@ TEST_CASE("Heat decays a cosine at its own rate", "[sketch][heat]") {
   cv::Mat wave(5, width, CV_32F);
   for (int y = 0; y < 5; ++y)
     for (int x = 0; x < width; ++x)
-      wave.at<float>(y, x) = static_cast<float>(100 * std::cos(CV_PI * (x + 0.5) * k / width));
+      wave.at<float>(y, x) = static_cast<float>(100 * std::cos(std::numbers::pi * (x + 0.5) * k / width));
   sketch::HeatFlow flow(wave, cv::Mat(wave.size(), CV_8U, cv::Scalar(0)), 0.25);
   flow.advance(100);
-  const double factor = std::pow(1 - 0.25 * 2 * (1 - std::cos(CV_PI * k / width)), 100);
+  const double factor = std::pow(1 - 0.25 * 2 * (1 - std::cos(std::numbers::pi * k / width)), 100);
   CHECK(cv::norm(flow.levels(), wave * factor, cv::NORM_INF) < 0.01);
 }
 

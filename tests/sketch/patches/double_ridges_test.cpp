@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 #include <opencv2/core.hpp>
@@ -57,7 +58,8 @@ double blurred_double(double d, double left, double middle, double right, double
 
 std::vector<Rib> ribs_at(Point position, double theta) {
   std::vector<Rib> ribs;
-  for (int r = -2; r <= 2; ++r) ribs.push_back({position + unit(theta) * r, unit(theta + kPi / 2)});
+  for (int r = -2; r <= 2; ++r)
+    ribs.push_back({position + unit(theta) * r, unit(theta + std::numbers::pi / 2)});
   return ribs;
 }
 
@@ -95,12 +97,13 @@ TEST_CASE("A double ridge that was drawn is found again with its attributes") {
   std::vector<cv::Mat> channels;
   for (std::size_t c = 0; c < 3; ++c)
     channels.push_back(draw({120, 120}, [&](Point p) {
-      return blurred_double(graph::dot(p - truth.position, unit(theta + kPi / 2)), double{truth.left[c]},
-                            double{truth.middle[c]}, double{truth.right[c]}, double{truth.between[c]});
+      return blurred_double(graph::dot(p - truth.position, unit(theta + std::numbers::pi / 2)),
+                            double{truth.left[c]}, double{truth.middle[c]}, double{truth.right[c]},
+                            double{truth.between[c]});
     }));
   cv::merge(channels, drawn);
   Patch start = truth;
-  start.position = truth.position + unit(theta + kPi / 2) * 0.7;
+  start.position = truth.position + unit(theta + std::numbers::pi / 2) * 0.7;
   start.width = 10.5, start.hollow = 4.2, start.blur = 1.2;
   const auto found = fit_double_ridge(drawn, start, ribs_at(start.position, theta), 0.3);
   REQUIRE(found);

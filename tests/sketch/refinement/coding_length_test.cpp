@@ -2,6 +2,7 @@
 #include "sketch/refinement/coding_length.hpp"
 
 #include <limits>
+#include <numbers>
 
 #include <opencv2/imgproc.hpp>
 
@@ -80,7 +81,8 @@ double false_alarms(const std::vector<cv::Mat1f>& frames, int count) {
     for (int i = 0; i < count; ++i, ++all) {
       const Point at{rng.uniform(15, frame.cols - 16), rng.uniform(15, frame.rows - 16)};
       const auto kind = i % 3 == 0 ? CreaseKind::ridge : i % 3 == 1 ? CreaseKind::valley : CreaseKind::step;
-      const auto patch = fit_patch(frame, at, rng.uniform(-kPi, kPi), kind, rng.uniform(1.2, 4), 5);
+      const auto patch = fit_patch(frame, at, rng.uniform(-std::numbers::pi, std::numbers::pi), kind,
+                                   rng.uniform(1.2, 4), 5);
       alarms += coding_gain(prepared, patch) > 0 ? 1 : 0;
     }
   }
@@ -171,7 +173,8 @@ TEST_CASE("the gain is the sum that its formula tells, for an upright patch betw
       picture(y, x) += static_cast<float>(80 + 1.5 * x + (std::abs(x - 20) <= 1 ? 30 : 0));
   GainFrame frame = prepare_gain(picture);
   frame.clumping = {1.7, 1.7};
-  const auto patch = line_patch({20, 17}, kPi / 2, 115, 140, 105);  // upright: its left is at greater x
+  const auto patch =
+      line_patch({20, 17}, std::numbers::pi / 2, 115, 140, 105);  // upright: its left is at greater x
   // footprint: rows 15…19, columns 20 ± 3; bands: on to 8 away, and half of the column that is 9 away
   double n = 0, mean = 0, profile = 0, ramp = 0;
   std::array<double, 2> band{}, place{};
@@ -211,11 +214,11 @@ TEST_CASE("an even frame has defined gains and nothing to gain") {
   }
   const GainFrame frame = prepare_gain(flat({64, 48}, 77));
   // five rows of seven pixels
-  CHECK_THAT(coding_gain(frame, line_patch({20, 20}, kPi / 2, 77, 77, 77)),
+  CHECK_THAT(coding_gain(frame, line_patch({20, 20}, std::numbers::pi / 2, 77, 77, 77)),
              WithinAbs(-3.5 * std::log(36), 1e-6));
   // even shading is no stroke
   const auto slope = draw({64, 48}, [](Point p) { return 20 + 2 * p.x; });
-  CHECK(coding_gain(prepare_gain(slope), line_patch({30, 24}, kPi / 2, 88, 80, 72)) < 0);
+  CHECK(coding_gain(prepare_gain(slope), line_patch({30, 24}, std::numbers::pi / 2, 88, 80, 72)) < 0);
 }
 
 TEST_CASE("outside of the frame there is nothing to gain or to pay") {

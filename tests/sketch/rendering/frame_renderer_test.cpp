@@ -13,7 +13,7 @@
 #include "tests/support/clip_fixture.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace {
 

@@ -24,8 +24,6 @@ using graph::Point;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 graph::Level grey(float level) {
   return {level, level, level};
 }
@@ -64,12 +62,12 @@ AttributeGraph straight(Point from, double theta, int patches, double spacing = 
 
 /// A ring run through clockwise as the image is seen: its right side is inside.
 AttributeGraph ring(Point centre, double radius, double spacing = 5) {
-  const int n = static_cast<int>(std::lround(2 * kPi * radius / spacing));
+  const int n = static_cast<int>(std::lround(2 * std::numbers::pi * radius / spacing));
   std::vector<Patch> all;
   for (int i = 0; i < n; ++i) {
-    const double a = 2 * kPi * i / n;
+    const double a = 2 * std::numbers::pi * i / n;
     all.push_back(stroke_patch(centre + Point{std::cos(a), std::sin(a)} * radius,
-                               std::remainder(a + kPi / 2, 2 * kPi)));
+                               std::remainder(a + std::numbers::pi / 2, 2 * std::numbers::pi)));
   }
   return chain(all, true);
 }
@@ -112,7 +110,7 @@ AttributeGraph net(core::Rng& rng) {
   const auto join = [&](std::uint32_t a, std::uint32_t b) { edges.push_back({{a}, {b}}); };
   for (int i = 0; i < 9; ++i) add(10.3 + 5 * i, 20.7 + 0.4 * i * i, std::atan(0.16 * i));
   for (std::uint32_t i = 1; i < 9; ++i) join(i - 1, i);
-  for (int i = 0; i < 4; ++i) add(30.1, 30.2 + 5 * i, kPi / 2 - 0.1);
+  for (int i = 0; i < 4; ++i) add(30.1, 30.2 + 5 * i, std::numbers::pi / 2 - 0.1);
   join(4, 9);
   for (std::uint32_t i = 10; i < 13; ++i) join(i - 1, i);
   add(35.4, 47.9, 0.3);
@@ -140,7 +138,7 @@ void check_same(const sketch::Sketchable& a, const sketch::Sketchable& b) {
 }  // namespace
 
 TEST_CASE("A straight stroke is redrawn from its attributes", "[sketch][render]") {
-  for (const double theta : {0.0, 0.4, 1.2, kPi / 2, 2.5, -0.9, kPi}) {
+  for (const double theta : {0.0, 0.4, 1.2, std::numbers::pi / 2, 2.5, -0.9, std::numbers::pi}) {
     const Point from = Point{50.3, 49.6} - Point{std::cos(theta), std::sin(theta)} * 30;
     const auto drawn = sketch::draw_fitted(straight(from, theta, 13), {100, 100}, 1);
     const Patch p = stroke_patch(from, theta);
@@ -162,7 +160,8 @@ TEST_CASE("A ring is redrawn from patches every five pixels", "[sketch][render]"
             return blurred(p, radius - std::hypot(x - centre.x, y - centre.y));
           }) < 1);
     const double band = 2 * (p.width / 2 + 2 * p.blur);
-    CHECK_THAT(drawn.share(), WithinAbs(2 * kPi * radius * band / 1e4, 0.04 * 2 * kPi * radius * band / 1e4));
+    CHECK_THAT(drawn.share(), WithinAbs(2 * std::numbers::pi * radius * band / 1e4,
+                                        0.04 * 2 * std::numbers::pi * radius * band / 1e4));
   }
 }
 
@@ -199,7 +198,7 @@ TEST_CASE("The band has the reach and the ends that the header tells", "[sketch]
   CHECK(rows_of(8, 1) == 13);    // 6
   CHECK(rows_of(3, 0.1) == 5);   // a sharp line holds a pixel of each side
   // Alone: 2.5 px to each side.
-  const auto lone = sketch::draw_fitted(chain({stroke_patch({40, 30}, kPi / 2)}), {80, 60}, 1);
+  const auto lone = sketch::draw_fitted(chain({stroke_patch({40, 30}, std::numbers::pi / 2)}), {80, 60}, 1);
   CHECK(cv::countNonZero(lone.mask) == 7 * 5);
   CHECK(lone.mask.at<uchar>(32, 43) == 255);
   CHECK(lone.mask.at<uchar>(33, 40) == 0);
@@ -243,7 +242,7 @@ TEST_CASE("Turning patches about, sides exchanged, changes nothing", "[sketch][r
   int i = 0;
   const auto turned = changed(g, [&](Patch p) {
     if (++i % 2 == 0) return p;
-    p.theta += p.theta > 0 ? -kPi : kPi;
+    p.theta += p.theta > 0 ? -std::numbers::pi : std::numbers::pi;
     return swapped(p);
   });
   check_same(sketch::draw_fitted(g, {80, 60}, 3), sketch::draw_fitted(turned, {80, 60}, 3));
@@ -259,7 +258,7 @@ TEST_CASE("A mirrored graph gives the mirrored drawing", "[sketch][render]") {
   check_same(sketch::draw_fitted(changed(g,
                                          [](Patch p) {
                                            p.position.x = 79 - p.position.x;
-                                           p.theta = kPi - p.theta;
+                                           p.theta = std::numbers::pi - p.theta;
                                            return swapped(p);
                                          }),
                                  {80, 60}, 3),
@@ -268,7 +267,7 @@ TEST_CASE("A mirrored graph gives the mirrored drawing", "[sketch][render]") {
   check_same(sketch::draw_fitted(changed(g,
                                          [](Patch p) {
                                            std::swap(p.position.x, p.position.y);
-                                           p.theta = kPi / 2 - p.theta;
+                                           p.theta = std::numbers::pi / 2 - p.theta;
                                            return swapped(p);
                                          }),
                                  {60, 80}, 3),
@@ -304,7 +303,7 @@ TEST_CASE("A side arm reaches its stroke without changing it", "[sketch][render]
   std::vector<graph::Vertex> vertices(main.vertices().begin(), main.vertices().end());
   std::vector<graph::Edge> edges(main.edges().begin(), main.edges().end());
   for (std::uint32_t i = 0; i < 3; ++i) {
-    vertices.push_back({{11 + i}, {}, stroke_patch({35, 35.0 + 5 * i}, kPi / 2)});
+    vertices.push_back({{11 + i}, {}, stroke_patch({35, 35.0 + 5 * i}, std::numbers::pi / 2)});
     edges.push_back({{i == 0 ? 5 : 10 + i}, {11 + i}});
   }
   const auto drawn = sketch::draw_fitted({vertices, edges}, {80, 60}, 1);
@@ -320,7 +319,7 @@ TEST_CASE("A side arm reaches its stroke without changing it", "[sketch][render]
 TEST_CASE("A sharp bend has no gap on its outer side", "[sketch][render]") {
   std::vector<Patch> patches;
   for (int i = 0; i < 4; ++i) patches.push_back(stroke_patch({10.0 + 5 * i, 40}, 0));
-  for (int i = 1; i < 4; ++i) patches.push_back(stroke_patch({25, 40.0 - 5 * i}, -kPi / 2));
+  for (int i = 1; i < 4; ++i) patches.push_back(stroke_patch({25, 40.0 - 5 * i}, -std::numbers::pi / 2));
   const auto drawn = sketch::draw_fitted(chain(patches), {60, 60}, 1);
   for (int y = 25; y < 46; ++y)
     for (int x = 10; x < 32; ++x) {
