@@ -36,8 +36,8 @@ double estimate_noise(const cv::Mat& luma);
 /// The primal sketch of one frame. `levels`: CV_32F, 1 or 3 channels, white = 255; structure is found in its
 /// luma, with `colour` also in red − green and blue − yellow, scaled so that white noise is as strong in all
 /// three; a patch's contrast is then that of the axis in which it is strongest. Patches carry their cost and
-/// gain. Vertex ids count from 0. Steger 1998 (subpixel lines), Lindeberg 1998 (scale); docs/method.md has
-/// the rest. A frame without structure gives an empty graph.
+/// gain. Vertex ids count from 0. Steger 1998 (subpixel lines), Lindeberg 1998 (scale); docs/method/sketch.md
+/// has the rest. A frame without structure gives an empty graph.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options);
 
 /// The same with a warm start: strokes of `previous`, the sketch of the frame before, that are not found are

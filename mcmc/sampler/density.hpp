@@ -35,7 +35,7 @@ inline double sense(const Node& a, const Node& b) {
 /// Mean sway of a node's neighbours, in the sense of its own normal; its own where it has none.
 double neighbours_sway(const HiddenGraph& g, Index v);
 
-/// log p(G, L | θ) + the evidence, as a sum over nodes and pairs of nodes (docs/method.md has the formulas).
+/// log p(G, L | θ) + the evidence, as a sum over nodes and pairs of nodes (formulas: docs/method/sampler.md).
 /// Densities are with respect to counting of sets, edges and links, and lengths in px, rad and logarithms.
 class Density {
  public:

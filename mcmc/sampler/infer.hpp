@@ -47,7 +47,7 @@ struct InferResult {
 };
 
 /// Samples the posterior of graphs and links given the images, a chain from each start (graphs of the same
-/// clip, matched), and learns the sampler's θ meanwhile by stochastic approximation (docs/method.md, §6).
+/// clip, matched), and learns the sampler's θ meanwhile by stochastic approximation (docs/method/sampler.md).
 /// `learned`: fitted to one of the starts: maps, drift, and where the sway's learning begins. The same bytes
 /// at any thread count. InputError for no start, or starts of different clips. O(sweeps · candidates).
 InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel& learned,

@@ -36,8 +36,8 @@ enum class Were : std::uint8_t { apart, near, joined };
 /// the sketch errs now and then.
 constexpr double kErrs = 0.05, kErrsBy = 4;
 
-/// θ of the sampler's density (docs/method.md). Chances are in (0, 1), rates above 0. [2]: in frame 0, in
-/// later ones.
+/// θ of the sampler's density (docs/method/sampler.md). Chances are in (0, 1), rates above 0. [2]: in frame
+/// 0, in later ones.
 struct Theta {
   std::array<std::array<double, kOutcomes>, kConfigs> outcome{};  ///< sums 1
   double split_more = 0.05;               ///< chance of yet another successor, beyond two
