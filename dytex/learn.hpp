@@ -68,7 +68,6 @@ struct LearnResult {
   /// first channel only where channels are separate.
   std::vector<std::pair<int, double>> held_out;
   std::vector<std::string> notes;  ///< a line for everything that was not taken as asked or measured
-  core::Status status = core::Status::done;  ///< cancelled: the texture is empty
 };
 
 /// Learns in closed form (Soatto, Doretto, Wu 2001, section 4; Doretto, Chiuso, Wu, Soatto 2003,

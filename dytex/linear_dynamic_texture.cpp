@@ -15,6 +15,9 @@ namespace emberfold::dytex {
 
 namespace {
 
+constexpr int kMostSide = 65536;    // px
+constexpr int kMostDoublings = 64;  // 2^64 frames: what has not converged by then does not
+
 [[noreturn]] void fail(const std::string& what) {
   throw core::InputError("texture: " + what);
 }
@@ -32,9 +35,8 @@ void check(const char* name, const Matrix& matrix, Eigen::Index rows, Eigen::Ind
 }
 
 void check_info(const core::ClipInfo& info) {
-  constexpr int kLargest = 65536;
   for (const auto& [name, value] : {std::pair{"width", info.width}, {"height", info.height}}) {
-    if (value < 1 || value > kLargest)
+    if (value < 1 || value > kMostSide)
       fail(std::string(name) + " is " + std::to_string(value) + ", allowed is 1 to 65536");
   }
   if (info.channels != 1 && info.channels != 3)
@@ -104,9 +106,8 @@ double spectral_radius(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
 
 Eigen::MatrixXd stationary_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                       const Eigen::Ref<const Eigen::MatrixXd>& B) {
-  constexpr int kMostSteps = 64;  // 2^64 frames
   Eigen::MatrixXd covariance = B * B.transpose(), power = A;
-  for (int step = 0; step < kMostSteps && covariance.allFinite(); ++step) {
+  for (int step = 0; step < kMostDoublings && covariance.allFinite(); ++step) {
     const Eigen::MatrixXd more = power * covariance * power.transpose();
     covariance += more;
     power = (power * power).eval();

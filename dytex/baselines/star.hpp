@@ -65,7 +65,6 @@ struct StarResult {
   Star star;
   double least_squares_radius = 0;  ///< as fitted; from 0.999 on it was not taken
   std::vector<std::string> notes;   ///< a line for everything that was not taken as fitted
-  core::Status status = core::Status::done;
 };
 
 /// Least squares over pixels with all their neighbours in the frame: all of them, or 2^16 drawn evenly; first

@@ -162,10 +162,9 @@ std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> model
   for (std::size_t i = 0; i < models.size(); ++i)
     for (std::size_t j = i; j < models.size(); ++j) places.emplace_back(i, j);
   std::vector<Distances> result(places.size());
-  const auto status = core::parallel_for(places.size(), context, [&](std::size_t k) {
+  core::parallel_for(places.size(), context, [&](std::size_t k) {
     result[k] = distances(models[places[k].first], models[places[k].second], options);
   });
-  if (status == core::Status::cancelled) return {};
   return result;
 }
 

@@ -76,7 +76,7 @@ Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q
                     const BinetCauchyOptions& options = {});
 
 /// Of every pair i ≤ j, row by row: (0, 0), (0, 1) … (0, K − 1), (1, 1) …. The same bytes at any thread
-/// count; empty where it was cancelled. InputError names the model ("model 3: …", from 0) that does not fit
+/// count; InputError names the model ("model 3: …", from 0) that does not fit
 /// the first.
 std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> models,
                                      const BinetCauchyOptions& options = {},

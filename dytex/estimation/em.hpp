@@ -31,7 +31,6 @@ struct EmResult {
   double likelihood_r = 0;             ///< r as likelihood has it, before its bias was taken out
   int passes = 0;                      ///< over the source
   std::vector<std::string> notes;      ///< a line for everything that was not taken as asked or measured
-  core::Status status = core::Status::done;  ///< cancelled: the texture is empty
 };
 
 /// Maximum likelihood by EM (Shumway, Stoffer 1982), from the model `start` of the same clip: filter and

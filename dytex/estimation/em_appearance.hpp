@@ -20,13 +20,13 @@ class Appearance {
  public:
   virtual ~Appearance() = default;
   /// What the clip says of the states as things are.
-  virtual core::Status observe(Observations& result) = 0;
+  virtual Observations observe() = 0;
   /// Makes C and the noise most likely given the states, then observes.
-  virtual core::Status maximise(const Smoothed& smoothed, Observations& result) = 0;
+  virtual Observations maximise(const Smoothed& smoothed) = 0;
   /// Cᵀ C, n × n.
   [[nodiscard]] virtual Eigen::MatrixXd products() const = 0;
   /// Sets the texture's mean, C = C · right, and noise.
-  virtual core::Status write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) = 0;
+  virtual void write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) = 0;
   /// The noise variance, the mean one where each value has its own.
   [[nodiscard]] virtual double r() const = 0;
   /// By what r is too small for what was fitted with it; 1 where nothing is left to tell.
@@ -36,7 +36,7 @@ class Appearance {
 
 /// What both ways share. All must outlive the appearance.
 struct AppearanceInput {
-  FrameBands& bands;
+  FrameBlocks& frame_blocks;
   const Missing& missing;
   const LinearDynamicTexture& start;
   const EmOptions& options;

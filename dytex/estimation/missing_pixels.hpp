@@ -21,7 +21,6 @@ class Missing {
   Missing() = default;
   /// Reads a mask: what is at least half as bright as white (luma) is hidden. `clip`: what the mask is for.
   /// InputError where its size is another, it has no frames, or hides every pixel of all frames but one.
-  /// Cancelled: has no frames.
   Missing(core::FrameSource& mask, const core::ClipInfo& clip, const core::Context& context = {});
 
   [[nodiscard]] bool any() const { return frames_ > 0; }

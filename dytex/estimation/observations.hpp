@@ -16,7 +16,7 @@ StateSpace state_space(const LinearDynamicTexture& texture);
 /// frames show the first n. `missing`: what of them is hidden. Noise variances below `least_noise` (levels²,
 /// > 0) count as that. Reads the source once from its beginning, eight frames at a time; the same bytes at
 /// any thread count. InputError where the texture is not valid, sizes disagree, there is no frame, or a value
-/// that is seen is not finite. Cancelled: no frames. O(m n) a frame and O(m n²), with hidden pixels as
+/// that is seen is not finite. O(m n) a frame and O(m n²), with hidden pixels as
 /// maximise_likelihood().
 Observations observe(const LinearDynamicTexture& texture, core::FrameSource& source,
                      const Missing& missing = {}, const core::Context& context = {},

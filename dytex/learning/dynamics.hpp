@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,10 @@ struct Dynamics {
   bool noiseless = false;          ///< least squares was stable, but left nothing for the noise
   std::vector<std::string> notes;  ///< of what was not taken as asked
 };
+
+/// Returns the note that says that clips drawn from a model vary much more or less than the clip. None where
+/// both variances (`drawn`, `seen`) lie within a factor of 1.5.
+std::optional<std::string> variance_note(double drawn, double seen);
 
 /// Fits every block by itself; the noise is common. With `lags` or an innovations form, the state's first n
 /// numbers are the components, and the others follow in the same order. InputError where frames are too few.

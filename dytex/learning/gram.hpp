@@ -35,7 +35,7 @@ FrameValues channel_values(const FrameValues& values, std::size_t first, std::si
 /// Adds Yᵀ Y to `gram` (τ × τ, lower half; the upper half is left alone), Y having a frame's values in each
 /// column. 8-bit values are summed in whole numbers: exact as long as entries stay below 2⁵³. Others in
 /// double, block by block. The same bits at any thread count. O(τ² count / 2).
-core::Status add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context);
+void add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context);
 
 /// J G J with J = I − 1 1ᵀ/τ: the Gram matrix of the frames less their mean. Reads the lower half.
 Eigen::MatrixXd centred(const Eigen::MatrixXd& gram);

@@ -36,8 +36,7 @@ struct LearningCurve {
   double plateau = 0;              ///< mean error of the longest quarter of lengths
   std::optional<int>
       critical;  ///< the length from which on the error stays at the plateau; none: too short a clip
-  double frame_before = 0;                   ///< the same error where the frame before is what is foretold
-  core::Status status = core::Status::done;  ///< cancelled: no points
+  double frame_before = 0;  ///< the same error where the frame before is what is foretold
 };
 
 /// How well the frame after it is foretold by what is learned from a window of τ frames, against τ (Soatto,

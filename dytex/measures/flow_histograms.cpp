@@ -16,7 +16,7 @@ void FlowShares::add(const cv::Mat& flow, int stride) {
   if (stride < 1) throw core::InputError("flow: the stride is at least 1");
   const auto bin = [](double value) {
     return static_cast<Eigen::Index>(
-        std::lround(kSteps * (kMost + std::clamp<double>(value, -kMost, kMost))));
+        std::lround(kBinsPerPixel * (kMostSpeed + std::clamp<double>(value, -kMostSpeed, kMostSpeed))));
   };
   for (int y = 0; y < flow.rows; y += stride)
     for (int x = 0; x < flow.cols; x += stride) {
@@ -42,7 +42,7 @@ double flow_distance(const FlowShares& a, const FlowShares& b, FlowPart part) {
     ahead += p(i) - q(i);
     sum += std::abs(ahead);
   }
-  return sum / FlowShares::kSteps;
+  return sum / FlowShares::kBinsPerPixel;
 }
 
 double flow_distance(const FlowShares& a, const FlowShares& b) {

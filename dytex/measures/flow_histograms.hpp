@@ -16,7 +16,7 @@ enum class FlowPart : std::size_t { x, y, speed };
 /// signs (which tell a clip from its reversal) and of its length, in steps of 1/16 px a frame up to ± 64.
 class FlowShares {
  public:
-  static constexpr int kMost = 64, kSteps = 16, kBins = 2 * kMost * kSteps + 1;
+  static constexpr int kMostSpeed = 64, kBinsPerPixel = 16, kBins = 2 * kMostSpeed * kBinsPerPixel + 1;
 
   /// A field of motion, CV_32FC2, px a frame; every `stride`-th pixel each way is taken. What is not finite
   /// is passed over. InputError for another type or stride < 1.

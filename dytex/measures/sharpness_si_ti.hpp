@@ -3,23 +3,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-// Measures of single frames and pairs of them. Luma is CV_32F, one channel, white = 255.
+// Spatial and temporal information and crease sharpness of frames. Luma is CV_32F, one channel, white = 255.
 namespace emberfold::dytex {
-
-/// The mean of (a − b)² over all pixels and channels. InputError unless both are CV_32F of one size and
-/// number of channels.
-double mean_square_error(const cv::Mat& a, const cv::Mat& b);
-
-/// What a PSNR is at most: frames that hardly differ have this one.
-constexpr double kMostDecibel = 100;
-/// 10 log₁₀(255² / error), dB, at most kMostDecibel.
-double psnr(double mean_square_error);
-
-/// Structural similarity (Wang, Bovik, Sheikh, Simoncelli 2004, eq. 13) of two frames of luma: Gaussian
-/// windows of 11 × 11, SD 1.5, K 0.01 and 0.03, the mean over all windows that lie inside the frame; of
-/// frames below 11 px, over windows as large as they are. 1 for equals, symmetric. InputError for unlike
-/// frames. O(pixels).
-double structural_similarity(const cv::Mat& a, const cv::Mat& b);
 
 /// SI of ITU-T P.910 for one frame of luma: the SD of the Sobel gradient's size over all inner pixels. The
 /// recommendation takes the largest over a clip. 0 below 3×3.

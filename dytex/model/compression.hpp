@@ -11,7 +11,6 @@
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
-#include "dytex/measures/sharpness_si_ti.hpp"
 
 /// A texture as a compressed clip (Soatto, Doretto, Wu 2001, section 4.5): how small it can be kept, and what
 /// of the frames is left then.
@@ -44,7 +43,7 @@ Eigen::VectorXd projection_errors(const LinearDynamicTexture& texture, Precision
 /// The same measured: frames of `source` projected onto all components of `texture`, drawn, rounded to 8
 /// bits, and held against the frames; levels² a value. Components count as they are, without weights.
 /// InputError where frames are of another size or channels, or their number is not that of the training
-/// frames. Cancelled: the mean of those seen. O(m n) a frame.
+/// frames.  O(m n) a frame.
 double measured_error(const LinearDynamicTexture& texture, core::FrameSource& source,
                       const core::Context& context = {});
 

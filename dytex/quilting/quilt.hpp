@@ -61,7 +61,6 @@ struct QuiltResult {
   std::vector<QuiltChoice> choices;  ///< in the order in which they were placed
   int columns = 0, rows = 0;         ///< of blocks
   int components = 0;                ///< of the basis; 0 where whole trajectories are compared
-  core::Status status = core::Status::done;
 };
 
 /// Image quilting (Efros & Freeman 2001) with blocks that span all of time (Enrique et al. 2005): blocks of

@@ -15,6 +15,12 @@
 
 namespace emberfold::dytex {
 
+namespace {
+
+constexpr double kMostTime = 1e6;  // frames a frame, and frames: sizes of rates and offsets
+
+}  // namespace
+
 void TimeControl::validate(cv::Size size) const {
   for (const auto& [name, field] : {std::pair("rate", &rate), std::pair("offset", &offset)}) {
     if (field->empty()) continue;
@@ -24,9 +30,8 @@ void TimeControl::validate(cv::Size size) const {
                              std::to_string(field->rows) + " pixels, the output " +
                              std::to_string(size.width) + "x" + std::to_string(size.height));
     if (field->type() != CV_32F) throw core::InputError(what + " is not of 32-bit floats");
-    constexpr double kMost = 1e6;
     cv::Point where;
-    if (!cv::checkRange(*field, true, &where, -kMost, kMost)) {
+    if (!cv::checkRange(*field, true, &where, -kMostTime, kMostTime)) {
       const float value = field->at<float>(where);
       throw core::InputError(what + " is " + (std::isnan(value) ? "not a number" : std::to_string(value)) +
                              " at " + std::to_string(where.x) + "," + std::to_string(where.y) +

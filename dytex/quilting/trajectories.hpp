@@ -67,7 +67,7 @@ void pack_chunk(const std::vector<cv::Mat>& frames, int chunk_frames, std::byte*
 /// How many frames a chunk of this size has: 16, fewer where frames are large (64 MB a chunk).
 int chunk_length(const core::ClipInfo& info);
 
-/// All frames of a source, from its first. Where it is cancelled, what was read up to there.
+/// Reads all frames of a source, from its first.
 Trajectories read_trajectories(core::FrameSource& source, ChunkMemory memory = {},
                                const core::Context& context = {}, int chunk_frames = 0);
 

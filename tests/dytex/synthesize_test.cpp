@@ -5,14 +5,13 @@
 #include <array>
 #include <limits>
 
-#include <Eigen/LU>
-
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/synthesis/draw_frames.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -239,7 +238,7 @@ TEST_CASE("A longer state goes on from what is expected beside the shown one", "
     power = (A * power).eval();
   }
   const Eigen::Matrix3d regression =
-      covariance.bottomLeftCorner(3, 3) * Eigen::Matrix3d(covariance.topLeftCorner(3, 3)).inverse();
+      covariance.bottomLeftCorner(3, 3) * test::inverse(covariance.topLeftCorner(3, 3));
   const Eigen::Vector3d shown(10, -20, 30);
   const Eigen::VectorXd expected = dytex::expected_state(texture, shown);
   CHECK(expected.head(3) == shown);

@@ -2,13 +2,12 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "core/error.hpp"
 #include "dytex/distances/distances.hpp"
 #include "dytex/learn.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -46,11 +45,11 @@ Gaussian dense(const LinearDynamicTexture& texture, Eigen::Index frames) {
 
 double dense_kl(const LinearDynamicTexture& p, const LinearDynamicTexture& q, Eigen::Index frames) {
   const Gaussian a = dense(p, frames), b = dense(q, frames);
-  const Eigen::LLT<Eigen::MatrixXd> root_a(a.covariance), root_b(b.covariance);
-  const auto log_det = [](const auto& root) { return 2 * root.matrixLLT().diagonal().array().log().sum(); };
   const Eigen::VectorXd away = a.mean - b.mean;
-  return 0.5 * (root_b.solve(a.covariance).trace() + away.dot(root_b.solve(away)) -
-                static_cast<double>(away.size()) + log_det(root_b) - log_det(root_a));
+  const Eigen::VectorXd weighted = test::solve_positive(b.covariance, away);
+  return 0.5 * (test::solve_positive(b.covariance, a.covariance).trace() + away.dot(weighted) -
+                static_cast<double>(away.size()) + test::log_determinant(b.covariance) -
+                test::log_determinant(a.covariance));
 }
 
 struct Case {
@@ -167,9 +166,7 @@ TEST_CASE("Growth stops when it is told to", "[dytex][kl]") {
     CHECK(stage == "growth");
     if (share >= 0.5) stop.request_stop();
   });
-  const Eigen::VectorXd part = dytex::kl_growth(p, q, 10, context);
-  REQUIRE(part.size() == 6);
-  CHECK(part == dytex::kl_growth(p, q, 10).head(6));
+  CHECK_THROWS_AS(dytex::kl_growth(p, q, 10, context), core::Cancelled);
 }
 
 TEST_CASE("What has no divergence is refused", "[dytex][kl]") {

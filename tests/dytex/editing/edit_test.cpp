@@ -7,6 +7,7 @@
 #include "dytex/model/archive.hpp"
 #include "tests/dytex/distances/systems.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using namespace emberfold::dytex;
@@ -41,7 +42,7 @@ MatrixXd expected_speed(const std::vector<Pole>& poles, double factor) {
     pole.phase = std::fmod(factor * pole.phase + 4 * std::numbers::pi, 2 * std::numbers::pi);
   }
   const MatrixXd S = test::basis(n, 1);
-  return S * test::diagonal_of(changed) * S.inverse();
+  return S * test::diagonal_of(changed) * test::inverse(S);
 }
 
 double shown_variance(const LinearDynamicTexture& texture) {
@@ -171,7 +172,8 @@ TEST_CASE("Flow scales lifetimes with phases and keeps the sign of real poles", 
     }
     const MatrixXd S = test::basis(8, 1);
     const LinearDynamicTexture texture = test::texture_with(kPoles);
-    CHECK(apart(after(texture, {{Flow{factor}}}).A, S * test::diagonal_of(changed) * S.inverse()) < 1e-10);
+    CHECK(apart(after(texture, {{Flow{factor}}}).A, S * test::diagonal_of(changed) * test::inverse(S)) <
+          1e-10);
   }
 }
 
@@ -209,12 +211,12 @@ TEST_CASE("Nearly defective dynamics are turned as a whole", "[dytex][edit]") {
   MatrixXd D = MatrixXd::Zero(4, 4);
   D << one, Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Zero(), one;
   const MatrixXd S = test::basis(4, 5);
-  const LinearDynamicTexture texture = test::texture_of(S * D * S.inverse(), test::normals(4, 4, 2));
+  const LinearDynamicTexture texture = test::texture_of(S * D * test::inverse(S), test::normals(4, 4, 2));
   for (const double factor : {-2.0, 0.0, 0.5, 2.0, 4.0 / 3}) {
     const EditResult result = edited(texture, {{Speed{factor}}});
     MatrixXd turn = MatrixXd::Zero(4, 4);
     turn.topLeftCorner(2, 2) = turn.bottomRightCorner(2, 2) = test::pair_block(1, (factor - 1) * 0.7);
-    CHECK(apart(result.texture.A, S * D * turn * S.inverse()) < 1e-6);
+    CHECK(apart(result.texture.A, S * D * turn * test::inverse(S)) < 1e-6);
     REQUIRE(result.notes.size() == 1);
     CHECK(result.notes[0].starts_with("4 of the poles lie too close together"));
     if (factor != 0) CHECK(apart(after(result.texture, {{Speed{1 / factor}}}).A, texture.A) < 1e-6);
@@ -229,7 +231,7 @@ TEST_CASE("Real Jordan blocks stay as they are at any speed and have powers", "[
     MatrixXd D = pole * MatrixXd::Identity(3, 3);
     D(0, 1) = D(1, 2) = 0.5;
     const MatrixXd S = test::basis(3, 6);
-    const LinearDynamicTexture texture = test::texture_of(S * D * S.inverse(), test::normals(3, 3, 2));
+    const LinearDynamicTexture texture = test::texture_of(S * D * test::inverse(S), test::normals(3, 3, 2));
     for (const double factor : {-1.0, 0.5, 2.0})
       CHECK(apart(after(texture, {{Speed{factor}}}).A, texture.A) < 1e-4);
     const MatrixXd square = after(texture, {{Flow{2}}}).A, root = after(texture, {{Flow{0.5}}}).A;
@@ -246,7 +248,7 @@ TEST_CASE("Poles that are nearly equal do not blow the dynamics up", "[dytex][ed
     D.block<2, 2>(0, 2) = Eigen::Matrix2d{{1, 0.5}, {-0.3, 1}};
     D(4, 4) = 0.5;
     const MatrixXd S = test::basis(5, 7);
-    const LinearDynamicTexture texture = test::texture_of(S * D * S.inverse(), test::normals(5, 5, 2));
+    const LinearDynamicTexture texture = test::texture_of(S * D * test::inverse(S), test::normals(5, 5, 2));
     for (const double factor : {-1.0, 0.5, 2.0}) {
       const LinearDynamicTexture found = after(texture, {{Speed{factor}}});
       CHECK(found.A.norm() < 10 * texture.A.norm());

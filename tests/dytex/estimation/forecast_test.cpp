@@ -189,8 +189,8 @@ TEST_CASE("What the learning curve cannot take is named", "[dytex][forecast]") {
   CHECK_FALSE(said(options).empty());
   options = {};
   options.lengths = 1;
-  CHECK(said(options) == "lengths is 1, allowed is 2 to 1000");
+  CHECK(said(options) == "CurveOptions.lengths is 1; allowed is 2 to 1000");
   options = {};
   options.tolerance = 0;
-  CHECK(said(options) == "tolerance is 0, must be positive and finite");
+  CHECK(said(options) == "CurveOptions.tolerance is 0; allowed is above 0");
 }
