@@ -37,12 +37,12 @@ void check(const char* name, const Matrix& matrix, Eigen::Index rows, Eigen::Ind
 void check_info(const core::ClipInfo& info) {
   for (const auto& [name, value] : {std::pair{"width", info.width}, {"height", info.height}}) {
     if (value < 1 || value > kMostSide)
-      fail(std::string(name) + " is " + std::to_string(value) + ", allowed is 1 to 65536");
+      fail(std::string(name) + " is " + std::to_string(value) + "; allowed is 1 to 65536");
   }
   if (info.channels != 1 && info.channels != 3)
-    fail("channels is " + std::to_string(info.channels) + ", allowed is 1 or 3");
+    fail("channels is " + std::to_string(info.channels) + "; allowed is 1 or 3");
   if (info.depth != CV_8U && info.depth != CV_16U && info.depth != CV_32F)
-    fail("depth is " + std::to_string(info.depth) + ", allowed is CV_8U, CV_16U or CV_32F");
+    fail("depth is " + std::to_string(info.depth) + "; allowed is CV_8U, CV_16U or CV_32F");
   for (const auto& [name, value] : {std::pair{"fps", info.fps}, {"white", info.white}}) {
     if (!(value > 0) || !std::isfinite(value))
       fail(std::string(name) + " is " + std::to_string(value) + ", must be positive and finite");
@@ -57,7 +57,7 @@ void check_channels(const LinearDynamicTexture& texture) {
   if (channels.minCoeff() < 0 || channels.maxCoeff() >= texture.info.channels)
     fail("channels has the value " +
          std::to_string(channels.minCoeff() < 0 ? channels.minCoeff() : channels.maxCoeff()) +
-         ", allowed is 0 to " + std::to_string(texture.info.channels - 1));
+         "; allowed is 0 to " + std::to_string(texture.info.channels - 1));
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ class PixelNoise {
 
 void SynthesisOptions::validate() const {
   if (loop < 0 || loop > kLongestLoop)
-    throw core::InputError("SynthesisOptions.loop is " + std::to_string(loop) + ", allowed is 0 to " +
+    throw core::InputError("SynthesisOptions.loop is " + std::to_string(loop) + "; allowed is 0 to " +
                            std::to_string(kLongestLoop));
   if (from_mean && first_frame)
     throw core::InputError("SynthesisOptions.from_mean is set beside first_frame; allowed is one of them");
@@ -132,7 +132,7 @@ Synthesis::Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions
   } else {
     const Eigen::Index frames = texture.states.cols(), first = *options.first_frame;
     if (first < 0 || first >= frames)
-      throw core::InputError("first_frame is " + std::to_string(first) + ", allowed is 0 to " +
+      throw core::InputError("first_frame is " + std::to_string(first) + "; allowed is 0 to " +
                              std::to_string(frames - 1));
     state_ = texture.states.col(first);
   }

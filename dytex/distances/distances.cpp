@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/text/check_range.hpp"
 #include "dytex/distances/pair_gram.hpp"
 #include "dytex/learning/decompositions.hpp"
 
@@ -71,9 +72,7 @@ double normalised_kernel(const LinearDynamicTexture& p, const LinearDynamicTextu
 }  // namespace
 
 void BinetCauchyOptions::validate() const {
-  if (!(discount >= 0.001 && discount <= 50))
-    throw core::InputError("BinetCauchyOptions.discount is " + std::to_string(discount) +
-                           ", allowed is 0.001 to 50");
+  core::check_range("BinetCauchyOptions.discount", discount, 0.001, 50);
 }
 
 Eigen::VectorXd subspace_angles(const LinearDynamicTexture& p, const LinearDynamicTexture& q) {

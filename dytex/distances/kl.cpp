@@ -171,7 +171,7 @@ double detail::kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture
 Eigen::VectorXd kl_growth(const LinearDynamicTexture& p, const LinearDynamicTexture& q, int length,
                           const core::Context& context) {
   if (length < 1 || length > kMostFrames)
-    throw core::InputError("length is " + std::to_string(length) + ", allowed is 1 to " +
+    throw core::InputError("length is " + std::to_string(length) + "; allowed is 1 to " +
                            std::to_string(kMostFrames));
   const Pair pair = make_pair(p, q, detail::pair_gram(p, q));
   Eigen::MatrixXd P_p = stationary_covariance(p.A, p.B), P_q = stationary_covariance(q.A, q.B);

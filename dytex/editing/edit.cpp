@@ -5,9 +5,10 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <sstream>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
+#include "core/text/format_number.hpp"
 #include "dytex/editing/edit_dynamics.hpp"
 #include "dytex/editing/edit_groups.hpp"
 #include "dytex/learning/decompositions.hpp"
@@ -35,22 +36,10 @@ struct Overloaded : Each... {
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
-std::string text_of(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
-
-void check(const std::string& name, double value, double least, double most) {
-  if (!(value >= least && value <= most))
-    throw core::InputError(name + " is " + text_of(value) + ", allowed is " + text_of(least) + " to " +
-                           text_of(most));
-}
-
 void check_all(const std::string& name, const std::vector<double>& values, double most) {
   if (values.empty()) throw core::InputError(name + " is empty, must have at least one number");
   for (std::size_t i = 0; i < values.size(); ++i)
-    check(name + "[" + std::to_string(i) + "]", values[i], 0, most);
+    core::check_range(name + "[" + std::to_string(i) + "]", values[i], 0, most);
 }
 
 /// The texture on its way, and what an edit acts on.
@@ -86,8 +75,9 @@ void note_losses(Work& work, const detail::EditedDynamics& edited) {
     work.note(std::to_string(edited.together) +
               " of the poles lie too close together and were turned as one");
   if (edited.cut > kReportedCut)
-    work.note("no noise keeps the covariance exactly at this pace: " + text_of(100 * edited.cut) +
-              " % of the noise that would was negative and was cut");
+    work.note(
+        "no noise keeps the covariance exactly at this pace: " + core::significant_text(100 * edited.cut, 6) +
+        " % of the noise that would was negative and was cut");
 }
 
 /// Gives the group its new dynamics. Where the noise has more inputs than before, what it was drawn from
@@ -200,19 +190,20 @@ void apply(Work& work, const Weights& weights) {
 
 void validate(const Edit& edit) {
   std::visit(
-      Overloaded{[](const Speed& e) { check("speed", e.factor, -kMostSpeed, kMostSpeed); },
-                 [](const Flow& e) { check("flow", e.factor, kLeastFlow, kMostFlow); }, [](const Reverse&) {},
-                 [](const Intensity& e) { check("intensity", e.factor, 0, kMostIntensity); },
+      Overloaded{[](const Speed& e) { core::check_range("speed", e.factor, -kMostSpeed, kMostSpeed); },
+                 [](const Flow& e) { core::check_range("flow", e.factor, kLeastFlow, kMostFlow); },
+                 [](const Reverse&) {},
+                 [](const Intensity& e) { core::check_range("intensity", e.factor, 0, kMostIntensity); },
                  [](const Directions& e) { check_all("directions", e.factors, kMostIntensity); },
                  [](const Scales& e) {
-                   check("coarse", e.coarse, 0, kMostWeight);
-                   check("medium", e.medium, 0, kMostWeight);
-                   check("fine", e.fine, 0, kMostWeight);
+                   core::check_range("coarse", e.coarse, 0, kMostWeight);
+                   core::check_range("medium", e.medium, 0, kMostWeight);
+                   core::check_range("fine", e.fine, 0, kMostWeight);
                  },
                  [](const Weights& e) { check_all("weights", e.factors, kMostWeight); }},
       edit.what);
   if (edit.channel && (*edit.channel < 0 || *edit.channel > 2))
-    throw core::InputError("channel is " + std::to_string(*edit.channel) + ", allowed is 0 to 2");
+    throw core::InputError("channel is " + std::to_string(*edit.channel) + "; allowed is 0 to 2");
 }
 
 EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits) {

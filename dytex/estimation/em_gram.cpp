@@ -47,7 +47,7 @@ class GramAppearance final : public Appearance {
   explicit GramAppearance(const AppearanceInput& input)
       : input_(input), m_(static_cast<Eigen::Index>(input.frame_blocks.values())) {
     for (std::size_t t = 0; t < input.frame_blocks.frames(); ++t)
-      if (!input.missing.gone(t)) seen_.push_back(static_cast<Eigen::Index>(t));
+      if (!input.missing.all_hidden(t)) seen_.push_back(static_cast<Eigen::Index>(t));
     model_.r = std::max(input.start.r, input.options.least_noise);
   }
 

@@ -36,7 +36,7 @@ FrameMoments frame_moments(const Smoothed& smoothed, bool with_mean, const Missi
     moment.topLeftCorner(n, n) += smoothed.at(t).covariance;
     for (Eigen::Index j = 0, at = 0; j < size; at += size - j, ++j)
       result.packed.col(t).segment(at, size - j) = moment.col(j).tail(size - j);
-    if (!missing.gone(static_cast<std::size_t>(t))) result.total += result.packed.col(t);
+    if (!missing.all_hidden(static_cast<std::size_t>(t))) result.total += result.packed.col(t);
   }
   return result;
 }
@@ -65,7 +65,7 @@ Eigen::MatrixXd moment_of(const FrameMoments& moments, const Missing& missing, s
   const bool take_off = 2 * seen >= frames;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(moments.packed.rows());
   for (std::size_t t = 0; t < frames; ++t)
-    if (missing.hidden(pixel, t) == take_off && !(take_off && missing.gone(t)))
+    if (missing.hidden(pixel, t) == take_off && !(take_off && missing.all_hidden(t)))
       sum += moments.packed.col(static_cast<Eigen::Index>(t));
   if (take_off) sum = moments.total - sum;
   return unpack(sum, moments.size());

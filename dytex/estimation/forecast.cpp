@@ -30,7 +30,7 @@ double noise_sum(const LinearDynamicTexture& texture) {
 
 Forecast forecast(const LinearDynamicTexture& texture, const StateGuess& from, int steps) {
   if (steps < 1 || steps > kMostSteps)
-    fail("steps is " + std::to_string(steps) + ", allowed is 1 to " + std::to_string(kMostSteps));
+    fail("steps is " + std::to_string(steps) + "; allowed is 1 to " + std::to_string(kMostSteps));
   validate(texture);
   const Eigen::Index order = texture.order(), n = texture.components();
   if (from.mean.size() != order || from.factor.rows() != order)

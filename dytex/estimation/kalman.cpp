@@ -46,7 +46,7 @@ void check(const Observations& seen, Eigen::Index n) {
     fail("which has " + std::to_string(seen.which.size()) + " entries, must have " + std::to_string(frames));
   for (const int which : seen.which)
     if (which < -1 || which >= static_cast<int>(seen.information.size()))
-      fail("which is " + std::to_string(which) + ", allowed is -1 to " +
+      fail("which is " + std::to_string(which) + "; allowed is -1 to " +
            std::to_string(static_cast<int>(seen.information.size()) - 1));
 }
 

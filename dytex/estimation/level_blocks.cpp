@@ -45,7 +45,7 @@ struct RowSums {
 std::vector<std::size_t> partly_hidden_frames(const Missing& missing) {
   std::vector<std::size_t> result;
   for (std::size_t t = 0; t < missing.frames(); ++t) {
-    if (missing.whole(t) || missing.gone(t)) continue;
+    if (missing.all_seen(t) || missing.all_hidden(t)) continue;
     if (t == 0 || missing.groups()[t] != missing.groups()[t - 1]) result.push_back(t);
   }
   return result;
@@ -84,7 +84,7 @@ Eigen::MatrixXd level_block(const FrameValues& values, std::size_t first, std::s
       read_column<float>(frame, begin, scale.to_levels, mean, block.col(t));
     }
     const std::size_t index = first_frame + static_cast<std::size_t>(t);
-    if (!missing.whole(index))
+    if (!missing.all_seen(index))
       for (Eigen::Index i = 0; i < rows; ++i)
         if (missing.hidden((first + begin + static_cast<std::size_t>(i)) / scale.channels, index))
           block(i, t) = 0;
@@ -150,8 +150,8 @@ void add_information(Eigen::Index m, Eigen::Index n, std::size_t frames, const L
   std::size_t group = 0;
   for (std::size_t t = 0; t < missing.frames(); ++t) {
     const auto at = static_cast<Eigen::Index>(t);
-    if (missing.whole(t)) continue;
-    if (missing.gone(t)) {
+    if (missing.all_seen(t)) continue;
+    if (missing.all_hidden(t)) {
       result.which[t] = -1;
       result.constants[at] = 0;
       continue;

@@ -25,7 +25,7 @@ std::string size_text(int width, int height) {
 /// Calls body(pixel) for each hidden pixel of a frame.
 template <class Body>
 void for_hidden(const Missing& missing, std::size_t frame, const Body& body) {
-  if (missing.whole(frame)) return;
+  if (missing.all_seen(frame)) return;
   for (std::size_t p = 0; p < missing.pixels(); ++p)
     if (missing.hidden(p, frame)) body(p);
 }
@@ -121,7 +121,7 @@ cv::Mat FilledSource::next() {
   if (t >= static_cast<std::size_t>(texture_.states.cols()))
     throw core::InputError("the clip has more than the " + std::to_string(texture_.states.cols()) +
                            " frames that the texture has states of");
-  if (missing_.whole(t)) return frame;
+  if (missing_.all_seen(t)) return frame;
   cv::Mat guess;
   draw(texture_, texture_.states.col(static_cast<Eigen::Index>(t)))
       .convertTo(guess, frame.type(), source_.info().white / 255);

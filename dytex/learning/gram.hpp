@@ -10,12 +10,12 @@
 
 namespace emberfold::dytex::detail {
 
-/// Values of frames are summed in blocks of so many, begun at multiples of it: sums are the same bits however
-/// frames are cut into bands, if bands begin at blocks.
+/// Values in a sum block. Sums run over blocks that begin at multiples of it, so that they have the same bits
+/// however frames are cut, if the cuts lie between blocks.
 constexpr std::size_t kBlock = 256;
 
-/// The same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F): every `step`-th from the
-/// pointer on.
+/// Points to the same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F): every `step`-th
+/// from the pointer on.
 struct FrameValues {
   std::vector<const void*> frames;
   std::size_t count = 0;
@@ -28,7 +28,7 @@ struct FrameValues {
   }
 };
 
-/// Of values that begin with value `first` of a frame of `channels` channels: those of one channel.
+/// Picks the values of one channel, of values that begin with value `first` of a frame.
 FrameValues channel_values(const FrameValues& values, std::size_t first, std::size_t channels,
                            std::size_t channel);
 
@@ -37,9 +37,9 @@ FrameValues channel_values(const FrameValues& values, std::size_t first, std::si
 /// double, block by block. The same bits at any thread count. O(τ² count / 2).
 void add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context);
 
-/// J G J with J = I − 1 1ᵀ/τ: the Gram matrix of the frames less their mean. Reads the lower half.
+/// Returns the Gram matrix of the frames less their mean: J G J with J = I − 1 1ᵀ/τ. Reads the lower half.
 Eigen::MatrixXd centred(const Eigen::MatrixXd& gram);
-/// The same less the mean of the first `first` frames.
+/// Returns the Gram matrix of the frames less the mean of the first `first` of them.
 Eigen::MatrixXd centred(const Eigen::MatrixXd& gram, Eigen::Index first);
 
 }  // namespace emberfold::dytex::detail

@@ -156,7 +156,7 @@ LinearDynamicTexture rounded(const LinearDynamicTexture& texture, Precision prec
 std::size_t stored_bytes(const LinearDynamicTexture& texture, Eigen::Index components, Precision precision) {
   const Eigen::Index most = texture.components();
   if (components < 0 || components > most)
-    throw core::InputError("components is " + std::to_string(components) + ", allowed is 0 to " +
+    throw core::InputError("components is " + std::to_string(components) + "; allowed is 0 to " +
                            std::to_string(most));
   // The states hold so many numbers for each component, now and before.
   const Eigen::Index order = most > 0 ? texture.order() * components / most : texture.order();

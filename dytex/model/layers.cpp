@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::dytex {
 
@@ -45,8 +46,7 @@ double white_of(const cv::Mat& mask) {
 
 cv::Mat layer_opacity(const cv::Mat& mask, double feather) {
   const double white = white_of(mask);
-  if (!(feather >= 0 && feather <= kMostFeather))
-    throw core::InputError("feather is " + std::to_string(feather) + ", allowed is 0 to 10000");
+  core::check_range("feather", feather, 0, kMostFeather);
   cv::Mat opacity;
   mask.convertTo(opacity, CV_32F, 1 / white);
   if (!cv::checkRange(opacity, true, nullptr, 0, std::nextafter(1.0F, 2.0F)))

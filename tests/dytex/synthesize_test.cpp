@@ -130,7 +130,7 @@ TEST_CASE("A clip may begin with a training frame", "[dytex][synthesize]") {
   for (const int none : {-1, 50}) {
     CHECK(test::message<core::InputError>([&] {
             dytex::Synthesis(texture, {.seed = 1, .first_frame = none});
-          }) == "first_frame is " + std::to_string(none) + ", allowed is 0 to 49");
+          }) == "first_frame is " + std::to_string(none) + "; allowed is 0 to 49");
   }
 }
 

@@ -14,7 +14,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 
 namespace {

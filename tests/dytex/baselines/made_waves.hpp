@@ -14,7 +14,7 @@
 #include "core/rng.hpp"
 
 // Textures that move, made for the tests of measures.
-namespace emberfold::tests {
+namespace emberfold::test {
 
 inline core::Clip empty_clip(int width, int height) {
   core::Clip clip;
@@ -80,4 +80,4 @@ inline core::Clip changed(const core::Clip& clip, const std::function<cv::Mat(st
   return out;
 }
 
-}  // namespace emberfold::tests
+}  // namespace emberfold::test

@@ -194,5 +194,5 @@ TEST_CASE("What has no divergence is refused", "[dytex][kl]") {
   CHECK(refusal().starts_with("frames of 3×2 in grey and of 3×2 in colour"));
   for (const int length : {0, -1, 100'001})
     CHECK(test::message<core::InputError>([&] { dytex::kl_growth(p, p, length); }) ==
-          "length is " + std::to_string(length) + ", allowed is 1 to 100000");
+          "length is " + std::to_string(length) + "; allowed is 1 to 100000");
 }

@@ -101,5 +101,5 @@ TEST_CASE("The discount of the trace kernel is checked", "[dytex][kernel]") {
           }).ends_with("allowed is 0.001 to 50"));
   CHECK(test::message<core::InputError>([&] {
           dytex::distances(p, p, {0, false});
-        }) == "BinetCauchyOptions.discount is 0.000000, allowed is 0.001 to 50");
+        }) == "BinetCauchyOptions.discount is 0; allowed is 0.001 to 50");
 }

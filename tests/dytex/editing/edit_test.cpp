@@ -374,7 +374,7 @@ TEST_CASE("Presets do what the paper's text says of its figures", "[dytex][edit]
     went(found.weights[29], "fine");
   }
   CHECK(test::message<core::InputError>([] { preset("stormy"); }) ==
-        "preset is stormy, allowed is turbulent, hazy, patchy, rough-sea, lake, rain, spray, frothy, spurty");
+        "preset is stormy; allowed is turbulent, hazy, patchy, rough-sea, lake, rain, spray, frothy, spurty");
 }
 
 TEST_CASE("Edits out of range are refused by name and value", "[dytex][edit]") {
@@ -382,16 +382,16 @@ TEST_CASE("Edits out of range are refused by name and value", "[dytex][edit]") {
   const auto refused = [&](const Edit& one) {
     return test::message<core::InputError>([&] { edited(texture, {one}); });
   };
-  CHECK(refused({Speed{3.5}}) == "speed is 3.5, allowed is -3 to 3");
-  CHECK(refused({Speed{NAN}}) == "speed is nan, allowed is -3 to 3");
-  CHECK(refused({Flow{0}}) == "flow is 0, allowed is 0.01 to 100");
-  CHECK(refused({Intensity{-1}}) == "intensity is -1, allowed is 0 to 3");
-  CHECK(refused({Directions{{1, 4}}}) == "directions[1] is 4, allowed is 0 to 3");
+  CHECK(refused({Speed{3.5}}) == "speed is 3.5; allowed is -3 to 3");
+  CHECK(refused({Speed{NAN}}) == "speed is not finite; allowed is -3 to 3");
+  CHECK(refused({Flow{0}}) == "flow is 0; allowed is 0.01 to 100");
+  CHECK(refused({Intensity{-1}}) == "intensity is -1; allowed is 0 to 3");
+  CHECK(refused({Directions{{1, 4}}}) == "directions[1] is 4; allowed is 0 to 3");
   CHECK(refused({Directions{{1, 2, 3, 1}}}) == "directions has 4 numbers, Q has 3 eigenvalues");
-  CHECK(refused({Scales{1, -2, 1}}) == "medium is -2, allowed is 0 to 10");
+  CHECK(refused({Scales{1, -2, 1}}) == "medium is -2; allowed is 0 to 10");
   CHECK(refused({Weights{{}}}) == "weights is empty, must have at least one number");
   CHECK(refused({Weights{{1, 1, 1, 1}}}) == "weights has 4 numbers, there are 3 components");
-  CHECK(refused({Speed{2}, 3}) == "channel is 3, allowed is 0 to 2");
+  CHECK(refused({Speed{2}, 3}) == "channel is 3; allowed is 0 to 2");
   LinearDynamicTexture unstable = texture;
   unstable.A *= 2;
   CHECK_THROWS_AS(edited(unstable, {{Speed{2}}}), core::InputError);

@@ -105,7 +105,7 @@ TEST_CASE("What a forecast cannot take is named", "[dytex][forecast]") {
   const auto texture = known_texture(test::known_clip(48, 20, 2, 4), 8, 6);
   const dytex::StateGuess from{Eigen::VectorXd::Zero(4), Eigen::MatrixXd::Zero(4, 0)};
   const auto said = [](const auto& call) { return test::message<core::InputError>(call); };
-  CHECK(said([&] { dytex::forecast(texture, from, 0); }) == "forecast: steps is 0, allowed is 1 to 100000");
+  CHECK(said([&] { dytex::forecast(texture, from, 0); }) == "forecast: steps is 0; allowed is 1 to 100000");
   CHECK_THAT(said([&] {
                dytex::forecast(texture, {Eigen::VectorXd::Zero(3), Eigen::MatrixXd::Zero(3, 1)}, 2);
              }),

@@ -211,7 +211,7 @@ TEST_CASE("What the filter cannot take is named", "[dytex][kalman]") {
   CHECK(said(space, seen) == "filter: first is 3 × 1, must be 2 × 1");
   auto bad = seen;
   bad.which[2] = 7;
-  CHECK(said(made.space, bad) == "filter: which is 7, allowed is -1 to 0");
+  CHECK(said(made.space, bad) == "filter: which is 7; allowed is -1 to 0");
   bad = seen;
   bad.squares[1] = std::numeric_limits<double>::infinity();
   CHECK(said(made.space, bad) == "filter: squares has a value that is not finite");

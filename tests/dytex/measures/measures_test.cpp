@@ -17,7 +17,7 @@
 
 using namespace emberfold;
 using namespace emberfold::dytex;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
@@ -121,7 +121,7 @@ TEST_CASE("distances of patterns are 0 for equals and symmetric and at most 1") 
 
 TEST_CASE("the distance of motions is how far motion must be changed") {
   const auto field = [](float x, float y) { return cv::Mat(10, 10, CV_32FC2, cv::Scalar(x, y)); };
-  FlowShares right, left, fast;
+  FlowHistograms right, left, fast;
   right.add(field(2, 0)), left.add(field(-2, 0)), fast.add(field(5, 0));
   CHECK(flow_distance(right, right) == 0);
   CHECK(flow_distance(right, left, FlowPart::x) == 4);
@@ -129,10 +129,10 @@ TEST_CASE("the distance of motions is how far motion must be changed") {
   CHECK(flow_distance(right, left) == 4);
   CHECK(flow_distance(right, fast) == 3);
   CHECK(flow_distance(fast, right) == 3);
-  FlowShares half = right;
+  FlowHistograms half = right;
   half.add(field(2, 1));
   CHECK_THAT(flow_distance(right, half, FlowPart::y), WithinAbs(0.5, 1e-12));
-  FlowShares wild;
+  FlowHistograms wild;
   wild.add(field(1e9F, std::numeric_limits<float>::quiet_NaN()));
   CHECK_THROWS_AS(flow_distance(wild, right), core::InputError);
 }
@@ -234,7 +234,7 @@ TEST_CASE("the measures of frames refuse what they cannot measure") {
   patterns.add(luma);
   CHECK_THROWS_AS(patterns.add(wide), core::InputError);
   CHECK_THROWS_AS(patterns.add(bytes), core::InputError);
-  FlowShares flow;
+  FlowHistograms flow;
   CHECK_THROWS_AS(flow.add(luma), core::InputError);
   CHECK_THROWS_AS(chi_square_distance(Eigen::VectorXd::Ones(2), Eigen::VectorXd::Ones(3)), core::InputError);
 }

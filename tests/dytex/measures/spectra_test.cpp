@@ -17,7 +17,7 @@
 
 using namespace emberfold;
 using namespace emberfold::dytex;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 

@@ -143,7 +143,7 @@ TEST_CASE("A coarser model is smaller and a little worse", "[dytex][compress]") 
     CHECK(step < value * 24 * 18 * 3 + 8 * (64 + 30));
   }
   CHECK(test::message<core::InputError>([&] { dytex::stored_bytes(texture, 9, Precision::f32); }) ==
-        "components is 9, allowed is 0 to 8");
+        "components is 9; allowed is 0 to 8");
   CHECK_THAT(dytex::psnr(255.0 * 255.0 / 1000), WithinRel(30.0, 1e-12));
   CHECK(dytex::psnr(0) == 100);
 }

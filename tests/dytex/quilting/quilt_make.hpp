@@ -12,7 +12,7 @@
 #include "core/rng.hpp"
 #include "dytex/quilting/quilt.hpp"
 
-namespace emberfold::tests {
+namespace emberfold::test {
 
 /// Blurred noise that brightens and darkens, each place at its own pace: a texture that changes.
 inline core::Clip made_lapse(cv::Size size, int frames, int type = CV_8UC1, std::uint64_t seed = 1,
@@ -54,4 +54,4 @@ inline dytex::QuiltResult quilted(const dytex::Trajectories& source, const dytex
   return dytex::quilt(sources, options, {}, run);
 }
 
-}  // namespace emberfold::tests
+}  // namespace emberfold::test

@@ -18,7 +18,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using Catch::Matchers::Contains;
 using Catch::Matchers::WithinAbs;
 

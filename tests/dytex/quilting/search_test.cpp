@@ -10,7 +10,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 using namespace emberfold::dytex::detail;
 
 TEST_CASE("distances of trajectories lie between the bounds of the basis") {

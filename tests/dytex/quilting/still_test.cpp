@@ -8,7 +8,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace {
 

@@ -119,7 +119,7 @@ TEST_CASE("Loops that cannot be are refused", "[dytex][loop]") {
   const auto refused = [&](const dytex::SynthesisOptions& options) {
     return test::message<core::InputError>([&] { dytex::Synthesis(texture, options); });
   };
-  CHECK(refused(loop_of(-1)) == "SynthesisOptions.loop is -1, allowed is 0 to 1000000");
+  CHECK(refused(loop_of(-1)) == "SynthesisOptions.loop is -1; allowed is 0 to 1000000");
   CHECK(refused({.seed = 1, .first_frame = 2, .loop = 5})
             .starts_with("SynthesisOptions.loop is 5, and a loop"));
   CHECK(refused({.seed = 1, .first_frame = 2, .from_mean = true}).starts_with("SynthesisOptions.from_mean"));
