@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <numeric>
-#include <sstream>
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 #include "dytex/learning/components.hpp"
 #include "dytex/learning/dynamics.hpp"
 #include "dytex/learning/frame_blocks.hpp"
@@ -19,44 +18,35 @@ namespace emberfold::dytex {
 
 namespace {
 
-using detail::FrameBands;
+using detail::FrameBlocks;
 using detail::FrameValues;
 using detail::Spectrum;
 
-constexpr std::size_t kMostFrames = 5000;  // beyond, τ × τ eigenvalues take many minutes
-constexpr int kMostLags = 16;
-constexpr double kFloatRange = 1e3;  // of singular values, up to which C is made in single precision
+constexpr int kMostLags = 16;  // bounds the order of A, n · lags
+// Largest over least singular value. Up to it C is made in single precision, which leaves some 4 digits.
+constexpr double kFloatRange = 1e3;
 
-std::string number_text(double value) {
-  std::string text = std::to_string(value);
-  while (text.back() == '0') text.pop_back();
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
-
-/// What the first reading finds.
-struct Seen {
+/// Sums over all frames, of the first reading.
+struct FrameSums {
   std::vector<Eigen::MatrixXd> grams;  // of all channels, or one a channel
   Eigen::VectorXd mean;                // m
 };
 
-core::Status look(FrameBands& bands, std::size_t channels, Seen& seen, const core::Context& context) {
-  const auto frames = static_cast<Eigen::Index>(bands.frames());
+FrameSums accumulate_gram(FrameBlocks& frame_blocks, std::size_t channels, const core::Context& context) {
+  FrameSums seen;
+  const auto frames = static_cast<Eigen::Index>(frame_blocks.frames());
   seen.grams.assign(channels, Eigen::MatrixXd::Zero(frames, frames));
-  seen.mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(bands.values()));
+  seen.mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(frame_blocks.values()));
   const auto add = [&](std::size_t first, const FrameValues& values) {
-    if (detail::add_sums(values, first, seen.mean, context) == core::Status::cancelled)
-      return core::Status::cancelled;
+    detail::add_sums(values, first, seen.mean, context);
     for (std::size_t c = 0; c < channels; ++c) {
       const FrameValues some = channels == 1 ? values : detail::channel_values(values, first, channels, c);
-      if (detail::add_gram(some, seen.grams[c], context) == core::Status::cancelled)
-        return core::Status::cancelled;
+      detail::add_gram(some, seen.grams[c], context);
     }
-    return core::Status::done;
   };
-  const core::Status status = bands.for_each("comparing frames", false, add, context);
+  frame_blocks.for_each("comparing frames", false, add, context);
   seen.mean /= static_cast<double>(frames);
-  return status;
+  return seen;
 }
 
 /// A component: one spectrum's i-th direction.
@@ -101,7 +91,7 @@ Eigen::Index count_by_rule(const Spectrum& spectrum, const Eigen::MatrixXd& gram
   return std::min<Eigen::Index>(least->first, spectrum.rank());
 }
 
-std::vector<Direction> choose(const std::vector<Spectrum>& spectra, const Seen& seen, double to_levels,
+std::vector<Direction> choose(const std::vector<Spectrum>& spectra, const FrameSums& seen, double to_levels,
                               const LearnOptions& options, LearnResult& result) {
   std::vector<Direction> all = directions(spectra);
   if (all.empty()) {
@@ -153,41 +143,36 @@ Eigen::MatrixXd component_weights(const std::vector<detail::Block>& blocks, Eige
   return weights;
 }
 
-core::Status make_C(FrameBands& bands, const Seen& seen, const Eigen::MatrixXd& weights, bool single,
-                    LinearDynamicTexture& texture, const core::Context& context) {
+void make_C(FrameBlocks& frame_blocks, const FrameSums& seen, const Eigen::MatrixXd& weights, bool single,
+            LinearDynamicTexture& texture, const core::Context& context) {
   const char* stage = "making components";
-  if (single) bands.release();  // before C takes its place
+  if (single) frame_blocks.release();  // before C takes its place
   texture.C = Eigen::MatrixXf::Zero(seen.mean.size(), weights.cols());
   const auto add = [&](std::size_t first, const FrameValues& values) {
     const auto t = static_cast<Eigen::Index>(first), count = static_cast<Eigen::Index>(values.frames.size());
-    return detail::add_components(values, 0, seen.mean, weights.middleRows(t, count), texture.C, context);
+    detail::add_components(values, 0, seen.mean, weights.middleRows(t, count), texture.C, context);
   };
   const auto make = [&](std::size_t first, const FrameValues& values) {
-    return detail::make_components(values, first, seen.mean, weights, texture.C, context);
+    detail::make_components(values, first, seen.mean, weights, texture.C, context);
   };
-  if (weights.cols() == 0) return core::Status::done;
-  const core::Status made = single ? bands.for_each_batch(stage, detail::kBatch, add, context)
-                                   : bands.for_each(stage, true, make, context);
-  if (made == core::Status::cancelled) return made;
-  if (texture.channels.size() > 0 && detail::keep_channels(texture.channels, texture.info.channels, texture.C,
-                                                           context) == core::Status::cancelled)
-    return core::Status::cancelled;
-  return detail::orthonormalise(texture.C, context);
+  if (weights.cols() == 0) return;
+  if (single)
+    frame_blocks.for_each_batch(stage, detail::kBatch, add, context);
+  else
+    frame_blocks.for_each(stage, true, make, context);
+  if (texture.channels.size() > 0)
+    detail::keep_channels(texture.channels, texture.info.channels, texture.C, context);
+  detail::orthonormalise(texture.C, context);
 }
 
 /// Says where clips drawn from the model vary much more or less than the clip itself.
 void compare_variance(LearnResult& result) {
-  constexpr double kMuch = 1.5;
   const LinearDynamicTexture& texture = result.texture;
   const Eigen::Index n = texture.components();
   if (n == 0) return;
   const double drawn = stationary_covariance(texture.A, texture.B).diagonal().head(n).sum();
   const double seen = texture.states.topRows(n).squaredNorm() / static_cast<double>(texture.states.cols());
-  if (drawn <= kMuch * seen && seen <= kMuch * drawn) return;
-  std::ostringstream share;
-  share << std::setprecision(2) << drawn / seen;
-  result.notes.push_back("clips drawn from the model have " + share.str() +
-                         " times the variance of the clip it was learned from");
+  if (const auto note = detail::variance_note(drawn, seen)) result.notes.push_back(*note);
 }
 
 /// The variance that the components leave, by its degrees of freedom: n directions of the frames and of time,
@@ -235,33 +220,26 @@ void check_count(const LearnOptions& options, Eigen::Index frames) {
 }  // namespace
 
 void LearnOptions::validate() const {
-  if (components < 1)
-    throw core::InputError("components is " + std::to_string(components) + ", must be at least 1");
-  if (energy && !(*energy > 0 && *energy <= 1))
-    throw core::InputError("energy is " + number_text(*energy) + ", allowed is above 0 to 1");
-  if (lags < 1 || lags > kMostLags)
-    throw core::InputError("lags is " + std::to_string(lags) + ", allowed is 1 to " +
-                           std::to_string(kMostLags));
+  core::check_at_least("LearnOptions.components", components, 1);
+  if (energy) core::check_above("LearnOptions.energy", *energy, 0, 1);
+  core::check_range("LearnOptions.lags", lags, 1, kMostLags);
   if (lags > 1 && method != Method::closed_form)
-    throw core::InputError("lags is " + std::to_string(lags) + ", must be 1 with n4sid and pem");
+    throw core::InputError("LearnOptions.lags is " + std::to_string(lags) +
+                           "; allowed with n4sid and pem is 1");
   if (lags > 1 && stable == Stable::soc)
-    throw core::InputError("lags is " + std::to_string(lags) + ", must be 1 with soc");
-  if (memory < std::size_t{1} << 20)
-    throw core::InputError("memory is " + std::to_string(memory) + " bytes, must be at least 1048576");
+    throw core::InputError("LearnOptions.lags is " + std::to_string(lags) + "; allowed with soc is 1");
+  core::check_at_least("LearnOptions.memory", static_cast<double>(memory), detail::kLeastMemory);
 }
 
 LearnResult learn(core::FrameSource& source, const LearnOptions& options, const core::Context& context) {
   options.validate();
-  FrameBands bands(source, options.memory, kMostFrames, context);
-  if (bands.frames() == 0) throw core::Cancelled{};
-  const auto frames = static_cast<Eigen::Index>(bands.frames()),
-             m = static_cast<Eigen::Index>(bands.values());
+  FrameBlocks frame_blocks(source, options.memory, detail::kMostFrames, context);
+  const auto frames = static_cast<Eigen::Index>(frame_blocks.frames()),
+             m = static_cast<Eigen::Index>(frame_blocks.values());
   check_count(options, frames);
   const bool separate = options.channels == Channels::separate && source.info().channels > 1;
-  Seen seen;
-  if (look(bands, separate ? static_cast<std::size_t>(source.info().channels) : 1, seen, context) ==
-      core::Status::cancelled)
-    throw core::Cancelled{};
+  const FrameSums seen =
+      accumulate_gram(frame_blocks, separate ? static_cast<std::size_t>(source.info().channels) : 1, context);
   const double to_levels = 255 / source.info().white;
   std::vector<Spectrum> spectra;
   for (const Eigen::MatrixXd& gram : seen.grams)
@@ -284,12 +262,11 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
   take_dynamics(detail::fit_dynamics(blocks, options, context), result);
   texture.r = left_variance(spectra, blocks, m);
   const bool single = n == 0 || texture.singular[0] <= kFloatRange * texture.singular[n - 1];
-  if (context.cancelled() || make_C(bands, seen, component_weights(blocks, n, to_levels), single, texture,
-                                    context) == core::Status::cancelled)
-    throw core::Cancelled{};
+  context.check();
+  make_C(frame_blocks, seen, component_weights(blocks, n, to_levels), single, texture, context);
   texture.mean = (seen.mean * to_levels).cast<float>();
   compare_variance(result);
-  result.passes = bands.passes();
+  result.passes = frame_blocks.passes();
   return result;
 }
 

@@ -13,23 +13,23 @@
 
 namespace emberfold::dytex {
 
-/// Where the number of components comes from.
+/// The rule that sets the number of components.
 enum class Order {
   given,          ///< `components`, or `energy` where it is set
   gavish_donoho,  ///< singular values that stand out of white noise (Gavish, Donoho 2014)
-  held_out        ///< those that foretell the last fifth of the clip best, learned from the rest
+  held_out        ///< the number that predicts the last fifth of the clip best, learned from the rest
 };
 enum class Channels {
   joint,    ///< components show all channels
   separate  ///< a model per channel; they share the noise, and so stay in step
 };
-/// How A is found.
+/// The method that fits A.
 enum class Method {
   closed_form,      ///< least squares (or `stable`)
   n4sid,            ///< stochastic subspaces (Van Overschee, De Moor 1993) of the states as measured
   prediction_error  ///< most likely innovations form x(t+1) = A x(t) + K e(t), from the closed form on
 };
-/// What is taken where the least-squares A is not stable.
+/// The fit that replaces a least-squares A that is not stable.
 enum class Stable {
   yule_walker,  ///< the data's variance is kept exactly
   soc           ///< the least error among stable ones (Mamakoukas, Xherija, Murphey 2020)
@@ -51,11 +51,11 @@ struct LearnOptions {
   /// every frame are held.
   std::size_t memory = std::size_t{1} << 30;
 
-  /// InputError naming the field, its value and what is allowed.
+  /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };
 
-/// How the transition matrix came about.
+/// The fit that the transition matrix came from.
 enum class Transition { least_squares, yule_walker, soc, n4sid, prediction_error };
 
 struct LearnResult {
@@ -64,17 +64,17 @@ struct LearnResult {
       0;  ///< spectral radius of the least-squares A; at or above 1 it was not taken
   Transition transition = Transition::least_squares;
   int passes = 1;  ///< over the source
-  /// Order::held_out: the squared error of foretelling a value, levels², by the number of components; of the
-  /// first channel only where channels are separate.
+  /// Order::held_out: the squared error of predicting a value, levels², by the number of components. Of
+  /// separate channels that of the first.
   std::vector<std::pair<int, double>> held_out;
   std::vector<std::string> notes;  ///< a line for everything that was not taken as asked or measured
 };
 
-/// Learns in closed form (Soatto, Doretto, Wu 2001, section 4; Doretto, Chiuso, Wu, Soatto 2003,
+/// Learns a texture in closed form (Soatto, Doretto, Wu 2001, section 4; Doretto, Chiuso, Wu, Soatto 2003,
 /// section 4.1): with Y the frames less their mean (m × τ) and Y = C S Vᵀ cut after n components, the states
 /// are X = S Vᵀ, A is the least-squares fit of x(t+1) to x(t), B Bᵀ the covariance of what that leaves, and r
 /// the variance of what n components leave of the frames, (‖Y‖² − ‖X‖²) / ((m − n)(τ − 1 − n)). The
-/// decomposition goes by YᵀY = V S² Vᵀ (snapshots), which takes frames band by band.
+/// decomposition goes by YᵀY = V S² Vᵀ (snapshots), which takes frames block by block.
 ///
 /// Where the least-squares A is not stable, or leaves no noise at all, A = Σ x(t+1) x(t)ᵀ S⁻² is taken
 /// (Yule–Walker), with the noise that makes the stationary covariance exactly the data's, S²/τ; a note says
@@ -84,7 +84,7 @@ struct LearnResult {
 /// The innovations forms (n4sid, prediction_error) take X as measured with noise: the state of the model is
 /// (x(t), its forecast from the frames before), N = 2n.
 ///
-/// The source is read from its beginning: once if all frames fit in `memory`; else once for every band of
+/// The source is read from its beginning: once if all frames fit in `memory`, else once for every block of
 /// pixels that does, and once more. The same bytes at any thread count and any budget of memory. InputError
 /// where n is above τ − 1, where there are fewer than 2 or more than 5000 frames or too few for what is
 /// asked, or where a value is not finite. O(m τ²) + O(τ³).

@@ -15,6 +15,9 @@ namespace emberfold::dytex {
 
 namespace {
 
+constexpr int kMostSide = 65536;    // px
+constexpr int kMostDoublings = 64;  // 2^64 frames: what has not converged by then does not
+
 [[noreturn]] void fail(const std::string& what) {
   throw core::InputError("texture: " + what);
 }
@@ -32,15 +35,14 @@ void check(const char* name, const Matrix& matrix, Eigen::Index rows, Eigen::Ind
 }
 
 void check_info(const core::ClipInfo& info) {
-  constexpr int kLargest = 65536;
   for (const auto& [name, value] : {std::pair{"width", info.width}, {"height", info.height}}) {
-    if (value < 1 || value > kLargest)
-      fail(std::string(name) + " is " + std::to_string(value) + ", allowed is 1 to 65536");
+    if (value < 1 || value > kMostSide)
+      fail(std::string(name) + " is " + std::to_string(value) + "; allowed is 1 to 65536");
   }
   if (info.channels != 1 && info.channels != 3)
-    fail("channels is " + std::to_string(info.channels) + ", allowed is 1 or 3");
+    fail("channels is " + std::to_string(info.channels) + "; allowed is 1 or 3");
   if (info.depth != CV_8U && info.depth != CV_16U && info.depth != CV_32F)
-    fail("depth is " + std::to_string(info.depth) + ", allowed is CV_8U, CV_16U or CV_32F");
+    fail("depth is " + std::to_string(info.depth) + "; allowed is CV_8U, CV_16U or CV_32F");
   for (const auto& [name, value] : {std::pair{"fps", info.fps}, {"white", info.white}}) {
     if (!(value > 0) || !std::isfinite(value))
       fail(std::string(name) + " is " + std::to_string(value) + ", must be positive and finite");
@@ -55,7 +57,7 @@ void check_channels(const LinearDynamicTexture& texture) {
   if (channels.minCoeff() < 0 || channels.maxCoeff() >= texture.info.channels)
     fail("channels has the value " +
          std::to_string(channels.minCoeff() < 0 ? channels.minCoeff() : channels.maxCoeff()) +
-         ", allowed is 0 to " + std::to_string(texture.info.channels - 1));
+         "; allowed is 0 to " + std::to_string(texture.info.channels - 1));
 }
 
 }  // namespace
@@ -104,9 +106,8 @@ double spectral_radius(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
 
 Eigen::MatrixXd stationary_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                       const Eigen::Ref<const Eigen::MatrixXd>& B) {
-  constexpr int kMostSteps = 64;  // 2^64 frames
   Eigen::MatrixXd covariance = B * B.transpose(), power = A;
-  for (int step = 0; step < kMostSteps && covariance.allFinite(); ++step) {
+  for (int step = 0; step < kMostDoublings && covariance.allFinite(); ++step) {
     const Eigen::MatrixXd more = power * covariance * power.transpose();
     covariance += more;
     power = (power * power).eval();

@@ -36,24 +36,24 @@ struct LinearDynamicTexture {
   [[nodiscard]] Eigen::Index pixels() const { return mean.size(); }   ///< m, values of a frame
 };
 
-/// The channel that component i shows, −1 where it shows all.
+/// Returns the channel that component i shows, −1 where it shows all.
 int channel_of(const LinearDynamicTexture& texture, Eigen::Index i);
 
 /// Throws InputError, naming the part, where shapes disagree, a number is not finite, a variance or a
 /// singular value is negative, or A's spectral radius is not below 1. O(m n + N³).
 void validate(const LinearDynamicTexture& texture);
 
-/// The largest absolute eigenvalue of a square matrix, 0 of an empty one; InputError where an entry is not
-/// finite. O(n³).
+/// Returns the largest absolute eigenvalue of a square matrix, 0 of an empty one. InputError where an entry
+/// is not finite. O(n³).
 double spectral_radius(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
-/// P = A P Aᵀ + B Bᵀ, N × N: the covariance of the states in the long run. By doubling, O(n³) a step, some
-/// log₂(40 / (1 − spectral radius)) steps. NumericalError where A is not stable.
+/// Solves P = A P Aᵀ + B Bᵀ, the covariance of the states in the long run, N × N. By doubling, O(n³) a step,
+/// some log₂(40 / (1 − spectral radius)) steps. NumericalError where A is not stable.
 Eigen::MatrixXd stationary_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                       const Eigen::Ref<const Eigen::MatrixXd>& B);
 
-/// The state that is expected where its first n numbers are `shown`: P₍·₁₎ P₍₁₁₎⁻¹ times them, P the
-/// stationary covariance; `shown` itself where N = n. InputError where `shown` has not n numbers. O(N³).
+/// Returns the expected state given its first n numbers, `shown`: P₍·₁₎ P₍₁₁₎⁻¹ times them, P the stationary
+/// covariance. `shown` itself where N = n. InputError where `shown` has not n numbers. O(N³).
 Eigen::VectorXd expected_state(const LinearDynamicTexture& texture,
                                const Eigen::Ref<const Eigen::VectorXd>& shown);
 

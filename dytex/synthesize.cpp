@@ -21,8 +21,9 @@ namespace emberfold::dytex {
 namespace {
 
 constexpr std::size_t kBatch = detail::kBatch;  // frames that one pass over C draws
-constexpr int kLongestLoop = 1'000'000;
-constexpr std::size_t kValues = 1024;                           // of a block
+constexpr int kLongestLoop = 1'000'000;         // frames
+constexpr std::size_t kValues = 1024;           // of a block
+constexpr std::size_t kParts = 16;  // partial sums; fixed, so that results do not depend on threads
 constexpr std::uint32_t kFirst = 1, kDriving = 2, kPixels = 3;  // purposes of streams
 
 Eigen::VectorXd normals(core::Rng rng, Eigen::Index count) {
@@ -56,12 +57,13 @@ Eigen::VectorXd stationary_state(const LinearDynamicTexture& texture, std::uint6
 }
 
 /// The weights of C's columns for a state.
-Eigen::VectorXf shown(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state) {
+Eigen::VectorXf column_weights(const LinearDynamicTexture& texture,
+                               const Eigen::Ref<const Eigen::VectorXd>& state) {
   return texture.weights.cwiseProduct(state.head(texture.components())).cast<float>();
 }
 
 /// v(t) of frame t.
-Eigen::VectorXd driving(const LinearDynamicTexture& texture, core::Rng rng) {
+Eigen::VectorXd driving_noise(const LinearDynamicTexture& texture, core::Rng rng) {
   if (texture.residuals.size() == 0) return normals(rng, texture.B.cols());
   return texture.residuals.col(rng.below(static_cast<std::uint32_t>(texture.residuals.cols())));
 }
@@ -82,8 +84,8 @@ cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) 
 Eigen::MatrixXd driving_circle(const LinearDynamicTexture& texture, const SynthesisOptions& options) {
   Eigen::MatrixXd noise(texture.B.cols(), options.loop);
   for (Eigen::Index t = 0; t < noise.cols(); ++t)
-    noise.col(t) =
-        driving(texture, core::Rng(options.seed, stream(static_cast<std::uint64_t>(t) + 1, 0, kDriving)));
+    noise.col(t) = driving_noise(
+        texture, core::Rng(options.seed, stream(static_cast<std::uint64_t>(t) + 1, 0, kDriving)));
   return noise;
 }
 
@@ -107,7 +109,7 @@ class PixelNoise {
 
 void SynthesisOptions::validate() const {
   if (loop < 0 || loop > kLongestLoop)
-    throw core::InputError("SynthesisOptions.loop is " + std::to_string(loop) + ", allowed is 0 to " +
+    throw core::InputError("SynthesisOptions.loop is " + std::to_string(loop) + "; allowed is 0 to " +
                            std::to_string(kLongestLoop));
   if (from_mean && first_frame)
     throw core::InputError("SynthesisOptions.from_mean is set beside first_frame; allowed is one of them");
@@ -130,7 +132,7 @@ Synthesis::Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions
   } else {
     const Eigen::Index frames = texture.states.cols(), first = *options.first_frame;
     if (first < 0 || first >= frames)
-      throw core::InputError("first_frame is " + std::to_string(first) + ", allowed is 0 to " +
+      throw core::InputError("first_frame is " + std::to_string(first) + "; allowed is 0 to " +
                              std::to_string(frames - 1));
     state_ = texture.states.col(first);
   }
@@ -144,7 +146,7 @@ void Synthesis::step() {
     state_ = circle_.col(static_cast<Eigen::Index>(frame_));
   } else {
     const core::Rng rng(options_.seed, stream(frame_, 0, kDriving));
-    state_ = texture_.A * state_ + texture_.B * driving(texture_, rng);
+    state_ = texture_.A * state_ + texture_.B * driving_noise(texture_, rng);
   }
 }
 
@@ -164,7 +166,7 @@ void Synthesis::render() {
   ready_.clear();
   position_ = 0;
   for (std::size_t i = 0; i < kBatch; ++i) {
-    states.col(static_cast<Eigen::Index>(i)) = shown(texture_, state_);
+    states.col(static_cast<Eigen::Index>(i)) = column_weights(texture_, state_);
     states_.push_back(state_);
     ready_.emplace_back(info.height, info.width, CV_MAKETYPE(CV_8U, info.channels));
     bytes[i] = ready_.back().data;
@@ -192,7 +194,6 @@ void Synthesis::render() {
 
 Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& levels) {
   const cv::Mat flat = flat_levels(texture, levels);
-  constexpr std::size_t kParts = 16;
   const std::size_t blocks = block_count(texture);
   std::vector<Eigen::VectorXd> parts(kParts, Eigen::VectorXd::Zero(texture.components()));
   core::parallel_for(kParts, {}, [&](std::size_t part) {
@@ -213,7 +214,7 @@ cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::
                            std::to_string(texture.order()));
   const core::ClipInfo& info = texture.info;
   cv::Mat levels(info.height, info.width, CV_MAKETYPE(CV_32F, info.channels));
-  const Eigen::VectorXf x = shown(texture, state);
+  const Eigen::VectorXf x = column_weights(texture, state);
   core::parallel_for(block_count(texture), {}, [&](std::size_t block) {
     const Eigen::Index row = first_row(block), rows = row_count(texture, block);
     Eigen::Map<Eigen::VectorXf> to(levels.ptr<float>() + row, rows);

@@ -15,7 +15,7 @@ namespace emberfold::dytex {
 
 struct SynthesisOptions {
   std::uint64_t seed = 1;
-  /// Where x(0) comes from: drawn from the stationary distribution, or a training frame's state, 0 … τ − 1.
+  /// A training frame, 0 … τ − 1, whose state is x(0). None: x(0) is drawn from the stationary distribution.
   std::optional<int> first_frame;
   bool pixel_noise = false;  ///< adds w(t) to every value
   bool from_mean = false;    ///< x(0) = 0: the clip sets out from the mean frame. Not with first_frame
@@ -25,7 +25,7 @@ struct SynthesisOptions {
   /// never. Not with first_frame or from_mean.
   int loop = 0;
 
-  /// InputError naming the field, its value and what is allowed.
+  /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };
 
@@ -39,9 +39,9 @@ class Synthesis {
   Synthesis(const LinearDynamicTexture& texture, const SynthesisOptions& options);
   Synthesis(LinearDynamicTexture&&, const SynthesisOptions&) = delete;
 
-  /// The next frame, its own memory: CV_8U, of the texture's size and channels, white = 255.
+  /// Draws the next frame, in memory of its own: CV_8U, of the texture's size and channels, white = 255.
   cv::Mat next();
-  /// The state of the frame that next() gave last, N; of x(0) before the first.
+  /// Returns the state, N, of the frame that next() gave last; x(0) before the first.
   [[nodiscard]] const Eigen::VectorXd& state() const { return shown_; }
 
  private:
@@ -58,16 +58,16 @@ class Synthesis {
   std::size_t position_ = 0;
 };
 
-/// Cᵀ (y − mean), n: the states' first numbers that show `levels` best, for weights of 1. `levels`: CV_32F of
+/// Projects a frame onto the components: Cᵀ (y − mean), n numbers. `levels`: CV_32F of
 /// the texture's size and channels, white = 255, else InputError. O(m n).
 Eigen::VectorXd project(const LinearDynamicTexture& texture, const cv::Mat& levels);
 
-/// y = mean + C diag(weights) x: CV_32F of the texture's size and channels, not clipped. `state`: N numbers,
-/// or the n that show; else InputError. O(m n).
+/// Draws the frame of a state: mean + C diag(weights) x, CV_32F of the texture's size, not clipped. `state`:
+/// N numbers, or the n that show; else InputError. O(m n).
 cv::Mat draw(const LinearDynamicTexture& texture, const Eigen::Ref<const Eigen::VectorXd>& state);
 
-/// The best guess at the frame after `levels`: the projection of `levels`, the rest of the state as it is
-/// expected beside it, times A, drawn. As project(), expected_state() and draw().
+/// Predicts the frame after `levels`: A times the expected state of its projection, drawn. Throws as
+/// project(), expected_state() and draw().
 cv::Mat predict(const LinearDynamicTexture& texture, const cv::Mat& levels);
 
 }  // namespace emberfold::dytex

@@ -46,7 +46,7 @@ class ClipMeasures {
   [[nodiscard]] Eigen::VectorXd radial() const { return space_ / frames_; }
   [[nodiscard]] Eigen::VectorXd autocorrelation() const { return memory_.values(); }
   [[nodiscard]] const dytex::BinaryPatterns& patterns() const { return patterns_; }
-  [[nodiscard]] const dytex::FlowShares& flow() const { return flow_; }
+  [[nodiscard]] const dytex::FlowHistograms& flow() const { return flow_; }
   [[nodiscard]] double crease_sharpness() const { return sharpness_.mean(); }  ///< 1/px
   [[nodiscard]] double crease_gradient() const { return gradient_.mean(); }    ///< levels/px
   /// ITU-T P.910: the largest of a clip; and its mean, which one odd frame does not make.
@@ -69,7 +69,7 @@ class ClipMeasures {
   dytex::TemporalSpectrum time_;
   dytex::Autocorrelation memory_;
   dytex::BinaryPatterns patterns_;
-  dytex::FlowShares flow_;
+  dytex::FlowHistograms flow_;
   Eigen::VectorXd space_;
   Figure sharpness_, gradient_, si_, ti_;
   cv::Mat last_;

@@ -10,7 +10,8 @@
 #include "core/context.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "dytex/measures/sharpness_si_ti.hpp"
+#include "dytex/measures/psnr.hpp"
+#include "dytex/measures/ssim.hpp"
 #include "pipeline/clip_measures.hpp"
 
 namespace emberfold::pipeline {

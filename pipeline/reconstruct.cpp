@@ -10,7 +10,7 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
-#include "dytex/measures/sharpness_si_ti.hpp"
+#include "dytex/measures/psnr.hpp"
 #include "sketch/inpainting/anchors.hpp"
 
 namespace emberfold::pipeline {
@@ -48,12 +48,8 @@ Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held
   result.bytes = core::to_bytes(drawn.levels);
   cv::Mat shown;
   result.bytes.convertTo(shown, CV_32F);
-  result.psnr = psnr(shown, levels);
+  result.psnr = dytex::psnr(dytex::mean_square_error(shown, levels));
   return result;
-}
-
-double psnr(const cv::Mat& a, const cv::Mat& b) {
-  return dytex::psnr(dytex::mean_square_error(a, b));
 }
 
 nlohmann::ordered_json spread_json(std::span<const double> values) {

@@ -20,12 +20,11 @@ enum class PatchDrawing { fitted, pixels, learned };
 struct Reconstruction {
   cv::Mat bytes;     ///< CV_8U, channels of the frame
   double share = 0;  ///< held: of patches and anchors, 0…1
-  double psnr = 0;   ///< dB against the frame, at most kMostPsnr
+  double psnr = 0;   ///< dB against the frame, at most dytex::kMostPsnr
   bool converged = true;
   int regions = 0;                ///< textures that the ground was drawn with
   double histogram_distance = 0;  ///< of the ground from the frame, 0…1; only with julesz
 };
-constexpr double kMostPsnr = 100;
 
 /// Draws the patches and fills the rest by diffusion; a frame without patches becomes its mean level.
 /// `levels`: CV_32F, white = 255.
@@ -43,10 +42,6 @@ sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat&
 /// Draws the rest of the frame around what is held. Throws core::Cancelled.
 Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held,
                            const sketch::GroundOptions& ground, const core::Context& context = {});
-
-/// 10 log₁₀(255² / MSE) over all pixels and channels of two CV_32F frames; kMostPsnr where they hardly
-/// differ.
-double psnr(const cv::Mat& a, const cv::Mat& b);
 
 /// {"mean", "min", "max", "frames"}, null where there is none.
 nlohmann::ordered_json spread_json(std::span<const double> values);

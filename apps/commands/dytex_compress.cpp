@@ -16,6 +16,7 @@
 #include "apps/pictures/pictures.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
+#include "dytex/measures/psnr.hpp"
 #include "dytex/model/compression.hpp"
 
 namespace emberfold::apps {

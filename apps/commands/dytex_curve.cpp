@@ -36,7 +36,7 @@ void run_curve(const Curving& asked, Session& session) {
   try {
     asked.options.validate();
   } catch (const core::InputError& error) {
-    throw Misuse(with_option_names(error.what()));
+    throw Misuse(with_option_names(without_struct_name(error.what())));
   }
   io::OutputFolder output(asked.output);
   Stages stages;

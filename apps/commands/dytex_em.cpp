@@ -58,7 +58,7 @@ void check_em(const EmAsked& asked, const dytex::LearnOptions& learning) {
   try {
     asked.options.validate();
   } catch (const core::InputError& error) {
-    throw Misuse("--em-" + std::string(error.what()));
+    throw Misuse("--em-" + without_struct_name(error.what()));
   }
 }
 

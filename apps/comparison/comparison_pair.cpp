@@ -12,7 +12,8 @@
 #include "apps/comparison/comparison_words.hpp"
 #include "apps/pictures/side_by_side.hpp"
 #include "core/error.hpp"
-#include "dytex/measures/sharpness_si_ti.hpp"
+#include "dytex/measures/psnr.hpp"
+#include "dytex/measures/ssim.hpp"
 #include "pipeline/clip_strokes.hpp"
 
 namespace emberfold::apps {

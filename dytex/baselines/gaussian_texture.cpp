@@ -15,11 +15,14 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr float kGreatestPole = 0.99F;
-constexpr double kFewest = 0.5;  // pairs of pixels: sums are of whole ones, up to the transform's rounding
+constexpr float kMostPole = 0.99F;   // modulus; a wave forgets itself within some hundred frames
+constexpr double kLeastPairs = 0.5;  // of pixels: counts are whole numbers up to the transform's rounding
+// Turns 32 random bits, as a signed number, into one of variance 1: 2^-32 √12.
+constexpr float kUniformScale = 0x1p-32F * 3.4641016F;
+constexpr std::uint32_t kNoisePurpose = 0x7e87;  // of random streams
 
 /// A size that transforms are fast at, of a frame and the lags beyond it.
-cv::Size padded(cv::Size frame) {
+cv::Size padded_size(cv::Size frame) {
   return {cv::getOptimalDFTSize(frame.width + kTextureReach),
           cv::getOptimalDFTSize(frame.height + kTextureReach)};
 }
@@ -33,7 +36,7 @@ cv::Mat transformed(const cv::Mat& values, cv::Size size) {
 }
 
 /// Where a lag lies in a table that goes round.
-int around(int lag, int length) {
+int wrap_lag(int lag, int length) {
   return ((lag % length) + length) % length;
 }
 
@@ -47,7 +50,7 @@ void each_lag(const Visit& visit) {
 cv::Mat spectrum_of(const cv::Mat& lags, cv::Size size) {
   cv::Mat whole = cv::Mat::zeros(size, CV_32F), spectrum;
   each_lag([&](int x, int y) {
-    whole.at<float>(around(y, size.height), around(x, size.width)) +=
+    whole.at<float>(wrap_lag(y, size.height), wrap_lag(x, size.width)) +=
         lags.at<float>(y + kTextureReach, x + kTextureReach);
   });
   cv::dft(whole, spectrum, cv::DFT_COMPLEX_OUTPUT);
@@ -60,7 +63,7 @@ std::complex<float> at_speed(std::complex<float> pole, float speed) {
 }
 
 /// A full spectrum of real numbers as cv::dft packs it.
-cv::Mat packed(const cv::Mat& full) {
+cv::Mat pack_spectrum(const cv::Mat& full) {
   cv::Mat real, spectrum;
   cv::dft(full, real, cv::DFT_INVERSE | cv::DFT_SCALE | cv::DFT_REAL_OUTPUT);
   cv::dft(real, spectrum);
@@ -69,7 +72,7 @@ cv::Mat packed(const cv::Mat& full) {
 
 }  // namespace
 
-GaussianTextureLearner::GaussianTextureLearner(cv::Size frame) : frame_(frame), padded_(padded(frame)) {
+GaussianTextureLearner::GaussianTextureLearner(cv::Size frame) : frame_(frame), padded_(padded_size(frame)) {
   for (auto* sum : {&within_, &within_count_, &ahead_, &ahead_count_}) *sum = cv::Mat::zeros(padded_, CV_64F);
 }
 
@@ -101,12 +104,12 @@ GaussianTexture GaussianTextureLearner::learned() const {
     cv::dft(sums, sum, cv::DFT_INVERSE | cv::DFT_SCALE);
     cv::dft(counts, count, cv::DFT_INVERSE | cv::DFT_SCALE);
     each_lag([&](int x, int y) {
-      const int row = around(y, padded_.height), column = around(x, padded_.width);
+      const int row = wrap_lag(y, padded_.height), column = wrap_lag(x, padded_.width);
       const auto taper = [](int lag) {
         return (1 + std::cos(std::numbers::pi * lag / (kTextureReach + 1))) / 2;
       };
       if (std::abs(x) < frame_.width && std::abs(y) < frame_.height &&
-          count.at<double>(row, column) > kFewest)
+          count.at<double>(row, column) > kLeastPairs)
         lags.at<float>(y + kTextureReach, x + kTextureReach) = static_cast<float>(
             taper(x) * taper(y) * sum.at<double>(row, column) / count.at<double>(row, column));
     });
@@ -117,7 +120,7 @@ GaussianTexture GaussianTextureLearner::learned() const {
 
 GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv::Size frame,
                                              std::uint64_t seed, std::uint32_t stream, double speed)
-    : frame_(frame), padded_(padded(frame)), seed_(seed), stream_(stream) {
+    : frame_(frame), padded_(padded_size(frame)), seed_(seed), stream_(stream) {
   using Complex = std::complex<float>;
   const cv::Mat power = spectrum_of(texture.within, padded_);
   cv::Mat pole = spectrum_of(texture.ahead, padded_), force(padded_, CV_32FC2), first(padded_, CV_32FC2);
@@ -126,7 +129,7 @@ GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv:
     auto *rho = pole.ptr<Complex>(y), *w = force.ptr<Complex>(y), *z = first.ptr<Complex>(y);
     for (int x = 0; x < power.cols; ++x) {
       const float strength = std::max(0.0F, s[x].real());  // a table of finite means may be off by a little
-      const float size = std::abs(rho[x]), kept = std::min(size, kGreatestPole * strength);
+      const float size = std::abs(rho[x]), kept = std::min(size, kMostPole * strength);
       rho[x] = strength > 0 && size > 0
                    ? at_speed(rho[x] * (kept / size / strength), static_cast<float>(speed))
                    : 0;
@@ -134,19 +137,18 @@ GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv:
       z[x] = std::sqrt(strength);
     }
   }
-  pole_ = packed(pole), force_ = packed(force);
-  cv::mulSpectrums(white(), packed(first), state_, 0);
+  pole_ = pack_spectrum(pole), force_ = pack_spectrum(force);
+  cv::mulSpectrums(white(), pack_spectrum(first), state_, 0);
 }
 
 cv::Mat GaussianTextureFrames::white() {
-  core::Rng rng(seed_, {frames_, stream_, 0x7e87});
+  core::Rng rng(seed_, {frames_, stream_, kNoisePurpose});
   cv::Mat noise(padded_, CV_32F), spectrum;
-  // Of variance 1. Sums over many pixels are normal whatever the terms are.
-  constexpr float scale = 0x1p-32F * 3.4641016F;
+  // Uniform noise will do: sums over many pixels are normal.
   for (int y = 0; y < noise.rows; ++y) {
     auto* row = noise.ptr<float>(y);
     for (int x = 0; x < noise.cols; ++x)
-      row[x] = static_cast<float>(static_cast<std::int32_t>(rng.bits() ^ 0x80000000U)) * scale;
+      row[x] = static_cast<float>(static_cast<std::int32_t>(rng.bits() ^ 0x80000000U)) * kUniformScale;
   }
   cv::dft(noise, spectrum);
   return spectrum;

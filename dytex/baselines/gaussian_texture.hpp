@@ -12,11 +12,11 @@
 // models".)
 namespace emberfold::dytex {
 
-/// Lags go to so many px both ways; a table of them is square, lag 0 in its middle.
+/// Largest lag, px both ways. A table of lags is square, lag 0 in its middle.
 constexpr int kTextureReach = 31;
 constexpr int kTextureLags = 2 * kTextureReach + 1;
 
-/// One number a pixel, mean 0.
+/// Covariances of a stationary Gaussian texture, one number a pixel, mean 0.
 struct GaussianTexture {
   cv::Mat within;  ///< CV_32F, kTextureLags²: E[x(p) x(p + d)], d by row and column
   cv::Mat ahead;   ///< likewise, of the next frame: E[x_t(p) x_{t+1}(p + d)]
@@ -27,11 +27,11 @@ struct GaussianTexture {
 class GaussianTextureLearner {
  public:
   explicit GaussianTextureLearner(cv::Size frame);
-  /// CV_32F values and CV_8U masks of what of them is seen (not 0), of the frame's size. O(pixels log
+  /// Adds a pair of frames: CV_32F values and CV_8U masks (not 0: seen), of the frame's size. O(pixels log
   /// pixels).
   void add(const cv::Mat& now, const cv::Mat& seen_now, const cv::Mat& next, const cv::Mat& seen_next);
-  /// Means over all pairs of pixels so far apart that were seen, drawn to 0 towards the greatest lags (Hann)
-  /// so that what lies beyond them is nothing. 0 at lags that were never seen.
+  /// Returns the means over all seen pairs of pixels at each lag. A Hann window brings them to 0 at the
+  /// largest lags. 0 at lags that were never seen.
   [[nodiscard]] GaussianTexture learned() const;
 
  private:
@@ -41,16 +41,16 @@ class GaussianTextureLearner {
   cv::Mat within_, within_count_, ahead_, ahead_count_;  // spectra, as cv::dft packs them
 };
 
-/// New frames of a texture without an end; the same at any number of threads. Wave k goes
+/// Draws frames of a texture without an end; the same at any number of threads. Wave k goes
 /// z_{t+1} = ρ z_t + √(S (1 − |ρ|²)) w_t with w white, S and ρ S the transforms of `within` and `ahead`,
-/// |ρ| ≤ 0.99: what ρ turns by is drift. Seamless from edge to edge. The first frame is as any other.
+/// |ρ| ≤ 0.99; the angle of ρ is drift. Seamless from edge to edge. The first frame is as any other.
 class GaussianTextureFrames {
  public:
-  /// `stream`: names textures that are drawn with one seed. `speed`: time runs so many times as fast, below 0
-  /// backwards: ρ becomes |ρ|^|speed| and turns by its angle times `speed`; each frame is as strong.
+  /// `stream`: separates textures that are drawn with one seed. `speed`: time runs so many times as fast,
+  /// below 0 backwards: ρ becomes |ρ|^|speed| and turns by its angle times `speed`; each frame is as strong.
   GaussianTextureFrames(const GaussianTexture& texture, cv::Size frame, std::uint64_t seed,
                         std::uint32_t stream = 0, double speed = 1);
-  /// CV_32F. O(pixels log pixels).
+  /// Draws the next frame, CV_32F. O(pixels log pixels).
   cv::Mat next();
 
  private:

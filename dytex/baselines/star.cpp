@@ -12,11 +12,15 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
+#include "core/text/check_range.hpp"
 #include "dytex/baselines/star_waves.hpp"
 
 namespace emberfold::dytex {
 
 namespace {
+
+constexpr int kWarmUpFrames = 64;  // drawn and not shown, so that a clip does not begin at the mean
+constexpr std::uint32_t kNoisePurpose = 0x57A2;  // of random streams
 
 int reach_of(const Star& star) {
   int reach = 0;
@@ -111,7 +115,7 @@ cv::Mat draw_noise(const Star& star, int reach, std::uint64_t seed, std::uint32_
   const int channels = star.info.channels;
   cv::Mat out = padded({star.info.width, star.info.height}, channels, reach);
   core::parallel_for(static_cast<std::size_t>(star.info.height), {}, [&](std::size_t row) {
-    core::Rng rng(seed, {frame, static_cast<std::uint32_t>(row), 0x57A2});
+    core::Rng rng(seed, {frame, static_cast<std::uint32_t>(row), kNoisePurpose});
     Eigen::VectorXd white(channels);
     for (int x = 0; x < star.info.width; ++x) {
       for (auto& value : white) value = rng.normal();
@@ -133,10 +137,8 @@ int Star::lags() const {
 }
 
 void StarOptions::validate() const {
-  if (reach < 1 || reach > 4)
-    throw core::InputError("StarOptions.reach is " + std::to_string(reach) + "; allowed is 1 to 4");
-  if (lags < 1 || lags > 2)
-    throw core::InputError("StarOptions.lags is " + std::to_string(lags) + "; allowed is 1 to 2");
+  core::check_range("StarOptions.reach", reach, 1, 4);
+  core::check_range("StarOptions.lags", lags, 1, 2);
 }
 
 std::vector<StarTerm> star_terms(const StarOptions& options) {
@@ -212,10 +214,9 @@ StarSynthesis::StarSynthesis(const Star& star, std::uint64_t seed) : star_(star)
   if (!(radius < 1))
     throw core::InputError("STAR: the model is not stable, its spectral radius is " + std::to_string(radius) +
                            "; allowed is below 1");
-  constexpr int kUnseen = 64;
   const auto lags = static_cast<std::size_t>(star.lags());
   past_.assign(lags, padded({star.info.width, star.info.height}, star.info.channels, reach_of(star)));
-  for (int i = 0; i < kUnseen; ++i) next();
+  for (int i = 0; i < kWarmUpFrames; ++i) next();
 }
 
 cv::Mat StarSynthesis::next() {

@@ -36,7 +36,7 @@ struct Star {
   Eigen::VectorXd coefficients;  ///< one for each term
   Eigen::MatrixXd noise;         ///< channels × channels, lower triangular: a = noise · N(0, I)
 
-  /// Frames back that the oldest neighbour lies.
+  /// Returns the largest lag of the terms, frames.
   [[nodiscard]] int lags() const;
 };
 
@@ -44,11 +44,11 @@ struct StarOptions {
   int reach = 1;  ///< px, 1 … 4: neighbours at most so far across and down
   int lags = 2;   ///< frames, 1 … 2
 
-  /// InputError naming the field, its value and what is allowed.
+  /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };
 
-/// The neighbours: of the same frame those before the pixel in the order of rows, and all of `lags` frames
+/// Lists the neighbours: those before the pixel in the order of rows of its frame, and all of `lags` frames
 /// before it; (2 reach + 1) reach + reach + lags (2 reach + 1)² of them.
 std::vector<StarTerm> star_terms(const StarOptions& options);
 
@@ -56,9 +56,9 @@ std::vector<StarTerm> star_terms(const StarOptions& options);
 /// than 16 px or 2 frames, or a number is not finite.
 void validate(const Star& star);
 
-/// By how much the slowest wave in an endless frame grows from frame to frame, below 1 where the model is
-/// stable: the largest root of λ² = f₁(ω) λ + f₂(ω) over 64 × 64 frequencies ω in space, f the transforms of
-/// the coefficients of each lag.
+/// Returns the growth of the slowest wave in an endless frame from frame to frame, below 1 where the model is
+/// stable. It is the largest root of λ² = f₁(ω) λ + f₂(ω) over 64 × 64 frequencies ω in space, f the
+/// transforms of the coefficients of each lag.
 double spectral_radius(const Star& star);
 
 struct StarResult {
@@ -67,21 +67,21 @@ struct StarResult {
   std::vector<std::string> notes;   ///< a line for everything that was not taken as fitted
 };
 
-/// Least squares over pixels with all their neighbours in the frame: all of them, or 2^16 drawn evenly; first
-/// of the frames before, then of what that leaves. The source is read three times, some frames at a time.
-/// Where the fit is not stable its coefficients of lag l are scaled by γˡ, which scales every λ by γ, to a
-/// radius of 0.998, and the noise so that clips vary as the source does. InputError where there are too few
-/// frames (lags + 2) or the frame is too small (4 reach + 2).
+/// Learns by least squares over pixels with all their neighbours in the frame: all of them, or 2^16 drawn
+/// evenly; first of the frames before, then of what that leaves. The source is read three times, some frames
+/// at a time. Where the fit is not stable its coefficients of lag l are scaled by γˡ, which scales every λ by
+/// γ, to a radius of 0.998, and the noise so that clips vary as the source does. InputError where there are
+/// too few frames (lags + 2) or the frame is too small (4 reach + 2).
 StarResult learn_star(core::FrameSource& source, const StarOptions& options = {},
                       const core::Context& context = {});
 
-/// What is expected 1 … steps frames after `past`, whose last frame is the newest: at least lags() frames of
-/// CV_32F, of the model's size and channels, white = 255; not clipped. InputError where they do not fit.
+/// Predicts the frames 1 … steps after `past`, whose last frame is the newest. `past`: at least lags() frames
+/// of CV_32F, of the model's size and channels, white = 255; not clipped. InputError where they do not fit.
 /// O(pixels · terms) a step.
 std::vector<cv::Mat> predict(const Star& star, std::span<const cv::Mat> past, int steps);
 
 /// An endless clip drawn from a model; it sets out from the mean and runs for 64 frames that are not shown.
-/// Frame t hangs on the model, the seed and t alone. O(pixels · terms) a frame.
+/// Frame t depends on the model, the seed and t alone. O(pixels · terms) a frame.
 class StarSynthesis {
  public:
   /// `star` must outlive the synthesis. InputError where it is not valid, or not stable (told with its
@@ -89,7 +89,7 @@ class StarSynthesis {
   StarSynthesis(const Star& star, std::uint64_t seed);
   StarSynthesis(Star&&, std::uint64_t) = delete;
 
-  /// The next frame: CV_8U, of the model's size and channels, white = 255.
+  /// Draws the next frame: CV_8U, of the model's size and channels, white = 255.
   cv::Mat next();
 
  private:

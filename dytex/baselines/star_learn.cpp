@@ -17,8 +17,12 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr double kUnstable = 0.999, kTaken = 0.998;
-constexpr double kSamples = 1 << 16;  // pixels of all frames
+constexpr double kMostRadius = 0.999;     // from here on a fit is scaled: it would vary for a thousand frames
+constexpr double kScaledRadius = 0.998;   // spectral radius that it is scaled to
+constexpr double kMostSamples = 1 << 16;  // pixels of all frames that least squares reads
+constexpr double kRidge = 1e-9;           // of the mean square: neighbours that always agree stay apart
+constexpr int kResponseRows = 64, kResponseWidth = 129;  // px, of the impulse response that is looked at
+constexpr std::uint32_t kSamplePurpose = 0x57A1;         // of random streams
 
 struct Mean {
   Eigen::VectorXd sum, squares;  // of a frame's values
@@ -33,7 +37,8 @@ Eigen::Map<const Eigen::VectorXf> as_vector(const cv::Mat& levels) {
 Mean read_mean(core::FrameSource& source, const core::Context& context) {
   Mean mean;
   source.rewind();
-  for (cv::Mat frame = source.next(); !frame.empty() && !context.cancelled(); frame = source.next()) {
+  for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next()) {
+    context.check();
     const cv::Mat levels = core::to_levels(frame, source.info());
     const Eigen::VectorXd values = as_vector(levels).cast<double>();
     if (!values.allFinite()) throw core::InputError("STAR: a frame has a value that is not finite");
@@ -84,18 +89,19 @@ Sums read_sums(core::FrameSource& source, const Star& star, int margin, Eigen::I
                const core::Context& context) {
   const int lags = star.lags();
   const auto frames = static_cast<double>(*star.info.frames);
-  const auto taken = static_cast<std::size_t>(std::ceil(kSamples / (frames - lags)));
+  const auto taken = static_cast<std::size_t>(std::ceil(kMostSamples / (frames - lags)));
   const auto size = length * star.info.channels;
   Sums sums{Eigen::MatrixXd::Zero(size, size)};
   Past past;
   source.rewind();
   std::uint32_t t = 0;
-  for (cv::Mat frame = source.next(); !frame.empty() && !context.cancelled(); frame = source.next(), ++t) {
+  for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next(), ++t) {
+    context.check();
     cv::Mat levels = core::to_levels(frame, source.info()).clone();
     Eigen::Map<Eigen::VectorXf>(levels.ptr<float>(), star.mean.size()) -= star.mean;
     past.push_back(levels);
     if (past.size() <= static_cast<std::size_t>(lags)) continue;
-    add_frame(past, margin, taken, core::Rng(0, {t, 0, 0x57A1}), row, sums);
+    add_frame(past, margin, taken, core::Rng(0, {t, 0, kSamplePurpose}), row, sums);
     past.pop_front();
     context.report("STAR", std::min(1.0, (t + 1.0) / frames));
   }
@@ -111,8 +117,7 @@ Eigen::VectorXd least_squares(const Sums& sums, int channels) {
   Eigen::MatrixXd among = gram.topLeftCorner(terms, terms);
   const double size = among.trace() / static_cast<double>(terms);
   if (!(size > 0)) return Eigen::VectorXd::Zero(terms);
-  // A billionth keeps neighbours that always agree from standing against each other.
-  among.diagonal().array() += 1e-9 * size;
+  among.diagonal().array() += kRidge * size;
   return detail::right_divide(gram.row(terms).head(terms), among).transpose();
 }
 
@@ -195,15 +200,14 @@ double variance_gain(const Star& star) {
 
 // Of a single frame's filter: whether what one pixel starts dies away over the rows below it.
 bool grows_downwards(const Star& star) {
-  constexpr int kRows = 64, kWidth = 129;
-  Eigen::MatrixXd response = Eigen::MatrixXd::Zero(kRows, kWidth);
-  for (int y = 0; y < kRows; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      double value = y == 0 && x == kWidth / 2 ? 1 : 0;
+  Eigen::MatrixXd response = Eigen::MatrixXd::Zero(kResponseRows, kResponseWidth);
+  for (int y = 0; y < kResponseRows; ++y)
+    for (int x = 0; x < kResponseWidth; ++x) {
+      double value = y == 0 && x == kResponseWidth / 2 ? 1 : 0;
       for (std::size_t i = 0; i < star.terms.size(); ++i) {
         const auto& term = star.terms[i];
         const int u = x + term.x, v = y + term.y;
-        if (term.lag == 0 && u >= 0 && u < kWidth && v >= 0)
+        if (term.lag == 0 && u >= 0 && u < kResponseWidth && v >= 0)
           value += star.coefficients(static_cast<Eigen::Index>(i)) * response(v, u);
       }
       response(y, x) = value;
@@ -212,7 +216,7 @@ bool grows_downwards(const Star& star) {
          response.bottomRows(8).cwiseAbs().maxCoeff() >= response.topRows(8).cwiseAbs().maxCoeff();
 }
 
-void steady(double variance, StarResult& result) {
+void stabilise(double variance, StarResult& result) {
   auto& star = result.star;
   const auto scale = [&](double share, bool same_frame) {
     for (std::size_t i = 0; i < star.terms.size(); ++i) {
@@ -226,12 +230,12 @@ void steady(double variance, StarResult& result) {
   if (changed)
     result.notes.emplace_back("disturbances grow from row to row: neighbours of the same frame are scaled");
   result.least_squares_radius = spectral_radius(star);
-  if (result.least_squares_radius >= kUnstable) {
+  if (result.least_squares_radius >= kMostRadius) {
     std::ostringstream note;
     note << "the fit is not stable (spectral radius " << result.least_squares_radius << "): it is scaled to "
-         << kTaken;
+         << kScaledRadius;
     result.notes.push_back(note.str());
-    scale(kTaken / result.least_squares_radius, false);
+    scale(kScaledRadius / result.least_squares_radius, false);
     changed = true;
   }
   const double drawn = variance_gain(star) * star.noise.squaredNorm() / star.info.channels;
@@ -249,7 +253,6 @@ StarResult learn_star(core::FrameSource& source, const StarOptions& options, con
                            std::to_string(options.reach));
   StarResult result;
   const auto mean = read_mean(source, context);
-  context.check();
   if (mean.frames < options.lags + 2)
     throw core::InputError("STAR: " + std::to_string(mean.frames) + " frames are too few; " +
                            std::to_string(options.lags) + " lags need at least " +
@@ -260,9 +263,8 @@ StarResult learn_star(core::FrameSource& source, const StarOptions& options, con
   star.mean = average.cast<float>();
   star.terms = star_terms(options);
   fit(source, options.reach, star, context);
-  context.check();
   const double variance = (mean.squares / mean.frames - average.cwiseAbs2()).cwiseMax(0.0).mean();
-  steady(variance, result);
+  stabilise(variance, result);
   return result;
 }
 

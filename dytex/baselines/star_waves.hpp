@@ -15,7 +15,7 @@ struct Wave {
   std::complex<double> first, second, gain;
 };
 
-/// Calls take for 64 × 64 frequencies in space (half of them: the others are conjugates).
+/// Calls `take` for 64 × 64 frequencies in space, of which half suffice: the others are conjugates.
 inline void for_each_wave(const Star& star, const std::function<void(const Wave&)>& take) {
   constexpr int kSide = 64;
   for (int v = 0; v <= kSide / 2; ++v)

@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/text/check_range.hpp"
 #include "dytex/distances/pair_gram.hpp"
 #include "dytex/learning/decompositions.hpp"
 
@@ -71,9 +72,7 @@ double normalised_kernel(const LinearDynamicTexture& p, const LinearDynamicTextu
 }  // namespace
 
 void BinetCauchyOptions::validate() const {
-  if (!(discount >= 0.001 && discount <= 50))
-    throw core::InputError("BinetCauchyOptions.discount is " + std::to_string(discount) +
-                           ", allowed is 0.001 to 50");
+  core::check_range("BinetCauchyOptions.discount", discount, 0.001, 50);
 }
 
 Eigen::VectorXd subspace_angles(const LinearDynamicTexture& p, const LinearDynamicTexture& q) {
@@ -162,10 +161,9 @@ std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> model
   for (std::size_t i = 0; i < models.size(); ++i)
     for (std::size_t j = i; j < models.size(); ++j) places.emplace_back(i, j);
   std::vector<Distances> result(places.size());
-  const auto status = core::parallel_for(places.size(), context, [&](std::size_t k) {
+  core::parallel_for(places.size(), context, [&](std::size_t k) {
     result[k] = distances(models[places[k].first], models[places[k].second], options);
   });
-  if (status == core::Status::cancelled) return {};
   return result;
 }
 

@@ -16,26 +16,26 @@
 /// for the products of the components, O(m n²); the rest is O(n³) a step of a doubling.
 namespace emberfold::dytex {
 
-/// The rate at which clips of `p` become unlike clips of `q`: lim KL(p_T ‖ q_T) / T of the densities of T
-/// frames, nats a frame, ≥ 0. Not symmetric. Means count. What is below the rounding of its terms is 0.
+/// Returns the KL divergence rate of clips of `p` from clips of `q`: lim KL(p_T ‖ q_T) / T of the densities
+/// of T frames, nats a frame, ≥ 0. Not symmetric. Means count. A rate below the rounding of its terms is 0.
 /// InputError where a model's noise r is 0, for then the rate is infinite.
 double kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture& q);
 
-/// KL(p_T ‖ q_T) of clips of T = 1 … length frames that begin in the stationary state, nats (Soatto,
+/// Returns KL(p_T ‖ q_T) of clips of T = 1 … length frames that begin in the stationary state, nats (Soatto,
 /// Doretto, Wu 2001, section 4.4 and Fig. 3). length is 1 … 100,000. As kl_rate() else. O(length n³).
 Eigen::VectorXd kl_growth(const LinearDynamicTexture& p, const LinearDynamicTexture& q, int length,
                           const core::Context& context = {});
 
-/// Angles between the two spaces of all courses that the frames can take by themselves, the columns of
-/// [C; C A; C A²; …] without end (De Cock, De Moor 2002): rad, 0 … π/2, rising, as many as the smaller model
-/// has observable states. Angles below some 1e-6 rad, the rounding, are 0. Means and noise do not count.
-/// InputError where a model has no components.
+/// Returns the angles between the observability spaces of two models, the columns of [C; C A; C A²; …] (De
+/// Cock, De Moor 2002): rad, 0 … π/2, rising, as many as the smaller model has observable states. Angles
+/// below some 1e-6 rad, the rounding, are 0. Means and noise do not count. InputError where a model has no
+/// components.
 Eigen::VectorXd subspace_angles(const LinearDynamicTexture& p, const LinearDynamicTexture& q);
 
-/// √(−2 Σ log cos θ) over these angles (Martin 2000; De Cock, De Moor 2002, eq. 16); infinite where one is
-/// right.
+/// Returns Martin's distance √(−2 Σ log cos θ) over these angles (Martin 2000; De Cock, De Moor 2002, eq.
+/// 16); infinite where one is right.
 double martin_distance(const Eigen::Ref<const Eigen::VectorXd>& angles);
-/// √(Σ θ²), rad: the length of the shortest way from one space to the other.
+/// Returns the Grassmann distance √(Σ θ²), rad: the length of the geodesic from one space to the other.
 double grassmann_distance(const Eigen::Ref<const Eigen::VectorXd>& angles);
 
 struct BinetCauchyOptions {
@@ -43,12 +43,12 @@ struct BinetCauchyOptions {
   /// Clips begin at the state of the first training frame; else at rest.
   bool first_frame = false;
 
-  /// InputError naming the field, its value and what is allowed.
+  /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };
 
-/// The trace kernel k = E Σ_t e^{−λt} y_p(t)ᵀ y_q(t) of frames less their mean and without w (Vishwanathan,
-/// Smola, Vidal 2007, eq. 28), with M = Σ_t e^{−λt} (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ:
+/// Returns the trace kernel k = E Σ_t e^{−λt} y_p(t)ᵀ y_q(t) of frames less their mean and without w
+/// (Vishwanathan, Smola, Vidal 2007, eq. 28), with M = Σ_t e^{−λt} (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ:
 ///   k = x_p(0)ᵀ M x_q(0) + tr(Mᵀ E[v_p v_qᵀ]) / (e^λ − 1).
 /// The paper has both models driven by the same noise but leaves open in which coordinates. Here it is one
 /// white image u that drives both, v = Q^½ Cᵀ u: so k does not depend on the states' coordinates, and
@@ -56,7 +56,7 @@ struct BinetCauchyOptions {
 double binet_cauchy(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
                     const BinetCauchyOptions& options = {});
 
-/// All of them of one pair.
+/// All distances of one pair.
 struct Distances {
   std::optional<double> kl, kl_back;  ///< KL rates of p from q and of q from p; none where a noise r is 0
   Eigen::VectorXd angles;             ///< none where a model has no components
@@ -65,24 +65,25 @@ struct Distances {
 
 enum class Measure { kl, martin, binet_cauchy, angles };
 constexpr Measure kMeasures[] = {Measure::kl, Measure::martin, Measure::binet_cauchy, Measure::angles};
-/// "kl", "martin", "binet-cauchy", "angles"
+/// Returns "kl", "martin", "binet-cauchy" or "angles".
 const char* name(Measure measure);
 
-/// One number: the KL rate of p from q, Martin's distance, √(2 − 2 k) of the normalised kernel, or the
-/// Grassmann distance. 0 for equals. InputError where `distances` has no such number.
+/// Returns one distance: the KL rate of p from q, Martin's distance, √(2 − 2 k) of the normalised kernel, or
+/// the Grassmann distance. 0 for equals. InputError where `distances` has no such number.
 double distance(const Distances& distances, Measure measure);
 
+/// Computes all distances of one pair.
 Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
                     const BinetCauchyOptions& options = {});
 
-/// Of every pair i ≤ j, row by row: (0, 0), (0, 1) … (0, K − 1), (1, 1) …. The same bytes at any thread
-/// count; empty where it was cancelled. InputError names the model ("model 3: …", from 0) that does not fit
-/// the first.
+/// Computes the distances of every pair i ≤ j, row by row: (0, 0), (0, 1) … (0, K − 1), (1, 1) …. The same
+/// bytes at any thread count; InputError names the model ("model 3: …", from 0) that does not fit the first.
 std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> models,
                                      const BinetCauchyOptions& options = {},
                                      const core::Context& context = {});
 
-/// The K × K matrix of one measure from what all_distances() gave: entry (i, j) is the distance of i from j.
+/// Makes the K × K matrix of one measure from the pairs of all_distances(): entry (i, j) is the distance of i
+/// from j.
 Eigen::MatrixXd distance_matrix(std::span<const Distances> pairs, Measure measure);
 
 }  // namespace emberfold::dytex

@@ -4,11 +4,10 @@
 #include <limits>
 #include <string>
 
-#include <Eigen/LU>
-
 #include "core/error.hpp"
 #include "dytex/distances/distances.hpp"
 #include "dytex/distances/pair_gram.hpp"
+#include "dytex/learning/decompositions.hpp"
 
 // KL(p ‖ q) frame by frame: the filter of q runs over frames of p. With x̂ what it expects of its state,
 //   z = [x_p; x̂_q; 1],   e = y − ŷ_q = H z + w,   H = [C_p, −C_q, mean_p − mean_q],
@@ -17,6 +16,10 @@
 namespace emberfold::dytex {
 
 namespace {
+
+constexpr int kMostDoublings = 64;           // 2^64 frames
+constexpr double kRelativeRounding = 1e-13;  // of a sum's terms; a divergence below it is 0
+constexpr int kMostFrames = 100'000;         // of kl_growth()
 
 struct Process {
   Eigen::MatrixXd A, Q;
@@ -41,23 +44,22 @@ void check_noise(const LinearDynamicTexture& texture, const char* which) {
 double log_det(const Eigen::MatrixXd& K, const Eigen::MatrixXd& P) {
   if (K.size() == 0) return 0;
   const Eigen::MatrixXd sum = Eigen::MatrixXd::Identity(K.rows(), K.rows()) + K * P;
-  return sum.partialPivLu().matrixLU().diagonal().array().abs().log().sum();
+  return detail::LuFactors(sum).log_determinant();
 }
 
 Eigen::MatrixXd updated(const Eigen::MatrixXd& K, const Eigen::MatrixXd& P) {
   if (K.size() == 0) return P;
   const Eigen::MatrixXd sum = Eigen::MatrixXd::Identity(K.rows(), K.rows()) + P * K;
-  const Eigen::MatrixXd left = sum.partialPivLu().solve(P);
+  const Eigen::MatrixXd left = detail::LuFactors(sum).solve(P);
   return (left + left.transpose()) / 2;
 }
 
 /// P = A (P⁻¹ + K)⁻¹ Aᵀ + Q, what the filter does not know of the next state in the long run, by doubling.
 Eigen::MatrixXd steady_covariance(const Process& process) {
-  constexpr int kMostSteps = 64;
   const Eigen::Index n = process.A.rows();
   Eigen::MatrixXd A = process.A.transpose(), G = process.K, P = process.Q;
-  for (int step = 0; step < kMostSteps && n > 0; ++step) {
-    const auto lu = Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n) + G * P).partialPivLu();
+  for (int step = 0; step < kMostDoublings && n > 0; ++step) {
+    const detail::LuFactors lu(Eigen::MatrixXd::Identity(n, n) + G * P);
     const Eigen::MatrixXd solved_A = lu.solve(A), solved_G = lu.solve(G);
     const Eigen::MatrixXd more = A.transpose() * P * solved_A;
     G += A * solved_G * A.transpose();
@@ -129,7 +131,6 @@ Step step_of(const Pair& pair, const Eigen::MatrixXd& left) {
 /// The divergence of one frame given those before it; 0 where it is not above the rounding of its terms.
 double frame_divergence(const Pair& pair, const Eigen::MatrixXd& P_p, const Eigen::MatrixXd& P_q,
                         const Eigen::MatrixXd& left, const Eigen::MatrixXd& moments) {
-  constexpr double kRounding = 1e-13;
   const Eigen::Index p = pair.p.A.rows(), q = pair.q.A.rows();
   const auto rows = pair.products.middleRows(p, q);
   const double all = (pair.products * moments).trace();
@@ -137,7 +138,7 @@ double frame_divergence(const Pair& pair, const Eigen::MatrixXd& P_p, const Eige
   const double log_p = log_det(pair.p.K, P_p), log_q = log_det(pair.q.K, P_q);
   const double value = (pair.noises + all - explained + log_q - log_p) / 2;
   const double size = pair.noises + std::abs(all) + std::abs(explained) + std::abs(log_p) + std::abs(log_q);
-  return value > kRounding * size ? value : 0;
+  return value > kRelativeRounding * size ? value : 0;
 }
 
 }  // namespace
@@ -156,8 +157,8 @@ double detail::kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture
   Eigen::MatrixXd moments = Eigen::MatrixXd::Constant(1, 1, 1);
   if (states > 0) {
     const Eigen::MatrixXd F = step.F.topLeftCorner(states, states);
-    const Eigen::VectorXd mean =
-        (Eigen::MatrixXd::Identity(states, states) - F).partialPivLu().solve(step.F.col(states).head(states));
+    const Eigen::VectorXd mean = detail::LuFactors(Eigen::MatrixXd::Identity(states, states) - F)
+                                     .solve_vector(step.F.col(states).head(states));
     moments.resize(states + 1, states + 1);
     moments.topLeftCorner(states, states) =
         detail::doubled_sum(F, F.transpose(), step.W.topLeftCorner(states, states)) + mean * mean.transpose();
@@ -169,10 +170,9 @@ double detail::kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture
 
 Eigen::VectorXd kl_growth(const LinearDynamicTexture& p, const LinearDynamicTexture& q, int length,
                           const core::Context& context) {
-  constexpr int kLongest = 100'000;
-  if (length < 1 || length > kLongest)
-    throw core::InputError("length is " + std::to_string(length) + ", allowed is 1 to " +
-                           std::to_string(kLongest));
+  if (length < 1 || length > kMostFrames)
+    throw core::InputError("length is " + std::to_string(length) + "; allowed is 1 to " +
+                           std::to_string(kMostFrames));
   const Pair pair = make_pair(p, q, detail::pair_gram(p, q));
   Eigen::MatrixXd P_p = stationary_covariance(p.A, p.B), P_q = stationary_covariance(q.A, q.B);
   const Eigen::Index size = pair.products.rows();
@@ -182,7 +182,7 @@ Eigen::VectorXd kl_growth(const LinearDynamicTexture& p, const LinearDynamicText
   Eigen::VectorXd sum(length);
   double total = 0;
   for (int t = 0; t < length; ++t) {
-    if (context.cancelled()) return sum.head(t);
+    context.check();
     context.report("growth", static_cast<double>(t) / length);
     const Eigen::MatrixXd left_p = updated(pair.p.K, P_p), left_q = updated(pair.q.K, P_q);
     total += frame_divergence(pair, P_p, P_q, left_q, moments);

@@ -15,7 +15,8 @@ namespace emberfold::dytex::detail {
 namespace {
 
 constexpr Eigen::Index kRows = 512;  // values of a block
-constexpr Eigen::Index kParts = 16;  // in which blocks are summed, whatever the number of threads
+constexpr Eigen::Index kParts = 16;  // partial sums; fixed, so that results do not depend on threads
+constexpr int kMostDoublings = 64;   // 2^64 frames
 
 std::string size_text(const core::ClipInfo& info) {
   return std::to_string(info.width) + "×" + std::to_string(info.height) +
@@ -23,8 +24,8 @@ std::string size_text(const core::ClipInfo& info) {
 }
 
 /// The products of components at the places of the numbers that show them: 0 for those that no frame shows.
-Eigen::MatrixXd spread(const Eigen::MatrixXd& gram, const LinearDynamicTexture& p,
-                       const LinearDynamicTexture& q) {
+Eigen::MatrixXd place_products(const Eigen::MatrixXd& gram, const LinearDynamicTexture& p,
+                               const LinearDynamicTexture& q) {
   std::vector<Eigen::Index> places;
   for (Eigen::Index i = 0; i < p.components(); ++i) places.push_back(i);
   for (Eigen::Index i = 0; i < q.components(); ++i) places.push_back(p.order() + i);
@@ -69,8 +70,8 @@ PairGram pair_gram(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
   const Eigen::MatrixXd sum = parts[0].selfadjointView<Eigen::Lower>();
   Eigen::VectorXd weights(size);
   weights << p.weights, q.weights, 1;
-  PairGram result{p.order(), q.order(), spread(sum, p, q), {}};
-  result.shown = spread(weights.asDiagonal() * sum * weights.asDiagonal(), p, q);
+  PairGram result{p.order(), q.order(), place_products(sum, p, q), {}};
+  result.shown = place_products(weights.asDiagonal() * sum * weights.asDiagonal(), p, q);
   return result;
 }
 
@@ -90,8 +91,7 @@ bool has_noise(const LinearDynamicTexture& texture) {
 }
 
 Eigen::MatrixXd doubled_sum(Eigen::MatrixXd F, Eigen::MatrixXd G, Eigen::MatrixXd W) {
-  constexpr int kMostSteps = 64;  // 2^64 frames
-  for (int step = 0; step < kMostSteps && W.allFinite(); ++step) {
+  for (int step = 0; step < kMostDoublings && W.allFinite(); ++step) {
     const Eigen::MatrixXd more = F * W * G;
     W += more;
     F = (F * F).eval();

@@ -7,14 +7,14 @@
 
 namespace emberfold::dytex::detail {
 
-/// What the frames of two textures have in common: the Gram matrices of [C_p 0, C_q 0, mean_p − mean_q], a
+/// Gram matrices of two textures together: of [C_p 0, C_q 0, mean_p − mean_q], a
 /// column for each number of the states and one for the means.
 struct PairGram {
   Eigen::Index p = 0, q = 0;  ///< orders of the two
   Eigen::MatrixXd bare;       ///< (p + q + 1)², of C as it is
-  Eigen::MatrixXd shown;      ///< of C diag(weights), which is what frames show
+  Eigen::MatrixXd shown;      ///< of C diag(weights), as frames show it
 
-  /// That of the pair (q, p).
+  /// Returns the Gram matrices of the pair (q, p).
   [[nodiscard]] PairGram swapped() const;
 };
 inline auto block_pp(const PairGram& pair, const Eigen::MatrixXd& gram) {
@@ -27,21 +27,21 @@ inline auto block_qq(const PairGram& pair, const Eigen::MatrixXd& gram) {
   return gram.block(pair.p, pair.p, pair.q, pair.q);
 }
 
-/// InputError unless both have frames of the same size and channels.
+/// Throws InputError unless both have frames of the same size and channels.
 void check_pair(const LinearDynamicTexture& p, const LinearDynamicTexture& q);
 
-/// Sums over a frame's values, each with its factor ≥ 0 (1 where `factors` is empty), in double, in an order
-/// of their own whatever the number of threads. O(m (n_p + n_q)²).
+/// Computes the Gram matrices over a frame's values, each with its factor ≥ 0 (1 where `factors` is empty).
+/// In double, in a fixed order at any thread count. O(m (n_p + n_q)²).
 PairGram pair_gram(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
                    const Eigen::VectorXd& factors = {});
 
-/// Whether the variance w has is above 0 in all of the frame's values.
+/// Tells whether the noise variance is above 0 in all of the frame's values.
 bool has_noise(const LinearDynamicTexture& texture);
 
-/// dytex::kl_rate with the products already at hand, those without factors.
+/// Returns dytex::kl_rate() from Gram matrices without factors.
 double kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture& q, const PairGram& gram);
 
-/// X = F X G + W by doubling. NumericalError where the sum does not come to an end.
+/// Solves X = F X G + W by doubling. NumericalError where it does not converge.
 Eigen::MatrixXd doubled_sum(Eigen::MatrixXd F, Eigen::MatrixXd G, Eigen::MatrixXd W);
 
 }  // namespace emberfold::dytex::detail

@@ -5,9 +5,10 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <sstream>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
+#include "core/text/format_number.hpp"
 #include "dytex/editing/edit_dynamics.hpp"
 #include "dytex/editing/edit_groups.hpp"
 #include "dytex/learning/decompositions.hpp"
@@ -22,8 +23,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kFastest = 3, kStrongest = 3, kHeaviest = 10, kLeastFlow = 0.01, kMostFlow = 100;
-constexpr Index kCoarse = 5, kMedium = 15;  // the last component of the group
+// Largest and smallest factors of edits; the scales of Doretto, Soatto 2003 go to 2.
+constexpr double kMostSpeed = 3, kMostIntensity = 3, kMostWeight = 10, kLeastFlow = 0.01, kMostFlow = 100;
+// Number of the last component of the coarse and of the medium group (Doretto, Soatto 2003, eq. 3).
+constexpr Index kLastCoarse = 5, kLastMedium = 15;
+constexpr double kReportedCut = 1e-9;  // share of the noise; a smaller cut is rounding
 
 template <class... Each>
 struct Overloaded : Each... {
@@ -32,22 +36,10 @@ struct Overloaded : Each... {
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
-std::string text_of(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
-
-void check(const std::string& name, double value, double least, double most) {
-  if (!(value >= least && value <= most))
-    throw core::InputError(name + " is " + text_of(value) + ", allowed is " + text_of(least) + " to " +
-                           text_of(most));
-}
-
 void check_all(const std::string& name, const std::vector<double>& values, double most) {
   if (values.empty()) throw core::InputError(name + " is empty, must have at least one number");
   for (std::size_t i = 0; i < values.size(); ++i)
-    check(name + "[" + std::to_string(i) + "]", values[i], 0, most);
+    core::check_range(name + "[" + std::to_string(i) + "]", values[i], 0, most);
 }
 
 /// The texture on its way, and what an edit acts on.
@@ -71,7 +63,7 @@ double contrast(const LinearDynamicTexture& texture, const Group& group, const M
   return shown > 0 ? shown : variances.sum();
 }
 
-void tell(Work& work, const detail::EditedDynamics& edited) {
+void note_losses(Work& work, const detail::EditedDynamics& edited) {
   work.result.dropped += edited.dropped;
   if (edited.dropped > 0)
     work.note(std::to_string(edited.dropped) + " of the poles became 0: their phase would have passed pi");
@@ -82,14 +74,15 @@ void tell(Work& work, const detail::EditedDynamics& edited) {
   if (edited.together > 0)
     work.note(std::to_string(edited.together) +
               " of the poles lie too close together and were turned as one");
-  if (edited.cut > 1e-9)
-    work.note("no noise keeps the covariance exactly at this pace: " + text_of(100 * edited.cut) +
-              " % of the noise that would was negative and was cut");
+  if (edited.cut > kReportedCut)
+    work.note(
+        "no noise keeps the covariance exactly at this pace: " + core::significant_text(100 * edited.cut, 6) +
+        " % of the noise that would was negative and was cut");
 }
 
 /// Gives the group its new dynamics. Where the noise has more inputs than before, what it was drawn from
 /// goes.
-void put(Work& work, const Group& group, const detail::EditedDynamics& edited) {
+void store_group(Work& work, const Group& group, const detail::EditedDynamics& edited) {
   LinearDynamicTexture& texture = work.texture();
   texture.A(group.states, group.states) = edited.A;
   if (edited.B.cols() > texture.B.cols()) {
@@ -118,8 +111,8 @@ void change_dynamics(Work& work, const Change& change, bool keep_noise, bool res
       const double after = contrast(work.texture(), group, stationary_covariance(edited.A, edited.B));
       if (after > 0) edited.B *= std::sqrt(before / after);
     }
-    tell(work, edited);
-    put(work, group, edited);
+    note_losses(work, edited);
+    store_group(work, group, edited);
   }
 }
 
@@ -171,7 +164,7 @@ void apply(Work& work, const Scales& scales) {
   std::array<bool, 3> found{};
   for (const Group& group : groups(work.texture(), work.edit->channel))
     for (Index i = 0; i < group.shown; ++i) {
-      const std::size_t scale = i < kCoarse ? 0 : i < kMedium ? 1 : 2;
+      const std::size_t scale = i < kLastCoarse ? 0 : i < kLastMedium ? 1 : 2;
       work.texture().weights[group.states[static_cast<std::size_t>(i)]] *= factors[scale];
       found[scale] = true;
     }
@@ -197,19 +190,20 @@ void apply(Work& work, const Weights& weights) {
 
 void validate(const Edit& edit) {
   std::visit(
-      Overloaded{[](const Speed& e) { check("speed", e.factor, -kFastest, kFastest); },
-                 [](const Flow& e) { check("flow", e.factor, kLeastFlow, kMostFlow); }, [](const Reverse&) {},
-                 [](const Intensity& e) { check("intensity", e.factor, 0, kStrongest); },
-                 [](const Directions& e) { check_all("directions", e.factors, kStrongest); },
+      Overloaded{[](const Speed& e) { core::check_range("speed", e.factor, -kMostSpeed, kMostSpeed); },
+                 [](const Flow& e) { core::check_range("flow", e.factor, kLeastFlow, kMostFlow); },
+                 [](const Reverse&) {},
+                 [](const Intensity& e) { core::check_range("intensity", e.factor, 0, kMostIntensity); },
+                 [](const Directions& e) { check_all("directions", e.factors, kMostIntensity); },
                  [](const Scales& e) {
-                   check("coarse", e.coarse, 0, kHeaviest);
-                   check("medium", e.medium, 0, kHeaviest);
-                   check("fine", e.fine, 0, kHeaviest);
+                   core::check_range("coarse", e.coarse, 0, kMostWeight);
+                   core::check_range("medium", e.medium, 0, kMostWeight);
+                   core::check_range("fine", e.fine, 0, kMostWeight);
                  },
-                 [](const Weights& e) { check_all("weights", e.factors, kHeaviest); }},
+                 [](const Weights& e) { check_all("weights", e.factors, kMostWeight); }},
       edit.what);
   if (edit.channel && (*edit.channel < 0 || *edit.channel > 2))
-    throw core::InputError("channel is " + std::to_string(*edit.channel) + ", allowed is 0 to 2");
+    throw core::InputError("channel is " + std::to_string(*edit.channel) + "; allowed is 0 to 2");
 }
 
 EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits) {

@@ -22,7 +22,7 @@ struct Speed {
   double factor = 1;  ///< Ω, −3 … 3
 };
 
-/// Time runs `factor` times as fast: A becomes its power, so that lifetimes scale as phases do; a negative
+/// Runs time `factor` times as fast: A becomes its power, so that lifetimes scale as phases do; a negative
 /// real pole keeps its sign, its modulus takes the power. A whole factor shows every factor-th frame, and as
 /// there a phase beyond π wraps around. The noise becomes P − A' P A'ᵀ, which leaves the stationary
 /// covariance P as it is; where that is not positive (not every sampled process has a finer one) its negative
@@ -31,27 +31,28 @@ struct Flow {
   double factor = 1;  ///< 0.01 … 100
 };
 
-/// Exactly backwards: A becomes P Aᵀ P⁻¹ with the noise P − A' P A'ᵀ, P the stationary covariance, which
+/// Reverses time exactly: A becomes P Aᵀ P⁻¹ with the noise P − A' P A'ᵀ, P the stationary covariance, which
 /// stays; the covariance over k frames becomes its transpose. Twice gives A and Q back.
 struct Reverse {};
 
-/// Q becomes α Q (2003, eq. 6), and with it the stationary covariance P exactly α P: √α times the amplitude.
+/// Scales the noise: Q becomes α Q (2003, eq. 6), and with it the stationary covariance P exactly α P: √α
+/// times the amplitude.
 struct Intensity {
   double factor = 1;  ///< α, 0 … 3
 };
 
-/// The same for each eigenvalue of Q, from the largest on; those that are not named stay.
+/// Multiplies the eigenvalues of Q by these factors, from the largest on. Further ones stay.
 struct Directions {
   std::vector<double> factors;  ///< 0 … 3 each, at most N
 };
 
-/// Weights times these (2003, eq. 3) in the paper's three groups: components 1 to 5, 6 to 15 and from 16 on;
-/// of a model per channel, each channel's.
+/// Multiplies the weights of the paper's three groups (2003, eq. 3): components 1 to 5, 6 to 15 and from 16
+/// on; of a model per channel, each channel's.
 struct Scales {
   double coarse = 1, medium = 1, fine = 1;  ///< 0 … 10; the paper's go to 2
 };
 
-/// Weights times these, component by component; those that are not named stay.
+/// Multiplies the weights of the first components by these factors. Further ones stay.
 struct Weights {
   std::vector<double> factors;  ///< 0 … 10 each, at most n
 };
@@ -66,13 +67,13 @@ struct Edit {
   bool keep_contrast = true;
 };
 
-/// InputError naming what, its value and what is allowed.
+/// Throws InputError naming the edit, its value and what is allowed.
 void validate(const Edit& edit);
 
 struct EditResult {
   LinearDynamicTexture texture;
   int dropped = 0;                 ///< poles that Speed or Flow made 0
-  std::vector<std::string> notes;  ///< a line for all that could not be had as it was asked for
+  std::vector<std::string> notes;  ///< a line for everything that was not done as asked
 };
 
 /// Applies the edits in their order. Mean, C, r, noise, states and singular stay as they are; every A' is
@@ -82,10 +83,10 @@ struct EditResult {
 /// not; NumericalError where a decomposition fails. O(N⁴) at worst, in practice O(N³); C is not touched.
 EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits);
 
-/// Edits by the name of a picture in the paper's figures (2003, Fig. 2; 2002, Figs. 2 to 4): turbulent, hazy,
-/// patchy (smoke), rough-sea, lake, rain (ocean), spray, frothy, spurty (fountain). Which sliders go up or
-/// down is the paper's where its text says so; the numbers are ours, as the paper prints none. InputError,
-/// with all names, for another name.
+/// Returns the edits named after a picture in the paper's figures (2003, Fig. 2; 2002, Figs. 2 to 4):
+/// turbulent, hazy, patchy (smoke), rough-sea, lake, rain (ocean), spray, frothy, spurty (fountain). The
+/// paper says which sliders go up or down, for most of them; the numbers are chosen here, as it prints none.
+/// InputError, with all names, for another name.
 std::vector<Edit> preset(std::string_view name);
 
 struct PresetInfo {

@@ -6,8 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include "dytex/editing/pole_blocks.hpp"
 #include "dytex/learning/decompositions.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
@@ -15,6 +13,13 @@
 namespace emberfold::dytex::detail {
 
 namespace {
+
+constexpr double kLeastVariance = 1e-12;      // of the largest; directions below it do not move
+constexpr double kNegativeRounding = 1e-13;   // of a matrix's size; smaller eigenvalues are rounding
+constexpr double kPhaseRounding = 1e-12;      // of pi; a phase this little above it has not passed it
+constexpr double kLargestRadius = 1 - 1e-12;  // to which rounding's overshoot of 1 is brought back
+constexpr int kMostNewtonSteps = 60;          // bounds the time; convergence is quadratic
+constexpr double kNewtonTolerance = 1e-15;    // relative change
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -28,13 +33,12 @@ struct Whitening {
 };
 
 Whitening whitening(const MatrixXd& covariance) {
-  constexpr double kLeast = 1e-12;  // of the largest variance, for directions that hardly move
   const SymmetricEigen eigen = symmetric_eigen(covariance);
   const double largest = eigen.values[0];
   if (!(largest > 0))
     return {MatrixXd::Identity(covariance.rows(), covariance.rows()),
             MatrixXd::Identity(covariance.rows(), covariance.rows())};
-  const VectorXd scale = eigen.values.cwiseMax(kLeast * largest).cwiseSqrt();
+  const VectorXd scale = eigen.values.cwiseMax(kLeastVariance * largest).cwiseSqrt();
   return {eigen.vectors * scale.asDiagonal(), scale.cwiseInverse().asDiagonal() * eigen.vectors.transpose()};
 }
 
@@ -45,11 +49,10 @@ struct Factor {
 };
 
 Factor positive_factor(const MatrixXd& symmetric, double size) {
-  constexpr double kRounding = 1e-13;
   const SymmetricEigen eigen = symmetric_eigen((symmetric + symmetric.transpose()) / 2);
-  const Index kept = (eigen.values.array() > kRounding * size).count();
+  const Index kept = (eigen.values.array() > kNegativeRounding * size).count();
   const double positive = eigen.values.head(kept).sum();
-  const double negative = -(eigen.values.array() < -kRounding * size).select(eigen.values, 0).sum();
+  const double negative = -(eigen.values.array() < -kNegativeRounding * size).select(eigen.values, 0).sum();
   return {eigen.vectors.leftCols(kept) * eigen.values.head(kept).cwiseSqrt().asDiagonal(),
           negative > 0 ? negative / (positive + negative) : 0};
 }
@@ -57,15 +60,14 @@ Factor positive_factor(const MatrixXd& symmetric, double size) {
 /// J with J² = −I that commutes with the block, its eigenvalues +i for the upper poles: Newton's iteration
 /// for the matrix sign. Of a single pair it is there after one division.
 MatrixXd quarter_turn(const MatrixXd& block) {
-  constexpr int kMostSteps = 60;
   MatrixXd J = block - block.trace() / static_cast<double>(block.rows()) *
                            MatrixXd::Identity(block.rows(), block.rows());
-  if (block.rows() == 2) return J / std::sqrt(J.determinant());
-  for (int step = 0; step < kMostSteps; ++step) {
-    const MatrixXd next = (J - J.inverse()) / 2;
+  if (block.rows() == 2) return J / std::sqrt(determinant(J));
+  for (int step = 0; step < kMostNewtonSteps; ++step) {
+    const MatrixXd next = (J - inverse(J)) / 2;
     const double change = (next - J).norm();
     J = next;
-    if (!(change > 1e-15 * J.norm())) break;
+    if (!(change > kNewtonTolerance * J.norm())) break;
   }
   return J;
 }
@@ -92,7 +94,7 @@ MatrixXd assembled(const MatrixXd& basis, MatrixXd diagonal, const MatrixXd& inv
   }
   MatrixXd changed = basis * diagonal * inverse;
   // Poles keep their moduli, or get smaller: only rounding can bring the largest to 1.
-  if (const double radius = spectral_radius(changed); !(radius < 1)) changed *= (1 - 1e-12) / radius;
+  if (const double radius = spectral_radius(changed); !(radius < 1)) changed *= kLargestRadius / radius;
   return changed;
 }
 
@@ -108,7 +110,7 @@ MatrixXd power_of_block(const PoleBlock& block, const MatrixXd& T, double factor
   if (block.size == 1)
     return MatrixXd::Constant(1, 1, std::copysign(std::pow(std::abs(T(0, 0)), factor), T(0, 0)));
   if (block.size == 2 && block.pairs == 1) {
-    const double modulus = std::pow(T.determinant(), factor / 2), phase = factor * block.phase;
+    const double modulus = std::pow(determinant(T), factor / 2), phase = factor * block.phase;
     return modulus * (std::cos(phase) * MatrixXd::Identity(2, 2) + std::sin(phase) * quarter_turn(T));
   }
   return block.negative > 0 ? MatrixXd(-matrix_power(-T, factor)) : matrix_power(T, factor);
@@ -131,8 +133,7 @@ bool turns(const PoleBlock& block) {
 }
 
 bool passes_half_turn(const PoleBlock& block, double factor) {
-  constexpr double kRounding = 1e-12;
-  return std::abs(factor) * block.phase > std::numbers::pi * (1 + kRounding);
+  return std::abs(factor) * block.phase > std::numbers::pi * (1 + kPhaseRounding);
 }
 
 SpeedForm speed_form(const MatrixXd& A, const MatrixXd& covariance) {
@@ -181,8 +182,7 @@ EditedDynamics reversed(const MatrixXd& A, const MatrixXd& B) {
   EditedDynamics result{A, B};
   const MatrixXd P = stationary_covariance(A, B);
   const SymmetricEigen eigen = symmetric_eigen(P);
-  constexpr double kRounding = 1e-12;
-  const Index rank = (eigen.values.array() > kRounding * eigen.values[0]).count();
+  const Index rank = (eigen.values.array() > kLeastVariance * eigen.values[0]).count();
   if (rank == 0) return result;  // nothing moves
   // In white states z, x = L z, the covariance is I and A' = Aᵀ.
   const VectorXd scale = eigen.values.head(rank).cwiseSqrt();
@@ -192,7 +192,7 @@ EditedDynamics reversed(const MatrixXd& A, const MatrixXd& B) {
   result.A = L * white.transpose() * inverse;
   const MatrixXd noise = MatrixXd::Identity(rank, rank) - white.transpose() * white;
   result.B = aligned_factor(L * positive_factor(noise, 1).F, B);
-  if (const double radius = spectral_radius(result.A); !(radius < 1)) result.A *= (1 - 1e-12) / radius;
+  if (const double radius = spectral_radius(result.A); !(radius < 1)) result.A *= kLargestRadius / radius;
   return result;
 }
 

@@ -18,32 +18,32 @@ struct EditedDynamics {
   double cut = 0;    ///< share of the new noise's variance that was negative and was cut
 };
 
-/// What Speed makes its A of: A = basis · diagonal · inverse, found in white states. At the speed Ω a block T
-/// of pairs that turn becomes T (cos θ I + sin θ J), θ = (Ω − 1) times its mean phase, or 0 where |Ω| times
-/// that passes π; the others stay.
+/// The form of A that Speed changes: A = basis · diagonal · inverse, found in white states. At the speed Ω a
+/// block T of pairs that turn becomes T (cos θ I + sin θ J), θ = (Ω − 1) times its mean phase, or 0 where |Ω|
+/// times that passes π; the others stay.
 struct SpeedForm {
   Eigen::MatrixXd basis, inverse, diagonal;
   Eigen::MatrixXd quarter_turn;  ///< J of every block that turns, J² = −I; 0 elsewhere
   std::vector<PoleBlock> blocks;
 };
-/// `covariance`: the stationary one. O(N³).
+/// Finds the form of A. `covariance`: the stationary one. O(N³).
 SpeedForm speed_form(const Eigen::MatrixXd& A, const Eigen::MatrixXd& covariance);
-/// Whether the block's poles are pairs that Speed turns: real poles stay, and a pair that cannot be told from
-/// one.
+/// Tells whether the block's poles are pairs that Speed turns. Real poles stay, and pairs joined with more
+/// real ones.
 bool turns(const PoleBlock& block);
-/// Whether its phase, times the factor, would pass π.
+/// Tells whether the block's phase times the factor would pass π.
 bool passes_half_turn(const PoleBlock& block, double factor);
 
-/// Speed's A, and B as it was.
+/// Applies Speed to A; B stays.
 EditedDynamics at_speed(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double factor);
-/// Flow's A, and the B with which the stationary covariance stays.
+/// Applies Flow to A, with the B that keeps the stationary covariance.
 EditedDynamics at_flow(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double factor);
-/// Reverse's.
+/// Applies Reverse to A, with the B that keeps the stationary covariance.
 EditedDynamics reversed(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
-/// F O, with orthonormal rows of O, that is nearest to `like`: it has F's product with its transpose and the
-/// columns of whichever has more. F: n × p, like: n × k. For the same noise this is `like` itself, and noises
-/// that share their inputs go on sharing them.
+/// Returns the F O, with orthonormal rows of O, that is nearest to `like`. It has F Fᵀ as its product and as
+/// many columns as the larger of both. F: n × p, like: n × k. For the same noise this is `like` itself, and
+/// noises that share their inputs go on sharing them.
 Eigen::MatrixXd aligned_factor(const Eigen::MatrixXd& F, const Eigen::MatrixXd& like);
 
 }  // namespace emberfold::dytex::detail

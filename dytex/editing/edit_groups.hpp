@@ -10,14 +10,15 @@
 
 namespace emberfold::dytex::detail {
 
-/// Numbers of the state that move by themselves: all, or a channel's. The first `shown` are components.
+/// Numbers of the state that move independently of others: all, or a channel's. The first `shown` are
+/// components.
 struct Group {
   std::vector<Eigen::Index> states;
   Eigen::Index shown = 0;
 };
 
-/// The groups that an edit of the channel, or of all, acts on. InputError where the model has not that
-/// channel, or its channels do not move by themselves.
+/// Returns the groups that an edit of the channel, or of all, acts on. InputError where the model has not
+/// that channel, or its channels do not move by themselves.
 std::vector<Group> groups(const LinearDynamicTexture& texture, const std::optional<int>& channel);
 
 }  // namespace emberfold::dytex::detail

@@ -6,9 +6,6 @@
 #include <complex>
 #include <limits>
 
-#include <Eigen/LU>
-#include <Eigen/QR>
-
 #include "dytex/learning/decompositions.hpp"
 
 namespace emberfold::dytex::detail {
@@ -19,9 +16,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Complex = std::complex<double>;
 
-constexpr double kLargest = 1e4;  // norm of a transformation that splits a block off
-constexpr double kNear = 0.1;     // poles farther apart than this are never joined
-constexpr double kZero = 1e-9;    // a pole below this is 0
+constexpr double kMostNorm = 1e4;      // of a transformation that splits a block off: 4 of 16 digits are lost
+constexpr double kJoinDistance = 0.1;  // between poles; those farther apart are never joined
+constexpr double kZeroModulus = 1e-9;  // a pole below this is 0
+constexpr double kSwapError = 100 * std::numeric_limits<double>::epsilon();  // of a swapped block, relative
 
 /// A Schur form on its way to being block-diagonal.
 struct Schur {
@@ -55,7 +53,7 @@ MatrixXd solve_sylvester(const MatrixXd& P, const MatrixXd& Q, const MatrixXd& R
     system.block(j * p, j * p, p, p) = P;
     for (Index i = 0; i < q; ++i) system.block(j * p, i * p, p, p).diagonal().array() -= Q(i, j);
   }
-  return system.partialPivLu().solve(R.reshaped()).eval().reshaped(p, q);
+  return LuFactors(system).solve_vector(R.reshaped()).reshaped(p, q);
 }
 
 /// Swaps the diagonal blocks at `first` (p rows) and behind it (q rows) by an orthogonal transformation (Bai,
@@ -67,10 +65,9 @@ bool swap_blocks(Schur& schur, Index first, Index p, Index q) {
   if (!X.allFinite()) return false;
   MatrixXd invariant(p + q, q);
   invariant << -X, MatrixXd::Identity(q, q);
-  const MatrixXd turn = Eigen::HouseholderQR<MatrixXd>(invariant).householderQ();
+  const MatrixXd turn = full_q(invariant);
   const MatrixXd swapped = turn.transpose() * T.block(first, first, p + q, p + q) * turn;
-  constexpr double kRounding = 100 * std::numeric_limits<double>::epsilon();
-  if (swapped.bottomLeftCorner(p, q).norm() > kRounding * T.norm()) return false;
+  if (swapped.bottomLeftCorner(p, q).norm() > kSwapError * T.norm()) return false;
   T.middleRows(first, p + q) = (turn.transpose() * T.middleRows(first, p + q)).eval();
   T.middleCols(first, p + q) = (T.middleCols(first, p + q) * turn).eval();
   T.block(first + q, first, p, q).setZero();
@@ -97,7 +94,7 @@ MatrixXd splitting(const Schur& schur, Index first, Index size) {
 /// Lets the pole nearest to those of the block, if one is near, join it: the block's new size.
 Index join_nearest(Schur& schur, Index first, Index size) {
   Index nearest = -1;
-  double least = kNear;
+  double least = kJoinDistance;
   for (Index i = first; i < first + size; i += schur.width(i))
     for (Index j = first + size; j < schur.size(); j += schur.width(j))
       if (const double distance = std::abs(pole(schur, i) - pole(schur, j)); distance < least) {
@@ -115,7 +112,7 @@ Index join_nearest(Schur& schur, Index first, Index size) {
 }
 
 void count(PoleBlock& block, Complex pole) {
-  if (std::abs(pole) < kZero)
+  if (std::abs(pole) < kZeroModulus)
     ++block.zero;
   else
     ++(pole.real() > 0 ? block.positive : block.negative);
@@ -130,7 +127,7 @@ PoleBlock describe(const Schur& schur, Index first, Index size) {
       continue;
     }
     const auto [upper, lower] = eigenvalues(schur.T.block<2, 2>(i, i));
-    if (upper.imag() > 0 && std::abs(upper) >= kZero) {
+    if (upper.imag() > 0 && std::abs(upper) >= kZeroModulus) {
       ++block.pairs;
       block.phase += std::arg(upper);
     } else {
@@ -151,7 +148,7 @@ PoleBlocks pole_blocks(const MatrixXd& matrix) {
   for (Index first = 0; first < schur.size();) {
     Index size = schur.width(first);
     MatrixXd X = splitting(schur, first, size);
-    while (!(X.norm() <= kLargest)) {
+    while (!(X.norm() <= kMostNorm)) {
       const Index joined = join_nearest(schur, first, size);
       if (joined == size && X.allFinite()) break;
       size = joined == size ? schur.size() - first : joined;

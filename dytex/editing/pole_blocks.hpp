@@ -7,7 +7,7 @@
 
 namespace emberfold::dytex::detail {
 
-/// Poles that are treated as one, for no well-conditioned basis tells them apart.
+/// Poles that are treated as one, since no well-conditioned basis separates them.
 struct PoleBlock {
   Eigen::Index first = 0, size = 0;                     ///< rows of PoleBlocks::diagonal
   int pairs = 0, positive = 0, negative = 0, zero = 0;  ///< how many of each: size = 2 pairs + the others

@@ -59,7 +59,7 @@ std::vector<Edit> preset(std::string_view name) {
     }
     names += (names.empty() ? "" : ", ") + std::string(known.info.name);
   }
-  throw core::InputError("preset is " + std::string(name) + ", allowed is " + names);
+  throw core::InputError("preset is " + std::string(name) + "; allowed is " + names);
 }
 
 }  // namespace emberfold::dytex

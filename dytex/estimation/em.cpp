@@ -2,26 +2,24 @@
 #include "dytex/estimation/em.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
+#include "core/text/format_number.hpp"
 #include "dytex/estimation/em_appearance.hpp"
 #include "dytex/estimation/em_dynamics.hpp"
 #include "dytex/estimation/observations.hpp"
 #include "dytex/learning/decompositions.hpp"
+#include "dytex/learning/dynamics.hpp"
 #include "dytex/learning/frame_blocks.hpp"
 
 namespace emberfold::dytex {
 
 namespace {
 
-using detail::FrameBands;
+using detail::FrameBlocks;
 using detail::FrameValues;
-
-constexpr std::size_t kMostFrames = 5000;  // as learn()
 
 [[noreturn]] void fail(const std::string& what) {
   throw core::InputError("maximise_likelihood: " + what);
@@ -48,10 +46,9 @@ struct Fit {
 };
 
 /// From the start to the last iteration; the smoothed states are those of the last parameters.
-core::Status iterate(detail::Appearance& appearance, const EmOptions& options, const core::Context& context,
-                     Fit& fit, EmResult& result) {
-  Observations seen;
-  if (appearance.observe(seen) == core::Status::cancelled) return core::Status::cancelled;
+void iterate(detail::Appearance& appearance, const EmOptions& options, const core::Context& context, Fit& fit,
+             EmResult& result) {
+  Observations seen = appearance.observe();
   for (int i = 0;; ++i) {
     const Filtered filtered = filter(fit.space, seen);
     fit.smoothed = smooth(fit.space, filtered);
@@ -60,10 +57,10 @@ core::Status iterate(detail::Appearance& appearance, const EmOptions& options, c
     result.log_likelihood.push_back(now);
     context.report("maximising likelihood", static_cast<double>(i) / options.iterations);
     result.converged = i > 0 && gain <= options.tolerance * std::abs(now);
-    if (result.converged || i == options.iterations) return core::Status::done;
+    if (result.converged || i == options.iterations) return;
     fit.space = detail::maximise_dynamics(fit.smoothed);
-    if (context.cancelled() || appearance.maximise(fit.smoothed, seen) == core::Status::cancelled)
-      return core::Status::cancelled;
+    context.check();
+    seen = appearance.maximise(fit.smoothed);
   }
 }
 
@@ -73,13 +70,13 @@ struct Basis {
 };
 Basis state_basis(const Eigen::MatrixXd& products, const Eigen::MatrixXd& states) {
   if (products.size() == 0) return {products, products};
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(products);
-  if (cholesky.info() != Eigen::Success)
+  const detail::CholeskyFactors factors(products);
+  if (!factors.positive())
     throw core::NumericalError("maximise_likelihood: the components are no longer independent");
-  const Eigen::MatrixXd right = cholesky.matrixU();
+  const Eigen::MatrixXd right = factors.upper();
   const Eigen::MatrixXd turned = right * states;
   const Eigen::MatrixXd U = detail::symmetric_eigen(turned * turned.transpose()).vectors;
-  return {U.transpose() * right, cholesky.matrixU().solve(U)};
+  return {U.transpose() * right, factors.solve_upper(U)};
 }
 
 void take_dynamics(const Fit& fit, const Basis& basis, EmResult& result) {
@@ -92,53 +89,40 @@ void take_dynamics(const Fit& fit, const Basis& basis, EmResult& result) {
   const double radius = spectral_radius(texture.A);
   if (radius < 1) return;
   take(detail::stable_dynamics(fit.smoothed));
-  std::ostringstream text;
-  text << "the most likely A is not stable (spectral radius " << radius
-       << "): the Yule-Walker fit to the smoothed states is taken";
-  result.notes.push_back(text.str());
+  result.notes.push_back("the most likely A is not stable (spectral radius " +
+                         core::significant_text(radius, 6) +
+                         "): the Yule-Walker fit to the smoothed states is taken");
 }
 
 /// All singular values of the centred frames, with what is hidden as the texture shows it.
-core::Status filled_spectrum(core::FrameSource& source, const Missing& missing, const EmOptions& options,
-                             const core::Context& context, EmResult& result) {
+void filled_spectrum(core::FrameSource& source, const Missing& missing, const EmOptions& options,
+                     const core::Context& context, EmResult& result) {
   LinearDynamicTexture& texture = result.texture;
   FilledSource filled(source, missing, texture);
-  FrameBands bands(filled, options.memory, kMostFrames, context);
-  if (bands.frames() == 0) return core::Status::cancelled;
-  const auto frames = static_cast<Eigen::Index>(bands.frames());
+  FrameBlocks frame_blocks(filled, options.memory, detail::kMostFrames, context);
+  const auto frames = static_cast<Eigen::Index>(frame_blocks.frames());
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(frames, frames);
-  const auto add = [&](std::size_t, const FrameValues& values) {
-    return detail::add_gram(values, gram, context);
-  };
-  if (bands.for_each("comparing frames", false, add, context) == core::Status::cancelled)
-    return core::Status::cancelled;
-  result.passes += bands.passes();
+  const auto add = [&](std::size_t, const FrameValues& values) { detail::add_gram(values, gram, context); };
+  frame_blocks.for_each("comparing frames", false, add, context);
+  result.passes += frame_blocks.passes();
   texture.singular = detail::symmetric_eigen(detail::centred(gram)).values.cwiseMax(0).cwiseSqrt() *
                      (255 / source.info().white);
-  return core::Status::done;
 }
 
-void tell_start(const LinearDynamicTexture& start, EmResult& result) {
+void note_residuals(const LinearDynamicTexture& start, EmResult& result) {
   if (start.residuals.size() > 0)
     result.notes.emplace_back("likelihood is of Gaussian noise: the start's residuals are left out");
 }
 
 /// Says where clips drawn from the model vary much more or less than the smoothed states.
 void compare_variance(EmResult& result) {
-  constexpr double kMuch = 1.5;
   const LinearDynamicTexture& texture = result.texture;
   const double drawn = stationary_covariance(texture.A, texture.B).trace();
   const double seen = texture.states.squaredNorm() / static_cast<double>(texture.states.cols());
-  if (drawn <= kMuch * seen && seen <= kMuch * drawn) return;
-  std::ostringstream text;
-  text.precision(2);
-  text << "clips drawn from the model have " << drawn / seen
-       << " times the variance of the clip it was learned from";
-  result.notes.push_back(text.str());
+  if (const auto note = detail::variance_note(drawn, seen)) result.notes.push_back(*note);
 }
 
-core::Status finish(detail::Appearance& appearance, const Fit& fit, const core::ClipInfo& info,
-                    EmResult& result) {
+void finish(detail::Appearance& appearance, const Fit& fit, const core::ClipInfo& info, EmResult& result) {
   LinearDynamicTexture& texture = result.texture;
   const Basis basis = state_basis(appearance.products(), fit.smoothed.states);
   texture.info = info;
@@ -146,67 +130,56 @@ core::Status finish(detail::Appearance& appearance, const Fit& fit, const core::
   take_dynamics(fit, basis, result);
   texture.states = basis.T * fit.smoothed.states;
   texture.weights = Eigen::VectorXd::Ones(texture.A.rows());
-  if (appearance.write(basis.inverse, texture) == core::Status::cancelled) return core::Status::cancelled;
+  appearance.write(basis.inverse, texture);
   result.likelihood_r = appearance.r();
   const double correction = appearance.r_correction();
   texture.r *= correction;
   texture.noise *= static_cast<float>(correction);
   compare_variance(result);
   for (std::string& note : appearance.notes()) result.notes.push_back(std::move(note));
-  return core::Status::done;
 }
 
 }  // namespace
 
 void EmOptions::validate() const {
-  const auto refuse = [](const char* name, double value, const char* allowed) {
-    std::ostringstream text;
-    text << name << " is " << value << ", " << allowed;
-    throw core::InputError(text.str());
-  };
-  if (iterations < 1 || iterations > 100000) refuse("iterations", iterations, "allowed is 1 to 100000");
-  if (!(tolerance >= 0 && tolerance <= 1)) refuse("tolerance", tolerance, "allowed is 0 to 1");
-  if (!(least_noise > 0) || !std::isfinite(least_noise))
-    refuse("least_noise", least_noise, "must be positive and finite");
-  if (memory < std::size_t{1} << 20)
-    throw core::InputError("memory is " + std::to_string(memory) + " bytes, must be at least 1048576");
+  core::check_range("EmOptions.iterations", iterations, 1, 100000);
+  core::check_range("EmOptions.tolerance", tolerance, 0, 1);
+  core::check_above("EmOptions.least_noise", least_noise, 0);
+  core::check_at_least("EmOptions.memory", static_cast<double>(memory), detail::kLeastMemory);
 }
 
 EmResult maximise_likelihood(core::FrameSource& source, const LinearDynamicTexture& start,
                              const EmOptions& options, const Missing& missing, const core::Context& context) {
   options.validate();
   check_start(start, source.info());
-  FrameBands bands(source, options.memory, kMostFrames, context);
-  if (bands.frames() == 0) throw core::Cancelled{};
-  missing.check_frames(bands.frames());
-  if (static_cast<Eigen::Index>(bands.frames()) != start.states.cols())
+  FrameBlocks frame_blocks(source, options.memory, detail::kMostFrames, context);
+  missing.check_frames(frame_blocks.frames());
+  if (static_cast<Eigen::Index>(frame_blocks.frames()) != start.states.cols())
     fail("the start was learned from " + std::to_string(start.states.cols()) + " frames, the clip has " +
-         std::to_string(bands.frames()));
+         std::to_string(frame_blocks.frames()));
   EmResult result;
-  tell_start(start, result);
+  note_residuals(start, result);
   if (start.components() == 0) {
     result.notes.emplace_back("the frames do not change: there is nothing to improve");
     result.texture = start;
     result.converged = true;
     result.likelihood_r = start.r;
-    result.passes = bands.passes();
+    result.passes = frame_blocks.passes();
     return result;
   }
   const detail::AppearanceInput input{
-      bands,   missing, start,
-      options, context, {255 / source.info().white, static_cast<std::size_t>(source.info().channels)}};
+      frame_blocks, missing, start,
+      options,      context, {255 / source.info().white, static_cast<std::size_t>(source.info().channels)}};
   const bool by_gram = !options.noise_per_value && missing.by_frames();
   const auto appearance = by_gram ? detail::gram_appearance(input) : detail::value_appearance(input);
   Fit fit{state_space(start), {}};
-  if (iterate(*appearance, options, context, fit, result) == core::Status::cancelled ||
-      finish(*appearance, fit, source.info(), result) == core::Status::cancelled)
-    throw core::Cancelled{};
-  result.passes += bands.passes();
-  if (!missing.any()) {
+  iterate(*appearance, options, context, fit, result);
+  finish(*appearance, fit, source.info(), result);
+  result.passes += frame_blocks.passes();
+  if (missing.any())
+    filled_spectrum(source, missing, options, context, result);
+  else
     result.texture.singular = start.singular;
-  } else if (filled_spectrum(source, missing, options, context, result) == core::Status::cancelled) {
-    throw core::Cancelled{};
-  }
   return result;
 }
 
@@ -215,7 +188,6 @@ EmResult learn_missing(core::FrameSource& source, const Missing& missing, const 
   learning.validate();
   options.validate();
   HeldSource held(source, missing, context);
-  if (context.cancelled()) throw core::Cancelled{};
   const LearnResult start = learn(held, learning, context);
   EmResult result = maximise_likelihood(source, start.texture, options, missing, context);
   result.passes += start.passes + 1;

@@ -20,7 +20,7 @@ struct EmOptions {
   double least_noise = 1.0 / 12;  ///< levels², > 0: no noise variance below this, that of rounding to levels
   std::size_t memory = std::size_t{1} << 30;  ///< bytes, ≥ 1 MiB: for frames held at a time
 
-  /// InputError naming the field, its value and what is allowed.
+  /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };
 
@@ -33,8 +33,8 @@ struct EmResult {
   std::vector<std::string> notes;      ///< a line for everything that was not taken as asked or measured
 };
 
-/// Maximum likelihood by EM (Shumway, Stoffer 1982), from the model `start` of the same clip: filter and
-/// smoother in n dimensions, then A, B, x(0), C and the noise that make the smoothed states most likely.
+/// Finds the most likely model by EM (Shumway, Stoffer 1982), from the model `start` of the same clip: filter
+/// and smoother in n dimensions, then A, B, x(0), C and the noise that make the smoothed states most likely.
 /// - With one noise variance and whole frames, C stays in the span of the frames, C = Y W: after one pass
 /// over
 ///   the pixels an iteration takes O(τ² n + τ n² + n³), whatever their number.

@@ -15,28 +15,28 @@
 
 namespace emberfold::dytex::detail {
 
-/// How states look: C, the mean and the noise, the part of EM that sees pixels.
+/// The part of EM that reads pixels: C, the mean and the noise.
 class Appearance {
  public:
   virtual ~Appearance() = default;
-  /// What the clip says of the states as things are.
-  virtual core::Status observe(Observations& result) = 0;
-  /// Makes C and the noise most likely given the states, then observes.
-  virtual core::Status maximise(const Smoothed& smoothed, Observations& result) = 0;
-  /// Cᵀ C, n × n.
+  /// Returns what the clip says of the states under the present parameters.
+  virtual Observations observe() = 0;
+  /// Makes C and the noise most likely given the states, then returns observe().
+  virtual Observations maximise(const Smoothed& smoothed) = 0;
+  /// Returns Cᵀ C, n × n.
   [[nodiscard]] virtual Eigen::MatrixXd products() const = 0;
   /// Sets the texture's mean, C = C · right, and noise.
-  virtual core::Status write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) = 0;
-  /// The noise variance, the mean one where each value has its own.
+  virtual void write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) = 0;
+  /// Returns the noise variance, the mean one where each value has its own.
   [[nodiscard]] virtual double r() const = 0;
-  /// By what r is too small for what was fitted with it; 1 where nothing is left to tell.
+  /// Returns the factor that takes the fit's bias out of r; 1 where no frame is left over.
   [[nodiscard]] virtual double r_correction() const = 0;
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };
 
-/// What both ways share. All must outlive the appearance.
+/// The input of both appearances. All must outlive the appearance.
 struct AppearanceInput {
-  FrameBands& bands;
+  FrameBlocks& frame_blocks;
   const Missing& missing;
   const LinearDynamicTexture& start;
   const EmOptions& options;
@@ -44,9 +44,9 @@ struct AppearanceInput {
   LevelScale scale;
 };
 
-/// One noise variance, frames whole or gone: everything from Yᵀ Y.
+/// Makes the appearance of one noise variance and frames all seen or all hidden: it needs Yᵀ Y alone.
 std::unique_ptr<Appearance> gram_appearance(const AppearanceInput& input);
-/// All else.
+/// Makes the appearance of a noise variance for each value, or of hidden pixels.
 std::unique_ptr<Appearance> value_appearance(const AppearanceInput& input);
 
 /// C = Y W and r, of frames Y (m × τ, less their mean) that are known by G = Yᵀ Y alone.
@@ -54,11 +54,11 @@ struct GramModel {
   Eigen::MatrixXd W;  ///< τ × n
   double r = 0;
 };
-/// W = X̂ᵀ S⁻¹, S = Σ E x xᵀ; r = (tr G − ⟨G X̂ᵀ, W⟩)/(m τ), at least `least_noise`. `seen`: the frames of the
-/// smoothed states that Y has, ascending.
+/// Maximises the likelihood over C and r: W = X̂ᵀ S⁻¹, S = Σ E x xᵀ; r = (tr G − ⟨G X̂ᵀ, W⟩)/(m τ), at least
+/// `least_noise`. `seen`: the frames of the smoothed states that Y has, ascending.
 GramModel maximise_gram(const Eigen::MatrixXd& gram, Eigen::Index m, const std::vector<Eigen::Index>& seen,
                         const Smoothed& smoothed, double least_noise);
-/// Observations of all `frames` from Cᵀ C, Cᵀ Y and ‖y‖² of those seen.
+/// Makes the observations of all `frames` from Cᵀ C, Cᵀ Y and ‖y‖² of those seen.
 Observations gram_observations(const Eigen::MatrixXd& products, const Eigen::MatrixXd& projections,
                                const Eigen::VectorXd& squares, Eigen::Index m, double r,
                                const std::vector<Eigen::Index>& seen, Eigen::Index frames);

@@ -3,8 +3,6 @@
 
 #include <limits>
 
-#include <Eigen/Cholesky>
-
 #include "core/error.hpp"
 #include "dytex/learning/decompositions.hpp"
 
@@ -42,8 +40,8 @@ Moments moments(const Smoothed& smoothed) {
 
 Eigen::MatrixXd divide_right(const Eigen::MatrixXd& N, const Eigen::MatrixXd& M) {
   if (M.size() == 0) return N;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(M);
-  if (cholesky.info() == Eigen::Success) return cholesky.solve(N.transpose()).transpose();
+  const CholeskyFactors factors(M);
+  if (factors.positive()) return factors.right_divide(N);
   const SymmetricEigen eigen = symmetric_eigen(M);
   const double least =
       static_cast<double>(M.rows()) * std::numeric_limits<double>::epsilon() * eigen.values[0];

@@ -13,21 +13,21 @@ struct Moments {
   Eigen::MatrixXd after;   ///< the same over all but the first
   Eigen::MatrixXd cross;   ///< Σ E x(t+1) x(t)ᵀ
 };
-/// O(n² τ).
+/// Sums the moments of a smoothed sequence. O(n² τ).
 Moments moments(const Smoothed& smoothed);
 
-/// E x(t) x(t)ᵀ
+/// Returns E x(t) x(t)ᵀ.
 Eigen::MatrixXd second_moment(const Smoothed& smoothed, Eigen::Index t);
 
-/// The dynamics that make the smoothed sequence most likely (Shumway, Stoffer 1982, eq. 12 to 14):
+/// Finds the dynamics that make the smoothed sequence most likely (Shumway, Stoffer 1982, eq. 12 to 14):
 /// A = S₁₀ S₀₀⁻¹, Q = (S₁₁ − A S₁₀ᵀ)/(τ − 1), x(0) as smoothed. At least 2 frames. O(n² τ + n³).
 StateSpace maximise_dynamics(const Smoothed& smoothed);
 
-/// Yule–Walker of the same sums: A = S₁₀ S⁻¹ with S over all frames, always stable; Q keeps S/τ as the
-/// stationary covariance.
+/// Finds the Yule–Walker dynamics of a smoothed sequence: A = S₁₀ S⁻¹ with S over all frames. Always stable;
+/// Q keeps S/τ as the stationary covariance.
 StateSpace stable_dynamics(const Smoothed& smoothed);
 
-/// X with X M = N for a symmetric positive M, of which the lower half is read.
+/// Solves X M = N for a symmetric positive M, of which the lower half is read.
 Eigen::MatrixXd divide_right(const Eigen::MatrixXd& N, const Eigen::MatrixXd& M);
 
 }  // namespace emberfold::dytex::detail

@@ -45,46 +45,42 @@ namespace {
 class GramAppearance final : public Appearance {
  public:
   explicit GramAppearance(const AppearanceInput& input)
-      : input_(input), m_(static_cast<Eigen::Index>(input.bands.values())) {
-    for (std::size_t t = 0; t < input.bands.frames(); ++t)
-      if (!input.missing.gone(t)) seen_.push_back(static_cast<Eigen::Index>(t));
+      : input_(input), m_(static_cast<Eigen::Index>(input.frame_blocks.values())) {
+    for (std::size_t t = 0; t < input.frame_blocks.frames(); ++t)
+      if (!input.missing.all_hidden(t)) seen_.push_back(static_cast<Eigen::Index>(t));
     model_.r = std::max(input.start.r, input.options.least_noise);
   }
 
-  core::Status observe(Observations& result) override {
-    if (read() == core::Status::cancelled) return core::Status::cancelled;
-    result = gram_observations(products_, projections_, gram_.diagonal(), m_, model_.r, seen_, frames());
-    return core::Status::done;
+  Observations observe() override {
+    read();
+    return observations();
   }
 
-  core::Status maximise(const Smoothed& smoothed, Observations& result) override {
+  Observations maximise(const Smoothed& smoothed) override {
     model_ = maximise_gram(gram_, m_, seen_, smoothed, input_.options.least_noise);
     projections_ = model_.W.transpose() * gram_;
     products_ = projections_ * model_.W;
     products_ = ((products_ + products_.transpose()) / 2).eval();
-    result = gram_observations(products_, projections_, gram_.diagonal(), m_, model_.r, seen_, frames());
-    return core::Status::done;
+    return observations();
   }
 
   [[nodiscard]] Eigen::MatrixXd products() const override { return products_; }
 
-  core::Status write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) override {
+  void write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) override {
     const Eigen::MatrixXd weights = model_.W * right;
     texture.mean.resize(m_);
     texture.C.resize(m_, weights.cols());
     texture.r = model_.r;
-    return input_.bands.for_each(
-        "making components", true,
-        [&](std::size_t first, const FrameValues& values) {
-          return for_sum_blocks(static_cast<Eigen::Index>(values.count), input_.context,
-                                [&](std::size_t, Eigen::Index row, Eigen::Index rows) {
-                                  const Centred block = centred_block(values, first, row, rows);
-                                  const auto at = static_cast<Eigen::Index>(first) + row;
-                                  texture.mean.segment(at, rows) = block.mean.cast<float>();
-                                  texture.C.middleRows(at, rows) = (block.Y * weights).cast<float>();
-                                });
-        },
-        input_.context);
+    const auto make = [&](std::size_t first, const FrameValues& values) {
+      for_sum_blocks(static_cast<Eigen::Index>(values.count), input_.context,
+                     [&](std::size_t, Eigen::Index row, Eigen::Index rows) {
+                       const Centred block = centred_block(values, first, row, rows);
+                       const auto at = static_cast<Eigen::Index>(first) + row;
+                       texture.mean.segment(at, rows) = block.mean.cast<float>();
+                       texture.C.middleRows(at, rows) = (block.Y * weights).cast<float>();
+                     });
+    };
+    input_.frame_blocks.for_each("making components", true, make, input_.context);
   }
 
   [[nodiscard]] double r() const override { return model_.r; }
@@ -101,7 +97,13 @@ class GramAppearance final : public Appearance {
     Eigen::VectorXd mean;
   };
 
-  [[nodiscard]] Eigen::Index frames() const { return static_cast<Eigen::Index>(input_.bands.frames()); }
+  [[nodiscard]] Eigen::Index frames() const {
+    return static_cast<Eigen::Index>(input_.frame_blocks.frames());
+  }
+
+  [[nodiscard]] Observations observations() const {
+    return gram_observations(products_, projections_, gram_.diagonal(), m_, model_.r, seen_, frames());
+  }
 
   [[nodiscard]] Centred centred_block(const FrameValues& values, std::size_t first, Eigen::Index row,
                                       Eigen::Index rows) const {
@@ -115,25 +117,23 @@ class GramAppearance final : public Appearance {
   }
 
   // G of the frames that are seen, and what the start's C says of them.
-  core::Status read() {
+  void read() {
     const Eigen::MatrixXf& C = input_.start.C;
     const auto count = static_cast<Eigen::Index>(seen_.size());
     Eigen::MatrixXd raw = Eigen::MatrixXd::Zero(frames(), frames());
     std::vector<Eigen::MatrixXd> projections(kSumSlabs, Eigen::MatrixXd::Zero(C.cols(), count));
     std::vector<Eigen::MatrixXd> products(kSumSlabs, Eigen::MatrixXd::Zero(C.cols(), C.cols()));
     const auto add = [&](std::size_t first, const FrameValues& values) {
-      if (add_gram(values, raw, input_.context) == core::Status::cancelled) return core::Status::cancelled;
-      return for_sum_blocks(static_cast<Eigen::Index>(values.count), input_.context,
-                            [&](std::size_t slab, Eigen::Index row, Eigen::Index rows) {
-                              const auto at = static_cast<Eigen::Index>(first) + row;
-                              const Eigen::MatrixXd block = C.middleRows(at, rows).cast<double>();
-                              projections[slab] +=
-                                  block.transpose() * centred_block(values, first, row, rows).Y;
-                              products[slab] += block.transpose() * block;
-                            });
+      add_gram(values, raw, input_.context);
+      for_sum_blocks(static_cast<Eigen::Index>(values.count), input_.context,
+                     [&](std::size_t slab, Eigen::Index row, Eigen::Index rows) {
+                       const auto at = static_cast<Eigen::Index>(first) + row;
+                       const Eigen::MatrixXd block = C.middleRows(at, rows).cast<double>();
+                       projections[slab] += block.transpose() * centred_block(values, first, row, rows).Y;
+                       products[slab] += block.transpose() * block;
+                     });
     };
-    if (input_.bands.for_each("comparing frames", false, add, input_.context) == core::Status::cancelled)
-      return core::Status::cancelled;
+    input_.frame_blocks.for_each("comparing frames", false, add, input_.context);
     for (std::size_t s = 1; s < kSumSlabs; ++s) {
       projections[0] += projections[s];
       products[0] += products[s];
@@ -145,7 +145,6 @@ class GramAppearance final : public Appearance {
       for (Eigen::Index i = j; i < count; ++i)
         part(i, j) = raw(seen_[static_cast<std::size_t>(i)], seen_[static_cast<std::size_t>(j)]);
     gram_ = centred(part) * (input_.scale.to_levels * input_.scale.to_levels);
-    return core::Status::done;
   }
 
   AppearanceInput input_;

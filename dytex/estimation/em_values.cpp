@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <limits>
 
-#include <Eigen/Cholesky>
-
 #include "core/parallel.hpp"
 #include "dytex/estimation/em_appearance.hpp"
 #include "dytex/estimation/em_dynamics.hpp"
@@ -38,12 +36,12 @@ FrameMoments frame_moments(const Smoothed& smoothed, bool with_mean, const Missi
     moment.topLeftCorner(n, n) += smoothed.at(t).covariance;
     for (Eigen::Index j = 0, at = 0; j < size; at += size - j, ++j)
       result.packed.col(t).segment(at, size - j) = moment.col(j).tail(size - j);
-    if (!missing.gone(static_cast<std::size_t>(t))) result.total += result.packed.col(t);
+    if (!missing.all_hidden(static_cast<std::size_t>(t))) result.total += result.packed.col(t);
   }
   return result;
 }
 
-Eigen::MatrixXd unpacked(const Eigen::VectorXd& packed, Eigen::Index size) {
+Eigen::MatrixXd unpack(const Eigen::VectorXd& packed, Eigen::Index size) {
   Eigen::MatrixXd full(size, size);
   for (Eigen::Index j = 0, at = 0; j < size; at += size - j, ++j)
     full.col(j).tail(size - j) = packed.segment(at, size - j);
@@ -63,21 +61,21 @@ std::size_t seen_count(const Missing& missing, std::size_t pixel, std::size_t fr
 Eigen::MatrixXd moment_of(const FrameMoments& moments, const Missing& missing, std::size_t pixel,
                           std::size_t seen) {
   const auto frames = static_cast<std::size_t>(moments.z.cols());
-  if (seen == frames) return unpacked(moments.total, moments.size());
+  if (seen == frames) return unpack(moments.total, moments.size());
   const bool take_off = 2 * seen >= frames;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(moments.packed.rows());
   for (std::size_t t = 0; t < frames; ++t)
-    if (missing.hidden(pixel, t) == take_off && !(take_off && missing.gone(t)))
+    if (missing.hidden(pixel, t) == take_off && !(take_off && missing.all_hidden(t)))
       sum += moments.packed.col(static_cast<Eigen::Index>(t));
   if (take_off) sum = moments.total - sum;
-  return unpacked(sum, moments.size());
+  return unpack(sum, moments.size());
 }
 
 class ValueAppearance final : public Appearance {
  public:
   explicit ValueAppearance(const AppearanceInput& input)
       : input_(input),
-        m_(static_cast<Eigen::Index>(input.bands.values())),
+        m_(static_cast<Eigen::Index>(input.frame_blocks.values())),
         C_(input.start.C.cast<double>()),
         base_(input.start.mean.cast<double>()),
         shift_(Eigen::VectorXd::Zero(m_)),
@@ -89,11 +87,11 @@ class ValueAppearance final : public Appearance {
     count_seen();
   }
 
-  core::Status observe(Observations& result) override { return sweep(nullptr, result); }
+  Observations observe() override { return sweep(nullptr); }
 
-  core::Status maximise(const Smoothed& smoothed, Observations& result) override {
+  Observations maximise(const Smoothed& smoothed) override {
     const FrameMoments moments = frame_moments(smoothed, with_mean_, input_.missing);
-    return sweep(&moments, result);
+    return sweep(&moments);
   }
 
   [[nodiscard]] Eigen::MatrixXd products() const override {
@@ -105,7 +103,7 @@ class ValueAppearance final : public Appearance {
     return parts[0];
   }
 
-  core::Status write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) override {
+  void write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) override {
     texture.mean = (base_ + shift_).cast<float>();
     texture.C.resize(m_, right.cols());
     for_sum_blocks(m_, input_.context, [&](std::size_t, Eigen::Index row, Eigen::Index rows) {
@@ -114,7 +112,6 @@ class ValueAppearance final : public Appearance {
     texture.r = r();
     texture.noise.resize(0);
     if (input_.options.noise_per_value) texture.noise = noise_.cast<float>();
-    return input_.context.cancelled() ? core::Status::cancelled : core::Status::done;
   }
 
   [[nodiscard]] double r() const override { return noise_.mean(); }
@@ -140,12 +137,14 @@ class ValueAppearance final : public Appearance {
     double left = 0;          // Σ of what C leaves of the values that are seen
   };
 
-  [[nodiscard]] Eigen::Index frames() const { return static_cast<Eigen::Index>(input_.bands.frames()); }
+  [[nodiscard]] Eigen::Index frames() const {
+    return static_cast<Eigen::Index>(input_.frame_blocks.frames());
+  }
   [[nodiscard]] std::size_t pixel(Eigen::Index value) const {
     return static_cast<std::size_t>(value) / input_.scale.channels;
   }
   [[nodiscard]] std::size_t seen(Eigen::Index value) const {
-    return seen_count(input_.missing, pixel(value), input_.bands.frames());
+    return seen_count(input_.missing, pixel(value), input_.frame_blocks.frames());
   }
   [[nodiscard]] bool fitted(std::size_t seen) const {
     return seen >= static_cast<std::size_t>(C_.cols()) + 2;
@@ -154,32 +153,30 @@ class ValueAppearance final : public Appearance {
   void count_seen() {
     const std::size_t channels = input_.scale.channels;
     for (std::size_t p = 0; p < static_cast<std::size_t>(m_) / channels; ++p) {
-      const std::size_t count = seen_count(input_.missing, p, input_.bands.frames());
+      const std::size_t count = seen_count(input_.missing, p, input_.frame_blocks.frames());
       seen_values_ += channels * count;
       if (fitted(count)) fitted_values_ += channels;
     }
   }
 
   // One pass: fits rows if there are moments, then sums up what the clip says of the states.
-  core::Status sweep(const FrameMoments* moments, Observations& result) {
+  Observations sweep(const FrameMoments* moments) {
     const bool each = input_.options.noise_per_value;
     const Sums none{Eigen::MatrixXd::Zero(C_.cols(), frames()), Eigen::VectorXd::Zero(frames())};
     std::vector<Sums> slabs(kSumSlabs, none);
     const auto add = [&](std::size_t first, const FrameValues& values) {
-      return for_sum_blocks(static_cast<Eigen::Index>(values.count), input_.context,
-                            [&](std::size_t slab, Eigen::Index row, Eigen::Index rows) {
-                              const auto at = static_cast<Eigen::Index>(first) + row;
-                              Eigen::MatrixXd Y =
-                                  level_block(values, first, static_cast<std::size_t>(row), rows, 0,
-                                              input_.scale, input_.missing, base_.segment(at, rows));
-                              if (moments != nullptr) slabs[slab].left += fit_rows(*moments, Y, at);
-                              add_rows(Y, at, each, slabs[slab]);
-                            });
+      for_sum_blocks(static_cast<Eigen::Index>(values.count), input_.context,
+                     [&](std::size_t slab, Eigen::Index row, Eigen::Index rows) {
+                       const auto at = static_cast<Eigen::Index>(first) + row;
+                       Eigen::MatrixXd Y = level_block(values, first, static_cast<std::size_t>(row), rows, 0,
+                                                       input_.scale, input_.missing, base_.segment(at, rows));
+                       if (moments != nullptr) slabs[slab].left += fit_rows(*moments, Y, at);
+                       add_rows(Y, at, each, slabs[slab]);
+                     });
     };
     const bool back = backwards_;
-    backwards_ = !backwards_;  // begins with the band that is still in memory
-    if (input_.bands.for_each("reading values", back, add, context_) == core::Status::cancelled)
-      return core::Status::cancelled;
+    backwards_ = !backwards_;  // begins with the block that is still in memory
+    input_.frame_blocks.for_each("reading values", back, add, context_);
     for (std::size_t s = 1; s < kSumSlabs; ++s) {
       slabs[0].vectors += slabs[s].vectors;
       slabs[0].squares += slabs[s].squares;
@@ -189,13 +186,15 @@ class ValueAppearance final : public Appearance {
       noise_.setConstant(
           std::max(slabs[0].left / static_cast<double>(seen_values_), input_.options.least_noise));
     const double inverse = each ? 1 : 1 / noise_[0];
+    Observations result;
     result.vectors = slabs[0].vectors * inverse;
     result.squares = slabs[0].squares * inverse;
     const auto rows_of = [&](Eigen::Index row, Eigen::Index rows) {
       return WeightedRows{C_.middleRows(row, rows), noise_.segment(row, rows).cwiseInverse()};
     };
-    return add_information(m_, C_.cols(), input_.bands.frames(), input_.scale, input_.missing, rows_of,
-                           result, input_.context);
+    add_information(m_, C_.cols(), input_.frame_blocks.frames(), input_.scale, input_.missing, rows_of,
+                    result, input_.context);
+    return result;
   }
 
   // C, mean and noise of a block's rows, those of one pattern at a time; what they leave, summed.

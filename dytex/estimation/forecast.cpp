@@ -15,6 +15,8 @@ namespace emberfold::dytex {
 
 namespace {
 
+constexpr int kMostSteps = 100000;  // frames ahead
+
 [[noreturn]] void fail(const std::string& what) {
   throw core::InputError("forecast: " + what);
 }
@@ -27,9 +29,8 @@ double noise_sum(const LinearDynamicTexture& texture) {
 }  // namespace
 
 Forecast forecast(const LinearDynamicTexture& texture, const StateGuess& from, int steps) {
-  constexpr int kMostSteps = 100000;
   if (steps < 1 || steps > kMostSteps)
-    fail("steps is " + std::to_string(steps) + ", allowed is 1 to " + std::to_string(kMostSteps));
+    fail("steps is " + std::to_string(steps) + "; allowed is 1 to " + std::to_string(kMostSteps));
   validate(texture);
   const Eigen::Index order = texture.order(), n = texture.components();
   if (from.mean.size() != order || from.factor.rows() != order)

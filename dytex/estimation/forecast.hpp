@@ -11,18 +11,19 @@
 
 namespace emberfold::dytex {
 
-/// What a texture foretells, 1 … K frames on from what is known of a state.
+/// The forecast of a texture, 1 … K frames ahead of a state.
 struct Forecast {
-  Eigen::MatrixXd states;                    ///< N × K: what is expected; draw() shows a column
+  Eigen::MatrixXd states;                    ///< N × K: expected states; draw() draws a column
   std::vector<Eigen::MatrixXd> covariances;  ///< K of N × N, of the states about that
   Eigen::VectorXd error;                     ///< K: expected RMS error of a frame's values, levels
 };
 
-/// x ← A x, P ← A P Aᵀ + B Bᵀ; the error of step k is √((tr(diag(weights)² P) + Σ R)/m). InputError where the
-/// texture is not valid, `from` is of another order or `steps` is outside 1 … 100000. O(K N³).
+/// Predicts states and errors: x ← A x, P ← A P Aᵀ + B Bᵀ. The error of step k is √((tr(diag(weights)² P) + Σ
+/// R)/m). InputError where the texture is not valid, `from` is of another order or `steps` is outside 1 …
+/// 100000. O(K N³).
 Forecast forecast(const LinearDynamicTexture& texture, const StateGuess& from, int steps);
 
-/// By how much each value is expected to miss, levels: √diag(C P Cᵀ + R) for the state's covariance P (N ×
+/// Returns the expected RMS error of each value, levels: √diag(C P Cᵀ + R) for the state's covariance P (N ×
 /// N). CV_32F of the texture's size and channels. InputError where shapes disagree. O(m n²).
 cv::Mat forecast_deviation(const LinearDynamicTexture& texture, const Eigen::MatrixXd& covariance);
 

@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "core/error.hpp"
 #include "dytex/learning/decompositions.hpp"
 
@@ -15,7 +13,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr double kSame = 1e-12;  // relative change of a covariance below which it is kept
+constexpr double kSteadyTolerance = 1e-12;  // relative change of a covariance below which it is kept
 
 [[noreturn]] void fail(const std::string& what) {
   throw core::InputError("filter: " + what);
@@ -48,7 +46,7 @@ void check(const Observations& seen, Eigen::Index n) {
     fail("which has " + std::to_string(seen.which.size()) + " entries, must have " + std::to_string(frames));
   for (const int which : seen.which)
     if (which < -1 || which >= static_cast<int>(seen.information.size()))
-      fail("which is " + std::to_string(which) + ", allowed is -1 to " +
+      fail("which is " + std::to_string(which) + "; allowed is -1 to " +
            std::to_string(static_cast<int>(seen.information.size()) - 1));
 }
 
@@ -61,11 +59,10 @@ void take_frame(const Eigen::MatrixXd* information, FilterStep& step) {
   }
   Eigen::MatrixXd M = F.transpose() * (information->selfadjointView<Eigen::Lower>() * F);
   M.diagonal().array() += 1;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(M);
-  if (cholesky.info() != Eigen::Success)
-    throw core::NumericalError("filter: the frames' precision is out of range");
-  step.filtered = cholesky.matrixL().solve(F.transpose()).transpose();
-  step.log_volume = 2 * cholesky.matrixLLT().diagonal().array().log().sum();
+  const detail::CholeskyFactors factors(M);
+  if (!factors.positive()) throw core::NumericalError("filter: the frames' precision is out of range");
+  step.filtered = factors.right_divide_upper(F);
+  step.log_volume = factors.log_determinant();
 }
 
 /// F with F Fᵀ = A P Aᵀ + B Bᵀ.
@@ -80,7 +77,7 @@ Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix) {
 }
 
 bool nearly_same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  return (a - b).norm() <= kSame * a.norm();
+  return (a - b).norm() <= kSteadyTolerance * a.norm();
 }
 
 /// Keeps the covariance of the last frame where this one would have the same.

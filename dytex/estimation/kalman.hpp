@@ -15,8 +15,8 @@ struct StateSpace {
   Eigen::MatrixXd first_factor;  ///< n × any
 };
 
-/// All that frames y(t) = mean + C x(t) + w(t), w ~ N(0, R), R diagonal, say of their states, in n
-/// dimensions. Sums are over what is seen of a frame: a frame of which nothing is seen says nothing.
+/// The information of frames y(t) = mean + C x(t) + w(t), w ~ N(0, R), R diagonal, about their states. Sums
+/// run over the values that are seen of a frame.
 struct Observations {
   Eigen::MatrixXd vectors;                   ///< n × τ: Cᵀ R⁻¹ (y − mean)
   Eigen::VectorXd squares;                   ///< τ: (y − mean)ᵀ R⁻¹ (y − mean)
@@ -42,12 +42,12 @@ struct Filtered {
   double log_likelihood = 0;      ///< of everything that was seen, natural logarithm
 };
 
-/// The Kalman filter in n dimensions, whatever the number of pixels: with P = F Fᵀ predicted, K = Cᵀ R⁻¹ C
-/// and I + Fᵀ K F = L Lᵀ, the filtered factor is F L⁻ᵀ and the next predicted one comes of a QR of what A
-/// makes of it and B. No covariance is inverted or subtracted from, so that all stay symmetric and not
-/// negative. Covariances are kept once they change by less than 1e-12 of themselves, for as long as frames
-/// show the same values. InputError where shapes disagree or something is not finite; NumericalError where a
-/// number leaves the range of double. O(n³) a frame until then, O(n²) after.
+/// Filters states forwards (Kalman) in n dimensions, whatever the number of pixels. With P = F Fᵀ predicted,
+/// K = Cᵀ R⁻¹ C and I + Fᵀ K F = L Lᵀ, the filtered factor is F L⁻ᵀ and the next predicted one comes of a QR
+/// of what A makes of it and B. No covariance is inverted or subtracted from, so that all stay symmetric and
+/// not negative. Covariances are kept once they change by less than 1e-12 of themselves, for as long as
+/// frames show the same values. InputError where shapes disagree or something is not finite; NumericalError
+/// where a number leaves the range of double. O(n³) a frame until then, O(n²) after.
 Filtered filter(const StateSpace& space, const Observations& observations);
 
 struct SmootherStep {
@@ -65,7 +65,7 @@ struct Smoothed {
   }
 };
 
-/// Backwards through what filter() found (Rauch, Tung, Striebel 1965), covariances as sums of squares.
+/// Smooths states backwards through what filter() found (Rauch, Tung, Striebel 1965).
 /// `filtered` must be of the same space. As filter() in cost.
 Smoothed smooth(const StateSpace& space, const Filtered& filtered);
 

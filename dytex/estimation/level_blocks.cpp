@@ -45,7 +45,7 @@ struct RowSums {
 std::vector<std::size_t> partly_hidden_frames(const Missing& missing) {
   std::vector<std::size_t> result;
   for (std::size_t t = 0; t < missing.frames(); ++t) {
-    if (missing.whole(t) || missing.gone(t)) continue;
+    if (missing.all_seen(t) || missing.all_hidden(t)) continue;
     if (t == 0 || missing.groups()[t] != missing.groups()[t - 1]) result.push_back(t);
   }
   return result;
@@ -84,7 +84,7 @@ Eigen::MatrixXd level_block(const FrameValues& values, std::size_t first, std::s
       read_column<float>(frame, begin, scale.to_levels, mean, block.col(t));
     }
     const std::size_t index = first_frame + static_cast<std::size_t>(t);
-    if (!missing.whole(index))
+    if (!missing.all_seen(index))
       for (Eigen::Index i = 0; i < rows; ++i)
         if (missing.hidden((first + begin + static_cast<std::size_t>(i)) / scale.channels, index))
           block(i, t) = 0;
@@ -94,20 +94,22 @@ Eigen::MatrixXd level_block(const FrameValues& values, std::size_t first, std::s
   return block;
 }
 
-core::Status for_sum_blocks(Eigen::Index m, const core::Context& context,
-                            const std::function<void(std::size_t, Eigen::Index, Eigen::Index)>& body) {
+void for_sum_blocks(Eigen::Index m, const core::Context& context,
+                    const std::function<void(std::size_t, Eigen::Index, Eigen::Index)>& body) {
   const auto step = static_cast<Eigen::Index>(kBlock), blocks = (m + step - 1) / step;
   const auto slabs = static_cast<Eigen::Index>(kSumSlabs);
-  return core::parallel_for(kSumSlabs, context, [&](std::size_t slab) {
+  core::parallel_for(kSumSlabs, context, [&](std::size_t slab) {
     const auto s = static_cast<Eigen::Index>(slab);
-    for (Eigen::Index b = blocks * s / slabs; b < blocks * (s + 1) / slabs && !context.cancelled(); ++b)
+    for (Eigen::Index b = blocks * s / slabs; b < blocks * (s + 1) / slabs; ++b) {
+      context.check();
       body(slab, b * step, std::min(step, m - b * step));
+    }
   });
 }
 
-core::Status add_information(Eigen::Index m, Eigen::Index n, std::size_t frames, const LevelScale& scale,
-                             const Missing& missing, const RowsOf& rows_of, Observations& result,
-                             const core::Context& context) {
+void add_information(Eigen::Index m, Eigen::Index n, std::size_t frames, const LevelScale& scale,
+                     const Missing& missing, const RowsOf& rows_of, Observations& result,
+                     const core::Context& context) {
   const RowSums none{Eigen::MatrixXd::Zero(n, n)};
   std::vector<RowSums> slabs(kSumSlabs, none);
   for_sum_blocks(m, context, [&](std::size_t slab, Eigen::Index row, Eigen::Index rows) {
@@ -126,7 +128,8 @@ core::Status add_information(Eigen::Index m, Eigen::Index n, std::size_t frames,
     const std::size_t begin = partly.size() * chunk / kSumSlabs,
                       end = partly.size() * (chunk + 1) / kSumSlabs;
     const auto step = static_cast<Eigen::Index>(kBlock);
-    for (Eigen::Index row = 0; begin < end && row < m && !context.cancelled(); row += step) {
+    for (Eigen::Index row = 0; begin < end && row < m; row += step) {
+      context.check();
       const WeightedRows rows = rows_of(row, std::min(step, m - row));
       for (std::size_t g = begin; g < end; ++g) add_pixels_of(missing, partly[g], row, scale, rows, sums[g]);
     }
@@ -147,8 +150,8 @@ core::Status add_information(Eigen::Index m, Eigen::Index n, std::size_t frames,
   std::size_t group = 0;
   for (std::size_t t = 0; t < missing.frames(); ++t) {
     const auto at = static_cast<Eigen::Index>(t);
-    if (missing.whole(t)) continue;
-    if (missing.gone(t)) {
+    if (missing.all_seen(t)) continue;
+    if (missing.all_hidden(t)) {
       result.which[t] = -1;
       result.constants[at] = 0;
       continue;
@@ -157,7 +160,6 @@ core::Status add_information(Eigen::Index m, Eigen::Index n, std::size_t frames,
     result.which[t] = static_cast<int>(group);
     result.constants[at] = sums[group - 1].constants;
   }
-  return context.cancelled() ? core::Status::cancelled : core::Status::done;
 }
 
 }  // namespace emberfold::dytex::detail

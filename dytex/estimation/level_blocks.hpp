@@ -13,14 +13,14 @@
 
 namespace emberfold::dytex::detail {
 
-/// How the values of a band are to be read.
+/// The scale of values that are read.
 struct LevelScale {
   double to_levels = 1;      ///< white shows as 255
   std::size_t channels = 1;  ///< values next to each other that are one pixel
 };
 
-/// `rows` values of every frame from values.frames' entry `begin` on, in levels less their mean; 0 where
-/// hidden. `first`: the band's first value, `first_frame`: of values.frames. `mean`: of the `rows` values.
+/// Reads `rows` values of every frame from entry `begin` on, in levels less their mean; 0 where hidden.
+/// `first`: the frame block's first value, `first_frame`: of values.frames. `mean`: of the `rows` values.
 /// InputError where a value that is seen is not finite.
 Eigen::MatrixXd level_block(const FrameValues& values, std::size_t first, std::size_t begin,
                             Eigen::Index rows, std::size_t first_frame, const LevelScale& scale,
@@ -29,8 +29,8 @@ Eigen::MatrixXd level_block(const FrameValues& values, std::size_t first, std::s
 /// Calls body(slab, first row, rows) for blocks of kBlock rows below m: those of a slab one after another,
 /// slabs in parallel. What slabs sum up and is then added in their order is the same at any thread count.
 constexpr std::size_t kSumSlabs = 16;
-core::Status for_sum_blocks(Eigen::Index m, const core::Context& context,
-                            const std::function<void(std::size_t, Eigen::Index, Eigen::Index)>& body);
+void for_sum_blocks(Eigen::Index m, const core::Context& context,
+                    const std::function<void(std::size_t, Eigen::Index, Eigen::Index)>& body);
 
 /// A block of C's rows and the inverse noise variance of each.
 struct WeightedRows {
@@ -39,11 +39,11 @@ struct WeightedRows {
 };
 using RowsOf = std::function<WeightedRows(Eigen::Index row, Eigen::Index rows)>;
 
-/// The information and the constants of every frame: what does not depend on its values. `m`: values of a
+/// Sets the information and the constants of every frame, which do not depend on its values. `m`: values of a
 /// frame. O(m n²), and O(n²) for each hidden value, or seen one where those are fewer, of frames that hide
 /// other pixels than the one before.
-core::Status add_information(Eigen::Index m, Eigen::Index n, std::size_t frames, const LevelScale& scale,
-                             const Missing& missing, const RowsOf& rows_of, Observations& result,
-                             const core::Context& context);
+void add_information(Eigen::Index m, Eigen::Index n, std::size_t frames, const LevelScale& scale,
+                     const Missing& missing, const RowsOf& rows_of, Observations& result,
+                     const core::Context& context);
 
 }  // namespace emberfold::dytex::detail

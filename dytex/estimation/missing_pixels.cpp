@@ -25,7 +25,7 @@ std::string size_text(int width, int height) {
 /// Calls body(pixel) for each hidden pixel of a frame.
 template <class Body>
 void for_hidden(const Missing& missing, std::size_t frame, const Body& body) {
-  if (missing.whole(frame)) return;
+  if (missing.all_seen(frame)) return;
   for (std::size_t p = 0; p < missing.pixels(); ++p)
     if (missing.hidden(p, frame)) body(p);
 }
@@ -63,7 +63,7 @@ Missing::Missing(core::FrameSource& mask, const core::ClipInfo& clip, const core
   std::size_t frames = 0;
   int group = -1;
   for (cv::Mat frame = mask.next(); !frame.empty(); frame = mask.next(), ++frames) {
-    if (context.cancelled()) return;
+    context.check();
     if (frame.cols != info.width || frame.rows != info.height)
       throw core::IoError("the mask's frame " + std::to_string(frames) + " is " +
                           size_text(frame.cols, frame.rows) + ", the others " +
@@ -121,7 +121,7 @@ cv::Mat FilledSource::next() {
   if (t >= static_cast<std::size_t>(texture_.states.cols()))
     throw core::InputError("the clip has more than the " + std::to_string(texture_.states.cols()) +
                            " frames that the texture has states of");
-  if (missing_.whole(t)) return frame;
+  if (missing_.all_seen(t)) return frame;
   cv::Mat guess;
   draw(texture_, texture_.states.col(static_cast<Eigen::Index>(t)))
       .convertTo(guess, frame.type(), source_.info().white / 255);
@@ -143,14 +143,15 @@ HeldSource::HeldSource(core::FrameSource& source, const Missing& missing, const 
   std::vector<std::uint32_t> counts(pixels, 0);
   source.rewind();
   std::size_t frames = 0;
-  for (cv::Mat frame = source.next(); !frame.empty() && !context.cancelled(); frame = source.next()) {
+  for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next()) {
+    context.check();
     if (frame.size() != sum.size() || frame.channels() != info.channels)
       throw core::IoError("frame " + std::to_string(frames) + " is " + size_text(frame.cols, frame.rows) +
                           ", the clip's frames are " + size_text(info.width, info.height));
     if (frames < missing.frames()) add_seen_pixels(missing, frames, frame, sum, counts);
     ++frames;
   }
-  if (!context.cancelled()) missing.check_frames(frames);
+  missing.check_frames(frames);
   std::vector<double> means(channels, 0), total(channels, 0);
   auto* values = sum.ptr<double>();
   double seen = 0;

@@ -14,36 +14,35 @@
 
 namespace emberfold::dytex {
 
-/// Which pixels of a clip's frames are not known; a bit for every pixel and frame. All channels of a pixel
-/// are hidden together. Without frames nothing is hidden in any.
+/// The hidden pixels of a clip: a bit for every pixel and frame. All channels of a pixel are hidden together.
+/// Without frames nothing is hidden.
 class Missing {
  public:
   Missing() = default;
-  /// Reads a mask: what is at least half as bright as white (luma) is hidden. `clip`: what the mask is for.
+  /// Reads a mask: pixels at least half as bright as white (luma) are hidden. `clip`: the clip it belongs to.
   /// InputError where its size is another, it has no frames, or hides every pixel of all frames but one.
-  /// Cancelled: has no frames.
   Missing(core::FrameSource& mask, const core::ClipInfo& clip, const core::Context& context = {});
 
   [[nodiscard]] bool any() const { return frames_ > 0; }
   [[nodiscard]] std::size_t frames() const { return frames_; }
   [[nodiscard]] std::size_t pixels() const { return pixels_; }
-  /// InputError where a clip of so many frames is another's.
+  /// Throws InputError unless the mask has so many frames, or none.
   void check_frames(std::size_t frames) const;
 
   [[nodiscard]] bool hidden(std::size_t pixel, std::size_t frame) const {
     return frames_ > 0 && (pattern(pixel)[frame / 64] >> (frame % 64) & 1) != 0;
   }
-  /// Hidden pixels of a frame.
+  /// Returns the number of hidden pixels of a frame.
   [[nodiscard]] std::size_t count(std::size_t frame) const { return frames_ > 0 ? counts_[frame] : 0; }
-  [[nodiscard]] bool whole(std::size_t frame) const { return count(frame) == 0; }
-  [[nodiscard]] bool gone(std::size_t frame) const { return frames_ > 0 && counts_[frame] == pixels_; }
-  /// Whether each frame is either whole or gone.
+  [[nodiscard]] bool all_seen(std::size_t frame) const { return count(frame) == 0; }
+  [[nodiscard]] bool all_hidden(std::size_t frame) const { return frames_ > 0 && counts_[frame] == pixels_; }
+  /// Tells whether each frame is either all seen or all hidden.
   [[nodiscard]] bool by_frames() const;
-  /// A pixel's bits, frame 0 the lowest of the first word.
+  /// Returns a pixel's bits, frame 0 the lowest of the first word.
   [[nodiscard]] std::span<const std::uint64_t> pattern(std::size_t pixel) const {
     return {bits_.data() + pixel * words_, words_};
   }
-  /// τ numbers: equal where frames next to each other hide the same pixels; −1 where all are hidden.
+  /// Returns τ numbers: equal where frames next to each other hide the same pixels; −1 where all are hidden.
   [[nodiscard]] const std::vector<int>& groups() const { return groups_; }
 
  private:
@@ -56,8 +55,8 @@ class Missing {
   cv::Mat before_;  // the frame before, while reading
 };
 
-/// A clip with its hidden values filled in by mean + C x(t), x(t) the texture's states: what a texture
-/// that was learned from the clip says of them. The clip's depth and range; rounded for whole numbers.
+/// A clip with its hidden values filled in from a texture that was learned from it: mean + C x(t), x(t) the
+/// texture's states. Of the clip's depth and range; rounded for whole numbers.
 /// `source`, `missing` and `texture` must outlive it.
 class FilledSource final : public core::FrameSource {
  public:
@@ -74,8 +73,8 @@ class FilledSource final : public core::FrameSource {
   std::size_t position_ = 0;
 };
 
-/// A clip whose hidden values are what was last seen of the pixel, before that the mean of all that is seen
-/// of it; of a pixel that is never seen, the mean of all pixels. Reads the source once when made.
+/// A clip whose hidden pixels hold their last seen value; before that, the mean of the seen ones. A pixel
+/// that is never seen has the mean of all pixels. Reads the source once when made.
 class HeldSource final : public core::FrameSource {
  public:
   HeldSource(core::FrameSource& source, const Missing& missing, const core::Context& context);

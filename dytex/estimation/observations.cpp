@@ -120,7 +120,7 @@ Observations observe(const LinearDynamicTexture& texture, core::FrameSource& sou
   std::size_t frames = 0;
   source.rewind();
   for (Batch batch = next_batch(source, 0); !batch.frames.empty(); batch = next_batch(source, frames)) {
-    if (context.cancelled()) return {};
+    context.check();
     if (missing.any() && frames + batch.frames.size() > missing.frames())
       throw core::InputError("the mask has " + std::to_string(missing.frames()) + " frames, the clip more");
     batches.push_back(sums_of(batch, frames, texture, scale, missing, rows_at, context));
@@ -138,9 +138,8 @@ Observations observe(const LinearDynamicTexture& texture, core::FrameSource& sou
     result.squares.segment(at, batch.squares.size()) = batch.squares;
     at += batch.squares.size();
   }
-  if (detail::add_information(texture.pixels(), texture.components(), frames, scale, missing, rows_at, result,
-                              context) == core::Status::cancelled)
-    return {};
+  detail::add_information(texture.pixels(), texture.components(), frames, scale, missing, rows_at, result,
+                          context);
   widen(result, texture.order());
   return result;
 }

@@ -9,28 +9,28 @@
 
 namespace emberfold::dytex {
 
-/// The texture's states, from their stationary distribution.
+/// Returns the texture's state space, begun from its stationary distribution.
 StateSpace state_space(const LinearDynamicTexture& texture);
 
-/// What the frames of a clip say of a texture's states, for filter() and smooth(): of N numbers, of which the
-/// frames show the first n. `missing`: what of them is hidden. Noise variances below `least_noise` (levels²,
-/// > 0) count as that. Reads the source once from its beginning, eight frames at a time; the same bytes at
-/// any thread count. InputError where the texture is not valid, sizes disagree, there is no frame, or a value
-/// that is seen is not finite. Cancelled: no frames. O(m n) a frame and O(m n²), with hidden pixels as
+/// Reads what the frames of a clip say of a texture's states, for filter() and smooth(). States have N
+/// numbers, of which frames show the first n. `missing`: hidden pixels. Noise variances below `least_noise`
+/// (levels², > 0) count as that. Reads the source once from its beginning, eight frames at a time; the same
+/// bytes at any thread count. InputError where the texture is not valid, sizes disagree, there is no frame,
+/// or a value that is seen is not finite. O(m n) a frame and O(m n²), with hidden pixels as
 /// maximise_likelihood().
 Observations observe(const LinearDynamicTexture& texture, core::FrameSource& source,
                      const Missing& missing = {}, const core::Context& context = {},
                      double least_noise = 1.0 / 12);
 
-/// What is known of a state: N(mean, F Fᵀ).
+/// A Gaussian belief about a state: N(mean, F Fᵀ).
 struct StateGuess {
   Eigen::VectorXd mean;    ///< N
   Eigen::MatrixXd factor;  ///< N × any
 };
-/// Of the last frame that was filtered.
+/// Returns the state of the last frame that was filtered.
 StateGuess last_state(const Filtered& filtered);
-/// Of the last frame that a texture was learned from: its state there, and how well a filter over as many
-/// frames would know it. InputError where the texture is not valid. O(m n²).
+/// Returns the state of the last frame that a texture was learned from, as uncertain as after a filter over
+/// as many frames. InputError where the texture is not valid. O(m n²).
 StateGuess last_training_state(const LinearDynamicTexture& texture, double least_noise = 1.0 / 12);
 
 }  // namespace emberfold::dytex

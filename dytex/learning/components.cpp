@@ -6,26 +6,27 @@
 #include <cstdint>
 #include <functional>
 
-#include <Eigen/Cholesky>
 #include <opencv2/core/hal/interface.h>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "dytex/learning/decompositions.hpp"
 #include "dytex/learning/kernels.hpp"
 
 namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr std::size_t kRows = 512;  // values of a block of C
-constexpr std::size_t kSlabs = 16;  // parts in which CᵀC is summed
+constexpr std::size_t kRows = 512;           // values of a block of C
+constexpr std::size_t kSlabs = 16;           // parts in which CᵀC is summed
+constexpr std::size_t kBytesIn16Bits = 257;  // frames whose bytes add up within 16 bits: 257 · 255 < 2¹⁶
 static_assert(kRows % kSlice == 0);
 
 /// Calls body(first, count) for blocks of [0, count).
-core::Status for_blocks(std::size_t count, const core::Context& context,
-                        const std::function<void(std::size_t, std::size_t)>& body) {
-  return core::parallel_for((count + kRows - 1) / kRows, context,
-                            [&](std::size_t i) { body(i * kRows, std::min(kRows, count - i * kRows)); });
+void for_blocks(std::size_t count, const core::Context& context,
+                const std::function<void(std::size_t, std::size_t)>& body) {
+  core::parallel_for((count + kRows - 1) / kRows, context,
+                     [&](std::size_t i) { body(i * kRows, std::min(kRows, count - i * kRows)); });
 }
 
 template <class Body>
@@ -36,10 +37,9 @@ void with_depth(int depth, const Body& body) {
 }
 
 void add_byte_sums(const FrameValues& values, std::size_t begin, std::size_t count, double* sums) {
-  constexpr std::size_t kFit = 257;  // 257 · 255 < 2¹⁶
-  for (std::size_t t0 = 0; t0 < values.frames.size(); t0 += kFit) {
+  for (std::size_t t0 = 0; t0 < values.frames.size(); t0 += kBytesIn16Bits) {
     std::array<std::uint16_t, kRows> some{};
-    for (std::size_t t = t0; t < std::min(t0 + kFit, values.frames.size()); ++t) {
+    for (std::size_t t = t0; t < std::min(t0 + kBytesIn16Bits, values.frames.size()); ++t) {
       const std::uint8_t* from = values.of<std::uint8_t>(t) + begin;
       for (std::size_t p = 0; p < count; ++p) some[p] = static_cast<std::uint16_t>(some[p] + from[p]);
     }
@@ -77,7 +77,7 @@ void centre(const Value* from, std::size_t rows, const float* mean, float* to, s
 }
 
 /// Right factors in panels: see add_product().
-std::vector<float> packed(const Eigen::MatrixXd& right) {
+std::vector<float> pack_panels(const Eigen::MatrixXd& right) {
   const auto depth = static_cast<std::size_t>(right.rows()), columns = static_cast<std::size_t>(right.cols());
   std::vector<float> result(whole_panels(columns) * depth, 0);
   for (std::size_t j = 0; j < columns; ++j)
@@ -110,15 +110,14 @@ void add_block(const FrameValues& values, std::size_t begin, std::size_t rows, s
 }
 
 /// Calls body(slab, block of C in slices, its first row, its rows); blocks of a slab one after another.
-core::Status for_slices(
-    const Eigen::MatrixXf& C, const core::Context& context,
-    const std::function<void(std::size_t, const Slices&, Eigen::Index, Eigen::Index)>& body) {
+void for_slices(const Eigen::MatrixXf& C, const core::Context& context,
+                const std::function<void(std::size_t, const Slices&, Eigen::Index, Eigen::Index)>& body) {
   const auto m = static_cast<std::size_t>(C.rows()), n = static_cast<std::size_t>(C.cols());
   const std::size_t blocks = (m + kRows - 1) / kRows;
-  return core::parallel_for(kSlabs, context, [&](std::size_t slab) {
+  core::parallel_for(kSlabs, context, [&](std::size_t slab) {
     std::vector<float> left(kRows * n);
     for (std::size_t b = blocks * slab / kSlabs; b < blocks * (slab + 1) / kSlabs; ++b) {
-      if (context.cancelled()) return;
+      context.check();
       const std::size_t rows = std::min(kRows, m - b * kRows);
       for (std::size_t j = 0; j < n; ++j) {
         const float* from = C.data() + j * m + b * kRows;
@@ -137,9 +136,9 @@ core::Status for_slices(
 
 }  // namespace
 
-core::Status add_sums(const FrameValues& values, std::size_t first, Eigen::VectorXd& sums,
-                      const core::Context& context) {
-  return for_blocks(values.count, context, [&](std::size_t begin, std::size_t count) {
+void add_sums(const FrameValues& values, std::size_t first, Eigen::VectorXd& sums,
+              const core::Context& context) {
+  for_blocks(values.count, context, [&](std::size_t begin, std::size_t count) {
     double* to = sums.data() + first + begin;
     if (values.depth == CV_8U) return add_byte_sums(values, begin, count, to);
     with_depth(values.depth, [&]<class Value>(Value) {
@@ -151,23 +150,21 @@ core::Status add_sums(const FrameValues& values, std::size_t first, Eigen::Vecto
   });
 }
 
-core::Status add_components(const FrameValues& values, std::size_t first, const Eigen::VectorXd& mean,
-                            const Eigen::MatrixXd& weights, Eigen::MatrixXf& C,
-                            const core::Context& context) {
+void add_components(const FrameValues& values, std::size_t first, const Eigen::VectorXd& mean,
+                    const Eigen::MatrixXd& weights, Eigen::MatrixXf& C, const core::Context& context) {
   std::vector<std::vector<float>> batches;
   for (Eigen::Index t = 0; t < weights.rows(); t += kBatch)
-    batches.push_back(packed(weights.middleRows(t, std::min<Eigen::Index>(kBatch, weights.rows() - t))));
-  return for_blocks(values.count, context, [&](std::size_t begin, std::size_t rows) {
+    batches.push_back(pack_panels(weights.middleRows(t, std::min<Eigen::Index>(kBatch, weights.rows() - t))));
+  for_blocks(values.count, context, [&](std::size_t begin, std::size_t rows) {
     with_depth(values.depth, [&]<class Value>(Value) {
       add_block<Value>(values, begin, rows, first + begin, mean, batches, C);
     });
   });
 }
 
-core::Status make_components(const FrameValues& values, std::size_t first, const Eigen::VectorXd& mean,
-                             const Eigen::MatrixXd& weights, Eigen::MatrixXf& C,
-                             const core::Context& context) {
-  return for_blocks(values.count, context, [&](std::size_t begin, std::size_t count) {
+void make_components(const FrameValues& values, std::size_t first, const Eigen::VectorXd& mean,
+                     const Eigen::MatrixXd& weights, Eigen::MatrixXf& C, const core::Context& context) {
+  for_blocks(values.count, context, [&](std::size_t begin, std::size_t count) {
     const auto row = static_cast<Eigen::Index>(first + begin), rows = static_cast<Eigen::Index>(count);
     Eigen::MatrixXd block(rows, weights.rows());
     with_depth(values.depth, [&]<class Value>(Value) {
@@ -182,9 +179,9 @@ core::Status make_components(const FrameValues& values, std::size_t first, const
   });
 }
 
-core::Status keep_channels(const Eigen::VectorXi& channels, int of_channels, Eigen::MatrixXf& C,
-                           const core::Context& context) {
-  return core::parallel_for(static_cast<std::size_t>(C.cols()), context, [&](std::size_t i) {
+void keep_channels(const Eigen::VectorXi& channels, int of_channels, Eigen::MatrixXf& C,
+                   const core::Context& context) {
+  core::parallel_for(static_cast<std::size_t>(C.cols()), context, [&](std::size_t i) {
     const auto j = static_cast<Eigen::Index>(i);
     float* value = C.col(j).data();
     for (Eigen::Index p = 0; p < C.rows(); ++p)
@@ -192,9 +189,9 @@ core::Status keep_channels(const Eigen::VectorXi& channels, int of_channels, Eig
   });
 }
 
-core::Status orthonormalise(Eigen::MatrixXf& C, const core::Context& context) {
+void orthonormalise(Eigen::MatrixXf& C, const core::Context& context) {
   const Eigen::Index n = C.cols();
-  if (n == 0) return core::Status::done;
+  if (n == 0) return;
   const Isa isa = best_isa();
   std::vector<Eigen::MatrixXd> parts(kSlabs, Eigen::MatrixXd::Zero(n, n));
   for_slices(C, context, [&](std::size_t slab, const Slices& block, Eigen::Index, Eigen::Index) {
@@ -202,13 +199,12 @@ core::Status orthonormalise(Eigen::MatrixXf& C, const core::Context& context) {
   });
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(n, n);
   for (const Eigen::MatrixXd& part : parts) products += part;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(products);  // reads the lower half
-  if (context.cancelled()) return core::Status::cancelled;
-  if (cholesky.info() != Eigen::Success)
-    throw core::NumericalError("learn: the components are not independent");
+  const CholeskyFactors factors(products);  // reads the lower half
+  context.check();
+  if (!factors.positive()) throw core::NumericalError("learn: the components are not independent");
   const std::vector<float> right =
-      packed(cholesky.matrixL().solve(Eigen::MatrixXd::Identity(n, n)).transpose());
-  return for_slices(C, context, [&](std::size_t, const Slices& block, Eigen::Index row, Eigen::Index rows) {
+      pack_panels(factors.solve_lower(Eigen::MatrixXd::Identity(n, n)).transpose());
+  for_slices(C, context, [&](std::size_t, const Slices& block, Eigen::Index row, Eigen::Index rows) {
     Eigen::MatrixXf out =
         Eigen::MatrixXf::Zero(kRows, static_cast<Eigen::Index>(whole_panels(static_cast<std::size_t>(n))));
     add_product(isa, block, right.data(), static_cast<std::size_t>(n), out.data(), kRows);

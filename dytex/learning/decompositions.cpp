@@ -76,9 +76,9 @@ Eigen::MatrixXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::Matrix
 }
 
 Eigen::MatrixXd right_divide(const Eigen::MatrixXd& left, const Eigen::MatrixXd& matrix) {
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(matrix);
-  if (cholesky.info() != Eigen::Success) throw core::NumericalError("a covariance is singular");
-  return cholesky.solve(left.transpose()).transpose();
+  const CholeskyFactors factors(matrix);
+  if (!factors.positive()) throw core::NumericalError("a covariance is singular");
+  return factors.right_divide(left);
 }
 
 ThinSvd thin_svd(const Eigen::MatrixXd& matrix) {
@@ -92,8 +92,78 @@ Eigen::MatrixXd thin_q(const Eigen::MatrixXd& matrix) {
   return qr.householderQ() * Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
 }
 
+Eigen::MatrixXd full_q(const Eigen::MatrixXd& matrix) {
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(matrix).householderQ();
+}
+
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix) {
   return matrix.partialPivLu().inverse();
+}
+
+double determinant(const Eigen::MatrixXd& matrix) {
+  return matrix.determinant();
+}
+
+struct LuFactors::Solver {
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+};
+
+LuFactors::LuFactors(const Eigen::MatrixXd& matrix)
+    : solver_(new Solver{Eigen::PartialPivLU<Eigen::MatrixXd>(matrix)}) {}
+
+LuFactors::~LuFactors() = default;
+
+Eigen::MatrixXd LuFactors::solve(const Eigen::MatrixXd& right) const {
+  return solver_->lu.solve(right);
+}
+
+Eigen::VectorXd LuFactors::solve_vector(const Eigen::VectorXd& right) const {
+  return solver_->lu.solve(right);
+}
+
+double LuFactors::log_determinant() const {
+  return solver_->lu.matrixLU().diagonal().array().abs().log().sum();
+}
+
+struct CholeskyFactors::Solver {
+  Eigen::LLT<Eigen::MatrixXd> llt;
+};
+
+CholeskyFactors::CholeskyFactors(const Eigen::MatrixXd& matrix)
+    : solver_(new Solver{Eigen::LLT<Eigen::MatrixXd>(matrix)}) {}
+
+CholeskyFactors::~CholeskyFactors() = default;
+
+bool CholeskyFactors::positive() const {
+  return solver_->llt.info() == Eigen::Success;
+}
+
+Eigen::MatrixXd CholeskyFactors::solve(const Eigen::MatrixXd& right) const {
+  return solver_->llt.solve(right);
+}
+
+Eigen::MatrixXd CholeskyFactors::right_divide(const Eigen::MatrixXd& left) const {
+  return solver_->llt.solve(left.transpose()).transpose();
+}
+
+Eigen::MatrixXd CholeskyFactors::solve_lower(const Eigen::MatrixXd& right) const {
+  return solver_->llt.matrixL().solve(right);
+}
+
+Eigen::MatrixXd CholeskyFactors::right_divide_upper(const Eigen::MatrixXd& left) const {
+  return solver_->llt.matrixL().solve(left.transpose()).transpose();
+}
+
+Eigen::MatrixXd CholeskyFactors::solve_upper(const Eigen::MatrixXd& right) const {
+  return solver_->llt.matrixU().solve(right);
+}
+
+Eigen::MatrixXd CholeskyFactors::upper() const {
+  return solver_->llt.matrixU();
+}
+
+double CholeskyFactors::log_determinant() const {
+  return 2 * solver_->llt.matrixLLT().diagonal().array().log().sum();
 }
 
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/text/format_number.hpp"
 #include "dytex/learning/decompositions.hpp"
 #include "dytex/learning/stable_fit.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
@@ -14,7 +15,9 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr double kNoNoise = 1e-6;  // share of the states' size below which a residual is rounding
+constexpr double kLeastNoise = 1e-6;    // of the states' size; smaller residuals are rounding
+constexpr double kVarianceRatio = 1.5;  // drawn to learned; beyond it a note warns
+constexpr double kLeastInput = 1e-9;    // of the largest variance; a smaller one is an input that never moves
 
 /// One block's fit, in states of unit size: A and `states` of the whole state, layer by layer; errors of its
 /// first layer, the only one that noise enters.
@@ -25,7 +28,8 @@ struct Fit {
 };
 
 /// (v(t), …, v(t + 1 − lags)) for t from `first` to `last`, a row each; 0 outside the clip.
-Eigen::MatrixXd lagged(const Eigen::MatrixXd& V, Eigen::Index lags, Eigen::Index first, Eigen::Index last) {
+Eigen::MatrixXd lagged_rows(const Eigen::MatrixXd& V, Eigen::Index lags, Eigen::Index first,
+                            Eigen::Index last) {
   const Eigen::Index n = V.cols();
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(last - first + 1, n * lags);
   for (Eigen::Index k = 0; k < lags; ++k) {
@@ -50,14 +54,14 @@ Eigen::MatrixXd all_states(const Eigen::MatrixXd& V, Eigen::Index lags) {
   Eigen::MatrixXd longer(V.rows() + lags - 1, V.cols());
   longer.topRows(lags - 1) = V.row(0).replicate(lags - 1, 1);
   longer.bottomRows(V.rows()) = V;
-  return lagged(longer, lags, lags - 1, longer.rows() - 1).transpose();
+  return lagged_rows(longer, lags, lags - 1, longer.rows() - 1).transpose();
 }
 
 Fit regression_of(const Eigen::MatrixXd& V, Eigen::Index lags, const Eigen::MatrixXd& first) {
   const Eigen::Index frames = V.rows();
   Fit fit{companion(first), all_states(V, lags), {}, {}};
-  fit.innovations =
-      V.bottomRows(frames - lags).transpose() - first * lagged(V, lags, lags - 1, frames - 2).transpose();
+  fit.innovations = V.bottomRows(frames - lags).transpose() -
+                    first * lagged_rows(V, lags, lags - 1, frames - 2).transpose();
   fit.noise = fit.innovations / std::sqrt(static_cast<double>(frames - lags));
   return fit;
 }
@@ -65,13 +69,14 @@ Fit regression_of(const Eigen::MatrixXd& V, Eigen::Index lags, const Eigen::Matr
 Fit least_squares_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
   const Eigen::Index frames = V.rows();
   return regression_of(
-      V, lags, least_squares(lagged(V, lags, lags - 1, frames - 2), V.bottomRows(frames - lags)).transpose());
+      V, lags,
+      least_squares(lagged_rows(V, lags, lags - 1, frames - 2), V.bottomRows(frames - lags)).transpose());
 }
 
 /// With zeros before and behind the clip: always stable, and F Fᵀ = P − A P Aᵀ, P the data's covariance.
 Fit yule_walker_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
   const Eigen::Index n = V.cols(), frames = V.rows(), rows = frames + lags;
-  const Eigen::MatrixXd past = lagged(V, lags, -1, frames + lags - 2);
+  const Eigen::MatrixXd past = lagged_rows(V, lags, -1, frames + lags - 2);
   Eigen::MatrixXd next = Eigen::MatrixXd::Zero(rows, n);
   next.topRows(frames) = V;
   // With one lag the states' covariance is the identity.
@@ -84,7 +89,7 @@ Fit yule_walker_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
 
 bool is_noiseless(const Fit& fit) {
   // A state of unit size has the variance 1/τ.
-  return fit.noise.norm() <= kNoNoise / std::sqrt(static_cast<double>(fit.states.cols()));
+  return fit.noise.norm() <= kLeastNoise / std::sqrt(static_cast<double>(fit.states.cols()));
 }
 
 /// x̂(t+1) = A x̂(t) + K (x(t) − x̂(t)) as the state (x, x̂): both rows of A are (K, A − K), and the innovation
@@ -99,8 +104,9 @@ Fit innovations_fit(const Eigen::MatrixXd& V, const Innovations& found) {
   return fit;
 }
 
-std::string number_text(double value) {
-  std::string text = std::to_string(value);
+/// Returns a number with at most 6 decimals.
+std::string decimal_text(double value) {
+  std::string text = core::fixed_text(value, 6);
   while (text.back() == '0') text.pop_back();
   if (text.back() == '.') text.pop_back();
   return text;
@@ -121,7 +127,7 @@ std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOption
   if (stable && !result.noiseless) return fits;
   const std::string reason = stable ? "the least-squares fit leaves no noise to go on from"
                                     : "the least-squares fit is not stable (spectral radius " +
-                                          number_text(result.least_squares_radius) + ")";
+                                          decimal_text(result.least_squares_radius) + ")";
   if (options.stable == Stable::soc && !result.noiseless) {
     result.transition = Transition::soc;
     result.notes.push_back(reason + ": the best stable fit (SOC) is taken");
@@ -137,8 +143,8 @@ std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOption
 }
 
 /// The innovations forms; where one is not found, the closed form is kept.
-std::vector<Fit> refined(const std::vector<Block>& blocks, const LearnOptions& options, std::vector<Fit> fits,
-                         Dynamics& result, const core::Context& context) {
+std::vector<Fit> innovations_forms(const std::vector<Block>& blocks, const LearnOptions& options,
+                                   std::vector<Fit> fits, Dynamics& result, const core::Context& context) {
   const bool subspace = options.method == Method::n4sid;
   std::vector<Fit> better;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -166,14 +172,13 @@ std::vector<Eigen::Index> rows_of(const Block& block, Eigen::Index n, Eigen::Ind
 
 /// v as it was, of mean 0 and covariance I: M^(−1/2) B⁺ (innovations − their mean), M the covariance of the
 /// rest. Empty where there are too few frames.
-Eigen::MatrixXd whitened(const Eigen::MatrixXd& B, const Eigen::MatrixXd& innovations) {
+Eigen::MatrixXd whiten_inputs(const Eigen::MatrixXd& B, const Eigen::MatrixXd& innovations) {
   Eigen::MatrixXd inputs = least_squares(B, innovations);
   inputs.colwise() -= inputs.rowwise().mean().eval();
   const SymmetricEigen covariance =
       symmetric_eigen(inputs * inputs.transpose() / static_cast<double>(inputs.cols()));
   const Eigen::Index k = covariance.values.size();
-  constexpr double kLeast = 1e-9;
-  if (k == 0 || covariance.values[k - 1] <= kLeast * covariance.values[0]) return {};
+  if (k == 0 || covariance.values[k - 1] <= kLeastInput * covariance.values[0]) return {};
   return covariance.vectors * covariance.values.cwiseSqrt().cwiseInverse().asDiagonal() *
          covariance.vectors.transpose() * inputs;
 }
@@ -197,7 +202,7 @@ void assemble(const std::vector<Block>& blocks, const std::vector<Fit>& fits, co
   }
   const Eigen::MatrixXd B = left_factor(noise);
   if (options.noise == Noise::resampled) {
-    result.residuals = whitened(B, innovations);
+    result.residuals = whiten_inputs(B, innovations);
     if (result.residuals.size() == 0)
       result.notes.emplace_back("the frames are too few to draw residuals from: the noise is normal");
   }
@@ -222,6 +227,12 @@ void check_frames(const std::vector<Block>& blocks, const LearnOptions& options)
 
 }  // namespace
 
+std::optional<std::string> variance_note(double drawn, double seen) {
+  if (drawn <= kVarianceRatio * seen && seen <= kVarianceRatio * drawn) return std::nullopt;
+  return "clips drawn from the model have " + core::significant_text(drawn / seen, 2) +
+         " times the variance of the clip it was learned from";
+}
+
 Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options,
                       const core::Context& context) {
   Dynamics result;
@@ -236,7 +247,7 @@ Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options
   check_frames(blocks, options);
   std::vector<Fit> fits = closed_form(blocks, options, result, context);
   if (options.method != Method::closed_form && !result.noiseless)
-    fits = refined(blocks, options, std::move(fits), result, context);
+    fits = innovations_forms(blocks, options, std::move(fits), result, context);
   assemble(blocks, fits, options, result);
   return result;
 }

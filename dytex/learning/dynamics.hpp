@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,16 @@ struct Dynamics {
   double least_squares_radius = 0;
   Transition transition = Transition::least_squares;
   bool noiseless = false;          ///< least squares was stable, but left nothing for the noise
-  std::vector<std::string> notes;  ///< of what was not taken as asked
+  std::vector<std::string> notes;  ///< a line for everything that was not taken as asked
 };
 
-/// Fits every block by itself; the noise is common. With `lags` or an innovations form, the state's first n
-/// numbers are the components, and the others follow in the same order. InputError where frames are too few.
-/// For the closed form O(n² τ + n³).
+/// Returns the note that says that clips drawn from a model vary much more or less than the clip. None where
+/// both variances (`drawn`, `seen`) lie within a factor of 1.5.
+std::optional<std::string> variance_note(double drawn, double seen);
+
+/// Fits x(t+1) = A x(t) + B v(t) to every block by itself, with common noise. With `lags` or an innovations
+/// form, the state's first n numbers are the components, and the others follow in the same order. InputError
+/// where frames are too few. For the closed form O(n² τ + n³).
 Dynamics fit_dynamics(const std::vector<Block>& blocks, const LearnOptions& options,
                       const core::Context& context = {});
 

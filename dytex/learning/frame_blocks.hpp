@@ -13,47 +13,52 @@
 
 namespace emberfold::dytex::detail {
 
-/// All frames of a source, band by band of their values, of which only one is in memory. A clip that fits is
-/// a single band, read once and kept.
-class FrameBands {
+/// Frames: the most that a model is learned from. Beyond, τ × τ decompositions take many minutes.
+constexpr std::size_t kMostFrames = 5000;
+/// Bytes: the least memory for frames that may be asked for.
+constexpr double kLeastMemory = 1 << 20;
+
+/// Reads a source's frames in blocks of their values, of which one at a time is in memory. A clip that fits
+/// in memory is a single block, read once and kept.
+class FrameBlocks {
  public:
   /// Reads the clip once to keep or to count it. `memory`: bytes for frames; at least one block of every
   /// frame is held. InputError where there are fewer than 2 or more than `most_frames` frames; IoError where
-  /// a frame has another size or type than the source tells. Cancelled: frames() is 0.
-  FrameBands(core::FrameSource& source, std::size_t memory, std::size_t most_frames,
-             const core::Context& context);
+  /// a frame has another size or type than the source tells.
+  FrameBlocks(core::FrameSource& source, std::size_t memory, std::size_t most_frames,
+              const core::Context& context);
 
   [[nodiscard]] std::size_t frames() const { return frames_; }
   [[nodiscard]] std::size_t values() const { return values_; }  ///< of a frame: m
   [[nodiscard]] int passes() const { return passes_; }          ///< over the source up to now
 
-  /// Calls body(first value, values) for every band; `backwards` begins with the last one, which is still in
+  /// Calls body(first value, values) for every block. `backwards` begins with the last one, which is still in
   /// memory after a forward call. `stage` is reported to the context. IoError where the source does not give
   /// the same number of frames again.
-  core::Status for_each(const char* stage, bool backwards,
-                        const std::function<core::Status(std::size_t, const FrameValues&)>& body,
-                        const core::Context& context);
-  /// Calls body(first frame, all values of some frames) for whole batches of `batch` frames and the rest: at
-  /// once for a clip that is kept, else in another pass over the source, in which no band is in memory.
-  core::Status for_each_batch(const char* stage, std::size_t batch,
-                              const std::function<core::Status(std::size_t, const FrameValues&)>& body,
-                              const core::Context& context);
-  /// Lets go of the band in memory; a clip that is kept whole stays.
+  void for_each(const char* stage, bool backwards,
+                const std::function<void(std::size_t, const FrameValues&)>& body,
+                const core::Context& context);
+  /// Calls body(first frame, all values of some frames) for batches of `batch` frames and the rest. A clip
+  /// that is kept comes at once; else the source is read again, while no block is in memory.
+  void for_each_batch(const char* stage, std::size_t batch,
+                      const std::function<void(std::size_t, const FrameValues&)>& body,
+                      const core::Context& context);
+  /// Frees the block in memory. A clip that is kept whole stays.
   void release();
-  [[nodiscard]] bool whole() const { return !kept_.empty(); }
+  [[nodiscard]] bool keeps_all() const { return !kept_.empty(); }
 
  private:
   void plan(std::size_t frames, std::size_t memory);
-  void keep_part(const cv::Mat& frame, std::size_t band);
-  core::Status load(std::size_t band, const core::Context& context);
+  void keep_part(const cv::Mat& frame, std::size_t index);
+  void load(std::size_t index, const core::Context& context);
   cv::Mat next_frame(std::size_t index);
   cv::Mat next_again(std::size_t index);  // of a clip that was read before
 
   core::FrameSource& source_;
-  std::size_t frames_ = 0, values_ = 0, value_bytes_ = 1, band_values_ = 0, bands_ = 1;
-  std::size_t loaded_ = 0;                         // the band in memory
+  std::size_t frames_ = 0, values_ = 0, value_bytes_ = 1, block_values_ = 0, block_count_ = 1;
+  std::size_t loaded_ = 0;                         // the block in memory
   std::vector<cv::Mat> kept_;                      // whole frames, where all fit
-  std::vector<std::vector<unsigned char>> parts_;  // else each frame's values of that band
+  std::vector<std::vector<unsigned char>> parts_;  // else each frame's values of that block
   int passes_ = 0;
 };
 

@@ -15,7 +15,8 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr std::size_t kTile = 48;  // frames: a tile of the matrix is kTile × kTile
+constexpr std::size_t kTile = 48;   // frames: a tile of the matrix is kTile × kTile
+constexpr std::size_t kTasks = 64;  // at least, where values are many: enough for all threads
 
 /// A tile on or below the diagonal: frames [i0, i1) × [j0, j1).
 struct Tile {
@@ -57,7 +58,8 @@ Eigen::MatrixXd byte_products(const FrameValues& values, const Tile& tile, std::
   const Isa isa = best_isa();
   std::vector<std::int16_t> left(kTile * kDotLength), right(tile.diagonal() ? 0 : kTile * kDotLength);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(kTile, kTile);
-  for (; begin < end && !context.cancelled(); begin += kDotLength) {
+  for (; begin < end; begin += kDotLength) {
+    context.check();
     widen(values, tile.i0, tile.i1, begin, left);
     if (!tile.diagonal()) widen(values, tile.j0, tile.j1, begin, right);
     const std::int16_t* others = tile.diagonal() ? left.data() : right.data();
@@ -71,7 +73,6 @@ Eigen::MatrixXd byte_products(const FrameValues& values, const Tile& tile, std::
 
 /// Sums of whole numbers are exact, so that parts may be added as they come.
 void add_bytes(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context) {
-  constexpr std::size_t kTasks = 64;
   const std::vector<Tile> tiles = tiles_of(values.frames.size());
   const std::size_t blocks = (values.count + kDotLength - 1) / kDotLength,
                     slabs = std::clamp<std::size_t>(kTasks / tiles.size(), 1, blocks);
@@ -99,7 +100,8 @@ void add_values(const FrameValues& values, const Tile& tile, Eigen::MatrixXd& gr
     }
   };
   Eigen::MatrixXd left(kBlock, tile.rows()), right(kBlock, tile.diagonal() ? 0 : tile.columns());
-  for (std::size_t begin = 0; begin < values.count && !context.cancelled(); begin += kBlock) {
+  for (std::size_t begin = 0; begin < values.count; begin += kBlock) {
+    context.check();
     const auto rows = static_cast<Eigen::Index>(std::min(kBlock, values.count - begin));
     convert(tile.i0, begin, rows, left);
     convert(tile.j0, begin, rows, right);
@@ -110,8 +112,8 @@ void add_values(const FrameValues& values, const Tile& tile, Eigen::MatrixXd& gr
 
 }  // namespace
 
-core::Status add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context) {
-  if (values.count == 0) return core::Status::done;
+void add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context) {
+  if (values.count == 0) return;
   if (values.depth == CV_8U) {
     add_bytes(values, gram, context);
   } else {
@@ -121,7 +123,6 @@ core::Status add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const co
       add_values<float>(values, tiles[i], gram, context);
     });
   }
-  return context.cancelled() ? core::Status::cancelled : core::Status::done;
 }
 
 FrameValues channel_values(const FrameValues& values, std::size_t first, std::size_t channels,

@@ -10,12 +10,12 @@
 
 namespace emberfold::dytex::detail {
 
-/// Values of frames are summed in blocks of so many, begun at multiples of it: sums are the same bits however
-/// frames are cut into bands, if bands begin at blocks.
+/// Values in a sum block. Sums run over blocks that begin at multiples of it, so that they have the same bits
+/// however frames are cut, if the cuts lie between blocks.
 constexpr std::size_t kBlock = 256;
 
-/// The same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F): every `step`-th from the
-/// pointer on.
+/// Points to the same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F): every `step`-th
+/// from the pointer on.
 struct FrameValues {
   std::vector<const void*> frames;
   std::size_t count = 0;
@@ -28,18 +28,18 @@ struct FrameValues {
   }
 };
 
-/// Of values that begin with value `first` of a frame of `channels` channels: those of one channel.
+/// Picks the values of one channel, of values that begin with value `first` of a frame.
 FrameValues channel_values(const FrameValues& values, std::size_t first, std::size_t channels,
                            std::size_t channel);
 
 /// Adds Yᵀ Y to `gram` (τ × τ, lower half; the upper half is left alone), Y having a frame's values in each
 /// column. 8-bit values are summed in whole numbers: exact as long as entries stay below 2⁵³. Others in
 /// double, block by block. The same bits at any thread count. O(τ² count / 2).
-core::Status add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context);
+void add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context);
 
-/// J G J with J = I − 1 1ᵀ/τ: the Gram matrix of the frames less their mean. Reads the lower half.
+/// Returns the Gram matrix of the frames less their mean: J G J with J = I − 1 1ᵀ/τ. Reads the lower half.
 Eigen::MatrixXd centred(const Eigen::MatrixXd& gram);
-/// The same less the mean of the first `first` frames.
+/// Returns the Gram matrix of the frames less the mean of the first `first` of them.
 Eigen::MatrixXd centred(const Eigen::MatrixXd& gram, Eigen::Index first);
 
 }  // namespace emberfold::dytex::detail

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <string>
 
 #include <Eigen/Core>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/text/check_range.hpp"
 #include "dytex/learning/decompositions.hpp"
 #include "dytex/learning/dynamics.hpp"
 #include "dytex/learning/frame_blocks.hpp"
@@ -20,15 +20,14 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr std::size_t kMostFrames = 5000;
-
 /// Square errors of one frame that was foretold.
 struct Miss {
   double all = 0, left_out = 0;
 };
 
 /// Of frame `target`, from the `length` frames before it.
-Miss miss(const Eigen::MatrixXd& gram, Eigen::Index target, Eigen::Index length, Eigen::Index components) {
+Miss forecast_miss(const Eigen::MatrixXd& gram, Eigen::Index target, Eigen::Index length,
+                   Eigen::Index components) {
   const Eigen::Index first = target - length;
   const Eigen::MatrixXd window = gram.block(first, first, length, length);
   const Eigen::VectorXd with_target = gram.block(first, target, length, 1);
@@ -72,7 +71,7 @@ std::vector<int> choose_lengths(int shortest, int longest, int count) {
 }
 
 /// The smoothed error at point i: the mean with its neighbours.
-double smoothed(const std::vector<CurvePoint>& points, std::size_t i) {
+double smooth_error(const std::vector<CurvePoint>& points, std::size_t i) {
   const std::size_t first = i > 0 ? i - 1 : 0, last = std::min(i + 1, points.size() - 1);
   double sum = 0;
   for (std::size_t k = first; k <= last; ++k) sum += points[k].error;
@@ -86,26 +85,27 @@ void find_plateau(LearningCurve& curve, double tolerance) {
   for (std::size_t i = tail; i < points.size(); ++i) sum += points[i].error;
   curve.plateau = sum / static_cast<double>(points.size() - tail);
   std::size_t from = points.size();
-  while (from > 0 && smoothed(points, from - 1) <= (1 + tolerance) * curve.plateau) --from;
+  while (from > 0 && smooth_error(points, from - 1) <= (1 + tolerance) * curve.plateau) --from;
   if (from < tail) curve.critical = points[from].length;
 }
 
-core::Status read_gram(core::FrameSource& source, const CurveOptions& options, const core::Context& context,
-                       Eigen::MatrixXd& gram, std::size_t& values) {
-  detail::FrameBands bands(source, options.memory, kMostFrames, context);
-  if (bands.frames() == 0) return core::Status::cancelled;
-  values = bands.values();
-  const auto frames = static_cast<Eigen::Index>(bands.frames());
-  gram = Eigen::MatrixXd::Zero(frames, frames);
+/// The products of all pairs of frames, levels², and how many values a frame has.
+struct ClipGram {
+  Eigen::MatrixXd products;  // τ × τ
+  std::size_t values = 0;
+};
+ClipGram read_gram(core::FrameSource& source, const CurveOptions& options, const core::Context& context) {
+  detail::FrameBlocks frame_blocks(source, options.memory, detail::kMostFrames, context);
+  const auto frames = static_cast<Eigen::Index>(frame_blocks.frames());
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(frames, frames);
   const auto add = [&](std::size_t, const detail::FrameValues& band) {
-    return detail::add_gram(band, gram, context);
+    detail::add_gram(band, gram, context);
   };
-  if (bands.for_each("comparing frames", false, add, context) == core::Status::cancelled)
-    return core::Status::cancelled;
+  frame_blocks.for_each("comparing frames", false, add, context);
   gram =
       (gram.selfadjointView<Eigen::Lower>().toDenseMatrix() * std::pow(255 / source.info().white, 2)).eval();
   if (!gram.allFinite()) throw core::InputError("the clip has a value that is not finite");
-  return core::Status::done;
+  return {gram, frame_blocks.values()};
 }
 
 CurvePoint point_of(int length, const Miss* misses, std::size_t count, double values) {
@@ -124,29 +124,19 @@ CurvePoint point_of(int length, const Miss* misses, std::size_t count, double va
 }  // namespace
 
 void CurveOptions::validate() const {
-  const auto refuse = [](const char* name, double value, const char* allowed) {
-    std::ostringstream text;
-    text << name << " is " << value << ", " << allowed;
-    throw core::InputError(text.str());
-  };
-  if (components < 1) refuse("components", components, "must be at least 1");
-  if (lengths < 2 || lengths > 1000) refuse("lengths", lengths, "allowed is 2 to 1000");
-  if (targets < 1 || targets > 1000) refuse("targets", targets, "allowed is 1 to 1000");
-  if (longest < 1) refuse("longest", longest, "must be at least 1");
-  if (!(tolerance > 0) || !std::isfinite(tolerance))
-    refuse("tolerance", tolerance, "must be positive and finite");
-  if (memory < std::size_t{1} << 20)
-    throw core::InputError("memory is " + std::to_string(memory) + " bytes, must be at least 1048576");
+  core::check_at_least("CurveOptions.components", components, 1);
+  core::check_range("CurveOptions.lengths", lengths, 2, 1000);
+  core::check_range("CurveOptions.targets", targets, 1, 1000);
+  core::check_at_least("CurveOptions.longest", longest, 1);
+  core::check_above("CurveOptions.tolerance", tolerance, 0);
+  core::check_at_least("CurveOptions.memory", static_cast<double>(memory), detail::kLeastMemory);
 }
 
 LearningCurve learning_curve(core::FrameSource& source, const CurveOptions& options,
                              const core::Context& context) {
   options.validate();
   LearningCurve curve;
-  Eigen::MatrixXd gram;
-  std::size_t values = 0;
-  if (read_gram(source, options, context, gram, values) == core::Status::cancelled)
-    throw core::Cancelled{};
+  const auto [gram, values] = read_gram(source, options, context);
   const int frames = static_cast<int>(gram.rows()), shortest = options.components + 2;
   curve.targets = choose_targets(frames, options.targets);
   const int longest = std::min(curve.targets.front(), options.longest);
@@ -158,9 +148,9 @@ LearningCurve learning_curve(core::FrameSource& source, const CurveOptions& opti
   const std::size_t count = curve.targets.size();
   std::vector<Miss> misses(lengths.size() * count);
   // Longest first: they take longest.
-  core::parallel_for(misses.size(), context, [&](std::size_t k) {
+  core::parallel_for(misses.size(), context, [&, &gram = gram](std::size_t k) {
     const std::size_t i = misses.size() - 1 - k;
-    misses[i] = miss(gram, curve.targets[i % count], lengths[i / count], options.components);
+    misses[i] = forecast_miss(gram, curve.targets[i % count], lengths[i / count], options.components);
   });
   for (std::size_t i = 0; i < lengths.size(); ++i)
     curve.points.push_back(point_of(lengths[i], &misses[i * count], count, static_cast<double>(values)));

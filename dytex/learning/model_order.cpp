@@ -12,6 +12,12 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
+constexpr Eigen::Index kLeastFrames = 10;    // of a clip of which a fifth is held out
+constexpr Eigen::Index kEachOrderUpTo = 60;  // components; above, orders grow by 1 / kOrdersPerStep
+constexpr Eigen::Index kOrdersPerStep = 20;
+// Of eq. 5 of Gavish, Donoho 2014, from the cube down.
+constexpr double kOmega[] = {0.56, -0.95, 1.82, 1.43};
+
 /// Of a centred Gram matrix. `size`: the raw one's largest entry, by which rounding is judged.
 Spectrum centred_spectrum(const Eigen::MatrixXd& centred, double size, double to_levels,
                           Eigen::Index values) {
@@ -48,16 +54,16 @@ Eigen::Index gavish_donoho(const Eigen::Ref<const Eigen::VectorXd>& singular, Ei
   const Eigen::Index count = std::min(singular.size() - 1, values);
   if (count < 1) return 0;
   const double beta = static_cast<double>(count) / static_cast<double>(std::max(singular.size() - 1, values));
-  const double omega = 0.56 * beta * beta * beta - 0.95 * beta * beta + 1.82 * beta + 1.43;
+  const double omega =
+      kOmega[0] * beta * beta * beta + kOmega[1] * beta * beta + kOmega[2] * beta + kOmega[3];
   const double median = (singular[(count - 1) / 2] + singular[count / 2]) / 2;
   return (singular.head(count).array() > omega * median).count();
 }
 
 std::vector<std::pair<int, double>> held_out_errors(const Eigen::MatrixXd& gram, double to_levels,
                                                     Eigen::Index values) {
-  constexpr Eigen::Index kFewest = 10, kEvery = 60, kStep = 20;
   const Eigen::Index frames = gram.rows(), trained = frames - frames / 5, gaps = frames - trained;
-  if (frames < kFewest) return {};
+  if (frames < kLeastFrames) return {};
   const Eigen::MatrixXd products = centred(gram, trained) * (to_levels * to_levels);
   const Spectrum found =
       centred_spectrum(products.topLeftCorner(trained, trained),
@@ -71,7 +77,7 @@ std::vector<std::pair<int, double>> held_out_errors(const Eigen::MatrixXd& gram,
   double shown_squares = 0;
   Eigen::Index counted = 0;
   for (Eigen::Index n = 1; n <= std::min(found.rank(), trained - 2);
-       n += n < kEvery ? 1 : std::max<Eigen::Index>(n / kStep, 1)) {
+       n += n < kEachOrderUpTo ? 1 : std::max<Eigen::Index>(n / kOrdersPerStep, 1)) {
     for (; counted < n; ++counted)
       shown_squares += (found.singular[counted] * seen.row(counted).tail(gaps)).squaredNorm();
     const double error = frame_squares - shown_squares + state_error(found, seen, n);

@@ -15,20 +15,19 @@ struct Spectrum {
   [[nodiscard]] Eigen::Index rank() const { return V.cols(); }
 };
 
-/// From the raw Gram matrix of the frames (its lower half), the levels that a value of 1 stands for, and how
-/// many values a frame has. InputError where an entry is not finite. O(τ³).
+/// Decomposes the raw Gram matrix of frames, of which the lower half is read. `to_levels`: levels that a
+/// value of 1 stands for; `values`: of a frame. InputError where an entry is not finite. O(τ³).
 Spectrum spectrum(const Eigen::MatrixXd& gram, double to_levels, Eigen::Index values);
 
-/// How many singular values stand out of white noise of unknown strength: those above ω(β) times their median
-/// (Gavish, Donoho 2014, "The optimal hard threshold for singular values is 4/√3", eq. 5), β = (τ − 1) / m.
-/// The τ − 1 first values are looked at: the last one is 0, since the mean is taken out.
+/// Counts the singular values that stand out of white noise of unknown strength: those above ω(β) times their
+/// median (Gavish, Donoho 2014, "The optimal hard threshold for singular values is 4/√3", eq. 5), β = (τ − 1)
+/// / m. The τ − 1 first values are looked at: the last one is 0, since the mean is taken out.
 Eigen::Index gavish_donoho(const Eigen::Ref<const Eigen::VectorXd>& singular, Eigen::Index values);
 
-/// The error of foretelling the last fifth of the frames, each from the one before it, by models of n
-/// components learned from the others: levels² a value, for rising n. From the raw Gram matrix alone, without
-/// a look at pixels: ‖y(t+1) − C A Cᵀ y(t)‖² = ‖y(t+1)‖² − ‖x(t+1)‖² + ‖x(t+1) − A x(t)‖². Every n up to 60,
-/// further ones in steps of 5 %. Empty where the clip is too short (fewer than 10 frames) or stands still.
-/// O(τ³) and O(n² τ) for each n.
+/// Measures how well models of n components predict the last fifth of the frames, each from the one before
+/// it, learned from the others: levels² a value, for rising n. Needs the raw Gram matrix alone: ‖y(t+1) − C A
+/// Cᵀ y(t)‖² = ‖y(t+1)‖² − ‖x(t+1)‖² + ‖x(t+1) − A x(t)‖². Every n up to 60, further ones in steps of 5 %.
+/// Empty where the clip is too short (fewer than 10 frames) or stands still. O(τ³) and O(n² τ) for each n.
 std::vector<std::pair<int, double>> held_out_errors(const Eigen::MatrixXd& gram, double to_levels,
                                                     Eigen::Index values);
 

@@ -11,6 +11,11 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
+constexpr Eigen::Index kLeastPast = 2, kMostPast = 10;  // frames of past and of future
+constexpr int kMostRiccatiSteps = 2000;
+constexpr double kRiccatiTolerance = 1e-12;   // relative change of the covariance
+constexpr double kLeastObservability = 1e-6;  // singular value, of the largest: below it a state is not seen
+
 /// Outputs of `count` frames from `first` on below each other, for `columns` frames one after another.
 Eigen::MatrixXd hankel(const Eigen::MatrixXd& V, Eigen::Index first, Eigen::Index count,
                        Eigen::Index columns) {
@@ -22,36 +27,33 @@ Eigen::MatrixXd hankel(const Eigen::MatrixXd& V, Eigen::Index first, Eigen::Inde
 }
 
 /// What the past tells of the future: the projection of the future's rows on the past's.
-Eigen::MatrixXd foretold(const Eigen::MatrixXd& future, const Eigen::MatrixXd& past) {
+Eigen::MatrixXd project_future(const Eigen::MatrixXd& future, const Eigen::MatrixXd& past) {
   const Eigen::MatrixXd Q = thin_q(past.transpose());
   return future * Q * Q.transpose();
 }
 
 /// The most frames of past with twice as many columns as rows of past, 2 … 10.
 Eigen::Index past_length(Eigen::Index frames, Eigen::Index n) {
-  constexpr Eigen::Index kFewest = 2, kMost = 10;
-  return std::clamp<Eigen::Index>((frames + 1) / (2 * n + 2), kFewest, kMost);
+  return std::clamp<Eigen::Index>((frames + 1) / (2 * n + 2), kLeastPast, kMostPast);
 }
 
 /// K of the steady state of x(t+1) = A x + w, y = x + e, cov(w, e) = (Q, S; Sᵀ, R): the Riccati recursion.
 Eigen::MatrixXd steady_gain(const Eigen::MatrixXd& A, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& S,
                             const Eigen::MatrixXd& R) {
-  constexpr int kMostSteps = 2000;
-  constexpr double kSettled = 1e-12;
   Eigen::MatrixXd P = Q, gain;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostRiccatiSteps; ++step) {
     const Eigen::MatrixXd cross = A * P + S;
     gain = right_divide(cross, P + R);
     Eigen::MatrixXd next = A * P * A.transpose() + Q - gain * cross.transpose();
     next = ((next + next.transpose()) / 2).eval();
-    const bool settled = (next - P).norm() <= kSettled * next.norm();
+    const bool settled = (next - P).norm() <= kRiccatiTolerance * next.norm();
     P = std::move(next);
     if (settled) break;
   }
   return gain;
 }
 
-Eigen::MatrixXd filtered(const Eigen::MatrixXd& V, const Eigen::MatrixXd& A, const Eigen::MatrixXd& K) {
+Eigen::MatrixXd filter_states(const Eigen::MatrixXd& V, const Eigen::MatrixXd& A, const Eigen::MatrixXd& K) {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(V.cols(), V.rows());
   for (Eigen::Index t = 1; t < V.rows(); ++t)
     result.col(t) = A * result.col(t - 1) + K * (V.row(t - 1).transpose() - result.col(t - 1));
@@ -65,22 +67,21 @@ Eigen::Index n4sid_frames(Eigen::Index n) {
 }
 
 std::optional<Innovations> n4sid(const Eigen::MatrixXd& V) {
-  constexpr double kShown = 1e-6;  // share of the best shown state that every state must be shown by
   const Eigen::Index n = V.cols(), past = past_length(V.rows(), n), columns = V.rows() - 2 * past + 1;
   // The states at the start of the future, and one frame on: Γ⁺ times what is foretold.
-  const ThinSvd svd = thin_svd(foretold(hankel(V, past, past, columns), hankel(V, 0, past, columns)));
-  if (svd.s[n - 1] <= kShown * svd.s[0]) return std::nullopt;
+  const ThinSvd svd = thin_svd(project_future(hankel(V, past, past, columns), hankel(V, 0, past, columns)));
+  if (svd.s[n - 1] <= kLeastObservability * svd.s[0]) return std::nullopt;
   const Eigen::MatrixXd observability = svd.U.leftCols(n) * svd.s.head(n).cwiseSqrt().asDiagonal(),
                         states = svd.s.head(n).cwiseSqrt().asDiagonal() * svd.V.leftCols(n).transpose();
   const Eigen::MatrixXd shorter = observability.topRows((past - 1) * n);
   const Eigen::MatrixXd next = least_squares(
-      shorter, foretold(hankel(V, past + 1, past - 1, columns), hankel(V, 0, past + 1, columns)));
+      shorter, project_future(hankel(V, past + 1, past - 1, columns), hankel(V, 0, past + 1, columns)));
   const Eigen::MatrixXd outputs = V.middleRows(past, columns).transpose();
   // (A; C) by least squares, then states as the outputs show them: C becomes the identity.
   Eigen::MatrixXd A = least_squares(states.transpose(), next.transpose()).transpose();
   const Eigen::MatrixXd C = least_squares(states.transpose(), outputs.transpose()).transpose();
   const Eigen::VectorXd shown = thin_svd(C).s;
-  if (shown[n - 1] <= kShown * shown[0]) return std::nullopt;
+  if (shown[n - 1] <= kLeastObservability * shown[0]) return std::nullopt;
   Innovations result;
   if (const double radius = spectral_radius(A); !(radius < 1)) {
     result.note = "the subspaces' transition is not stable (spectral radius " + std::to_string(radius) +
@@ -99,7 +100,7 @@ std::optional<Innovations> n4sid(const Eigen::MatrixXd& V) {
     return std::nullopt;
   }
   if (!result.K.allFinite() || !(spectral_radius(result.A) < 1)) return std::nullopt;
-  result.forecasts = filtered(V, result.A, result.K);
+  result.forecasts = filter_states(V, result.A, result.K);
   result.first = past;
   return result;
 }

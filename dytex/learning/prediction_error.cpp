@@ -2,15 +2,18 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-
 #include "core/math/lbfgs.hpp"
+#include "dytex/learning/decompositions.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "dytex/model/innovations.hpp"
 
 namespace emberfold::dytex::detail {
 
 namespace {
+
+constexpr int kMostSteps = 300;           // of L-BFGS
+constexpr double kLeastGain = 1e-6;       // nats, in 10 steps: a smaller one ends the descent
+constexpr double kMostRadius = 1 - 1e-9;  // spectral radius of A
 
 using ConstMatrix = Eigen::Map<const Eigen::MatrixXd>;
 
@@ -46,11 +49,11 @@ PredictionError prediction_error_at(const Eigen::MatrixXd& V, const Eigen::Vecto
   const double count = static_cast<double>(frames - 1);
   PredictionError result{std::numeric_limits<double>::infinity(), Eigen::VectorXd::Zero(parameters.size())};
   if (!errors.allFinite()) return result;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(errors * errors.transpose() / count);
-  if (cholesky.info() != Eigen::Success) return result;
-  result.value = 2 * cholesky.matrixLLT().diagonal().array().log().sum();
+  const CholeskyFactors factors(errors * errors.transpose() / count);
+  if (!factors.positive()) return result;
+  result.value = factors.log_determinant();
   // Back through time: λ(t) = Fᵀ λ(t+1) − dvalue/de(t) is the slope by x̂(t).
-  const Eigen::MatrixXd by_error = cholesky.solve(errors) * (2 / count);
+  const Eigen::MatrixXd by_error = factors.solve(errors) * (2 / count);
   Eigen::MatrixXd lambda(n, frames);
   lambda.col(frames - 1) = -by_error.col(frames - 2);
   for (Eigen::Index t = frames - 2; t >= 0; --t) {
@@ -67,8 +70,6 @@ PredictionError prediction_error_at(const Eigen::MatrixXd& V, const Eigen::Vecto
 
 std::optional<Innovations> prediction_error(const Eigen::MatrixXd& V, const Eigen::MatrixXd& start,
                                             const core::Context& context) {
-  constexpr int kMostSteps = 300;
-  constexpr double kLeastGain = 1e-6, kMostRadius = 1 - 1e-9;
   const Eigen::Index n = V.cols();
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(2 * n * n + n);
   Eigen::Map<Eigen::MatrixXd>(parameters.data() + n * n, n, n) = start;

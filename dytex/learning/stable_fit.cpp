@@ -12,31 +12,37 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr int kMostSteps = 1000;
-constexpr double kSmallStep = 1e-12, kSmallGain = 1e-7;
+constexpr int kMostSteps = 1000;       // of each of the two descents
+constexpr double kLeastStep = 1e-12;   // length below which a line search gives up
+constexpr int kGainWindow = 20;        // steps over which the gain is measured
+constexpr double kLeastGain = 1e-7;    // relative, over the window: a smaller one ends the descent
+constexpr double kFirstPace = 0.5;     // of the fast gradient
+constexpr double kStepGrowth = 1.5;    // of the step length after a step that went down
+constexpr double kStartShrink = 0.99;  // of the bound, to which the least-squares start is brought
 
 /// Symmetric, eigenvalues between 0 and `most`.
-Eigen::MatrixXd clipped(const Eigen::MatrixXd& matrix, double most) {
+Eigen::MatrixXd clip_eigenvalues(const Eigen::MatrixXd& matrix, double most) {
   const SymmetricEigen eigen = symmetric_eigen((matrix + matrix.transpose()) / 2);
   return eigen.vectors * eigen.values.cwiseMax(0).cwiseMin(most).asDiagonal() * eigen.vectors.transpose();
 }
 
-StableForm stepped(const StableForm& from, const StableForm& along, double length) {
+StableForm step_along(const StableForm& from, const StableForm& along, double length) {
   return {from.S + length * along.S, from.O + length * along.O, from.C + length * along.C};
 }
 
 StableForm difference(const StableForm& a, const StableForm& b) {
-  return stepped(a, b, -1);
+  return step_along(a, b, -1);
 }
 
-StableForm projected(const StableForm& form, double most) {
-  return {form.S, nearest_orthogonal(form.O), clipped(form.C, most)};
+StableForm project_form(const StableForm& form, double most) {
+  return {form.S, nearest_orthogonal(form.O), clip_eigenvalues(form.C, most)};
 }
 
 /// S given, the O and C nearest to S A S⁻¹.
 StableForm form_of(const Eigen::MatrixXd& A, const Eigen::MatrixXd& S, double most) {
   const ThinSvd svd = thin_svd(S * A * inverse(S));  // U s Vᵀ = (U Vᵀ)(V s Vᵀ)
-  return {S, svd.U * svd.V.transpose(), clipped(svd.V * svd.s.asDiagonal() * svd.V.transpose(), most)};
+  return {S, svd.U * svd.V.transpose(),
+          clip_eigenvalues(svd.V * svd.s.asDiagonal() * svd.V.transpose(), most)};
 }
 
 struct Descent {
@@ -51,30 +57,30 @@ Descent descend(const StableObjective& objective, StableForm start, double most,
   best.error = objective(best.form.matrix());
   StableForm ahead = best.form;
   bool is_ahead = false;
-  double length = 1, pace = 0.5, before = best.error;
-  constexpr int kWindow = 20;  // steps over which the gain is looked at
-  for (int step = 1; step <= kMostSteps && !context.cancelled(); ++step) {
+  double length = 1, pace = kFirstPace, before = best.error;
+  for (int step = 1; step <= kMostSteps; ++step) {
+    context.check();
     const StableForm slope = objective.gradient(ahead);
     Descent next;
     for (;;) {
-      next.form = projected(stepped(ahead, slope, -length), most);
+      next.form = project_form(step_along(ahead, slope, -length), most);
       next.error = objective(next.form.matrix());
-      if (next.error < best.error || length < kSmallStep || is_ahead) break;
+      if (next.error < best.error || length < kLeastStep || is_ahead) break;
       length /= 2;
     }
     if (!(next.error < best.error)) {
       if (!is_ahead) break;  // nothing lower along the slope
-      ahead = best.form, is_ahead = false, pace = 0.5;
+      ahead = best.form, is_ahead = false, pace = kFirstPace;
       continue;
     }
     const double next_pace = (std::sqrt(std::pow(pace, 4) + 4 * pace * pace) - pace * pace) / 2;
-    ahead =
-        stepped(next.form, difference(next.form, best.form), pace * (1 - pace) / (pace * pace + next_pace));
+    ahead = step_along(next.form, difference(next.form, best.form),
+                       pace * (1 - pace) / (pace * pace + next_pace));
     is_ahead = true, pace = next_pace;
     best = std::move(next);
-    length *= 1.5;
-    if (step % kWindow != 0) continue;
-    if (before - best.error <= kSmallGain * best.error) break;
+    length *= kStepGrowth;
+    if (step % kGainWindow != 0) continue;
+    if (before - best.error <= kLeastGain * best.error) break;
     before = best.error;
   }
   return best;
@@ -114,7 +120,8 @@ Eigen::MatrixXd stable_fit(const Eigen::VectorXd& s, const Eigen::MatrixXd& V, c
   Descent best = descend(objective, form_of(objective.gamma, unit, most), most, context);
   // ‖S A S⁻¹‖ ≤ 1 with SᵀS = Σ (Aᵀ)ᵏ Aᵏ, for the least-squares A made stable.
   const Eigen::MatrixXd least = right_divide(objective.gamma, objective.first);
-  const Eigen::MatrixXd smaller = least * (0.99 * most / std::max(spectral_radius(least), 0.99 * most));
+  const Eigen::MatrixXd smaller =
+      least * (kStartShrink * most / std::max(spectral_radius(least), kStartShrink * most));
   const SymmetricEigen eigen = symmetric_eigen(stationary_covariance(smaller.transpose(), unit));
   const Eigen::MatrixXd S =
       eigen.vectors * (eigen.values / eigen.values[0]).cwiseSqrt().asDiagonal() * eigen.vectors.transpose();

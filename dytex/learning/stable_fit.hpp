@@ -14,7 +14,7 @@ struct StableForm {
   [[nodiscard]] Eigen::MatrixXd matrix() const;
 };
 
-/// What a stable fit is measured by: f(A) = ½ ‖diag(s) (V₂ − A V₁)‖² / s₁², V₁ and V₂ being V's first and
+/// The objective of a stable fit: f(A) = ½ ‖diag(s) (V₂ − A V₁)‖² / s₁², V₁ and V₂ being V's first and
 /// last τ − 1 rows, transposed.
 struct StableObjective {
   Eigen::VectorXd squares;       ///< n: (s / s₁)²
@@ -23,13 +23,13 @@ struct StableObjective {
 
   StableObjective(const Eigen::VectorXd& s, const Eigen::MatrixXd& V);
   [[nodiscard]] double operator()(const Eigen::MatrixXd& A) const;
-  /// Of f(S⁻¹ O C S), entry by entry of S, O and C.
+  /// Returns the gradient of f(S⁻¹ O C S), entry by entry of S, O and C.
   [[nodiscard]] StableForm gradient(const StableForm& form) const;
 };
 
-/// The A (n × n, in states of unit size) of least error whose C stays at or below 1 − 1/(10 τ): a mode is not
-/// said to outlast the clip more than ten times (Mamakoukas, Xherija, Murphey 2020, by projected fast
-/// gradient). Begun from the Yule–Walker fit and from the least-squares fit made smaller; the error is at
+/// Finds the A (n × n, in states of unit size) of least error whose C stays at or below 1 − 1/(10 τ), by
+/// projected fast gradient (Mamakoukas, Xherija, Murphey 2020). So no mode outlasts the clip more than ten
+/// times. Begun from the Yule–Walker fit and from the least-squares fit made smaller; the error is at
 /// most Yule–Walker's. O(n³) a step, at most some thousand.
 Eigen::MatrixXd stable_fit(const Eigen::VectorXd& s, const Eigen::MatrixXd& V, const core::Context& context);
 

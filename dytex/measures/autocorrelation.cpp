@@ -12,6 +12,13 @@
 
 namespace emberfold::dytex {
 
+namespace {
+
+constexpr double kStillVariance = 1e-6;  // levels² a pixel; a clip below it is still
+constexpr int kMostLags = 256;           // frames; bounds the memory
+
+}  // namespace
+
 Autocorrelation::Autocorrelation(cv::Size size, int lags)
     : size_(size), lags_(lags), products_(Eigen::VectorXd::Zero(std::max(0, lags) + 1)) {
   if (lags < 1 || lags > 256)
@@ -58,8 +65,7 @@ Eigen::VectorXd Autocorrelation::values() const {
     const double pairs = frames_ - lag;
     covariance(lag) = (products_(lag) - mean.dot(ends) + pairs * square) / pairs;
   }
-  constexpr double kStill = 1e-6;  // levels²
-  if (covariance(0) <= kStill * size_.area()) return Eigen::VectorXd::Ones(lags_);
+  if (covariance(0) <= kStillVariance * size_.area()) return Eigen::VectorXd::Ones(lags_);
   return covariance.tail(lags_) / covariance(0);
 }
 

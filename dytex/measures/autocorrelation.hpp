@@ -8,17 +8,17 @@
 
 namespace emberfold::dytex {
 
-/// How much a frame still tells of the one τ frames later: ρ(τ) = c(τ)/c(0), c(τ) the covariance in time of
-/// pixels with themselves τ frames on, about each pixel's own mean over the clip, summed over all pixels and
-/// divided by the T − τ pairs. Gathered frame by frame; holds 2 `lags` frames; O(pixels · lags) a frame.
+/// The autocorrelation in time ρ(τ) = c(τ)/c(0). c(τ) is the covariance of pixels with themselves τ frames
+/// later, about each pixel's own mean over the clip, summed over all pixels and divided by the T − τ pairs.
+/// Holds 2 `lags` frames; O(pixels · lags) a frame.
 class Autocorrelation {
  public:
-  /// InputError unless the size is at least 1×1 and lags is 1 … 256.
+  /// Throws InputError unless the size is at least 1×1 and lags is 1 … 256.
   Autocorrelation(cv::Size size, int lags);
 
-  /// The next frame: luma, CV_32F, white = 255. InputError for another size or type.
+  /// Adds the next frame: luma, CV_32F, white = 255. InputError for another size or type.
   void add(const cv::Mat& luma);
-  /// ρ(1) … ρ(lags). All 1 where nothing ever changes. InputError with lags frames or fewer.
+  /// Returns ρ(1) … ρ(lags). All 1 where nothing ever changes. InputError with lags frames or fewer.
   [[nodiscard]] Eigen::VectorXd values() const;
 
  private:
@@ -31,7 +31,7 @@ class Autocorrelation {
   Eigen::VectorXd products_;    // of frames τ apart, τ = 0 … lags
 };
 
-/// √mean (p − q)²; 0 for equals, symmetric. InputError unless both have the same size ≥ 1.
+/// Returns √mean (p − q)²; 0 for equals, symmetric. InputError unless both have the same size ≥ 1.
 double autocorrelation_distance(const Eigen::Ref<const Eigen::VectorXd>& p,
                                 const Eigen::Ref<const Eigen::VectorXd>& q);
 

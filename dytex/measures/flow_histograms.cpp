@@ -10,13 +10,13 @@
 
 namespace emberfold::dytex {
 
-void FlowShares::add(const cv::Mat& flow, int stride) {
+void FlowHistograms::add(const cv::Mat& flow, int stride) {
   if (flow.empty() || flow.type() != CV_32FC2)
     throw core::InputError("flow: a field of motion has two channels of 32-bit floats");
   if (stride < 1) throw core::InputError("flow: the stride is at least 1");
   const auto bin = [](double value) {
     return static_cast<Eigen::Index>(
-        std::lround(kSteps * (kMost + std::clamp<double>(value, -kMost, kMost))));
+        std::lround(kBinsPerPixel * (kMostSpeed + std::clamp<double>(value, -kMostSpeed, kMostSpeed))));
   };
   for (int y = 0; y < flow.rows; y += stride)
     for (int x = 0; x < flow.cols; x += stride) {
@@ -28,13 +28,13 @@ void FlowShares::add(const cv::Mat& flow, int stride) {
     }
 }
 
-Eigen::VectorXd FlowShares::shares(FlowPart part) const {
+Eigen::VectorXd FlowHistograms::shares(FlowPart part) const {
   const auto& counts = counts_[static_cast<std::size_t>(part)];
   const double all = counts.sum();
   return all > 0 ? (counts / all).eval() : counts;
 }
 
-double flow_distance(const FlowShares& a, const FlowShares& b, FlowPart part) {
+double flow_distance(const FlowHistograms& a, const FlowHistograms& b, FlowPart part) {
   const auto p = a.shares(part), q = b.shares(part);
   if (p.sum() <= 0 || q.sum() <= 0) throw core::InputError("flow distance: there is no motion to compare");
   double ahead = 0, sum = 0;
@@ -42,10 +42,10 @@ double flow_distance(const FlowShares& a, const FlowShares& b, FlowPart part) {
     ahead += p(i) - q(i);
     sum += std::abs(ahead);
   }
-  return sum / FlowShares::kSteps;
+  return sum / FlowHistograms::kBinsPerPixel;
 }
 
-double flow_distance(const FlowShares& a, const FlowShares& b) {
+double flow_distance(const FlowHistograms& a, const FlowHistograms& b) {
   return std::max({flow_distance(a, b, FlowPart::x), flow_distance(a, b, FlowPart::y),
                    flow_distance(a, b, FlowPart::speed)});
 }

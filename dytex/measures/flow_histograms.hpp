@@ -9,19 +9,19 @@
 
 namespace emberfold::dytex {
 
-/// What is taken of a vector of motion.
+/// The parts of a vector of motion.
 enum class FlowPart : std::size_t { x, y, speed };
 
-/// How fast and where to the pixels of a clip move: histograms of optical flow, of its components with their
-/// signs (which tell a clip from its reversal) and of its length, in steps of 1/16 px a frame up to ± 64.
-class FlowShares {
+/// Histograms of a clip's optical flow: of its components with their signs (which separate a clip from its
+/// reversal) and of its length, in steps of 1/16 px a frame up to ± 64.
+class FlowHistograms {
  public:
-  static constexpr int kMost = 64, kSteps = 16, kBins = 2 * kMost * kSteps + 1;
+  static constexpr int kMostSpeed = 64, kBinsPerPixel = 16, kBins = 2 * kMostSpeed * kBinsPerPixel + 1;
 
-  /// A field of motion, CV_32FC2, px a frame; every `stride`-th pixel each way is taken. What is not finite
-  /// is passed over. InputError for another type or stride < 1.
+  /// Adds a field of motion, CV_32FC2, px a frame, of which every `stride`-th pixel each way is taken.
+  /// Vectors that are not finite are left out. InputError for another type or stride < 1.
   void add(const cv::Mat& flow, int stride = 1);
-  /// Shares of −64 … 64, sum 1; all 0 while nothing was added.
+  /// Returns the shares of −64 … 64, sum 1; all 0 while nothing was added.
   [[nodiscard]] Eigen::VectorXd shares(FlowPart part) const;
 
  private:
@@ -29,10 +29,10 @@ class FlowShares {
                                          Eigen::VectorXd::Zero(kBins)};
 };
 
-/// The Wasserstein distance (of the first kind) of two laws, px a frame: how far on average motion must be
-/// changed to turn one into the other; ∫ |F − G|. InputError where either has nothing.
-double flow_distance(const FlowShares& a, const FlowShares& b, FlowPart part);
-/// The largest of the three.
-double flow_distance(const FlowShares& a, const FlowShares& b);
+/// Returns the Wasserstein distance (of the first kind) of two histograms, px a frame: ∫ |F − G|. InputError
+/// where either has nothing.
+double flow_distance(const FlowHistograms& a, const FlowHistograms& b, FlowPart part);
+/// Returns the largest of the distances of the three parts.
+double flow_distance(const FlowHistograms& a, const FlowHistograms& b);
 
 }  // namespace emberfold::dytex

@@ -18,9 +18,10 @@ enum class Plane : std::size_t { xy, xt, yt };
 /// three frames; O(pixels) a frame.
 class BinaryPatterns {
  public:
-  /// The next frame: luma, CV_32F, white = 255. InputError for another type, or another size than before.
+  /// Adds the next frame: luma, CV_32F, white = 255. InputError for another type, or another size than
+  /// before.
   void add(const cv::Mat& luma);
-  /// Shares of the 256 patterns, sum 1; all 0 with fewer than 3 frames or frames below 3×3.
+  /// Returns the shares of the 256 patterns, sum 1; all 0 with fewer than 3 frames or frames below 3×3.
   [[nodiscard]] Eigen::VectorXd shares(Plane plane) const;
 
  private:
@@ -29,11 +30,11 @@ class BinaryPatterns {
                                          Eigen::VectorXd::Zero(256)};
 };
 
-/// ½ Σ (p − q)²/(p + q), 0 … 1 for shares. InputError for unlike sizes or a negative value.
+/// Returns ½ Σ (p − q)²/(p + q), 0 … 1 for shares. InputError for unlike sizes or a negative value.
 double chi_square_distance(const Eigen::Ref<const Eigen::VectorXd>& p,
                            const Eigen::Ref<const Eigen::VectorXd>& q);
 
-/// Of patterns: the mean over the three planes.
+/// Returns the mean chi-square distance over the three planes.
 double chi_square_distance(const BinaryPatterns& a, const BinaryPatterns& b);
 
 }  // namespace emberfold::dytex

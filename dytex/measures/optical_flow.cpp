@@ -11,6 +11,13 @@ namespace emberfold::dytex {
 
 namespace {
 
+constexpr double kMostPixels = 1 << 16;  // larger frames are reduced: the time is proportional to pixels
+// Of Farnebäck's method: scale and number of the pyramid's levels, side of the window in px, rounds, side and
+// SD of the neighbourhood in px.
+constexpr double kPyramidScale = 0.5, kNeighbourhoodDeviation = 1.1;
+constexpr int kLevels = 3, kWindow = 15, kRounds = 3, kNeighbourhood = 5;
+constexpr int kLeastSide = 8;  // px: smaller frames have no flow
+
 cv::Mat reduced_bytes(const cv::Mat& luma, cv::Size size) {
   cv::Mat out = luma, bytes;
   if (size != luma.size()) cv::resize(luma, out, size, 0, 0, cv::INTER_AREA);
@@ -21,15 +28,14 @@ cv::Mat reduced_bytes(const cv::Mat& luma, cv::Size size) {
 }  // namespace
 
 cv::Mat optical_flow(const cv::Mat& luma, const cv::Mat& next) {
-  constexpr double kMostPixels = 1 << 16;
   const double factor = std::min(1.0, std::sqrt(kMostPixels / (double(luma.cols) * luma.rows)));
   const cv::Size size(std::max(1, static_cast<int>(luma.cols * factor)),
                       std::max(1, static_cast<int>(luma.rows * factor)));
-  if (size.width < 8 || size.height < 8) return cv::Mat::zeros(size, CV_32FC2);
+  if (size.width < kLeastSide || size.height < kLeastSide) return cv::Mat::zeros(size, CV_32FC2);
   cv::Mat flow;
   // Of OpenCV's dense methods the one whose result does not hang on how many threads share the frame.
-  cv::calcOpticalFlowFarneback(reduced_bytes(luma, size), reduced_bytes(next, size), flow, 0.5, 3, 15, 3, 5,
-                               1.1, 0);
+  cv::calcOpticalFlowFarneback(reduced_bytes(luma, size), reduced_bytes(next, size), flow, kPyramidScale,
+                               kLevels, kWindow, kRounds, kNeighbourhood, kNeighbourhoodDeviation, 0);
   return size == luma.size()
              ? flow
              : cv::Mat(flow.mul(cv::Scalar(double(luma.cols) / size.width, double(luma.rows) / size.height)));

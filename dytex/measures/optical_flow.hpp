@@ -5,8 +5,8 @@
 
 namespace emberfold::dytex {
 
-/// Where every pixel of a frame of luma (CV_32F, white = 255) goes in the next one, px a frame, CV_32FC2 of
-/// at most 2^16 vectors: larger frames are reduced first, their motion told in the pixels of the full ones.
+/// Estimates the motion of every pixel from a frame of luma (CV_32F, white = 255) to the next, px a frame,
+/// CV_32FC2. At most 2^16 vectors: larger frames are reduced first; their motion is in px of the full ones.
 /// Farnebäck's method (2003); the same at any number of threads. 0 for frames below 8×8.
 cv::Mat optical_flow(const cv::Mat& luma, const cv::Mat& next);
 

@@ -104,8 +104,10 @@ Eigen::VectorXd temporal_spectrum(core::FrameSource& source, int segment, const 
   const auto& info = source.info();
   TemporalSpectrum spectrum({info.width, info.height}, segment);
   source.rewind();
-  for (cv::Mat frame = source.next(); !frame.empty() && !context.cancelled(); frame = source.next())
+  for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next()) {
+    context.check();
     spectrum.add(core::luma(frame, info));
+  }
   return spectrum.power();
 }
 
@@ -154,7 +156,8 @@ Eigen::VectorXd radial_spectrum(core::FrameSource& source, int rings, const core
   Eigen::VectorXd sum;
   int frames = 0;
   source.rewind();
-  for (cv::Mat frame = source.next(); !frame.empty() && !context.cancelled(); frame = source.next()) {
+  for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next()) {
+    context.check();
     const auto one = radial_spectrum(core::luma(frame, info), rings);
     sum = frames++ == 0 ? one : (sum + one).eval();
   }

@@ -12,23 +12,23 @@
 
 namespace emberfold::dytex {
 
-/// How much each frequency in time holds: Welch's method (Welch 1967) at every pixel of the luma, averaged
-/// over all pixels. Segments of `segment` frames, half overlapping, each less its mean and under a Hann
+/// The power spectrum in time by Welch's method (Welch 1967) at every pixel of the luma, averaged over all
+/// pixels. Segments of `segment` frames, half overlapping, each less its mean and under a Hann
 /// window; frames behind the last whole segment do not count. Scaled so that white noise of variance s² has
 /// the power s² at every frequency, but for the first, from which taking the mean takes a sixth. A sinusoid
 /// of amplitude a at frequency k has a² segment / 6 there, a quarter of that at its neighbours. Holds
 /// `segment` frames; O(pixels · segment) a frame.
 class TemporalSpectrum {
  public:
-  /// InputError unless segment is even, 4 … 1024, and the size is at least 1×1.
+  /// Throws InputError unless segment is even, 4 … 1024, and the size is at least 1×1.
   TemporalSpectrum(cv::Size size, int segment);
 
-  /// The next frame: luma, CV_32F, white = 255. InputError for another size or type.
+  /// Adds the next frame: luma, CV_32F, white = 255. InputError for another size or type.
   void add(const cv::Mat& luma);
-  /// Segments that are complete.
+  /// Returns the number of complete segments.
   [[nodiscard]] int segments() const { return segments_; }
-  /// segment/2 values: the power, levels², at k/segment cycles a frame, k = 1 … segment/2. InputError where
-  /// no segment is complete.
+  /// Returns segment/2 values: the power, levels², at k/segment cycles a frame, k = 1 … segment/2. InputError
+  /// where no segment is complete.
   [[nodiscard]] Eigen::VectorXd power() const;
 
  private:
@@ -42,13 +42,13 @@ class TemporalSpectrum {
   Eigen::VectorXd sum_;
 };
 
-/// The same of a whole source, from its first frame.
+/// Returns the temporal spectrum of a whole source, from its first frame.
 Eigen::VectorXd temporal_spectrum(core::FrameSource& source, int segment, const core::Context& context = {});
 
-/// As many rings as frames of this size can fill, at most 64: half their shorter side, at least 1.
+/// Returns the number of rings for frames of this size: half their shorter side, 1 … 64.
 int ring_count(cv::Size size);
 
-/// How much each frequency in space holds: the 2-D power spectrum of a frame of luma (CV_32F, white = 255)
+/// Returns the radial power spectrum: the 2-D power spectrum of a frame of luma (CV_32F, white = 255)
 /// less its mean and under a Hann window, averaged over rings about frequency 0. Scaled so that white noise
 /// of variance s² has the power s² in every ring but the first two, from which taking the mean takes a part.
 /// Ring i of `rings` has frequencies above i / (2 rings), up to (i + 1) / (2 rings) cycles a pixel, whatever
@@ -56,13 +56,13 @@ int ring_count(cv::Size size);
 /// O(pixels · log pixels).
 Eigen::VectorXd radial_spectrum(const cv::Mat& luma, int rings);
 
-/// The mean of that over a source's frames, from its first. InputError where it has none.
+/// Returns the mean radial spectrum of a source's frames, from its first. InputError where it has none.
 Eigen::VectorXd radial_spectrum(core::FrameSource& source, int rings, const core::Context& context = {});
 
-/// The power of rounding to whole grey levels: what lies below it, 8-bit frames cannot show.
+/// levels²: the power of rounding to whole grey levels, below which 8-bit frames show nothing.
 constexpr double kRounding = 1.0 / 12;
 
-/// How far two spectra lie apart, dB: √mean (10 log₁₀ (p + floor)/(q + floor))². 0 for equals, symmetric.
+/// Returns the log-spectral distance, dB: √mean (10 log₁₀ (p + floor)/(q + floor))². 0 for equals, symmetric.
 /// InputError unless both have the same size ≥ 1 and finite values ≥ 0, and floor > 0.
 double log_spectral_distance(const Eigen::Ref<const Eigen::VectorXd>& p,
                              const Eigen::Ref<const Eigen::VectorXd>& q, double floor = kRounding);

@@ -13,6 +13,7 @@
 #include <opencv2/core/hal/interface.h>
 
 #include "core/error.hpp"
+#include "core/text/json_reader.hpp"
 
 namespace emberfold::dytex {
 
@@ -20,6 +21,11 @@ namespace {
 
 constexpr std::string_view kFormat = "emberfold.linear_dynamic_texture";
 constexpr int kVersion = 2;
+// Bounds of what a file may ask for, far above every real model: they keep sizes within 64 bits.
+constexpr int kMostNesting = 16;  // levels of brackets in model.json
+constexpr std::int64_t kMostVersion = std::int64_t{1} << 31;
+constexpr std::int64_t kMostSide = 65536;  // px
+constexpr std::int64_t kMostFrames = 1 << 24, kMostResiduals = 1 << 24, kMostComponents = 1 << 24;
 constexpr std::array<std::pair<int, const char*>, 3> kDepths{
     {{CV_8U, "u8"}, {CV_16U, "u16"}, {CV_32F, "f32"}}};
 
@@ -39,18 +45,10 @@ core::NpyView array_of(const Matrix& matrix) {
   throw core::IoError("model: " + what);
 }
 
-/// A text from outside as it may stand in a message: short, printable, on one line.
-std::string shown(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  std::string result = "\"";
-  for (const char c : text.substr(0, kLongest)) result += c >= ' ' && c <= '~' && c != '"' ? c : '?';
-  return result + (text.size() > kLongest ? "…\"" : "\"");
-}
-
 nlohmann::json parse(const std::string& text) {
-  constexpr int kDeepest = 16;
   const auto shallow = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
-    if (depth > kDeepest) fail("model.json is nested more than " + std::to_string(kDeepest) + " deep");
+    if (depth > kMostNesting)
+      fail("model.json is nested more than " + std::to_string(kMostNesting) + " deep");
     return true;
   };
   nlohmann::json json;
@@ -75,12 +73,13 @@ std::string text_entry(const nlohmann::json& json, const char* key) {
   return value.get<std::string>();
 }
 
-std::int64_t whole(const nlohmann::json& json, const char* key, std::int64_t least, std::int64_t most) {
+std::int64_t whole_number(const nlohmann::json& json, const char* key, std::int64_t least,
+                          std::int64_t most) {
   const nlohmann::json& value = entry(json, key);
   const bool fits = value.is_number_integer() &&
                     (!value.is_number_unsigned() || value.get<std::uint64_t>() <= std::uint64_t{1} << 62);
   if (!fits || value.get<std::int64_t>() < least || value.get<std::int64_t>() > most)
-    fail("\"" + std::string(key) + "\" is " + shown(value.dump()) + ", must be a whole number from " +
+    fail("\"" + std::string(key) + "\" is " + core::quoted(value.dump()) + ", must be a whole number from " +
          std::to_string(least) + " to " + std::to_string(most));
   return value.get<std::int64_t>();
 }
@@ -88,16 +87,15 @@ std::int64_t whole(const nlohmann::json& json, const char* key, std::int64_t lea
 double number(const nlohmann::json& json, const char* key) {
   const nlohmann::json& value = entry(json, key);
   if (!value.is_number() || !std::isfinite(value.get<double>()))
-    fail("\"" + std::string(key) + "\" is " + shown(value.dump()) + ", must be a finite number");
+    fail("\"" + std::string(key) + "\" is " + core::quoted(value.dump()) + ", must be a finite number");
   return value.get<double>();
 }
 
 /// The version, of those that can be read.
 std::int64_t check_format(const nlohmann::json& json) {
   if (const std::string format = text_entry(json, "format"); format != kFormat)
-    fail("\"format\" is " + shown(format) + ", must be \"" + std::string(kFormat) + "\"");
-  constexpr std::int64_t kAny = std::int64_t{1} << 31;
-  const std::int64_t version = whole(json, "version", 1, kAny);
+    fail("\"format\" is " + core::quoted(format) + ", must be \"" + std::string(kFormat) + "\"");
+  const std::int64_t version = whole_number(json, "version", 1, kMostVersion);
   if (version > kVersion)
     fail("version " + std::to_string(version) + " is newer than " + std::to_string(kVersion) +
          ", the newest that can be read");
@@ -105,18 +103,18 @@ std::int64_t check_format(const nlohmann::json& json) {
 }
 
 core::ClipInfo read_info(const nlohmann::json& json) {
-  constexpr std::int64_t kLargest = 65536, kMostFrames = 1 << 24;
   core::ClipInfo info;
-  info.width = static_cast<int>(whole(json, "width", 1, kLargest));
-  info.height = static_cast<int>(whole(json, "height", 1, kLargest));
-  info.channels = static_cast<int>(whole(json, "channels", 1, 3));
-  info.frames = whole(json, "frames", 1, kMostFrames);
+  info.width = static_cast<int>(whole_number(json, "width", 1, kMostSide));
+  info.height = static_cast<int>(whole_number(json, "height", 1, kMostSide));
+  info.channels = static_cast<int>(whole_number(json, "channels", 1, 3));
+  info.frames = whole_number(json, "frames", 1, kMostFrames);
   info.fps = number(json, "fps");
   info.white = number(json, "white");
   const std::string depth = text_entry(json, "depth");
   const auto* const known =
       std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.second == depth; });
-  if (known == kDepths.end()) fail("\"depth\" is " + shown(depth) + R"(, must be "u8", "u16" or "f32")");
+  if (known == kDepths.end())
+    fail("\"depth\" is " + core::quoted(depth) + R"(, must be "u8", "u16" or "f32")");
   info.depth = known->first;
   return info;
 }
@@ -205,8 +203,7 @@ void read_second_version(const nlohmann::json& json, const core::ModelArchive& a
   const nlohmann::json& each = entry(json, "noise_per_value");
   if (!each.is_boolean()) fail("\"noise_per_value\" must be true or false");
   if (each.get<bool>()) texture.noise = read_matrix<float>(archive, "noise", {extents.values});
-  constexpr std::int64_t kMostResiduals = 1 << 24;
-  const auto residuals = static_cast<std::size_t>(whole(json, "residuals", 0, kMostResiduals));
+  const auto residuals = static_cast<std::size_t>(whole_number(json, "residuals", 0, kMostResiduals));
   if (residuals > 0)
     texture.residuals = read_matrix<double>(archive, "residuals", {extents.inputs, residuals});
   const auto channels = json.find("component_channels");
@@ -216,7 +213,7 @@ void read_second_version(const nlohmann::json& json, const core::ModelArchive& a
   texture.channels.resize(static_cast<Eigen::Index>(channels->size()));
   for (std::size_t i = 0; i < channels->size(); ++i)
     texture.channels[static_cast<Eigen::Index>(i)] =
-        static_cast<int>(whole({{"component_channels", (*channels)[i]}}, "component_channels", 0, 2));
+        static_cast<int>(whole_number({{"component_channels", (*channels)[i]}}, "component_channels", 0, 2));
 }
 
 }  // namespace
@@ -275,10 +272,11 @@ LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive) {
   LinearDynamicTexture texture;
   texture.info = read_info(json);
   texture.r = number(json, "r");
-  constexpr std::int64_t kMostComponents = 1 << 24;
-  const auto n = static_cast<std::size_t>(whole(json, "components", 0, kMostComponents));
-  const auto order = first_version ? n : static_cast<std::size_t>(whole(json, "order", 0, kMostComponents));
-  const auto k = static_cast<std::size_t>(whole(json, "noise_inputs", 0, static_cast<std::int64_t>(order)));
+  const auto n = static_cast<std::size_t>(whole_number(json, "components", 0, kMostComponents));
+  const auto order =
+      first_version ? n : static_cast<std::size_t>(whole_number(json, "order", 0, kMostComponents));
+  const auto k =
+      static_cast<std::size_t>(whole_number(json, "noise_inputs", 0, static_cast<std::int64_t>(order)));
   const auto m = static_cast<std::size_t>(texture.info.width) *
                  static_cast<std::size_t>(texture.info.height) *
                  static_cast<std::size_t>(texture.info.channels);

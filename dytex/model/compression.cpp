@@ -6,20 +6,20 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "dytex/distances/pair_gram.hpp"
+#include "dytex/learning/decompositions.hpp"
 #include "dytex/model/archive.hpp"
 
 namespace emberfold::dytex {
 
 namespace {
 
-constexpr Eigen::Index kBatch = 8;    // frames at a time
+constexpr Eigen::Index kBatch = 8;    // frames at a time; bounds the memory
 constexpr Eigen::Index kRows = 1024;  // values of a block
-constexpr std::size_t kParts = 16;    // in which blocks are summed, whatever the number of threads
+constexpr std::size_t kParts = 16;    // partial sums; fixed, so that results do not depend on threads
+constexpr float kLargestCode = 255;   // of Precision::u8
 
 core::NpyArray halves(const core::NpyArray& array, const char* what) {
   const auto& wide = std::get<std::vector<float>>(array.data);
@@ -32,18 +32,17 @@ core::NpyArray halves(const core::NpyArray& array, const char* what) {
 }
 
 void put_in_steps(const Eigen::MatrixXf& C, core::ModelArchive& archive) {
-  constexpr float kSteps = 255;
   const auto n = static_cast<std::size_t>(C.cols());
   std::vector<float> scales(n), offsets(n);
   std::vector<std::uint8_t> steps(static_cast<std::size_t>(C.size()));
   for (Eigen::Index i = 0; i < C.cols(); ++i) {
-    const float low = C.col(i).minCoeff(), scale = (C.col(i).maxCoeff() - low) / kSteps;
+    const float low = C.col(i).minCoeff(), scale = (C.col(i).maxCoeff() - low) / kLargestCode;
     scales[static_cast<std::size_t>(i)] = scale;
     offsets[static_cast<std::size_t>(i)] = low;
     const float per_value = scale > 0 ? 1 / scale : 0;
     for (Eigen::Index row = 0; row < C.rows(); ++row)
-      steps[static_cast<std::size_t>(i * C.rows() + row)] =
-          static_cast<std::uint8_t>(std::clamp(std::nearbyint((C(row, i) - low) * per_value), 0.0F, kSteps));
+      steps[static_cast<std::size_t>(i * C.rows() + row)] = static_cast<std::uint8_t>(
+          std::clamp(std::nearbyint((C(row, i) - low) * per_value), 0.0F, kLargestCode));
   }
   archive.arrays["C"] = {{static_cast<std::size_t>(C.rows()), n}, true, std::move(steps)};
   archive.arrays["C_scale"] = {{n}, false, std::move(scales)};
@@ -100,7 +99,7 @@ Value sum_of_parts(Eigen::Index m, Value zero, const Body& body) {
 }
 
 /// ‖frames − what is drawn of them‖² of some frames, levels, a column each.
-double batch_error(const LinearDynamicTexture& texture, const Eigen::LLT<Eigen::MatrixXd>& gram,
+double batch_error(const LinearDynamicTexture& texture, const detail::CholeskyFactors& gram,
                    const Eigen::MatrixXf& frames) {
   const Eigen::Index n = texture.components(), m = texture.pixels();
   const Eigen::MatrixXd shown = sum_of_parts(
@@ -157,7 +156,7 @@ LinearDynamicTexture rounded(const LinearDynamicTexture& texture, Precision prec
 std::size_t stored_bytes(const LinearDynamicTexture& texture, Eigen::Index components, Precision precision) {
   const Eigen::Index most = texture.components();
   if (components < 0 || components > most)
-    throw core::InputError("components is " + std::to_string(components) + ", allowed is 0 to " +
+    throw core::InputError("components is " + std::to_string(components) + "; allowed is 0 to " +
                            std::to_string(most));
   // The states hold so many numbers for each component, now and before.
   const Eigen::Index order = most > 0 ? texture.order() * components / most : texture.order();
@@ -189,11 +188,10 @@ Eigen::VectorXd projection_errors(const LinearDynamicTexture& texture, Precision
     // Σ b bᵀ of b = C'ᵀ (y − mean'), less what lies outside C: with G = L Lᵀ the first k components explain
     // the first k diagonal entries of L⁻¹ (Σ b bᵀ) L⁻ᵀ.
     const auto states = texture.states.topRows(n);
-    const Eigen::LLT<Eigen::MatrixXd> root(G);
-    if (root.info() != Eigen::Success)
-      throw core::NumericalError("the components are not independent after rounding");
+    const detail::CholeskyFactors root(G);
+    if (!root.positive()) throw core::NumericalError("the components are not independent after rounding");
     const Eigen::MatrixXd shown = D * states;
-    const Eigen::MatrixXd solved = root.matrixL().solve((shown.colwise() + g).eval());
+    const Eigen::MatrixXd solved = root.solve_lower(shown.colwise() + g);
     double explained = 0;
     for (Eigen::Index k = 0; k < n; ++k) {
       explained += solved.row(k).squaredNorm();
@@ -207,12 +205,13 @@ double measured_error(const LinearDynamicTexture& texture, core::FrameSource& so
                       const core::Context& context) {
   check_frames(texture, source.info());
   const Eigen::Index m = texture.pixels(), expected = texture.states.cols();
-  const Eigen::LLT<Eigen::MatrixXd> gram(products(texture, texture).G);
+  const detail::CholeskyFactors gram(products(texture, texture).G);
   Eigen::MatrixXf batch(m, kBatch);
   Eigen::Index count = 0, seen = 0;
   double error = 0;
   source.rewind();
-  for (bool more = true; more && !context.cancelled();) {
+  for (bool more = true; more;) {
+    context.check();
     const cv::Mat frame = source.next();
     more = !frame.empty();
     if (more) {
@@ -225,7 +224,7 @@ double measured_error(const LinearDynamicTexture& texture, core::FrameSource& so
     error += batch_error(texture, gram, batch.leftCols(count));
     count = 0;
   }
-  if (seen != expected && !context.cancelled())
+  if (seen != expected)
     throw core::InputError("the clip has " + std::to_string(seen) + " frames, the model was learned from " +
                            std::to_string(expected));
   return seen > 0 ? error / (static_cast<double>(seen) * static_cast<double>(m)) : 0;

@@ -9,10 +9,14 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::dytex {
 
 namespace {
+
+constexpr double kWhite8 = 255, kWhite16 = 65535;  // a mask's largest values
+constexpr double kMostFeather = 1e4;               // px; beyond every frame's side
 
 std::string size_text(const cv::Mat& image) {
   return std::to_string(image.cols) + " × " + std::to_string(image.rows);
@@ -31,7 +35,6 @@ cv::Mat inside_of(const cv::Mat& mask, const core::ClipInfo& info) {
 }
 
 double white_of(const cv::Mat& mask) {
-  constexpr double kWhite8 = 255, kWhite16 = 65535;
   if (mask.type() == CV_8UC1) return kWhite8;
   if (mask.type() == CV_16UC1) return kWhite16;
   if (mask.type() == CV_32FC1) return 1;
@@ -42,10 +45,8 @@ double white_of(const cv::Mat& mask) {
 }  // namespace
 
 cv::Mat layer_opacity(const cv::Mat& mask, double feather) {
-  constexpr double kWidest = 1e4;
   const double white = white_of(mask);
-  if (!(feather >= 0 && feather <= kWidest))
-    throw core::InputError("feather is " + std::to_string(feather) + ", allowed is 0 to 10000");
+  core::check_range("feather", feather, 0, kMostFeather);
   cv::Mat opacity;
   mask.convertTo(opacity, CV_32F, 1 / white);
   if (!cv::checkRange(opacity, true, nullptr, 0, std::nextafter(1.0F, 2.0F)))

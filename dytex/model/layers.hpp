@@ -10,12 +10,13 @@
 /// learned from the clip with all else held still, edited as any model is, and put back onto the clip.
 namespace emberfold::dytex {
 
-/// How much of a layer shows, 0 … 1, CV_32F: mask / its type's largest value, and from 0 at the mask's edge
-/// to all of that `feather` px inside it, smoothly (3 s² − 2 s³). The picture's border is no edge. `mask`:
-/// CV_8U, CV_16U or CV_32F (0 … 1), one channel; feather 0 … 10⁴ px; else InputError.
+/// Returns a layer's opacity, 0 … 1, CV_32F: mask / its type's largest value, feathered at the mask's edge.
+/// It rises from 0 at the edge to its whole value `feather` px inside, smoothly (3 s² − 2 s³). The picture's
+/// border is no edge. `mask`: CV_8U, CV_16U or CV_32F (0 … 1), one channel; feather 0 … 10⁴ px; else
+/// InputError.
 cv::Mat layer_opacity(const cv::Mat& mask, double feather);
 
-/// The source with everything outside the mask as it is in the first frame, so that it has no part in what is
+/// A source whose pixels outside the mask stay as in the first frame, so that they have no part in what is
 /// learned. Inside is where the mask is not 0.
 class RegionSource final : public core::FrameSource {
  public:
@@ -35,13 +36,12 @@ class RegionSource final : public core::FrameSource {
 /// there, and the noise, r on average, all inside. InputError as RegionSource's. O(m n).
 void confine(LinearDynamicTexture& texture, const cv::Mat& mask);
 
-/// Where a model moves: 255 where a pixel has components, else 0; CV_8U. O(m n).
+/// Returns the region in which a model moves: 255 where a pixel has components, else 0; CV_8U. O(m n).
 cv::Mat moving_region(const LinearDynamicTexture& texture);
 
-/// frame + opacity (layer − frame), rounded: the frame's own bytes where the opacity is 0, the layer's where
-/// it is
-/// 1. `frame`, changed in place, and `layer`: CV_8U of one size and as many channels; opacity: CV_32F of that
-/// size; else InputError. O(m).
+/// Blends a layer into a frame: frame + opacity (layer − frame), rounded. An opacity of 0 leaves the frame's
+/// bytes, 1 gives the layer's. `frame`, changed in place, and `layer`: CV_8U of one size and as many
+/// channels; opacity: CV_32F of that size; else InputError. O(m).
 void put_layer(cv::Mat& frame, const cv::Mat& layer, const cv::Mat& opacity);
 
 }  // namespace emberfold::dytex

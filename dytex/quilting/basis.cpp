@@ -14,7 +14,12 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr Eigen::Index kSample = 4096, kBlock = 512;
+constexpr Eigen::Index kSample = 4096;        // pixels that the basis is learned from
+constexpr Eigen::Index kBlock = 512;          // rows or pixels of one task
+constexpr Eigen::Index kExtraDirections = 8;  // of the random start (Halko, Martinsson, Tropp 2011: 5 to 10)
+constexpr int kPowerRounds = 2;               // of subspace iteration (same paper: 1 or 2)
+constexpr double kDependent = 1e-6;           // of a column's length: what is left of a dependent one
+constexpr double kLeastVariance = 1e-12;      // of the sum of all; directions below it are none
 
 // `count` pixels from `first` on, in chunk `chunk`, as columns of floats.
 void load(const Trajectories& source, int chunk, std::size_t first, Eigen::Index count,
@@ -71,7 +76,7 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
     Eigen::VectorXd v = column;
     for (int round = 0; round < 2; ++round) v -= q.leftCols(kept) * (q.leftCols(kept).transpose() * v).eval();
     const double norm = v.norm();
-    if (norm > 1e-6 * column.norm() && norm > 0) q.col(kept++) = v / norm;
+    if (norm > kDependent * column.norm() && norm > 0) q.col(kept++) = v / norm;
   }
   return q.leftCols(kept);
 }
@@ -86,16 +91,16 @@ Basis fit_basis(std::span<const Trajectories* const> sources, int components, st
   if (basis.complete) return basis;
   columns.colwise() -= basis.mean;
   const Eigen::MatrixXf turned = columns.transpose();
-  Eigen::MatrixXf test(columns.cols(), components + 8);
+  Eigen::MatrixXf test(columns.cols(), components + kExtraDirections);
   core::Rng rng(seed, {0x6261u, 1, 0});
   for (float& value : test.reshaped()) value = static_cast<float>(rng.normal());
   Eigen::MatrixXd q = orthonormal(product(columns, test).cast<double>());
-  for (int round = 0; round < 2 && q.cols() > 0; ++round)
+  for (int round = 0; round < kPowerRounds && q.cols() > 0; ++round)
     q = orthonormal(product(columns, product(turned, q.cast<float>())).cast<double>());
   const Eigen::MatrixXd seen = product(turned, q.cast<float>()).cast<double>();  // columns × directions
   const auto eigen = symmetric_eigen(seen.transpose() * seen);
   const Eigen::Index kept = std::min<Eigen::Index>(
-      components, (eigen.values.array() > 1e-12 * eigen.values.cwiseAbs().sum()).count());
+      components, (eigen.values.array() > kLeastVariance * eigen.values.cwiseAbs().sum()).count());
   basis.directions = orthonormal(q * eigen.vectors.leftCols(kept)).cast<float>();
   return basis;
 }

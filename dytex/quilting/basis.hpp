@@ -14,21 +14,22 @@
 namespace emberfold::dytex::detail {
 
 /// Orthonormal directions of the trajectories of pixels, D × k, and their mean, D; D = course · chunks of
-/// Trajectories. Without directions the trajectories themselves are compared.
+/// Trajectories. Without directions whole trajectories are compared.
 struct Basis {
   Eigen::MatrixXf directions;
   Eigen::VectorXf mean;
   bool complete = false;  ///< there are no directions; nothing is left over
 };
 
-/// From at most 4096 pixels drawn from all sources: randomised subspace iteration (Halko, Martinsson & Tropp
-/// 2011), 8 directions more than asked for and two rounds. Fewer than `components` where the trajectories
-/// have no more; complete where they have at most that many values. Sources agree in all but their size.
+/// Fits the basis to at most 4096 pixels drawn from all sources by randomised subspace iteration (Halko,
+/// Martinsson & Tropp 2011), 8 directions more than asked for and two rounds. Fewer than `components` where
+/// the trajectories have no more; complete where they have at most that many values. Sources agree in all but
+/// their size.
 Basis fit_basis(std::span<const Trajectories* const> sources, int components, std::uint64_t seed);
 
-/// The sources in the basis: for each its planes, CV_32F of its size. k coefficients a = Uᵀ(s − μ) and,
-/// unless complete, the norm r of what they leave, less a constant. As U is orthonormal, ‖Δa‖² + (r₁ − r₂)² ≤
-/// ‖s₁ − s₂‖² ≤ ‖Δa‖² + (r₁ + r₂)². O(pixels · D · k).
+/// Projects the sources onto the basis: for each its planes, CV_32F of its size. k coefficients a = Uᵀ(s − μ)
+/// and, unless complete, the norm r of what they leave, less a constant. As U is orthonormal, ‖Δa‖² + (r₁ −
+/// r₂)² ≤ ‖s₁ − s₂‖² ≤ ‖Δa‖² + (r₁ + r₂)². O(pixels · D · k).
 std::vector<std::vector<cv::Mat>> project_trajectories(std::span<const Trajectories* const> sources,
                                                        const Basis& basis, const core::Context& context);
 

@@ -43,7 +43,7 @@ struct Span {
   int begin = 0, length = 0;
 };
 
-std::vector<Span> spread(int size, int block, int overlap, bool torus) {
+std::vector<Span> place_blocks(int size, int block, int overlap, bool torus) {
   const int step = block - overlap;
   std::vector<Span> spans;
   if (!torus) {
@@ -60,8 +60,8 @@ std::vector<Span> spread(int size, int block, int overlap, bool torus) {
 }  // namespace
 
 BlockPlan plan_blocks(cv::Size size, cv::Size block, int overlap, bool torus) {
-  const auto columns = spread(size.width, block.width, overlap, torus);
-  const auto rows = spread(size.height, block.height, overlap, torus);
+  const auto columns = place_blocks(size.width, block.width, overlap, torus);
+  const auto rows = place_blocks(size.height, block.height, overlap, torus);
   BlockPlan plan;
   plan.wraps = torus;
   plan.columns = static_cast<int>(columns.size());

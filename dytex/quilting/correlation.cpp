@@ -16,6 +16,10 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
+// Relative forward error of three transforms of up to 2^28 values: 3 · 28 · 4 units of 2^-24.
+constexpr double kTransformError = 2e-5;
+constexpr double kSumError = 2e-7;  // relative, of the sums of squares in 32 bits
+
 // acc += a · conj(b) for n complex numbers in two halves each.
 EMBERFOLD_SIMD_CLONES
 void add_products(const float* a, const float* b, float* acc, std::size_t n) {
@@ -166,10 +170,8 @@ cv::Mat Correlator::squared_differences(const std::vector<cv::Mat>& query,
 }
 
 double Correlator::margin(const std::vector<cv::Mat>& query) const {
-  // Forward error of three transforms of up to 2^28 values: 3 · 28 · 4 units of 2^-24, by Cauchy–Schwarz.
-  constexpr double kUnit = 2e-5;
   const double own = norm_of(query, cv::Rect({}, query.front().size()));
-  return 2 * kUnit * norm_ * own + 2e-7 * (norm_ * norm_ + own * own);
+  return 2 * kTransformError * norm_ * own + kSumError * (norm_ * norm_ + own * own);
 }
 
 cv::Mat box_sums(const cv::Mat& integral, const std::vector<cv::Rect>& boxes, cv::Size block) {

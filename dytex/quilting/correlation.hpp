@@ -16,12 +16,12 @@ class Correlator {
   /// `planes`: CV_32F, of one size. Queries are between `least` and `most` large.
   Correlator(const std::vector<cv::Mat>& planes, cv::Size least, cv::Size most);
 
-  /// E at every place u where the query fits, CV_32F of (height − query height + 1) × (width − query width +
-  /// 1). `query`: a plane each, 0 outside of `boxes`, over which the sums run. E is off by less than
+  /// Returns E at every place u where the query fits, CV_32F of (height − query height + 1) × (width − query
+  /// width + 1). `query`: a plane each, 0 outside of `boxes`, over which the sums run. E is off by less than
   /// margin(). O(planes · tile · log tile) + O(planes · tiles · tile).
   [[nodiscard]] cv::Mat squared_differences(const std::vector<cv::Mat>& query,
                                             const std::vector<cv::Rect>& boxes) const;
-  /// What rounding can do to E of a query: some 10⁻⁵ of ‖S‖ ‖q‖, the norms taken over a tile.
+  /// Bounds the rounding error of E of a query: some 10⁻⁵ of ‖S‖ ‖q‖, the norms taken over a tile.
   [[nodiscard]] double margin(const std::vector<cv::Mat>& query) const;
 
  private:
@@ -41,7 +41,8 @@ class Correlator {
   double norm_ = 0;  // the largest of a tile
 };
 
-/// The sum over boxes moved by u, for every u where a block of this size fits. `integral` as of cv::integral.
+/// Returns the sum over boxes moved by u, for every u where a block of this size fits. `integral` as of
+/// cv::integral.
 cv::Mat box_sums(const cv::Mat& integral, const std::vector<cv::Rect>& boxes, cv::Size block);
 
 }  // namespace emberfold::dytex::detail

@@ -7,9 +7,9 @@
 
 namespace emberfold::dytex {
 
-/// The frame without its low frequencies in space: each pixel less the mean of its surroundings (a Gaussian
-/// of SD `sigma` px, the frame mirrored at its border), plus the frame's mean. Light that falls off across a
-/// source makes a quilt look blocky. Of the frame's own type, rounded and held between 0 and white.
+/// Takes the low frequencies in space out of a frame: each pixel less the mean of its surroundings (a
+/// Gaussian of SD `sigma` px, the frame mirrored at its border), plus the frame's mean. Light that falls off
+/// across a source makes a quilt look blocky. Of the frame's own type, rounded and held between 0 and white.
 cv::Mat flatten(const cv::Mat& frame, const core::ClipInfo& info, double sigma);
 
 /// A source whose frames are flattened; `source` must outlive it.

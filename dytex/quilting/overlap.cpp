@@ -13,6 +13,9 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
+constexpr std::size_t kBytesSummed = 1 << 14;  // values whose squares add up to less than 2^31
+constexpr std::size_t kPlacesPerTask = 16;
+
 // n ≤ 2^14, so that the sum fits.
 EMBERFOLD_SIMD_CLONES
 std::int32_t difference_of_bytes(const std::uint8_t* a, const std::uint8_t* b, std::size_t n) {
@@ -52,12 +55,11 @@ double squared_difference(const std::byte* a, const std::byte* b, std::size_t n,
                                                    reinterpret_cast<const std::uint16_t*>(b), n));
   if (depth == CV_32F)
     return difference_of_floats(reinterpret_cast<const float*>(a), reinterpret_cast<const float*>(b), n);
-  constexpr std::size_t kPart = 1 << 14;
   std::int64_t sum = 0;
   const auto *left = reinterpret_cast<const std::uint8_t*>(a),
              *right = reinterpret_cast<const std::uint8_t*>(b);
-  for (std::size_t i = 0; i < n; i += kPart)
-    sum += difference_of_bytes(left + i, right + i, std::min(kPart, n - i));
+  for (std::size_t i = 0; i < n; i += kBytesSummed)
+    sum += difference_of_bytes(left + i, right + i, std::min(kBytesSummed, n - i));
   return static_cast<double>(sum);
 }
 
@@ -87,11 +89,10 @@ std::vector<std::byte> Overlap::gather(int chunk) const {
 
 std::vector<double> Overlap::errors(std::span<const SourcePixel> places, double limit) const {
   std::vector<double> errors(places.size(), 0.0);
-  constexpr std::size_t kGroup = 16;
   const int depth = sources_.front()->info().depth;
   const std::size_t course = sources_.front()->course();
-  core::parallel_for((places.size() + kGroup - 1) / kGroup, {}, [&](std::size_t group) {
-    const std::size_t first = group * kGroup, last = std::min(first + kGroup, places.size());
+  core::parallel_for((places.size() + kPlacesPerTask - 1) / kPlacesPerTask, {}, [&](std::size_t group) {
+    const std::size_t first = group * kPlacesPerTask, last = std::min(first + kPlacesPerTask, places.size());
     for (int c = 0; c < sources_.front()->chunks(); ++c) {
       const auto there = gather(c);
       for (std::size_t i = first; i < last; ++i) {

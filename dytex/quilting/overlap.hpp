@@ -13,20 +13,21 @@
 /// Exact differences over all of time. Inner header of quilting.
 namespace emberfold::dytex::detail {
 
-/// Σ (a − b)² over n values; exact for whole numbers.
+/// Returns Σ (a − b)² over n values; exact for whole numbers.
 double squared_difference(const std::byte* a, const std::byte* b, std::size_t n, int depth);
 
-/// What lies under a block's strips, to be held against source blocks:
+/// The pixels under a block's strips, which source blocks are compared with:
 /// E = Σ_{x, y, t} (p₁ − p₂)² (Enrique et al. 2005, section 2), exact for 8 and 16 bits.
 class Overlap {
  public:
-  /// `pixels`: what is there, for every pixel of `runs` in their order.
+  /// `pixels`: the source pixels placed there, for every pixel of `runs` in their order.
   Overlap(std::span<const Trajectories* const> sources, std::vector<Run> runs,
           std::vector<SourcePixel> pixels);
 
-  /// E of the block that begins at each place. Values above `limit` may be too small, but not below it.
+  /// Returns E of the block that begins at each place. Values above `limit` may be too small, but not below
+  /// it.
   [[nodiscard]] std::vector<double> errors(std::span<const SourcePixel> places, double limit) const;
-  /// Σ_t (p₁ − p₂)² of every pixel: CV_64F of the block's size, 0 outside of the strips.
+  /// Returns Σ_t (p₁ − p₂)² of every pixel: CV_64F of the block's size, 0 outside of the strips.
   [[nodiscard]] cv::Mat picture(const SourcePixel& place, cv::Size block) const;
   [[nodiscard]] std::size_t pixels() const { return pixels_.size(); }
 

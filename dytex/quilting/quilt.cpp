@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -11,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/text/check_range.hpp"
 #include "dytex/quilting/blocks.hpp"
 #include "dytex/quilting/overlap.hpp"
 #include "dytex/quilting/seam.hpp"
@@ -19,13 +19,6 @@
 namespace emberfold::dytex {
 
 namespace {
-
-void check(const char* field, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  std::ostringstream line;
-  line << "QuiltOptions." << field << " is " << value << "; allowed is " << low << " to " << high;
-  throw core::InputError(line.str());
-}
 
 std::string size_text(cv::Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
@@ -45,11 +38,11 @@ void QuiltOptions::validate() const {
     throw core::InputError("QuiltOptions.overlap is " + std::to_string(overlap) + "; allowed is 1 to " +
                            std::to_string(most) + ", half the shorter side of a block of " +
                            size_text(block));
-  check("components", components, 1, 256);
-  check("tolerance", tolerance, 0, 10);
-  check("floor", floor, 0, 255);
-  check("apart", apart, 0, 4096);
-  check("guide_weight", guide_weight, 0, 0.99);
+  core::check_range("QuiltOptions.components", components, 1, 256);
+  core::check_range("QuiltOptions.tolerance", tolerance, 0, 10);
+  core::check_range("QuiltOptions.floor", floor, 0, 255);
+  core::check_range("QuiltOptions.apart", apart, 0, 4096);
+  core::check_range("QuiltOptions.guide_weight", guide_weight, 0, 0.99);
   if (tileable && std::min(size.width, size.height) < 2 * overlap)
     throw core::InputError("QuiltOptions.size is " + size_text(size) + "; tileable output needs at least " +
                            std::to_string(2 * overlap) + " pixels each way, twice the overlap");

@@ -27,15 +27,15 @@ struct QuiltOptions {
   bool exact = false;         ///< compare every place over all of time, without the basis: slow
   std::uint64_t seed = 1;
 
-  /// InputError naming field, value and range.
+  /// Throws InputError naming field, value and range.
   void validate() const;
 };
 
-/// What blocks are taken from.
+/// A source of blocks.
 struct QuiltSource {
   const Trajectories* trajectories = nullptr;
   cv::Mat forbidden;  ///< CV_8U of its size, or empty: pixels that are not 0 must not be copied
-  cv::Mat guide;      ///< CV_32F of its size: what the guide is held against; needed with a guide
+  cv::Mat guide;      ///< CV_32F of its size: compared with the output's guide; needed with one
 };
 
 /// One block as it was placed.
@@ -52,7 +52,7 @@ struct QuiltRun {
   cv::Mat guide;  ///< CV_32F of the output's size, or empty
   /// Blocks placed by an earlier run with the same input and options, in its order: not sought again.
   std::span<const QuiltChoice> placed;
-  /// Told all blocks up to now from time to time.
+  /// Called with all blocks placed so far from time to time; what is kept survives a cancel.
   std::function<void(std::span<const QuiltChoice>)> keep;
 };
 

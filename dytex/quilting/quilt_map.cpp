@@ -8,6 +8,12 @@
 
 namespace emberfold::dytex {
 
+namespace {
+
+constexpr std::size_t kMostSide = 1 << 20;  // px, of a map that is read
+
+}  // namespace
+
 core::NpyArray to_array(const QuiltMap& map) {
   std::vector<std::int32_t> values;
   values.reserve(3 * map.pixels.size());
@@ -18,10 +24,9 @@ core::NpyArray to_array(const QuiltMap& map) {
 }
 
 QuiltMap quilt_map(const core::NpyArray& array, std::span<const cv::Size> sources) {
-  constexpr std::size_t kMost = 1 << 20;
   const auto* values = std::get_if<std::vector<std::int32_t>>(&array.data);
   if (array.shape.size() != 3 || array.shape[2] != 3 || values == nullptr || array.fortran_order ||
-      array.shape[0] < 1 || array.shape[1] < 1 || array.shape[0] > kMost || array.shape[1] > kMost)
+      array.shape[0] < 1 || array.shape[1] < 1 || array.shape[0] > kMostSide || array.shape[1] > kMostSide)
     throw core::InputError("a quilt's map is an int32 array of height x width x 3 (source, x, y)");
   QuiltMap map{{static_cast<int>(array.shape[1]), static_cast<int>(array.shape[0])}, {}};
   map.pixels.reserve(values->size() / 3);

@@ -17,8 +17,8 @@ struct SourcePixel {
   bool operator==(const SourcePixel&) const = default;
 };
 
-/// Which source pixel each output pixel is a copy of, at all times: what quilting finds, and all that
-/// rendering needs. Row by row.
+/// The source pixel that each output pixel copies, at all times, row by row. Quilting finds it; rendering
+/// needs nothing else.
 struct QuiltMap {
   cv::Size size;
   std::vector<SourcePixel> pixels;
@@ -30,16 +30,16 @@ struct QuiltMap {
   bool operator==(const QuiltMap&) const = default;
 };
 
-/// Whether two output pixels, neighbours by `step`, are copies of neighbours by the same step: no seam.
+/// Tells whether two output pixels, neighbours by `step`, are copies of neighbours by the same step: no seam.
 [[nodiscard]] inline bool continues(const SourcePixel& a, const SourcePixel& b, cv::Point step) {
   return a.source == b.source && a.x + step.x == b.x && a.y + step.y == b.y;
 }
 
-/// height × width × 3, int32: source, x, y.
+/// Returns the map as an array, height × width × 3, int32: source, x, y.
 core::NpyArray to_array(const QuiltMap& map);
 
-/// The reverse. InputError unless it is such an array, at least 1×1, and every place lies in a source of
-/// these sizes.
+/// Reads a map from an array. InputError unless it is one of to_array(), at least 1×1, and every place lies
+/// in a source of these sizes.
 QuiltMap quilt_map(const core::NpyArray& array, std::span<const cv::Size> sources);
 
 }  // namespace emberfold::dytex

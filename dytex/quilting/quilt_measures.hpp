@@ -7,7 +7,7 @@
 
 namespace emberfold::dytex {
 
-/// What can be told of a quilt without looking at it.
+/// Figures of a quilt: how much is copied and how visible seams are.
 struct QuiltMeasures {
   double verbatim_blocks = 0;  ///< share of the blocks that only go on where a neighbour ends, 0…1
   double largest_piece = 0;    ///< the largest connected piece copied as it is, as a share of the output
@@ -15,12 +15,13 @@ struct QuiltMeasures {
   double seam_share = 0;       ///< share of neighbouring output pixels that are no neighbours in the source
   double seam_step = 0;        ///< mean size of the step between these, levels of 255, over time and channels
   double other_step = 0;       ///< the same between all others
-  /// seam_step / other_step, 1 where seams are as smooth as the rest; 1 where there are none, or nothing
-  /// steps anywhere.
+  /// Returns seam_step / other_step, 1 where seams are as smooth as the rest; 1 where there are none, or
+  /// nothing steps anywhere.
   [[nodiscard]] double seam_ratio() const;
 };
 
-/// Steps are taken over at most `frames` frames, spread evenly. `choices` may be empty: no verbatim_blocks.
+/// Measures a quilt. Steps are taken over at most `frames` frames, spread evenly. `choices` may be empty: no
+/// verbatim_blocks.
 QuiltMeasures measure_quilt(const QuiltMap& map, std::span<const QuiltChoice> choices,
                             std::span<const Trajectories* const> sources, int frames = 32);
 

@@ -15,6 +15,12 @@
 
 namespace emberfold::dytex {
 
+namespace {
+
+constexpr double kMostTime = 1e6;  // frames a frame, and frames: sizes of rates and offsets
+
+}  // namespace
+
 void TimeControl::validate(cv::Size size) const {
   for (const auto& [name, field] : {std::pair("rate", &rate), std::pair("offset", &offset)}) {
     if (field->empty()) continue;
@@ -24,9 +30,8 @@ void TimeControl::validate(cv::Size size) const {
                              std::to_string(field->rows) + " pixels, the output " +
                              std::to_string(size.width) + "x" + std::to_string(size.height));
     if (field->type() != CV_32F) throw core::InputError(what + " is not of 32-bit floats");
-    constexpr double kMost = 1e6;
     cv::Point where;
-    if (!cv::checkRange(*field, true, &where, -kMost, kMost)) {
+    if (!cv::checkRange(*field, true, &where, -kMostTime, kMostTime)) {
       const float value = field->at<float>(where);
       throw core::InputError(what + " is " + (std::isnan(value) ? "not a number" : std::to_string(value)) +
                              " at " + std::to_string(where.x) + "," + std::to_string(where.y) +
@@ -35,7 +40,7 @@ void TimeControl::validate(cv::Size size) const {
   }
 }
 
-Moment moment_at(double time, int frames, BetweenFrames between, ClipEnds ends) {
+FrameTime frame_time(double time, int frames, BetweenFrames between, ClipEnds ends) {
   const int last = frames - 1;
   if (last == 0) return {};
   if (between == BetweenFrames::nearest) time = std::floor(time + 0.5);
@@ -103,11 +108,11 @@ template <class T, class Value>
 void render_row(const QuiltMap& map, const TimeControl& control, int frames, std::int64_t first, int y,
                 std::vector<cv::Mat>& out, const Value& value) {
   const int channels = out.front().channels();
-  std::vector<Moment> moments(out.size());
+  std::vector<FrameTime> moments(out.size());
   const auto set_moments = [&](int x) {
     for (std::size_t i = 0; i < out.size(); ++i)
-      moments[i] = moment_at(time_of(control, x, y, first + static_cast<std::int64_t>(i)), frames,
-                             control.between, control.ends);
+      moments[i] = frame_time(time_of(control, x, y, first + static_cast<std::int64_t>(i)), frames,
+                              control.between, control.ends);
   };
   std::vector<T*> rows;
   for (auto& frame : out) rows.push_back(frame.ptr<T>(y));
@@ -115,7 +120,7 @@ void render_row(const QuiltMap& map, const TimeControl& control, int frames, std
     if (x == 0 || !control.plain()) set_moments(x);
     const SourcePixel& from = map.at(x, y);
     for (std::size_t i = 0; i < out.size(); ++i) {
-      const Moment& moment = moments[i];
+      const FrameTime& moment = moments[i];
       const T* before = value(from, moment.before);
       T* const to = rows[i] + static_cast<std::ptrdiff_t>(x) * channels;
       if (moment.weight == 0) {

@@ -16,10 +16,10 @@
 namespace emberfold::dytex {
 
 enum class BetweenFrames { nearest, linear };
-/// What lies beyond the first and last frame: these, held; the clip once more; the clip to and fro.
+/// The frames beyond the first and last: these repeated; the clip again; the clip to and fro.
 enum class ClipEnds { clamp, loop, ping_pong };
 
-/// Which moment of the source an output pixel shows in frame t: f = t · rate(x, y) − offset(x, y), in frames
+/// The source time that an output pixel shows in frame t: f = t · rate(x, y) − offset(x, y), in frames
 /// (Enrique et al. 2005, section 2, with the offsets of Gu et al. 2006).
 struct TimeControl {
   cv::Mat rate;    ///< CV_32F of the output's size, or empty: 1 everywhere
@@ -27,40 +27,40 @@ struct TimeControl {
   BetweenFrames between = BetweenFrames::linear;
   ClipEnds ends = ClipEnds::clamp;
 
-  /// InputError unless both have this size and type and are finite, sizes up to 10⁶.
+  /// Throws InputError unless both have this size and type and are finite, sizes up to 10⁶.
   void validate(cv::Size size) const;
   [[nodiscard]] bool plain() const { return rate.empty() && offset.empty(); }
 };
 
-/// A moment between two frames of a clip: (1 − weight) · before + weight · after.
-struct Moment {
+/// A time between two frames of a clip: (1 − weight) · before + weight · after.
+struct FrameTime {
   int before = 0, after = 0;
   double weight = 0;  ///< [0, 1)
 };
-/// Where `time` falls in a clip of `frames` ≥ 1. With BetweenFrames::nearest the weight is 0.
-Moment moment_at(double time, int frames, BetweenFrames between, ClipEnds ends);
+/// Locates `time` in a clip of `frames` ≥ 1. With BetweenFrames::nearest the weight is 0.
+FrameTime frame_time(double time, int frames, BetweenFrames between, ClipEnds ends);
 
-/// Offsets that differ smoothly from place to place, so that copies of one source block do not change all at
-/// once: independent and uniform in ±`frames` at the points of a grid `spacing` px apart, cubic in between.
-/// CV_32F.
+/// Draws time offsets that differ smoothly from place to place, so that copies of one source block do not
+/// change all at once: independent and uniform in ±`frames` at the points of a grid `spacing` px apart, cubic
+/// in between. CV_32F.
 cv::Mat time_jitter(cv::Size size, cv::Size spacing, double frames, std::uint64_t seed);
 
-/// Output frames `first` … `first` + `count` − 1, of the sources' depth and channels. Where a pixel's moment
-/// is a frame of the source, its value is copied bit by bit. Frames of a chunk come cheapest together. The
-/// map's places have to lie in these sources, which agree in all but their size.
+/// Renders output frames `first` … `first` + `count` − 1, of the sources' depth and channels. A pixel whose
+/// time is a frame of the source is copied bit by bit. Frames of a chunk come cheapest together. The map's
+/// places have to lie in these sources, which agree in all but their size.
 std::vector<cv::Mat> render_quilt(const QuiltMap& map, std::span<const Trajectories* const> sources,
                                   const TimeControl& control, std::int64_t first, int count);
 
-/// The same frame after frame from sources that are not held: only as many frames as lie between the earliest
-/// and the latest moment of an output frame are in memory.
+/// Renders a quilt frame after frame from sources that are not in memory. It holds the frames between the
+/// earliest and the latest time of an output frame.
 class QuiltStream {
  public:
   /// All must outlive the stream. InputError where the sources differ in more than size, or streamable() is
   /// none.
   QuiltStream(const QuiltMap& map, std::vector<core::FrameSource*> sources, const TimeControl& control);
-  /// The next frame; the last one, again and again, behind the end of the sources.
+  /// Renders the next frame; behind the end of the sources the last one again.
   cv::Mat next();
-  /// Whether a source ended before the moments of the frame that next() gave last.
+  /// Tells whether a source ended before the times of the frame that next() gave last.
   [[nodiscard]] bool ended() const { return ended_; }
 
  private:
@@ -79,8 +79,8 @@ class QuiltStream {
   bool ended_ = false;
 };
 
-/// How many frames a QuiltStream of `frames` output frames holds at most; none where times run backwards, or
-/// come again at the ends.
+/// Returns the most frames that a QuiltStream of `frames` output frames holds. None where times run
+/// backwards, or come again at the ends.
 std::optional<std::int64_t> streamable(const TimeControl& control, std::int64_t frames);
 
 }  // namespace emberfold::dytex

@@ -40,7 +40,7 @@ void cut_left(const cv::Mat& error, cv::Mat mask, int width) {
   for (int y = 0; y < mask.rows; ++y) mask.row(y).colRange(0, seam[static_cast<std::size_t>(y)]).setTo(0);
 }
 
-cv::Mat turned(const cv::Mat& picture, bool swap, bool mirror) {
+cv::Mat turn_picture(const cv::Mat& picture, bool swap, bool mirror) {
   cv::Mat result = picture.clone();
   if (swap) cv::transpose(picture, result);
   if (mirror) cv::flip(result.clone(), result, 1);
@@ -48,11 +48,11 @@ cv::Mat turned(const cv::Mat& picture, bool swap, bool mirror) {
 }
 
 // The same along any side, which becomes the left one by turning the block.
-void cut(const cv::Mat& error, cv::Mat& mask, int width, bool swap, bool mirror) {
+void cut_side(const cv::Mat& error, cv::Mat& mask, int width, bool swap, bool mirror) {
   if (width == 0) return;
   cv::Mat side =
       cv::Mat(swap ? error.cols : error.rows, swap ? error.rows : error.cols, CV_8U, cv::Scalar(255));
-  cut_left(turned(error, swap, mirror), side, width);
+  cut_left(turn_picture(error, swap, mirror), side, width);
   if (mirror) cv::flip(side.clone(), side, 1);
   if (swap) cv::transpose(side.clone(), side);
   cv::bitwise_and(mask, side, mask);
@@ -62,10 +62,10 @@ void cut(const cv::Mat& error, cv::Mat& mask, int width, bool swap, bool mirror)
 
 cv::Mat block_mask(const cv::Mat& error, const QuiltBlock& block) {
   cv::Mat mask(error.size(), CV_8U, cv::Scalar(255));
-  cut(error, mask, block.left, false, false);
-  cut(error, mask, block.top, true, false);
-  cut(error, mask, block.right, false, true);
-  cut(error, mask, block.bottom, true, true);
+  cut_side(error, mask, block.left, false, false);
+  cut_side(error, mask, block.top, true, false);
+  cut_side(error, mask, block.right, false, true);
+  cut_side(error, mask, block.bottom, true, true);
   return mask;
 }
 

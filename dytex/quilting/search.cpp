@@ -17,7 +17,9 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr float kNever = std::numeric_limits<float>::infinity();
+constexpr float kForbidden = std::numeric_limits<float>::infinity();  // bound of a place not to be taken
+constexpr double kNoLimit = std::numeric_limits<double>::max();
+constexpr std::size_t kComparedTogether = 64;  // places; after each group the limit is lowered
 
 bool earlier(const SourcePixel& a, const SourcePixel& b) {
   return std::tie(a.source, a.y, a.x) < std::tie(b.source, b.y, b.x);
@@ -36,7 +38,6 @@ BlockSearch::BlockSearch(std::span<const QuiltSource> sources, const QuiltOption
   const Basis basis = fit_basis(courses_, options.components, options.seed);
   components_ = basis.complete ? 0 : static_cast<int>(basis.directions.cols());
   auto planes = project_trajectories(courses_, basis, context);
-  if (context.cancelled()) return;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const cv::Size size = sources[i].trajectories->size();
     if (size.width < least.width || size.height < least.height) continue;
@@ -112,7 +113,7 @@ cv::Mat BlockSearch::lower_bounds(std::size_t source, const BlockQuery& query, c
     }
     bounds -= margin;
   }
-  bounds.setTo(kNever, mask == 0);
+  bounds.setTo(kForbidden, mask == 0);
   return bounds;
 }
 
@@ -136,8 +137,8 @@ std::vector<cv::Mat> without_near(const std::vector<cv::Mat>& bounds, const std:
     for (const auto& place : near)
       if (place.source == static_cast<int>(s))
         left.back()(cv::Rect(place.x - apart + 1, place.y - apart + 1, 2 * apart - 1, 2 * apart - 1) & whole)
-            .setTo(kNever);
-    any = any || (!whole.empty() && cv::countNonZero(left.back() < kNever) > 0);
+            .setTo(kForbidden);
+    any = any || (!whole.empty() && cv::countNonZero(left.back() < kForbidden) > 0);
   }
   return any ? left : std::vector<cv::Mat>{};
 }
@@ -170,27 +171,26 @@ QuiltChoice BlockSearch::pick(const BlockQuery& query, std::vector<cv::Mat>& bou
       for (int y = 0; y < bounds[s].rows; ++y) {
         const auto* row = bounds[s].ptr<float>(y);
         for (int x = 0; x < bounds[s].cols; ++x)
-          if (row[x] < kNever && static_cast<double>(row[x]) <= most)
+          if (row[x] < kForbidden && static_cast<double>(row[x]) <= most)
             found.push_back({static_cast<double>(row[x]), {static_cast<int>(s), x, y}});
       }
     return found;
   };
-  constexpr double kAny = std::numeric_limits<double>::max();
   QuiltChoice choice;
   if (query.there.empty() && query.guide.empty()) {  // the first block: anything
-    const auto all = gather(kAny);
+    const auto all = gather(kNoLimit);
     choice.equals = static_cast<std::int64_t>(all.size());
     choice.at = all[rng.below(static_cast<std::uint32_t>(all.size()))].at;
     return choice;
   }
   const Overlap overlap = this->overlap(query);
   std::vector<std::pair<double, SourcePixel>> errors;
-  double best = kAny;
+  double best = kNoLimit;
   const auto limit = [&] { return std::max((1 + options_.tolerance) * best, scale.floor); };
   const auto compare = [&](std::span<const Candidate> some) {
     std::vector<SourcePixel> places;
     for (const auto& candidate : some) places.push_back(candidate.at);
-    const auto differences = overlap.errors(places, best == kAny ? kAny : limit());
+    const auto differences = overlap.errors(places, best == kNoLimit ? kNoLimit : limit());
     for (std::size_t i = 0; i < some.size(); ++i) {
       const double guide = scale.guide > 0 ? scale.guide * guide_error(query, places[i]) : 0;
       errors.emplace_back(differences[i] + guide, places[i]);
@@ -198,7 +198,7 @@ QuiltChoice BlockSearch::pick(const BlockQuery& query, std::vector<cv::Mat>& bou
     }
   };
   // The place with the lowest bound tells how far the others need to be looked at.
-  Candidate first{kAny, {}};
+  Candidate first{kNoLimit, {}};
   for (std::size_t s = 0; s < bounds.size(); ++s) {
     if (bounds[s].empty()) continue;
     double least = 0;
@@ -212,9 +212,8 @@ QuiltChoice BlockSearch::pick(const BlockQuery& query, std::vector<cv::Mat>& bou
   std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) {
     return a.lower != b.lower ? a.lower < b.lower : earlier(a.at, b.at);
   });
-  constexpr std::size_t kBatch = 64;
-  for (std::size_t i = 0; i < candidates.size() && candidates[i].lower <= limit(); i += kBatch)
-    compare(std::span(candidates).subspan(i, std::min(kBatch, candidates.size() - i)));
+  for (std::size_t i = 0; i < candidates.size() && candidates[i].lower <= limit(); i += kComparedTogether)
+    compare(std::span(candidates).subspan(i, std::min(kComparedTogether, candidates.size() - i)));
   choice.compared = static_cast<std::int64_t>(errors.size());
   std::erase_if(errors, [&](const auto& one) { return one.first > limit(); });
   std::ranges::sort(errors, [](const auto& a, const auto& b) { return earlier(a.second, b.second); });

@@ -13,10 +13,10 @@
 #include "dytex/quilting/overlap.hpp"
 #include "dytex/quilting/quilt.hpp"
 
-/// Which source block fits where. Inner header of quilting.
+/// Search for source blocks that fit. Inner header of quilting.
 namespace emberfold::dytex::detail {
 
-/// What a block has to fit.
+/// The surroundings that a block has to fit.
 struct BlockQuery {
   QuiltBlock block;
   std::vector<SourcePixel> there;  ///< for each pixel of the overlap, by runs
@@ -26,11 +26,11 @@ struct BlockQuery {
 
 class BlockSearch {
  public:
-  /// `least`, `most`: sizes of the blocks that will be asked for.
+  /// `least`, `most`: bounds of the sizes of blocks in queries.
   BlockSearch(std::span<const QuiltSource> sources, const QuiltOptions& options, cv::Size least,
               cv::Size most, const core::Context& context);
 
-  /// The choice for a block, drawn with a stream of its column and row.
+  /// Chooses a block, drawn with a stream of its column and row.
   [[nodiscard]] QuiltChoice choose(const BlockQuery& query) const;
   [[nodiscard]] Overlap overlap(const BlockQuery& query) const;
   [[nodiscard]] int components() const { return components_; }

@@ -73,7 +73,8 @@ Trajectories read_trajectories(core::FrameSource& source, ChunkMemory memory, co
   source.rewind();
   const auto expected = source.info().frames.value_or(0);
   context.report("read", 0);
-  while (!context.cancelled()) {
+  for (;;) {
+    context.check();
     const cv::Mat frame = source.next();
     if (frame.empty()) break;
     result.add(frame);

@@ -12,13 +12,14 @@
 
 namespace emberfold::dytex {
 
-/// Gives memory for chunk number `chunk`, `bytes` long; it stays valid as long as the trajectories live.
-/// Whoever maps a file hands out its parts.
+/// Gives memory for chunk number `chunk`, `bytes` long, that stays valid as long as the trajectories live. It
+/// may be part of a mapped file.
 using ChunkMemory = std::function<std::byte*(int chunk, std::size_t bytes)>;
 
-/// p(x, y, t) of a time-lapse so that the course of a pixel lies together: the frames in chunks, in a chunk
-/// pixel after pixel (row by row), in a pixel frame after frame, in a frame the channels. What the last
-/// chunk lacks is zero. Copies and comparisons of blocks over all of time run through it chunk by chunk.
+/// The pixels p(x, y, t) of a time-lapse, stored so that the course of a pixel lies together: the frames in
+/// chunks, in a chunk pixel after pixel (row by row), in a pixel frame after frame, in a frame the channels.
+/// The rest of the last chunk is zero. Copies and comparisons of blocks over all of time run through it chunk
+/// by chunk.
 class Trajectories {
  public:
   /// No frames yet; memory from the heap unless `memory` gives it. `chunk_frames`: at least 1, or 0 for
@@ -27,9 +28,9 @@ class Trajectories {
   Trajectories(Trajectories&&) = default;
   Trajectories& operator=(Trajectories&&) = default;
 
-  /// The next frame: of the size, channels and depth of info(), else InputError.
+  /// Adds the next frame: of the size, channels and depth of info(), else InputError.
   void add(const cv::Mat& frame);
-  /// After the last frame. InputError where there was none.
+  /// Ends the adding of frames. InputError where there was none.
   void finish();
 
   [[nodiscard]] const core::ClipInfo& info() const { return info_; }
@@ -38,11 +39,11 @@ class Trajectories {
   [[nodiscard]] int chunk_frames() const { return chunk_frames_; }
   [[nodiscard]] int chunks() const { return static_cast<int>(chunks_.size()); }
   [[nodiscard]] const std::byte* chunk(int index) const { return chunks_[static_cast<std::size_t>(index)]; }
-  /// Values of a pixel in a chunk: chunk_frames · channels.
+  /// Returns the values of a pixel in a chunk: chunk_frames · channels.
   [[nodiscard]] std::size_t course() const {
     return static_cast<std::size_t>(chunk_frames_) * static_cast<std::size_t>(info_.channels);
   }
-  /// Values of a pixel over all of time: d = frames · channels.
+  /// Returns the values of a pixel over all of time: d = frames · channels.
   [[nodiscard]] std::size_t dimension() const {
     return static_cast<std::size_t>(frames_) * static_cast<std::size_t>(info_.channels);
   }
@@ -61,13 +62,13 @@ class Trajectories {
   std::vector<std::vector<std::byte>> heap_;
 };
 
-/// The frames of one chunk, at most, in the order of a chunk; `out` holds course · pixels values.
+/// Packs at most a chunk's frames in the order of a chunk. `out` holds course · pixels values.
 void pack_chunk(const std::vector<cv::Mat>& frames, int chunk_frames, std::byte* out);
 
-/// How many frames a chunk of this size has: 16, fewer where frames are large (64 MB a chunk).
+/// Returns the number of frames in a chunk: 16, fewer where frames are large (64 MB a chunk).
 int chunk_length(const core::ClipInfo& info);
 
-/// All frames of a source, from its first. Where it is cancelled, what was read up to there.
+/// Reads all frames of a source, from its first.
 Trajectories read_trajectories(core::FrameSource& source, ChunkMemory memory = {},
                                const core::Context& context = {}, int chunk_frames = 0);
 

@@ -13,7 +13,7 @@ namespace emberfold::dytex::detail {
 
 constexpr Eigen::Index kBatch = 8;  ///< frames that one pass over C draws
 
-/// What eight frames are drawn from: mean + C · states.
+/// The input of eight frames: mean + C · states.
 struct Batch {
   const float* mean = nullptr;  ///< m
   const float* C = nullptr;     ///< m × n, column by column
@@ -29,11 +29,11 @@ struct Batch {
 /// count n).
 void draw_bytes(const Batch& batch, Eigen::Index first, Eigen::Index count,
                 const std::array<std::uint8_t*, kBatch>& frames, Isa isa);
-/// The same unrounded, into frames[i] (no offset).
+/// Draws these values unrounded, into frames[i] (no offset).
 void draw_levels(const Batch& batch, Eigen::Index first, Eigen::Index count,
                  const std::array<float*, kBatch>& frames, Isa isa);
 
-/// A level as an 8-bit value: to the nearest, ties to even, saturated; 0 for what is no number.
+/// Rounds a level to 8 bits: to the nearest, ties to even, saturated; 0 for a NaN.
 std::uint8_t byte_of(float level);
 
 }  // namespace emberfold::dytex::detail

@@ -3,8 +3,6 @@
 
 #include <string>
 
-#include <Eigen/LU>
-
 #include "core/error.hpp"
 #include "dytex/learning/decompositions.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
@@ -12,6 +10,8 @@
 namespace emberfold::dytex::detail {
 
 namespace {
+
+constexpr double kLeastVariance = 1e-13;  // of the largest; directions below it do not move
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -26,8 +26,8 @@ MatrixXd power(MatrixXd base, int exponent) {
   return result;
 }
 
-MatrixXd closing(const MatrixXd& once) {
-  return (MatrixXd::Identity(once.rows(), once.rows()) - once).partialPivLu().inverse();
+MatrixXd closing_matrix(const MatrixXd& once) {
+  return inverse(MatrixXd::Identity(once.rows(), once.rows()) - once);
 }
 
 MatrixXd square_root(const MatrixXd& positive) {
@@ -38,15 +38,14 @@ MatrixXd square_root(const MatrixXd& positive) {
 }  // namespace
 
 MatrixXd loop_covariance(const MatrixXd& A, const MatrixXd& P, int frames) {
-  const MatrixXd once = power(A, frames), close = closing(once);
+  const MatrixXd once = power(A, frames), close = closing_matrix(once);
   const MatrixXd result = close * (P - once * P * once.transpose()) * close.transpose();
   return (result + result.transpose()) / 2;
 }
 
 MatrixXd transport(const MatrixXd& from, const MatrixXd& to) {
-  constexpr double kRounding = 1e-13;
   const SymmetricEigen eigen = symmetric_eigen(from);
-  const Index rank = (eigen.values.array() > kRounding * eigen.values[0]).count();
+  const Index rank = (eigen.values.array() > kLeastVariance * eigen.values[0]).count();
   const auto U = eigen.vectors.leftCols(rank);
   const VectorXd scale = eigen.values.head(rank).cwiseSqrt();
   const MatrixXd F = U * scale.asDiagonal(), inverse = U * scale.cwiseInverse().asDiagonal();
@@ -60,7 +59,7 @@ MatrixXd loop_states(const MatrixXd& A, const MatrixXd& B, const MatrixXd& noise
   const MatrixXd driven = B * noise;
   VectorXd x = VectorXd::Zero(n);
   for (Index t = 0; t < frames; ++t) x = A * x + driven.col(t);
-  x = closing(power(A, static_cast<int>(frames))) * x;
+  x = closing_matrix(power(A, static_cast<int>(frames))) * x;
   for (Index t = 0; t < frames; ++t) {
     states.col(t) = x;
     x = A * x + driven.col(t);

@@ -5,18 +5,18 @@
 
 namespace emberfold::dytex::detail {
 
-/// The covariance of x on a circle of `frames` frames, x(t+1) = A x(t) + B v(t) with frame `frames` = frame
-/// 0: (I − A^L)⁻¹ (P − A^L P A^Lᵀ) (I − A^L)⁻ᵀ, the same in every frame. P: the stationary covariance. Of one
-/// real pole λ it is P (1 + λ^L)/(1 − λ^L).
+/// Returns the covariance of x on a circle of `frames` frames, x(t+1) = A x(t) + B v(t) with frame `frames` =
+/// frame 0: (I − A^L)⁻¹ (P − A^L P A^Lᵀ) (I − A^L)⁻ᵀ, the same in every frame. P: the stationary covariance.
+/// Of one real pole λ it is P (1 + λ^L)/(1 − λ^L).
 Eigen::MatrixXd loop_covariance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& P, int frames);
 
-/// States that repeat after as many frames as `noise` has columns, v(0) … v(L − 1): N × L. They are those of
-/// the circle, x(0) = (I − A^L)⁻¹ Σ A^(L−1−j) B v(j), times the symmetric matrix that brings their covariance
-/// back to P (in the directions that so much noise reaches): a short
-/// circle magnifies what lasts longer than it. O(L N²) + O(N³).
+/// Makes states that repeat after as many frames as `noise` has columns, v(0) … v(L − 1): N × L. They are the
+/// circle's, x(0) = (I − A^L)⁻¹ Σ A^(L−1−j) B v(j), times the symmetric matrix that brings their covariance
+/// back to P (in the directions that the noise reaches): a short circle
+/// magnifies modes that last longer than it. O(L N²) + O(N³).
 Eigen::MatrixXd loop_states(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& noise);
 
-/// The symmetric M ⪰ 0 with M from M = to, on the range of `from`; 0 across it. O(N³).
+/// Returns the symmetric M ⪰ 0 with M from M = to, on the range of `from`; 0 across it. O(N³).
 Eigen::MatrixXd transport(const Eigen::MatrixXd& from, const Eigen::MatrixXd& to);
 
 }  // namespace emberfold::dytex::detail

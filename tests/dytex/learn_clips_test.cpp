@@ -51,7 +51,7 @@ std::string complaint(const core::Clip& clip, const dytex::LearnOptions& options
 
 }  // namespace
 
-TEST_CASE("Several passes over bands give the same bytes as one pass", "[dytex][learn]") {
+TEST_CASE("Several passes over blocks give the same bytes as one pass", "[dytex][learn]") {
   for (const int depth : {CV_8U, CV_16U, CV_32F}) {
     const core::Clip clip = test::wavy_clip(200, 150, 1, depth, 40);  // 1.2 MB or more
     const dytex::LearnResult whole = learn(clip, components(6));
@@ -61,14 +61,14 @@ TEST_CASE("Several passes over bands give the same bytes as one pass", "[dytex][
       Teller source(clip, told);
       dytex::LearnOptions options = components(6);
       options.memory = std::size_t{1} << 20;
-      const dytex::LearnResult banded = dytex::learn(source, options);
-      CHECK(banded.passes > 1);
-      CHECK(banded.passes == source.rewinds);
+      const dytex::LearnResult in_blocks = dytex::learn(source, options);
+      CHECK(in_blocks.passes > 1);
+      CHECK(in_blocks.passes == source.rewinds);
       const auto bytes = static_cast<int>(CV_ELEM_SIZE1(depth)) * 200 * 150 * 40;
-      const int bands = (bytes + (1 << 20) - 1) >> 20;
+      const int blocks = (bytes + (1 << 20) - 1) >> 20;
       INFO("depth " << depth << ", told " << told.value_or(-1));
-      CHECK(banded.passes <= 2 * (bands + 1));
-      CHECK(test::same(banded.texture, whole.texture));
+      CHECK(in_blocks.passes <= 2 * (blocks + 1));
+      CHECK(test::same(in_blocks.texture, whole.texture));
     }
   }
 }
@@ -150,15 +150,15 @@ TEST_CASE("What cannot be learned is refused with one line", "[dytex][learn]") {
   CHECK(complaint(clip, components(200)) == "n is 200; a clip of 10 frames has at most 9 components");
   CHECK(complaint(clip, components(10)) == "n is 10; a clip of 10 frames has at most 9 components");
   CHECK(complaint(clip, components(9)).empty());
-  CHECK(complaint(clip, components(0)) == "components is 0, must be at least 1");
+  CHECK(complaint(clip, components(0)) == "LearnOptions.components is 0; allowed is at least 1");
   dytex::LearnOptions options;
   options.energy = 1.5;
-  CHECK(complaint(clip, options) == "energy is 1.5, allowed is above 0 to 1");
+  CHECK(complaint(clip, options) == "LearnOptions.energy is 1.5; allowed is above 0, up to 1");
   options.energy = std::numeric_limits<double>::quiet_NaN();
   CHECK_FALSE(complaint(clip, options).empty());
   options = components(3);
   options.memory = 1000;
-  CHECK(complaint(clip, options) == "memory is 1000 bytes, must be at least 1048576");
+  CHECK(complaint(clip, options) == "LearnOptions.memory is 1000; allowed is at least 1048576");
   CHECK(complaint(test::wavy_clip(8, 6, 1, CV_8U, 1), components(1)) ==
         "the clip has 1 frame, at least 2 are needed");
   core::Clip none = clip;
@@ -250,7 +250,7 @@ TEST_CASE("A grey clip has one channel however it is asked for", "[dytex][learn]
   CHECK(test::same(learn(clip, options).texture, joint));
 }
 
-TEST_CASE("Whatever is asked for gives the same bytes in bands and threads", "[dytex][learn]") {
+TEST_CASE("Whatever is asked for gives the same bytes in blocks and threads", "[dytex][learn]") {
   const core::Clip clip = test::wavy_clip(120, 80, 3, CV_16U, 60);
   for (int kind = 0; kind < 5; ++kind) {
     dytex::LearnOptions options = components(5);
@@ -263,14 +263,14 @@ TEST_CASE("Whatever is asked for gives the same bytes in bands and threads", "[d
     CHECK_NOTHROW(dytex::validate(whole));
     options.memory = std::size_t{1} << 20;
     const core::ThreadLimit limit(1);
-    const dytex::LearnResult banded = learn(clip, options);
-    CHECK(banded.passes > 2);
+    const dytex::LearnResult in_blocks = learn(clip, options);
+    CHECK(in_blocks.passes > 2);
     INFO(kind);
-    CHECK(test::same(banded.texture, whole));
+    CHECK(test::same(in_blocks.texture, whole));
   }
 }
 
-TEST_CASE("A clip that does not fit takes a pass for each band and one more", "[dytex][learn]") {
+TEST_CASE("A clip that does not fit takes a pass for each block and one more", "[dytex][learn]") {
   const core::Clip clip = test::wavy_clip(200, 150, 1, CV_8U, 80);  // 2.4 MB
   dytex::LearnOptions options = components(6);
   options.memory = std::size_t{1} << 20;
@@ -283,13 +283,13 @@ TEST_CASE("Options that do not go together are refused", "[dytex][learn]") {
   const core::Clip clip = test::wavy_clip(8, 6, 1, CV_8U, 10);
   dytex::LearnOptions options = components(2);
   options.lags = 0;
-  CHECK(complaint(clip, options) == "lags is 0, allowed is 1 to 16");
+  CHECK(complaint(clip, options) == "LearnOptions.lags is 0; allowed is 1 to 16");
   options.lags = 2;
   options.method = dytex::Method::n4sid;
-  CHECK(complaint(clip, options) == "lags is 2, must be 1 with n4sid and pem");
+  CHECK(complaint(clip, options) == "LearnOptions.lags is 2; allowed with n4sid and pem is 1");
   options.method = dytex::Method::closed_form;
   options.stable = dytex::Stable::soc;
-  CHECK(complaint(clip, options) == "lags is 2, must be 1 with soc");
+  CHECK(complaint(clip, options) == "LearnOptions.lags is 2; allowed with soc is 1");
 }
 
 TEST_CASE("Clips that stand still or change once are learned by every method", "[dytex][learn]") {

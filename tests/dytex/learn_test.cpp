@@ -7,13 +7,11 @@
 #include <complex>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
-
 #include "core/error.hpp"
 #include "dytex/learning/dynamics.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -39,7 +37,7 @@ Eigen::MatrixXd rotations() {
 }
 
 std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
-  const Eigen::VectorXcd values = matrix.eigenvalues();
+  const Eigen::VectorXcd values = test::eigenvalues(matrix);
   std::vector<std::complex<double>> result(values.begin(), values.end());
   std::sort(result.begin(), result.end(), [](auto a, auto b) { return std::arg(a) < std::arg(b); });
   return result;
@@ -67,8 +65,7 @@ TEST_CASE("A known system is found again", "[dytex][learn]") {
   const auto truth = eigenvalues(A), learned = eigenvalues(found.A);
   for (std::size_t i = 0; i < truth.size(); ++i) CHECK(std::abs(truth[i] - learned[i]) < 0.04);
   const Eigen::MatrixXd turn = found.C.cast<double>().transpose() * C;  // from the true states to the learned
-  const Eigen::JacobiSVD<Eigen::MatrixXd> angles(turn);
-  CHECK(angles.singularValues().minCoeff() > 0.999);
+  CHECK(test::singular_values(turn).minCoeff() > 0.999);
   const Eigen::MatrixXd Q = turn * strength.cwiseAbs2().asDiagonal() * turn.transpose();
   CHECK((found.B * found.B.transpose() - Q).norm() < 0.12 * Q.norm());
   CHECK_THAT(found.r, WithinRel(r, 0.01));  // 400 000 values: an SD of 0.22 %
@@ -94,13 +91,12 @@ TEST_CASE("What is learned fulfils the definitions", "[dytex][learn]") {
       const Eigen::MatrixXd Y = test::levels_of(clip);
       const Eigen::VectorXd mean = Y.rowwise().mean();
       const Eigen::MatrixXd centred = Y.colwise() - mean;
-      const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred, Eigen::ComputeThinU | Eigen::ComputeThinV);
+      const test::ThinSvd svd = test::thin_svd(centred);
       const Eigen::MatrixXd C = texture.C.cast<double>();
       CHECK((texture.mean.cast<double>() - mean).cwiseAbs().maxCoeff() < 2e-5);
-      CHECK((texture.singular - svd.singularValues()).head(59).norm() < 1e-8 * svd.singularValues()[0]);
+      CHECK((texture.singular - svd.s).head(59).norm() < 1e-8 * svd.s[0]);
       CHECK((C.transpose() * C - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-6);
-      CHECK((C * C.transpose() - svd.matrixU().leftCols(n) * svd.matrixU().leftCols(n).transpose()).norm() <
-            1e-4);
+      CHECK((C * C.transpose() - svd.U.leftCols(n) * svd.U.leftCols(n).transpose()).norm() < 1e-4);
       CHECK((texture.states - C.transpose() * centred).norm() < 1e-5 * texture.states.norm());
       const double left = (centred - C * texture.states).squaredNorm();
       const auto m = static_cast<double>(Y.rows());
@@ -109,7 +105,7 @@ TEST_CASE("What is learned fulfils the definitions", "[dytex][learn]") {
       REQUIRE(result.transition == dytex::Transition::least_squares);
       const Eigen::MatrixXd before = texture.states.leftCols(59), after = texture.states.rightCols(59);
       const Eigen::MatrixXd A =
-          (before * before.transpose()).ldlt().solve(before * after.transpose()).transpose();
+          test::solve_positive(before * before.transpose(), before * after.transpose()).transpose();
       CHECK((texture.A - A).norm() < 1e-9 * A.norm());
       const Eigen::MatrixXd E = after - A * before, Q = E * E.transpose() / 59;
       CHECK((texture.B * texture.B.transpose() - Q).norm() < 1e-9 * Q.norm());
@@ -177,15 +173,14 @@ TEST_CASE("Any states give a stable fit and Yule-Walker the data's variance", "[
     Eigen::MatrixXd walks = test::normals(frames, n, seed);
     for (Eigen::Index t = 1; t < frames; ++t) walks.row(t) += walks.row(t - 1);
     walks.rowwise() -= walks.colwise().mean().eval();
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(walks, Eigen::ComputeThinU);
-    const auto fit = dytex::detail::fit_dynamics({test::block(svd.singularValues(), svd.matrixU())}, {});
+    const test::ThinSvd svd = test::thin_svd(walks);
+    const auto fit = dytex::detail::fit_dynamics({test::block(svd.s, svd.U)}, {});
     REQUIRE(dytex::spectral_radius(fit.A) < 1);
     const bool yule_walker = fit.transition == dytex::Transition::yule_walker;
     CHECK(yule_walker == (fit.least_squares_radius >= 1 || fit.noiseless));
     if (!yule_walker) continue;
     ++unstable;
-    const Eigen::MatrixXd data =
-        (svd.singularValues().cwiseAbs2() / static_cast<double>(frames)).asDiagonal();
+    const Eigen::MatrixXd data = (svd.s.cwiseAbs2() / static_cast<double>(frames)).asDiagonal();
     CHECK((dytex::stationary_covariance(fit.A, fit.B) - data).norm() < 1e-8 * data.norm());
   }
   CHECK(unstable > 10);

@@ -5,8 +5,6 @@
 #include <array>
 #include <limits>
 
-#include <Eigen/LU>
-
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "dytex/learn.hpp"
@@ -14,6 +12,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -132,7 +131,7 @@ TEST_CASE("A clip may begin with a training frame", "[dytex][synthesize]") {
   for (const int none : {-1, 50}) {
     CHECK(test::message_of<core::InputError>([&] {
             dytex::Synthesis(texture, {.seed = 1, .first_frame = none});
-          }) == "first_frame is " + std::to_string(none) + ", allowed is 0 to 49");
+          }) == "first_frame is " + std::to_string(none) + "; allowed is 0 to 49");
   }
 }
 
@@ -240,7 +239,7 @@ TEST_CASE("A longer state goes on from what is expected beside the shown one", "
     power = (A * power).eval();
   }
   const Eigen::Matrix3d regression =
-      covariance.bottomLeftCorner(3, 3) * Eigen::Matrix3d(covariance.topLeftCorner(3, 3)).inverse();
+      covariance.bottomLeftCorner(3, 3) * test::inverse(covariance.topLeftCorner(3, 3));
   const Eigen::Vector3d shown(10, -20, 30);
   const Eigen::VectorXd expected = dytex::expected_state(texture, shown);
   CHECK(expected.head(3) == shown);

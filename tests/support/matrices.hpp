@@ -7,8 +7,6 @@
 #include <string>
 
 #include <Eigen/Core>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <opencv2/core.hpp>
 
 #include "core/clip.hpp"
@@ -18,87 +16,45 @@
 
 namespace emberfold::test {
 
-inline Eigen::MatrixXd normals(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed) {
-  core::Rng rng(seed);
-  Eigen::MatrixXd result(rows, columns);
-  for (double& x : result.reshaped()) x = rng.normal();
-  return result;
-}
+/// Returns a matrix of independent standard normal numbers, drawn column by column.
+Eigen::MatrixXd normals(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed);
 
-inline Eigen::MatrixXd orthonormal(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed) {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(normals(rows, columns, seed));
-  return qr.householderQ() * Eigen::MatrixXd::Identity(rows, columns);
-}
+/// Returns a matrix of orthonormal columns, those of a random matrix orthonormalised.
+Eigen::MatrixXd orthonormal(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed);
 
-/// A clip whose frames are the columns of `levels` (white = 255), converted to `depth`; channels together.
-inline core::Clip clip_of(const Eigen::MatrixXd& levels, int width, int height, int channels, int depth) {
-  const double white = depth == CV_8U ? 255 : depth == CV_16U ? 65535 : 1;
-  core::Clip clip{{width, height, channels, depth, 25, white, levels.cols()}, {}};
-  for (Eigen::Index t = 0; t < levels.cols(); ++t) {
-    const Eigen::VectorXd column = levels.col(t);
-    const cv::Mat frame(height, width, CV_MAKETYPE(CV_64F, channels), const_cast<double*>(column.data()));
-    clip.frames.emplace_back();
-    frame.convertTo(clip.frames.back(), depth, white / 255);
-  }
-  return clip;
-}
+/// Returns a clip whose frames are the columns of `levels` (white = 255), converted to `depth`. The channels
+/// of a pixel lie together.
+core::Clip clip_of(const Eigen::MatrixXd& levels, int width, int height, int channels, int depth);
 
-/// The frames as columns, white = 255.
-inline Eigen::MatrixXd levels_of(const core::Clip& clip) {
-  Eigen::MatrixXd result(clip.info.width * clip.info.height * clip.info.channels,
-                         static_cast<Eigen::Index>(clip.frames.size()));
-  for (std::size_t t = 0; t < clip.frames.size(); ++t) {
-    cv::Mat levels;
-    clip.frames[t].convertTo(levels, CV_64F, 255 / clip.info.white);
-    result.col(static_cast<Eigen::Index>(t)) =
-        Eigen::Map<const Eigen::VectorXd>(levels.ptr<double>(), result.rows());
-  }
-  return result;
-}
+/// Returns a clip's frames as columns, white = 255.
+Eigen::MatrixXd levels_of(const core::Clip& clip);
 
-/// Waves of random phase and grain: 128 ± 60.
-inline core::Clip wavy_clip(int width, int height, int channels, int depth, int frames,
-                            std::uint64_t seed = 1) {
-  const Eigen::Index m = Eigen::Index{width} * height * channels;
-  const Eigen::MatrixXd shapes = normals(m, 6, seed), grain = normals(m, frames, seed + 1);
-  Eigen::MatrixXd levels(m, frames);
-  for (int t = 0; t < frames; ++t) {
-    Eigen::VectorXd weights(6);
-    for (int k = 0; k < 3; ++k) {
-      weights[2 * k] = 12 / (1.0 + k) * std::cos(0.3 * (k + 1) * t);
-      weights[2 * k + 1] = 12 / (1.0 + k) * std::sin(0.3 * (k + 1) * t);
-    }
-    levels.col(t) = (shapes * weights + 3 * grain.col(t)).array() + 128;
-  }
-  return clip_of(levels, width, height, channels, depth);
-}
+/// Makes a clip of waves of random phase and grain: 128 ± 60.
+core::Clip wavy_clip(int width, int height, int channels, int depth, int frames, std::uint64_t seed = 1);
 
-/// All components in one block.
-inline dytex::detail::Block block(const Eigen::VectorXd& s, const Eigen::MatrixXd& V) {
-  dytex::detail::Block result{s, V, {}};
-  for (Eigen::Index i = 0; i < s.size(); ++i) result.places.push_back(i);
-  return result;
-}
+/// Puts all components in one block.
+dytex::detail::Block block(const Eigen::VectorXd& s, const Eigen::MatrixXd& V);
 
-/// The columns of `states` (n × τ) less their mean, as diag(s) Vᵀ up to a rotation: `turn` · states.
-struct Principal {
+/// Principal axes of states: diag(s) Vᵀ = `turn` · (states less their mean).
+struct PrincipalAxes {
   dytex::detail::Block block;
   Eigen::MatrixXd turn;
 };
-inline Principal principal(const Eigen::MatrixXd& states) {
-  const Eigen::MatrixXd centred = states.colwise() - states.rowwise().mean();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  return {block(svd.singularValues(), svd.matrixV()), svd.matrixU().transpose()};
-}
+/// Finds the principal axes of the columns of `states` (n × τ).
+PrincipalAxes principal_axes(const Eigen::MatrixXd& states);
 
-inline bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynamicTexture& b) {
-  const auto equal = [](const auto& x, const auto& y) {
-    return x.rows() == y.rows() && x.cols() == y.cols() && (x.array() == y.array()).all();
-  };
-  return a.info == b.info && a.r == b.r && equal(a.mean, b.mean) && equal(a.C, b.C) && equal(a.A, b.A) &&
-         equal(a.B, b.B) && equal(a.states, b.states) && equal(a.singular, b.singular) &&
-         equal(a.weights, b.weights) && equal(a.noise, b.noise) && equal(a.residuals, b.residuals) &&
-         equal(a.channels, b.channels);
+/// Tells whether two textures agree in every bit.
+bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynamicTexture& b);
+
+/// Returns the message of the Error that a call throws, empty where it throws none.
+template <class Error, class Call>
+std::string message(const Call& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
 }
 
 }  // namespace emberfold::test

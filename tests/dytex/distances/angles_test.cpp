@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
-
 #include "core/error.hpp"
 #include "dytex/distances/distances.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -27,8 +25,7 @@ Eigen::MatrixXd courses(const LinearDynamicTexture& texture, Eigen::Index frames
     all.middleRows(t * m, m) = part;
     part = (part * texture.A).eval();
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(all);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(all.rows(), all.cols());
+  return test::orthonormal_columns(all);
 }
 
 }  // namespace
@@ -39,8 +36,7 @@ TEST_CASE("Subspace angles are those of long courses", "[dytex][angles]") {
                              {made_texture(3, 2, 2, 5, 0.8, 4), made_texture(3, 2, 3, 6, 0.8)}}) {
     const Eigen::Index frames = 250;
     const Eigen::VectorXd cosines =
-        Eigen::JacobiSVD<Eigen::MatrixXd>(courses(p, frames).transpose() * courses(q, frames))
-            .singularValues();
+        test::singular_values(courses(p, frames).transpose() * courses(q, frames));
     const Eigen::VectorXd angles = dytex::subspace_angles(p, q);
     REQUIRE(angles.size() == cosines.size());
     for (Eigen::Index i = 0; i < angles.size(); ++i)

@@ -2,14 +2,13 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "core/error.hpp"
 #include "dytex/distances/distances.hpp"
 #include "dytex/learn.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -47,11 +46,11 @@ Gaussian dense(const LinearDynamicTexture& texture, Eigen::Index frames) {
 
 double dense_kl(const LinearDynamicTexture& p, const LinearDynamicTexture& q, Eigen::Index frames) {
   const Gaussian a = dense(p, frames), b = dense(q, frames);
-  const Eigen::LLT<Eigen::MatrixXd> root_a(a.covariance), root_b(b.covariance);
-  const auto log_det = [](const auto& root) { return 2 * root.matrixLLT().diagonal().array().log().sum(); };
   const Eigen::VectorXd away = a.mean - b.mean;
-  return 0.5 * (root_b.solve(a.covariance).trace() + away.dot(root_b.solve(away)) -
-                static_cast<double>(away.size()) + log_det(root_b) - log_det(root_a));
+  const Eigen::VectorXd weighted = test::solve_positive(b.covariance, away);
+  return 0.5 * (test::solve_positive(b.covariance, a.covariance).trace() + away.dot(weighted) -
+                static_cast<double>(away.size()) + test::log_determinant(b.covariance) -
+                test::log_determinant(a.covariance));
 }
 
 struct Case {
@@ -168,9 +167,7 @@ TEST_CASE("Growth stops when it is told to", "[dytex][kl]") {
     CHECK(stage == "growth");
     if (share >= 0.5) stop.request_stop();
   });
-  const Eigen::VectorXd part = dytex::kl_growth(p, q, 10, context);
-  REQUIRE(part.size() == 6);
-  CHECK(part == dytex::kl_growth(p, q, 10).head(6));
+  CHECK_THROWS_AS(dytex::kl_growth(p, q, 10, context), core::Cancelled);
 }
 
 TEST_CASE("What has no divergence is refused", "[dytex][kl]") {
@@ -198,5 +195,5 @@ TEST_CASE("What has no divergence is refused", "[dytex][kl]") {
   CHECK(refusal().starts_with("frames of 3×2 in grey and of 3×2 in colour"));
   for (const int length : {0, -1, 100'001})
     CHECK(test::message_of<core::InputError>([&] { dytex::kl_growth(p, p, length); }) ==
-          "length is " + std::to_string(length) + ", allowed is 1 to 100000");
+          "length is " + std::to_string(length) + "; allowed is 1 to 100000");
 }

@@ -2,20 +2,14 @@
 // Models whose poles and covariances are known, for the tests of edits.
 #pragma once
 
-#include <cmath>
-#include <numbers>
 #include <vector>
-
-#include <Eigen/LU>
 
 #include "tests/support/matrices.hpp"
 
 namespace emberfold::test {
 
 /// r times a turn by `phase`.
-inline Eigen::Matrix2d pair_block(double r, double phase) {
-  return r * Eigen::Matrix2d{{std::cos(phase), -std::sin(phase)}, {std::sin(phase), std::cos(phase)}};
-}
+Eigen::Matrix2d pair_block(double r, double phase);
 
 struct Pole {
   double modulus = 0;  ///< of a real pole with its sign
@@ -23,98 +17,29 @@ struct Pole {
 };
 
 /// The block-diagonal matrix with these poles.
-inline Eigen::MatrixXd diagonal_of(const std::vector<Pole>& poles) {
-  Eigen::Index size = 0;
-  for (const Pole& pole : poles) size += pole.phase < 0 ? 1 : 2;
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
-  Eigen::Index at = 0;
-  for (const Pole& pole : poles) {
-    if (pole.phase < 0) {
-      result(at, at) = pole.modulus;
-      ++at;
-    } else {
-      result.block<2, 2>(at, at) = pair_block(pole.modulus, pole.phase);
-      at += 2;
-    }
-  }
-  return result;
-}
+Eigen::MatrixXd diagonal_of(const std::vector<Pole>& poles);
 
 /// A well-conditioned change of basis that is not orthogonal.
-inline Eigen::MatrixXd basis(Eigen::Index n, std::uint64_t seed) {
-  return orthonormal(n, n, seed) * Eigen::VectorXd::LinSpaced(n, 1, 3).asDiagonal() *
-         orthonormal(n, n, seed + 1).transpose();
-}
+Eigen::MatrixXd basis(Eigen::Index n, std::uint64_t seed);
 
 /// A texture of 8 × 7 px with the given dynamics, all components shown.
-inline dytex::LinearDynamicTexture texture_of(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
-                                              Eigen::Index components = -1) {
-  const Eigen::Index n = components < 0 ? A.rows() : components, frames = 5;
-  dytex::LinearDynamicTexture texture;
-  texture.info = {8, 7, 1, CV_8U, 25, 255, frames};
-  texture.mean = Eigen::VectorXf::LinSpaced(56, 60, 200);
-  texture.C = orthonormal(56, n, 11).cast<float>();
-  texture.weights = Eigen::VectorXd::Ones(n);
-  texture.A = A;
-  texture.B = B;
-  texture.states = normals(A.rows(), frames, 12);
-  texture.singular = Eigen::VectorXd::LinSpaced(frames, 4, 0);
-  texture.r = 2;
-  return texture;
-}
+dytex::LinearDynamicTexture texture_of(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                                       Eigen::Index components = -1);
 
-inline dytex::LinearDynamicTexture texture_with(const std::vector<Pole>& poles, std::uint64_t seed = 1) {
-  const Eigen::MatrixXd D = diagonal_of(poles), S = basis(D.rows(), seed);
-  return texture_of(S * D * S.inverse(), normals(D.rows(), D.rows(), seed + 7));
-}
+dytex::LinearDynamicTexture texture_with(const std::vector<Pole>& poles, std::uint64_t seed = 1);
 
 /// n states, radius `radius`, k noises.
-inline dytex::LinearDynamicTexture random_texture(Eigen::Index n, double radius, std::uint64_t seed,
-                                                  Eigen::Index inputs = -1) {
-  Eigen::MatrixXd A = normals(n, n, seed);
-  A *= radius / dytex::spectral_radius(A);
-  return texture_of(A, normals(n, inputs < 0 ? n : inputs, seed + 100));
-}
+dytex::LinearDynamicTexture random_texture(Eigen::Index n, double radius, std::uint64_t seed,
+                                           Eigen::Index inputs = -1);
 
 /// A model per channel: `each` components of blue, green and red in turn, noise shared by all.
-inline dytex::LinearDynamicTexture channel_texture(Eigen::Index each, std::uint64_t seed = 1) {
-  const Eigen::Index n = 3 * each, pixels = 20;
-  dytex::LinearDynamicTexture texture;
-  texture.info = {5, 4, 3, CV_8U, 25, 255, 6};
-  texture.mean = Eigen::VectorXf::Constant(3 * pixels, 128);
-  texture.C = Eigen::MatrixXf::Zero(3 * pixels, n);
-  texture.weights = Eigen::VectorXd::Ones(n);
-  texture.A = Eigen::MatrixXd::Zero(n, n);
-  texture.B = normals(n, each + 1, seed);
-  texture.channels.resize(n);
-  for (int c = 0; c < 3; ++c) {
-    const Eigen::MatrixXd shapes = orthonormal(pixels, each, seed + static_cast<std::uint64_t>(c));
-    const Eigen::MatrixXd A = random_texture(each, 0.9, seed + 20 + static_cast<std::uint64_t>(c)).A;
-    for (Eigen::Index i = 0; i < each; ++i) {
-      texture.channels[3 * i + c] = c;
-      for (Eigen::Index p = 0; p < pixels; ++p)
-        texture.C(3 * p + c, 3 * i + c) = static_cast<float>(shapes(p, i));
-      for (Eigen::Index j = 0; j < each; ++j) texture.A(3 * i + c, 3 * j + c) = A(i, j);
-    }
-  }
-  texture.states = normals(n, 6, seed + 3);
-  texture.singular = Eigen::VectorXd::LinSpaced(18, 9, 0);
-  return texture;
-}
+dytex::LinearDynamicTexture channel_texture(Eigen::Index each, std::uint64_t seed = 1);
 
-inline Eigen::MatrixXd covariance(const dytex::LinearDynamicTexture& texture) {
-  return dytex::stationary_covariance(texture.A, texture.B);
-}
+Eigen::MatrixXd covariance(const dytex::LinearDynamicTexture& texture);
 
 /// Γ(k) = A^k P.
-inline Eigen::MatrixXd lag_covariance(const dytex::LinearDynamicTexture& texture, int k) {
-  Eigen::MatrixXd result = covariance(texture);
-  for (int i = 0; i < k; ++i) result = (texture.A * result).eval();
-  return result;
-}
+Eigen::MatrixXd lag_covariance(const dytex::LinearDynamicTexture& texture, int k);
 
-inline double apart(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  return (a - b).norm() / b.norm();
-}
+double apart(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
 }  // namespace emberfold::test

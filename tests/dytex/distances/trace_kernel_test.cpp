@@ -2,13 +2,12 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
-
 #include "core/error.hpp"
 #include "dytex/distances/distances.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -20,9 +19,8 @@ namespace {
 using dytex::LinearDynamicTexture;
 
 Eigen::MatrixXd root(const Eigen::MatrixXd& matrix) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-         solver.eigenvectors().transpose();
+  const test::SymmetricEigen eigen = test::symmetric_eigen(matrix);
+  return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
 }
 
 /// The noise in the states where a white image u drives the model's frames by the square root of their
@@ -90,7 +88,7 @@ TEST_CASE("A matrix of trace kernels has no negative eigenvalue", "[dytex][kerne
     for (Eigen::Index i = 0; i < kModels; ++i)
       for (Eigen::Index j = 0; j < kModels; ++j)
         gram(i, j) = dytex::binet_cauchy(model(i), model(j), {0.4, start});
-    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram).eigenvalues();
+    const Eigen::VectorXd values = test::symmetric_eigenvalues(gram);
     CHECK(values[0] > -1e-6 * values[kModels - 1]);
     CHECK(values[kModels - 1] > 0);
   }
@@ -104,5 +102,5 @@ TEST_CASE("The discount of the trace kernel is checked", "[dytex][kernel]") {
           }).ends_with("allowed is 0.001 to 50"));
   CHECK(test::message_of<core::InputError>([&] {
           dytex::distances(p, p, {0, false});
-        }) == "BinetCauchyOptions.discount is 0.000000, allowed is 0.001 to 50");
+        }) == "BinetCauchyOptions.discount is 0; allowed is 0.001 to 50");
 }

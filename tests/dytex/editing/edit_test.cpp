@@ -9,6 +9,7 @@
 #include "tests/dytex/distances/systems.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using namespace emberfold::dytex;
@@ -43,7 +44,7 @@ MatrixXd expected_speed(const std::vector<Pole>& poles, double factor) {
     pole.phase = std::fmod(factor * pole.phase + 4 * std::numbers::pi, 2 * std::numbers::pi);
   }
   const MatrixXd S = test::basis(n, 1);
-  return S * test::diagonal_of(changed) * S.inverse();
+  return S * test::diagonal_of(changed) * test::inverse(S);
 }
 
 double shown_variance(const LinearDynamicTexture& texture) {
@@ -173,7 +174,8 @@ TEST_CASE("Flow scales lifetimes with phases and keeps the sign of real poles", 
     }
     const MatrixXd S = test::basis(8, 1);
     const LinearDynamicTexture texture = test::texture_with(kPoles);
-    CHECK(apart(after(texture, {{Flow{factor}}}).A, S * test::diagonal_of(changed) * S.inverse()) < 1e-10);
+    CHECK(apart(after(texture, {{Flow{factor}}}).A, S * test::diagonal_of(changed) * test::inverse(S)) <
+          1e-10);
   }
 }
 
@@ -211,12 +213,12 @@ TEST_CASE("Nearly defective dynamics are turned as a whole", "[dytex][edit]") {
   MatrixXd D = MatrixXd::Zero(4, 4);
   D << one, Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Zero(), one;
   const MatrixXd S = test::basis(4, 5);
-  const LinearDynamicTexture texture = test::texture_of(S * D * S.inverse(), test::normals(4, 4, 2));
+  const LinearDynamicTexture texture = test::texture_of(S * D * test::inverse(S), test::normals(4, 4, 2));
   for (const double factor : {-2.0, 0.0, 0.5, 2.0, 4.0 / 3}) {
     const EditResult result = edited(texture, {{Speed{factor}}});
     MatrixXd turn = MatrixXd::Zero(4, 4);
     turn.topLeftCorner(2, 2) = turn.bottomRightCorner(2, 2) = test::pair_block(1, (factor - 1) * 0.7);
-    CHECK(apart(result.texture.A, S * D * turn * S.inverse()) < 1e-6);
+    CHECK(apart(result.texture.A, S * D * turn * test::inverse(S)) < 1e-6);
     REQUIRE(result.notes.size() == 1);
     CHECK(result.notes[0].starts_with("4 of the poles lie too close together"));
     if (factor != 0) CHECK(apart(after(result.texture, {{Speed{1 / factor}}}).A, texture.A) < 1e-6);
@@ -231,7 +233,7 @@ TEST_CASE("Real Jordan blocks stay as they are at any speed and have powers", "[
     MatrixXd D = pole * MatrixXd::Identity(3, 3);
     D(0, 1) = D(1, 2) = 0.5;
     const MatrixXd S = test::basis(3, 6);
-    const LinearDynamicTexture texture = test::texture_of(S * D * S.inverse(), test::normals(3, 3, 2));
+    const LinearDynamicTexture texture = test::texture_of(S * D * test::inverse(S), test::normals(3, 3, 2));
     for (const double factor : {-1.0, 0.5, 2.0})
       CHECK(apart(after(texture, {{Speed{factor}}}).A, texture.A) < 1e-4);
     const MatrixXd square = after(texture, {{Flow{2}}}).A, root = after(texture, {{Flow{0.5}}}).A;
@@ -248,7 +250,7 @@ TEST_CASE("Poles that are nearly equal do not blow the dynamics up", "[dytex][ed
     D.block<2, 2>(0, 2) = Eigen::Matrix2d{{1, 0.5}, {-0.3, 1}};
     D(4, 4) = 0.5;
     const MatrixXd S = test::basis(5, 7);
-    const LinearDynamicTexture texture = test::texture_of(S * D * S.inverse(), test::normals(5, 5, 2));
+    const LinearDynamicTexture texture = test::texture_of(S * D * test::inverse(S), test::normals(5, 5, 2));
     for (const double factor : {-1.0, 0.5, 2.0}) {
       const LinearDynamicTexture found = after(texture, {{Speed{factor}}});
       CHECK(found.A.norm() < 10 * texture.A.norm());
@@ -374,7 +376,7 @@ TEST_CASE("Presets do what the paper's text says of its figures", "[dytex][edit]
     went(found.weights[29], "fine");
   }
   CHECK(test::message_of<core::InputError>([] { preset("stormy"); }) ==
-        "preset is stormy, allowed is turbulent, hazy, patchy, rough-sea, lake, rain, spray, frothy, spurty");
+        "preset is stormy; allowed is turbulent, hazy, patchy, rough-sea, lake, rain, spray, frothy, spurty");
 }
 
 TEST_CASE("Edits out of range are refused by name and value", "[dytex][edit]") {
@@ -382,16 +384,16 @@ TEST_CASE("Edits out of range are refused by name and value", "[dytex][edit]") {
   const auto refused = [&](const Edit& one) {
     return test::message_of<core::InputError>([&] { edited(texture, {one}); });
   };
-  CHECK(refused({Speed{3.5}}) == "speed is 3.5, allowed is -3 to 3");
-  CHECK(refused({Speed{NAN}}) == "speed is nan, allowed is -3 to 3");
-  CHECK(refused({Flow{0}}) == "flow is 0, allowed is 0.01 to 100");
-  CHECK(refused({Intensity{-1}}) == "intensity is -1, allowed is 0 to 3");
-  CHECK(refused({Directions{{1, 4}}}) == "directions[1] is 4, allowed is 0 to 3");
+  CHECK(refused({Speed{3.5}}) == "speed is 3.5; allowed is -3 to 3");
+  CHECK(refused({Speed{NAN}}) == "speed is not finite; allowed is -3 to 3");
+  CHECK(refused({Flow{0}}) == "flow is 0; allowed is 0.01 to 100");
+  CHECK(refused({Intensity{-1}}) == "intensity is -1; allowed is 0 to 3");
+  CHECK(refused({Directions{{1, 4}}}) == "directions[1] is 4; allowed is 0 to 3");
   CHECK(refused({Directions{{1, 2, 3, 1}}}) == "directions has 4 numbers, Q has 3 eigenvalues");
-  CHECK(refused({Scales{1, -2, 1}}) == "medium is -2, allowed is 0 to 10");
+  CHECK(refused({Scales{1, -2, 1}}) == "medium is -2; allowed is 0 to 10");
   CHECK(refused({Weights{{}}}) == "weights is empty, must have at least one number");
   CHECK(refused({Weights{{1, 1, 1, 1}}}) == "weights has 4 numbers, there are 3 components");
-  CHECK(refused({Speed{2}, 3}) == "channel is 3, allowed is 0 to 2");
+  CHECK(refused({Speed{2}, 3}) == "channel is 3; allowed is 0 to 2");
   LinearDynamicTexture unstable = texture;
   unstable.A *= 2;
   CHECK_THROWS_AS(edited(unstable, {{Speed{2}}}), core::InputError);

@@ -106,7 +106,7 @@ TEST_CASE("What a forecast cannot take is named", "[dytex][forecast]") {
   const auto texture = known_texture(test::known_clip(48, 20, 2, 4), 8, 6);
   const dytex::StateGuess from{Eigen::VectorXd::Zero(4), Eigen::MatrixXd::Zero(4, 0)};
   const auto said = [](const auto& call) { return test::message_of<core::InputError>(call); };
-  CHECK(said([&] { dytex::forecast(texture, from, 0); }) == "forecast: steps is 0, allowed is 1 to 100000");
+  CHECK(said([&] { dytex::forecast(texture, from, 0); }) == "forecast: steps is 0; allowed is 1 to 100000");
   CHECK_THAT(said([&] {
                dytex::forecast(texture, {Eigen::VectorXd::Zero(3), Eigen::MatrixXd::Zero(3, 1)}, 2);
              }),
@@ -190,8 +190,8 @@ TEST_CASE("What the learning curve cannot take is named", "[dytex][forecast]") {
   CHECK_FALSE(said(options).empty());
   options = {};
   options.lengths = 1;
-  CHECK(said(options) == "lengths is 1, allowed is 2 to 1000");
+  CHECK(said(options) == "CurveOptions.lengths is 1; allowed is 2 to 1000");
   options = {};
   options.tolerance = 0;
-  CHECK(said(options) == "tolerance is 0, must be positive and finite");
+  CHECK(said(options) == "CurveOptions.tolerance is 0; allowed is above 0");
 }

@@ -179,8 +179,8 @@ TEST_CASE("A mask's bits are what its frames show", "[dytex][missing]") {
   CHECK_FALSE(missing.hidden(4, 2));
   CHECK(missing.hidden(0, 65));
   CHECK_FALSE(missing.hidden(0, 64));
-  CHECK(missing.gone(66));
-  CHECK(missing.whole(67));
+  CHECK(missing.all_hidden(66));
+  CHECK(missing.all_seen(67));
   CHECK(missing.count(65) == 1);
   CHECK(missing.groups()[2] == missing.groups()[3]);
   CHECK(missing.groups()[3] != missing.groups()[4]);

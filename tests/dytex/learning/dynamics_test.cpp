@@ -4,8 +4,6 @@
 
 #include <complex>
 
-#include <Eigen/Eigenvalues>
-
 #include "core/error.hpp"
 #include "dytex/learning/stable_fit.hpp"
 #include "dytex/model/innovations.hpp"
@@ -13,6 +11,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using namespace emberfold::dytex;
@@ -39,15 +38,6 @@ Eigen::MatrixXd course(const Eigen::MatrixXd& A, const Eigen::MatrixXd& drive) {
   return states;
 }
 
-/// Largest distance of an eigenvalue of `truth` from the nearest one of `found`.
-double eigenvalue_error(const Eigen::MatrixXd& found, const Eigen::MatrixXd& truth) {
-  const Eigen::VectorXcd values = found.eigenvalues();
-  double worst = 0;
-  for (const std::complex<double> z : truth.eigenvalues())
-    worst = std::max(worst, (values.array() - z).abs().minCoeff());
-  return worst;
-}
-
 LearnOptions with(Stable stable) {
   LearnOptions options;
   options.stable = stable;
@@ -69,7 +59,7 @@ double error_of(const detail::Block& block, const Eigen::MatrixXd& A) {
 /// Random walks in a short clip: least squares is often unstable.
 detail::Block walks(std::uint64_t seed) {
   const Eigen::Index n = 2 + static_cast<Eigen::Index>(seed % 5), frames = 4 * n + 4;
-  return test::principal(course(1.05 * Eigen::MatrixXd::Identity(n, n), test::normals(n, frames, seed)))
+  return test::principal_axes(course(1.05 * Eigen::MatrixXd::Identity(n, n), test::normals(n, frames, seed)))
       .block;
 }
 
@@ -111,7 +101,7 @@ TEST_CASE("The best stable fit errs less than Yule-Walker's", "[dytex][dynamics]
     const Eigen::MatrixXd X = block.s.asDiagonal() * block.V.transpose();
     const auto gaps = X.cols() - 1;
     const Eigen::MatrixXd least =
-        X.leftCols(gaps).transpose().colPivHouseholderQr().solve(X.rightCols(gaps).transpose()).transpose();
+        test::least_squares(X.leftCols(gaps).transpose(), X.rightCols(gaps).transpose()).transpose();
     const double best = error_of(block, least), soc_error = error_of(block, soc.A),
                  yule_walker_error = error_of(block, yule_walker.A);
     CHECK(soc_error >= best * (1 - 1e-9));
@@ -130,7 +120,7 @@ TEST_CASE("Two lags are found again and one lag is not enough", "[dytex][dynamic
   const Eigen::MatrixXd A2 = turning(0.8, {0.5, 1.3}), drive = test::normals(n, frames, 4);
   Eigen::MatrixXd states = drive;
   for (Eigen::Index t = 2; t < frames; ++t) states.col(t) += A2 * states.col(t - 2);
-  const test::Principal found = test::principal(states);
+  const test::PrincipalAxes found = test::principal_axes(states);
   LearnOptions options;
   options.lags = 2;
   const detail::Dynamics fit = detail::fit_dynamics({found.block}, options);
@@ -154,7 +144,8 @@ TEST_CASE("Yule-Walker with several lags is stable and keeps the covariances", "
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const Eigen::Index n = 2, frames = 16, lags = 2 + static_cast<Eigen::Index>(seed % 3);
     const detail::Block block =
-        test::principal(course(1.08 * Eigen::MatrixXd::Identity(n, n), test::normals(n, frames, seed))).block;
+        test::principal_axes(course(1.08 * Eigen::MatrixXd::Identity(n, n), test::normals(n, frames, seed)))
+            .block;
     LearnOptions options;
     options.lags = static_cast<int>(lags);
     const detail::Dynamics fit = detail::fit_dynamics({block}, options);
@@ -175,7 +166,7 @@ TEST_CASE("Yule-Walker with several lags is stable and keeps the covariances", "
 
 TEST_CASE("The slope of the prediction error is that of differences", "[dytex][dynamics]") {
   constexpr Eigen::Index n = 3;
-  const Eigen::MatrixXd V = test::principal(test::normals(n, 30, 1)).block.V;
+  const Eigen::MatrixXd V = test::principal_axes(test::normals(n, 30, 1)).block.V;
   Eigen::VectorXd at = 0.2 * test::normals(2 * n * n + n, 1, 2).col(0);
   const detail::PredictionError here = detail::prediction_error_at(V, at);
   for (Eigen::Index i = 0; i < at.size(); ++i) {
@@ -192,7 +183,7 @@ TEST_CASE("The slope of the prediction error is that of differences", "[dytex][d
   Eigen::VectorXd regression = Eigen::VectorXd::Zero(at.size());
   regression.segment(n * n, n * n) = A.reshaped();
   const Eigen::MatrixXd residual = V.bottomRows(29).transpose() - A * V.topRows(29).transpose();
-  const double value = std::log((residual * residual.transpose() / 29).determinant());
+  const double value = test::log_determinant(residual * residual.transpose() / 29);
   CHECK_THAT(detail::prediction_error_at(V, regression).value, WithinRel(value, 1e-9));
 }
 
@@ -203,15 +194,15 @@ TEST_CASE("Under noise in the coordinates innovations forms come nearer to the t
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const Eigen::MatrixXd states = course(A, test::normals(n, frames, 10 + seed)),
                           seen = states + 2 * test::normals(n, frames, 20 + seed);
-    const detail::Block block = test::principal(seen).block;
+    const detail::Block block = test::principal_axes(seen).block;
     const detail::Dynamics closed = detail::fit_dynamics({block}, {}),
                            n4sid = detail::fit_dynamics({block}, with(Method::n4sid)),
                            pem = detail::fit_dynamics({block}, with(Method::prediction_error));
     REQUIRE(n4sid.transition == Transition::n4sid);
     REQUIRE(pem.transition == Transition::prediction_error);
-    least_squares += eigenvalue_error(closed.A, A);
-    subspace += eigenvalue_error(n4sid.A, A);
-    prediction += eigenvalue_error(pem.A, A);
+    least_squares += test::eigenvalue_error(closed.A, A);
+    subspace += test::eigenvalue_error(n4sid.A, A);
+    prediction += test::eigenvalue_error(pem.A, A);
     for (const detail::Dynamics& fit : {n4sid, pem}) {
       REQUIRE(fit.A.rows() == 2 * n);
       CHECK(spectral_radius(fit.A) < 1);
@@ -242,9 +233,9 @@ TEST_CASE("Under noise in the coordinates innovations forms come nearer to the t
 
 TEST_CASE("Without noise in the coordinates all methods agree", "[dytex][dynamics]") {
   const Eigen::MatrixXd A = turning(0.9, {0.4, 1.1});
-  const detail::Block block = test::principal(course(A, test::normals(4, 3000, 7))).block;
+  const detail::Block block = test::principal_axes(course(A, test::normals(4, 3000, 7))).block;
   for (const Method method : {Method::closed_form, Method::n4sid, Method::prediction_error})
-    CHECK(eigenvalue_error(detail::fit_dynamics({block}, with(method)).A, A) < 0.03);
+    CHECK(test::eigenvalue_error(detail::fit_dynamics({block}, with(method)).A, A) < 0.03);
 }
 
 TEST_CASE("Resampled noise keeps the moments that normal noise loses", "[dytex][dynamics]") {
@@ -254,7 +245,7 @@ TEST_CASE("Resampled noise keeps the moments that normal noise loses", "[dytex][
   Eigen::MatrixXd drive(n, frames);
   for (Eigen::Index t = 0; t < frames; ++t)
     drive.col(t) << -std::log(1 - rng.uniform()) - 1, 0.5 * rng.normal();
-  const test::Principal found = test::principal(course(turning(0.6, {0.8}), drive));
+  const test::PrincipalAxes found = test::principal_axes(course(turning(0.6, {0.8}), drive));
   LearnOptions options;
   options.noise = Noise::resampled;
   const detail::Dynamics fit = detail::fit_dynamics({found.block}, options);
@@ -298,8 +289,9 @@ TEST_CASE("Resampled noise keeps the moments that normal noise loses", "[dytex][
 TEST_CASE("Blocks move by themselves and share the noise", "[dytex][dynamics]") {
   constexpr Eigen::Index frames = 800;
   const Eigen::MatrixXd drive = test::normals(2, frames, 1);
-  const test::Principal first = test::principal(course(turning(0.9, {0.5}), drive)),
-                        second = test::principal(course(turning(0.7, {1.5}), 0.3 * drive));  // the same noise
+  const test::PrincipalAxes first = test::principal_axes(course(turning(0.9, {0.5}), drive)),
+                            second = test::principal_axes(
+                                course(turning(0.7, {1.5}), 0.3 * drive));  // the same noise
   std::vector<detail::Block> blocks{first.block, second.block};
   blocks[0].places = {0, 2};
   blocks[1].places = {1, 3};
@@ -308,14 +300,14 @@ TEST_CASE("Blocks move by themselves and share the noise", "[dytex][dynamics]") 
   CHECK(fit.A(a, b).norm() == 0);
   CHECK(fit.A(b, a).norm() == 0);
   CHECK((fit.A(a, a) - detail::fit_dynamics({first.block}, {}).A).norm() < 1e-12);
-  CHECK(eigenvalue_error(fit.A(b, b), turning(0.7, {1.5})) < 0.05);
+  CHECK(test::eigenvalue_error(fit.A(b, b), turning(0.7, {1.5})) < 0.05);
   const Eigen::MatrixXd Q = fit.B * fit.B.transpose(),
                         shared = first.turn * (0.3 * Eigen::Matrix2d::Identity()) * second.turn.transpose();
   CHECK((Eigen::MatrixXd(Q(a, b)) - shared).norm() < 0.1 * shared.norm());
 }
 
 TEST_CASE("Clips too short for what is asked are refused", "[dytex][dynamics]") {
-  const detail::Block block = test::principal(test::normals(4, 16, 1)).block;
+  const detail::Block block = test::principal_axes(test::normals(4, 16, 1)).block;
   const auto complaint = [&](const LearnOptions& options) {
     return test::message_of<core::InputError>([&] { detail::fit_dynamics({block}, options); });
   };

@@ -2,13 +2,12 @@
 // How many components: against known ranks and against errors measured on pixels.
 #include "dytex/learning/model_order.hpp"
 
-#include <Eigen/LU>
-
 #include "core/error.hpp"
 #include "dytex/learn.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/matrices.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinRel;
@@ -47,9 +46,9 @@ TEST_CASE("Singular values above noise are counted", "[dytex][order]") {
     CHECK(learned(clip, dytex::Order::gavish_donoho).texture.components() == 6);
   }
   // Nothing but noise: the threshold for a square matrix is 4/√3 in units of √m σ, here near 2.86 medians.
-  const Eigen::JacobiSVD<Eigen::MatrixXd> noise(test::normals(80, 80, 1));
+  const Eigen::VectorXd noise = test::singular_values(test::normals(80, 80, 1));
   Eigen::VectorXd singular = Eigen::VectorXd::Zero(81);
-  singular.head(80) = noise.singularValues();
+  singular.head(80) = noise;
   CHECK(dytex::detail::gavish_donoho(singular, 80) == 0);
   singular[0] = 1.1 * 4 / std::sqrt(3.0) * std::sqrt(80.0);
   CHECK(dytex::detail::gavish_donoho(singular, 80) == 1);
@@ -63,12 +62,12 @@ TEST_CASE("Held-out errors are those measured on pixels", "[dytex][order]") {
   const auto errors = dytex::detail::held_out_errors(Y.transpose() * Y, 1, Y.rows());
   const Eigen::MatrixXd trained = Y.leftCols(40);
   const Eigen::MatrixXd centred = Y.colwise() - trained.rowwise().mean();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred.leftCols(40), Eigen::ComputeThinU);
+  const Eigen::MatrixXd U = test::thin_svd(centred.leftCols(40)).U;
   REQUIRE(errors.size() == 38);
   for (const int n : {1, 4, 6, 20, 38}) {
-    const Eigen::MatrixXd C = svd.matrixU().leftCols(n), states = C.transpose() * centred;
+    const Eigen::MatrixXd C = U.leftCols(n), states = C.transpose() * centred;
     const Eigen::MatrixXd before = states.leftCols(39), after = states.middleCols(1, 39);
-    const Eigen::MatrixXd A = after * before.transpose() * (before * before.transpose()).inverse();
+    const Eigen::MatrixXd A = after * before.transpose() * test::inverse(before * before.transpose());
     const Eigen::MatrixXd off = centred.rightCols(10) - C * (A * states.middleCols(39, 10));
     const auto& [order, error] = errors[static_cast<std::size_t>(n) - 1];
     CHECK(order == n);

@@ -9,7 +9,9 @@
 #include "dytex/measures/autocorrelation.hpp"
 #include "dytex/measures/flow_histograms.hpp"
 #include "dytex/measures/lbp_top.hpp"
+#include "dytex/measures/psnr.hpp"
 #include "dytex/measures/sharpness_si_ti.hpp"
+#include "dytex/measures/ssim.hpp"
 #include "tests/dytex/baselines/made_waves.hpp"
 #include "tests/support/catch.hpp"
 
@@ -119,7 +121,7 @@ TEST_CASE("distances of patterns are 0 for equals and symmetric and at most 1") 
 
 TEST_CASE("the distance of motions is how far motion must be changed") {
   const auto field = [](float x, float y) { return cv::Mat(10, 10, CV_32FC2, cv::Scalar(x, y)); };
-  FlowShares right, left, fast;
+  FlowHistograms right, left, fast;
   right.add(field(2, 0)), left.add(field(-2, 0)), fast.add(field(5, 0));
   CHECK(flow_distance(right, right) == 0);
   CHECK(flow_distance(right, left, FlowPart::x) == 4);
@@ -127,10 +129,10 @@ TEST_CASE("the distance of motions is how far motion must be changed") {
   CHECK(flow_distance(right, left) == 4);
   CHECK(flow_distance(right, fast) == 3);
   CHECK(flow_distance(fast, right) == 3);
-  FlowShares half = right;
+  FlowHistograms half = right;
   half.add(field(2, 1));
   CHECK_THAT(flow_distance(right, half, FlowPart::y), WithinAbs(0.5, 1e-12));
-  FlowShares wild;
+  FlowHistograms wild;
   wild.add(field(1e9F, std::numeric_limits<float>::quiet_NaN()));
   CHECK_THROWS_AS(flow_distance(wild, right), core::InputError);
 }
@@ -193,8 +195,8 @@ TEST_CASE("errors in decibels") {
   const cv::Mat a(4, 4, CV_32FC3, cv::Scalar(10, 20, 30)), b(4, 4, CV_32FC3, cv::Scalar(13, 20, 30));
   CHECK_THAT(mean_square_error(a, b), WithinAbs(3, 1e-12));
   CHECK_THAT(psnr(1), WithinAbs(48.1308, 1e-4));
-  CHECK(psnr(0) == kMostDecibel);
-  CHECK(psnr(1e-30) == kMostDecibel);
+  CHECK(psnr(0) == kMostPsnr);
+  CHECK(psnr(1e-30) == kMostPsnr);
 }
 
 TEST_CASE("spatial and temporal information are P.910's") {
@@ -232,7 +234,7 @@ TEST_CASE("the measures of frames refuse what they cannot measure") {
   patterns.add(luma);
   CHECK_THROWS_AS(patterns.add(wide), core::InputError);
   CHECK_THROWS_AS(patterns.add(bytes), core::InputError);
-  FlowShares flow;
+  FlowHistograms flow;
   CHECK_THROWS_AS(flow.add(luma), core::InputError);
   CHECK_THROWS_AS(chi_square_distance(Eigen::VectorXd::Ones(2), Eigen::VectorXd::Ones(3)), core::InputError);
 }

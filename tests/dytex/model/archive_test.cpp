@@ -134,7 +134,7 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
        [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0])"); }},
       {"model: \"component_channels\" is \"7\", must be a whole number from 0 to 2",
        [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0,0,0,7])"); }},
-      {"model: texture: channels has the value 1, allowed is 0 to 0",
+      {"model: texture: channels has the value 1; allowed is 0 to 0",
        [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0,0,0,1])"); }},
       {"model: model.json has no \"width\"", [](auto& a) { replace(a, "\"width\"", "\"breadth\""); }},
       {"model: \"width\" is \"65537\", must be a whole number from 1 to 65536",
@@ -145,7 +145,7 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
        [](auto& a) { replace(a, "\"height\": 7", "\"height\": 18446744073709551615"); }},
       {"model: \"height\" is \"7.5\", must be a whole number from 1 to 65536",
        [](auto& a) { replace(a, "\"height\": 7", "\"height\": 7.5"); }},
-      {"model: texture: channels is 2, allowed is 1 or 3",
+      {"model: texture: channels is 2; allowed is 1 or 3",
        [](auto& a) {
          replace(a, "\"channels\": 1", "\"channels\": 2");
          replace(a, "\"width\": 9", "\"width\": 9");

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <sstream>
 
-#include <Eigen/QR>
-
 #include "core/error.hpp"
 #include "dytex/learn.hpp"
+#include "dytex/measures/psnr.hpp"
 #include "dytex/model/archive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -87,7 +87,7 @@ TEST_CASE("Projection errors are those of every frame by itself", "[dytex][compr
       for (const Eigen::Index n : {0, 1, 4, 10}) {
         const Eigen::MatrixXd C = kept.C.leftCols(n).cast<double>();
         Eigen::MatrixXd left = away;
-        if (n > 0) left -= C * C.householderQr().solve(away);
+        if (n > 0) left -= C * test::least_squares(C, away);
         CHECK_THAT(errors[n], WithinRel(left.squaredNorm() / static_cast<double>(left.size()), 1e-3));
       }
       CHECK((errors.tail(10) - errors.head(10)).maxCoeff() <= 0);
@@ -103,7 +103,7 @@ TEST_CASE("The measured error is that of the drawn frames in 8 bits", "[dytex][c
   source.next();  // it is read from its beginning all the same
   const double measured = dytex::measured_error(texture, source);
   const Eigen::MatrixXd C = texture.C.cast<double>(), mean = texture.mean.cast<double>();
-  const Eigen::MatrixXd states = C.householderQr().solve(levels.colwise() - mean.col(0));
+  const Eigen::MatrixXd states = test::least_squares(C, levels.colwise() - mean.col(0));
   const Eigen::MatrixXd drawn =
       ((C * states).colwise() + mean.col(0)).array().max(0.0).min(255.0).round().matrix();
   CHECK_THAT(measured, WithinRel((drawn - levels).squaredNorm() / static_cast<double>(levels.size()), 1e-3));
@@ -144,7 +144,7 @@ TEST_CASE("A coarser model is smaller and a little worse", "[dytex][compress]") 
     CHECK(step < value * 24 * 18 * 3 + 8 * (64 + 30));
   }
   CHECK(test::message_of<core::InputError>([&] { dytex::stored_bytes(texture, 9, Precision::f32); }) ==
-        "components is 9, allowed is 0 to 8");
+        "components is 9; allowed is 0 to 8");
   CHECK_THAT(dytex::psnr(255.0 * 255.0 / 1000), WithinRel(30.0, 1e-12));
   CHECK(dytex::psnr(0) == 100);
 }

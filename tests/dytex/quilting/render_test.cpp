@@ -48,7 +48,7 @@ std::string refusal(const std::function<void()>& call) {
 }
 
 double shown(double time, int frames, BetweenFrames between, ClipEnds ends) {
-  const auto moment = dytex::moment_at(time, frames, between, ends);
+  const auto moment = dytex::frame_time(time, frames, between, ends);
   CHECK((moment.before >= 0 && moment.before < frames && moment.after >= 0 && moment.after < frames));
   CHECK((moment.weight >= 0 && moment.weight < 1));
   if (moment.weight == 0) CHECK(moment.before == moment.after);

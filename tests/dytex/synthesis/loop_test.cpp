@@ -8,6 +8,7 @@
 #include "tests/dytex/distances/systems.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinRel;
@@ -53,7 +54,7 @@ TEST_CASE("The covariance on a circle solves its equations", "[dytex][loop]") {
       system.block<3, 3>(3 * ((t + 1) % length), 3 * t) -= texture.A;
       input.block<3, 2>(3 * ((t + 1) % length), 2 * t) = texture.B;
     }
-    const MatrixXd G = system.inverse() * input;
+    const MatrixXd G = test::inverse(system) * input;
     const MatrixXd found = dytex::detail::loop_covariance(texture.A, P, length);
     for (int t = 0; t < length; ++t)
       CHECK(apart(found, G.middleRows(3 * t, 3) * G.middleRows(3 * t, 3).transpose()) < 1e-11);
@@ -119,7 +120,7 @@ TEST_CASE("Loops that cannot be are refused", "[dytex][loop]") {
   const auto refused = [&](const dytex::SynthesisOptions& options) {
     return test::message_of<core::InputError>([&] { dytex::Synthesis(texture, options); });
   };
-  CHECK(refused(loop_of(-1)) == "SynthesisOptions.loop is -1, allowed is 0 to 1000000");
+  CHECK(refused(loop_of(-1)) == "SynthesisOptions.loop is -1; allowed is 0 to 1000000");
   CHECK(refused({.seed = 1, .first_frame = 2, .loop = 5})
             .starts_with("SynthesisOptions.loop is 5, and a loop"));
   CHECK(refused({.seed = 1, .first_frame = 2, .from_mean = true}).starts_with("SynthesisOptions.from_mean"));
