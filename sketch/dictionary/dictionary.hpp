@@ -92,8 +92,7 @@ class DictionaryLearner {
   ///   Σ over clusters Nᵢ·(½ Σ ln λₖ + ½ (T − K)·ln σ² − ln share) + ½ ln(Nᵢ)·(K + 1)·(T + 1)
   /// λₖ being the variance of component k, σ² what is left for each other number (at least 10⁻⁴: what is
   /// sampled is not known better), K at most a quarter of Nᵢ: the likelihood of probabilistic PCA, and
-  /// Rissanen's cost of its parameters. The same bits at any thread count. A cancelled call gives the groups
-  /// that were finished.
+  /// Rissanen's cost of its parameters. The same bits at any thread count. Throws core::Cancelled.
   [[nodiscard]] Dictionary learn(const core::Context& context = {}) const;
 
   [[nodiscard]] std::size_t held() const;  ///< views in memory

@@ -124,8 +124,8 @@ std::vector<cv::Mat> heat_film(const cv::Mat& levels, const cv::Mat& mask,
               << "; they have to be in order, from 0 on";
       throw core::InputError(message.str());
     }
-    while (flow.steps() < due && !context.cancelled()) flow.advance(std::min(kBlock, due - flow.steps()));
-    if (context.cancelled()) break;
+    for (context.check(); flow.steps() < due; context.check())
+      flow.advance(std::min(kBlock, due - flow.steps()));
     film.push_back(flow.levels());
     context.report("diffusing", static_cast<double>(film.size()) / static_cast<double>(steps.size()));
   }

@@ -40,8 +40,8 @@ class HeatFlow {
   std::vector<float> now_, next_;  // with a border of one pixel
 };
 
-/// The frames of a film of the diffusion: the levels after each of `steps`, which must not decrease. What was
-/// made before a cancel is returned.
+/// The frames of a film of the diffusion: the levels after each of `steps`, which must not decrease. Throws
+/// core::Cancelled.
 std::vector<cv::Mat> heat_film(const cv::Mat& levels, const cv::Mat& mask,
                                std::span<const std::int64_t> steps, const core::Context& context = {});
 

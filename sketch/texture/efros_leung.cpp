@@ -98,7 +98,7 @@ class Grower {
   bool next(cv::Point& pixel) { return front_.next(pixel); }
   void draw(cv::Point pixel);
   void plant();
-  [[nodiscard]] EfrosLeungResult result() const { return {canvas_(inner_).clone(), source_.clone(), {}}; }
+  [[nodiscard]] EfrosLeungResult result() const { return {canvas_(inner_).clone(), source_.clone()}; }
 
  private:
   struct Candidate {
@@ -322,21 +322,15 @@ EfrosLeungResult efros_leung(const cv::Mat& start, const cv::Mat& observed, cons
   const int free = cv::countNonZero(regions.label);
   Grower grower(start, observed, regions, options);
   if (free == start.rows * start.cols) grower.plant();
-  auto status = core::Status::done;
   cv::Point pixel;
   for (int drawn = 0; grower.next(pixel); ++drawn) {
     if (drawn % kReportEvery == 0) {
-      if (context.cancelled()) {
-        status = core::Status::cancelled;
-        break;
-      }
+      context.check();
       context.report("efros-leung", double(drawn) / free);
     }
     grower.draw(pixel);
   }
-  auto result = grower.result();
-  result.status = status;
-  return result;
+  return grower.result();
 }
 
 }  // namespace emberfold::sketch

@@ -22,7 +22,6 @@ struct EfrosLeungOptions {
 struct EfrosLeungResult {
   cv::Mat levels;  ///< CV_32F, channels as given
   cv::Mat source;  ///< CV_32SC2: (x, y) of the observed pixel that a free one is a copy of, else (−1, −1)
-  core::Status status = core::Status::done;
 };
 
 /// Draws the free pixels (those with a label) one by one, outwards from the held ones, each as a copy of the
@@ -40,8 +39,7 @@ struct EfrosLeungResult {
 /// `start`: held pixels and the diffusion between them; `observed`: the frame. Both CV_32F, 1 or 3 channels,
 /// finite, of the labels' size; InputError otherwise. Held pixels come back bit for bit; with none held it
 /// grows from a copied patch in the middle. Random numbers depend on (seed, pixel). One thread; O(free pixels
-/// · candidates · window²) at most; progress as "efros-leung". After a cancel the pixels not reached are as
-/// in `start`.
+/// · candidates · window²) at most; progress as "efros-leung". Throws core::Cancelled.
 EfrosLeungResult efros_leung(const cv::Mat& start, const cv::Mat& observed, const TextureRegions& regions,
                              const EfrosLeungOptions& options = {}, const core::Context& context = {});
 

@@ -350,10 +350,7 @@ JuleszResult julesz(const cv::Mat& start, const TextureRegions& regions, const J
   JuleszResult result;
   result.before = sampler.distance();
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
-    if (context.cancelled()) {
-      result.status = core::Status::cancelled;
-      break;
-    }
+    context.check();
     const double way = options.sweeps > 1 ? double(sweep) / (options.sweeps - 1) : 1;
     sampler.sweep(options.seed, static_cast<std::uint32_t>(sweep),
                   options.hottest * std::pow(options.coldest / options.hottest, way));

@@ -22,7 +22,6 @@ struct JuleszResult {
   cv::Mat levels;     ///< CV_32F, channels as given
   double before = 0;  ///< histogram distance of the start from what is asked, 0…1: see histogram_distance
   double after = 0;   ///< of the result; both weighted with the parts' responses
-  core::Status status = core::Status::done;
 };
 
 /// Draws the free pixels (those of a part) anew such that in every part of a region the responses of the
@@ -39,8 +38,8 @@ struct JuleszResult {
 /// back bit for bit.
 ///
 /// Responses are whole numbers and are updated, never computed again: about 280 additions a proposal. Random
-/// numbers depend on (seed, sweep, pixel). One thread; progress as "julesz". A cancel ends it after a sweep,
-/// with what has been drawn. Zhu, Wu & Mumford 1998 (FRAME); Zhu, Liu & Wu 2000, "Exploring texture ensembles
+/// numbers depend on (seed, sweep, pixel). One thread; progress as "julesz". Throws
+/// core::Cancelled between sweeps. Zhu, Wu & Mumford 1998 (FRAME); Zhu, Liu & Wu 2000, "Exploring texture ensembles
 /// by efficient Markov chain Monte Carlo".
 JuleszResult julesz(const cv::Mat& start, const TextureRegions& regions, const JuleszOptions& options = {},
                     const core::Context& context = {});

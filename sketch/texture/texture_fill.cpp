@@ -67,13 +67,11 @@ GroundResult fill_ground(const cv::Mat& observed, const Sketchable& drawn, const
     auto sample = julesz(result.levels, regions, own, context);
     result.levels = std::move(sample.levels);
     result.histogram_distance = sample.after;
-    result.status = sample.status;
   } else {
     EfrosLeungOptions own = options.efros_leung;
     own.seed = options.seed;
     auto grown = efros_leung(result.levels, observed, regions, own, context);
     result.levels = std::move(grown.levels);
-    result.status = grown.status;
   }
   return result;
 }

@@ -36,13 +36,12 @@ struct GroundResult {
   bool converged = true;          ///< the diffusion, which is the begin of all
   int regions = 0;                ///< textures found; 0 with the diffusion
   double histogram_distance = 0;  ///< of the result from the observed frame, 0…1; only with julesz
-  core::Status status = core::Status::done;
 };
 
 /// Draws what lies between the patches. `observed`: the frame, CV_32F, 1 or 3 channels, finite: the textures'
 /// source; the diffusion only takes its mean where nothing is drawn. `drawn`: of the same size and type; its
 /// pixels come back bit for bit. InputError otherwise. Anchors belong into `drawn` too: see with_anchors.
-/// After a cancel the levels are valid, and as far as they had come.
+/// Throws core::Cancelled.
 GroundResult fill_ground(const cv::Mat& observed, const Sketchable& drawn, const GroundOptions& options = {},
                          const core::Context& context = {});
 

@@ -146,7 +146,7 @@ TEST_CASE("A film of heat is the flow at its times", "[sketch][heat]") {
   }
   std::stop_source stop;
   stop.request_stop();
-  CHECK(sketch::heat_film(levels, mask, steps, core::Context(stop.get_token())).empty());
+  CHECK_THROWS_AS(sketch::heat_film(levels, mask, steps, core::Context(stop.get_token())), core::Cancelled);
 }
 
 TEST_CASE("Heat on odd frames and on bad input", "[sketch][heat]") {

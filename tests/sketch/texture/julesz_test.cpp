@@ -172,11 +172,8 @@ TEST_CASE("Julesz can be stopped and tells how far it is", "[sketch][julesz]") {
     told = share;
     if (share >= 0.5) stop.request_stop();
   });
-  const auto result = sketch::julesz(s.start, s.regions, {.sweeps = 8}, context);
-  CHECK(result.status == core::Status::cancelled);
+  CHECK_THROWS_AS(sketch::julesz(s.start, s.regions, {.sweeps = 8}, context), core::Cancelled);
   CHECK_THAT(told, WithinAbs(0.5, 1e-12));
-  CHECK(same_where_held(result.levels, s.frame, s.mask));
-  CHECK(result.after < result.before);
 }
 
 TEST_CASE("Julesz rejects what is none", "[sketch][julesz]") {
