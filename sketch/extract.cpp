@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <string>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -12,6 +11,7 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "core/math/robust.hpp"
+#include "core/text/check_range.hpp"
 #include "sketch/detection/colour.hpp"
 #include "sketch/detection/contrast_gaps.hpp"
 #include "sketch/detection/creases.hpp"
@@ -31,12 +31,6 @@
 namespace emberfold::sketch {
 
 namespace {
-
-void require(bool holds, const char* field, double value, const char* allowed) {
-  if (!holds)
-    throw core::InputError(std::string("ExtractOptions::") + field + " is " + std::to_string(value) +
-                           ", must be " + allowed);
-}
 
 constexpr double kVisible = 1;  // grey level: what differs by less looks the same
 
@@ -63,19 +57,19 @@ void add_colour(ScaleSpace& space, NoiseLevels& ground, const cv::Mat& levels,
 }  // namespace
 
 void ExtractOptions::validate() const {
-  require(finest_scale >= 0.7 && finest_scale <= 20, "finest_scale", finest_scale, "in [0.7, 20] px");
-  require(scales >= 1 && scales <= 12, "scales", scales, "in 1…12");
-  require(significance > 0 && std::isfinite(significance), "significance", significance, "positive");
-  require(hysteresis > 0 && hysteresis <= 1, "hysteresis", hysteresis, "in (0, 1]");
-  require(min_contrast >= 0 && std::isfinite(min_contrast), "min_contrast", min_contrast, "at least 0");
-  require(min_length >= 0 && std::isfinite(min_length), "min_length", min_length, "at least 0");
-  require(min_evidence >= 0 && std::isfinite(min_evidence), "min_evidence", min_evidence, "at least 0");
-  require(spacing >= 2 && spacing <= 100, "spacing", spacing, "in [2, 100] px");
-  require(budget >= 0 && budget <= 1, "budget", budget, "in [0, 1]");
+  core::check_range("ExtractOptions.finest_scale", finest_scale, 0.7, 20);
+  core::check_range("ExtractOptions.scales", scales, 1, 12);
+  core::check_above("ExtractOptions.significance", significance, 0);
+  core::check_above("ExtractOptions.hysteresis", hysteresis, 0, 1);
+  core::check_at_least("ExtractOptions.min_contrast", min_contrast, 0);
+  core::check_at_least("ExtractOptions.min_length", min_length, 0);
+  core::check_at_least("ExtractOptions.min_evidence", min_evidence, 0);
+  core::check_range("ExtractOptions.spacing", spacing, 2, 100);
+  core::check_range("ExtractOptions.budget", budget, 0, 1);
 }
 
 double estimate_noise(const cv::Mat& luma) {
-  constexpr double kQuantisation = 0.29, kMedianToSd = 1.4826;
+  constexpr double kQuantisation = 0.29;
   if (luma.cols < 2 || luma.rows < 2) return kQuantisation;
   std::vector<float> detail;
   detail.reserve(static_cast<std::size_t>(luma.total() / 4));
@@ -85,7 +79,7 @@ double estimate_noise(const cv::Mat& luma) {
     for (int x = 0; x + 1 < luma.cols; x += 2)
       detail.push_back(std::abs(0.5F * (upper[x] - upper[x + 1] - lower[x] + lower[x + 1])));
   }
-  return std::max(kQuantisation, kMedianToSd * double{core::median_of_positive(std::move(detail))});
+  return std::max(kQuantisation, core::kMadToSd * double{core::median_of_positive(std::move(detail))});
 }
 
 namespace {

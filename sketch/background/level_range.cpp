@@ -14,17 +14,14 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
+#include "core/math/cell_grid.hpp"
+#include "core/math/luma.hpp"
 #include "core/model_arrays.hpp"
 #include "sketch/rendering/curve_bands.hpp"
 
 namespace emberfold::sketch {
 
 namespace {
-
-cv::Size cells(cv::Size frame) {
-  return {(frame.width + kLevelRangeCell - 1) / kLevelRangeCell,
-          (frame.height + kLevelRangeCell - 1) / kLevelRangeCell};
-}
 
 /// The least or the greatest value about each cell, in its north-western pixel: within a cell's length of its
 /// middle, so that what lies between two middles counts for both.
@@ -59,7 +56,7 @@ double at(const cv::Mat& values, graph::Point place, int channel) {
 }
 
 double luma(const graph::Level& level) {
-  return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+  return core::luma(double{level[0]}, double{level[1]}, double{level[2]});
 }
 
 double kept(double level, const LevelRange& seen, graph::Point place, int channel) {
@@ -96,11 +93,9 @@ void keep_within(graph::Patch& patch, const LevelRange& seen) {
 }  // namespace
 
 LevelRange measure_level_range(const cv::Mat& levels) {
-  const cv::Size size = cells(levels.size());
-  cv::Mat bytes, whole;
+  cv::Mat bytes;
   levels.convertTo(bytes, CV_8U);
-  cv::copyMakeBorder(bytes, whole, 0, size.height * kLevelRangeCell - levels.rows, 0,
-                     size.width * kLevelRangeCell - levels.cols, cv::BORDER_REPLICATE);
+  const cv::Mat whole = core::pad_to_cells(bytes, kLevelRangeCell);
   return {extreme(whole, true), extreme(whole, false)};
 }
 
@@ -130,8 +125,9 @@ void add_level_range(core::ModelArchive& archive, const LevelRange& seen) {
 LevelRange read_level_range(const core::ModelArchive& archive, cv::Size frame) {
   if (!archive.arrays.contains("seen_low") && !archive.arrays.contains("seen_high")) return {};
   const int channels = core::channels_of(archive, "seen_low");
-  const LevelRange seen{core::read_bytes(archive, "seen_low", cells(frame), channels),
-                        core::read_bytes(archive, "seen_high", cells(frame), channels)};
+  const cv::Size cells = core::count_cells(frame, kLevelRangeCell);
+  const LevelRange seen{core::read_bytes(archive, "seen_low", cells, channels),
+                        core::read_bytes(archive, "seen_high", cells, channels)};
   for (std::size_t i = 0; i < seen.low.total() * seen.low.elemSize(); ++i)
     if (seen.low.data[i] > seen.high.data[i])
       throw core::IoError("motion model: seen_low.npy lies above seen_high.npy in a cell");

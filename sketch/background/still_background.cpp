@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/clip.hpp"
+#include "core/math/cell_grid.hpp"
 #include "core/model_arrays.hpp"
-#include "sketch/background/background_cells.hpp"
 
 namespace emberfold::sketch {
 
@@ -26,9 +26,8 @@ cv::Mat spread_out(const Background& ground, cv::Size frame) {
   cv::Mat weight, weights, levels;
   ground.still.convertTo(weight, CV_32F, 1 / 255.0);
   cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(ground.levels.channels()), weight), weights);
-  const cv::Size whole(ground.levels.cols * kBackgroundCell, ground.levels.rows * kBackgroundCell);
-  cv::resize(ground.levels.mul(weights), levels, whole, 0, 0, cv::INTER_LINEAR);
-  cv::resize(weights, weights, whole, 0, 0, cv::INTER_LINEAR);
+  levels = core::spread_cells(ground.levels.mul(weights), kBackgroundCell);
+  weights = core::spread_cells(weights, kBackgroundCell);
   levels /= cv::max(weights, 1e-3);
   return levels(cv::Rect({0, 0}, frame)).clone();
 }
@@ -74,8 +73,8 @@ cv::Mat with_channels(const cv::Mat& levels, int channels) {
 }  // namespace
 
 FrameBackground measure_background(const cv::Mat& levels, const graph::AttributeGraph& graph) {
-  const cv::Size size = background_cells(levels.size());
-  FrameBackground ground{cell_means(levels), cv::Mat(size, CV_8U, cv::Scalar(255)),
+  const cv::Size size = core::count_cells(levels.size(), kBackgroundCell);
+  FrameBackground ground{core::cell_means(levels, kBackgroundCell), cv::Mat(size, CV_8U, cv::Scalar(255)),
                          measure_level_range(levels)};
   const auto cell = [](double at, int count) {
     return std::clamp(static_cast<int>(std::floor((at + 0.5) / kBackgroundCell)), 0, count - 1);
@@ -126,9 +125,7 @@ BackgroundImage background_image(const Background& ground, cv::Size frame, int c
   const bool fixed = !ground.backdrop.empty();
   if (ground.empty() || (!fixed && cv::countNonZero(ground.still) == 0)) return {};
   const Background fitting{with_channels(ground.levels, channels), ground.still};
-  cv::Mat still;
-  cv::resize(ground.still, still, {ground.still.cols * kBackgroundCell, ground.still.rows * kBackgroundCell},
-             0, 0, cv::INTER_NEAREST);
+  const cv::Mat still = core::spread_cells(ground.still, kBackgroundCell, cv::INTER_NEAREST);
   BackgroundImage whole{spread_out(fitting, frame), still(cv::Rect({0, 0}, frame)).clone()};
   if (fixed) {
     cv::Mat levels;
@@ -187,8 +184,8 @@ void add_background(core::ModelArchive& archive, const Background& ground) {
 Background read_background(const core::ModelArchive& archive, cv::Size frame) {
   if (!archive.arrays.contains("ground") && !archive.arrays.contains("ground_still")) return {};
   Background ground{
-      core::read_floats(archive, "ground", background_cells(frame), core::channels_of(archive, "ground")),
-      core::read_bytes(archive, "ground_still", background_cells(frame), 1)};
+      core::read_floats(archive, "ground", core::count_cells(frame, kBackgroundCell), core::channels_of(archive, "ground")),
+      core::read_bytes(archive, "ground_still", core::count_cells(frame, kBackgroundCell), 1)};
   ground.still = ground.still != 0;
   ground.seen = read_level_range(archive, frame);
   ground.backdrop = read_static_pixels(archive, frame);

@@ -6,12 +6,17 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/math/luma.hpp"
+
 namespace emberfold::sketch {
 
 /// Weights of blue, green and red: luma (Rec. 601), red − green, blue − yellow, the latter two scaled so that
 /// white noise is as strong in all.
+inline constexpr std::array<float, 3> kLumaAxis = {static_cast<float>(core::kLumaWeights[0]),
+                                                   static_cast<float>(core::kLumaWeights[1]),
+                                                   static_cast<float>(core::kLumaWeights[2])};
 inline constexpr std::array<std::array<float, 3>, 3> kColourAxes = {
-    {{0.114F, 0.587F, 0.299F}, {0, -0.4726F, 0.4726F}, {0.5457F, -0.27285F, -0.27285F}}};
+    {kLumaAxis, {0, -0.4726F, 0.4726F}, {0.5457F, -0.27285F, -0.27285F}}};
 
 inline const std::array<float, 3>& axis_of(int channel) {
   return kColourAxes[static_cast<std::size_t>(channel)];

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/math/bilinear.hpp"
+#include "core/math/robust.hpp"
+
 namespace emberfold::sketch {
 
 using graph::Point;
@@ -71,13 +74,7 @@ struct Showing {
 };
 
 double level_at(const cv::Mat1f& frame, Point p) {
-  const double x = std::clamp(p.x, 0.0, frame.cols - 1.0), y = std::clamp(p.y, 0.0, frame.rows - 1.0);
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, frame.cols - 1), y1 = std::min(y0 + 1, frame.rows - 1);
-  const double fx = x - x0, fy = y - y0;
-  const float *up = frame[y0], *down = frame[y1];
-  return (1 - fy) * ((1 - fx) * double{up[x0]} + fx * double{up[x1]}) +
-         fy * ((1 - fx) * double{down[x0]} + fx * double{down[x1]});
+  return core::between_pixels(frame, p.x, p.y);
 }
 
 // What noise and texture make of a contrast from one point to the next.
@@ -86,9 +83,7 @@ double roughness(const std::vector<double>& values) {
   for (std::size_t i = 1; i + 1 < values.size(); ++i)
     bends.push_back(std::abs(values[i - 1] - 2 * values[i] + values[i + 1]));
   if (bends.empty()) return 0;
-  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-  std::nth_element(bends.begin(), middle, bends.end());
-  return 1.4826 * *middle / std::sqrt(6.0);
+  return core::kMadToSd * core::median(std::move(bends)) / std::sqrt(6.0);
 }
 
 Showing showing(const Chain& chain, const cv::Mat1f& frame, double sigma, double noise) {
@@ -124,9 +119,7 @@ double usual(const std::vector<double>& values, std::size_t first, std::size_t l
              std::vector<double>& scratch) {
   const auto from = values.begin();
   scratch.assign(from + static_cast<std::ptrdiff_t>(first), from + static_cast<std::ptrdiff_t>(last));
-  const auto rank = scratch.begin() + static_cast<std::ptrdiff_t>(7 * scratch.size() / 10);
-  std::nth_element(scratch.begin(), rank, scratch.end());
-  return *rank;
+  return core::order_statistic(scratch, 7 * scratch.size() / 10);
 }
 
 /// A part of a curve about a place, as far as that tells what is usual there.

@@ -356,7 +356,6 @@ cv::Mat1i no_points(cv::Size frame) {
 }
 
 NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
-  constexpr double kMedianToSd = 1.4826;
   NoiseLevels ground;
   for (const ScaleLevel& level : space) {
     const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
@@ -378,9 +377,9 @@ NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
       }
     }
     ground.second.push_back(
-        std::max(noise * level.hessian_sd, kMedianToSd * double{core::median_of_positive(std::move(second))}));
+        std::max(noise * level.hessian_sd, core::kMadToSd * double{core::median_of_positive(std::move(second))}));
     ground.first.push_back(
-        std::max(noise * level.gradient_sd, kMedianToSd * double{core::median_of_positive(std::move(first))}));
+        std::max(noise * level.gradient_sd, core::kMadToSd * double{core::median_of_positive(std::move(first))}));
   }
   return ground;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/math/fast_round.hpp"
+#include "core/math/robust.hpp"
 #include "sketch/detection/by_strength.hpp"
 
 namespace emberfold::sketch {
@@ -194,9 +195,7 @@ std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& 
   }
   const auto most = std::max_element(count.begin(), count.end()) - count.begin();
   std::erase_if(levels, [&](int level) { return channel_of(level) != most; });
-  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
-  std::nth_element(levels.begin(), middle, levels.end());
-  return static_cast<std::size_t>(*middle);
+  return static_cast<std::size_t>(core::median(std::move(levels)));
 }
 
 std::vector<Chain> link(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits) {

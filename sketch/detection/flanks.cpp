@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/math/robust.hpp"
 #include "sketch/patches/patch_types.hpp"
 
 namespace emberfold::sketch {
@@ -82,9 +83,7 @@ class Cells {
 double median_width(const AttributeGraph& graph, const Curve& curve) {
   std::vector<double> widths;
   for (const auto v : curve) widths.push_back(width(graph.patch(v)));
-  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-  std::ranges::nth_element(widths, middle);
-  return *middle;
+  return core::median(std::move(widths));
 }
 
 /// Whether `patch`, of a curve of this width, may be a flank of the line `other`.

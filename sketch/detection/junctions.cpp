@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/math/robust.hpp"
 #include "sketch/detection/creaseness.hpp"
 
 namespace emberfold::sketch {
@@ -109,12 +110,7 @@ std::pair<double, double> half_showing(const Chain& chain, bool back, const Scal
     halves.push_back(0.5 * (here + aside));
     grounds.push_back(aside);
   }
-  const auto median_of = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  return {median_of(halves), median_of(grounds)};
+  return {core::median(std::move(halves)), core::median(std::move(grounds))};
 }
 
 struct Bridge {

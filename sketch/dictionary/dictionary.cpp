@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/luma.hpp"
 #include "sketch/dictionary/patch_views.hpp"
 #include "sketch/refinement/coding_length.hpp"
 #include "sketch/rendering/curve_bands.hpp"
@@ -72,7 +73,7 @@ bool in_order(const Entry& a, const Entry& b) {
 }
 
 double luma_of(const graph::Level& level) {
-  return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+  return core::luma(double{level[0]}, double{level[1]}, double{level[2]});
 }
 
 /// RMS of what the patch's own profile leaves of its view.

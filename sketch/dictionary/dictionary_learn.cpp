@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/kmeans.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "sketch/dictionary/dictionary.hpp"
@@ -19,6 +20,7 @@ namespace {
 constexpr std::size_t kMostProfiles = 4096, kMostWindows = 1536;  // held of a group
 constexpr double kEven = 0.5;                                     // grey levels, RMS: below, nothing is seen
 constexpr int kStarts = 3, kRounds = 25;
+constexpr double kLeastGain = 1e-6;  // of the squares: a round that gains less is the last
 constexpr std::size_t kLeastMembers = 8;  // of a cluster, if there are several
 constexpr std::size_t kLeastForEach = 4;  // members for each component
 constexpr double kLeastVariance = 1e-4;   // of what has an RMS of 1
@@ -40,67 +42,20 @@ Vector normalised(const Vector& view) {
   return result;
 }
 
-float squared_distance(const Vector& a, const Vector& b) {
-  // Eight sums side by side, for vectors.
-  std::array<float, 8> sums{};
-  std::size_t i = 0;
-  for (; i + 8 <= a.size(); i += 8)
-    for (std::size_t k = 0; k < 8; ++k) sums[k] += (a[i + k] - b[i + k]) * (a[i + k] - b[i + k]);
-  float sum = 0;
-  for (const float s : sums) sum += s;
-  for (; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return sum;
-}
-
 struct Clustering {
   std::vector<std::uint32_t> of_sample;
   double squares = std::numeric_limits<double>::infinity();
 };
 
-/// k-means++ (Arthur & Vassilvitskii 2007): each further centre with probability by squared distance.
-std::vector<Vector> first_centres(const std::vector<Vector>& samples, std::size_t count, core::Rng& rng) {
-  std::vector<Vector> centres{samples[rng.below(static_cast<std::uint32_t>(samples.size()))]};
-  std::vector<double> nearest(samples.size(), std::numeric_limits<double>::infinity());
-  while (centres.size() < count) {
-    double total = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      nearest[i] = std::min(nearest[i], double{squared_distance(samples[i], centres.back())});
-      total += nearest[i];
-    }
-    if (!(total > 0)) break;
-    centres.push_back(samples[rng.categorical(nearest)]);
-  }
-  return centres;
-}
-
 Clustering cluster(const std::vector<Vector>& samples, std::size_t count, core::Rng rng) {
-  auto centres = first_centres(samples, count, rng);
-  Clustering found{std::vector<std::uint32_t>(samples.size(), 0)};
-  for (int round = 0; round < kRounds; ++round) {
-    double squares = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      float least = std::numeric_limits<float>::infinity();
-      for (std::uint32_t c = 0; c < centres.size(); ++c)
-        if (const float d = squared_distance(samples[i], centres[c]); d < least) {
-          least = d;
-          found.of_sample[i] = c;
-        }
-      squares += double{least};
-    }
-    if (squares >= found.squares * (1 - 1e-6)) break;
-    found.squares = squares;
-    std::vector<std::vector<double>> sums(centres.size(), std::vector<double>(samples[0].size(), 0.0));
-    std::vector<double> members(centres.size(), 0);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const std::uint32_t c = found.of_sample[i];
-      members[c] += 1;
-      for (std::size_t j = 0; j < samples[i].size(); ++j) sums[c][j] += double{samples[i][j]};
-    }
-    for (std::size_t c = 0; c < centres.size(); ++c)
-      if (members[c] > 0)
-        for (std::size_t j = 0; j < sums[c].size(); ++j)
-          centres[c][j] = static_cast<float>(sums[c][j] / members[c]);
-  }
+  Clustering found;
+  found.of_sample = core::lloyd(samples, core::kmeans_plus_plus(samples, count, rng), kRounds,
+                                [&](const auto& state) {
+                                  if (state.squares >= found.squares * (1 - kLeastGain)) return true;
+                                  found.squares = state.squares;
+                                  return false;
+                                })
+                        .owner;
   return found;
 }
 

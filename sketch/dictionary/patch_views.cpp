@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/luma.hpp"
 #include "sketch/patches/blob.hpp"
 #include "sketch/rendering/curve_bands.hpp"
 
@@ -42,7 +43,7 @@ void append(ColourView& seen, std::array<double, 3> sum, int channels) {
   if (channels == 1) sum[1] = sum[2] = sum[0];
   for (std::size_t c = 0; c < 3; ++c) seen.channel[c].push_back(static_cast<float>(sum[c]));
   seen.view.luma.push_back(
-      static_cast<float>(channels == 1 ? sum[0] : 0.114 * sum[0] + 0.587 * sum[1] + 0.299 * sum[2]));
+      static_cast<float>(channels == 1 ? sum[0] : core::luma(sum[0], sum[1], sum[2])));
 }
 
 /// Σ d·level over the view, d from left to right.

@@ -13,6 +13,7 @@
 
 #include "core/clip.hpp"
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 #include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::sketch {
@@ -174,12 +175,8 @@ cv::Mat place(const cv::Mat& levels, const cv::Mat& held, const cv::Mat& taken, 
 }  // namespace
 
 void AnchorOptions::validate() const {
-  std::ostringstream message;
-  if (rounds < 0 || rounds > 256)
-    message << "AnchorOptions.rounds is " << rounds << "; allowed are 0 to 256";
-  else if (!(spread >= 0.3 && spread <= 5))
-    message << "AnchorOptions.spread is " << spread << "; allowed are 0.3 to 5 px";
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_range("AnchorOptions.rounds", rounds, 0, 256);
+  core::check_range("AnchorOptions.spread", spread, 0.3, 5);
 }
 
 cv::Mat anchors(const cv::Mat& levels, const cv::Mat& taken, double share, const AnchorOptions& options) {

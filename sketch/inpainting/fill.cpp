@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 #include "sketch/inpainting/diffusion.hpp"
 
 namespace emberfold::sketch {
@@ -180,12 +181,8 @@ void check_ground(const cv::Mat& levels, const cv::Mat& ground, double reach) {
 }  // namespace
 
 void FillOptions::validate() const {
-  std::ostringstream message;
-  if (!(tolerance > 0) || !std::isfinite(tolerance))
-    message << "FillOptions.tolerance is " << tolerance << "; it has to be above 0 grey levels";
-  else if (max_iterations < 1)
-    message << "FillOptions.max_iterations is " << max_iterations << "; it has to be at least 1";
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_above("FillOptions.tolerance", tolerance, 0);
+  core::check_at_least("FillOptions.max_iterations", max_iterations, 1);
 }
 
 FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options) {

@@ -12,6 +12,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/math/robust.hpp"
 #include "sketch/patches/double_profile.hpp"
 #include "sketch/refinement/drawing_cost.hpp"
 #include "sketch/refinement/proposals.hpp"
@@ -43,9 +44,7 @@ template <class Number>
 double median_of(std::span<const Patch> patches, const Number& number) {
   std::vector<double> numbers;
   for (const Patch& patch : patches) numbers.push_back(number(patch));
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::ranges::nth_element(numbers, middle);
-  return *middle;
+  return core::median(std::move(numbers));
 }
 
 /// A patch of another line to the right of one, and how far.

@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "graph/patch.hpp"
+#include "sketch/detection/colour.hpp"
 #include "sketch/detection/curve_tracing.hpp"
 
 namespace emberfold::sketch {
@@ -22,8 +23,7 @@ struct FitOptions {
   double spread = 1;   ///< px, SD of the profile, roughly
   bool moves = false;  ///< the patch may move across the curve
   double noise = 0;    ///< grey levels, SD of the pixels
-  std::array<float, 3> axis = {0.114F, 0.587F,
-                               0.299F};  ///< weights of blue, green, red by which the profile is seen
+  std::array<float, 3> axis = kLumaAxis;  ///< weights of blue, green, red by which the profile is seen
 };
 
 /// Fits a patch's levels, width, blur and contrast to the image, and where it may move, its place across the

@@ -97,8 +97,7 @@ double measure_clumping(const cv::Mat1f& luma, double noise) {
     add(bar_contrast<kBarLength, kWidth>(luma, {x, y}, {0, kWidth}));
   });
   if (contrasts.empty()) return 1;
-  constexpr double kMedianToSd = 1.4826;
-  const double sd = kMedianToSd * double{core::median_of_positive(std::move(contrasts))};
+  const double sd = core::kMadToSd * double{core::median_of_positive(std::move(contrasts))};
   return std::max(1.0, sd * sd * kBarLength * kWidth / (1.5 * noise * noise));
 }
 

@@ -6,13 +6,14 @@
 #include <opencv2/core/mat.hpp>
 
 #include "graph/patch.hpp"
+#include "sketch/detection/colour.hpp"
 
 namespace emberfold::sketch {
 
 /// A frame, prepared for coding_gain: its luma and how much of it is noise.
 struct GainFrame {
   cv::Mat1f luma;                                        ///< white = 255; or another mixture of the channels
-  std::array<float, 3> axis = {0.114F, 0.587F, 0.299F};  ///< its weights of blue, green and red
+  std::array<float, 3> axis = kLumaAxis;  ///< its weights of blue, green and red
   double noise = 1;  ///< grey levels, SD of the pixels about a local plane, median over the frame; ≥ 0.29
   /// ≥ 1: how much more a contrast of 5 px along and a bar of 3 or 6 px across varies than on white noise.
   std::array<double, 2> clumping = {1, 1};

@@ -6,6 +6,10 @@
 #include <numbers>
 #include <utility>
 
+#include "core/math/bilinear.hpp"
+#include "core/math/luma.hpp"
+#include "core/math/robust.hpp"
+
 namespace emberfold::sketch {
 
 using graph::Patch;
@@ -41,13 +45,7 @@ bool on(const Patch& patch, Point place) {
 }
 
 double level_at(const cv::Mat1f& luma, Point p) {
-  const double x = std::clamp(p.x, 0.0, luma.cols - 1.0), y = std::clamp(p.y, 0.0, luma.rows - 1.0);
-  const int x0 = std::min(static_cast<int>(x), std::max(luma.cols - 2, 0)),
-            y0 = std::min(static_cast<int>(y), std::max(luma.rows - 2, 0));
-  const int x1 = std::min(x0 + 1, luma.cols - 1), y1 = std::min(y0 + 1, luma.rows - 1);
-  const double fx = x - x0, fy = y - y0;
-  return (1 - fy) * ((1 - fx) * double{luma(y0, x0)} + fx * double{luma(y0, x1)}) +
-         fy * ((1 - fx) * double{luma(y1, x0)} + fx * double{luma(y1, x1)});
+  return core::between_pixels(luma, p.x, p.y);
 }
 
 /// Where a patch's sides are looked at: what lies there is left and right, almost.
@@ -80,7 +78,7 @@ bool stands_out(const Patch& patch) {
   constexpr double kLeast = 0.25;  // of the contrast
   if (graph::on_step(patch)) return true;
   const auto luma = [](const graph::Level& level) {
-    return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+    return core::luma(double{level[0]}, double{level[1]}, double{level[2]});
   };
   const double sign = patch.contrast >= 0 ? 1 : -1, middle = luma(patch.middle);
   const double least = kLeast * std::abs(patch.contrast);
@@ -240,9 +238,7 @@ std::vector<Slot> tail(const Draft& draft, Slot end) {
 double usual_contrast(const Draft& draft, const std::vector<Slot>& slots) {
   std::vector<double> contrasts;
   for (const Slot slot : slots) contrasts.push_back(std::abs(draft.patch(slot).contrast));
-  std::nth_element(contrasts.begin(), contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2),
-                   contrasts.end());
-  return contrasts[contrasts.size() / 2];
+  return core::median(std::move(contrasts));
 }
 
 }  // namespace emberfold::sketch

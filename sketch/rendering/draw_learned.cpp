@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/luma.hpp"
 #include "sketch/dictionary/dictionary.hpp"
 #include "sketch/dictionary/patch_views.hpp"
 #include "sketch/rendering/curve_bands.hpp"
@@ -29,7 +30,7 @@ struct Shown {
 
 Colour colour(const graph::Level& level, int channels) {
   const Colour c = {double{level[0]}, double{level[1]}, double{level[2]}};
-  return channels == 3 ? c : Colour{0.114 * c[0] + 0.587 * c[1] + 0.299 * c[2], 0, 0};
+  return channels == 3 ? c : Colour{core::luma(c[0], c[1], c[2]), 0, 0};
 }
 
 Table parametric(const graph::Patch& patch, int channels) {

@@ -10,6 +10,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/math/cell_grid.hpp"
+
 namespace emberfold::sketch {
 
 namespace {
@@ -56,9 +58,8 @@ class CoarseFill {
       ground_.levels.copyTo(seen, still);
       held = left | still;
     }
-    const auto cells = [](int length) { return (length + coarse - 1) / coarse; };
     held.convertTo(weight, CV_32F, 1 / 255.0);
-    cv::resize(weight, weight, {cells(held.cols), cells(held.rows)}, 0, 0, cv::INTER_AREA);
+    cv::resize(weight, weight, core::count_cells(held.size(), coarse), 0, 0, cv::INTER_AREA);
     cv::resize(seen, levels, weight.size(), 0, 0, cv::INTER_AREA);
     cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(levels.channels()), cv::max(weight, 1e-3)),
               weights);

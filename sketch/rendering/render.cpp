@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/luma.hpp"
 #include "sketch/rendering/curve_bands.hpp"
 
 namespace emberfold::sketch {
@@ -29,7 +30,7 @@ Colour colour(const graph::Level& level, int channels) {
   const Colour c = {static_cast<double>(level[0]), static_cast<double>(level[1]),
                     static_cast<double>(level[2])};
   if (channels == 3) return c;
-  return {0.114 * c[0] + 0.587 * c[1] + 0.299 * c[2], 0, 0};
+  return {core::luma(c[0], c[1], c[2]), 0, 0};
 }
 
 Profile profile(const graph::Patch& patch, bool backwards, int channels) {

@@ -15,6 +15,7 @@
 
 #include "core/error.hpp"
 #include "core/rng.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::sketch {
 
@@ -303,16 +304,10 @@ void Grower::plant() {
 }  // namespace
 
 void EfrosLeungOptions::validate() const {
-  std::ostringstream message;
-  if (window < 3 || window > 31 || window % 2 == 0)
-    message << "EfrosLeungOptions.window is " << window << "; allowed are odd numbers from 3 to 31";
-  else if (!(tolerance >= 0) || !std::isfinite(tolerance))
-    message << "EfrosLeungOptions.tolerance is " << tolerance << "; it has to be at least 0";
-  else if (candidates < 1 || candidates > 100000)
-    message << "EfrosLeungOptions.candidates is " << candidates << "; allowed are 1 to 100000";
-  else if (!(guidance >= 0 && guidance <= 1))
-    message << "EfrosLeungOptions.guidance is " << guidance << "; allowed are 0 to 1";
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_odd("EfrosLeungOptions.window", window, 3, 31);
+  core::check_at_least("EfrosLeungOptions.tolerance", tolerance, 0);
+  core::check_range("EfrosLeungOptions.candidates", candidates, 1, 100000);
+  core::check_range("EfrosLeungOptions.guidance", guidance, 0, 1);
 }
 
 EfrosLeungResult efros_leung(const cv::Mat& start, const cv::Mat& observed, const TextureRegions& regions,

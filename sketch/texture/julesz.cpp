@@ -15,6 +15,7 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "core/rng.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::sketch {
 
@@ -330,15 +331,9 @@ cv::Mat with_luma(const cv::Mat& start, const cv::Mat& luma, const cv::Mat& part
 }  // namespace
 
 void JuleszOptions::validate() const {
-  std::ostringstream message;
-  if (sweeps < 1 || sweeps > 10000)
-    message << "JuleszOptions.sweeps is " << sweeps << "; allowed are 1 to 10000";
-  else if (!(hottest > 0) || !std::isfinite(hottest))
-    message << "JuleszOptions.hottest is " << hottest << "; it has to be above 0";
-  else if (!(coldest > 0 && coldest <= hottest))
-    message << "JuleszOptions.coldest is " << coldest
-            << "; it has to be above 0 and at most hottest, which is " << hottest;
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_range("JuleszOptions.sweeps", sweeps, 1, 10000);
+  core::check_above("JuleszOptions.hottest", hottest, 0);
+  core::check_above("JuleszOptions.coldest", coldest, 0, hottest);
 }
 
 JuleszResult julesz(const cv::Mat& start, const TextureRegions& regions, const JuleszOptions& options,
