@@ -101,7 +101,7 @@ ClipModel read_clip_model(const std::string& folder, ModelFill fill) {
 ClipSynthesis clip_synthesis(const ClipModel& model, const sketch::FillOptions& fill, std::uint64_t seed,
                              mcmc::Start start) {
   sketch::RenderOptions look =
-      sketch::sharpened(render_options(model.motion, model.ground, fill), model.sharpening);
+      sketch::apply_sharpening(render_options(model.motion, model.ground, fill), model.sharpening);
   if (model.texture) return hybrid_frames(model.motion, model.texture, std::move(look), seed, start);
   if (!model.residual.empty())
     return residual_frames(model.motion, model.residual, std::move(look), seed, start);

@@ -39,7 +39,7 @@ double mean(const std::vector<std::size_t>& values) {
 sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground,
                                      const sketch::FillOptions& fill) {
   sketch::RenderOptions look{{model.width, model.height}, std::max(1, ground.levels.channels()), 0, fill, {}};
-  look.ground = std::move(ground);
+  look.background = std::move(ground);
   double sum = 0, count = 0;
   const auto look_at = [&](const graph::AttributeGraph& graph) {
     if (!is_grey(graph)) look.channels = 3;
@@ -92,7 +92,7 @@ sketch::FrameContent ClipSynthesis::next_parts() {
   std::vector<const graph::AttributeGraph*> coming;
   for (const auto& later : ahead_) coming.push_back(&later.graph);
   auto fading = fader_.next(drawn.graph, coming);
-  sketch::FrameContent parts{std::move(fading.graph), {}, std::move(fading.presence)};
+  sketch::FrameContent parts{std::move(fading.graph), {}, std::move(fading.opacity)};
   if (between_) between_(parts);
   return parts;
 }
@@ -103,9 +103,9 @@ void ClipSynthesis::each(int count, const std::function<void(cv::Mat)>& take, co
   std::vector<sketch::FrameContent> parts(room);
   std::vector<cv::Mat> frames(room);
   core::parallel_stream(static_cast<std::size_t>(count), room, context,
-                            {[&](std::size_t i) { parts[i % room] = next_parts(); },
-                             [&](std::size_t i) { frames[i % room] = painter.draw(parts[i % room]); },
-                             [&](std::size_t i) { take(std::move(frames[i % room])); }});
+                        {[&](std::size_t i) { parts[i % room] = next_parts(); },
+                         [&](std::size_t i) { frames[i % room] = painter.draw(parts[i % room]); },
+                         [&](std::size_t i) { take(std::move(frames[i % room])); }});
 }
 
 std::vector<cv::Mat> ClipSynthesis::next(int count, const core::Context& context) {
@@ -142,7 +142,7 @@ ClipSynthesis hybrid_frames(const mcmc::MotionModel& model,
   };
   const auto ground = std::make_shared<Drawn>(Drawn{texture, dytex::Synthesis(*texture, options)});
   return {mcmc::Synthesis(model, seed, start), std::move(look),
-          [ground](sketch::FrameContent& parts) { parts.ground = ground->synthesis.next(); }};
+          [ground](sketch::FrameContent& parts) { parts.background = ground->synthesis.next(); }};
 }
 
 ClipSynthesis residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual,

@@ -42,7 +42,7 @@ sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat&
 
 /// Draws the rest of the frame around what is held. Throws core::Cancelled.
 Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held,
-                           const sketch::GroundOptions& ground, const core::Context& context = {});
+                           const sketch::NonsketchableFillOptions& ground, const core::Context& context = {});
 
 /// 10 log₁₀(255² / MSE) over all pixels and channels of two CV_32F frames; kMostPsnr where they hardly
 /// differ.

@@ -55,7 +55,7 @@ class ResidualReader {
         graphs_(graphs),
         painter_(look),
         size_(look.size),
-        backdrop_(look.ground.backdrop.still),
+        backdrop_(look.background.static_pixels.still),
         context_(context) {}
 
   /// Hands over the pairs of frames.
@@ -111,7 +111,8 @@ cv::Mat turned(const cv::Mat& values, const cv::Mat& table) {
 
 /// SD by cell; what was hardly seen takes it from cells around. Empty where nothing was seen.
 cv::Mat measure_strength(ResidualReader& reader, cv::Size frame) {
-  cv::Mat squares = cv::Mat::zeros(core::count_cells(frame, sketch::kBackgroundCell), CV_32F), counts = squares.clone();
+  cv::Mat squares = cv::Mat::zeros(core::count_cells(frame, sketch::kBackgroundCell), CV_32F),
+          counts = squares.clone();
   int frames = 0;
   reader.each_pair([&](const Residual& now, const Residual& next) {
     for (const auto* residual : {&now, &next}) {
@@ -226,7 +227,8 @@ ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame)
   ResidualTexture residual;
   for (std::size_t i = 0; i < within.size(); ++i) residual.textures.push_back({within[i], ahead[i]});
   residual.colours = core::read_floats(archive, "residual_colours", {count, count}, 1);
-  residual.strength = core::read_floats(archive, "residual_strength", core::count_cells(frame, sketch::kBackgroundCell), 1);
+  residual.strength =
+      core::read_floats(archive, "residual_strength", core::count_cells(frame, sketch::kBackgroundCell), 1);
   double least = 0;
   cv::minMaxIdx(residual.strength, &least);
   if (least < 0) throw core::IoError("motion model: residual_strength.npy holds a number below 0");

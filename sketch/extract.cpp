@@ -45,7 +45,7 @@ double evidence(const Chain& chain) {
 void add_colour(ScaleSpace& space, NoiseLevels& ground, const cv::Mat& levels,
                 const ExtractOptions& options) {
   int channel = 0;
-  for (const cv::Mat1f& colour : opponent_colours(levels)) {
+  for (const cv::Mat1f& colour : compute_opponent_colours(levels)) {
     ScaleSpace more = scale_space(colour, options.finest_scale, options.scales, ++channel);
     const NoiseLevels own = measure_noise_levels(more, estimate_noise(colour));
     space.insert(space.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
@@ -99,8 +99,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
 
   const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};
   auto [ridges, valleys] = find_lines(space, ground, low);
-  thin(ridges, space);
-  thin(valleys, space);
+  thin_parallel_points(ridges, space);
+  thin_parallel_points(valleys, space);
   if (space.back().channel > 0) {
     const CreaseMap all{ridges.kind, ridges.points, ridges.index.clone()};
     remove_coinciding(ridges, valleys, space);
@@ -109,20 +109,20 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   const CreaseMap all_ridges = ridges;  // its index is that of what is left
   remove_lobes(ridges, valleys, space);
   remove_lobes(valleys, all_ridges, space);
-  const LinkLimits limits{options.significance};
-  std::vector<Chain> chains = link(ridges, space, limits);
+  const TracingLimits limits{options.significance};
+  std::vector<Chain> chains = trace_curves(ridges, space, limits);
   const auto add = [&](std::vector<Chain> more) {
     chains.insert(chains.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   };
-  add(link(valleys, space, limits));
+  add(trace_curves(valleys, space, limits));
   if (options.edges) {
     CreaseMap steps = find_steps(space, ground, {low.significance, 2 * low.contrast});
     remove_flanks(steps, ridges, space);
     remove_flanks(steps, valleys, space);
-    thin(steps, space);
-    add(link(steps, space, limits));
+    thin_parallel_points(steps, space);
+    add(trace_curves(steps, space, limits));
   }
-  chains = without_lobes(without_hooks(std::move(chains)), space, luma.size());
+  chains = remove_lobe_curves(remove_hooks(std::move(chains)), space, luma.size());
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   const auto without_crumbs = [&](std::vector<Chain>& from) {
     std::erase_if(from, [&](const Chain& c) {
@@ -131,17 +131,18 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   };
   without_crumbs(chains);
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
-  chains = cut_at_fades(chains, space, {kHalf, noise});
+  chains = cut_at_contrast_gaps(chains, space, {kHalf, noise});
   without_crumbs(chains);
-  const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
-  std::vector<GainFrame> axes{prepare_gain(luma, kColourAxes[0])};
+  const CurveNetwork network =
+      prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
+  std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
   if (space.back().channel > 0)
-    for (cv::Mat1f& colour : opponent_colours(levels))
-      axes.push_back(prepare_gain(std::move(colour), kColourAxes[axes.size()]));
-  graph::AttributeGraph strokes =
-      without_flanks(refine(smoothed(cut_into_patches(network, space, levels, options.spacing, noise), noise),
-                            levels, axes, {options.spacing, options.blobs, previous}));
-  if (options.double_ridges) strokes = with_double_ridges(strokes, levels, axes[0], options.spacing);
+    for (cv::Mat1f& colour : compute_opponent_colours(levels))
+      axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
+  graph::AttributeGraph strokes = remove_flank_curves(
+      refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
+             axes, {options.spacing, options.blobs, previous}));
+  if (options.double_ridges) strokes = merge_double_ridges(strokes, levels, axes[0], options.spacing);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;

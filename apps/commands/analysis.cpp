@@ -231,13 +231,13 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   infer_motion(sketches, options, made, session);
   const auto& motion = made.motion;
   const auto& events = made.events;
-  auto ground = sketch::still_background(sketches.clip.grounds);
-  ground.backdrop = sketch::find_static_pixels(*source, session.context);
-  const double wanted = sketch::clip_flank_gradient(*source, motion.sketch, session.context).mean();
+  auto ground = sketch::estimate_background(sketches.clip.grounds);
+  ground.static_pixels = sketch::find_static_pixels(*source, session.context);
+  const double wanted = sketch::measure_clip_flank_gradient(*source, motion.sketch, session.context).mean();
   const auto& sharpening = made.sharpening =
       pipeline::fit_sharpening(made.fitted.model, ground, wanted, session.common.seed, session.context);
   const auto look =
-      sketch::sharpened(pipeline::render_options(made.fitted.model, ground, options.fill), sharpening);
+      sketch::apply_sharpening(pipeline::render_options(made.fitted.model, ground, options.fill), sharpening);
   Json calibration = calibrate_model(sketches, look, options, made, session);
   const auto residual = pipeline::measure_residual(
       *source, motion.sketch.frames, pipeline::render_options(made.fitted.model, ground, options.fill),

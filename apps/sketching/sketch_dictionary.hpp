@@ -42,13 +42,13 @@ std::optional<SketchDictionary> prepare_dictionary(const DictionaryRequest& requ
                                                    const Session& session);
 
 /// `levels`: CV_32F, white = 255. The noise is the frame's own.
-std::vector<sketch::Code> encode_frame(const cv::Mat& levels, const graph::AttributeGraph& graph,
-                                       const SketchDictionary& dictionary);
+std::vector<sketch::PatchCode> encode_frame(const cv::Mat& levels, const graph::AttributeGraph& graph,
+                                            const SketchDictionary& dictionary);
 
 /// What the dictionary's codes come to, over a clip.
 class CodeFigures {
  public:
-  void add(std::span<const sketch::Code> codes);
+  void add(std::span<const sketch::PatchCode> codes);
   /// {"entries", "components", "by_type", "coded_share", "residual", "cost"}: grey levels and nats, learned
   /// beside parametric on the same patches.
   [[nodiscard]] nlohmann::ordered_json json(const sketch::Dictionary& dictionary) const;

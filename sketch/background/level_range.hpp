@@ -26,10 +26,10 @@ void extend_level_range(LevelRange& all, const LevelRange& more);
 /// The graph with the sides of its patches, and what is seen of lines' cores, within what was seen there,
 /// linear between the cells' middles. A line keeps its height above its sides as far as that allows; a step
 /// loses what its sides must give way.
-graph::AttributeGraph clamp_levels(const graph::AttributeGraph& graph, const LevelRange& seen);
+graph::AttributeGraph clamp_levels(const graph::AttributeGraph& graph, const LevelRange& range);
 
 /// The arrays "seen_low" and "seen_high" beside a motion model's own.
-void add_level_range(core::ModelArchive& archive, const LevelRange& seen);
+void add_level_range(core::ModelArchive& archive, const LevelRange& range);
 /// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
 LevelRange read_level_range(const core::ModelArchive& archive, cv::Size frame);
 

@@ -25,7 +25,7 @@ struct StaticPixels {
 StaticPixels find_static_pixels(core::FrameSource& source, const core::Context& context);
 
 /// The arrays "backdrop" and "backdrop_still" beside a motion model's own.
-void add_static_pixels(core::ModelArchive& archive, const StaticPixels& backdrop);
+void add_static_pixels(core::ModelArchive& archive, const StaticPixels& static_pixels);
 /// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
 StaticPixels read_static_pixels(const core::ModelArchive& archive, cv::Size frame);
 

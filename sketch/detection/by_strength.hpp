@@ -16,8 +16,8 @@ namespace emberfold::sketch {
 /// The points' indices, those with the greatest `value` (≥ 0; compared in single precision) first; of equal
 /// ones the one nearest to the frame's middle, so that a mirrored frame has the mirrored order. O(n) but for
 /// those: by digits of eleven bits, the last first.
-inline std::vector<std::size_t> strongest_first(const std::vector<CreasePoint>& points,
-                                                double CreasePoint::*value, cv::Size frame) {
+inline std::vector<std::size_t> sort_by_strength(const std::vector<CreasePoint>& points,
+                                                 double CreasePoint::*value, cv::Size frame) {
   constexpr std::uint32_t kBits = 11, kDigits = 3, kMask = (1U << kBits) - 1;
   struct Key {
     std::uint32_t value, point;

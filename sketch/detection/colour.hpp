@@ -18,11 +18,11 @@ inline constexpr std::array<float, 3> kLumaAxis = {static_cast<float>(core::kLum
 inline constexpr std::array<std::array<float, 3>, 3> kColourAxes = {
     {kLumaAxis, {0, -0.4726F, 0.4726F}, {0.5457F, -0.27285F, -0.27285F}}};
 
-inline const std::array<float, 3>& axis_of(int channel) {
+inline const std::array<float, 3>& colour_axis(int channel) {
   return kColourAxes[static_cast<std::size_t>(channel)];
 }
 
 /// The frame along the two axes of colour. `levels`: CV_32FC3. Grey frames give 0 everywhere.
-std::vector<cv::Mat1f> opponent_colours(const cv::Mat& levels);
+std::vector<cv::Mat1f> compute_opponent_colours(const cv::Mat& levels);
 
 }  // namespace emberfold::sketch

@@ -21,7 +21,7 @@ constexpr double kAround = 20;  // px along the curve: what is usual is told by 
 std::vector<double> own_responses(const Chain& chain, const ScaleLevel& level) {
   std::vector<double> response(chain.points.size());
   for (std::size_t i = 0; i < response.size(); ++i) {
-    const Point u = direction(chain, i);
+    const Point u = tangent(chain, i);
     if (chain.kind == CreaseKind::step) {
       const Point p = chain.points[i].position, across = Point{-u.y, u.x} * level.sigma;
       response[i] = std::abs(level.value_at(p + across) - level.value_at(p - across));
@@ -92,7 +92,7 @@ Showing showing(const Chain& chain, const cv::Mat1f& frame, double sigma, double
   const double sign = chain.kind == CreaseKind::valley ? -1 : 1;
   Showing shows{std::vector<double>(n), std::vector<double>(n)};
   for (std::size_t i = 0; i < n; ++i) {
-    const Point p = chain.points[i].position, u = direction(chain, i), across{-u.y, u.x};
+    const Point p = chain.points[i].position, u = tangent(chain, i), across{-u.y, u.x};
     const auto both = [&](double d) {
       return std::pair(level_at(frame, p + across * (d * sigma)), level_at(frame, p - across * (d * sigma)));
     };
@@ -149,7 +149,7 @@ double gap_level(const Showing& shows, CreaseKind kind, const std::vector<double
 
 // Points that lie in narrow gaps: at single points, where noise allows that, and evened along the curve.
 std::vector<bool> in_gaps(const Chain& chain, const cv::Mat1f& frame, double sigma,
-                          const std::vector<double>& s, const FadeLimits& limits) {
+                          const std::vector<double>& s, const ContrastGapLimits& limits) {
   constexpr double kLeastSide = 6;  // px: shorter pieces would not stay
   const std::size_t n = chain.points.size();
   std::vector<bool> gap(n, false);
@@ -210,12 +210,12 @@ void cut(const Chain& chain, const std::vector<double>& s, const std::vector<boo
 
 }  // namespace
 
-std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpace& space,
-                                const FadeLimits& limits) {
+std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const ScaleSpace& space,
+                                        const ContrastGapLimits& limits) {
   std::vector<Chain> pieces;
   int number = 0;
   for (const Chain& chain : chains) {
-    const std::size_t own = middle_level(chain.points, space);
+    const std::size_t own = median_level(chain.points, space);
     const std::vector<double> s = arc_lengths(chain);
     const std::vector<bool> keep = unfaded(chain, space[own], s, limits.share);
     const std::vector<bool> gap = in_gaps(chain, space[own].frame, space[own].sigma, s, limits);

@@ -7,7 +7,7 @@
 
 namespace emberfold::sketch {
 
-struct FadeLimits {
+struct ContrastGapLimits {
   double share;  ///< of the contrast that is usual around it: what shows less is not the curve
   double noise;  ///< grey levels, SD of the pixels
 };
@@ -21,7 +21,7 @@ struct FadeLimits {
 ///   (where another curve crosses, only the sides rise). The two ends at such a gap bear its number
 ///   (Chain::gap).
 /// Pieces shorter than two points go, and those of less than 6 px between two gaps. O(points).
-std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpace& space,
-                                const FadeLimits& limits);
+std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const ScaleSpace& space,
+                                        const ContrastGapLimits& limits);
 
 }  // namespace emberfold::sketch

@@ -31,7 +31,7 @@ struct CreaseMap {
 };
 
 /// The index of a map without points.
-cv::Mat1i no_points(cv::Size frame);
+cv::Mat1i make_empty_index(cv::Size frame);
 
 /// What counts as significant: SD of the second (lines) and first (steps) derivatives on structureless
 /// ground, for each level.
@@ -50,10 +50,10 @@ struct CreaseLimits {
 /// Lines: where the first derivative across the direction of greatest curvature vanishes inside the pixel
 /// (Steger 1998), at the scale where the normalised second derivative is greatest (Lindeberg 1998, γ = 3/4).
 /// O(pixels · levels).
-struct Lines {
+struct CreaseLines {
   CreaseMap ridges, valleys;
 };
-Lines find_lines(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits);
+CreaseLines find_lines(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits);
 
 /// Steps: where the gradient's magnitude is greatest along its own direction, at the scale where its
 /// normalised value is greatest (γ = 1/2).
@@ -67,6 +67,6 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
 void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space);
 
 /// Of points that run in parallel nearer than lines of their size could be told apart, keeps the strongest.
-void thin(CreaseMap& map, const ScaleSpace& space);
+void thin_parallel_points(CreaseMap& map, const ScaleSpace& space);
 
 }  // namespace emberfold::sketch

@@ -163,7 +163,7 @@ class Flanks {
 
 }  // namespace
 
-AttributeGraph without_flanks(const AttributeGraph& graph) {
+AttributeGraph remove_flank_curves(const AttributeGraph& graph) {
   const std::vector<bool> gone = Flanks(graph).find();
   if (std::ranges::find(gone, true) == gone.end()) return graph;
   std::vector<graph::Vertex> vertices;
@@ -173,7 +173,7 @@ AttributeGraph without_flanks(const AttributeGraph& graph) {
   const auto stays = [&](graph::VertexId id) { return !gone[graph.index_of(id)]; };
   std::ranges::copy_if(graph.edges(), std::back_inserter(edges),
                        [&](const graph::Edge& e) { return stays(e.a) && stays(e.b); });
-  return named_by_degree(std::move(vertices), std::move(edges));
+  return name_patch_types(std::move(vertices), std::move(edges));
 }
 
 }  // namespace emberfold::sketch

@@ -13,6 +13,6 @@ namespace emberfold::sketch {
 /// - or of either sign, where the curve is a step that saves less than the line: the line's sides differ.
 /// The lines beside a dropped curve stay. Patches carry their gain; those left keep their ids and are named
 /// by their degree. O(patches).
-graph::AttributeGraph without_flanks(const graph::AttributeGraph& graph);
+graph::AttributeGraph remove_flank_curves(const graph::AttributeGraph& graph);
 
 }  // namespace emberfold::sketch

@@ -15,7 +15,7 @@ struct Contact {
 };
 
 /// Curves and where they meet: each meeting is a list of at least two contacts.
-struct Network {
+struct CurveNetwork {
   std::vector<Chain> chains;
   std::vector<std::vector<Contact>> meetings;
 };
@@ -24,10 +24,10 @@ struct Network {
 /// px, when the way there shows at half of the end's contrast or more throughout: a line's brightness, a
 /// step's difference between its sides. A line goes on at 0.3 of the contrast too, where its creaseness shows
 /// all along. Nearest first.
-Network join(std::vector<Chain> chains, const ScaleSpace& space);
+CurveNetwork join_free_ends(std::vector<Chain> chains, const ScaleSpace& space);
 
 /// Drops what is too short to tell from noise: spurs (one end free) below `min_length` px that hang on
 /// another curve, and whatever hangs together and is shorter than that in all. Repeats until nothing goes.
-Network prune(Network network, double min_length);
+CurveNetwork prune_short_curves(CurveNetwork network, double min_length);
 
 }  // namespace emberfold::sketch

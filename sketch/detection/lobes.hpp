@@ -14,6 +14,6 @@ namespace emberfold::sketch {
 /// two lines such lobes add up. The strongest lines come first; a dropped line explains nothing; at the end
 /// all that stay judge each other once more. Lines that exist at their own scale only, where the ground is
 /// flat, go too. Order is kept.
-std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& space, cv::Size frame);
+std::vector<Chain> remove_lobe_curves(std::vector<Chain> chains, const ScaleSpace& space, cv::Size frame);
 
 }  // namespace emberfold::sketch

@@ -53,7 +53,7 @@ struct ScaleLevel {
 using ScaleSpace = std::vector<ScaleLevel>;
 
 /// The finest level of the channel that level k belongs to.
-inline const ScaleLevel& finest_of(const ScaleSpace& space, std::size_t k) {
+inline const ScaleLevel& finest_level(const ScaleSpace& space, std::size_t k) {
   return space[k - static_cast<std::size_t>(space[k].octave)];
 }
 

@@ -37,21 +37,21 @@ inline bool looks_like_window(graph::PatchType type, int degree) {
 /// averaged over 5 px along the patch; a window is row after row, a row runs across the curve from left to
 /// right, the next one lies further along it. The patch's direction is turned by half a turn where grey falls
 /// from left to right (Σ d·level < 0), so that it does not matter which way a curve is followed.
-struct View {
+struct PatchView {
   graph::VertexId vertex;
   graph::PatchType type = graph::PatchType::ridge;
   int degree = 0;      ///< 0…4
   double reach = 1.5;  ///< px
-  bool turned = false;
+  bool reversed = false;
   std::vector<float> luma;  ///< kProfileSamples, or kWindowSide²; white = 255
 };
 
 /// One for each patch, by index; a patch whose view holds a value that is not finite has no samples.
 /// `levels`: CV_32F, 1 or 3 channels, not empty; InputError otherwise. O(patches).
-std::vector<View> views(const cv::Mat& levels, const graph::AttributeGraph& graph);
+std::vector<PatchView> view_patches(const cv::Mat& levels, const graph::AttributeGraph& graph);
 
 /// What some patches of one degree and type look like: level + amplitude·(mean + Σ cₖ·component k).
-struct Entry {
+struct DictionaryEntry {
   graph::PatchType type = graph::PatchType::ridge;
   int degree = 0;           ///< 0…4
   std::uint64_t seen = 1;   ///< patches that it was learned for, ≥ 1
@@ -63,12 +63,12 @@ struct Entry {
   std::vector<double> spread;  ///< SD of each component's coefficient, the greatest first
 
   [[nodiscard]] bool window() const { return looks_like_window(type, degree); }
-  bool operator==(const Entry&) const = default;
+  bool operator==(const DictionaryEntry&) const = default;
 };
 
 /// Entries by degree, then type, those seen most first.
 struct Dictionary {
-  std::vector<Entry> entries;
+  std::vector<DictionaryEntry> entries;
   bool operator==(const Dictionary&) const = default;
 };
 
@@ -83,7 +83,7 @@ class DictionaryLearner {
 
   /// The views of one frame; a frame's number tells its views apart from others'. Even views (RMS below ½
   /// grey level) tell nothing and are passed over.
-  void add(std::uint32_t frame, std::span<const View> views);
+  void add(std::uint32_t frame, std::span<const PatchView> views);
 
   /// In each group, level and contrast are taken off each view; k-means (k-means++, the best of 3 starts) for
   /// every k up to kMostEntries; in each cluster principal components. k and the numbers of components are
@@ -95,7 +95,7 @@ class DictionaryLearner {
   /// Rissanen's cost of its parameters. The same bits at any thread count. Throws core::Cancelled.
   [[nodiscard]] Dictionary learn(const core::Context& context = {}) const;
 
-  [[nodiscard]] std::size_t held() const;  ///< views in memory
+  [[nodiscard]] std::size_t stored() const;  ///< views in memory
 
  private:
   using Group = std::pair<int, graph::PatchType>;
@@ -106,17 +106,17 @@ class DictionaryLearner {
   };
   struct Sample {
     std::uint64_t seen = 0;
-    std::map<Key, View> held;
+    std::map<Key, PatchView> stored;
   };
   std::uint64_t seed_;
   std::map<Group, Sample> groups_;
 };
 
 /// A patch as the dictionary tells it.
-struct Code {
+struct PatchCode {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::uint32_t entry = kNone;  ///< kNone: the dictionary has none that fits, or nothing can be seen
-  bool turned = false;          ///< the entry is seen against the patch's direction
+  bool reversed = false;        ///< the entry is seen against the patch's direction
   /// Grey levels of each channel: level + amplitude·mean + Σ coefficientₖ·componentₖ is shown.
   graph::Level level{}, amplitude{};
   std::array<graph::Level, kMostComponents> coefficients{};
@@ -135,19 +135,19 @@ struct Code {
 /// coding_cost: ½ ln(1 + pixels) nats for each of 5 numbers (place, orientation, size, level, amplitude) and
 /// each coefficient, −ln of the entry's share, and ln(K + 1) for their number; pixels are those that the view
 /// spans. `levels`: as for views(). `noise`: grey levels, > 0; InputError otherwise.
-std::vector<Code> encode(const cv::Mat& levels, const graph::AttributeGraph& graph,
-                         const Dictionary& dictionary, double noise);
+std::vector<PatchCode> encode(const cv::Mat& levels, const graph::AttributeGraph& graph,
+                              const Dictionary& dictionary, double noise);
 
 /// The same pixels as draw_fitted covers, with what the codes say. A patch that looks like a profile shows it
 /// along the curve, over to the next patch's; a window is laid over the bands that meet in it, its middle
 /// counting most, and they go on into it with the nearest profile. What has no code is drawn from its
 /// attributes. `codes`: one for each patch; InputError for another number of them, for an entry that is not
 /// there, or for what draw_fitted refuses.
-Sketchable draw_learned(const graph::AttributeGraph& graph, std::span<const Code> codes,
+Sketchable draw_learned(const graph::AttributeGraph& graph, std::span<const PatchCode> codes,
                         const Dictionary& dictionary, cv::Size size, int channels);
 
 /// mean + Σ coefficientₖ·componentₖ
-std::vector<float> shape_of(const Entry& entry, std::span<const float> coefficients);
+std::vector<float> compose_shape(const DictionaryEntry& entry, std::span<const float> coefficients);
 
 /// The format "emberfold.dictionary", version 1. InputError where the dictionary is not valid. Reading the
 /// archive gives the same dictionary, bit for bit.
@@ -155,6 +155,6 @@ core::ModelArchive to_archive(const Dictionary& dictionary);
 
 /// IoError, naming key or array and what is expected, for a text that is no JSON, another format, a newer
 /// version, an array that is missing or has another type or shape, and whatever validate() refuses.
-Dictionary dictionary(const core::ModelArchive& archive);
+Dictionary read_dictionary(const core::ModelArchive& archive);
 
 }  // namespace emberfold::sketch

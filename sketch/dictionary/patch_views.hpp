@@ -6,34 +6,34 @@
 namespace emberfold::sketch {
 
 /// A view with its colours.
-struct ColourView {
-  View view;
+struct ColourPatchView {
+  PatchView view;
   std::array<std::vector<float>, 3> channel;  ///< blue, green, red, or the grey level three times
 };
-ColourView look_at(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex);
+ColourPatchView view_patch(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex);
 
 /// InputError unless CV_32F with 1 or 3 channels and not empty.
 void check_levels(const cv::Mat& levels);
 
 /// How far a window goes to each side, px.
-inline double window_reach(const View& view) {
+inline double window_reach(const PatchView& view) {
   return view.type == graph::PatchType::blob ? view.reach : 1.5 * view.reach;
 }
 
 /// The pixels that a view spans: reach to both sides, 5 px along, or the window.
-inline double pixels_of(const View& view) {
+inline double count_pixels(const PatchView& view) {
   if (!looks_like_window(view.type, view.degree)) return 2 * view.reach * 5;
   const double side = 2 * window_reach(view);
   return side * side;
 }
 
 /// A patch's degree as the dictionary counts it.
-inline int degree_of(const graph::AttributeGraph& graph, std::size_t vertex) {
+inline int counted_degree(const graph::AttributeGraph& graph, std::size_t vertex) {
   return static_cast<int>(std::min<std::size_t>(graph.degree(vertex), 4));
 }
 
 /// Distance across the curve of a profile's sample, in reaches.
-inline double profile_place(std::size_t i) {
+inline double profile_position(std::size_t i) {
   return 2.0 * static_cast<double>(i) / static_cast<double>(kProfileSamples - 1) - 1;
 }
 

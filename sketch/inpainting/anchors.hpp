@@ -26,10 +26,11 @@ struct AnchorOptions {
 /// last round goes without this. Flips and quarter turns of the frame turn the anchors with it, up to ties
 /// and the fill's own tolerance. With no rounds the density |Δu|^0.8 is halftoned by error diffusion instead
 /// (Floyd & Steinberg 1976): much faster, some 3 dB less. O(pixels) a round; one thread.
-cv::Mat anchors(const cv::Mat& levels, const cv::Mat& taken, double share, const AnchorOptions& options = {});
+cv::Mat choose_anchors(const cv::Mat& levels, const cv::Mat& taken, double share,
+                       const AnchorOptions& options = {});
 
 /// The same around patches as they are drawn, whose levels may differ from the frame's.
-cv::Mat anchors(const cv::Mat& levels, const Sketchable& drawn, double share,
-                const AnchorOptions& options = {});
+cv::Mat choose_anchors(const cv::Mat& levels, const Sketchable& drawn, double share,
+                       const AnchorOptions& options = {});
 
 }  // namespace emberfold::sketch

@@ -30,7 +30,7 @@ FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& o
 /// ground takes the held pixels' level beside them and is itself again some `reach` px away, its own texture
 /// kept everywhere. `ground`: of the levels' size and type, finite; reach: 1…10⁴ px; the rest, and
 /// what is refused, as for fill(). With nothing held the frame is the ground.
-FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& ground, double reach,
+FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& background, double reach,
                      const FillOptions& options = {});
 
 }  // namespace emberfold::sketch

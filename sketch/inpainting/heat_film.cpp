@@ -112,8 +112,8 @@ cv::Mat HeatFlow::levels() const {
   return result;
 }
 
-std::vector<cv::Mat> heat_film(const cv::Mat& levels, const cv::Mat& mask,
-                               std::span<const std::int64_t> steps, const core::Context& context) {
+std::vector<cv::Mat> make_heat_film(const cv::Mat& levels, const cv::Mat& mask,
+                                    std::span<const std::int64_t> steps, const core::Context& context) {
   HeatFlow flow(levels, mask);
   constexpr std::int64_t kBlock = 64;  // steps between two looks at the context
   std::vector<cv::Mat> film;

@@ -42,7 +42,7 @@ class HeatFlow {
 
 /// The frames of a film of the diffusion: the levels after each of `steps`, which must not decrease. Throws
 /// core::Cancelled.
-std::vector<cv::Mat> heat_film(const cv::Mat& levels, const cv::Mat& mask,
-                               std::span<const std::int64_t> steps, const core::Context& context = {});
+std::vector<cv::Mat> make_heat_film(const cv::Mat& levels, const cv::Mat& mask,
+                                    std::span<const std::int64_t> steps, const core::Context& context = {});
 
 }  // namespace emberfold::sketch

@@ -14,7 +14,7 @@ namespace emberfold::sketch {
 /// patches at most, may go. A pair is judged as it would be drawn (drawn_change); the pairs that save most
 /// come first. `graph`: of `levels` (CV_32F, 1 or 3 channels), its patches judged; `luma`: their luma,
 /// prepared; `spacing`: px from patch to patch. O(patches · log) beside some milliseconds for each pair.
-graph::AttributeGraph with_double_ridges(const graph::AttributeGraph& graph, const cv::Mat& levels,
-                                         const GainFrame& luma, double spacing);
+graph::AttributeGraph merge_double_ridges(const graph::AttributeGraph& graph, const cv::Mat& levels,
+                                          const CodingContext& luma, double spacing);
 
 }  // namespace emberfold::sketch

@@ -12,6 +12,6 @@ namespace emberfold::sketch {
 /// uᵢ being how far patch i moves, τ what curves' third differences usually are. A strong line stays where it
 /// was found; a faint one loses its jitter. Width and blur are evened likewise, by their first differences.
 /// Ends of curves at meetings, and corners, do not move. O(patches).
-graph::AttributeGraph smoothed(const graph::AttributeGraph& graph, double noise);
+graph::AttributeGraph smooth_patches(const graph::AttributeGraph& graph, double noise);
 
 }  // namespace emberfold::sketch

@@ -12,6 +12,6 @@ namespace emberfold::sketch {
 /// they bend by more than 60°, else by the profile: ridge, valley, bar (a line with a core that shows, 3
 /// blurs wide or more), step; 3 T junction, where two are within 30° of a straight line, L junction, where
 /// all lie within less than 150° (two and one between them), else Y junction; 4 and more crossing.
-graph::AttributeGraph named_by_degree(std::vector<graph::Vertex> vertices, std::vector<graph::Edge> edges);
+graph::AttributeGraph name_patch_types(std::vector<graph::Vertex> vertices, std::vector<graph::Edge> edges);
 
 }  // namespace emberfold::sketch

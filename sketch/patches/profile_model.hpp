@@ -35,13 +35,13 @@ struct ProfileBounds {
 };
 
 /// Levels that suit the section best for this offset, width and blur; least squares in closed form.
-Profile with_levels(const Section& section, Profile shape);
+Profile fit_levels(const Section& section, Profile shape);
 
 /// The least-squares profile near `start` within the bounds: Levenberg-Marquardt over offset, width, blur and
 /// the levels, at most `steps` of them, each some 100 operations a sample in vectors. `prior`: weight, in
 /// squared levels, of the squared difference of log(blur) from log(usual_blur): a narrow bar's width and blur
 /// show only together in noise.
-Profile refine(const Section& section, Profile start, const ProfileBounds& bounds, int steps, double prior,
-               double usual_blur);
+Profile refine_profile(const Section& section, Profile start, const ProfileBounds& bounds, int steps,
+                       double prior, double usual_blur);
 
 }  // namespace emberfold::sketch

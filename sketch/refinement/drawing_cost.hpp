@@ -7,10 +7,10 @@
 namespace emberfold::sketch {
 
 /// Nats by which an edit changes the code of the frame as it is drawn:
-///   Σ (errors² after − before) / (2 noise² clumping) + costs of patches and degrees, after − before
+///   Σ (errors² after − before) / (2 noise² noise_correlation) + costs of patches and degrees, after − before
 /// over the pixels that either drawing shows; what one of them leaves open there is filled from beside, the
 /// rest of the frame is given. The gains of patches that lie close together count pixels twice; this does
 /// not. Patches carry their costs. O(patches + pixels about the edit); some milliseconds.
-double drawn_change(const Draft& draft, const Edit& edit, const GainFrame& luma);
+double drawing_cost_change(const EditableGraph& draft, const GraphEdit& edit, const CodingContext& luma);
 
 }  // namespace emberfold::sketch

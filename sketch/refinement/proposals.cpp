@@ -17,14 +17,14 @@ using graph::Point;
 
 namespace {
 
-std::vector<Slot> slots_held(const Draft& draft) {
+std::vector<Slot> slots_held(const EditableGraph& draft) {
   std::vector<Slot> held;
   for (Slot slot = 0; slot < draft.slots(); ++slot)
     if (draft.holds(slot)) held.push_back(slot);
   return held;
 }
 
-std::vector<Point> places(const Draft& draft, const std::vector<Slot>& held) {
+std::vector<Point> places(const EditableGraph& draft, const std::vector<Slot>& held) {
   std::vector<Point> points;
   for (const Slot slot : held) points.push_back(draft.patch(slot).position);
   return points;
@@ -92,7 +92,7 @@ CreaseKind kind_of(const Patch& patch) {
 
 }  // namespace
 
-std::vector<Rib> ribs_across(Point position, double theta, double length) {
+std::vector<Rib> make_ribs(Point position, double theta, double length) {
   const Point along{std::cos(theta), std::sin(theta)}, across{-along.y, along.x};
   const int rows = std::max(1, static_cast<int>(std::lround(length)));
   std::vector<Rib> ribs;
@@ -100,7 +100,7 @@ std::vector<Rib> ribs_across(Point position, double theta, double length) {
   return ribs;
 }
 
-bool overlap(const Patch& a, const Patch& b) {
+bool patches_overlap(const Patch& a, const Patch& b) {
   // Most are too far apart, however they lie; a millionth more than rounding makes.
   const double across = std::max(own_across(a), own_across(b));
   const Point apart = b.position - a.position;
@@ -108,26 +108,28 @@ bool overlap(const Patch& a, const Patch& b) {
   return on(a, b.position) || on(b, a.position);
 }
 
-Coding best_coding(std::span<const GainFrame> axes, const Patch& patch) {
+Coding best_coding(std::span<const CodingContext> axes, const Patch& patch) {
   Coding best;
-  for (const GainFrame& frame : axes)
-    if (const Coding told = coding(frame, patch);
+  for (const CodingContext& frame : axes)
+    if (const Coding told = code_patch(frame, patch);
         &frame == axes.data() || told.gain > std::max(best.gain, 0.0))
       best = told;
   return best;
 }
 
-Editor::Editor(const Draft& draft, const cv::Mat& levels, std::span<const GainFrame> axes,
-               const Refinement& refinement, Tried& tried)
+ProposalBuilder::ProposalBuilder(const EditableGraph& draft, const cv::Mat& levels,
+                                 std::span<const CodingContext> axes, const RefineOptions& refinement,
+                                 FitCache& cache)
     : draft_(draft),
       levels_(levels),
       axes_(axes),
       refinement_(refinement),
-      tried_(tried),
+      cache_(cache),
       held_(slots_held(draft)),
       near_(places(draft, held_), kRadius) {}
 
-double Editor::shown(const Patch& patch, Point from, Point to, double contrast, double enough) const {
+double ProposalBuilder::visible_contrast(const Patch& patch, Point from, Point to, double contrast,
+                                         double enough) const {
   const Point step = to - from;
   const double length = graph::norm(step), expected = difference(patch);
   if (!(length > 0) || std::abs(expected) < 1e-6 || contrast == 0) return 0;
@@ -143,23 +145,24 @@ double Editor::shown(const Patch& patch, Point from, Point to, double contrast, 
   return least;
 }
 
-Patch Editor::judged(Patch patch) const {
+Patch ProposalBuilder::with_coding_cost(Patch patch) const {
   const Coding told = best_coding(axes_, patch);
   patch.cost = told.cost;
   patch.gain = told.gain;
   return patch;
 }
 
-std::optional<Patch> Editor::like(const Patch& patch, Point position, double theta, double contrast) {
+std::optional<Patch> ProposalBuilder::fit_like(const Patch& patch, Point position, double theta,
+                                               double contrast) {
   const auto [found, fresh] =
-      tried_.try_emplace({position.x, position.y, theta, contrast, patch.width, patch.blur, patch.contrast,
+      cache_.try_emplace({position.x, position.y, theta, contrast, patch.width, patch.blur, patch.contrast,
                           graph::on_step(patch) ? 1.0 : 0.0});
   if (fresh) found->second = fitted_like(patch, position, theta, contrast);
   return found->second;
 }
 
-std::optional<Patch> Editor::fitted_like(const Patch& patch, Point position, double theta,
-                                         double contrast) const {
+std::optional<Patch> ProposalBuilder::fitted_like(const Patch& patch, Point position, double theta,
+                                                  double contrast) const {
   if (position.x < 0 || position.y < 0 || position.x > levels_.cols - 1 || position.y > levels_.rows - 1)
     return std::nullopt;
   // A step points so that its brighter side is on the right.
@@ -167,35 +170,35 @@ std::optional<Patch> Editor::fitted_like(const Patch& patch, Point position, dou
   const double spread = std::sqrt(patch.blur * patch.blur + patch.width * patch.width / 12);
   theta = std::remainder(theta, 2 * std::numbers::pi);
   const Patch made =
-      fit_patch(levels_, position, theta, kind_of(patch), ribs_across(position, theta, refinement_.spacing),
+      fit_patch(levels_, position, theta, kind_of(patch), make_ribs(position, theta, refinement_.spacing),
                 {spread, true, axes_[0].noise});
   const double sign = kind_of(patch) == CreaseKind::valley || turned ? -1 : 1;
   if (sign * made.contrast < 0.5 * std::abs(contrast) || !stands_out(made)) return std::nullopt;
-  return judged(made);
+  return with_coding_cost(made);
 }
 
-bool Editor::overlaps(const Patch& patch, std::span<const Slot> besides) const {
-  for (const Slot slot : around(patch.position)) {
+bool ProposalBuilder::overlaps(const Patch& patch, std::span<const Slot> besides) const {
+  for (const Slot slot : patches_near(patch.position)) {
     if (std::find(besides.begin(), besides.end(), slot) != besides.end()) continue;
     const Patch& other = draft_.patch(slot);
-    if (overlap(patch, other)) return true;
+    if (patches_overlap(patch, other)) return true;
   }
   return false;
 }
 
-std::vector<Slot> Editor::around(Point place) const {
+std::vector<Slot> ProposalBuilder::patches_near(Point place) const {
   std::vector<Slot> found = near_.around(place);
   for (Slot& slot : found) slot = held_[slot];
   return found;
 }
 
-void Editor::propose(Edit edit, std::vector<Slot> concerns) {
+void ProposalBuilder::propose(GraphEdit edit, std::vector<Slot> concerns) {
   constexpr double kLeast = 1;  // nat
   const double change = draft_.change(edit);
   if (change < -kLeast) proposals_.push_back({change, std::move(edit), std::move(concerns)});
 }
 
-std::vector<std::vector<Slot>> strokes(const Draft& draft) {
+std::vector<std::vector<Slot>> find_strokes(const EditableGraph& draft) {
   std::vector<std::vector<Slot>> all;
   std::vector<char> seen(draft.slots(), 0);
   const auto walk = [&](Slot from, Slot next) {
@@ -225,7 +228,7 @@ std::vector<std::vector<Slot>> strokes(const Draft& draft) {
   return all;
 }
 
-std::vector<Slot> tail(const Draft& draft, Slot end) {
+std::vector<Slot> stroke_tail(const EditableGraph& draft, Slot end) {
   constexpr std::size_t kLong = 6;
   std::vector<Slot> slots{end, draft.neighbours(end)[0]};
   while (slots.size() < kLong && draft.degree(slots.back()) == 2) {
@@ -235,7 +238,7 @@ std::vector<Slot> tail(const Draft& draft, Slot end) {
   return slots;
 }
 
-double usual_contrast(const Draft& draft, const std::vector<Slot>& slots) {
+double median_contrast(const EditableGraph& draft, const std::vector<Slot>& slots) {
   std::vector<double> contrasts;
   for (const Slot slot : slots) contrasts.push_back(std::abs(draft.patch(slot).contrast));
   return core::median(std::move(contrasts));

@@ -7,7 +7,7 @@
 
 namespace emberfold::sketch {
 
-struct Pursuit {
+struct PursuitOptions {
   double noise = 1;   ///< grey levels, > 0: what a pixel may be off for nothing
   double budget = 1;  ///< (0, 1]: most of the frame's pixels that the patches may show
   bool blobs = true;  ///< blobs too, where no stroke pays
@@ -22,6 +22,6 @@ struct Pursuit {
 /// the meetings of strokes. Vertices are numbered anew, named by their degree, and carry their cost and gain.
 /// `levels`: CV_32F, 1 or 3 channels. At most about 50 rounds of O(pixels).
 graph::AttributeGraph pursue(const graph::AttributeGraph& proposals, const cv::Mat& levels,
-                             const Pursuit& pursuit);
+                             const PursuitOptions& pursuit);
 
 }  // namespace emberfold::sketch

@@ -17,7 +17,7 @@
 namespace emberfold::sketch {
 
 inline constexpr double kLeastReach = 1.5, kMostReach = 12;  ///< px to each side
-inline constexpr double kSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
+inline constexpr double kBorderSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
 
 inline constexpr double kLeastMargin =
     1;  ///< px beyond the core: else a sharp line holds no pixel of its sides
@@ -30,12 +30,12 @@ inline double profile_reach(const graph::Patch& patch) {
 
 /// Of a double ridge the middle of its line on the right (`side` 1) or on the left (−1); else the patch's
 /// place.
-inline graph::Point line_at(const graph::Patch& patch, double side) {
+inline graph::Point ridge_line(const graph::Patch& patch, double side) {
   const double aside = patch.hollow > 0 ? side * (patch.width + patch.hollow) / 4 : 0;
   return patch.position + graph::Point{-std::sin(patch.theta), std::cos(patch.theta)} * aside;
 }
 
-inline double between(double a, double b, double s) {
+inline double interpolate(double a, double b, double s) {
   return a + s * (b - a);
 }
 
@@ -58,13 +58,13 @@ struct Band {
 };
 
 /// One for each edge, and for each patch without edges that is no blob.
-std::vector<Band> bands(const graph::AttributeGraph& graph);
+std::vector<Band> make_bands(const graph::AttributeGraph& graph);
 
 /// Height and its derivatives over the chord.
 struct Height {
   double value, slope, curvature;
 };
-inline Height height(const Band& band, double u) {
+inline Height height_at(const Band& band, double u) {
   const double c = std::clamp(u, 0.0, band.length), s = c / band.length;
   const double a = band.a.slope, b = band.b.slope;
   const double slope = a * (3 * s * s - 4 * s + 1) + b * (3 * s * s - 2 * s);
@@ -74,36 +74,36 @@ inline Height height(const Band& band, double u) {
 }
 
 /// Where a pixel lies with respect to a band: place along it, 0…1, and distance, positive to the right.
-struct Foot {
+struct Projection {
   double s, distance;
   bool at_round_end;
 };
 
-inline std::optional<Foot> foot(const Band& band, double u0, double v0) {
+inline std::optional<Projection> project(const Band& band, double u0, double v0) {
   // Newton's method for the nearest point of the curve, from the one beneath.
   double u = u0;
-  Height h = height(band, u);
+  Height h = height_at(band, u);
   if (band.a.slope != 0 || band.b.slope != 0)
     for (int i = 0; i < 4; ++i) {
       const double gradient = (u - u0) + (h.value - v0) * h.slope;
       const double second = 1 + h.slope * h.slope + (h.value - v0) * h.curvature;
       const double step = gradient / std::max(second, 0.3);
       u -= step;
-      h = height(band, u);
+      h = height_at(band, u);
       if (std::abs(step) < 1e-4) break;
     }
   const double stretch = std::sqrt(1 + h.slope * h.slope);
-  if (u >= -band.before - kSlack && u <= band.length + band.after + kSlack)
-    return Foot{std::clamp(u / band.length, 0.0, 1.0), ((v0 - h.value) - (u0 - u) * h.slope) / stretch,
-                false};
+  if (u >= -band.before - kBorderSlack && u <= band.length + band.after + kBorderSlack)
+    return Projection{std::clamp(u / band.length, 0.0, 1.0), ((v0 - h.value) - (u0 - u) * h.slope) / stretch,
+                      false};
   const bool at_a = u < band.length / 2;
   if (!(at_a ? band.a.round : band.b.round)) return std::nullopt;
   const double slope = at_a ? band.a.slope : band.b.slope, du = at_a ? u0 : u0 - band.length;
-  return Foot{at_a ? 0.0 : 1.0, std::copysign(std::hypot(du, v0), v0 - slope * du), true};
+  return Projection{at_a ? 0.0 : 1.0, std::copysign(std::hypot(du, v0), v0 - slope * du), true};
 }
 
 /// The whole numbers x in [0, count) with low ≤ slope·x + offset ≤ high, as a range that only shrinks.
-struct Range {
+struct PixelRange {
   int first, last;
   void meet(double slope, double offset, double low, double high) {
     if (std::abs(slope) < 1e-12) {
@@ -124,46 +124,46 @@ struct Range {
 
 /// paint(x, y, foot) for every pixel that the band covers.
 template <class Paint>
-void cover(const Band& band, cv::Size size, Paint paint) {
+void visit_band(const Band& band, cv::Size size, Paint paint) {
   const double reach = std::max(band.a.reach, band.b.reach);
   // The cubic stays below 4/27 of the length times the slopes; where it leans, so do its ends.
   const double side = reach + band.length * (std::abs(band.a.slope) + std::abs(band.b.slope)) * 4 / 27;
   const double lean_a = band.a.round ? 1 : std::min(std::abs(band.a.slope), 1.0);
   const double lean_b = band.b.round ? 1 : std::min(std::abs(band.b.slope), 1.0);
-  const double low = -band.before - reach * lean_a - kSlack;
-  const double high = band.length + band.after + reach * lean_b + kSlack;
+  const double low = -band.before - reach * lean_a - kBorderSlack;
+  const double high = band.length + band.after + reach * lean_b + kBorderSlack;
   const graph::Point o = band.origin, t = band.along;
   const double tip = std::abs(t.x) * side;
-  Range rows{0, size.height - 1};
+  PixelRange rows{0, size.height - 1};
   rows.meet(1, 0, o.y + std::min(low * t.y, high * t.y) - tip, o.y + std::max(low * t.y, high * t.y) + tip);
   for (int y = rows.first; y <= rows.last; ++y) {
     // Along and across the chord, u = (p − o)·t and v = (p − o)·n with n = (−t.y, t.x).
     const double dy = y - o.y;
-    Range columns{0, size.width - 1};
+    PixelRange columns{0, size.width - 1};
     columns.meet(t.x, dy * t.y - o.x * t.x, low, high);
     columns.meet(-t.y, dy * t.x + o.x * t.y, -side, side);
     for (int x = columns.first; x <= columns.last; ++x) {
       const double dx = x - o.x;
-      const auto at = foot(band, dx * t.x + dy * t.y, dy * t.x - dx * t.y);
-      if (at && std::abs(at->distance) <= between(band.a.reach, band.b.reach, at->s)) paint(x, y, *at);
+      const auto at = project(band, dx * t.x + dy * t.y, dy * t.x - dx * t.y);
+      if (at && std::abs(at->distance) <= interpolate(band.a.reach, band.b.reach, at->s)) paint(x, y, *at);
     }
   }
 }
 
 /// The nearer to a band's middle, the more it counts; rounded ends count where nothing else does.
-inline double weight(const Band& band, const Foot& at) {
-  const double reach = between(band.a.reach, band.b.reach, at.s);
+inline double band_weight(const Band& band, const Projection& at) {
+  const double reach = interpolate(band.a.reach, band.b.reach, at.s);
   const double inward = std::max(1 - std::abs(at.distance) / reach, 0.03);
   return inward * inward * inward * inward * (at.at_round_end ? 1e-12 : 1);
 }
 
 /// paint(x, y) for every pixel of a blob.
 template <class Paint>
-void cover_blob(const graph::Patch& blob, const BlobShape& shape, cv::Size size, Paint paint) {
+void visit_blob(const graph::Patch& blob, const BlobShape& shape, cv::Size size, Paint paint) {
   const auto [px, py] = blob.position;
-  Range rows{0, size.height - 1}, columns{0, size.width - 1};
-  rows.meet(1, -py, -shape.reach() - kSlack, shape.reach() + kSlack);
-  columns.meet(1, -px, -shape.reach() - kSlack, shape.reach() + kSlack);
+  PixelRange rows{0, size.height - 1}, columns{0, size.width - 1};
+  rows.meet(1, -py, -shape.reach() - kBorderSlack, shape.reach() + kBorderSlack);
+  columns.meet(1, -px, -shape.reach() - kBorderSlack, shape.reach() + kBorderSlack);
   for (int y = rows.first; y <= rows.last; ++y)
     for (int x = columns.first; x <= columns.last; ++x)
       if (shape.holds(x - px, y - py)) paint(x, y);
@@ -171,12 +171,12 @@ void cover_blob(const graph::Patch& blob, const BlobShape& shape, cv::Size size,
 
 /// paint(vertex, shape, x, y) for every pixel of every blob.
 template <class Paint>
-void cover_blobs(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
+void visit_blobs(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const graph::Patch& patch = graph.patch(i);
     if (graph.degree(i) != 0 || patch.type != graph::PatchType::blob) continue;
     const BlobShape shape(patch);
-    cover_blob(patch, shape, size, [&](int x, int y) { paint(i, shape, x, y); });
+    visit_blob(patch, shape, size, [&](int x, int y) { paint(i, shape, x, y); });
   }
 }
 

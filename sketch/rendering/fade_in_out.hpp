@@ -14,11 +14,11 @@ namespace emberfold::sketch {
 /// A frame's patches with those that have just gone or are about to come, and how much there is of each.
 struct FadedGraph {
   graph::AttributeGraph graph;
-  std::vector<float> presence;  ///< of each patch, 0…1
+  std::vector<float> opacity;  ///< of each patch, 0…1
 };
 
 /// Lets patches come and go over six frames, half of them before a patch's first frame and after its last: in
-/// none does its presence change by more than 1/6, and it is there in half when it was before, too. Where a
+/// none does its opacity change by more than 1/6, and it is there in half when it was before, too. Where a
 /// patch is not yet or no more, it is shown as it was in its nearest frame.
 class FadeInOut {
  public:

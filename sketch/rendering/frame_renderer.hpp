@@ -24,8 +24,8 @@ struct RenderedLevels {
 /// Fills what `part` and the still ground (add_background_pixels) leave open; with nothing held the frame
 /// becomes `empty`, levels by channel.
 RenderedLevels render_around(const sketch::Sketchable& part, const cv::Scalar& empty,
-                             const sketch::FillOptions& options, const BackgroundImage& ground = {},
-                             const cv::Mat& presence = {});
+                             const sketch::FillOptions& options, const BackgroundImage& background = {},
+                             const cv::Mat& opacity = {});
 
 /// What the frames of a clip of graphs have in common.
 struct RenderOptions {
@@ -33,7 +33,7 @@ struct RenderOptions {
   int channels = 3;       ///< 1 or 3
   float empty_level = 0;  ///< of a frame without patches and ground, white = 255
   sketch::FillOptions fill = {};
-  Background ground = {};
+  Background background = {};
   double blur_share = 1;     ///< of their fitted blur that patches are drawn with, 0…1 (sharpening.hpp)
   double contrast_gain = 1;  ///< of their contrast, ≥ 1
   /// Graphs drawn from a model, not seen: patches take the levels of where they are, those of a frame's
@@ -44,41 +44,42 @@ struct RenderOptions {
 /// A frame to be drawn: its strokes, and what lies between them.
 struct FrameContent {
   graph::AttributeGraph graph;
-  cv::Mat ground = {};  ///< CV_8U, as the frame: the strokes are joined into it; empty: the fill, look.ground
+  cv::Mat background =
+      {};  ///< CV_8U, as the frame: the strokes are joined into it; empty: the fill, look.ground
   /// How much of each patch is there, 0…1, for those that come and go: its levels lie between its own and
   /// what would be there without it. Empty: all of all.
-  std::vector<float> presence = {};
+  std::vector<float> opacity = {};
   cv::Mat residual = {};  ///< CV_8S, as the frame: added to all but the backdrop
 };
 
 /// The patches of which at least half is there.
-graph::AttributeGraph visible_patches(const FrameContent& parts);
+graph::AttributeGraph visible_patches(const FrameContent& content);
 
 /// Draws frames of one look, which it keeps what they share of.
 class FrameRenderer {
  public:
-  explicit FrameRenderer(const RenderOptions& look);
+  explicit FrameRenderer(const RenderOptions& options);
   /// The frame that a graph tells of: patches drawn from their attributes; around them the given ground,
   /// which takes the strokes' levels beside them, or, without one, the still ground away from them and the
   /// rest filled. CV_8U.
-  [[nodiscard]] cv::Mat draw(const FrameContent& parts) const;
+  [[nodiscard]] cv::Mat draw(const FrameContent& content) const;
 
  private:
-  RenderOptions look_;
+  RenderOptions options_;
   BackgroundImage still_;
 };
-inline cv::Mat render_frame(const FrameContent& parts, const RenderOptions& look) {
-  return FrameRenderer(look).draw(parts);
+inline cv::Mat render_frame(const FrameContent& content, const RenderOptions& options) {
+  return FrameRenderer(options).draw(content);
 }
-inline cv::Mat render_frame(const graph::AttributeGraph& graph, const RenderOptions& look) {
-  return render_frame(FrameContent{graph}, look);
+inline cv::Mat render_frame(const graph::AttributeGraph& graph, const RenderOptions& options) {
+  return render_frame(FrameContent{graph}, options);
 }
 
 /// Draws these frames on several threads, CV_8U. Throws core::Cancelled.
-std::vector<cv::Mat> render_frames(std::span<const FrameContent> parts, const RenderOptions& look,
+std::vector<cv::Mat> render_frames(std::span<const FrameContent> content, const RenderOptions& options,
                                    const core::Context& context);
 /// The same of graphs alone.
-std::vector<cv::Mat> render_frames(std::span<const graph::AttributeGraph> graphs, const RenderOptions& look,
-                                   const core::Context& context);
+std::vector<cv::Mat> render_frames(std::span<const graph::AttributeGraph> graphs,
+                                   const RenderOptions& options, const core::Context& context);
 
 }  // namespace emberfold::sketch

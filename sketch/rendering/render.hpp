@@ -30,13 +30,13 @@ Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int ch
 
 /// draw_fitted, and what is told of each patch beside its levels: two numbers, which go over from patch to
 /// patch and are weighed as the levels are.
-struct ToldSketch {
+struct AttributedSketch {
   Sketchable part;
-  cv::Mat told;  ///< CV_32FC2, 0 off the mask
+  cv::Mat values;  ///< CV_32FC2, 0 off the mask
 };
 /// `told`: for each patch, by index; InputError where their number is another.
-ToldSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels,
-                       std::span<const std::array<float, 2>> told);
+AttributedSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels,
+                             std::span<const std::array<float, 2>> values);
 
 /// The same part of the frame as draw_fitted covers, with the frame's own pixels. `levels`: CV_32F, 1 or 3
 /// channels.

@@ -26,25 +26,25 @@ struct FlankGradient {
   [[nodiscard]] double mean() const { return places > 0 ? sum / static_cast<double>(places) : 0; }
 };
 /// `luma`: CV_32F, white = 255.
-FlankGradient flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph);
+FlankGradient measure_flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph);
 
 /// Of at most eight frames spread over a clip together. Reads the clip once; throws core::Cancelled.
-FlankGradient clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
-                                  const core::Context& context = {});
+FlankGradient measure_clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                          const core::Context& context = {});
 
 /// How the patches of new clips are drawn.
 struct Sharpening {
   double blur_share = 1;     ///< of their fitted blur, 0.25…1
   double contrast_gain = 1;  ///< 1…1.5
 };
-/// With what the frames of these graphs come as near as they can to a flank gradient `wanted`, by bisection:
+/// With what the frames of these graphs come as near as they can to a flank gradient `target`, by bisection:
 /// first less blur, then, where that is not enough, more contrast. Neither where they are that steep or have
 /// no patches. Throws core::Cancelled. Draws the frames some 15 times.
-Sharpening fit_sharpening(std::span<const FrameContent> parts, RenderOptions look, double wanted,
+Sharpening fit_sharpening(std::span<const FrameContent> content, RenderOptions options, double target,
                           const core::Context& context = {});
 
 /// The look of frames that are drawn so.
-RenderOptions sharpened(RenderOptions look, const Sharpening& sharpening);
+RenderOptions apply_sharpening(RenderOptions options, const Sharpening& sharpening);
 
 /// The array "sharpening" beside a motion model's own: blur_share, contrast_gain.
 void add_sharpening(core::ModelArchive& archive, const Sharpening& sharpening);

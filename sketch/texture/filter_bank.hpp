@@ -28,18 +28,18 @@ struct TextureFilter {
 /// The level itself; Laplacian of a Gaussian of SD 0.7; Gaussian first derivatives along x and y, SD 1;
 /// second ones at 0°, 45°, 90°, 135°, SD 1.2; the Laplacian of a Gaussian of SD 1.2; what lies between a
 /// pixel and the next along x and y.
-std::array<TextureFilter, kTextureFilters> texture_filters();
+std::array<TextureFilter, kTextureFilters> make_texture_filters();
 
 /// Responses to CV_8U levels, CV_32S; the border is repeated outwards.
-cv::Mat respond(const cv::Mat& bytes, const TextureFilter& filter);
+cv::Mat filter_responses(const cv::Mat& bytes, const TextureFilter& filter);
 
 /// Ascending limits between the bins of one filter: bin b holds edge[b − 1] ≤ response < edge[b].
 using BinEdges = std::array<int, kTextureBins - 1>;
 /// The first and the last bin are what lies beyond all of `responses`, the limits between leave 0.5, 3, 12,
 /// 28, 43 % of them below, and likewise above; all at least 32 apart (a quarter of a grey level), so that
 /// bins stay narrow where all responses are alike.
-BinEdges bin_edges(std::vector<int> responses);
-int bin_of(const BinEdges& edges, int response);
+BinEdges make_bin_edges(std::vector<int> responses);
+int find_bin(const BinEdges& edges, int response);
 
 /// Of each filter the share of the pixels in each bin: sums to 1, or is 0 where no pixel counts.
 using FilterHistograms = std::array<std::array<double, kTextureBins>, kTextureFilters>;

@@ -15,14 +15,14 @@
 namespace emberfold::sketch {
 
 /// How the non-sketchable part of a frame is drawn from the sketchable.
-enum class GroundFill {
+enum class FillMethod {
   diffusion,   ///< heat at rest: smooth
   julesz,      ///< texture with the observed filter histograms, beginning with the diffusion
   efros_leung  ///< texture of copied pixels, each from where it looks alike
 };
 
-struct GroundOptions {
-  GroundFill kind = GroundFill::diffusion;
+struct NonsketchableFillOptions {
+  FillMethod kind = FillMethod::diffusion;
   FillOptions fill = {};
   TextureOptions texture = {};  ///< not for the diffusion
   JuleszOptions julesz = {};
@@ -31,7 +31,7 @@ struct GroundOptions {
   void validate() const;
 };
 
-struct GroundResult {
+struct NonsketchableFillResult {
   cv::Mat levels;                 ///< CV_32F, channels as given
   bool converged = true;          ///< the diffusion, which is the begin of all
   int regions = 0;                ///< textures found; 0 with the diffusion
@@ -40,12 +40,13 @@ struct GroundResult {
 
 /// Draws what lies between the patches. `observed`: the frame, CV_32F, 1 or 3 channels, finite: the textures'
 /// source; the diffusion only takes its mean where nothing is drawn. `drawn`: of the same size and type; its
-/// pixels come back bit for bit. InputError otherwise. Anchors belong into `drawn` too: see with_anchors.
+/// pixels come back bit for bit. InputError otherwise. Anchors belong into `drawn` too: see add_anchors.
 /// Throws core::Cancelled.
-GroundResult fill_ground(const cv::Mat& observed, const Sketchable& drawn, const GroundOptions& options = {},
-                         const core::Context& context = {});
+NonsketchableFillResult fill_nonsketchable(const cv::Mat& observed, const Sketchable& drawn,
+                                           const NonsketchableFillOptions& options = {},
+                                           const core::Context& context = {});
 
 /// The patches and, where `mask` (CV_8U) is set and no patch lies, the frame's own pixels.
-Sketchable with_anchors(const Sketchable& drawn, const cv::Mat& observed, const cv::Mat& mask);
+Sketchable add_anchors(const Sketchable& drawn, const cv::Mat& observed, const cv::Mat& mask);
 
 }  // namespace emberfold::sketch

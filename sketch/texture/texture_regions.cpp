@@ -25,8 +25,8 @@ constexpr std::array<std::size_t, 6> kLimitEdges{2, 3, 5,
                                                  6, 8, 9};  // of each filter: 3, 12, 43, 57, 88, 97 %
 constexpr int kLimits = kLimitEdges.size();
 constexpr int kFeatures = kTextureFilters * kLimits;  // of a pixel
-constexpr std::size_t kLanes = 8;                     // a feature is padded to whole vectors, as core::squared_distance sums
-constexpr int kStep = 3;                              // px between the pixels that make the clusters
+constexpr std::size_t kLanes = 8;  // a feature is padded to whole vectors, as core::squared_distance sums
+constexpr int kStep = 3;           // px between the pixels that make the clusters
 constexpr int kIterations = 25;
 constexpr int kReach = 3;  // px, of the filters
 constexpr int kTries = 4;  // of k-means, the best is taken
@@ -192,7 +192,7 @@ void TextureOptions::validate() const {
   core::check_odd("TextureOptions.window", window, 3, 31);
 }
 
-TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
+TextureRegions segment_texture(const cv::Mat& levels, const cv::Mat& sketchable,
                                const TextureOptions& options) {
   options.validate();
   check(levels, sketchable);
@@ -201,12 +201,12 @@ TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
   regions.part = regions.label.clone();
   const cv::Mat free = sketchable == 0, bytes = core::to_bytes(core::luma(levels));
   if (cv::countNonZero(free) == 0) return regions;
-  const auto filters = texture_filters();
+  const auto filters = make_texture_filters();
   std::vector<cv::Mat> responses(filters.size());
   std::array<BinEdges, kTextureFilters> edges;
   core::parallel_for(filters.size(), {}, [&](std::size_t f) {
-    responses[f] = respond(bytes, filters[f]);
-    edges[f] = bin_edges(where(responses[f], free));
+    responses[f] = filter_responses(bytes, filters[f]);
+    edges[f] = make_bin_edges(where(responses[f], free));
   });
   const Features features(responses, edges, free, options.window);
   std::vector<Feature> points;
@@ -224,24 +224,24 @@ TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
   regions.edges.resize(2 * static_cast<std::size_t>(regions.count));
   core::parallel_for(filters.size(), {}, [&](std::size_t f) {
     for (std::size_t k = 0; k < regions.edges.size(); ++k)
-      regions.edges[k][f] = bin_edges(where(responses[f], regions.part == static_cast<int>(k + 1)));
+      regions.edges[k][f] = make_bin_edges(where(responses[f], regions.part == static_cast<int>(k + 1)));
   });
-  regions.histograms = region_histograms(bytes, regions);
+  regions.histograms = measure_region_histograms(bytes, regions);
   return regions;
 }
 
-std::vector<FilterHistograms> region_histograms(const cv::Mat& bytes, const TextureRegions& regions) {
+std::vector<FilterHistograms> measure_region_histograms(const cv::Mat& bytes, const TextureRegions& regions) {
   std::vector<FilterHistograms> histograms(2 * static_cast<std::size_t>(regions.count));
-  const auto filters = texture_filters();
+  const auto filters = make_texture_filters();
   core::parallel_for(filters.size(), {}, [&](std::size_t f) {
-    const cv::Mat responses = respond(bytes, filters[f]);
+    const cv::Mat responses = filter_responses(bytes, filters[f]);
     std::vector<double> counts(histograms.size(), 0.0);
     for (int y = 0; y < bytes.rows; ++y)
       for (int x = 0; x < bytes.cols; ++x) {
         const auto part = static_cast<std::size_t>(regions.part.at<std::uint8_t>(y, x));
         if (part == 0) continue;
         ++counts[part - 1];
-        const int bin = bin_of(regions.edges[part - 1][f], responses.at<int>(y, x));
+        const int bin = find_bin(regions.edges[part - 1][f], responses.at<int>(y, x));
         ++histograms[part - 1][f][static_cast<std::size_t>(bin)];
       }
     for (std::size_t k = 0; k < histograms.size(); ++k)

@@ -39,10 +39,10 @@ struct TextureRegions {
 /// (Sugar & James 2003, "Finding the number of clusters in a dataset: an information-theoretic approach").
 /// Labels are in the order of the mean level. O(pixels · regions); the same bytes at any number of threads.
 /// Guo, Zhu & Wu 2007, "Primal sketch: integrating structure and texture".
-TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
+TextureRegions segment_texture(const cv::Mat& levels, const cv::Mat& sketchable,
                                const TextureOptions& options = {});
 
 /// The histograms of other levels (CV_8U) with the same parts and bins.
-std::vector<FilterHistograms> region_histograms(const cv::Mat& bytes, const TextureRegions& regions);
+std::vector<FilterHistograms> measure_region_histograms(const cv::Mat& bytes, const TextureRegions& regions);
 
 }  // namespace emberfold::sketch

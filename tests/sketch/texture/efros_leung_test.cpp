@@ -33,7 +33,7 @@ struct Scene {
 Scene scene(const cv::Mat& frame, const cv::Mat& mask, int count = 1) {
   cv::Mat start = sketch::fill(frame, mask).levels;
   if (cv::countNonZero(mask) == 0) start.setTo(cv::mean(frame));
-  return {frame, mask, start, sketch::texture_regions(frame, mask, {.regions = count})};
+  return {frame, mask, start, sketch::segment_texture(frame, mask, {.regions = count})};
 }
 
 /// A tile of 7 × 5 different levels, again and again.
