@@ -16,29 +16,31 @@
 
 namespace emberfold::sketch {
 
-/// What an edit would change, and which patches it concerns: the places of no two edits of a round may meet.
+/// Holds an edit, its change of the length, and the patches it concerns. The concerned patches of two edits
+/// of a round must not meet.
 struct Proposal {
   double change = 0;  // nats
   GraphEdit edit;
   std::vector<Slot> concerns;
 };
 
-/// Does the edits that shorten the code most and do not meet; whether there were any.
+/// Applies the edits that shorten the code most and do not meet. Returns whether there were any.
 bool apply_best(EditableGraph& draft, std::vector<Proposal> proposals);  // refine.cpp
 
-/// Across a straight patch, one a pixel.
+/// Returns the ribs of a straight patch, one a pixel.
 std::vector<Rib> make_ribs(graph::Point position, double theta, double length);
 
-/// Whether one patch lies on the other: within 3 px along it, its core and a blur (1.5 px at least) across.
+/// Returns whether one patch lies on the other: within 3 px along it, its core and a blur (1.5 px at least)
+/// across.
 bool patches_overlap(const graph::Patch& a, const graph::Patch& b);
 
-/// In the axis in which the patch gains most; in luma where none gains.
+/// Returns the coding in the axis of greatest gain; in luma where no axis gains.
 Coding best_coding(std::span<const CodingContext> axes, const graph::Patch& patch);
 
-/// What ProposalBuilder::like found, by all that it was asked: most of it is asked again in the next round.
+/// Results of ProposalBuilder::fit_like by all its arguments; most are asked for again in the next round.
 using FitCache = std::map<std::array<double, 8>, std::optional<graph::Patch>>;
 
-/// A draft on its frame: makes patches and proposals, for the edits of one round.
+/// Builds patches and proposals for the edits of one round, from a graph on its frame.
 class ProposalBuilder {
  public:
   ProposalBuilder(const EditableGraph& draft, const cv::Mat& levels, std::span<const CodingContext> axes,
@@ -48,24 +50,24 @@ class ProposalBuilder {
   [[nodiscard]] double spacing() const { return refinement_.spacing; }
   [[nodiscard]] const cv::Mat& levels() const { return levels_; }
 
-  /// A patch like this one, fitted at another place or a little beside it, with its cost and gain; none if
-  /// what is there is of another kind or shows less than half of `contrast`.
+  /// Fits a patch of the same kind at another place or a little beside it, with its cost and gain. None if
+  /// the patch there is of another kind or has less than half of `contrast`.
   std::optional<graph::Patch> fit_like(const graph::Patch& patch, graph::Point position, double theta,
                                        double contrast);
-  /// The least share of `contrast` that shows on the way from one place to another, a pixel at a time: luma's
-  /// difference across it, as the patch's profile has it. Finer than a fitted patch, so less sure. Looks no
-  /// further where less than `enough` shows.
+  /// Returns the least share of `contrast` that shows on the way from one place to another, pixel by pixel.
+  /// Measured is luma's difference across the way, as the patch's profile has it: finer than a fitted patch,
+  /// so less sure. Stops early where less than `enough` shows.
   [[nodiscard]] double visible_contrast(const graph::Patch& patch, graph::Point from, graph::Point to,
                                         double contrast, double enough) const;
-  /// Its cost and gain.
+  /// Returns the patch with its cost and gain.
   [[nodiscard]] graph::Patch with_coding_cost(graph::Patch patch) const;
-  /// Whether a patch at this place would lie on a patch of the draft that is none of `besides`.
+  /// Returns whether a patch would lie on a patch of the graph that is none of `besides`.
   [[nodiscard]] bool overlaps(const graph::Patch& patch, std::span<const Slot> besides) const;
-  /// The patches within `radius` px, ascending.
+  /// Returns the patches within kRadius px, ascending.
   [[nodiscard]] std::vector<Slot> patches_near(graph::Point place) const;
   static constexpr double kRadius = 20;
 
-  /// Keeps it, if it shortens the code by more than a nat.
+  /// Keeps the edit if it shortens the code by more than a nat.
   void propose(GraphEdit edit, std::vector<Slot> concerns);
   std::vector<Proposal> take_proposals() { return std::move(proposals_); }
 
@@ -83,11 +85,12 @@ class ProposalBuilder {
   std::vector<Proposal> proposals_;
 };
 
-/// Curves of patches between those whose degree is not 2, as graph::Curve has them.
+/// Returns the curves of patches between those whose degree is not 2, as graph::Curve has them.
 std::vector<std::vector<Slot>> find_strokes(const EditableGraph& draft);
 
-/// A stroke's patches from its free end on, at most six, and the median of their |contrast|.
+/// Returns a stroke's patches from its free end on, at most six.
 std::vector<Slot> stroke_tail(const EditableGraph& draft, Slot end);
+/// Returns the median of the patches' |contrast|.
 double median_contrast(const EditableGraph& draft, const std::vector<Slot>& slots);
 
 void propose_at_ends(ProposalBuilder& editor);                                        // edit_ends.cpp

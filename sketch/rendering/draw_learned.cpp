@@ -134,8 +134,8 @@ void lay_window(Canvas& canvas, const graph::Patch& patch, const std::vector<Col
   const auto [px, py] = patch.position;
   const cv::Size size = canvas.part.mask.size();
   PixelRange rows{0, size.height - 1}, columns{0, size.width - 1};
-  rows.meet(1, -py, -reach, reach);
-  columns.meet(1, -px, -reach, reach);
+  rows.intersect(1, -py, -reach, reach);
+  columns.intersect(1, -px, -reach, reach);
   for (int y = rows.first; y <= rows.last; ++y)
     for (int x = columns.first; x <= columns.last; ++x) {
       if (canvas.part.mask.at<std::uint8_t>(y, x) == 0) continue;
