@@ -111,12 +111,12 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
 
   const auto& sketch = analysis.motion.sketch;
   ClipModel& model = analysis.model;
-  model.background = sketch::still_background(sketches.clip.grounds);
-  model.background.backdrop = sketch::find_static_pixels(source, context);
-  const double gradient = sketch::clip_flank_gradient(source, sketch, context).mean();
+  model.background = sketch::estimate_background(sketches.clip.grounds);
+  model.background.static_pixels = sketch::find_static_pixels(source, context);
+  const double gradient = sketch::measure_clip_flank_gradient(source, sketch, context).mean();
   model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
   const auto look =
-      sketch::sharpened(render_options(fitted.model, model.background, options.fill), model.sharpening);
+      sketch::apply_sharpening(render_options(fitted.model, model.background, options.fill), model.sharpening);
   analysis.calibration = calibrate_rates(sketches, look, options, analysis, fitted, clock, context);
   analysis.rates = fitted.a_frame;
   model.motion = std::move(fitted.model);

@@ -44,7 +44,7 @@ struct Strokes {
   }
   // Of a clip that is drawn.
   [[nodiscard]] sketch::RenderOptions drawn_look() const {
-    return sketch::sharpened(look(level, drawn_ground), sharpening);
+    return sketch::apply_sharpening(look(level, drawn_ground), sharpening);
   }
 };
 
@@ -99,7 +99,7 @@ std::vector<cv::Mat> draw_hybrid(const Strokes& strokes, const dytex::LinearDyna
 }
 
 double ground_numbers(const sketch::Background& ground) {
-  const auto& [levels, still] = ground.backdrop;
+  const auto& [levels, still] = ground.static_pixels;
   const double pixels = levels.empty() ? 0 : static_cast<double>(cv::countNonZero(still) * levels.channels());
   return pixels + static_cast<double>(ground.levels.total()) * std::max(1, ground.levels.channels());
 }
@@ -111,7 +111,8 @@ void prepare_drawing(Strokes& strokes, mcmc::FitResult& fitted, const graph::Mot
   const std::uint64_t seed = input.seed;
   core::ClipRange part(input.source, 0, input.first);
   const double wanted =
-      sketch::clip_flank_gradient(part, first_frames(input.sketched.sketch, input.first), context).mean();
+      sketch::measure_clip_flank_gradient(part, first_frames(input.sketched.sketch, input.first), context)
+          .mean();
   strokes.sharpening = fit_sharpening(fitted.model, strokes.drawn_ground, wanted, seed, context);
   calibrate(fitted, mcmc::census(motion, graph::stroke_events(motion)),
             {input.options.sketch, input.options.match, strokes.drawn_look()}, CalibrateOptions{}, seed,
@@ -126,13 +127,14 @@ std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const Know
   const core::Context& context = input.context;
   Strokes strokes;
   strokes.fill = input.options.fill, strokes.info = input.source.info();
-  strokes.ground = sketch::still_background(std::span(grounds).first(static_cast<std::size_t>(input.first)));
+  strokes.ground =
+      sketch::estimate_background(std::span(grounds).first(static_cast<std::size_t>(input.first)));
   core::ClipRange part(input.source, 0, input.first);
-  strokes.ground.backdrop = sketch::find_static_pixels(part, context);
+  strokes.ground.static_pixels = sketch::find_static_pixels(part, context);
   strokes.drawn_ground = strokes.ground;
   if (known.motion_model != nullptr) {
-    strokes.drawn_ground = sketch::still_background(grounds);
-    strokes.drawn_ground.backdrop = sketch::find_static_pixels(input.source, context);
+    strokes.drawn_ground = sketch::estimate_background(grounds);
+    strokes.drawn_ground.static_pixels = sketch::find_static_pixels(input.source, context);
   }
   strokes.sketches = sketch.frames;
   strokes.level = mean_level(input.source);

@@ -30,7 +30,7 @@ bool is_grey(const graph::AttributeGraph& graph) {
 sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground,
                                      const sketch::FillOptions& fill) {
   sketch::RenderOptions look{{model.width, model.height}, std::max(1, ground.levels.channels()), 0, fill, {}};
-  look.ground = std::move(ground);
+  look.background = std::move(ground);
   double sum = 0, count = 0;
   const auto look_at = [&](const graph::AttributeGraph& graph) {
     if (!is_grey(graph)) look.channels = 3;
@@ -76,7 +76,7 @@ sketch::FrameContent FrameSynthesis::next_parts() {
   std::vector<const graph::AttributeGraph*> coming;
   for (const auto& later : ahead_) coming.push_back(&later.graph);
   auto fading = fader_.next(drawn.graph, coming);
-  sketch::FrameContent parts{std::move(fading.graph), {}, std::move(fading.presence)};
+  sketch::FrameContent parts{std::move(fading.graph), {}, std::move(fading.opacity)};
   if (between_) between_(parts);
   return parts;
 }
@@ -126,7 +126,7 @@ FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
   };
   const auto ground = std::make_shared<Drawn>(Drawn{texture, dytex::Synthesis(*texture, options)});
   return {mcmc::Synthesis(model, seed, start), std::move(look),
-          [ground](sketch::FrameContent& parts) { parts.ground = ground->synthesis.next(); }};
+          [ground](sketch::FrameContent& parts) { parts.background = ground->synthesis.next(); }};
 }
 
 FrameSynthesis residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual,

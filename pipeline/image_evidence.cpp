@@ -13,8 +13,8 @@ ImageEvidence::ImageEvidence(core::FrameSource& source, const core::Context& con
   const auto& info = source.info();
   core::stream_frames(
       source, "evidence", info.frames, context,
-      [&](int, const cv::Mat& frame) { return sketch::prepare_gain(core::to_levels(frame, info)); },
-      [&](int, sketch::GainFrame frame) { frames_.push_back(std::move(frame)); });
+      [&](int, const cv::Mat& frame) { return sketch::prepare_coding(core::to_levels(frame, info)); },
+      [&](int, sketch::CodingContext frame) { frames_.push_back(std::move(frame)); });
 }
 
 double ImageEvidence::gain(int frame, const graph::Patch& patch) const {
@@ -33,7 +33,7 @@ void GainTotals::add(const GainTotals& other) {
 GainTotals total_gain(const cv::Mat& levels, const graph::AttributeGraph& graph) {
   GainTotals totals;
   if (graph.empty()) return totals;
-  const auto frame = sketch::prepare_gain(levels);
+  const auto frame = sketch::prepare_coding(levels);
   for (const auto& vertex : graph.vertices()) {
     const double gain = sketch::coding_gain(frame, vertex.patch);
     totals.nats += gain;

@@ -23,7 +23,7 @@ class ImageEvidence final : public mcmc::Evidence {
   [[nodiscard]] double gain(int frame, const graph::Patch& patch) const override;
 
  private:
-  std::vector<sketch::GainFrame> frames_;
+  std::vector<sketch::CodingContext> frames_;
 };
 
 /// What the patches of some frames gain.

@@ -26,20 +26,20 @@ sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat&
   const double room = std::floor(share * pixels + 1e-9) - cv::countNonZero(patches.mask);
   if (room < 1) return patches;
   // Half a pixel more, so that rounding does not take one away.
-  const cv::Mat anchors = sketch::anchors(levels, patches, std::min(1.0, (room + 0.5) / pixels));
-  return sketch::with_anchors(patches, levels, anchors);
+  const cv::Mat anchors = sketch::choose_anchors(levels, patches, std::min(1.0, (room + 0.5) / pixels));
+  return sketch::add_anchors(patches, levels, anchors);
 }
 
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options) {
-  sketch::GroundOptions ground;
+  sketch::NonsketchableFillOptions ground;
   ground.fill = options;
   return reconstruct(levels, draw_patches(levels, graph, drawing), ground);
 }
 
 Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held,
-                           const sketch::GroundOptions& ground, const core::Context& context) {
-  const auto drawn = sketch::fill_ground(levels, held, ground, context);
+                           const sketch::NonsketchableFillOptions& ground, const core::Context& context) {
+  const auto drawn = sketch::fill_nonsketchable(levels, held, ground, context);
   Reconstruction result;
   result.share = held.share();
   result.converged = drawn.converged;

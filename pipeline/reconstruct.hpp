@@ -41,7 +41,7 @@ sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat&
 
 /// Draws the rest of the frame around what is held. Throws core::Cancelled.
 Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held,
-                           const sketch::GroundOptions& ground, const core::Context& context = {});
+                           const sketch::NonsketchableFillOptions& ground, const core::Context& context = {});
 
 /// {"mean", "min", "max", "frames"}, null where there is none.
 nlohmann::ordered_json spread_json(std::span<const double> values);

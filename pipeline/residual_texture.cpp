@@ -11,8 +11,8 @@
 
 #include "core/context.hpp"
 #include "core/error.hpp"
+#include "core/math/cell_grid.hpp"
 #include "core/model_arrays.hpp"
-#include "sketch/background/background_cells.hpp"
 #include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::pipeline {
@@ -55,7 +55,7 @@ class ResidualReader {
         graphs_(graphs),
         painter_(look),
         size_(look.size),
-        backdrop_(look.ground.backdrop.still),
+        backdrop_(look.background.static_pixels.still),
         context_(context) {}
 
   /// Hands over the pairs of frames.
@@ -99,10 +99,7 @@ class ResidualReader {
 
 /// Linear between the middles of cells.
 cv::Mat spread(const cv::Mat& values, cv::Size frame) {
-  cv::Mat whole;
-  cv::resize(values, whole, {values.cols * sketch::kBackgroundCell, values.rows * sketch::kBackgroundCell}, 0,
-             0, cv::INTER_LINEAR);
-  return whole(cv::Rect({0, 0}, frame)).clone();
+  return core::spread_cells(values, sketch::kBackgroundCell)(cv::Rect({0, 0}, frame)).clone();
 }
 
 /// Each pixel's channels times a square table.
@@ -114,7 +111,8 @@ cv::Mat turned(const cv::Mat& values, const cv::Mat& table) {
 
 /// SD by cell; what was hardly seen takes it from cells around. Empty where nothing was seen.
 cv::Mat measure_strength(ResidualReader& reader, cv::Size frame) {
-  cv::Mat squares = cv::Mat::zeros(sketch::background_cells(frame), CV_32F), counts = squares.clone();
+  cv::Mat squares = cv::Mat::zeros(core::count_cells(frame, sketch::kBackgroundCell), CV_32F),
+          counts = squares.clone();
   int frames = 0;
   reader.each_pair([&](const Residual& now, const Residual& next) {
     for (const auto* residual : {&now, &next}) {
@@ -123,8 +121,8 @@ cv::Mat measure_strength(ResidualReader& reader, cv::Size frame) {
       const int channels = residual->values.channels();
       cv::transform(residual->values.mul(residual->values), square,
                     cv::Mat(1, channels, CV_32F, cv::Scalar(1.0 / channels)));
-      squares += sketch::cell_means(square.mul(seen));
-      counts += sketch::cell_means(seen);
+      squares += core::cell_means(square.mul(seen), sketch::kBackgroundCell);
+      counts += core::cell_means(seen, sketch::kBackgroundCell);
       ++frames;
     }
   });
@@ -230,7 +228,8 @@ ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame)
   ResidualTexture residual;
   for (std::size_t i = 0; i < within.size(); ++i) residual.textures.push_back({within[i], ahead[i]});
   residual.colours = core::read_floats(archive, "residual_colours", {count, count}, 1);
-  residual.strength = core::read_floats(archive, "residual_strength", sketch::background_cells(frame), 1);
+  residual.strength =
+      core::read_floats(archive, "residual_strength", core::count_cells(frame, sketch::kBackgroundCell), 1);
   double least = 0;
   cv::minMaxIdx(residual.strength, &least);
   if (least < 0) throw core::IoError("motion model: residual_strength.npy holds a number below 0");

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <string>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -12,6 +11,7 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "core/math/robust.hpp"
+#include "core/text/check_range.hpp"
 #include "sketch/detection/colour.hpp"
 #include "sketch/detection/contrast_gaps.hpp"
 #include "sketch/detection/creases.hpp"
@@ -32,12 +32,6 @@ namespace emberfold::sketch {
 
 namespace {
 
-void require(bool holds, const char* field, double value, const char* allowed) {
-  if (!holds)
-    throw core::InputError(std::string("ExtractOptions::") + field + " is " + std::to_string(value) +
-                           ", must be " + allowed);
-}
-
 constexpr double kVisible = 1;  // grey level: what differs by less looks the same
 
 // Many faint points say as much as few strong ones.
@@ -51,7 +45,7 @@ double evidence(const Chain& chain) {
 void add_colour(ScaleSpace& space, NoiseLevels& ground, const cv::Mat& levels,
                 const ExtractOptions& options) {
   int channel = 0;
-  for (const cv::Mat1f& colour : opponent_colours(levels)) {
+  for (const cv::Mat1f& colour : compute_opponent_colours(levels)) {
     ScaleSpace more = scale_space(colour, options.finest_scale, options.scales, ++channel);
     const NoiseLevels own = measure_noise_levels(more, estimate_noise(colour));
     space.insert(space.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
@@ -63,19 +57,19 @@ void add_colour(ScaleSpace& space, NoiseLevels& ground, const cv::Mat& levels,
 }  // namespace
 
 void ExtractOptions::validate() const {
-  require(finest_scale >= 0.7 && finest_scale <= 20, "finest_scale", finest_scale, "in [0.7, 20] px");
-  require(scales >= 1 && scales <= 12, "scales", scales, "in 1…12");
-  require(significance > 0 && std::isfinite(significance), "significance", significance, "positive");
-  require(hysteresis > 0 && hysteresis <= 1, "hysteresis", hysteresis, "in (0, 1]");
-  require(min_contrast >= 0 && std::isfinite(min_contrast), "min_contrast", min_contrast, "at least 0");
-  require(min_length >= 0 && std::isfinite(min_length), "min_length", min_length, "at least 0");
-  require(min_evidence >= 0 && std::isfinite(min_evidence), "min_evidence", min_evidence, "at least 0");
-  require(spacing >= 2 && spacing <= 100, "spacing", spacing, "in [2, 100] px");
-  require(budget >= 0 && budget <= 1, "budget", budget, "in [0, 1]");
+  core::check_range("ExtractOptions.finest_scale", finest_scale, 0.7, 20);
+  core::check_range("ExtractOptions.scales", scales, 1, 12);
+  core::check_above("ExtractOptions.significance", significance, 0);
+  core::check_above("ExtractOptions.hysteresis", hysteresis, 0, 1);
+  core::check_at_least("ExtractOptions.min_contrast", min_contrast, 0);
+  core::check_at_least("ExtractOptions.min_length", min_length, 0);
+  core::check_at_least("ExtractOptions.min_evidence", min_evidence, 0);
+  core::check_range("ExtractOptions.spacing", spacing, 2, 100);
+  core::check_range("ExtractOptions.budget", budget, 0, 1);
 }
 
 double estimate_noise(const cv::Mat& luma) {
-  constexpr double kQuantisation = 0.29, kMedianToSd = 1.4826;
+  constexpr double kQuantisation = 0.29;
   if (luma.cols < 2 || luma.rows < 2) return kQuantisation;
   std::vector<float> detail;
   detail.reserve(static_cast<std::size_t>(luma.total() / 4));
@@ -85,7 +79,7 @@ double estimate_noise(const cv::Mat& luma) {
     for (int x = 0; x + 1 < luma.cols; x += 2)
       detail.push_back(std::abs(0.5F * (upper[x] - upper[x + 1] - lower[x] + lower[x + 1])));
   }
-  return std::max(kQuantisation, kMedianToSd * double{core::median_of_positive(std::move(detail))});
+  return std::max(kQuantisation, core::kMadToSd * double{core::median_of_positive(std::move(detail))});
 }
 
 namespace {
@@ -105,8 +99,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
 
   const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};
   auto [ridges, valleys] = find_lines(space, ground, low);
-  thin(ridges, space);
-  thin(valleys, space);
+  thin_parallel_points(ridges, space);
+  thin_parallel_points(valleys, space);
   if (space.back().channel > 0) {
     const CreaseMap all{ridges.kind, ridges.points, ridges.index.clone()};
     remove_coinciding(ridges, valleys, space);
@@ -115,20 +109,20 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   const CreaseMap all_ridges = ridges;  // its index is that of what is left
   remove_lobes(ridges, valleys, space);
   remove_lobes(valleys, all_ridges, space);
-  const LinkLimits limits{options.significance};
-  std::vector<Chain> chains = link(ridges, space, limits);
+  const TracingLimits limits{options.significance};
+  std::vector<Chain> chains = trace_curves(ridges, space, limits);
   const auto add = [&](std::vector<Chain> more) {
     chains.insert(chains.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   };
-  add(link(valleys, space, limits));
+  add(trace_curves(valleys, space, limits));
   if (options.edges) {
     CreaseMap steps = find_steps(space, ground, {low.significance, 2 * low.contrast});
     remove_flanks(steps, ridges, space);
     remove_flanks(steps, valleys, space);
-    thin(steps, space);
-    add(link(steps, space, limits));
+    thin_parallel_points(steps, space);
+    add(trace_curves(steps, space, limits));
   }
-  chains = without_lobes(without_hooks(std::move(chains)), space, luma.size());
+  chains = remove_lobe_curves(remove_hooks(std::move(chains)), space, luma.size());
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   const auto without_crumbs = [&](std::vector<Chain>& from) {
     std::erase_if(from, [&](const Chain& c) {
@@ -137,17 +131,18 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   };
   without_crumbs(chains);
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
-  chains = cut_at_fades(chains, space, {kHalf, noise});
+  chains = cut_at_contrast_gaps(chains, space, {kHalf, noise});
   without_crumbs(chains);
-  const Network network = prune(with_crossings(join(std::move(chains), space)), options.min_length);
-  std::vector<GainFrame> axes{prepare_gain(luma, kColourAxes[0])};
+  const CurveNetwork network =
+      prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
+  std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
   if (space.back().channel > 0)
-    for (cv::Mat1f& colour : opponent_colours(levels))
-      axes.push_back(prepare_gain(std::move(colour), kColourAxes[axes.size()]));
-  graph::AttributeGraph strokes =
-      without_flanks(refine(smoothed(cut_into_patches(network, space, levels, options.spacing, noise), noise),
-                            levels, axes, {options.spacing, options.blobs, previous}));
-  if (options.double_ridges) strokes = with_double_ridges(strokes, levels, axes[0], options.spacing);
+    for (cv::Mat1f& colour : compute_opponent_colours(levels))
+      axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
+  graph::AttributeGraph strokes = remove_flank_curves(
+      refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
+             axes, {options.spacing, options.blobs, previous}));
+  if (options.double_ridges) strokes = merge_double_ridges(strokes, levels, axes[0], options.spacing);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;

@@ -9,40 +9,43 @@
 
 namespace emberfold::sketch {
 
+/// Holds the settings of extract().
 struct ExtractOptions {
-  double finest_scale = 1.2;  ///< px, ≥ 0.7: SD of the finest Gaussian
-  int scales = 5;             ///< ≥ 1, each √2 above the one before
-  double significance = 6;    ///< > 0: a curve begins where the response is so many SD of the ground
-  double hysteresis = 0.4;    ///< 0…1: and goes on down to this share of it
-  double min_contrast = 2;    ///< grey levels, ≥ 0: fainter strokes are left out
-  double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
-  double min_evidence =
-      28;  ///< SD, ≥ 0: curves whose points' significance (root of the sum of squares) is less are left out
-  double spacing = 5;          ///< px, ≥ 2: from patch to patch along a curve
+  double finest_scale = 1.2;   ///< px, 0.7…20: SD of the finest Gaussian
+  int scales = 5;              ///< 1…12, each √2 above the one before
+  double significance = 6;     ///< > 0: SD of the noise response at which a curve begins
+  double hysteresis = 0.4;     ///< above 0, up to 1: share of `significance` down to which a curve goes on
+  double min_contrast = 2;     ///< grey levels, ≥ 0: fainter strokes are left out
+  double min_length = 12;      ///< px, ≥ 0: shorter curves that end freely are left out
+  double min_evidence = 28;    ///< SD, ≥ 0: least root of the sum of the squared significances of a curve's points
+  double spacing = 5;          ///< px, 2…100: from patch to patch along a curve
   bool edges = true;           ///< step edges too, not only ridges and valleys
   bool colour = false;         ///< structure from two axes of colour too, not only from luma
   bool blobs = false;          ///< blobs too, where the fill between the strokes leaves more than noise
   bool double_ridges = false;  ///< two lines side by side become one double ridge, where that pays
-  double budget = 0;  ///< 0…1: the patches, blobs among them, that gain most show this share of the frame at
-                      ///< most; 0: all that pay
+  /// 0…1: share of the frame that patches, blobs included, may show; those of most gain come first. 0: all that
+  /// pay.
+  double budget = 0;
 
   void validate() const;
 };
 
-/// SD of the pixel noise in grey levels, from the finest diagonal wavelet (median absolute deviation); at
-/// least the quantisation's 0.29.
+/// Estimates the SD of the pixel noise in grey levels. Median absolute deviation of the finest diagonal
+/// wavelet; at least 0.29, the SD of quantisation. `luma`: CV_32F. O(pixels).
 double estimate_noise(const cv::Mat& luma);
 
-/// The primal sketch of one frame. `levels`: CV_32F, 1 or 3 channels, white = 255; structure is found in its
-/// luma, with `colour` also in red − green and blue − yellow, scaled so that white noise is as strong in all
-/// three; a patch's contrast is then that of the axis in which it is strongest. Patches carry their cost and
-/// gain. Vertex ids count from 0. Steger 1998 (subpixel lines), Lindeberg 1998 (scale); docs/method/sketch.md
-/// has the rest. A frame without structure gives an empty graph.
+/// Extracts the primal sketch of one frame. `levels`: CV_32F, 1 or 3 channels, finite, white = 255. Structure
+/// is found in luma, with `colour` also in red − green and blue − yellow, scaled so that white noise is as
+/// strong in all three; a patch's contrast is that of the axis in which it is strongest. Patches carry their
+/// cost and gain. Vertex ids count from 0. A frame without structure gives an empty graph. Throws
+/// core::InputError. Steger 1998 (subpixel lines), Lindeberg 1998 (scale); docs/method/sketch.md has the
+/// steps.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options);
 
-/// The same with a warm start: strokes of `previous`, the sketch of the frame before, that are not found are
-/// looked for where they were, up to 4 px across, and are in the sketch where they show at half of their
-/// contrast and shorten the frame's code. So faint strokes flicker less; all else is as from a cold start.
+/// Extracts the sketch with a warm start from `previous`, the sketch of the frame before. Strokes of it that
+/// are not found again are searched for where they were, up to 4 px across. They are kept where they show at
+/// half of their contrast and shorten the frame's code. Faint strokes flicker less; all else is as from a
+/// cold start.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
                               const graph::AttributeGraph& previous);
 

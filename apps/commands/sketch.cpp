@@ -36,9 +36,9 @@ pipeline::PatchDrawing patches_named(const std::string& name) {
   return name == "pixels" ? pipeline::PatchDrawing::pixels : pipeline::PatchDrawing::fitted;
 }
 
-sketch::GroundFill fill_named(const std::string& name) {
-  if (name == "julesz") return sketch::GroundFill::julesz;
-  return name == "efros-leung" ? sketch::GroundFill::efros_leung : sketch::GroundFill::diffusion;
+sketch::FillMethod fill_named(const std::string& name) {
+  if (name == "julesz") return sketch::FillMethod::julesz;
+  return name == "efros-leung" ? sketch::FillMethod::efros_leung : sketch::FillMethod::diffusion;
 }
 
 void refuse(const std::string& option, const std::string& value, const std::string& allowed) {
@@ -62,7 +62,7 @@ SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, co
     refuse("--regions", std::to_string(regions),
            "0 (as many as fit best) or " + std::to_string(texture.fewest) + " to " +
                std::to_string(texture.most));
-  if (asked.own_regions && request.ground.kind == sketch::GroundFill::diffusion)
+  if (asked.own_regions && request.ground.kind == sketch::FillMethod::diffusion)
     throw Misuse("--regions is for --fill julesz or efros-leung; the diffusion knows no textures");
   if (request.anchors < 0 || request.anchors > 1 || std::isnan(request.anchors))
     refuse("--anchors", number_text(request.anchors), "0 (none) to 1, a share of the frame");
@@ -92,7 +92,7 @@ void warn_of(const SketchRun& run, Session& session) {
 
 Json asked_json(const Sketch& asked, const SketchRequest& request, const io::ReadOptions& read) {
   Json fill = {{"kind", asked.fill}};
-  if (request.ground.kind != sketch::GroundFill::diffusion) fill["regions"] = request.ground.texture.regions;
+  if (request.ground.kind != sketch::FillMethod::diffusion) fill["regions"] = request.ground.texture.regions;
   fill.update(options_json(request.ground.fill));
   Json drawing = {{"patches", asked.patches}, {"anchors", request.anchors}};
   Json extract = options_json(request.extract);
@@ -115,11 +115,11 @@ Json summarise(const Sketch& asked, const SketchRequest& request, const io::Read
                           {"sketchable_share", figures.patch_share},
                           {"anchor_share", figures.anchor_share},
                           {"psnr", figures.psnr}};
-  if (request.ground.kind != sketch::GroundFill::diffusion) {
+  if (request.ground.kind != sketch::FillMethod::diffusion) {
     summary["sketch"]["regions"] = pipeline::spread_json(figures.regions);
     summary["per_frame"]["regions"] = figures.regions;
   }
-  if (request.ground.kind == sketch::GroundFill::julesz) {
+  if (request.ground.kind == sketch::FillMethod::julesz) {
     summary["sketch"]["histogram_distance"] = pipeline::spread_json(figures.histogram_distance);
     summary["per_frame"]["histogram_distance"] = figures.histogram_distance;
   }

@@ -173,7 +173,7 @@ void append_ways(std::vector<Way>& ways, const graph::AttributeGraph& graph, con
         const graph::Point step = graph.patch(curve[i < last ? i + 1 : i - 1]).position - patch.position;
         const double forwards = sign_of(graph::dot(step, along)) * (i < last ? 1 : -1);
         way.points.push_back(
-            place(sketch::line_at(patch, two ? side * forwards : sign_of(graph::dot(step, right)))));
+            place(sketch::ridge_line(patch, two ? side * forwards : sign_of(graph::dot(step, right)))));
       }
       ways.push_back(std::move(way));
     }

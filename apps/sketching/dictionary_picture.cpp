@@ -65,13 +65,13 @@ void draw_curve(cv::Mat& picture, const cv::Rect& box, const std::vector<float>&
   cv::polylines(picture, points, false, colour, thickness, cv::LINE_AA, kShift);
 }
 
-std::vector<float> shift_mean(const sketch::Entry& entry, std::size_t k, double sd) {
+std::vector<float> shift_mean(const sketch::DictionaryEntry& entry, std::size_t k, double sd) {
   std::vector<float> coefficients(entry.components.size(), 0.0F);
   coefficients[k] = static_cast<float>(sd * entry.spread[k]);
-  return sketch::shape_of(entry, coefficients);
+  return sketch::compose_shape(entry, coefficients);
 }
 
-void draw_entry(cv::Mat& picture, const sketch::Entry& entry, cv::Point corner) {
+void draw_entry(cv::Mat& picture, const sketch::DictionaryEntry& entry, cv::Point corner) {
   const bool window = entry.window();
   write_text(picture, core::fixed_text(100 * entry.share, 1) + " %", corner + cv::Point(0, 13), 0.46);
   write_text(picture, "leaves " + core::fixed_text(entry.residual, 2),
@@ -97,9 +97,9 @@ void draw_entry(cv::Mat& picture, const sketch::Entry& entry, cv::Point corner) 
 }
 
 // Groups the entries by degree and type.
-std::vector<std::span<const sketch::Entry>> group_entries(const sketch::Dictionary& dictionary) {
-  std::vector<std::span<const sketch::Entry>> all;
-  const std::span<const sketch::Entry> entries(dictionary.entries);
+std::vector<std::span<const sketch::DictionaryEntry>> group_entries(const sketch::Dictionary& dictionary) {
+  std::vector<std::span<const sketch::DictionaryEntry>> all;
+  const std::span<const sketch::DictionaryEntry> entries(dictionary.entries);
   for (std::size_t first = 0, i = 1; i <= entries.size(); ++i)
     if (i == entries.size() || entries[i].degree != entries[first].degree ||
         entries[i].type != entries[first].type) {

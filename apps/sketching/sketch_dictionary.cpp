@@ -22,7 +22,7 @@ SketchDictionary learn_dictionary(core::FrameSource& source, const sketch::Extra
                                   const Session& session) {
   struct Frame {
     graph::AttributeGraph graph;
-    std::vector<sketch::View> views;
+    std::vector<sketch::PatchView> views;
   };
   const auto& info = source.info();
   SketchDictionary learned;
@@ -32,7 +32,7 @@ SketchDictionary learn_dictionary(core::FrameSource& source, const sketch::Extra
       [&](int, const cv::Mat& frame) {
         const cv::Mat levels = core::to_levels(frame, info);
         Frame made{sketch::extract(levels, options), {}};
-        made.views = sketch::views(levels, made.graph);
+        made.views = sketch::view_patches(levels, made.graph);
         return made;
       },
       [&](int t, Frame made) {
@@ -54,21 +54,21 @@ std::optional<SketchDictionary> prepare_dictionary(const DictionaryRequest& requ
   if (request.folder.empty()) return std::nullopt;
   const auto archive = io::read_model(request.folder, io::kDictionaryFormat);
   try {
-    return SketchDictionary{sketch::dictionary(archive), {}};
+    return SketchDictionary{sketch::read_dictionary(archive), {}};
   } catch (const core::IoError& error) {
     throw core::IoError(request.folder + ": " + error.what());
   }
 }
 
-std::vector<sketch::Code> encode_frame(const cv::Mat& levels, const graph::AttributeGraph& graph,
-                                       const SketchDictionary& dictionary) {
+std::vector<sketch::PatchCode> encode_frame(const cv::Mat& levels, const graph::AttributeGraph& graph,
+                                            const SketchDictionary& dictionary) {
   return sketch::encode(levels, graph, dictionary.dictionary, sketch::estimate_noise(core::luma(levels)));
 }
 
-void CodeFigures::add(std::span<const sketch::Code> codes) {
-  for (const sketch::Code& code : codes) {
+void CodeFigures::add(std::span<const sketch::PatchCode> codes) {
+  for (const sketch::PatchCode& code : codes) {
     ++patches_;
-    if (code.entry == sketch::Code::kNone) continue;
+    if (code.entry == sketch::PatchCode::kNone) continue;
     cost_ += code.cost;
     parametric_cost_ += code.parametric_cost;
     if (code.parametric) {

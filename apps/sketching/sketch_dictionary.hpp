@@ -44,13 +44,13 @@ std::optional<SketchDictionary> prepare_dictionary(const DictionaryRequest& requ
                                                    const Session& session);
 
 /// Encodes a frame's patches. `levels`: CV_32F, white = 255. The noise is measured in the frame.
-std::vector<sketch::Code> encode_frame(const cv::Mat& levels, const graph::AttributeGraph& graph,
+std::vector<sketch::PatchCode> encode_frame(const cv::Mat& levels, const graph::AttributeGraph& graph,
                                        const SketchDictionary& dictionary);
 
 /// Sums the figures of the dictionary's codes over a clip.
 class CodeFigures {
  public:
-  void add(std::span<const sketch::Code> codes);
+  void add(std::span<const sketch::PatchCode> codes);
   /// Writes {"entries", "components", "by_type", "coded_share", "residual", "cost"} in grey levels and nats,
   /// of learned and parametric patches at the same places.
   [[nodiscard]] nlohmann::ordered_json json(const sketch::Dictionary& dictionary) const;

@@ -25,9 +25,9 @@ PanelRow panel_row(cv::Size frame) {
   return PanelRow(std::array{frame, graph, frame, frame});
 }
 
-const char* fill_label(sketch::GroundFill fill) {
-  if (fill == sketch::GroundFill::julesz) return "Julesz texture";
-  return fill == sketch::GroundFill::efros_leung ? "Efros-Leung texture" : "diffusion";
+const char* fill_label(sketch::FillMethod fill) {
+  if (fill == sketch::FillMethod::julesz) return "Julesz texture";
+  return fill == sketch::FillMethod::efros_leung ? "Efros-Leung texture" : "diffusion";
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ struct Made {
 
 // The sketch's share of a frame's time, roughly; only for the progress.
 double sketch_part(const SketchRequest& request) {
-  if (request.ground.kind != sketch::GroundFill::diffusion) return 0.02;
+  if (request.ground.kind != sketch::FillMethod::diffusion) return 0.02;
   return request.anchors > 0 ? 0.15 : 0.6;
 }
 
@@ -86,7 +86,7 @@ SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& 
   const auto frame = static_cast<std::uint64_t>(request.first_frame + t);
   core::Rng rng(request.ground.seed,
                 {static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32), kStream});
-  sketch::GroundOptions ground = request.ground;
+  sketch::NonsketchableFillOptions ground = request.ground;
   const std::uint64_t high = rng.bits();
   ground.seed = high << 32 | rng.bits();
   SketchedFrame result;

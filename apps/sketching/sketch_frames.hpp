@@ -21,7 +21,8 @@ namespace emberfold::apps {
 /// The request of `emberfold sketch`.
 struct SketchRequest {
   sketch::ExtractOptions extract;
-  sketch::GroundOptions ground;  ///< its seed is the clip's; every frame draws with a stream of its own
+  sketch::NonsketchableFillOptions
+      ground;  ///< its seed is the clip's; every frame draws with a stream of its own
   pipeline::PatchDrawing patches = pipeline::PatchDrawing::fitted;
   double anchors = 0;                  ///< 0…1: patches and anchors together show this share; 0: no anchors
   bool warm = false;                   ///< each frame's sketch begins with that of the frame before
@@ -35,7 +36,7 @@ struct SketchRequest {
 struct SketchedFrame {
   double patch_share = 0, anchor_share = 0;  ///< of the pixels, 0…1
   sketch::Sketchable sketchable;             ///< patches and anchors
-  std::vector<sketch::Code> codes;           ///< of the patches, where there is a dictionary
+  std::vector<sketch::PatchCode> codes;           ///< of the patches, where there is a dictionary
   pipeline::Reconstruction reconstruction;
 };
 

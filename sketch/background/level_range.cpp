@@ -14,6 +14,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
+#include "core/math/cell_grid.hpp"
+#include "core/math/luma.hpp"
 #include "core/model_arrays.hpp"
 #include "sketch/rendering/curve_bands.hpp"
 
@@ -21,18 +23,13 @@ namespace emberfold::sketch {
 
 namespace {
 
-cv::Size cells(cv::Size frame) {
-  return {(frame.width + kLevelRangeCell - 1) / kLevelRangeCell,
-          (frame.height + kLevelRangeCell - 1) / kLevelRangeCell};
-}
-
 /// The least or the greatest value about each cell, in its north-western pixel: within a cell's length of its
 /// middle, so that what lies between two middles counts for both.
-cv::Mat extreme(const cv::Mat& whole, bool least) {
-  constexpr int around = kLevelRangeCell / 2;
+cv::Mat cell_extremes(const cv::Mat& whole, bool least) {
+  constexpr int half_cell = kLevelRangeCell / 2;
   const cv::Mat window = cv::Mat::ones(2 * kLevelRangeCell, 2 * kLevelRangeCell, CV_8U);
   cv::Mat wide, all, result;
-  cv::copyMakeBorder(whole, wide, around, around, around, around, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(whole, wide, half_cell, half_cell, half_cell, half_cell, cv::BORDER_REPLICATE);
   (least ? cv::erode : cv::dilate)(wide, all, window, {0, 0}, 1, cv::BORDER_REPLICATE,
                                    cv::morphologyDefaultBorderValue());
   all = all(cv::Rect({0, 0}, whole.size()));
@@ -42,7 +39,7 @@ cv::Mat extreme(const cv::Mat& whole, bool least) {
 }
 
 /// Linear between the middles of cells; the outermost go on.
-double at(const cv::Mat& values, graph::Point place, int channel) {
+double interpolate_cells(const cv::Mat& values, graph::Point place, int channel) {
   const auto along = [](double p, int count) {
     const double cell = std::clamp((p + 0.5) / kLevelRangeCell - 0.5, 0.0, count - 1.0);
     const int first = std::min(static_cast<int>(cell), std::max(0, count - 2));
@@ -59,31 +56,33 @@ double at(const cv::Mat& values, graph::Point place, int channel) {
 }
 
 double luma(const graph::Level& level) {
-  return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+  return core::luma(double{level[0]}, double{level[1]}, double{level[2]});
 }
 
-double kept(double level, const LevelRange& seen, graph::Point place, int channel) {
-  return std::clamp(level, at(seen.low, place, channel), at(seen.high, place, channel));
+double clamp_level(double level, const LevelRange& range, graph::Point place, int channel) {
+  return std::clamp(level, interpolate_cells(range.low, place, channel),
+                    interpolate_cells(range.high, place, channel));
 }
 
 /// What is seen of how much a line's core differs from its sides: its blur takes the rest.
-double seen_share(const graph::Patch& patch) {
+double visible_share(const graph::Patch& patch) {
   const double line = patch.hollow > 0 ? (patch.width - patch.hollow) / 2 : patch.width;
   return std::erf(line / (2 * std::numbers::sqrt2 * std::max(patch.blur, sketch::kLeastBlur)));
 }
 
-void keep_within(graph::Patch& patch, const LevelRange& seen) {
+void clamp_patch(graph::Patch& patch, const LevelRange& range) {
   const graph::Point aside =
       graph::Point{-std::sin(patch.theta), std::cos(patch.theta)} * sketch::profile_reach(patch);
   const bool step = graph::on_step(patch);
-  const double share = seen_share(patch), before = luma(patch.right) - luma(patch.left);
+  const double share = visible_share(patch), before = luma(patch.right) - luma(patch.left);
   for (std::size_t c = 0; c < patch.left.size(); ++c) {
-    const int channel = std::min(static_cast<int>(c), seen.low.channels() - 1);
+    const int channel = std::min(static_cast<int>(c), range.low.channels() - 1);
     const double height = double{patch.middle[c]} - (double{patch.left[c]} + double{patch.right[c]}) / 2;
-    const double left = kept(double{patch.left[c]}, seen, patch.position - aside, channel),
-                 right = kept(double{patch.right[c]}, seen, patch.position + aside, channel),
+    const double left = clamp_level(double{patch.left[c]}, range, patch.position - aside, channel),
+                 right = clamp_level(double{patch.right[c]}, range, patch.position + aside, channel),
                  sides = (left + right) / 2;
-    const double core = step ? 0 : kept(sides + share * height, seen, patch.position, channel) - sides;
+    const double core =
+        step ? 0 : clamp_level(sides + share * height, range, patch.position, channel) - sides;
     if (patch.hollow > 0)
       patch.between[c] += (static_cast<float>(left + right) - patch.left[c] - patch.right[c]) / 2;
     patch.left[c] = static_cast<float>(left), patch.right[c] = static_cast<float>(right);
@@ -96,12 +95,10 @@ void keep_within(graph::Patch& patch, const LevelRange& seen) {
 }  // namespace
 
 LevelRange measure_level_range(const cv::Mat& levels) {
-  const cv::Size size = cells(levels.size());
-  cv::Mat bytes, whole;
+  cv::Mat bytes;
   levels.convertTo(bytes, CV_8U);
-  cv::copyMakeBorder(bytes, whole, 0, size.height * kLevelRangeCell - levels.rows, 0,
-                     size.width * kLevelRangeCell - levels.cols, cv::BORDER_REPLICATE);
-  return {extreme(whole, true), extreme(whole, false)};
+  const cv::Mat whole = core::pad_to_cells(bytes, kLevelRangeCell);
+  return {cell_extremes(whole, true), cell_extremes(whole, false)};
 }
 
 void extend_level_range(LevelRange& all, const LevelRange& more) {
@@ -114,28 +111,29 @@ void extend_level_range(LevelRange& all, const LevelRange& more) {
   cv::max(all.high, more.high, all.high);
 }
 
-graph::AttributeGraph clamp_levels(const graph::AttributeGraph& graph, const LevelRange& seen) {
-  if (seen.empty()) return graph;
+graph::AttributeGraph clamp_levels(const graph::AttributeGraph& graph, const LevelRange& range) {
+  if (range.empty()) return graph;
   std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
-  for (auto& vertex : vertices) keep_within(vertex.patch, seen);
+  for (auto& vertex : vertices) clamp_patch(vertex.patch, range);
   return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
 }
 
-void add_level_range(core::ModelArchive& archive, const LevelRange& seen) {
-  if (seen.empty()) return;
-  archive.arrays["seen_low"] = core::byte_array(seen.low);
-  archive.arrays["seen_high"] = core::byte_array(seen.high);
+void add_level_range(core::ModelArchive& archive, const LevelRange& range) {
+  if (range.empty()) return;
+  archive.arrays["seen_low"] = core::byte_array(range.low);
+  archive.arrays["seen_high"] = core::byte_array(range.high);
 }
 
 LevelRange read_level_range(const core::ModelArchive& archive, cv::Size frame) {
   if (!archive.arrays.contains("seen_low") && !archive.arrays.contains("seen_high")) return {};
   const int channels = core::channels_of(archive, "seen_low");
-  const LevelRange seen{core::read_bytes(archive, "seen_low", cells(frame), channels),
-                        core::read_bytes(archive, "seen_high", cells(frame), channels)};
-  for (std::size_t i = 0; i < seen.low.total() * seen.low.elemSize(); ++i)
-    if (seen.low.data[i] > seen.high.data[i])
+  const cv::Size cells = core::count_cells(frame, kLevelRangeCell);
+  const LevelRange range{core::read_bytes(archive, "seen_low", cells, channels),
+                         core::read_bytes(archive, "seen_high", cells, channels)};
+  for (std::size_t i = 0; i < range.low.total() * range.low.elemSize(); ++i)
+    if (range.low.data[i] > range.high.data[i])
       throw core::IoError("motion model: seen_low.npy lies above seen_high.npy in a cell");
-  return seen;
+  return range;
 }
 
 }  // namespace emberfold::sketch

@@ -6,31 +6,33 @@
 #include "core/model_archive.hpp"
 #include "graph/attribute_graph.hpp"
 
-// Which levels a clip has where: a stroke that has left the place it was learned at must not take the levels
-// of that place with it.
+// The range of levels that a clip shows at each place. A stroke that leaves the place it was learned at must
+// not take the levels of that place with it.
 namespace emberfold::sketch {
 
-/// The darkest and the brightest level within kLevelRangeCell px of each cell's middle (both ways, a square),
-/// channel by channel; a cell is kLevelRangeCell px wide. No cells where it is not known.
-constexpr int kLevelRangeCell = 8;
+constexpr int kLevelRangeCell = 8;  ///< px, side of a cell
+
+/// Holds the darkest and the brightest level around each cell, channel by channel. A cell counts the square
+/// of pixels within kLevelRangeCell px of its middle. Empty where the range is not known.
 struct LevelRange {
-  cv::Mat low, high;  ///< CV_8U, 1 or 3 channels, a cell each
+  cv::Mat low, high;  ///< CV_8U, 1 or 3 channels, one value a cell
   [[nodiscard]] bool empty() const { return low.empty(); }
 };
 
-/// Of one frame. `levels`: CV_32F, white = 255.
+/// Measures the range of one frame. `levels`: CV_32F, white = 255. O(pixels).
 LevelRange measure_level_range(const cv::Mat& levels);
-/// What was seen in either; of one size, or none.
+/// Widens `all` to what either range holds. Both cover one frame size; an empty one adds nothing.
 void extend_level_range(LevelRange& all, const LevelRange& more);
 
-/// The graph with the sides of its patches, and what is seen of lines' cores, within what was seen there,
-/// linear between the cells' middles. A line keeps its height above its sides as far as that allows; a step
-/// loses what its sides must give way.
-graph::AttributeGraph clamp_levels(const graph::AttributeGraph& graph, const LevelRange& seen);
+/// Returns the graph with its patches' levels clamped to the range at their places. Both sides are clamped,
+/// and the visible core of lines; between cells' middles the range is linear. A line keeps its height above
+/// its sides as far as the range allows. A step loses contrast by as much as its sides are clamped.
+graph::AttributeGraph clamp_levels(const graph::AttributeGraph& graph, const LevelRange& range);
 
-/// The arrays "seen_low" and "seen_high" beside a motion model's own.
-void add_level_range(core::ModelArchive& archive, const LevelRange& seen);
-/// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
+/// Adds the arrays "seen_low" and "seen_high" to a motion model's archive; nothing for an empty range.
+void add_level_range(core::ModelArchive& archive, const LevelRange& range);
+/// Reads the range from an archive; empty where it has none. Throws core::IoError, naming the array, where
+/// the arrays do not fit the frame.
 LevelRange read_level_range(const core::ModelArchive& archive, cv::Size frame);
 
 }  // namespace emberfold::sketch

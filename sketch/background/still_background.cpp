@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/clip.hpp"
+#include "core/math/cell_grid.hpp"
 #include "core/model_arrays.hpp"
-#include "sketch/background/background_cells.hpp"
 
 namespace emberfold::sketch {
 
@@ -22,20 +22,19 @@ constexpr double soft = 6;          // px of a backdrop's edge over which stroke
 constexpr float straight = 0.955F, aslant = 1.3693F;  // a step's length to a neighbour, px
 
 // One value a cell spread over the frame: linear between still cells, which alone count.
-cv::Mat spread_out(const Background& ground, cv::Size frame) {
+cv::Mat spread_still_cells(const Background& background, cv::Size frame) {
   cv::Mat weight, weights, levels;
-  ground.still.convertTo(weight, CV_32F, 1 / 255.0);
-  cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(ground.levels.channels()), weight), weights);
-  const cv::Size whole(ground.levels.cols * kBackgroundCell, ground.levels.rows * kBackgroundCell);
-  cv::resize(ground.levels.mul(weights), levels, whole, 0, 0, cv::INTER_LINEAR);
-  cv::resize(weights, weights, whole, 0, 0, cv::INTER_LINEAR);
+  background.still.convertTo(weight, CV_32F, 1 / 255.0);
+  cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(background.levels.channels()), weight), weights);
+  levels = core::spread_cells(background.levels.mul(weights), kBackgroundCell);
+  weights = core::spread_cells(weights, kBackgroundCell);
   levels /= cv::max(weights, 1e-3);
   return levels(cv::Rect({0, 0}, frame)).clone();
 }
 
 /// The distance from what the mask shows, px, of what is there in part as if it were farther off. A chamfer
 /// of two passes (Borgefors 1986, as OpenCV's DIST_MASK_3).
-cv::Mat way_off(const cv::Mat& mask, const cv::Mat& presence) {
+cv::Mat distance_from_patches(const cv::Mat& mask, const cv::Mat& opacity) {
   constexpr float far = 1e6F;
   const int rows = mask.rows, columns = mask.cols;
   cv::Mat distance(rows + 2, columns + 2, CV_32F, cv::Scalar(far));
@@ -44,7 +43,7 @@ cv::Mat way_off(const cv::Mat& mask, const cv::Mat& presence) {
     for (int x = 0; x < columns; ++x)
       if (mask.at<uchar>(y, x) != 0)
         line[x] =
-            presence.empty() ? 0 : static_cast<float>(kBackgroundDistance) * (1 - presence.at<float>(y, x));
+            opacity.empty() ? 0 : static_cast<float>(kBackgroundDistance) * (1 - opacity.at<float>(y, x));
   }
   for (int y = 1; y <= rows; ++y) {
     const float* above = distance.ptr<float>(y - 1);
@@ -74,9 +73,9 @@ cv::Mat with_channels(const cv::Mat& levels, int channels) {
 }  // namespace
 
 FrameBackground measure_background(const cv::Mat& levels, const graph::AttributeGraph& graph) {
-  const cv::Size size = background_cells(levels.size());
-  FrameBackground ground{cell_means(levels), cv::Mat(size, CV_8U, cv::Scalar(255)),
-                         measure_level_range(levels)};
+  const cv::Size size = core::count_cells(levels.size(), kBackgroundCell);
+  FrameBackground background{core::cell_means(levels, kBackgroundCell), cv::Mat(size, CV_8U, cv::Scalar(255)),
+                             measure_level_range(levels)};
   const auto cell = [](double at, int count) {
     return std::clamp(static_cast<int>(std::floor((at + 0.5) / kBackgroundCell)), 0, count - 1);
   };
@@ -84,27 +83,27 @@ FrameBackground measure_background(const cv::Mat& levels, const graph::Attribute
     const auto [x, y] = vertex.patch.position;
     for (int row = cell(y - beside, size.height); row <= cell(y + beside, size.height); ++row)
       for (int column = cell(x - beside, size.width); column <= cell(x + beside, size.width); ++column)
-        ground.open.at<uchar>(row, column) = 0;
+        background.uncovered.at<uchar>(row, column) = 0;
   }
-  return ground;
+  return background;
 }
 
-Background still_background(std::span<const FrameBackground> frames) {
+Background estimate_background(std::span<const FrameBackground> frames) {
   const cv::Mat& like = frames[0].levels;
   const int channels = like.channels();
   cv::Mat count = cv::Mat::zeros(like.size(), CV_64F), sum = cv::Mat::zeros(like.size(), CV_64FC(channels)),
           squares = sum.clone();
   for (const auto& frame : frames) {
-    cv::Mat levels, open, opens;
+    cv::Mat levels, uncovered, opens;
     frame.levels.convertTo(levels, CV_64F);
-    frame.open.convertTo(open, CV_64F, 1 / 255.0);
-    cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(channels), open), opens);
-    count += open;
+    frame.uncovered.convertTo(uncovered, CV_64F, 1 / 255.0);
+    cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(channels), uncovered), opens);
+    count += uncovered;
     sum += levels.mul(opens);
     squares += levels.mul(levels).mul(opens);
   }
-  Background ground{cv::Mat::zeros(like.size(), CV_32FC(channels)), cv::Mat::zeros(like.size(), CV_8U)};
-  for (const auto& frame : frames) extend_level_range(ground.seen, frame.seen);
+  Background background{cv::Mat::zeros(like.size(), CV_32FC(channels)), cv::Mat::zeros(like.size(), CV_8U)};
+  for (const auto& frame : frames) extend_level_range(background.level_range, frame.level_range);
   const double enough = std::max(1.0, seen_share * static_cast<double>(frames.size()));
   for (int y = 0; y < like.rows; ++y)
     for (int x = 0; x < like.cols; ++x) {
@@ -115,49 +114,48 @@ Background still_background(std::span<const FrameBackground> frames) {
         const double mean = sum.ptr<double>(y)[x * channels + c] / n;
         const double variance = squares.ptr<double>(y)[x * channels + c] / n - mean * mean;
         still = still && variance < restless * restless;
-        ground.levels.ptr<float>(y)[x * channels + c] = static_cast<float>(mean);
+        background.levels.ptr<float>(y)[x * channels + c] = static_cast<float>(mean);
       }
-      if (still) ground.still.at<uchar>(y, x) = 255;
+      if (still) background.still.at<uchar>(y, x) = 255;
     }
-  return ground;
+  return background;
 }
 
-BackgroundImage background_image(const Background& ground, cv::Size frame, int channels) {
-  const bool fixed = !ground.backdrop.empty();
-  if (ground.empty() || (!fixed && cv::countNonZero(ground.still) == 0)) return {};
-  const Background fitting{with_channels(ground.levels, channels), ground.still};
-  cv::Mat still;
-  cv::resize(ground.still, still, {ground.still.cols * kBackgroundCell, ground.still.rows * kBackgroundCell},
-             0, 0, cv::INTER_NEAREST);
-  BackgroundImage whole{spread_out(fitting, frame), still(cv::Rect({0, 0}, frame)).clone()};
+BackgroundImage expand_background(const Background& background, cv::Size frame, int channels) {
+  const bool fixed = !background.static_pixels.empty();
+  if (background.empty() || (!fixed && cv::countNonZero(background.still) == 0)) return {};
+  const Background fitting{with_channels(background.levels, channels), background.still};
+  const cv::Mat still = core::spread_cells(background.still, kBackgroundCell, cv::INTER_NEAREST);
+  BackgroundImage whole{spread_still_cells(fitting, frame), still(cv::Rect({0, 0}, frame)).clone()};
   if (fixed) {
     cv::Mat levels;
-    ground.backdrop.levels.convertTo(levels, CV_32F);
-    with_channels(levels, channels).copyTo(whole.levels, ground.backdrop.still);
+    background.static_pixels.levels.convertTo(levels, CV_32F);
+    with_channels(levels, channels).copyTo(whole.levels, background.static_pixels.still);
     cv::Mat inside;
-    cv::distanceTransform(ground.backdrop.still, inside, cv::DIST_L2, 3);
+    cv::distanceTransform(background.static_pixels.still, inside, cv::DIST_L2, 3);
     whole.share = cv::min(inside / soft, 1.0);
     whole.fixed = whole.share >= 1;
   }
   return whole;
 }
 
-sketch::Sketchable add_background_pixels(const sketch::Sketchable& part, const BackgroundImage& ground,
-                                         const cv::Mat& presence) {
-  if (ground.empty()) return part;
-  cv::Mat still = ground.still & (way_off(part.mask, presence) > kBackgroundDistance) & ~part.mask;
-  if (!ground.fixed.empty()) still |= ground.fixed;
+sketch::Sketchable add_background_pixels(const sketch::Sketchable& part, const BackgroundImage& background,
+                                         const cv::Mat& opacity) {
+  if (background.empty()) return part;
+  cv::Mat still =
+      background.still & (distance_from_patches(part.mask, opacity) > kBackgroundDistance) & ~part.mask;
+  if (!background.fixed.empty()) still |= background.fixed;
   sketch::Sketchable held{part.levels.clone(), part.mask | still};
-  ground.levels.copyTo(held.levels, still);
+  background.levels.copyTo(held.levels, still);
   return held;
 }
 
-void paste_static_pixels(cv::Mat& levels, const BackgroundImage& ground) {
+void paste_static_pixels(cv::Mat& levels, const BackgroundImage& background) {
   const int channels = levels.channels();
-  for (int y = 0; y < ground.share.rows; ++y) {
-    const auto *share = ground.share.ptr<float>(y), *behind = ground.levels.ptr<float>(y);
+  for (int y = 0; y < background.share.rows; ++y) {
+    const auto *share = background.share.ptr<float>(y), *behind = background.levels.ptr<float>(y);
     auto* drawn = levels.ptr<float>(y);
-    for (int x = 0; x < ground.share.cols; ++x)
+    for (int x = 0; x < background.share.cols; ++x)
       for (int c = x * channels; share[x] > 0 && c < (x + 1) * channels; ++c)
         drawn[c] += share[x] * (behind[c] - drawn[c]);
   }
@@ -176,23 +174,24 @@ cv::Mat spread_maximum(const cv::Mat& ranks) {
   return greatest;
 }
 
-void add_background(core::ModelArchive& archive, const Background& ground) {
-  add_level_range(archive, ground.seen);
-  add_static_pixels(archive, ground.backdrop);
-  if (ground.empty()) return;
-  archive.arrays["ground"] = core::float_array(ground.levels);
-  archive.arrays["ground_still"] = core::byte_array(ground.still);
+void add_background(core::ModelArchive& archive, const Background& background) {
+  add_level_range(archive, background.level_range);
+  add_static_pixels(archive, background.static_pixels);
+  if (background.empty()) return;
+  archive.arrays["ground"] = core::float_array(background.levels);
+  archive.arrays["ground_still"] = core::byte_array(background.still);
 }
 
 Background read_background(const core::ModelArchive& archive, cv::Size frame) {
   if (!archive.arrays.contains("ground") && !archive.arrays.contains("ground_still")) return {};
-  Background ground{
-      core::read_floats(archive, "ground", background_cells(frame), core::channels_of(archive, "ground")),
-      core::read_bytes(archive, "ground_still", background_cells(frame), 1)};
-  ground.still = ground.still != 0;
-  ground.seen = read_level_range(archive, frame);
-  ground.backdrop = read_static_pixels(archive, frame);
-  return ground;
+  Background background{
+      core::read_floats(archive, "ground", core::count_cells(frame, kBackgroundCell),
+                        core::channels_of(archive, "ground")),
+      core::read_bytes(archive, "ground_still", core::count_cells(frame, kBackgroundCell), 1)};
+  background.still = background.still != 0;
+  background.level_range = read_level_range(archive, frame);
+  background.static_pixels = read_static_pixels(archive, frame);
+  return background;
 }
 
 }  // namespace emberfold::sketch

@@ -11,59 +11,67 @@
 #include "sketch/background/static_pixels.hpp"
 #include "sketch/rendering/render.hpp"
 
-// What lies between strokes where it keeps still: a black sky behind a fire belongs to no stroke, and
-// diffusion from the strokes alone would paint it in the fire's colour.
+// The still background between strokes. A black sky behind a fire belongs to no stroke; diffusion from the
+// strokes alone would paint it in the colour of the fire.
 namespace emberfold::sketch {
 
-/// One frame's means over cells of kBackgroundCell px.
-constexpr int kBackgroundCell = 16;
+constexpr int kBackgroundCell = 16;      ///< px, side of a cell
+constexpr double kBackgroundDistance = 12;  ///< px from all patches, beyond which the still background shows
+
+/// Holds the mean levels of one frame over cells of kBackgroundCell px.
 struct FrameBackground {
-  cv::Mat levels;  ///< CV_32F, 1 or 3 channels, a cell each, white = 255
-  cv::Mat open;    ///< CV_8U, 255 where no patch lies in the cell or near it
-  LevelRange seen = {};
+  cv::Mat levels;     ///< CV_32F, 1 or 3 channels, a cell each, white = 255
+  cv::Mat uncovered;  ///< CV_8U, 255 where no patch lies in the cell or near it
+  LevelRange level_range = {};
 };
-/// `levels`: the frame, CV_32F, white = 255.
+/// Measures a frame's cells and which of them its patches leave open. `levels`: CV_32F, 1 or 3 channels,
+/// white = 255. O(pixels).
 FrameBackground measure_background(const cv::Mat& levels, const graph::AttributeGraph& graph);
 
-/// The ground that is the same in all frames. Empty where none is known.
+/// Holds what a clip shows behind and between its strokes in all frames. Empty where it is not known.
 struct Background {
   cv::Mat levels;  ///< CV_32F, 1 or 3 channels, a cell each, white = 255
-  cv::Mat
-      still;  ///< CV_8U, 255 where the ground was seen in a fifth of the frames and kept within a few levels
-  LevelRange seen = {};  ///< of all frames, strokes and all
-  StaticPixels backdrop = {};
+  /// CV_8U, 255 where a cell is uncovered in a fifth of the frames and its SD over them is below 8 levels.
+  cv::Mat still;
+  LevelRange level_range = {};  ///< of all frames, strokes included
+  StaticPixels static_pixels = {};
   [[nodiscard]] bool empty() const { return levels.empty(); }
 };
-/// Of these frames, at least one. O(cells · frames).
-Background still_background(std::span<const FrameBackground> frames);
+/// Estimates the still background from the cells of at least one frame. Leaves `static_pixels` empty: see
+/// find_static_pixels. O(cells · frames).
+Background estimate_background(std::span<const FrameBackground> frames);
 
-/// A still ground pixel by pixel, made once for all frames that hold it. Empty where nothing is still.
+/// Holds the still background pixel by pixel, made once for all frames that show it. Empty where nothing is
+/// still.
 struct BackgroundImage {
   cv::Mat levels;      ///< CV_32F, 1 or 3 channels, white = 255; anything where it is not still
-  cv::Mat still;       ///< CV_8U, 255 where it is
-  cv::Mat fixed = {};  ///< CV_8U, 255 where nothing may cover it, the backdrop; may be empty
-  cv::Mat share = {};  ///< CV_32F, as `fixed`: of the backdrop, 1 where it is fixed, less towards its edge
+  cv::Mat still;       ///< CV_8U, 255 where the background is still
+  cv::Mat fixed = {};  ///< CV_8U, 255 at static pixels, which nothing covers; may be empty
+  cv::Mat share = {};  ///< CV_32F: weight of static pixels, 1 where fixed, less at their edge
   [[nodiscard]] bool empty() const { return still.empty(); }
 };
-BackgroundImage background_image(const Background& ground, cv::Size frame, int channels);
+/// Spreads the still background over the pixels of a frame. `channels`: 1 or 3.
+BackgroundImage expand_background(const Background& background, cv::Size frame, int channels);
 
-/// What patches show; what is fixed; and, farther than kBackgroundDistance px from all patches, the still
-/// ground. Channels as the part's. `presence` (CV_32F, 0…1): how much there is of what the part shows; what
-/// is there in part keeps the ground off from so much nearer. Empty: all of it.
-constexpr double kBackgroundDistance = 12;
-sketch::Sketchable add_background_pixels(const sketch::Sketchable& part, const BackgroundImage& ground,
-                                         const cv::Mat& presence = {});
+/// Adds the pixels of the still background to what the patches of a frame show. Added are the static pixels
+/// and, farther than kBackgroundDistance px from all patches, the still cells. `part`: as many channels as
+/// the background. `opacity`: CV_32F, 0…1, of what the part shows; a patch of opacity a keeps the background
+/// off as if it were (1 − a)·kBackgroundDistance px farther away. Empty: all opaque.
+sketch::Sketchable add_background_pixels(const sketch::Sketchable& part, const BackgroundImage& background,
+                                         const cv::Mat& opacity = {});
 
-/// Lets the backdrop, where there is one, take its share of what was drawn.
-void paste_static_pixels(cv::Mat& levels, const BackgroundImage& ground);
+/// Blends the static pixels over a drawn frame by their share. `levels`: CV_32F, changed in place.
+void paste_static_pixels(cv::Mat& levels, const BackgroundImage& background);
 
-/// At each pixel the greatest of `ranks` (CV_8U) that lie within kBackgroundDistance px, by the distance that
-/// add_background_pixels goes by.
+/// Returns at each pixel the greatest of the ranks within kBackgroundDistance px. `ranks`: CV_8U. Distances
+/// are those of add_background_pixels.
 cv::Mat spread_maximum(const cv::Mat& ranks);
 
-/// The arrays "ground" and "ground_still" beside a motion model's own, and those of the levels seen.
-void add_background(core::ModelArchive& archive, const Background& ground);
-/// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
+/// Adds the arrays "ground" and "ground_still" to a motion model's archive, and those of the level range and
+/// the static pixels.
+void add_background(core::ModelArchive& archive, const Background& background);
+/// Reads the background from an archive; empty where it has none. Throws core::IoError, naming the array,
+/// where the arrays do not fit the frame.
 Background read_background(const core::ModelArchive& archive, cv::Size frame);
 
 }  // namespace emberfold::sketch

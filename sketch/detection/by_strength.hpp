@@ -13,17 +13,17 @@
 
 namespace emberfold::sketch {
 
-/// The points' indices, those with the greatest `value` (≥ 0; compared in single precision) first; of equal
-/// ones the one nearest to the frame's middle, so that a mirrored frame has the mirrored order. O(n) but for
-/// those: by digits of eleven bits, the last first.
-inline std::vector<std::size_t> strongest_first(const std::vector<CreasePoint>& points,
-                                                double CreasePoint::*value, cv::Size frame) {
+/// Returns the points' indices, those with the greatest `value` (≥ 0; compared in single precision) first. Of
+/// equal ones the point nearest to the frame's middle comes first, so that a mirrored frame has the mirrored
+/// order. Radix sort by digits of eleven bits, the last first: O(n), but for runs of equal values.
+inline std::vector<std::size_t> sort_by_strength(const std::vector<CreasePoint>& points,
+                                                 double CreasePoint::*value, cv::Size frame) {
   constexpr std::uint32_t kBits = 11, kDigits = 3, kMask = (1U << kBits) - 1;
   struct Key {
     std::uint32_t value, point;
   };
   std::vector<Key> keys(points.size()), sorted(points.size());
-  std::array<std::array<std::uint32_t, kMask + 1>, kDigits> first{};  // of each digit's keys, at last
+  std::array<std::array<std::uint32_t, kMask + 1>, kDigits> first{};  // where each digit's keys begin
   for (std::size_t i = 0; i < keys.size(); ++i) {
     // The order of floats that are not negative is that of their bits.
     const std::uint32_t key = ~std::bit_cast<std::uint32_t>(static_cast<float>(points[i].*value));

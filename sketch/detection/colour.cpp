@@ -3,7 +3,7 @@
 
 namespace emberfold::sketch {
 
-std::vector<cv::Mat1f> opponent_colours(const cv::Mat& levels) {
+std::vector<cv::Mat1f> compute_opponent_colours(const cv::Mat& levels) {
   std::vector<cv::Mat1f> channels(2);
   for (std::size_t c = 0; c < 2; ++c) {
     const std::array<float, 3>& axis = kColourAxes[c + 1];

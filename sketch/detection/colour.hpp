@@ -6,18 +6,25 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/math/luma.hpp"
+
 namespace emberfold::sketch {
 
-/// Weights of blue, green and red: luma (Rec. 601), red − green, blue − yellow, the latter two scaled so that
-/// white noise is as strong in all.
+/// Weights of blue, green and red in luma, in single precision.
+inline constexpr std::array<float, 3> kLumaAxis = {static_cast<float>(core::kLumaWeights[0]),
+                                                   static_cast<float>(core::kLumaWeights[1]),
+                                                   static_cast<float>(core::kLumaWeights[2])};
+/// Weights of blue, green and red: luma, red − green, blue − yellow. The latter two are scaled so that white
+/// noise is as strong in all.
 inline constexpr std::array<std::array<float, 3>, 3> kColourAxes = {
-    {{0.114F, 0.587F, 0.299F}, {0, -0.4726F, 0.4726F}, {0.5457F, -0.27285F, -0.27285F}}};
+    {kLumaAxis, {0, -0.4726F, 0.4726F}, {0.5457F, -0.27285F, -0.27285F}}};
 
-inline const std::array<float, 3>& axis_of(int channel) {
+/// Returns the weights of one channel of the scale space.
+inline const std::array<float, 3>& colour_axis(int channel) {
   return kColourAxes[static_cast<std::size_t>(channel)];
 }
 
-/// The frame along the two axes of colour. `levels`: CV_32FC3. Grey frames give 0 everywhere.
-std::vector<cv::Mat1f> opponent_colours(const cv::Mat& levels);
+/// Computes the frame along the two axes of colour. `levels`: CV_32FC3. Grey frames give 0 everywhere.
+std::vector<cv::Mat1f> compute_opponent_colours(const cv::Mat& levels);
 
 }  // namespace emberfold::sketch

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/math/bilinear.hpp"
+#include "core/math/robust.hpp"
+
 namespace emberfold::sketch {
 
 using graph::Point;
@@ -18,7 +21,7 @@ constexpr double kAround = 20;  // px along the curve: what is usual is told by 
 std::vector<double> own_responses(const Chain& chain, const ScaleLevel& level) {
   std::vector<double> response(chain.points.size());
   for (std::size_t i = 0; i < response.size(); ++i) {
-    const Point u = direction(chain, i);
+    const Point u = tangent(chain, i);
     if (chain.kind == CreaseKind::step) {
       const Point p = chain.points[i].position, across = Point{-u.y, u.x} * level.sigma;
       response[i] = std::abs(level.value_at(p + across) - level.value_at(p - across));
@@ -71,13 +74,7 @@ struct Showing {
 };
 
 double level_at(const cv::Mat1f& frame, Point p) {
-  const double x = std::clamp(p.x, 0.0, frame.cols - 1.0), y = std::clamp(p.y, 0.0, frame.rows - 1.0);
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, frame.cols - 1), y1 = std::min(y0 + 1, frame.rows - 1);
-  const double fx = x - x0, fy = y - y0;
-  const float *up = frame[y0], *down = frame[y1];
-  return (1 - fy) * ((1 - fx) * double{up[x0]} + fx * double{up[x1]}) +
-         fy * ((1 - fx) * double{down[x0]} + fx * double{down[x1]});
+  return core::between_pixels(frame, p.x, p.y);
 }
 
 // What noise and texture make of a contrast from one point to the next.
@@ -86,9 +83,7 @@ double roughness(const std::vector<double>& values) {
   for (std::size_t i = 1; i + 1 < values.size(); ++i)
     bends.push_back(std::abs(values[i - 1] - 2 * values[i] + values[i + 1]));
   if (bends.empty()) return 0;
-  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-  std::nth_element(bends.begin(), middle, bends.end());
-  return 1.4826 * *middle / std::sqrt(6.0);
+  return core::kMadToSd * core::median(std::move(bends)) / std::sqrt(6.0);
 }
 
 Showing showing(const Chain& chain, const cv::Mat1f& frame, double sigma, double noise) {
@@ -97,7 +92,7 @@ Showing showing(const Chain& chain, const cv::Mat1f& frame, double sigma, double
   const double sign = chain.kind == CreaseKind::valley ? -1 : 1;
   Showing shows{std::vector<double>(n), std::vector<double>(n)};
   for (std::size_t i = 0; i < n; ++i) {
-    const Point p = chain.points[i].position, u = direction(chain, i), across{-u.y, u.x};
+    const Point p = chain.points[i].position, u = tangent(chain, i), across{-u.y, u.x};
     const auto both = [&](double d) {
       return std::pair(level_at(frame, p + across * (d * sigma)), level_at(frame, p - across * (d * sigma)));
     };
@@ -124,9 +119,7 @@ double usual(const std::vector<double>& values, std::size_t first, std::size_t l
              std::vector<double>& scratch) {
   const auto from = values.begin();
   scratch.assign(from + static_cast<std::ptrdiff_t>(first), from + static_cast<std::ptrdiff_t>(last));
-  const auto rank = scratch.begin() + static_cast<std::ptrdiff_t>(7 * scratch.size() / 10);
-  std::nth_element(scratch.begin(), rank, scratch.end());
-  return *rank;
+  return core::order_statistic(scratch, 7 * scratch.size() / 10);
 }
 
 /// A part of a curve about a place, as far as that tells what is usual there.
@@ -156,7 +149,7 @@ double gap_level(const Showing& shows, CreaseKind kind, const std::vector<double
 
 // Points that lie in narrow gaps: at single points, where noise allows that, and evened along the curve.
 std::vector<bool> in_gaps(const Chain& chain, const cv::Mat1f& frame, double sigma,
-                          const std::vector<double>& s, const FadeLimits& limits) {
+                          const std::vector<double>& s, const ContrastGapLimits& limits) {
   constexpr double kLeastSide = 6;  // px: shorter pieces would not stay
   const std::size_t n = chain.points.size();
   std::vector<bool> gap(n, false);
@@ -217,12 +210,12 @@ void cut(const Chain& chain, const std::vector<double>& s, const std::vector<boo
 
 }  // namespace
 
-std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpace& space,
-                                const FadeLimits& limits) {
+std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const ScaleSpace& space,
+                                        const ContrastGapLimits& limits) {
   std::vector<Chain> pieces;
   int number = 0;
   for (const Chain& chain : chains) {
-    const std::size_t own = middle_level(chain.points, space);
+    const std::size_t own = median_level(chain.points, space);
     const std::vector<double> s = arc_lengths(chain);
     const std::vector<bool> keep = unfaded(chain, space[own], s, limits.share);
     const std::vector<bool> gap = in_gaps(chain, space[own].frame, space[own].sigma, s, limits);

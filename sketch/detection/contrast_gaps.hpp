@@ -7,21 +7,20 @@
 
 namespace emberfold::sketch {
 
-struct FadeLimits {
-  double share;  ///< of the contrast that is usual around it: what shows less is not the curve
+/// Holds what counts as a gap.
+struct ContrastGapLimits {
+  double share;  ///< of the usual contrast around it, below which a point is no part of the curve
   double noise;  ///< grey levels, SD of the pixels
 };
 
-/// Cuts curves where they fade. Twice measured, across the curve:
-/// - at the curve's own scale: a point stays if its contrast is at least `share` of what is usual around it
+/// Cuts curves where their contrast fades. The contrast across the curve is measured twice:
+/// - at the curve's own scale: a point stays if its contrast is at least `share` of the usual one around it
 ///   (±20 px along the curve); dips below 3 px stay;
-/// - in the frame itself, where a curve's own scale does not close it: a narrow gap is where the contrast
-/// falls
-///   below `share` of what is usual on both sides by more than noise does, and the middle falls with it
-///   (where another curve crosses, only the sides rise). The two ends at such a gap bear its number
-///   (Chain::gap).
-/// Pieces shorter than two points go, and those of less than 6 px between two gaps. O(points).
-std::vector<Chain> cut_at_fades(const std::vector<Chain>& chains, const ScaleSpace& space,
-                                const FadeLimits& limits);
+/// - in the frame itself, where the curve's own scale does not close a narrow gap: the contrast falls below
+///   `share` of the usual one on both sides by more than noise does, and the middle falls with it (where
+///   another curve crosses, only the sides rise). The two ends at such a gap bear its number (Chain::gap).
+/// Pieces shorter than two points are dropped, and those of less than 6 px between two gaps. O(points).
+std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const ScaleSpace& space,
+                                        const ContrastGapLimits& limits);
 
 }  // namespace emberfold::sketch

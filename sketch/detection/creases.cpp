@@ -132,7 +132,7 @@ constexpr std::size_t kUsualShare = 8;  // of all pixels, one in so many has a p
 
 Growing empty_map(const ScaleSpace& space, CreaseKind kind) {
   const cv::Mat1f& smooth = space.front().smooth;
-  Growing map{{kind, {}, no_points({smooth.cols - 2, smooth.rows - 2})}, {}};
+  Growing map{{kind, {}, make_empty_index({smooth.cols - 2, smooth.rows - 2})}, {}};
   map.map.points.reserve(map.map.index.total() / kUsualShare);
   map.normals.reserve(map.map.points.capacity());
   return map;
@@ -349,14 +349,13 @@ void put_step(Growing& map, const StepRow& row, std::size_t i, int y, double sig
 
 }  // namespace
 
-cv::Mat1i no_points(cv::Size frame) {
+cv::Mat1i make_empty_index(cv::Size frame) {
   cv::Mat1i index(frame);
   std::fill_n(index[0], index.total(), -1);
   return index;
 }
 
 NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
-  constexpr double kMedianToSd = 1.4826;
   NoiseLevels ground;
   for (const ScaleLevel& level : space) {
     const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
@@ -378,14 +377,14 @@ NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
       }
     }
     ground.second.push_back(std::max(noise * level.hessian_sd,
-                                     kMedianToSd * double{core::median_of_positive(std::move(second))}));
+                                     core::kMadToSd * double{core::median_of_positive(std::move(second))}));
     ground.first.push_back(std::max(noise * level.gradient_sd,
-                                    kMedianToSd * double{core::median_of_positive(std::move(first))}));
+                                    core::kMadToSd * double{core::median_of_positive(std::move(first))}));
   }
   return ground;
 }
 
-Lines find_lines(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits) {
+CreaseLines find_lines(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits) {
   Growing ridges = empty_map(space, CreaseKind::ridge), valleys = empty_map(space, CreaseKind::valley);
   const int width = ridges.map.index.cols, height = ridges.map.index.rows;
   FoundRow found(width);

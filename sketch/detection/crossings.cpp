@@ -52,11 +52,11 @@ void sweep(const std::vector<Piece>& pieces, Crossed crossed) {
   for (const auto& [i, j] : found) crossed(i, j);
 }
 
-Point place(const Network& network, const Contact& c) {
+Point place(const CurveNetwork& network, const Contact& c) {
   return network.chains[c.chain].points[c.point].position;
 }
 
-bool has_contact_near(const Network& network, const std::vector<Contact>& meeting, std::size_t chain,
+bool has_contact_near(const CurveNetwork& network, const std::vector<Contact>& meeting, std::size_t chain,
                       Point p) {
   constexpr double kNear = 8;  // px
   return std::any_of(meeting.begin(), meeting.end(), [&](const Contact& c) {
@@ -65,7 +65,7 @@ bool has_contact_near(const Network& network, const std::vector<Contact>& meetin
 }
 
 // Curves that run through each other.
-void add_crossings(Network& network) {
+void add_crossings(CurveNetwork& network) {
   std::vector<Piece> pieces;
   for (std::size_t c = 0; c < network.chains.size(); ++c) {
     const Chain& chain = network.chains[c];
@@ -85,7 +85,7 @@ void add_crossings(Network& network) {
 }
 
 // Pairs of ends that met across each other.
-void merge_crossed_meetings(Network& network) {
+void merge_crossed_meetings(CurveNetwork& network) {
   std::vector<Piece> ways;
   for (std::size_t m = 0; m < network.meetings.size(); ++m) {
     const auto& meeting = network.meetings[m];
@@ -103,7 +103,7 @@ void merge_crossed_meetings(Network& network) {
 
 }  // namespace
 
-Network with_crossings(Network network) {
+CurveNetwork merge_crossings(CurveNetwork network) {
   merge_crossed_meetings(network);
   add_crossings(network);
   return network;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/math/fast_round.hpp"
+#include "core/math/robust.hpp"
 #include "sketch/detection/by_strength.hpp"
 
 namespace emberfold::sketch {
@@ -36,14 +37,14 @@ constexpr double kDouble = 1.5;  // px: nearer points are the same line's, which
 
 class Linker {
  public:
-  Linker(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits)
+  Linker(const CreaseMap& map, const ScaleSpace& space, TracingLimits limits)
       : map_(map), space_(space), limits_(limits), spent_(map.points.size(), 0) {}
 
   std::vector<Chain> run() {
     std::vector<Chain> chains;
     // By strength, which is comparable between scales: a shoulder that is significant at a coarse scale only
     // must not spend the line beside it.
-    for (const std::size_t seed : strongest_first(map_.points, &CreasePoint::strength, map_.index.size()))
+    for (const std::size_t seed : sort_by_strength(map_.points, &CreasePoint::strength, map_.index.size()))
       if (spent_[seed] == 0 && map_.points[seed].significance >= limits_.seed) chains.push_back(grow(seed));
     return chains;
   }
@@ -176,13 +177,13 @@ class Linker {
 
   const CreaseMap& map_;
   const ScaleSpace& space_;
-  LinkLimits limits_;
+  TracingLimits limits_;
   std::vector<char> spent_;
 };
 
 }  // namespace
 
-std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& space) {
+std::size_t median_level(std::span<const CreasePoint> points, const ScaleSpace& space) {
   const auto channel_of = [&](int level) { return space[static_cast<std::size_t>(level)].channel; };
   std::vector<std::size_t> count(static_cast<std::size_t>(space.back().channel) + 1);
   std::vector<int> levels;
@@ -193,12 +194,10 @@ std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& 
   }
   const auto most = std::max_element(count.begin(), count.end()) - count.begin();
   std::erase_if(levels, [&](int level) { return channel_of(level) != most; });
-  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
-  std::nth_element(levels.begin(), middle, levels.end());
-  return static_cast<std::size_t>(*middle);
+  return static_cast<std::size_t>(core::median(std::move(levels)));
 }
 
-std::vector<Chain> link(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits) {
+std::vector<Chain> trace_curves(const CreaseMap& map, const ScaleSpace& space, TracingLimits limits) {
   return Linker(map, space, limits).run();
 }
 
@@ -211,7 +210,7 @@ std::vector<double> arc_lengths(const Chain& chain) {
   return s;
 }
 
-Point direction(const Chain& chain, std::size_t at, std::size_t reach) {
+Point tangent(const Chain& chain, std::size_t at, std::size_t reach) {
   const std::size_t first = at > reach ? at - reach : 0, last = std::min(at + reach, chain.points.size() - 1);
   const Point v = chain.points[last].position - chain.points[first].position;
   const double length = std::sqrt(graph::dot(v, v));
@@ -219,7 +218,7 @@ Point direction(const Chain& chain, std::size_t at, std::size_t reach) {
   return v * (1 / length);
 }
 
-std::vector<Chain> without_hooks(std::vector<Chain> chains) {
+std::vector<Chain> remove_hooks(std::vector<Chain> chains) {
   constexpr std::size_t kTail = 6, kBody = 14;  // points
   constexpr double kAside = std::numbers::pi / 5;
   for (Chain& chain : chains) {

@@ -9,34 +9,35 @@
 
 namespace emberfold::sketch {
 
-/// A curve as a chain of subpixel points, about one a pixel.
+/// Holds a curve as a chain of subpixel points, about one a pixel.
 struct Chain {
   CreaseKind kind = CreaseKind::ridge;
   std::vector<CreasePoint> points;  ///< theta directed along the chain
   bool closed = false;              ///< the last point goes on to the first
-  std::array<int, 2> gap{0, 0};     ///< of its first and last end: the gap they lie at, 0: none
+  std::array<int, 2> gap{0, 0};     ///< number of the gap at its first and last end, 0: none
 };
 
-struct LinkLimits {
+/// Holds where curves begin.
+struct TracingLimits {
   double seed;  ///< significance at which a curve begins; it goes on as far as the map has points
 };
 
-/// Links crease points into curves (Steger 1998): from the most significant point on, to the neighbour ahead
-/// that is nearest in place and direction. Every point goes to one curve; points beside a curve that run
-/// along with it are spent with it.
-std::vector<Chain> link(const CreaseMap& map, const ScaleSpace& space, LinkLimits limits);
+/// Links crease points into curves (Steger 1998). Begins at the most significant point and goes on to the
+/// neighbour ahead that is nearest in place and direction. Every point belongs to one curve; points beside a
+/// curve that run along with it are used up with it. O(points).
+std::vector<Chain> trace_curves(const CreaseMap& map, const ScaleSpace& space, TracingLimits limits);
 
-/// Arc length from the first point to each point; px.
+/// Returns the arc length from the first point to each point; px.
 std::vector<double> arc_lengths(const Chain& chain);
 
-/// Unit direction in which the chain runs at this point, from its neighbours `reach` points off.
-graph::Point direction(const Chain& chain, std::size_t at, std::size_t reach = 3);
+/// Returns the unit direction of the chain at a point, from its neighbours `reach` points off.
+graph::Point tangent(const Chain& chain, std::size_t at, std::size_t reach = 3);
 
-/// The scale in the middle of those that responded best, along a curve or a part of it, of the channel that
-/// most of its points belong to; at least one point.
-std::size_t middle_level(std::span<const CreasePoint> points, const ScaleSpace& space);
+/// Returns the median of the best responding levels along a curve or a part of it. Only the channel counts
+/// that most of its points belong to; at least one point.
+std::size_t median_level(std::span<const CreasePoint> points, const ScaleSpace& space);
 
-/// Takes off the hooks at free ends, where a line's round end makes the crease turn aside.
-std::vector<Chain> without_hooks(std::vector<Chain> chains);
+/// Removes the hooks at free ends, where a line's round end makes the crease turn aside.
+std::vector<Chain> remove_hooks(std::vector<Chain> chains);
 
 }  // namespace emberfold::sketch

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/math/robust.hpp"
 #include "sketch/patches/patch_types.hpp"
 
 namespace emberfold::sketch {
@@ -82,9 +83,7 @@ class Cells {
 double median_width(const AttributeGraph& graph, const Curve& curve) {
   std::vector<double> widths;
   for (const auto v : curve) widths.push_back(width(graph.patch(v)));
-  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-  std::ranges::nth_element(widths, middle);
-  return *middle;
+  return core::median(std::move(widths));
 }
 
 /// Whether `patch`, of a curve of this width, may be a flank of the line `other`.
@@ -164,7 +163,7 @@ class Flanks {
 
 }  // namespace
 
-AttributeGraph without_flanks(const AttributeGraph& graph) {
+AttributeGraph remove_flank_curves(const AttributeGraph& graph) {
   const std::vector<bool> gone = Flanks(graph).find();
   if (std::ranges::find(gone, true) == gone.end()) return graph;
   std::vector<graph::Vertex> vertices;
@@ -174,7 +173,7 @@ AttributeGraph without_flanks(const AttributeGraph& graph) {
   const auto stays = [&](graph::VertexId id) { return !gone[graph.index_of(id)]; };
   std::ranges::copy_if(graph.edges(), std::back_inserter(edges),
                        [&](const graph::Edge& e) { return stays(e.a) && stays(e.b); });
-  return named_by_degree(std::move(vertices), std::move(edges));
+  return name_patch_types(std::move(vertices), std::move(edges));
 }
 
 }  // namespace emberfold::sketch

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/math/robust.hpp"
 #include "sketch/detection/creaseness.hpp"
 
 namespace emberfold::sketch {
@@ -40,7 +41,7 @@ std::vector<End> free_ends(const std::vector<Chain>& chains) {
     if (chains[c].closed) continue;
     for (const bool back : {false, true}) {
       const std::size_t at = end_point(chains[c], back);
-      const Point along = direction(chains[c], at, 5);
+      const Point along = tangent(chains[c], at, 5);
       ends.push_back({c, back, chains[c].points[at].position, back ? along : along * -1});
     }
   }
@@ -100,7 +101,7 @@ std::pair<double, double> half_showing(const Chain& chain, bool back, const Scal
   std::vector<double> halves, grounds;
   for (std::size_t i = std::min<std::size_t>(2, n / 2); i < reach; ++i) {
     const std::size_t at = back ? n - 1 - i : i;
-    const Point p = chain.points[at].position, u = direction(chain, at), across{-u.y, u.x};
+    const Point p = chain.points[at].position, u = tangent(chain, at), across{-u.y, u.x};
     const double here = showing(level, chain.kind, p, across, sigma);
     const double aside = chain.kind == CreaseKind::step
                              ? 0
@@ -109,12 +110,7 @@ std::pair<double, double> half_showing(const Chain& chain, bool back, const Scal
     halves.push_back(0.5 * (here + aside));
     grounds.push_back(aside);
   }
-  const auto median_of = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  return {median_of(halves), median_of(grounds)};
+  return {core::median(std::move(halves)), core::median(std::move(grounds))};
 }
 
 struct Bridge {
@@ -148,7 +144,7 @@ bool bridged(const ScaleLevel& level, CreaseKind kind, Point from, Point to, Poi
 std::size_t level_near(const Chain& chain, const ScaleSpace& space, bool back) {
   const std::span points(chain.points);
   const std::size_t reach = std::min<std::size_t>(points.size(), 10);
-  return middle_level(back ? points.last(reach) : points.first(reach), space);
+  return median_level(back ? points.last(reach) : points.first(reach), space);
 }
 
 // What the end points at and reaches; the nearest such point of every curve within reach.
@@ -159,7 +155,7 @@ std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& gr
   const std::size_t own_end = end_point(own, end.back);
   const std::size_t own_level = level_near(own, space, end.back);
   const ScaleLevel& level = space[own_level];
-  const ScaleLevel& fine = finest_of(space, own_level);
+  const ScaleLevel& fine = finest_level(space, own_level);
   // half_showing looks along the chain, bridged out of the end: at the front these are opposite, which turns
   // a step's sides.
   const double side = own.kind == CreaseKind::step && !end.back ? -1 : 1;
@@ -217,8 +213,8 @@ Contact snapped(const std::vector<Chain>& chains, Contact contact) {
 
 }  // namespace
 
-Network join(std::vector<Chain> chains, const ScaleSpace& space) {
-  Network network;
+CurveNetwork join_free_ends(std::vector<Chain> chains, const ScaleSpace& space) {
+  CurveNetwork network;
   const std::vector<End> ends = free_ends(chains);
   const Grid grid(chains);
   std::vector<Meeting> all;
@@ -261,7 +257,7 @@ Network join(std::vector<Chain> chains, const ScaleSpace& space) {
 namespace {
 
 // The number of the connected part that each curve belongs to.
-std::vector<std::size_t> parts(const Network& network) {
+std::vector<std::size_t> parts(const CurveNetwork& network) {
   std::vector<std::size_t> part(network.chains.size());
   std::iota(part.begin(), part.end(), std::size_t{0});
   const auto root = [&](std::size_t c) {
@@ -274,10 +270,10 @@ std::vector<std::size_t> parts(const Network& network) {
   return part;
 }
 
-Network without_chains(Network network, const std::vector<bool>& dropped) {
+CurveNetwork without_chains(CurveNetwork network, const std::vector<bool>& dropped) {
   const std::size_t n = network.chains.size();
   std::vector<std::size_t> renumbered(n, n);
-  Network kept;
+  CurveNetwork kept;
   for (std::size_t c = 0; c < n; ++c) {
     if (dropped[c]) continue;
     renumbered[c] = kept.chains.size();
@@ -294,7 +290,7 @@ Network without_chains(Network network, const std::vector<bool>& dropped) {
 
 }  // namespace
 
-Network prune(Network network, double min_length) {
+CurveNetwork prune_short_curves(CurveNetwork network, double min_length) {
   for (bool changed = true; changed;) {
     const std::size_t n = network.chains.size();
     std::vector<int> attached_ends(n, 0);

@@ -33,7 +33,7 @@ Box around(const CreasePoint& p) {
 // Where accepted lines run: each pixel near one refers to its nearest point, whatever the order they come in.
 class Accepted {
  public:
-  explicit Accepted(cv::Size frame) : index_(no_points(frame)) {}
+  explicit Accepted(cv::Size frame) : index_(make_empty_index(frame)) {}
 
   void add(const Chain& chain) {
     Line line{&chain, static_cast<int>(points_.size()), around(chain.points.front())};
@@ -135,11 +135,11 @@ double lobe(const CreasePoint& q, Point p, double sigma, const ScaleSpace& space
 /// The share of a line's response that lines of the other sign explain.
 double explained(const Chain& chain, const Accepted& opposite, const ScaleSpace& space) {
   constexpr double kReach = 4;  // reach in S of a line as wide as this one
-  const std::size_t own = middle_level(chain.points, space);
+  const std::size_t own = median_level(chain.points, space);
   const double sigma = space[own].sigma, reach = kReach * 1.5 * sigma + 4;
   double seen = 0, predicted = 0;
   for (std::size_t i = 0; i < chain.points.size(); ++i) {
-    const Point p = chain.points[i].position, u = direction(chain, i), across{-u.y, u.x};
+    const Point p = chain.points[i].position, u = tangent(chain, i), across{-u.y, u.x};
     seen += std::abs(space[own].hessian_at(p).along(across));
     for (const Point side : {across, across * -1})
       if (const CreasePoint* q = opposite.first_on(p, side, reach);
@@ -153,11 +153,11 @@ double explained(const Chain& chain, const Accepted& opposite, const ScaleSpace&
 // 0.84 times); blurred flanks with flat ground between them do not.
 bool blurred_ground(const Chain& chain, const ScaleSpace& space) {
   constexpr double kLeast = 0.65;
-  const std::size_t own = middle_level(chain.points, space);
+  const std::size_t own = median_level(chain.points, space);
   if (space[own].octave < 2) return false;
   double at_own = 0, at_half = 0;
   for (std::size_t i = 0; i < chain.points.size(); ++i) {
-    const Point p = chain.points[i].position, u = direction(chain, i), across{-u.y, u.x};
+    const Point p = chain.points[i].position, u = tangent(chain, i), across{-u.y, u.x};
     at_own += space[own].hessian_at(p).along(across);
     at_half += space[own - 2].hessian_at(p).along(across);
   }
@@ -195,7 +195,7 @@ void drop_between(const std::vector<Chain>& chains, const std::vector<std::size_
 
 }  // namespace
 
-std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& space, cv::Size frame) {
+std::vector<Chain> remove_lobe_curves(std::vector<Chain> chains, const ScaleSpace& space, cv::Size frame) {
   std::vector<double> strength;
   for (const Chain& chain : chains) strength.push_back(mean_strength(chain));
   std::vector<std::size_t> order(chains.size());

@@ -9,11 +9,11 @@
 
 namespace emberfold::sketch {
 
-/// Drops the lines that stronger ones of the opposite sign explain: a Gaussian line of SD s and height h,
-/// seen at scale σ, has beside it the counter-lobe h·s·S⁻³·(d²/S² − 1)·exp(−d²/2S²), S² = s² + σ²; between
-/// two lines such lobes add up. The strongest lines come first; a dropped line explains nothing; at the end
-/// all that stay judge each other once more. Lines that exist at their own scale only, where the ground is
-/// flat, go too. Order is kept.
-std::vector<Chain> without_lobes(std::vector<Chain> chains, const ScaleSpace& space, cv::Size frame);
+/// Removes the lines that stronger lines of the opposite sign explain as their counter-lobes. A Gaussian line
+/// of SD s and height h, seen at scale σ, has beside it the counter-lobe h·s·S⁻³·(d²/S² − 1)·exp(−d²/2S²), S²
+/// = s² + σ²; between two lines such lobes add up. The strongest lines are judged first, and a removed line
+/// explains nothing; at the end all lines that stay are judged once more. Lines that show at their own scale
+/// only, where the ground is flat, are removed too. Order is kept.
+std::vector<Chain> remove_lobe_curves(std::vector<Chain> chains, const ScaleSpace& space, cv::Size frame);
 
 }  // namespace emberfold::sketch

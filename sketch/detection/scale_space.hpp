@@ -9,26 +9,28 @@
 
 namespace emberfold::sketch {
 
-/// Symmetric 2×2 matrix of second derivatives.
+/// Holds the symmetric 2×2 matrix of second derivatives.
 struct Hessian {
   float xx = 0, xy = 0, yy = 0;
-  /// Second derivative along the unit vector u.
+  /// Returns the second derivative along the unit vector u.
   [[nodiscard]] double along(graph::Point u) const {
     return double{xx} * u.x * u.x + 2 * double{xy} * u.x * u.y + double{yy} * u.y * u.y;
   }
 };
 
-/// From three pixels of each of three rows; summed so that a mirrored or turned frame gives the same bits.
+/// Computes it from three pixels of each of three rows. Sums are ordered so that a mirrored or turned frame
+/// gives the same bits.
 inline Hessian hessian_of(const float* up, const float* mid, const float* down) {
   return {(mid[0] + mid[2]) - 2 * mid[1], 0.25F * ((down[2] + up[0]) - (down[0] + up[2])),
           (up[1] + down[1]) - 2 * mid[1]};
 }
 
+/// Computes the gradient by central differences.
 inline graph::Point gradient_of(const float* up, const float* mid, const float* down) {
   return {0.5 * (double{mid[2]} - double{mid[0]}), 0.5 * (double{down[1]} - double{up[1]})};
 }
 
-/// The image smoothed by a Gaussian; derivatives are central differences of it.
+/// Holds the image smoothed by a Gaussian; derivatives are central differences of it.
 struct ScaleLevel {
   double sigma = 1;  ///< px, of the smoothing
   int channel = 0;   ///< of the frame's: luma, or the axes of opponent colours
@@ -44,21 +46,22 @@ struct ScaleLevel {
   [[nodiscard]] graph::Point gradient(int x, int y) const {
     return gradient_of(smooth[y] + x, smooth[y + 1] + x, smooth[y + 2] + x);
   }
-  /// Bilinear between pixels, clamped to the frame.
+  /// Returns the Hessian at a place, bilinear between pixels, clamped to the frame.
   [[nodiscard]] Hessian hessian_at(graph::Point p) const;
+  /// Returns the smoothed level at a place, likewise.
   [[nodiscard]] double value_at(graph::Point p) const;
 };
 
 /// Levels of one channel from fine to coarse, those of the next channel after them.
 using ScaleSpace = std::vector<ScaleLevel>;
 
-/// The finest level of the channel that level k belongs to.
-inline const ScaleLevel& finest_of(const ScaleSpace& space, std::size_t k) {
+/// Returns the finest level of the channel that level k belongs to.
+inline const ScaleLevel& finest_level(const ScaleSpace& space, std::size_t k) {
   return space[k - static_cast<std::size_t>(space[k].octave)];
 }
 
-/// Levels at finest, finest·√2, finest·2, … px, each smoothed from the one before, with taps as far apart as
-/// the smoothness reached allows (a share of 1e-5 of the amplitude is lost at most). Mirrored frames give
+/// Builds levels at finest, finest·√2, finest·2, … px. Each is smoothed from the one before, with taps as far
+/// apart as the smoothness reached allows (at most 1e-5 of the amplitude is lost). Mirrored frames give
 /// mirrored levels, bit by bit. O(pixels · levels).
 ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels, int channel = 0);
 

@@ -249,11 +249,11 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
   keep_unmarked(steps, marked);
 }
 
-void thin(CreaseMap& map, const ScaleSpace& space) {
+void thin_parallel_points(CreaseMap& map, const ScaleSpace& space) {
   std::vector<char> marked(map.points.size(), 0);
   Across across(map.index);
   std::vector<char> settled(map.points.size(), 0);  // marked, or had their turn
-  for (const std::size_t i : strongest_first(map.points, &CreasePoint::strength, map.index.size())) {
+  for (const std::size_t i : sort_by_strength(map.points, &CreasePoint::strength, map.index.size())) {
     if (marked[i] != 0) continue;
     settled[i] = 1;
     const CreasePoint& p = map.points[i];

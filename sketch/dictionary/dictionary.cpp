@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/luma.hpp"
 #include "sketch/dictionary/patch_views.hpp"
 #include "sketch/refinement/coding_length.hpp"
 #include "sketch/rendering/curve_bands.hpp"
@@ -36,7 +37,7 @@ double product(std::span<const float> a, std::span<const float> b) {
 }
 
 /// Empty, or what is wrong with an entry by itself.
-std::string complaint(const Entry& entry) {
+std::string complaint(const DictionaryEntry& entry) {
   const std::size_t size = entry.window() ? kWindowSide * kWindowSide : kProfileSamples;
   if (entry.degree < 0 || entry.degree > 4) return "has a degree that is not 0 to 4";
   if (graph::name(entry.type).empty()) return "has no type";
@@ -61,28 +62,28 @@ std::string complaint(const Entry& entry) {
   return {};
 }
 
-bool same_group(const Entry& a, const Entry& b) {
+bool same_group(const DictionaryEntry& a, const DictionaryEntry& b) {
   return a.degree == b.degree && a.type == b.type;
 }
 
-bool in_order(const Entry& a, const Entry& b) {
+bool in_order(const DictionaryEntry& a, const DictionaryEntry& b) {
   if (a.degree != b.degree) return a.degree < b.degree;
   if (a.type != b.type) return a.type < b.type;
   return a.seen >= b.seen;
 }
 
 double luma_of(const graph::Level& level) {
-  return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+  return core::luma(double{level[0]}, double{level[1]}, double{level[2]});
 }
 
 /// RMS of what the patch's own profile leaves of its view.
-double parametric_residual(const graph::Patch& patch, const View& view) {
+double parametric_residual(const graph::Patch& patch, const PatchView& view) {
   const ProfileShape shape(patch);
   const double left = luma_of(patch.left), middle = luma_of(patch.middle), right = luma_of(patch.right),
                between = luma_of(patch.between);
   double sum = 0;
   for (std::size_t i = 0; i < view.luma.size(); ++i) {
-    const double d = view.reach * profile_place(i) * (view.turned ? -1 : 1);
+    const double d = view.reach * profile_position(i) * (view.reversed ? -1 : 1);
     const double off = double{view.luma[i]} - shape.at(d).level(left, middle, right, between);
     sum += off * off;
   }
@@ -95,11 +96,11 @@ struct Fit {
   int numbers = 0;
 };
 
-std::optional<Fit> best_fit(const Entry& entry, double share, const View& view, double variance,
-                            double noise) {
+std::optional<Fit> best_fit(const DictionaryEntry& entry, double share, const PatchView& view,
+                            double variance, double noise) {
   const double amplitude = product(view.luma, entry.mean);
   if (!(amplitude > kLeastLikeness * std::sqrt(variance)) || !(amplitude > 0)) return std::nullopt;
-  const double pixels = pixels_of(view), number = 0.5 * std::log1p(pixels);
+  const double pixels = count_pixels(view), number = 0.5 * std::log1p(pixels);
   const std::size_t most = entry.components.size();
   const double base = kNumbers * number - std::log(share) + std::log1p(static_cast<double>(most));
   Fit now, best;
@@ -118,11 +119,12 @@ std::optional<Fit> best_fit(const Entry& entry, double share, const View& view, 
 }
 
 /// Entries that may tell a view: those of its degree and type, else all of its kind; and their share.
-std::vector<std::pair<std::uint32_t, double>> candidates(const Dictionary& dictionary, const View& view) {
+std::vector<std::pair<std::uint32_t, double>> candidates(const Dictionary& dictionary,
+                                                         const PatchView& view) {
   std::vector<std::pair<std::uint32_t, double>> own, any;
   double total = 0;
   for (std::uint32_t i = 0; i < dictionary.entries.size(); ++i) {
-    const Entry& entry = dictionary.entries[i];
+    const DictionaryEntry& entry = dictionary.entries[i];
     if (entry.window() != looks_like_window(view.type, view.degree)) continue;
     if (entry.degree == view.degree && entry.type == view.type) own.emplace_back(i, entry.share);
     any.emplace_back(i, static_cast<double>(entry.seen));
@@ -134,7 +136,7 @@ std::vector<std::pair<std::uint32_t, double>> candidates(const Dictionary& dicti
 }
 
 /// The entry's vectors are orthogonal: each number by itself.
-void tell_channels(Code& code, const Entry& entry, const ColourView& seen) {
+void encode_channels(PatchCode& code, const DictionaryEntry& entry, const ColourPatchView& seen) {
   for (std::size_t c = 0; c < 3; ++c) {
     code.level[c] = static_cast<float>(mean_of(seen.channel[c]));
     code.amplitude[c] = static_cast<float>(product(seen.channel[c], entry.mean));
@@ -143,14 +145,14 @@ void tell_channels(Code& code, const Entry& entry, const ColourView& seen) {
   }
 }
 
-Code encode_patch(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex,
-                  const Dictionary& dictionary, double noise) {
+PatchCode encode_patch(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex,
+                       const Dictionary& dictionary, double noise) {
   const graph::Patch& patch = graph.patch(vertex);
-  const ColourView seen = look_at(levels, graph, vertex);
-  const View& view = seen.view;
-  Code code;
-  code.turned = view.turned;
-  code.parametric_cost = coding_cost(patch, pixels_of(view));
+  const ColourPatchView seen = view_patch(levels, graph, vertex);
+  const PatchView& view = seen.view;
+  PatchCode code;
+  code.reversed = view.reversed;
+  code.parametric_cost = coding_cost(patch, count_pixels(view));
   if (view.luma.empty()) return code;
   if (!looks_like_window(view.type, view.degree)) code.parametric = parametric_residual(patch, view);
   const double mean = mean_of(view.luma);
@@ -168,7 +170,7 @@ Code encode_patch(const cv::Mat& levels, const graph::AttributeGraph& graph, std
   code.numbers = best->numbers;
   code.residual = std::sqrt(best->squares);
   code.cost = best->cost;
-  tell_channels(code, dictionary.entries[code.entry], seen);
+  encode_channels(code, dictionary.entries[code.entry], seen);
   return code;
 }
 
@@ -185,26 +187,26 @@ void validate(const Dictionary& dictionary) {
     if (i >= kMostEntries && same_group(entries[i], entries[i - kMostEntries]))
       fail(i, "is the seventh of its degree and type; there are at most 6");
     double group = 0;
-    for (const Entry& other : entries)
+    for (const DictionaryEntry& other : entries)
       if (same_group(other, entries[i])) group += static_cast<double>(other.seen);
     if (entries[i].share != static_cast<double>(entries[i].seen) / group)
       fail(i, "has a share that does not follow from how often it was seen");
   }
 }
 
-std::vector<float> shape_of(const Entry& entry, std::span<const float> coefficients) {
+std::vector<float> compose_shape(const DictionaryEntry& entry, std::span<const float> coefficients) {
   std::vector<float> shape = entry.mean;
   for (std::size_t k = 0; k < std::min(coefficients.size(), entry.components.size()); ++k)
     for (std::size_t i = 0; i < shape.size(); ++i) shape[i] += coefficients[k] * entry.components[k][i];
   return shape;
 }
 
-std::vector<Code> encode(const cv::Mat& levels, const graph::AttributeGraph& graph,
-                         const Dictionary& dictionary, double noise) {
+std::vector<PatchCode> encode(const cv::Mat& levels, const graph::AttributeGraph& graph,
+                              const Dictionary& dictionary, double noise) {
   check_levels(levels);
   if (!(noise > 0) || !std::isfinite(noise))
     throw core::InputError("dictionary: the noise is " + std::to_string(noise) + ", must be above 0");
-  std::vector<Code> codes;
+  std::vector<PatchCode> codes;
   codes.reserve(graph.size());
   for (std::size_t i = 0; i < graph.size(); ++i)
     codes.push_back(encode_patch(levels, graph, i, dictionary, noise));

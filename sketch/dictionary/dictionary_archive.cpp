@@ -97,14 +97,14 @@ void check_header(const nlohmann::json& json) {
 }
 
 /// What model.json tells of the entries; each has as many components as it should get.
-std::vector<Entry> read_entries(const nlohmann::json& json) {
+std::vector<DictionaryEntry> read_entries(const nlohmann::json& json) {
   const nlohmann::json& list = part(json, "entries");
   if (!list.is_array() || list.size() > kMostGroups * kMostEntries)
     refuse("\"entries\" must be a list of at most " + std::to_string(kMostGroups * kMostEntries));
-  std::vector<Entry> entries;
+  std::vector<DictionaryEntry> entries;
   for (const nlohmann::json& told : list) {
     if (!told.is_object()) refuse("\"entries\" holds something else than objects");
-    Entry entry;
+    DictionaryEntry entry;
     const std::string type = text(told, "type");
     const auto known = graph::patch_type(type);
     if (!known) refuse("\"type\" is " + core::quoted(type) + ", which is no type of a patch");
@@ -131,10 +131,10 @@ struct Rows {
   }
 };
 
-void tell_shares(std::vector<Entry>& entries) {
-  for (Entry& entry : entries) {
+void tell_shares(std::vector<DictionaryEntry>& entries) {
+  for (DictionaryEntry& entry : entries) {
     double group = 0;
-    for (const Entry& other : entries)
+    for (const DictionaryEntry& other : entries)
       if (other.degree == entry.degree && other.type == entry.type) group += static_cast<double>(other.seen);
     entry.share = static_cast<double>(entry.seen) / group;
   }
@@ -153,7 +153,7 @@ core::ModelArchive to_archive(const Dictionary& dictionary) {
   std::array<std::vector<float>, 2> means, components;  // profiles', windows'
   std::vector<double> spreads, residuals;
   std::vector<std::int64_t> seen;
-  for (const Entry& entry : dictionary.entries) {
+  for (const DictionaryEntry& entry : dictionary.entries) {
     json["entries"].push_back({{"degree", entry.degree},
                                {"type", graph::name(entry.type)},
                                {"share", entry.share},
@@ -177,7 +177,7 @@ core::ModelArchive to_archive(const Dictionary& dictionary) {
   return archive;
 }
 
-Dictionary dictionary(const core::ModelArchive& archive) {
+Dictionary read_dictionary(const core::ModelArchive& archive) {
   nlohmann::json json;
   try {
     json = core::parse_json(archive.text);
@@ -187,7 +187,7 @@ Dictionary dictionary(const core::ModelArchive& archive) {
   check_header(json);
   Dictionary result{read_entries(json)};
   std::array<std::size_t, 2> means{}, components{};
-  for (const Entry& entry : result.entries) {
+  for (const DictionaryEntry& entry : result.entries) {
     means[entry.window() ? 1 : 0] += 1;
     components[entry.window() ? 1 : 0] += entry.components.size();
   }
@@ -200,7 +200,7 @@ Dictionary dictionary(const core::ModelArchive& archive) {
   const auto seen = values_of<std::int64_t>(archive, "seen", {result.entries.size()});
   std::size_t spread = 0;
   for (std::size_t i = 0; i < result.entries.size(); ++i) {
-    Entry& entry = result.entries[i];
+    DictionaryEntry& entry = result.entries[i];
     entry.mean = mean.next(entry.window());
     for (auto& values : entry.components) {
       values = component.next(entry.window());

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/kmeans.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "sketch/dictionary/dictionary.hpp"
@@ -19,6 +20,7 @@ namespace {
 constexpr std::size_t kMostProfiles = 4096, kMostWindows = 1536;  // held of a group
 constexpr double kEven = 0.5;                                     // grey levels, RMS: below, nothing is seen
 constexpr int kStarts = 3, kRounds = 25;
+constexpr double kLeastGain = 1e-6;       // of the squares: a round that gains less is the last
 constexpr std::size_t kLeastMembers = 8;  // of a cluster, if there are several
 constexpr std::size_t kLeastForEach = 4;  // members for each component
 constexpr double kLeastVariance = 1e-4;   // of what has an RMS of 1
@@ -40,73 +42,25 @@ Vector normalised(const Vector& view) {
   return result;
 }
 
-float squared_distance(const Vector& a, const Vector& b) {
-  // Eight sums side by side, for vectors.
-  std::array<float, 8> sums{};
-  std::size_t i = 0;
-  for (; i + 8 <= a.size(); i += 8)
-    for (std::size_t k = 0; k < 8; ++k) sums[k] += (a[i + k] - b[i + k]) * (a[i + k] - b[i + k]);
-  float sum = 0;
-  for (const float s : sums) sum += s;
-  for (; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return sum;
-}
-
 struct Clustering {
   std::vector<std::uint32_t> of_sample;
   double squares = std::numeric_limits<double>::infinity();
 };
 
-/// k-means++ (Arthur & Vassilvitskii 2007): each further centre with probability by squared distance.
-std::vector<Vector> first_centres(const std::vector<Vector>& samples, std::size_t count, core::Rng& rng) {
-  std::vector<Vector> centres{samples[rng.below(static_cast<std::uint32_t>(samples.size()))]};
-  std::vector<double> nearest(samples.size(), std::numeric_limits<double>::infinity());
-  while (centres.size() < count) {
-    double total = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      nearest[i] = std::min(nearest[i], double{squared_distance(samples[i], centres.back())});
-      total += nearest[i];
-    }
-    if (!(total > 0)) break;
-    centres.push_back(samples[rng.categorical(nearest)]);
-  }
-  return centres;
-}
-
 Clustering cluster(const std::vector<Vector>& samples, std::size_t count, core::Rng rng) {
-  auto centres = first_centres(samples, count, rng);
-  Clustering found{std::vector<std::uint32_t>(samples.size(), 0)};
-  for (int round = 0; round < kRounds; ++round) {
-    double squares = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      float least = std::numeric_limits<float>::infinity();
-      for (std::uint32_t c = 0; c < centres.size(); ++c)
-        if (const float d = squared_distance(samples[i], centres[c]); d < least) {
-          least = d;
-          found.of_sample[i] = c;
-        }
-      squares += double{least};
-    }
-    if (squares >= found.squares * (1 - 1e-6)) break;
-    found.squares = squares;
-    std::vector<std::vector<double>> sums(centres.size(), std::vector<double>(samples[0].size(), 0.0));
-    std::vector<double> members(centres.size(), 0);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const std::uint32_t c = found.of_sample[i];
-      members[c] += 1;
-      for (std::size_t j = 0; j < samples[i].size(); ++j) sums[c][j] += double{samples[i][j]};
-    }
-    for (std::size_t c = 0; c < centres.size(); ++c)
-      if (members[c] > 0)
-        for (std::size_t j = 0; j < sums[c].size(); ++j)
-          centres[c][j] = static_cast<float>(sums[c][j] / members[c]);
-  }
+  Clustering found;
+  found.of_sample =
+      core::lloyd(samples, core::kmeans_plus_plus(samples, count, rng), kRounds, [&](const auto& state) {
+        if (state.squares >= found.squares * (1 - kLeastGain)) return true;
+        found.squares = state.squares;
+        return false;
+      }).owner;
   return found;
 }
 
 /// An entry for some samples, and the nats that tell them by it, but for their shares.
 struct Described {
-  Entry entry;
+  DictionaryEntry entry;
   double length = 0;
 };
 
@@ -198,7 +152,7 @@ std::optional<Described> describe(const std::vector<const Vector*>& members, dou
 }
 
 struct Description {
-  std::vector<Entry> entries;  // `seen`: members of the cluster
+  std::vector<DictionaryEntry> entries;  // `seen`: members of the cluster
   double length = std::numeric_limits<double>::infinity();
 };
 
@@ -221,8 +175,8 @@ std::optional<Description> describe_all(const std::vector<Vector>& samples, cons
   return all;
 }
 
-std::vector<Entry> learn_group(const std::vector<Vector>& samples, double numbers, std::uint64_t seed,
-                               int degree, graph::PatchType type) {
+std::vector<DictionaryEntry> learn_group(const std::vector<Vector>& samples, double numbers,
+                                         std::uint64_t seed, int degree, graph::PatchType type) {
   Description best;
   for (std::size_t k = 1; k <= std::min(kMostEntries, samples.size()); ++k) {
     Clustering clustering;
@@ -246,8 +200,8 @@ double independent_numbers(bool window, double mean_reach, double mean_side) {
 
 }  // namespace
 
-void DictionaryLearner::add(std::uint32_t frame, std::span<const View> views) {
-  for (const View& view : views) {
+void DictionaryLearner::add(std::uint32_t frame, std::span<const PatchView> views) {
+  for (const PatchView& view : views) {
     const bool window = looks_like_window(view.type, view.degree);
     if (view.luma.empty()) continue;
     if (view.luma.size() != (window ? kWindowSide * kWindowSide : kProfileSamples))
@@ -259,27 +213,27 @@ void DictionaryLearner::add(std::uint32_t frame, std::span<const View> views) {
     const std::uint64_t high = rng.bits();
     const Key key{high << 32U | rng.bits(), frame, view.vertex.value};
     const std::size_t most = window ? kMostWindows : kMostProfiles;
-    if (sample.held.size() == most && std::prev(sample.held.end())->first < key) continue;
-    sample.held.insert_or_assign(key, view);
-    if (sample.held.size() > most) sample.held.erase(std::prev(sample.held.end()));
+    if (sample.stored.size() == most && std::prev(sample.stored.end())->first < key) continue;
+    sample.stored.insert_or_assign(key, view);
+    if (sample.stored.size() > most) sample.stored.erase(std::prev(sample.stored.end()));
   }
 }
 
-std::size_t DictionaryLearner::held() const {
+std::size_t DictionaryLearner::stored() const {
   std::size_t count = 0;
-  for (const auto& [group, sample] : groups_) count += sample.held.size();
+  for (const auto& [group, sample] : groups_) count += sample.stored.size();
   return count;
 }
 
 Dictionary DictionaryLearner::learn(const core::Context& context) const {
   std::vector<const std::pair<const Group, Sample>*> groups;
   for (const auto& group : groups_) groups.push_back(&group);
-  std::vector<std::vector<Entry>> learned(groups.size());
+  std::vector<std::vector<DictionaryEntry>> learned(groups.size());
   core::parallel_for(groups.size(), context, [&](std::size_t g) {
     const auto& [group, sample] = *groups[g];
     std::vector<Vector> samples;
     double reach = 0, side = 0;
-    for (const auto& [key, view] : sample.held) {
+    for (const auto& [key, view] : sample.stored) {
       samples.push_back(normalised(view.luma));
       reach += view.reach;
       side += 2 * window_reach(view) + 1;
@@ -289,20 +243,20 @@ Dictionary DictionaryLearner::learn(const core::Context& context) const {
     auto entries = learn_group(samples, independent_numbers(window, reach / n, side / n), seed_, group.first,
                                group.second);
     double total = 0;
-    for (Entry& entry : entries) {
+    for (DictionaryEntry& entry : entries) {
       entry.degree = group.first;
       entry.type = group.second;
       const double seen = static_cast<double>(sample.seen) * static_cast<double>(entry.seen) / n;
       entry.seen = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(seen)));
       total += static_cast<double>(entry.seen);
     }
-    for (Entry& entry : entries) entry.share = static_cast<double>(entry.seen) / total;
-    std::ranges::stable_sort(entries, std::greater{}, &Entry::seen);
+    for (DictionaryEntry& entry : entries) entry.share = static_cast<double>(entry.seen) / total;
+    std::ranges::stable_sort(entries, std::greater{}, &DictionaryEntry::seen);
     learned[g] = std::move(entries);
   });
   Dictionary dictionary;
   for (auto& entries : learned)
-    for (Entry& entry : entries) dictionary.entries.push_back(std::move(entry));
+    for (DictionaryEntry& entry : entries) dictionary.entries.push_back(std::move(entry));
   return dictionary;
 }
 

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/luma.hpp"
 #include "sketch/patches/blob.hpp"
 #include "sketch/rendering/curve_bands.hpp"
 
@@ -38,26 +39,25 @@ void sample(const cv::Mat& levels, graph::Point at, double weight, double* sum) 
   }
 }
 
-void append(ColourView& seen, std::array<double, 3> sum, int channels) {
+void append(ColourPatchView& seen, std::array<double, 3> sum, int channels) {
   if (channels == 1) sum[1] = sum[2] = sum[0];
   for (std::size_t c = 0; c < 3; ++c) seen.channel[c].push_back(static_cast<float>(sum[c]));
-  seen.view.luma.push_back(
-      static_cast<float>(channels == 1 ? sum[0] : 0.114 * sum[0] + 0.587 * sum[1] + 0.299 * sum[2]));
+  seen.view.luma.push_back(static_cast<float>(channels == 1 ? sum[0] : core::luma(sum[0], sum[1], sum[2])));
 }
 
 /// Σ d·level over the view, d from left to right.
-double rise(const View& view, bool window) {
+double rise(const PatchView& view, bool window) {
   double sum = 0;
   for (std::size_t i = 0; i < view.luma.size(); ++i) {
     const double d =
-        window ? static_cast<double>(i % kWindowSide) - 0.5 * (kWindowSide - 1) : profile_place(i);
+        window ? static_cast<double>(i % kWindowSide) - 0.5 * (kWindowSide - 1) : profile_position(i);
     sum += d * double{view.luma[i]};
   }
   return sum;
 }
 
-void turn(ColourView& seen) {
-  seen.view.turned = true;
+void turn(ColourPatchView& seen) {
+  seen.view.reversed = true;
   std::ranges::reverse(seen.view.luma);  // of a window, both ways: half a turn
   for (auto& channel : seen.channel) std::ranges::reverse(channel);
 }
@@ -69,13 +69,13 @@ void check_levels(const cv::Mat& levels) {
     throw core::InputError("dictionary: the frame must be CV_32F with 1 or 3 channels and not empty");
 }
 
-ColourView look_at(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex) {
+ColourPatchView view_patch(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex) {
   const graph::Patch& patch = graph.patch(vertex);
-  ColourView seen;
-  View& view = seen.view;
+  ColourPatchView seen;
+  PatchView& view = seen.view;
   view.vertex = graph.vertices()[vertex].id;
   view.type = patch.type;
-  view.degree = degree_of(graph, vertex);
+  view.degree = counted_degree(graph, vertex);
   view.reach = patch.type == graph::PatchType::blob ? BlobShape(patch).reach() : profile_reach(patch);
   const bool window = looks_like_window(view.type, view.degree);
   const graph::Point along{std::cos(patch.theta), std::sin(patch.theta)}, across{-along.y, along.x};
@@ -95,9 +95,10 @@ ColourView look_at(const cv::Mat& levels, const graph::AttributeGraph& graph, st
     for (std::size_t i = 0; i < kProfileSamples; ++i) {
       std::array<double, 3> sum{};
       for (int row = 0; row < kRows; ++row)
-        sample(levels,
-               patch.position + across * (view.reach * profile_place(i)) + along * (row - 0.5 * (kRows - 1)),
-               1.0 / kRows, sum.data());
+        sample(
+            levels,
+            patch.position + across * (view.reach * profile_position(i)) + along * (row - 0.5 * (kRows - 1)),
+            1.0 / kRows, sum.data());
       append(seen, sum, channels);
     }
   }
@@ -110,11 +111,11 @@ ColourView look_at(const cv::Mat& levels, const graph::AttributeGraph& graph, st
   return seen;
 }
 
-std::vector<View> views(const cv::Mat& levels, const graph::AttributeGraph& graph) {
+std::vector<PatchView> view_patches(const cv::Mat& levels, const graph::AttributeGraph& graph) {
   check_levels(levels);
-  std::vector<View> all;
+  std::vector<PatchView> all;
   all.reserve(graph.size());
-  for (std::size_t i = 0; i < graph.size(); ++i) all.push_back(look_at(levels, graph, i).view);
+  for (std::size_t i = 0; i < graph.size(); ++i) all.push_back(view_patch(levels, graph, i).view);
   return all;
 }
 

@@ -5,35 +5,36 @@
 
 namespace emberfold::sketch {
 
-/// A view with its colours.
-struct ColourView {
-  View view;
+/// Holds a view with its colours.
+struct ColourPatchView {
+  PatchView view;
   std::array<std::vector<float>, 3> channel;  ///< blue, green, red, or the grey level three times
 };
-ColourView look_at(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex);
+/// Returns the view of one patch, by index.
+ColourPatchView view_patch(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex);
 
-/// InputError unless CV_32F with 1 or 3 channels and not empty.
+/// Throws core::InputError unless the frame is CV_32F with 1 or 3 channels and not empty.
 void check_levels(const cv::Mat& levels);
 
-/// How far a window goes to each side, px.
-inline double window_reach(const View& view) {
+/// Returns how far a window goes to each side, px.
+inline double window_reach(const PatchView& view) {
   return view.type == graph::PatchType::blob ? view.reach : 1.5 * view.reach;
 }
 
-/// The pixels that a view spans: reach to both sides, 5 px along, or the window.
-inline double pixels_of(const View& view) {
+/// Returns the number of pixels that a view spans: reach to both sides and 5 px along, or the window.
+inline double count_pixels(const PatchView& view) {
   if (!looks_like_window(view.type, view.degree)) return 2 * view.reach * 5;
   const double side = 2 * window_reach(view);
   return side * side;
 }
 
-/// A patch's degree as the dictionary counts it.
-inline int degree_of(const graph::AttributeGraph& graph, std::size_t vertex) {
+/// Returns a patch's degree as the dictionary counts it, at most 4.
+inline int counted_degree(const graph::AttributeGraph& graph, std::size_t vertex) {
   return static_cast<int>(std::min<std::size_t>(graph.degree(vertex), 4));
 }
 
-/// Distance across the curve of a profile's sample, in reaches.
-inline double profile_place(std::size_t i) {
+/// Returns the distance across the curve of a profile's sample, in reaches, −1…1.
+inline double profile_position(std::size_t i) {
   return 2.0 * static_cast<double>(i) / static_cast<double>(kProfileSamples - 1) - 1;
 }
 

@@ -13,6 +13,7 @@
 
 #include "core/clip.hpp"
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 #include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::sketch {
@@ -43,7 +44,7 @@ void check(const cv::Mat& levels, const cv::Mat& taken, double share) {
   if (!message.str().empty()) throw core::InputError(message.str());
 }
 
-cv::Mat smoothed(const cv::Mat& u, double deviation) {
+cv::Mat smooth(const cv::Mat& u, double deviation) {
   cv::Mat result;
   const int side = 2 * static_cast<int>(std::ceil(4 * deviation)) + 1;
   cv::GaussianBlur(u, result, {side, side}, deviation, deviation, cv::BORDER_REPLICATE);
@@ -53,7 +54,7 @@ cv::Mat smoothed(const cv::Mat& u, double deviation) {
 /// |Δu|, 5 points, insulated border.
 cv::Mat curvature(const cv::Mat& luma) {
   cv::Mat result;
-  cv::Laplacian(smoothed(luma, kSmoothing), result, CV_32F, 1, 1, 0, cv::BORDER_REPLICATE);
+  cv::Laplacian(smooth(luma, kSmoothing), result, CV_32F, 1, 1, 0, cv::BORDER_REPLICATE);
   return cv::abs(result);
 }
 
@@ -143,7 +144,7 @@ cv::Mat by_error(const cv::Mat& luma, const cv::Mat& held, const cv::Mat& taken,
     const bool last = round == options.rounds;
     mask.setTo(255, result);
     const cv::Mat error = fill(held, mask, {.tolerance = kRoughTolerance}).levels - luma;
-    score = error.mul(smoothed(error, options.spread));
+    score = error.mul(smooth(error, options.spread));
     score.setTo(0, (mask != 0) | (score < kLeastScore));
     cv::Mat everywhere = last ? score.clone() : cv::Mat();
     keep_peaks(score);
@@ -174,21 +175,19 @@ cv::Mat place(const cv::Mat& levels, const cv::Mat& held, const cv::Mat& taken, 
 }  // namespace
 
 void AnchorOptions::validate() const {
-  std::ostringstream message;
-  if (rounds < 0 || rounds > 256)
-    message << "AnchorOptions.rounds is " << rounds << "; allowed are 0 to 256";
-  else if (!(spread >= 0.3 && spread <= 5))
-    message << "AnchorOptions.spread is " << spread << "; allowed are 0.3 to 5 px";
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_range("AnchorOptions.rounds", rounds, 0, 256);
+  core::check_range("AnchorOptions.spread", spread, 0.3, 5);
 }
 
-cv::Mat anchors(const cv::Mat& levels, const cv::Mat& taken, double share, const AnchorOptions& options) {
+cv::Mat choose_anchors(const cv::Mat& levels, const cv::Mat& taken, double share,
+                       const AnchorOptions& options) {
   options.validate();
   check(levels, taken, share);
   return place(levels, levels, taken, share, options);
 }
 
-cv::Mat anchors(const cv::Mat& levels, const Sketchable& drawn, double share, const AnchorOptions& options) {
+cv::Mat choose_anchors(const cv::Mat& levels, const Sketchable& drawn, double share,
+                       const AnchorOptions& options) {
   options.validate();
   check(levels, drawn.mask, share);
   if (drawn.levels.type() != levels.type() || drawn.levels.size() != levels.size()) {

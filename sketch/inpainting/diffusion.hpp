@@ -10,30 +10,31 @@
 
 namespace emberfold::sketch {
 
-/// Laplace's equation with some pixels held, or (Δ − sink) u = 0, by conjugate gradients on the black pixels
-/// alone: the red ones, whose neighbours are all black, are eliminated exactly, which halves every vector and
-/// the number of sweeps. One object serves all channels of a frame.
+/// Solves Laplace's equation with some pixels held, or (Δ − sink) u = 0. Conjugate gradients run on the black
+/// pixels of a chequerboard alone: the red ones, whose neighbours are all black, are eliminated exactly,
+/// which halves every vector and the number of sweeps. One object serves all channels of a frame.
 template <class Real>
 class Diffusion {
  public:
-  /// `held`: rows of `width` bytes, not 0 where a pixel is held. `sink` ≥ 0: how strongly every other pixel
-  /// is drawn to 0, a link to a neighbour counting 1.
+  /// Prepares the solver. `held`: rows of `width` bytes, not 0 where a pixel is held. `sink` ≥ 0: conductance
+  /// from every other pixel to 0; a link to a neighbour has 1.
   Diffusion(int width, int height, const std::vector<const std::uint8_t*>& held, Real sink = 0);
 
+  /// Holds how a solve ended.
   struct Outcome {
     int iterations = 0;
     double error = 0;  ///< estimate of the largest error left, in the field's unit
     bool converged = false;
   };
-  /// Solves for the pixels that are not held. `field` has the held ones' values, and 0 elsewhere. Stops when
-  /// the error is thought to be at most `tolerance` everywhere.
+  /// Solves for the pixels that are not held. `field`: the values of the held pixels, 0 elsewhere. Stops when
+  /// the estimated error is at most `tolerance` everywhere.
   Outcome solve(Board<Real>& field, double tolerance, int max_iterations);
 
-  /// One row of cells, for the caller's use between calls.
+  /// Returns one row of cells, for the caller's use between calls.
   std::vector<Real>& row() { return cells_; }
 
  private:
-  /// What one way through the preconditioner tells: r·M⁻¹r and max |M⁻¹r|.
+  /// Holds r·M⁻¹r and max |M⁻¹r| after one application of the preconditioner.
   struct Correction {
     double product, largest;
   };

@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 #include "sketch/inpainting/diffusion.hpp"
 
 namespace emberfold::sketch {
@@ -164,15 +165,15 @@ FillResult diffuse(const cv::Mat& levels, const cv::Mat& mask, double sink, cons
   return result;
 }
 
-void check_ground(const cv::Mat& levels, const cv::Mat& ground, double reach) {
+void check_background(const cv::Mat& levels, const cv::Mat& background, double reach) {
   std::ostringstream message;
-  if (ground.dims != 2 || ground.type() != levels.type() || ground.size() != levels.size())
-    message << "fill_onto: the ground is " << cv::typeToString(ground.type()) << ", " << ground.cols << " × "
-            << ground.rows << "; it has to be of the levels' type and size, "
+  if (background.dims != 2 || background.type() != levels.type() || background.size() != levels.size())
+    message << "fill_onto: the ground is " << cv::typeToString(background.type()) << ", " << background.cols
+            << " × " << background.rows << "; it has to be of the levels' type and size, "
             << cv::typeToString(levels.type()) << ", " << levels.cols << " × " << levels.rows;
   else if (!(reach >= 1 && reach <= 1e4))
     message << "fill_onto: reach is " << reach << "; allowed are 1 to 10000 px";
-  else if (!cv::checkRange(ground))
+  else if (!cv::checkRange(background))
     message << "fill_onto: the ground holds a number that is not finite";
   if (!message.str().empty()) throw core::InputError(message.str());
 }
@@ -180,12 +181,8 @@ void check_ground(const cv::Mat& levels, const cv::Mat& ground, double reach) {
 }  // namespace
 
 void FillOptions::validate() const {
-  std::ostringstream message;
-  if (!(tolerance > 0) || !std::isfinite(tolerance))
-    message << "FillOptions.tolerance is " << tolerance << "; it has to be above 0 grey levels";
-  else if (max_iterations < 1)
-    message << "FillOptions.max_iterations is " << max_iterations << "; it has to be at least 1";
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_above("FillOptions.tolerance", tolerance, 0);
+  core::check_at_least("FillOptions.max_iterations", max_iterations, 1);
 }
 
 FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options) {
@@ -200,19 +197,19 @@ FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& o
   return diffuse(levels, mask, 0, options);
 }
 
-FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& ground, double reach,
+FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& background, double reach,
                      const FillOptions& options) {
   options.validate();
   check(levels, mask);
-  check_ground(levels, ground, reach);
+  check_background(levels, background, reach);
   const int count = cv::countNonZero(mask);
-  if (count == 0) return {ground.clone()};
+  if (count == 0) return {background.clone()};
   if (count == mask.rows * mask.cols) {
     check_held(levels, mask);
     return {levels.clone()};
   }
-  FillResult result = diffuse(levels - ground, mask, 1 / (reach * reach), options);
-  result.levels += ground;
+  FillResult result = diffuse(levels - background, mask, 1 / (reach * reach), options);
+  result.levels += background;
   levels.copyTo(result.levels, mask);
   return result;
 }

@@ -112,8 +112,8 @@ cv::Mat HeatFlow::levels() const {
   return result;
 }
 
-std::vector<cv::Mat> heat_film(const cv::Mat& levels, const cv::Mat& mask,
-                               std::span<const std::int64_t> steps, const core::Context& context) {
+std::vector<cv::Mat> make_heat_film(const cv::Mat& levels, const cv::Mat& mask,
+                                    std::span<const std::int64_t> steps, const core::Context& context) {
   HeatFlow flow(levels, mask);
   constexpr std::int64_t kBlock = 64;  // steps between two looks at the context
   std::vector<cv::Mat> film;
@@ -124,8 +124,8 @@ std::vector<cv::Mat> heat_film(const cv::Mat& levels, const cv::Mat& mask,
               << "; they have to be in order, from 0 on";
       throw core::InputError(message.str());
     }
-    while (flow.steps() < due && !context.cancelled()) flow.advance(std::min(kBlock, due - flow.steps()));
-    if (context.cancelled()) break;
+    for (context.check(); flow.steps() < due; context.check())
+      flow.advance(std::min(kBlock, due - flow.steps()));
     film.push_back(flow.levels());
     context.report("diffusing", static_cast<double>(film.size()) / static_cast<double>(steps.size()));
   }

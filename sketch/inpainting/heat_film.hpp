@@ -11,18 +11,17 @@
 
 namespace emberfold::sketch {
 
-/// The diffusion as it goes on in time: ∂u/∂t = Δu by explicit steps of the 5-point stencil, with an
-/// insulated border and held pixels. Its limit is what fill() returns at once; this one is for showing the
-/// way there.
+/// Simulates heat diffusion in time: ∂u/∂t = Δu with held pixels and an insulated border. Explicit steps of
+/// the 5-point stencil. Its limit is the result of fill(), which is faster; this class shows the way there.
 class HeatFlow {
  public:
   static constexpr double kLargestStep = 0.25;  ///< px²: beyond it the scheme is not stable
 
-  /// Begins with `levels`: CV_32F, 1 or 3 channels, finite; those where `mask` (CV_8U, same size) is not 0
-  /// are held. `step`: px² of time a step, above 0, at most kLargestStep. InputError otherwise.
+  /// Begins with `levels`: CV_32F, 1 or 3 channels, finite. Pixels where `mask` (CV_8U, same size) is not 0
+  /// are held. `step`: px² of time a step, above 0, at most kLargestStep. Throws core::InputError otherwise.
   HeatFlow(const cv::Mat& levels, const cv::Mat& mask, double step = kLargestStep);
 
-  /// `steps` ≥ 0. No level ever leaves the range of the first ones. O(pixels) a step; one thread.
+  /// Makes `steps` ≥ 0 steps. No level ever leaves the range of the first ones. O(pixels) a step; one thread.
   void advance(std::int64_t steps);
 
   [[nodiscard]] cv::Mat levels() const;  ///< a copy; held pixels as they came, bit for bit
@@ -40,9 +39,9 @@ class HeatFlow {
   std::vector<float> now_, next_;  // with a border of one pixel
 };
 
-/// The frames of a film of the diffusion: the levels after each of `steps`, which must not decrease. What was
-/// made before a cancel is returned.
-std::vector<cv::Mat> heat_film(const cv::Mat& levels, const cv::Mat& mask,
-                               std::span<const std::int64_t> steps, const core::Context& context = {});
+/// Returns the levels after each of `steps`, which must not decrease. Throws core::InputError otherwise, and
+/// core::Cancelled.
+std::vector<cv::Mat> make_heat_film(const cv::Mat& levels, const cv::Mat& mask,
+                                    std::span<const std::int64_t> steps, const core::Context& context = {});
 
 }  // namespace emberfold::sketch

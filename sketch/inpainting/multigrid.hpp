@@ -8,10 +8,10 @@
 
 namespace emberfold::sketch {
 
-/// Half of a grid: the cells of one colour of a chequerboard, cell (x, y) of colour (x + y) % 2 as number
-/// x / 2 of row y. The four neighbours of a cell lie in the other half, those of the next cell beside them,
-/// so a sweep over one colour is a loop over contiguous memory. Zeros lie around and behind the rows; loops
-/// run over span() values, a multiple of 8, and leave the zeros behind a row as they are.
+/// Holds one colour of a chequerboard of cells: cell (x, y) of colour (x + y) % 2 is number x / 2 of row y.
+/// The four neighbours of a cell lie in the other half, those of the next cell beside them, so that a sweep
+/// over one colour is a loop over contiguous memory. Zeros lie around and behind the rows; loops run over
+/// span() values, a multiple of 8, and leave the zeros behind a row as they are.
 template <class Real>
 class Half {
  public:
@@ -21,7 +21,7 @@ class Half {
         stride_(static_cast<std::size_t>(span_) + 8),
         values_(stride_ * (static_cast<std::size_t>(height) + 2) + 8) {}
   [[nodiscard]] int span() const { return span_; }
-  /// y from −1 to height.
+  /// Returns a row; y from −1 to height.
   [[nodiscard]] Real* row(int y) { return values_.data() + offset(y); }
   [[nodiscard]] const Real* row(int y) const { return values_.data() + offset(y); }
 
@@ -36,13 +36,14 @@ class Half {
 template <class Real>
 using Board = std::array<Half<Real>, 2>;
 
+/// Returns a board of zeros.
 template <class Real>
 Board<Real> make_board(int width, int height) {
   return {Half<Real>(width, height), Half<Real>(width, height)};
 }
 
-/// The neighbours of cell k of a row of one colour are west[k], east[k], north[k], south[k] of the other
-/// half.
+/// Points to the neighbours of a row of one colour: west[k], east[k], north[k], south[k] of the other half
+/// are those of cell k.
 template <class Real>
 struct Neighbours {
   const Real *west, *east, *north, *south;
@@ -50,16 +51,16 @@ struct Neighbours {
       : Neighbours(other.row(y - 1), other.row(y), other.row(y + 1), colour, y) {}
   Neighbours(const Real* above, const Real* same, const Real* below, int colour, int y)
       : west(same + (y + colour) % 2 - 1), east(west + 1), north(above), south(below) {}
-  /// Of all four, always added in the same order.
+  /// Returns the sum of all four, always added in the same order.
   [[nodiscard]] Real sum(int k) const { return west[k] + east[k] + (north[k] + south[k]); }
 };
 
-/// Room for one row of cells, as split_row and join_row need it.
+/// Returns room for one row of cells, as split_row and join_row need it.
 template <class Real>
 std::vector<Real> row_buffer(const Half<Real>& half) {
   return std::vector<Real>(2 * static_cast<std::size_t>(half.span()) + 16);
 }
-/// Takes a row of cells apart by colour.
+/// Splits a row of cells by colour.
 template <class Real>
 void split_row(const Real* cells, int y, Board<Real>& board) {
   Real* __restrict even = board[static_cast<std::size_t>(y % 2)].row(y);
@@ -69,7 +70,7 @@ void split_row(const Real* cells, int y, Board<Real>& board) {
     odd[k] = cells[2 * k + 1];
   }
 }
-/// Puts it together again.
+/// Joins the two colours of a row of cells.
 template <class Real>
 void join_row(const Board<Real>& board, int y, Real* __restrict cells) {
   const Real* even = board[static_cast<std::size_t>(y % 2)].row(y);
@@ -80,8 +81,8 @@ void join_row(const Board<Real>& board, int y, Real* __restrict cells) {
   }
 }
 
-/// A network of conductances on a grid: links to the east and south neighbour and a sink to the ground;
-/// A x = (sink + Σ link)·x − Σ link·x of the neighbours.
+/// Holds a network of conductances on a grid: links to the east and south neighbour and a sink to 0. A x =
+/// (sink + Σ link)·x − Σ link·x of the neighbours.
 template <class Real>
 struct Level {
   Level(int width_, int height_);
@@ -91,27 +92,27 @@ struct Level {
   Board<Real> x, b;
 };
 
-/// The share of a sink, or of what flows in through it, that is left when its cell becomes part of a 2×2
-/// block: the resistance of half a cell is put before it.
+/// Returns the share of a sink, and of its inflow, that is left when its cell becomes part of a 2×2 block.
+/// The resistance of half a cell is put before the sink.
 template <class Real>
 Real sink_share(Real sink) {
   return 2 / (2 + sink);
 }
 
-/// The network of 2×2 blocks, of blocks of these, and so on to a single cell; `finest` comes with links and
-/// sinks. A link between blocks is half the sum of the links it stands for, being twice as long. So Laplace's
-/// equation remains Laplace's equation on every level, straight held lines keep their distance, and blocks
-/// without a link stay apart. (Galerkin's product, without the half, is twice too stiff: Braess 1995,
+/// Builds the networks of 2×2 blocks, of blocks of these, and so on to a single cell. `finest` comes with
+/// links and sinks. A link between blocks is half the sum of the links it stands for, being twice as long. So
+/// Laplace's equation remains Laplace's equation on every level, straight held lines keep their distance, and
+/// blocks without a link stay apart. (Galerkin's product, without the half, is twice too stiff: Braess 1995,
 /// "Towards algebraic multigrid for elliptic problems of second order".)
 template <class Real>
 std::vector<Level<Real>> coarsen(Level<Real> finest);
 
-/// levels[0].x ≈ A⁻¹ levels[0].b in one way up from the single cell, b being what flows in through the sinks.
-/// Uses b of all levels.
+/// Approximates levels[0].x = A⁻¹ levels[0].b in one way up from the single cell, b being the inflow through
+/// the sinks. Uses b of all levels.
 template <class Real>
 void solve_roughly(std::vector<Level<Real>>& levels);
 
-/// levels[0].x = M⁻¹ levels[0].b by one V-cycle, M symmetric and positive definite, close to A.
+/// Computes levels[0].x = M⁻¹ levels[0].b by one V-cycle, M symmetric and positive definite, close to A.
 template <class Real>
 void cycle(std::vector<Level<Real>>& levels);
 

@@ -7,6 +7,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/math/luma.hpp"
+
 namespace emberfold::sketch {
 
 namespace {
@@ -78,7 +80,7 @@ graph::Patch fit_blob(const cv::Mat& levels, cv::Point centre, double reach) {
   // The ramp rises the way luma does; what a channel rises across that way is left out.
   const auto luma = [&](std::size_t term) {
     return channels == 1 ? fitted[0][term]
-                         : 0.114 * fitted[0][term] + 0.587 * fitted[1][term] + 0.299 * fitted[2][term];
+                         : core::luma(fitted[0][term], fitted[1][term], fitted[2][term]);
   };
   const double steepness = std::hypot(luma(1), luma(2));
   const double nx = steepness > 0 ? luma(1) / steepness : 0, ny = steepness > 0 ? luma(2) / steepness : 1;

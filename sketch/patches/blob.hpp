@@ -9,13 +9,13 @@
 
 namespace emberfold::sketch {
 
-/// Where a pixel lies in a blob, and what of its levels shows there (graph::Patch).
+/// Computes which share of each of its levels a blob shows at a pixel (graph::Patch).
 class BlobShape {
  public:
   explicit BlobShape(const graph::Patch& blob);
 
   [[nodiscard]] double reach() const { return reach_; }  ///< px, radius of the disc
-  /// Whether the disc holds the pixel at this offset from the blob's position.
+  /// Returns whether the disc holds the pixel at this offset from the blob's position, px.
   [[nodiscard]] bool holds(double dx, double dy) const { return dx * dx + dy * dy <= reach_ * reach_ + 1e-6; }
   /// Shares of left, middle and right; they add up to 1.
   struct Shares {
@@ -27,9 +27,9 @@ class BlobShape {
   double reach_, sd_, cosine_, sine_;
 };
 
-/// The blob that shows least squares of the frame in the disc of this radius: the ramp's direction from luma,
-/// the levels of each channel in closed form. `levels`: CV_32F, 1 or 3 channels; pixels outside the frame are
-/// not there. `reach`: px, 1.5…12. O(reach²).
+/// Fits a blob to the disc of this radius by least squares. The ramp's direction comes from luma, the levels
+/// of each channel in closed form. `levels`: CV_32F, 1 or 3 channels; pixels outside the frame do not count.
+/// `reach`: px, 1.5…12. O(reach²).
 graph::Patch fit_blob(const cv::Mat& levels, cv::Point centre, double reach);
 
 }  // namespace emberfold::sketch

@@ -113,8 +113,8 @@ std::optional<Patch> fit_double_ridge(const cv::Mat& levels, const Patch& start,
   const double reach = start.width / 2 + kBeyond + 2 * start.blur;
   const auto half =
       std::min(static_cast<std::size_t>(std::ceil(reach / kSampleStep)), (kMostSamples - 1) / 2);
-  const Sections sections = cut_across(levels, ribs, 2 * half + 1, kColourAxes[0]);
-  const double start_blur = std::hypot(start.blur, std::sqrt(kInterpolation));
+  const Sections sections = sample_sections(levels, ribs, 2 * half + 1, kColourAxes[0]);
+  const double start_blur = std::hypot(start.blur, std::sqrt(kInterpolationVariance));
   const Shape from(
       0, std::log(std::max(start.hollow, 0.5)),
       std::log(std::max((start.width - start.hollow) / 2 - kThinnest, fit == DoubleFit::all ? 0.2 : 1e-6)),
@@ -138,7 +138,7 @@ std::optional<Patch> fit_double_ridge(const cv::Mat& levels, const Patch& start,
   patch.position = start.position + graph::Point{-std::sin(start.theta), std::cos(start.theta)} * x[0];
   patch.width = 2 * shape.half_width;
   patch.hollow = 2 * shape.half_hollow;
-  patch.blur = std::sqrt(std::max(shape.blur * shape.blur - kInterpolation, kLeastBlur * kLeastBlur));
+  patch.blur = std::sqrt(std::max(shape.blur * shape.blur - kInterpolationVariance, kLeastBlur * kLeastBlur));
   for (std::size_t c = 0; c < 3; ++c) {
     const bool grey = levels.channels() == 1;
     const Levels own = best_levels(share, grey ? residual.seen : values_of(sections.channel[c]));

@@ -12,6 +12,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/math/robust.hpp"
 #include "sketch/patches/double_profile.hpp"
 #include "sketch/refinement/drawing_cost.hpp"
 #include "sketch/refinement/proposals.hpp"
@@ -43,9 +44,7 @@ template <class Number>
 double median_of(std::span<const Patch> patches, const Number& number) {
   std::vector<double> numbers;
   for (const Patch& patch : patches) numbers.push_back(number(patch));
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::ranges::nth_element(numbers, middle);
-  return *middle;
+  return core::median(std::move(numbers));
 }
 
 /// A patch of another line to the right of one, and how far.
@@ -65,12 +64,13 @@ struct Pair {
 
 class Pairing {
  public:
-  Pairing(const Draft& draft, const Editor& editor, const cv::Mat& levels, const GainFrame& luma)
+  Pairing(const EditableGraph& draft, const ProposalBuilder& editor, const cv::Mat& levels,
+          const CodingContext& luma)
       : draft_(draft),
         editor_(editor),
         levels_(levels),
         luma_(luma),
-        strokes_(strokes(draft)),
+        strokes_(find_strokes(draft)),
         of_(draft.slots(), kNone),
         at_(draft.slots(), 0) {
     for (std::size_t i = 0; i < strokes_.size(); ++i)
@@ -100,7 +100,7 @@ class Pairing {
   [[nodiscard]] std::optional<Facing> facing(Slot slot, const Patch& patch) const {
     std::optional<Facing> nearest;
     const Point n = normal(patch);
-    for (const Slot other : editor_.around(patch.position)) {
+    for (const Slot other : editor_.patches_near(patch.position)) {
       const Patch& candidate = draft_.patch(other);
       if (of_[other] == kNone || of_[other] == of_[slot] || (candidate.contrast > 0) != (patch.contrast > 0))
         continue;
@@ -117,7 +117,7 @@ class Pairing {
   }
 
   [[nodiscard]] std::optional<Patch> fitted(const Patch& start, DoubleFit fit) const {
-    return fit_double_ridge(levels_, start, ribs_across(start.position, start.theta, editor_.spacing()),
+    return fit_double_ridge(levels_, start, make_ribs(start.position, start.theta, editor_.spacing()),
                             luma_.noise, fit);
   }
 
@@ -189,60 +189,64 @@ class Pairing {
 
   /// Ties an end of the double ridge to what goes on of a line beyond `from`, unless that is a short rest
   /// and those go.
-  void go_on(Edit& edit, const std::vector<Slot>& stroke, std::size_t from, bool forwards, Slot end,
+  void go_on(GraphEdit& edit, const std::vector<Slot>& stroke, std::size_t from, bool forwards, Slot end,
              Rests rests) const {
     const std::size_t rest = forwards ? stroke.size() - 1 - from : from;
     if (rest == 0) return;
     const Slot tip = forwards ? stroke.back() : stroke.front();
     if (rests == Rests::go && rest <= kMostRest && draft_.degree(tip) == 1) {
-      for (std::size_t i = 1; i <= rest; ++i) drop(edit, draft_, stroke[forwards ? from + i : from - i]);
+      for (std::size_t i = 1; i <= rest; ++i)
+        remove_patch(edit, draft_, stroke[forwards ? from + i : from - i]);
       return;
     }
-    const Tie both = tie(stroke[forwards ? from + 1 : from - 1], end);
-    if (std::find(edit.tie.begin(), edit.tie.end(), both) == edit.tie.end()) edit.tie.push_back(both);
+    const SlotEdge both = make_edge(stroke[forwards ? from + 1 : from - 1], end);
+    if (std::find(edit.add_edges.begin(), edit.add_edges.end(), both) == edit.add_edges.end())
+      edit.add_edges.push_back(both);
   }
 
-  [[nodiscard]] static bool removed(const Edit& edit, Slot slot) {
-    return std::find(edit.remove.begin(), edit.remove.end(), slot) != edit.remove.end();
+  [[nodiscard]] static bool removed(const GraphEdit& edit, Slot slot) {
+    return std::find(edit.remove_patches.begin(), edit.remove_patches.end(), slot) !=
+           edit.remove_patches.end();
   }
 
-  [[nodiscard]] static bool tied(const Edit& edit, Slot slot) {
-    return std::ranges::any_of(edit.tie, [&](const Tie& t) { return t.first == slot || t.second == slot; });
+  [[nodiscard]] static bool tied(const GraphEdit& edit, Slot slot) {
+    return std::ranges::any_of(edit.add_edges,
+                               [&](const SlotEdge& t) { return t.first == slot || t.second == slot; });
   }
 
   /// What lies on the ridges goes, and patches that would be left alone; false where that is a meeting of
   /// others.
-  bool clear(Edit& edit, const std::vector<Patch>& ridges) const {
+  bool clear(GraphEdit& edit, const std::vector<Patch>& ridges) const {
     for (const Patch& ridge : ridges)
-      for (const Slot slot : editor_.around(ridge.position)) {
-        if (removed(edit, slot) || tied(edit, slot) || !overlap(ridge, draft_.patch(slot))) continue;
+      for (const Slot slot : editor_.patches_near(ridge.position)) {
+        if (removed(edit, slot) || tied(edit, slot) || !patches_overlap(ridge, draft_.patch(slot))) continue;
         if (draft_.degree(slot) > 2) return false;
-        drop(edit, draft_, slot);
+        remove_patch(edit, draft_, slot);
       }
-    const std::vector<Slot> gone = edit.remove;
+    const std::vector<Slot> gone = edit.remove_patches;
     for (const Slot slot : gone)
       for (const Slot next : draft_.neighbours(slot))
         if (!removed(edit, next) && !tied(edit, next) &&
             std::ranges::all_of(draft_.neighbours(next), [&](Slot other) { return removed(edit, other); }))
-          drop(edit, draft_, next);
+          remove_patch(edit, draft_, next);
     return true;
   }
 
   /// What the double ridge would change; nothing if that can't be done.
-  [[nodiscard]] std::optional<Edit> edit_of(const Pair& pair, Rests rests) const {
+  [[nodiscard]] std::optional<GraphEdit> edit_of(const Pair& pair, Rests rests) const {
     const auto [low, high] = std::minmax(pair.other_first, pair.other_last);
     const bool along = pair.other_first <= pair.other_last;
-    Edit edit;
-    for (std::size_t k = pair.first; k <= pair.last; ++k) drop(edit, draft_, (*pair.stroke)[k]);
+    GraphEdit edit;
+    for (std::size_t k = pair.first; k <= pair.last; ++k) remove_patch(edit, draft_, (*pair.stroke)[k]);
     for (std::size_t k = low; k <= high; ++k) {
       if (of_[(*pair.other)[k]] == kNone || removed(edit, (*pair.other)[k])) return std::nullopt;
-      drop(edit, draft_, (*pair.other)[k]);
+      remove_patch(edit, draft_, (*pair.other)[k]);
     }
     const Slot first = draft_.slots();
     for (const Patch& ridge : pair.ridges) {
-      const Slot slot = first + static_cast<Slot>(edit.add.size());
-      edit.add.emplace_back(slot, editor_.judged(ridge));
-      if (slot > first) edit.tie.push_back(tie(slot - 1, slot));
+      const Slot slot = first + static_cast<Slot>(edit.add_patches.size());
+      edit.add_patches.emplace_back(slot, editor_.with_coding_cost(ridge));
+      if (slot > first) edit.add_edges.push_back(make_edge(slot - 1, slot));
     }
     const Slot last = first + static_cast<Slot>(pair.ridges.size()) - 1;
     go_on(edit, *pair.stroke, pair.first, false, first, rests);
@@ -250,7 +254,7 @@ class Pairing {
     go_on(edit, *pair.other, low, false, along ? first : last, rests);
     go_on(edit, *pair.other, high, true, along ? last : first, rests);
     if (!clear(edit, pair.ridges)) return std::nullopt;
-    for (const Tie& t : edit.tie)
+    for (const SlotEdge& t : edit.add_edges)
       if (removed(edit, t.first) || removed(edit, t.second)) return std::nullopt;
     return edit;
   }
@@ -258,33 +262,33 @@ class Pairing {
   void propose(std::vector<Proposal>& all, const Pair& pair) const {
     std::size_t gone = 0;
     for (const Rests rests : {Rests::go, Rests::stay}) {
-      std::optional<Edit> edit = edit_of(pair, rests);
-      if (!edit || edit->remove.size() == gone) continue;  // there is no such rest
-      gone = edit->remove.size();
-      const double change = drawn_change(draft_, *edit, luma_);
+      std::optional<GraphEdit> edit = edit_of(pair, rests);
+      if (!edit || edit->remove_patches.size() == gone) continue;  // there is no such rest
+      gone = edit->remove_patches.size();
+      const double change = drawing_cost_change(draft_, *edit, luma_);
       if (!(change < -1)) continue;
-      std::vector<Slot> concerns = edit->remove;
-      for (const Tie& t : edit->tie)
+      std::vector<Slot> concerns = edit->remove_patches;
+      for (const SlotEdge& t : edit->add_edges)
         if (t.first < draft_.slots()) concerns.push_back(t.first);
       all.push_back({change, std::move(*edit), std::move(concerns)});
     }
   }
 
-  const Draft& draft_;
-  const Editor& editor_;
+  const EditableGraph& draft_;
+  const ProposalBuilder& editor_;
   const cv::Mat& levels_;
-  const GainFrame& luma_;
+  const CodingContext& luma_;
   std::vector<std::vector<Slot>> strokes_;
   std::vector<std::size_t> of_, at_;  ///< of a line's patch: its stroke, and which one of it
 };
 
 }  // namespace
 
-graph::AttributeGraph with_double_ridges(const graph::AttributeGraph& graph, const cv::Mat& levels,
-                                         const GainFrame& luma, double spacing) {
-  Draft draft(graph);
-  Tried tried;
-  const Editor editor(draft, levels, {&luma, 1}, {spacing}, tried);
+graph::AttributeGraph merge_double_ridges(const graph::AttributeGraph& graph, const cv::Mat& levels,
+                                          const CodingContext& luma, double spacing) {
+  EditableGraph draft(graph);
+  FitCache cache;
+  const ProposalBuilder editor(draft, levels, {&luma, 1}, {spacing}, cache);
   apply_best(draft, Pairing(draft, editor, levels, luma).proposals());
   return draft.graph();
 }

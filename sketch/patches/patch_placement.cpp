@@ -126,7 +126,7 @@ Bow chord(const Ruler& ruler, double at) {
   const double gap = ruler.s[hi] - ruler.s[lo];
   const double f = gap > 0 ? std::clamp((at - ruler.s[lo]) / gap, 0.0, 1.0) : 0.0;
   const Point a = ruler.chain.points[lo].position, b = ruler.chain.points[hi].position;
-  return {a + (b - a) * f, direction(ruler.chain, f < 0.5 ? lo : hi), {}, 0};
+  return {a + (b - a) * f, tangent(ruler.chain, f < 0.5 ? lo : hi), {}, 0};
 }
 
 constexpr double kBowReach = 10, kMostOff = 0.3;  // px
@@ -152,11 +152,12 @@ constexpr double kRibReach = 1.8;  // in spacings
 
 class Cutter {
  public:
-  Cutter(const Network& network, const ScaleSpace& space, const cv::Mat& levels, double spacing, double noise)
+  Cutter(const CurveNetwork& network, const ScaleSpace& space, const cv::Mat& levels, double spacing,
+         double noise)
       : network_(network), levels_(levels), spacing_(spacing), noise_(noise) {
     for (const ScaleLevel& level : space) logarithms_.push_back(std::log(level.sigma));
     for (const Chain& chain : network.chains)
-      rulers_.push_back({chain, arc_lengths(chain), space[middle_level(chain.points, space)].channel});
+      rulers_.push_back({chain, arc_lengths(chain), space[median_level(chain.points, space)].channel});
   }
 
   graph::AttributeGraph run() {
@@ -172,7 +173,7 @@ class Cutter {
     }
     // What shrank to one patch when its ends met nearly the same place shows nothing of its own.
     std::erase_if(vertices_, [&](const Vertex& v) { return !joined[v.id.value]; });
-    return named_by_degree(std::move(vertices_), std::move(edges));
+    return name_patch_types(std::move(vertices_), std::move(edges));
   }
 
  private:
@@ -191,7 +192,7 @@ class Cutter {
       ribs.push_back({shape.at(t) + across * aside, across, 1 - std::abs(t) / reach});
     }
     const Point u = shape.along(0), across{-u.y, u.x};
-    const FitOptions options{spread_at(ruler, logarithms_, at), moves, noise_, axis_of(ruler.channel)};
+    const FitOptions options{spread_at(ruler, logarithms_, at), moves, noise_, colour_axis(ruler.channel)};
     return fit_patch(levels_, shape.at(0) + across * aside, std::atan2(u.y, u.x), ruler.chain.kind, ribs,
                      options);
   }
@@ -297,7 +298,7 @@ class Cutter {
     settle(ids, ruler.chain.closed);
   }
 
-  const Network& network_;
+  const CurveNetwork& network_;
   const cv::Mat& levels_;
   double spacing_;
   double noise_;
@@ -313,8 +314,8 @@ class Cutter {
 
 }  // namespace
 
-graph::AttributeGraph cut_into_patches(const Network& network, const ScaleSpace& space, const cv::Mat& levels,
-                                       double spacing, double noise) {
+graph::AttributeGraph place_patches(const CurveNetwork& network, const ScaleSpace& space,
+                                    const cv::Mat& levels, double spacing, double noise) {
   return Cutter(network, space, levels, spacing, noise).run();
 }
 

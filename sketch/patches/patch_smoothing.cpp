@@ -145,7 +145,7 @@ void even_profiles(std::vector<graph::Vertex>& vertices, const graph::Curve& cur
 
 }  // namespace
 
-graph::AttributeGraph smoothed(const graph::AttributeGraph& graph, double noise) {
+graph::AttributeGraph smooth_patches(const graph::AttributeGraph& graph, double noise) {
   std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
   for (const graph::Curve& curve : graph::curves(graph)) {
     const bool ring = curve.size() > 1 && curve.front() == curve.back();

@@ -51,7 +51,7 @@ PatchType by_degree(const graph::Patch& patch, const std::vector<double>& arms) 
 
 }  // namespace
 
-graph::AttributeGraph named_by_degree(std::vector<graph::Vertex> vertices, std::vector<graph::Edge> edges) {
+graph::AttributeGraph name_patch_types(std::vector<graph::Vertex> vertices, std::vector<graph::Edge> edges) {
   const graph::AttributeGraph graph(std::move(vertices), std::move(edges));
   std::vector<graph::Vertex> named(graph.vertices().begin(), graph.vertices().end());
   for (std::size_t i = 0; i < named.size(); ++i) {

@@ -7,11 +7,15 @@
 
 namespace emberfold::sketch {
 
-/// The graph with its patches named by their degree and the angles between their edges (θ_img, indexed by
-/// degree): 0 a blob keeps its name, anything else becomes what its profile is; 1 terminator; 2 corner, where
-/// they bend by more than 60°, else by the profile: ridge, valley, bar (a line with a core that shows, 3
-/// blurs wide or more), step; 3 T junction, where two are within 30° of a straight line, L junction, where
-/// all lie within less than 150° (two and one between them), else Y junction; 4 and more crossing.
-graph::AttributeGraph named_by_degree(std::vector<graph::Vertex> vertices, std::vector<graph::Edge> edges);
+/// Builds the graph and names its patches by their degree and the angles between their edges (θ_img, indexed
+/// by degree).
+/// - 0: a blob keeps its name, others are named by their profile.
+/// - 1: terminator.
+/// - 2: corner, where they bend by more than 60°, else by the profile: ridge, valley, bar (a line with a
+///   visible core, 3 blurs wide or more), step.
+/// - 3: T junction, where two are within 30° of a straight line; L junction, where all lie within less than
+///   150° (two and one between them); else Y junction.
+/// - 4 and more: crossing.
+graph::AttributeGraph name_patch_types(std::vector<graph::Vertex> vertices, std::vector<graph::Edge> edges);
 
 }  // namespace emberfold::sketch

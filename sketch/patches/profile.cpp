@@ -31,7 +31,7 @@ Profile best_start(const Section& section, CreaseKind kind, double spread, bool 
   best.residual = -1;
   const auto attempt = [&](double offset, double width, double blur) {
     const Profile p =
-        with_levels(section, {.offset = offset, .width = width, .blur = std::max(blur, least_blur)});
+        fit_levels(section, {.offset = offset, .width = width, .blur = std::max(blur, least_blur)});
     if (best.residual >= 0 && p.residual >= best.residual) return;
     if (kind == CreaseKind::ridge && 2 * p.middle < p.left + p.right) return;
     if (kind == CreaseKind::valley && 2 * p.middle > p.left + p.right) return;
@@ -50,7 +50,7 @@ Profile best_start(const Section& section, CreaseKind kind, double spread, bool 
     for (const Profile middle = best; const double aside : {-0.6 * spread, 0.6 * spread})
       attempt(aside, middle.width, middle.blur);
   if (best.residual < 0)  // no bar of this sign suits at all
-    best = with_levels(section, {.width = kind == CreaseKind::step ? 0 : 1.8 * spread, .blur = spread});
+    best = fit_levels(section, {.width = kind == CreaseKind::step ? 0 : 1.8 * spread, .blur = spread});
   return best;
 }
 
@@ -58,14 +58,14 @@ Profile fit_profile(const Section& section, CreaseKind kind, std::span<const Rib
                     const FitOptions& options) {
   constexpr int kSteps = 10;
   constexpr double kUsualBlur = 1.1, kBlurSpread = 0.4;  // px; SD of its logarithm
-  const double least_blur = std::sqrt(kInterpolation + 0.04);
+  const double least_blur = std::sqrt(kInterpolationVariance + 0.04);
   const ProfileBounds bounds{options.moves ? 0.5 + 0.35 * options.spread : 0, 0.8, 4.5 * options.spread + 2,
                              least_blur, 2.5 * options.spread + 1};
   const Profile start = best_start(section, kind, options.spread, options.moves, least_blur);
   const double variance = section_variance(ribs, options.noise);
   const Profile fitted =
-      refine(section, start, bounds, kSteps,
-             kind == CreaseKind::step ? 0 : variance / (kBlurSpread * kBlurSpread), kUsualBlur);
+      refine_profile(section, start, bounds, kSteps,
+                     kind == CreaseKind::step ? 0 : variance / (kBlurSpread * kBlurSpread), kUsualBlur);
   const double sign = kind == CreaseKind::ridge ? 1 : -1;
   if (kind != CreaseKind::step && sign * (2 * fitted.middle - fitted.left - fitted.right) <= 0) return start;
   return fitted;
@@ -77,7 +77,7 @@ Patch fit_patch(const cv::Mat& levels, Point at, double theta, CreaseKind kind, 
                 const FitOptions& options) {
   const auto half = std::min(static_cast<std::size_t>(std::ceil((2.8 * options.spread + 1.5) / kSampleStep)),
                              (kMostSamples - 1) / 2);
-  const Sections sections = cut_across(levels, ribs, 2 * half + 1, options.axis);
+  const Sections sections = sample_sections(levels, ribs, 2 * half + 1, options.axis);
   const Profile fitted = fit_profile(sections.seen, kind, ribs, options);
   Patch patch;
   patch.type = kind == CreaseKind::ridge    ? PatchType::ridge
@@ -86,10 +86,10 @@ Patch fit_patch(const cv::Mat& levels, Point at, double theta, CreaseKind kind, 
   patch.position = at + Point{-std::sin(theta), std::cos(theta)} * fitted.offset;
   patch.theta = theta;
   patch.width = fitted.width;
-  patch.blur = std::sqrt(fitted.blur * fitted.blur - kInterpolation);
+  patch.blur = std::sqrt(fitted.blur * fitted.blur - kInterpolationVariance);
   const bool grey = levels.channels() == 1;
   for (std::size_t c = 0; c < 3; ++c) {
-    const Profile own = grey ? fitted : with_levels(sections.channel[c], fitted);
+    const Profile own = grey ? fitted : fit_levels(sections.channel[c], fitted);
     patch.left[c] = static_cast<float>(own.left);
     patch.right[c] = static_cast<float>(own.right);
     patch.middle[c] = static_cast<float>(own.middle);

@@ -287,7 +287,7 @@ double within(double wanted, double now, double least, double most) {
 
 }  // namespace
 
-Profile with_levels(const Section& section, Profile shape) {
+Profile fit_levels(const Section& section, Profile shape) {
   shape.left = shape.middle = shape.right = 0;
   Slopes work;  // written before it is read
   const bool bar = shape.width > 0;
@@ -306,8 +306,8 @@ Profile with_levels(const Section& section, Profile shape) {
   return shape;
 }
 
-Profile refine(const Section& section, Profile start, const ProfileBounds& bounds, int steps, double prior,
-               double usual_blur) {
+Profile refine_profile(const Section& section, Profile start, const ProfileBounds& bounds, int steps,
+                       double prior, double usual_blur) {
   constexpr double kSettled = 0.01;  // px
   const bool bar = start.width > 0;
   const Free free({true, bar, true, bounds.offset > 0, bar, true});

@@ -9,14 +9,14 @@
 
 namespace emberfold::sketch {
 
-inline constexpr double kLeastBlur = 0.2;  ///< px: below, a pixel does not show it
+inline constexpr double kLeastBlur = 0.2;  ///< px: a pixel does not show less
 
-/// Φ: the share of a unit step, blurred, that is reached at `d` SD.
+/// Returns Φ(d): the share of a blurred unit step that is reached at `d` SD.
 inline double blurred_step(double d) {
   return 0.5 * (1 + std::erf(d / std::numbers::sqrt2));
 }
 
-/// Where the profile across a line or a step changes (graph::Patch), whatever its levels.
+/// Holds where the profile across a line or a step changes (graph::Patch), whatever its levels.
 struct ProfileShape {
   double half_width = 0, half_hollow = 0, blur = 1;  ///< px
 
@@ -26,8 +26,8 @@ struct ProfileShape {
         half_hollow(std::clamp(patch.hollow / 2, 0.0, half_width)),
         blur(std::max(patch.blur, kLeastBlur)) {}
 
-  /// How far the levels have gone over, each 0…1: from left to middle, from middle to right, and from middle
-  /// to between.
+  /// Holds how far the levels have changed, each 0…1: from left to middle, from middle to right, and from
+  /// middle to between.
   struct Reached {
     double enter, leave, hollow;
     [[nodiscard]] double level(double left, double middle, double right, double between) const {
@@ -36,6 +36,7 @@ struct ProfileShape {
   };
   /// `step`: Φ.
   template <class Step>
+  /// Returns the changes reached at a distance from the curve, px, positive to the right. `step`: Φ.
   [[nodiscard]] Reached at(double distance, const Step& step) const {
     const double enter = step((distance + half_width) / blur);
     const double leave = half_width > 0 ? step((distance - half_width) / blur) : enter;

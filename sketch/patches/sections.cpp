@@ -78,8 +78,8 @@ double section_variance(std::span<const Rib> ribs, double noise) {
   return 2 * noise * noise * squares / (sum * sum);
 }
 
-Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count,
-                    const std::array<float, 3>& axis) {
+Sections sample_sections(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count,
+                         const std::array<float, 3>& axis) {
   const auto channels = static_cast<std::size_t>(levels.channels());
   double total = 0;
   for (const Rib& rib : ribs) total += rib.weight;

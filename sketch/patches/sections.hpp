@@ -12,23 +12,24 @@
 
 namespace emberfold::sketch {
 
-/// px²: the variance that weights between two pixels have on the mean, which sections show as blur.
-inline constexpr double kInterpolation = 1.0 / 6;
+/// Mean variance of the weights between two pixels, px², which sections show as blur.
+inline constexpr double kInterpolationVariance = 1.0 / 6;
 
-/// The image across a patch: means over its ribs, of each of the frame's channels and of luma or another axis
-/// of colour.
+/// Holds the image across a patch: means over its ribs, of each of the frame's channels and of luma or
+/// another axis of colour.
 struct Sections {
   std::array<Section, 3> channel;
   Section seen;
 };
 
-/// The variance of a section's sample in noise of this SD: neighbouring samples share half of it, twice
-/// counts.
+/// Returns the variance of a section's sample in noise of this SD. Neighbouring samples share half of it,
+/// hence twice the independent one.
 double section_variance(std::span<const Rib> ribs, double noise);
 
-/// `levels`: CV_32F, 1 or 3 channels; beyond the frame they are those of its border. `ribs`: not empty.
-/// `count`: of samples, ≤ kMostSamples. `axis`: the weights of blue, green and red by which it is seen.
-Sections cut_across(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count,
-                    const std::array<float, 3>& axis);
+/// Samples the image across a patch. `levels`: CV_32F, 1 or 3 channels, continued beyond the frame by its
+/// border. `ribs`: not empty. `count`: number of samples, ≤ kMostSamples. `axis`: the weights of blue, green
+/// and red in the mixture.
+Sections sample_sections(const cv::Mat& levels, std::span<const Rib> ribs, std::size_t count,
+                         const std::array<float, 3>& axis);
 
 }  // namespace emberfold::sketch

@@ -87,7 +87,7 @@ double bar_contrast(const cv::Mat1f& luma, cv::Point corner, cv::Point apart) {
 /// How much more a bar's contrast varies, both ways, than on white noise of this SD: 3/2 of the variance of a
 /// bar's mean.
 template <int kWidth>
-double measure_clumping(const cv::Mat1f& luma, double noise) {
+double measure_noise_correlation(const cv::Mat1f& luma, double noise) {
   std::vector<float> contrasts;
   const auto add = [&](double contrast) { contrasts.push_back(static_cast<float>(std::abs(contrast))); };
   visit_windows(luma.size(), {3 * kWidth, kBarLength}, [&](int x, int y) {
@@ -97,8 +97,7 @@ double measure_clumping(const cv::Mat1f& luma, double noise) {
     add(bar_contrast<kBarLength, kWidth>(luma, {x, y}, {0, kWidth}));
   });
   if (contrasts.empty()) return 1;
-  constexpr double kMedianToSd = 1.4826;
-  const double sd = kMedianToSd * double{core::median_of_positive(std::move(contrasts))};
+  const double sd = core::kMadToSd * double{core::median_of_positive(std::move(contrasts))};
   return std::max(1.0, sd * sd * kBarLength * kWidth / (1.5 * noise * noise));
 }
 
@@ -311,7 +310,7 @@ Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& 
   return seen;
 }
 
-Coding coding_of_blob(const GainFrame& frame, const graph::Patch& blob) {
+Coding coding_of_blob(const CodingContext& frame, const graph::Patch& blob) {
   const BlobShape shape(blob);
   const double left = along(frame.axis, blob.left), middle = along(frame.axis, blob.middle),
                right = along(frame.axis, blob.right);
@@ -331,23 +330,23 @@ Coding coding_of_blob(const GainFrame& frame, const graph::Patch& blob) {
                level + middle - shares.left * left - shares.middle * middle - shares.right * right);
     }
   if (disc.w < 1) return {};
-  const double cost = coding_cost(blob, disc.w / frame.clumping[0]);
+  const double cost = coding_cost(blob, disc.w / frame.noise_correlation[0]);
   const double saved = disc.ramp(disc.slope()) - disc.profile;
-  return {cost, saved / (2 * frame.noise * frame.noise * frame.clumping[0]) - cost};
+  return {cost, saved / (2 * frame.noise * frame.noise * frame.noise_correlation[0]) - cost};
 }
 
 }  // namespace
 
-GainFrame prepare_gain(const cv::Mat& levels) {
+CodingContext prepare_coding(const cv::Mat& levels) {
   if (levels.empty() || levels.depth() != CV_32F || (levels.channels() != 1 && levels.channels() != 3))
     throw core::InputError("coding_gain: the frame must be CV_32F with 1 or 3 channels and not empty");
   if (!cv::checkRange(levels, true))
     throw core::InputError("coding_gain: the frame holds a value that is not finite");
-  return prepare_gain(core::luma(levels), kColourAxes[0]);
+  return prepare_coding(core::luma(levels), kColourAxes[0]);
 }
 
-GainFrame prepare_gain(cv::Mat1f mixture, const std::array<float, 3>& axis) {
-  GainFrame frame;
+CodingContext prepare_coding(cv::Mat1f mixture, const std::array<float, 3>& axis) {
+  CodingContext frame;
   frame.luma = std::move(mixture);
   frame.axis = axis;
   frame.noise = kQuantisation;
@@ -356,9 +355,10 @@ GainFrame prepare_gain(cv::Mat1f mixture, const std::array<float, 3>& axis) {
                 [&](int x, int y) { variances.push_back(static_cast<float>(variance(frame.luma, x, y))); });
   if (variances.empty()) return frame;
   constexpr double kMedian = 0.9915;  // of χ²/78 with 78 degrees of freedom
-  frame.noise = std::max(kQuantisation, std::sqrt(double{core::median_of_positive(std::move(variances))} / kMedian));
-  frame.clumping = {measure_clumping<kBars[0]>(frame.luma, frame.noise),
-                    measure_clumping<kBars[1]>(frame.luma, frame.noise)};
+  frame.noise =
+      std::max(kQuantisation, std::sqrt(double{core::median_of_positive(std::move(variances))} / kMedian));
+  frame.noise_correlation = {measure_noise_correlation<kBars[0]>(frame.luma, frame.noise),
+                             measure_noise_correlation<kBars[1]>(frame.luma, frame.noise)};
   return frame;
 }
 
@@ -368,7 +368,7 @@ double coding_cost(const graph::Patch& patch, double pixels) {
   return 0.5 * numbers * std::log1p(pixels);
 }
 
-Coding coding(const GainFrame& frame, const graph::Patch& patch) {
+Coding code_patch(const CodingContext& frame, const graph::Patch& patch) {
   if (patch.type == graph::PatchType::blob) return coding_of_blob(frame, patch);
   const Profile profile(patch, frame.axis);
   const Footprint seen = look(frame.luma, patch, profile);
@@ -377,10 +377,11 @@ Coding coding(const GainFrame& frame, const graph::Patch& patch) {
   const bool step = graph::on_step(patch);
   const double bar = profile.reach / (step ? 1.0 : 1.5);
   const double wider = std::clamp((bar - kBars[0]) / (kBars[1] - kBars[0]), 0.0, 1.0);
-  const double clumping = frame.clumping[0] + wider * (frame.clumping[1] - frame.clumping[0]);
+  const double noise_correlation =
+      frame.noise_correlation[0] + wider * (frame.noise_correlation[1] - frame.noise_correlation[0]);
   const double saved = seen.inside.ramp(seen.slope()) - seen.inside.profile;
-  const double cost = coding_cost(patch, seen.inside.w / clumping);
-  return {cost, saved / (2 * frame.noise * frame.noise * clumping) - cost};
+  const double cost = coding_cost(patch, seen.inside.w / noise_correlation);
+  return {cost, saved / (2 * frame.noise * frame.noise * noise_correlation) - cost};
 }
 
 }  // namespace emberfold::sketch

@@ -22,10 +22,10 @@ namespace {
 constexpr double kMargin = 24;  // px about an edit: what may show among its pixels
 
 /// Where something goes or comes.
-std::vector<Point> places_of(const Draft& draft, const Edit& edit) {
+std::vector<Point> places_of(const EditableGraph& draft, const GraphEdit& edit) {
   std::vector<Point> places;
-  for (const Slot slot : edit.remove) places.push_back(draft.patch(slot).position);
-  for (const auto& [slot, patch] : edit.add) places.push_back(patch.position);
+  for (const Slot slot : edit.remove_patches) places.push_back(draft.patch(slot).position);
+  for (const auto& [slot, patch] : edit.add_patches) places.push_back(patch.position);
   return places;
 }
 
@@ -42,7 +42,7 @@ cv::Rect box_of(const std::vector<Point>& places, cv::Size size) {
 }
 
 /// What is drawn within the box, near these places; what lies elsewhere is the same before and after.
-Sketchable drawn(const Draft& draft, const graph::detail::PointGrid& places, const cv::Rect& box) {
+Sketchable drawn(const EditableGraph& draft, const graph::detail::PointGrid& places, const cv::Rect& box) {
   std::vector<std::optional<graph::VertexId>> id(draft.slots());
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
@@ -61,12 +61,12 @@ Sketchable drawn(const Draft& draft, const graph::detail::PointGrid& places, con
 
 }  // namespace
 
-double drawn_change(const Draft& draft, const Edit& edit, const GainFrame& luma) {
+double drawing_cost_change(const EditableGraph& draft, const GraphEdit& edit, const CodingContext& luma) {
   const std::vector<Point> places = places_of(draft, edit);
   const cv::Rect box = box_of(places, luma.luma.size());
   if (box.empty()) return 0;
   const graph::detail::PointGrid near(places, kMargin);
-  Draft edited = draft;
+  EditableGraph edited = draft;
   edited.apply(edit);
   const Sketchable before = drawn(draft, near, box), after = drawn(edited, near, box);
   const cv::Mat1f seen = luma.luma(box);
@@ -80,9 +80,9 @@ double drawn_change(const Draft& draft, const Edit& edit, const GainFrame& luma)
     return cv::norm(fill(levels, held).levels, seen, cv::NORM_L2SQR);
   };
   double costs = draft.change(edit);  // of the degrees, once the gains are taken off
-  for (const Slot slot : edit.remove) costs -= draft.patch(slot).gain + draft.patch(slot).cost;
-  for (const auto& [slot, patch] : edit.add) costs += patch.gain + patch.cost;
-  const double noise = 2 * luma.noise * luma.noise * luma.clumping[1];
+  for (const Slot slot : edit.remove_patches) costs -= draft.patch(slot).gain + draft.patch(slot).cost;
+  for (const auto& [slot, patch] : edit.add_patches) costs += patch.gain + patch.cost;
+  const double noise = 2 * luma.noise * luma.noise * luma.noise_correlation[1];
   return (squared_error(after) - squared_error(before)) / noise + costs;
 }
 

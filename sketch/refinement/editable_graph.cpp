@@ -41,25 +41,25 @@ double degree_cost(std::size_t degree) {
   return kNats[std::min<std::size_t>(degree, 4)];
 }
 
-Draft::Draft(const graph::AttributeGraph& graph) : neighbours_(graph.size()) {
+EditableGraph::EditableGraph(const graph::AttributeGraph& graph) : neighbours_(graph.size()) {
   for (std::size_t i = 0; i < graph.size(); ++i) {
     patches_.emplace_back(graph.patch(i));
     neighbours_[i].assign(graph.neighbours(i).begin(), graph.neighbours(i).end());
   }
 }
 
-double Draft::length() const {
+double EditableGraph::length() const {
   double nats = 0;
   for (Slot slot = 0; slot < slots(); ++slot)
     if (holds(slot)) nats += degree_cost(degree(slot)) - patch(slot).gain;
   return nats;
 }
 
-double Draft::change(const Edit& edit) const {
+double EditableGraph::change(const GraphEdit& edit) const {
   std::vector<std::pair<Slot, int>> turns;  // what becomes of degrees; ascending
-  turns.reserve(2 * (edit.cut.size() + edit.tie.size()));
-  for (const auto& [a, b] : edit.cut) turns.insert(turns.end(), {{a, -1}, {b, -1}});
-  for (const auto& [a, b] : edit.tie) turns.insert(turns.end(), {{a, 1}, {b, 1}});
+  turns.reserve(2 * (edit.remove_edges.size() + edit.add_edges.size()));
+  for (const auto& [a, b] : edit.remove_edges) turns.insert(turns.end(), {{a, -1}, {b, -1}});
+  for (const auto& [a, b] : edit.add_edges) turns.insert(turns.end(), {{a, 1}, {b, 1}});
   std::sort(turns.begin(), turns.end());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < turns.size(); ++i) {
@@ -75,11 +75,11 @@ double Draft::change(const Edit& edit) const {
     return at != turns.end() && at->first == slot ? static_cast<std::size_t>(at - turns.begin()) : kept;
   };
   double nats = 0;
-  for (const Slot slot : edit.remove) {
+  for (const Slot slot : edit.remove_patches) {
     nats -= degree_cost(degree(slot)) - patch(slot).gain;
     if (const std::size_t turn = find(slot); turn < kept) done[turn] = 1;
   }
-  for (const auto& [slot, patch] : edit.add) {
+  for (const auto& [slot, patch] : edit.add_patches) {
     const std::size_t turn = find(slot);
     const bool turns_here = turn < kept && done[turn] == 0;
     nats += degree_cost(turns_here ? static_cast<std::size_t>(turns[turn].second) : 0) - patch.gain;
@@ -92,49 +92,53 @@ double Draft::change(const Edit& edit) const {
   return nats;
 }
 
-void Draft::check(const Edit& edit) const {
-  for (const auto& [a, b] : edit.cut)
+void EditableGraph::check(const GraphEdit& edit) const {
+  for (const auto& [a, b] : edit.remove_edges)
     if (!(a < b && holds(a) && holds(b) && has(neighbours_[a], b)))
       refuse("cuts an edge that is not there", a);
-  for (const Slot slot : edit.remove) {
+  for (const Slot slot : edit.remove_patches) {
     if (!holds(slot)) refuse("removes a patch that is not there", slot);
     for (const Slot other : neighbours_[slot])
-      if (!has(edit.cut, sketch::tie(slot, other))) refuse("removes a patch but not its edge", slot);
+      if (!has(edit.remove_edges, sketch::make_edge(slot, other)))
+        refuse("removes a patch but not its edge", slot);
   }
   std::vector<Slot> added;
-  for (const auto& [slot, patch] : edit.add) {
-    if ((holds(slot) && !has(edit.remove, slot)) || has(added, slot))
+  for (const auto& [slot, patch] : edit.add_patches) {
+    if ((holds(slot) && !has(edit.remove_patches, slot)) || has(added, slot))
       refuse("adds a patch over another", slot);
     added.push_back(slot);
   }
-  const auto there = [&](Slot slot) { return has(added, slot) || (holds(slot) && !has(edit.remove, slot)); };
-  for (const auto& [a, b] : edit.tie)
-    if (!(a < b && there(a) && there(b)) || (holds(a) && has(neighbours_[a], b) && !has(edit.cut, {a, b})))
+  const auto there = [&](Slot slot) {
+    return has(added, slot) || (holds(slot) && !has(edit.remove_patches, slot));
+  };
+  for (const auto& [a, b] : edit.add_edges)
+    if (!(a < b && there(a) && there(b)) ||
+        (holds(a) && has(neighbours_[a], b) && !has(edit.remove_edges, {a, b})))
       refuse("ties what cannot be tied", a);
 }
 
-Edit Draft::apply(const Edit& edit) {
+GraphEdit EditableGraph::apply(const GraphEdit& edit) {
   check(edit);
-  Edit reverse;
-  reverse.cut = edit.tie;
-  reverse.tie = edit.cut;
-  for (const auto& [a, b] : edit.cut) {
+  GraphEdit reverse;
+  reverse.remove_edges = edit.add_edges;
+  reverse.add_edges = edit.remove_edges;
+  for (const auto& [a, b] : edit.remove_edges) {
     std::erase(neighbours_[a], b);
     std::erase(neighbours_[b], a);
   }
-  for (const Slot slot : edit.remove) {
-    reverse.add.emplace_back(slot, *patches_[slot]);
+  for (const Slot slot : edit.remove_patches) {
+    reverse.add_patches.emplace_back(slot, *patches_[slot]);
     patches_[slot].reset();
   }
-  for (const auto& [slot, patch] : edit.add) {
+  for (const auto& [slot, patch] : edit.add_patches) {
     if (slot >= slots()) {
       patches_.resize(slot + 1);
       neighbours_.resize(slot + 1);
     }
     patches_[slot] = patch;
-    reverse.remove.push_back(slot);
+    reverse.remove_patches.push_back(slot);
   }
-  for (const auto& [a, b] : edit.tie) {
+  for (const auto& [a, b] : edit.add_edges) {
     insert(neighbours_[a], b);
     insert(neighbours_[b], a);
   }
@@ -142,7 +146,7 @@ Edit Draft::apply(const Edit& edit) {
   return reverse;
 }
 
-graph::AttributeGraph Draft::graph() const {
+graph::AttributeGraph EditableGraph::graph() const {
   std::vector<graph::VertexId> ids(slots());
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
@@ -153,17 +157,18 @@ graph::AttributeGraph Draft::graph() const {
     for (const Slot other : neighbours(slot))
       if (other < slot) edges.push_back({ids[other], ids[slot]});
   }
-  return named_by_degree(std::move(vertices), std::move(edges));
+  return name_patch_types(std::move(vertices), std::move(edges));
 }
 
-bool Draft::operator==(const Draft& other) const {
+bool EditableGraph::operator==(const EditableGraph& other) const {
   return patches_ == other.patches_ && neighbours_ == other.neighbours_;
 }
 
-void drop(Edit& edit, const Draft& draft, Slot slot) {
+void remove_patch(GraphEdit& edit, const EditableGraph& draft, Slot slot) {
   for (const Slot other : draft.neighbours(slot))
-    if (const Tie edge = tie(slot, other); !has(edit.cut, edge)) edit.cut.push_back(edge);
-  edit.remove.push_back(slot);
+    if (const SlotEdge edge = make_edge(slot, other); !has(edit.remove_edges, edge))
+      edit.remove_edges.push_back(edge);
+  edit.remove_patches.push_back(slot);
 }
 
 }  // namespace emberfold::sketch

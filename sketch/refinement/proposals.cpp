@@ -6,6 +6,10 @@
 #include <numbers>
 #include <utility>
 
+#include "core/math/bilinear.hpp"
+#include "core/math/luma.hpp"
+#include "core/math/robust.hpp"
+
 namespace emberfold::sketch {
 
 using graph::Patch;
@@ -13,14 +17,14 @@ using graph::Point;
 
 namespace {
 
-std::vector<Slot> slots_held(const Draft& draft) {
+std::vector<Slot> slots_held(const EditableGraph& draft) {
   std::vector<Slot> held;
   for (Slot slot = 0; slot < draft.slots(); ++slot)
     if (draft.holds(slot)) held.push_back(slot);
   return held;
 }
 
-std::vector<Point> places(const Draft& draft, const std::vector<Slot>& held) {
+std::vector<Point> places(const EditableGraph& draft, const std::vector<Slot>& held) {
   std::vector<Point> points;
   for (const Slot slot : held) points.push_back(draft.patch(slot).position);
   return points;
@@ -41,13 +45,7 @@ bool on(const Patch& patch, Point place) {
 }
 
 double level_at(const cv::Mat1f& luma, Point p) {
-  const double x = std::clamp(p.x, 0.0, luma.cols - 1.0), y = std::clamp(p.y, 0.0, luma.rows - 1.0);
-  const int x0 = std::min(static_cast<int>(x), std::max(luma.cols - 2, 0)),
-            y0 = std::min(static_cast<int>(y), std::max(luma.rows - 2, 0));
-  const int x1 = std::min(x0 + 1, luma.cols - 1), y1 = std::min(y0 + 1, luma.rows - 1);
-  const double fx = x - x0, fy = y - y0;
-  return (1 - fy) * ((1 - fx) * double{luma(y0, x0)} + fx * double{luma(y0, x1)}) +
-         fy * ((1 - fx) * double{luma(y1, x0)} + fx * double{luma(y1, x1)});
+  return core::between_pixels(luma, p.x, p.y);
 }
 
 /// Where a patch's sides are looked at: what lies there is left and right, almost.
@@ -80,7 +78,7 @@ bool stands_out(const Patch& patch) {
   constexpr double kLeast = 0.25;  // of the contrast
   if (graph::on_step(patch)) return true;
   const auto luma = [](const graph::Level& level) {
-    return 0.114 * double{level[0]} + 0.587 * double{level[1]} + 0.299 * double{level[2]};
+    return core::luma(double{level[0]}, double{level[1]}, double{level[2]});
   };
   const double sign = patch.contrast >= 0 ? 1 : -1, middle = luma(patch.middle);
   const double least = kLeast * std::abs(patch.contrast);
@@ -94,7 +92,7 @@ CreaseKind kind_of(const Patch& patch) {
 
 }  // namespace
 
-std::vector<Rib> ribs_across(Point position, double theta, double length) {
+std::vector<Rib> make_ribs(Point position, double theta, double length) {
   const Point along{std::cos(theta), std::sin(theta)}, across{-along.y, along.x};
   const int rows = std::max(1, static_cast<int>(std::lround(length)));
   std::vector<Rib> ribs;
@@ -102,7 +100,7 @@ std::vector<Rib> ribs_across(Point position, double theta, double length) {
   return ribs;
 }
 
-bool overlap(const Patch& a, const Patch& b) {
+bool patches_overlap(const Patch& a, const Patch& b) {
   // Most are too far apart, however they lie; a millionth more than rounding makes.
   const double across = std::max(own_across(a), own_across(b));
   const Point apart = b.position - a.position;
@@ -110,26 +108,28 @@ bool overlap(const Patch& a, const Patch& b) {
   return on(a, b.position) || on(b, a.position);
 }
 
-Coding best_coding(std::span<const GainFrame> axes, const Patch& patch) {
+Coding best_coding(std::span<const CodingContext> axes, const Patch& patch) {
   Coding best;
-  for (const GainFrame& frame : axes)
-    if (const Coding told = coding(frame, patch);
+  for (const CodingContext& frame : axes)
+    if (const Coding told = code_patch(frame, patch);
         &frame == axes.data() || told.gain > std::max(best.gain, 0.0))
       best = told;
   return best;
 }
 
-Editor::Editor(const Draft& draft, const cv::Mat& levels, std::span<const GainFrame> axes,
-               const Refinement& refinement, Tried& tried)
+ProposalBuilder::ProposalBuilder(const EditableGraph& draft, const cv::Mat& levels,
+                                 std::span<const CodingContext> axes, const RefineOptions& refinement,
+                                 FitCache& cache)
     : draft_(draft),
       levels_(levels),
       axes_(axes),
       refinement_(refinement),
-      tried_(tried),
+      cache_(cache),
       held_(slots_held(draft)),
       near_(places(draft, held_), kRadius) {}
 
-double Editor::shown(const Patch& patch, Point from, Point to, double contrast, double enough) const {
+double ProposalBuilder::visible_contrast(const Patch& patch, Point from, Point to, double contrast,
+                                         double enough) const {
   const Point step = to - from;
   const double length = graph::norm(step), expected = difference(patch);
   if (!(length > 0) || std::abs(expected) < 1e-6 || contrast == 0) return 0;
@@ -145,23 +145,24 @@ double Editor::shown(const Patch& patch, Point from, Point to, double contrast, 
   return least;
 }
 
-Patch Editor::judged(Patch patch) const {
+Patch ProposalBuilder::with_coding_cost(Patch patch) const {
   const Coding told = best_coding(axes_, patch);
   patch.cost = told.cost;
   patch.gain = told.gain;
   return patch;
 }
 
-std::optional<Patch> Editor::like(const Patch& patch, Point position, double theta, double contrast) {
+std::optional<Patch> ProposalBuilder::fit_like(const Patch& patch, Point position, double theta,
+                                               double contrast) {
   const auto [found, fresh] =
-      tried_.try_emplace({position.x, position.y, theta, contrast, patch.width, patch.blur, patch.contrast,
+      cache_.try_emplace({position.x, position.y, theta, contrast, patch.width, patch.blur, patch.contrast,
                           graph::on_step(patch) ? 1.0 : 0.0});
   if (fresh) found->second = fitted_like(patch, position, theta, contrast);
   return found->second;
 }
 
-std::optional<Patch> Editor::fitted_like(const Patch& patch, Point position, double theta,
-                                         double contrast) const {
+std::optional<Patch> ProposalBuilder::fitted_like(const Patch& patch, Point position, double theta,
+                                                  double contrast) const {
   if (position.x < 0 || position.y < 0 || position.x > levels_.cols - 1 || position.y > levels_.rows - 1)
     return std::nullopt;
   // A step points so that its brighter side is on the right.
@@ -169,35 +170,35 @@ std::optional<Patch> Editor::fitted_like(const Patch& patch, Point position, dou
   const double spread = std::sqrt(patch.blur * patch.blur + patch.width * patch.width / 12);
   theta = std::remainder(theta, 2 * std::numbers::pi);
   const Patch made =
-      fit_patch(levels_, position, theta, kind_of(patch), ribs_across(position, theta, refinement_.spacing),
+      fit_patch(levels_, position, theta, kind_of(patch), make_ribs(position, theta, refinement_.spacing),
                 {spread, true, axes_[0].noise});
   const double sign = kind_of(patch) == CreaseKind::valley || turned ? -1 : 1;
   if (sign * made.contrast < 0.5 * std::abs(contrast) || !stands_out(made)) return std::nullopt;
-  return judged(made);
+  return with_coding_cost(made);
 }
 
-bool Editor::overlaps(const Patch& patch, std::span<const Slot> besides) const {
-  for (const Slot slot : around(patch.position)) {
+bool ProposalBuilder::overlaps(const Patch& patch, std::span<const Slot> besides) const {
+  for (const Slot slot : patches_near(patch.position)) {
     if (std::find(besides.begin(), besides.end(), slot) != besides.end()) continue;
     const Patch& other = draft_.patch(slot);
-    if (overlap(patch, other)) return true;
+    if (patches_overlap(patch, other)) return true;
   }
   return false;
 }
 
-std::vector<Slot> Editor::around(Point place) const {
+std::vector<Slot> ProposalBuilder::patches_near(Point place) const {
   std::vector<Slot> found = near_.find_near(place);
   for (Slot& slot : found) slot = held_[slot];
   return found;
 }
 
-void Editor::propose(Edit edit, std::vector<Slot> concerns) {
+void ProposalBuilder::propose(GraphEdit edit, std::vector<Slot> concerns) {
   constexpr double kLeast = 1;  // nat
   const double change = draft_.change(edit);
   if (change < -kLeast) proposals_.push_back({change, std::move(edit), std::move(concerns)});
 }
 
-std::vector<std::vector<Slot>> strokes(const Draft& draft) {
+std::vector<std::vector<Slot>> find_strokes(const EditableGraph& draft) {
   std::vector<std::vector<Slot>> all;
   std::vector<char> seen(draft.slots(), 0);
   const auto walk = [&](Slot from, Slot next) {
@@ -227,7 +228,7 @@ std::vector<std::vector<Slot>> strokes(const Draft& draft) {
   return all;
 }
 
-std::vector<Slot> tail(const Draft& draft, Slot end) {
+std::vector<Slot> stroke_tail(const EditableGraph& draft, Slot end) {
   constexpr std::size_t kLong = 6;
   std::vector<Slot> slots{end, draft.neighbours(end)[0]};
   while (slots.size() < kLong && draft.degree(slots.back()) == 2) {
@@ -237,12 +238,10 @@ std::vector<Slot> tail(const Draft& draft, Slot end) {
   return slots;
 }
 
-double usual_contrast(const Draft& draft, const std::vector<Slot>& slots) {
+double median_contrast(const EditableGraph& draft, const std::vector<Slot>& slots) {
   std::vector<double> contrasts;
   for (const Slot slot : slots) contrasts.push_back(std::abs(draft.patch(slot).contrast));
-  std::nth_element(contrasts.begin(), contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2),
-                   contrasts.end());
-  return contrasts[contrasts.size() / 2];
+  return core::median(std::move(contrasts));
 }
 
 }  // namespace emberfold::sketch

@@ -23,7 +23,7 @@ struct End {
   Point place, heading;  // out of the stroke
 };
 
-std::vector<End> free_ends(const Draft& draft) {
+std::vector<End> free_ends(const EditableGraph& draft) {
   std::vector<End> ends;
   for (Slot slot = 0; slot < draft.slots(); ++slot) {
     if (!draft.holds(slot) || draft.degree(slot) != 1) continue;
@@ -36,12 +36,13 @@ std::vector<End> free_ends(const Draft& draft) {
 
 /// Patches evenly along a step, its ends left out, like the one at its begin; none if one of them does not
 /// fit.
-std::optional<std::vector<Patch>> row_like(Editor& editor, const Patch& begin, Point from, Point step,
-                                           double theta, double contrast, std::span<const Slot> besides) {
+std::optional<std::vector<Patch>> row_like(ProposalBuilder& editor, const Patch& begin, Point from,
+                                           Point step, double theta, double contrast,
+                                           std::span<const Slot> besides) {
   const int pieces = static_cast<int>(std::lround(graph::norm(step) / editor.spacing()));
   std::vector<Patch> patches;
   for (int i = 1; i < pieces; ++i) {
-    const auto next = editor.like(begin, from + step * (double(i) / pieces), theta, contrast);
+    const auto next = editor.fit_like(begin, from + step * (double(i) / pieces), theta, contrast);
     if (!next || editor.overlaps(*next, besides)) return std::nullopt;
     patches.push_back(*next);
   }
@@ -51,8 +52,8 @@ std::optional<std::vector<Patch>> row_like(Editor& editor, const Patch& begin, P
 /// Patches along the straight way from one place to another, both left out, as the patch at its begin shows
 /// it; none if it does not show throughout. `from_side`: rad, a stroke whose direction is another by so much
 /// is come to from the side.
-std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point from, const Patch& end,
-                                      double contrast, std::span<const Slot> besides,
+std::optional<std::vector<Patch>> way(ProposalBuilder& editor, const Patch& begin, Point from,
+                                      const Patch& end, double contrast, std::span<const Slot> besides,
                                       double from_side = std::numbers::pi / 6) {
   const Point to = end.position, step = to - from;
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
@@ -61,19 +62,20 @@ std::optional<std::vector<Patch>> way(Editor& editor, const Patch& begin, Point 
   const double hidden =
       graph::orientation_difference(heading, end.theta) < from_side ? 0 : end.width / 2 + 2 * end.blur;
   const Point seen_to = from + step * std::max(1 - hidden / length, 0.0);
-  if (hidden < length && editor.shown(begin, from, seen_to, contrast, kShows) < kShows) return std::nullopt;
+  if (hidden < length && editor.visible_contrast(begin, from, seen_to, contrast, kShows) < kShows)
+    return std::nullopt;
   return row_like(editor, begin, from, step, theta, contrast, besides);
 }
 
 /// Adds a row of patches between two that are there or are added.
-void bridge(Edit& edit, Slot& next, Slot from, const std::vector<Patch>& patches, Slot to) {
+void bridge(GraphEdit& edit, Slot& next, Slot from, const std::vector<Patch>& patches, Slot to) {
   Slot last = from;
   for (const Patch& patch : patches) {
-    edit.add.emplace_back(next, patch);
-    edit.tie.push_back(tie(last, next));
+    edit.add_patches.emplace_back(next, patch);
+    edit.add_edges.push_back(make_edge(last, next));
     last = next++;
   }
-  edit.tie.push_back(tie(last, to));
+  edit.add_edges.push_back(make_edge(last, to));
 }
 
 double fainter(const Patch& a, const Patch& b) {
@@ -81,9 +83,9 @@ double fainter(const Patch& a, const Patch& b) {
 }
 
 /// Two ends that point at each other: joined by patches, or, next to each other, made one.
-void join_ends(Editor& editor, const End& a, const End& b) {
+void join_ends(ProposalBuilder& editor, const End& a, const End& b) {
   constexpr double kFacing = 0.7;  // cos 45°
-  const Draft& draft = editor.draft();
+  const EditableGraph& draft = editor.draft();
   const Patch &first = draft.patch(a.slot), &second = draft.patch(b.slot);
   const Point gap = b.place - a.place;
   const double length = graph::norm(gap);
@@ -92,30 +94,29 @@ void join_ends(Editor& editor, const End& a, const End& b) {
       (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length))
     return;
   // Of both strokes, not of their ends alone: in a gap's penumbra these show less.
-  const double contrast = std::copysign(
-      std::sqrt(usual_contrast(draft, tail(draft, a.slot)) * usual_contrast(draft, tail(draft, b.slot))),
-      first.contrast);
+  const double contrast = std::copysign(std::sqrt(median_contrast(draft, stroke_tail(draft, a.slot)) *
+                                                  median_contrast(draft, stroke_tail(draft, b.slot))),
+                                        first.contrast);
   const std::array<Slot, 2> both{a.slot, b.slot};
   if (length < 0.6 * editor.spacing()) {
-    if (editor.shown(first, a.place, b.place, contrast, kShows) < kShows) return;
+    if (editor.visible_contrast(first, a.place, b.place, contrast, kShows) < kShows) return;
     const Slot before = draft.neighbours(a.slot)[0], after = draft.neighbours(b.slot)[0];
     if (before == after) return;
     const Point along = draft.patch(after).position - draft.patch(before).position;
     const double heading = std::atan2(along.y, along.x);
-    const auto one =
-        editor.like(first, (a.place + b.place) * 0.5,
-                    std::cos(first.theta - heading) < 0 ? heading + std::numbers::pi : heading, contrast);
+    const auto one = editor.fit_like(first, (a.place + b.place) * 0.5,
+                                     std::cos(first.theta - heading) < 0 ? heading + std::numbers::pi : heading, contrast);
     if (!one) return;
-    Edit edit;
-    drop(edit, draft, a.slot);
-    drop(edit, draft, b.slot);
-    edit.add.emplace_back(draft.slots(), *one);
-    edit.tie = {tie(before, draft.slots()), tie(after, draft.slots())};
+    GraphEdit edit;
+    remove_patch(edit, draft, a.slot);
+    remove_patch(edit, draft, b.slot);
+    edit.add_patches.emplace_back(draft.slots(), *one);
+    edit.add_edges = {make_edge(before, draft.slots()), make_edge(after, draft.slots())};
     editor.propose(std::move(edit), {a.slot, b.slot, before, after});
     return;
   }
   if (const auto patches = way(editor, first, a.place, second, contrast, both)) {
-    Edit edit;
+    GraphEdit edit;
     Slot next = draft.slots();
     bridge(edit, next, a.slot, *patches, b.slot);
     editor.propose(std::move(edit), {a.slot, b.slot});
@@ -123,9 +124,9 @@ void join_ends(Editor& editor, const End& a, const End& b) {
 }
 
 /// An end goes on to a stroke that it points at, or to an end, for a corner.
-void reach_stroke(Editor& editor, const End& end, Slot target) {
+void reach_stroke(ProposalBuilder& editor, const End& end, Slot target) {
   constexpr double kAhead = 0.87;  // cos 30°
-  const Draft& draft = editor.draft();
+  const EditableGraph& draft = editor.draft();
   const Patch &first = draft.patch(end.slot), &hit = draft.patch(target);
   const Point gap = hit.position - end.place;
   if (graph::dot(gap, gap) > 1.000001 * kLongest * kLongest) return;
@@ -139,7 +140,7 @@ void reach_stroke(Editor& editor, const End& end, Slot target) {
   // An end has sides only for what comes nearly square to it: before it, nothing hides a gap.
   const double from_side = draft.degree(target) == 1 ? std::numbers::pi / 3 : std::numbers::pi / 6;
   if (const auto patches = way(editor, first, end.place, hit, fainter(first, hit), besides, from_side)) {
-    Edit edit;
+    GraphEdit edit;
     Slot next = draft.slots();
     bridge(edit, next, end.slot, *patches, target);
     editor.propose(std::move(edit), {end.slot, target});
@@ -147,8 +148,8 @@ void reach_stroke(Editor& editor, const End& end, Slot target) {
 }
 
 /// Where two ends' ways cross ahead of both, they meet in a corner.
-void meet_in_corner(Editor& editor, const End& a, const End& b) {
-  const Draft& draft = editor.draft();
+void meet_in_corner(ProposalBuilder& editor, const End& a, const End& b) {
+  const EditableGraph& draft = editor.draft();
   const Patch &first = draft.patch(a.slot), &second = draft.patch(b.slot);
   const double sine = a.heading.x * b.heading.y - a.heading.y * b.heading.x;
   if (std::abs(sine) < 0.5 || !graph::same_kind(first, second)) return;
@@ -159,14 +160,14 @@ void meet_in_corner(Editor& editor, const End& a, const End& b) {
   const Point place = a.place + a.heading * of_a;
   const double contrast = fainter(first, second);
   const std::array<Slot, 2> both{a.slot, b.slot};
-  const auto corner = editor.like(first, place, first.theta, contrast);
+  const auto corner = editor.fit_like(first, place, first.theta, contrast);
   if (!corner || editor.overlaps(*corner, both)) return;
   const auto from_a = way(editor, first, a.place, *corner, contrast, both);
   const auto from_b = way(editor, second, b.place, *corner, contrast, both);
   if (!from_a || !from_b) return;
-  Edit edit;
+  GraphEdit edit;
   const Slot middle = draft.slots();
-  edit.add.emplace_back(middle, *corner);
+  edit.add_patches.emplace_back(middle, *corner);
   Slot next = middle + 1;
   bridge(edit, next, a.slot, *from_a, middle);
   bridge(edit, next, b.slot, *from_b, middle);
@@ -174,7 +175,7 @@ void meet_in_corner(Editor& editor, const End& a, const End& b) {
 }
 
 /// Corners whose arms make less than 110°; their headings point away from the arms.
-std::vector<End> sharp_corners(const Draft& draft) {
+std::vector<End> sharp_corners(const EditableGraph& draft) {
   constexpr double kLeastSum = 1.15;  // of the arms' unit vectors: 2 cos 55°
   std::vector<End> corners;
   for (Slot slot = 0; slot < draft.slots(); ++slot) {
@@ -193,9 +194,9 @@ std::vector<End> sharp_corners(const Draft& draft) {
 
 /// Where two strokes cross at a small angle, both pairs of arms may have met in corners, back to back: they
 /// are joined, if the stroke shows between them. Near the corners their arms hide its sides.
-void join_corners(Editor& editor, const End& a, const End& b) {
+void join_corners(ProposalBuilder& editor, const End& a, const End& b) {
   constexpr double kFacing = 0.87, kLeast = 6;  // cos 30°; px
-  const Draft& draft = editor.draft();
+  const EditableGraph& draft = editor.draft();
   const Patch &first = draft.patch(a.slot), &second = draft.patch(b.slot);
   const Point gap = b.place - a.place;
   const double length = graph::norm(gap);
@@ -205,24 +206,24 @@ void join_corners(Editor& editor, const End& a, const End& b) {
   const auto patches =
       row_like(editor, first, a.place, gap, std::atan2(gap.y, gap.x), fainter(first, second), both);
   if (!patches) return;
-  Edit edit;
+  GraphEdit edit;
   Slot next = draft.slots();
   bridge(edit, next, a.slot, *patches, b.slot);
   editor.propose(std::move(edit), {a.slot, b.slot});
 }
 
 /// Two junctions next to each other become one.
-void merge_junctions(Editor& editor, Slot a, Slot b) {
-  const Draft& draft = editor.draft();
+void merge_junctions(ProposalBuilder& editor, Slot a, Slot b) {
+  const EditableGraph& draft = editor.draft();
   if (graph::distance(draft.patch(a).position, draft.patch(b).position) > editor.spacing()) return;
-  Edit edit;
-  drop(edit, draft, b);
+  GraphEdit edit;
+  remove_patch(edit, draft, b);
   std::vector<Slot> concerns{a, b};
   for (const Slot arm : draft.neighbours(b)) {
     if (arm == a) continue;
     const auto of_a = draft.neighbours(a);
     if (std::find(of_a.begin(), of_a.end(), arm) != of_a.end()) return;  // a triangle stays
-    edit.tie.push_back(tie(a, arm));
+    edit.add_edges.push_back(make_edge(a, arm));
     concerns.push_back(arm);
   }
   editor.propose(std::move(edit), std::move(concerns));
@@ -230,13 +231,13 @@ void merge_junctions(Editor& editor, Slot a, Slot b) {
 
 }  // namespace
 
-void propose_meetings(Editor& editor) {
-  const Draft& draft = editor.draft();
+void propose_meetings(ProposalBuilder& editor) {
+  const EditableGraph& draft = editor.draft();
   const std::vector<End> ends = free_ends(draft);
   std::vector<std::size_t> end_of(draft.slots(), ends.size());
   for (std::size_t i = 0; i < ends.size(); ++i) end_of[ends[i].slot] = i;
   for (std::size_t i = 0; i < ends.size(); ++i)
-    for (const Slot slot : editor.around(ends[i].place)) {
+    for (const Slot slot : editor.patches_near(ends[i].place)) {
       if (slot == ends[i].slot) continue;
       if (const std::size_t j = end_of[slot]; j == ends.size()) {
         reach_stroke(editor, ends[i], slot);

@@ -15,13 +15,13 @@ namespace {
 constexpr std::size_t kLeast = 3;  // patches of a stroke
 
 /// Where an offered curve shows, all of it moved across by `aside`: none for the patches that do not.
-std::vector<std::optional<Patch>> seen_beside(Editor& editor, const graph::AttributeGraph& offered,
+std::vector<std::optional<Patch>> seen_beside(ProposalBuilder& editor, const graph::AttributeGraph& offered,
                                               const graph::Curve& curve, double aside) {
   std::vector<std::optional<Patch>> seen;
   for (const auto v : curve) {
     const Patch& patch = offered.patch(v);
     const Point normal{-std::sin(patch.theta), std::cos(patch.theta)};
-    auto found = editor.like(patch, patch.position + normal * aside, patch.theta, patch.contrast);
+    auto found = editor.fit_like(patch, patch.position + normal * aside, patch.theta, patch.contrast);
     if (found && editor.overlaps(*found, {})) found.reset();
     seen.push_back(std::move(found));
   }
@@ -36,15 +36,15 @@ double total_gain(const std::vector<std::optional<Patch>>& patches) {
 }
 
 /// Each run of patches that show is a stroke.
-void propose_runs(Editor& editor, const std::vector<std::optional<Patch>>& patches) {
+void propose_runs(ProposalBuilder& editor, const std::vector<std::optional<Patch>>& patches) {
   for (std::size_t i = 0; i < patches.size();) {
     std::size_t end = i;
     while (end < patches.size() && patches[end]) ++end;
-    Edit edit;
+    GraphEdit edit;
     for (std::size_t k = i; k < end; ++k) {
       const Slot slot = editor.draft().slots() + static_cast<Slot>(k - i);
-      edit.add.emplace_back(slot, *patches[k]);
-      if (k > i) edit.tie.push_back(tie(slot - 1, slot));
+      edit.add_patches.emplace_back(slot, *patches[k]);
+      if (k > i) edit.add_edges.push_back(make_edge(slot - 1, slot));
     }
     if (end - i >= kLeast) editor.propose(std::move(edit), {});
     i = end + 1;
@@ -53,7 +53,7 @@ void propose_runs(Editor& editor, const std::vector<std::optional<Patch>>& patch
 
 }  // namespace
 
-void propose_offered(Editor& editor, const graph::AttributeGraph& offered) {
+void propose_offered(ProposalBuilder& editor, const graph::AttributeGraph& offered) {
   for (const graph::Curve& curve : graph::curves(offered)) {
     if (curve.size() < kLeast) continue;
     std::vector<std::optional<Patch>> best;

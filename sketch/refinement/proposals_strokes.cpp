@@ -15,43 +15,45 @@ using graph::Point;
 
 namespace {
 
-bool ends_free(const Draft& draft, const std::vector<Slot>& stroke) {
+constexpr double kPi = std::numbers::pi;
+
+bool ends_free(const EditableGraph& draft, const std::vector<Slot>& stroke) {
   return draft.degree(stroke.front()) <= 1 && draft.degree(stroke.back()) <= 1;
 }
 
 /// The stroke goes, but for the junctions that others share.
-void remove_stroke(Editor& editor, const std::vector<Slot>& stroke) {
-  const Draft& draft = editor.draft();
-  Edit edit;
+void remove_stroke(ProposalBuilder& editor, const std::vector<Slot>& stroke) {
+  const EditableGraph& draft = editor.draft();
+  GraphEdit edit;
   std::vector<Slot> concerns = stroke;
   for (const Slot slot : stroke)
     if (draft.degree(slot) <= 2 &&
-        std::find(edit.remove.begin(), edit.remove.end(), slot) == edit.remove.end())
-      drop(edit, draft, slot);
-  if (!edit.remove.empty()) editor.propose(std::move(edit), std::move(concerns));
+        std::find(edit.remove_patches.begin(), edit.remove_patches.end(), slot) == edit.remove_patches.end())
+      remove_patch(edit, draft, slot);
+  if (!edit.remove_patches.empty()) editor.propose(std::move(edit), std::move(concerns));
 }
 
 /// A patch inside that does not pay and shows less than half of what its neighbours do is a gap.
-void cut_faded(Editor& editor, const std::vector<Slot>& stroke) {
-  const Draft& draft = editor.draft();
+void cut_faded(ProposalBuilder& editor, const std::vector<Slot>& stroke) {
+  const EditableGraph& draft = editor.draft();
   for (std::size_t i = 1; i + 1 < stroke.size(); ++i) {
     const Patch& patch = draft.patch(stroke[i]);
     const double beside = std::min(std::abs(draft.patch(stroke[i - 1]).contrast),
                                    std::abs(draft.patch(stroke[i + 1]).contrast));
     if (patch.gain > 0 || std::abs(patch.contrast) > 0.5 * beside) continue;
-    if (editor.shown(draft.patch(stroke[i - 1]), draft.patch(stroke[i - 1]).position,
-                     draft.patch(stroke[i + 1]).position, beside, 0.5) > 0.5)
+    if (editor.visible_contrast(draft.patch(stroke[i - 1]), draft.patch(stroke[i - 1]).position,
+                                draft.patch(stroke[i + 1]).position, beside, 0.5) > 0.5)
       continue;
-    Edit edit;
-    drop(edit, draft, stroke[i]);
+    GraphEdit edit;
+    remove_patch(edit, draft, stroke[i]);
     editor.propose(std::move(edit), {stroke[i - 1], stroke[i], stroke[i + 1]});
   }
 }
 
 /// A short stroke that stands alone becomes a blob, or an isolated patch does.
-void become_blob(Editor& editor, const std::vector<Slot>& stroke) {
+void become_blob(ProposalBuilder& editor, const std::vector<Slot>& stroke) {
   constexpr double kLongest = 14;  // px
-  const Draft& draft = editor.draft();
+  const EditableGraph& draft = editor.draft();
   if (!ends_free(draft, stroke) || stroke.size() > 4 ||
       draft.patch(stroke.front()).type == graph::PatchType::blob)
     return;
@@ -63,23 +65,23 @@ void become_blob(Editor& editor, const std::vector<Slot>& stroke) {
   if (length > kLongest) return;
   const cv::Point centre(static_cast<int>(std::lround(middle.x)), static_cast<int>(std::lround(middle.y)));
   for (const double reach : {3.0, 6.0, 9.0}) {
-    const Patch blob = editor.judged(fit_blob(editor.levels(), centre, reach));
-    Edit edit;
-    for (const Slot slot : stroke) drop(edit, draft, slot);
-    edit.add.emplace_back(draft.slots(), blob);
+    const Patch blob = editor.with_coding_cost(fit_blob(editor.levels(), centre, reach));
+    GraphEdit edit;
+    for (const Slot slot : stroke) remove_patch(edit, draft, slot);
+    edit.add_patches.emplace_back(draft.slots(), blob);
     editor.propose(std::move(edit), stroke);
   }
 }
 
 /// The step, of other polarity, that bounds the same bar on the right of this one.
-std::optional<Slot> other_side(const Editor& editor, Slot slot) {
+std::optional<Slot> other_side(const ProposalBuilder& editor, Slot slot) {
   constexpr double kLeast = 3, kWidest = 20;  // px
-  const Draft& draft = editor.draft();
+  const EditableGraph& draft = editor.draft();
   const Patch& step = draft.patch(slot);
   const Point normal{-std::sin(step.theta), std::cos(step.theta)};
   std::optional<Slot> best;
   double nearest = kWidest;
-  for (const Slot other : editor.around(step.position)) {
+  for (const Slot other : editor.patches_near(step.position)) {
     const Patch& candidate = draft.patch(other);
     if (other == slot || !graph::on_step(candidate) || draft.degree(other) == 0) continue;
     const Point gap = candidate.position - step.position;
@@ -94,9 +96,9 @@ std::optional<Slot> other_side(const Editor& editor, Slot slot) {
 }
 
 /// Two steps that run in parallel, whose bright (or dark) sides face each other, become a bar.
-void become_bar(Editor& editor, const std::vector<Slot>& stroke, const std::vector<std::size_t>& stroke_of,
-                const std::vector<std::vector<Slot>>& all) {
-  const Draft& draft = editor.draft();
+void become_bar(ProposalBuilder& editor, const std::vector<Slot>& stroke,
+                const std::vector<std::size_t>& stroke_of, const std::vector<std::vector<Slot>>& all) {
+  const EditableGraph& draft = editor.draft();
   if (!ends_free(draft, stroke) || stroke.size() < 3 || !graph::on_step(draft.patch(stroke[1]))) return;
   std::vector<std::pair<Slot, Slot>> pairs;
   std::size_t partner = all.size();
@@ -111,10 +113,10 @@ void become_bar(Editor& editor, const std::vector<Slot>& stroke, const std::vect
   if (partner == all.size() || all[partner] == stroke || !ends_free(draft, all[partner])) return;
   const auto longer = std::max(stroke.size(), all[partner].size());
   if (static_cast<double>(pairs.size()) < 0.8 * static_cast<double>(longer)) return;
-  Edit edit;
+  GraphEdit edit;
   std::vector<Slot> concerns = stroke;
   concerns.insert(concerns.end(), all[partner].begin(), all[partner].end());
-  for (const Slot slot : concerns) drop(edit, draft, slot);
+  for (const Slot slot : concerns) remove_patch(edit, draft, slot);
   for (const auto& [one, other] : pairs) {
     const Patch &a = draft.patch(one), &b = draft.patch(other);
     const double width = graph::distance(a.position, b.position);
@@ -130,17 +132,17 @@ void become_bar(Editor& editor, const std::vector<Slot>& stroke, const std::vect
     const double core = 1 - std::erfc(bar.width / (2 * std::numbers::sqrt2 * bar.blur));
     bar.contrast = core * 0.5 * (a.contrast + b.contrast);
     bar.type = bar.contrast > 0 ? graph::PatchType::ridge : graph::PatchType::valley;
-    const Slot slot = draft.slots() + static_cast<Slot>(edit.add.size());
-    edit.add.emplace_back(slot, editor.judged(bar));
-    if (edit.add.size() > 1) edit.tie.push_back(tie(slot - 1, slot));
+    const Slot slot = draft.slots() + static_cast<Slot>(edit.add_patches.size());
+    edit.add_patches.emplace_back(slot, editor.with_coding_cost(bar));
+    if (edit.add_patches.size() > 1) edit.add_edges.push_back(make_edge(slot - 1, slot));
   }
   editor.propose(std::move(edit), std::move(concerns));
 }
 
 }  // namespace
 
-void propose_for_strokes(Editor& editor, bool blobs) {
-  const auto all = strokes(editor.draft());
+void propose_for_strokes(ProposalBuilder& editor, bool blobs) {
+  const auto all = find_strokes(editor.draft());
   std::vector<std::size_t> stroke_of(editor.draft().slots(), all.size());
   for (std::size_t i = 0; i < all.size(); ++i)
     for (const Slot slot : all[i])

@@ -110,7 +110,7 @@ Item draw_curve(const AttributeGraph& graph, const std::vector<Curve>& curves, s
 
 class Pursuer {
  public:
-  Pursuer(const AttributeGraph& proposals, const cv::Mat& levels, const Pursuit& pursuit)
+  Pursuer(const AttributeGraph& proposals, const cv::Mat& levels, const PursuitOptions& pursuit)
       : proposals_(proposals),
         levels_(levels),
         luma_(core::luma(levels)),
@@ -283,13 +283,13 @@ class Pursuer {
         edges.push_back({{std::min(a, b)}, {std::max(a, b)}});
       }
     }
-    return named_by_degree(std::move(vertices), std::move(edges));
+    return name_patch_types(std::move(vertices), std::move(edges));
   }
 
   const AttributeGraph& proposals_;
   const cv::Mat& levels_;
   cv::Mat1f luma_;
-  Pursuit pursuit_;
+  PursuitOptions pursuit_;
   std::vector<Curve> curves_;
   std::vector<Item> waiting_, accepted_;  // waiting_: the curves, in order; those taken are empty
   std::deque<Item> blobs_;                // of this round
@@ -301,7 +301,7 @@ class Pursuer {
 
 }  // namespace
 
-AttributeGraph pursue(const AttributeGraph& proposals, const cv::Mat& levels, const Pursuit& pursuit) {
+AttributeGraph pursue(const AttributeGraph& proposals, const cv::Mat& levels, const PursuitOptions& pursuit) {
   return Pursuer(proposals, levels, pursuit).run();
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostRounds = 4;
 
-graph::AttributeGraph judged(const graph::AttributeGraph& graph, std::span<const GainFrame> axes) {
+graph::AttributeGraph judged(const graph::AttributeGraph& graph, std::span<const CodingContext> axes) {
   std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
   for (graph::Vertex& vertex : vertices) {
     const Coding told = best_coding(axes, vertex.patch);
@@ -24,18 +24,18 @@ graph::AttributeGraph judged(const graph::AttributeGraph& graph, std::span<const
 }
 
 /// New patches were numbered as if each edit were the only one.
-Edit renumbered(Edit edit, Slot first, Slot now) {
+GraphEdit renumbered(GraphEdit edit, Slot first, Slot now) {
   const auto shift = [&](Slot& slot) {
     if (slot >= first) slot += now - first;
   };
-  for (auto& added : edit.add) shift(added.first);
-  for (Tie& both : edit.tie) shift(both.first), shift(both.second);
+  for (auto& added : edit.add_patches) shift(added.first);
+  for (SlotEdge& both : edit.add_edges) shift(both.first), shift(both.second);
   return edit;
 }
 
 }  // namespace
 
-bool apply_best(Draft& draft, std::vector<Proposal> proposals) {
+bool apply_best(EditableGraph& draft, std::vector<Proposal> proposals) {
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const Proposal& a, const Proposal& b) { return a.change < b.change; });
   const Slot first = draft.slots();
@@ -52,14 +52,14 @@ bool apply_best(Draft& draft, std::vector<Proposal> proposals) {
     std::erase_if(place, [&](Slot slot) { return slot >= first; });
     if (std::ranges::any_of(place, taken)) continue;
     const auto in_the_way = [&](const auto& added) {
-      return std::ranges::any_of(fresh,
-                                 [&](const graph::Patch& other) { return overlap(added.second, other); });
+      return std::ranges::any_of(
+          fresh, [&](const graph::Patch& other) { return patches_overlap(added.second, other); });
     };
-    if (std::ranges::any_of(proposal.edit.add, in_the_way)) continue;
-    for (const auto& added : proposal.edit.add) fresh.push_back(added.second);
+    if (std::ranges::any_of(proposal.edit.add_patches, in_the_way)) continue;
+    for (const auto& added : proposal.edit.add_patches) fresh.push_back(added.second);
     for (const Slot slot : place) busy[slot] = 1;
-    const Edit edit = renumbered(std::move(proposal.edit), first, next);
-    next += static_cast<Slot>(edit.add.size());
+    const GraphEdit edit = renumbered(std::move(proposal.edit), first, next);
+    next += static_cast<Slot>(edit.add_patches.size());
     draft.apply(edit);
     any = true;
   }
@@ -67,16 +67,16 @@ bool apply_best(Draft& draft, std::vector<Proposal> proposals) {
 }
 
 graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& levels,
-                             std::span<const GainFrame> axes, const Refinement& refinement) {
-  Draft draft(judged(graph, axes));
-  Tried tried;
+                             std::span<const CodingContext> axes, const RefineOptions& refinement) {
+  EditableGraph draft(judged(graph, axes));
+  FitCache cache;
   for (int i = 0; i < kMostRounds; ++i) {
-    Editor editor(draft, levels, axes, refinement, tried);
+    ProposalBuilder editor(draft, levels, axes, refinement, cache);
     propose_for_strokes(editor, refinement.blobs);
     if (refinement.offered != nullptr) propose_offered(editor, *refinement.offered);
     propose_at_ends(editor);
     propose_meetings(editor);
-    if (!apply_best(draft, editor.take())) break;
+    if (!apply_best(draft, editor.take_proposals())) break;
   }
   return draft.graph();
 }

@@ -10,22 +10,25 @@
 
 namespace emberfold::sketch {
 
-struct Refinement {
+/// Holds the settings of refine().
+struct RefineOptions {
   double spacing = 5;                              ///< px from patch to patch, ≥ 2
   bool blobs = false;                              ///< short strokes may become blobs
   const graph::AttributeGraph* offered = nullptr;  ///< strokes that may be there too, up to 4 px beside
 };
 
-/// Phase II of the sketch pursuit (Guo, Zhu, Wu 2007): edits the graph where that shortens its frame's code
-/// (Draft), the greatest change first, until nothing does. Edits: strokes are deleted; created where they are
-/// offered; ends grow and shrink; ends meet ends, go on to another stroke, or meet in a corner; the patches
-/// of two ends become one; what fades in the middle of a stroke is cut out; neighbouring junctions become
-/// one; two parallel steps become a bar; short strokes become blobs. Each may bring several patches at once
-/// and is judged as a whole. New patches show at least half of the contrast of what they continue, and do not
-/// overlap others. `graph`: of `levels` (CV_32F, 1 or 3 channels), prepared as `axes`: luma first; a patch
-/// gains what it gains in the axis where that is most. Every patch comes back with its cost and gain.
-/// O(patches · log) a round, at most 4 rounds.
+/// Runs phase II of the sketch pursuit (Guo, Zhu & Wu 2007): edits the graph where that shortens its frame's
+/// code (EditableGraph). The greatest change comes first, until none shortens. The edits:
+/// - strokes are deleted, or created where they are offered; short strokes become blobs;
+/// - ends grow and shrink, meet other ends, go on to another stroke, or meet in a corner; the patches of two
+///   ends become one;
+/// - a faded middle of a stroke is cut out; neighbouring junctions become one; two parallel steps become a
+///   bar.
+/// Each may bring several patches at once and is judged as a whole. New patches show at least half of the
+/// contrast of those they continue, and do not overlap others. `graph`: of `levels` (CV_32F, 1 or 3
+/// channels), prepared as `axes`: luma first; a patch has its gain of the axis where that is greatest. Every
+/// patch comes back with its cost and gain. O(patches · log) a round, at most 4 rounds.
 graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& levels,
-                             std::span<const GainFrame> axes, const Refinement& refinement);
+                             std::span<const CodingContext> axes, const RefineOptions& refinement);
 
 }  // namespace emberfold::sketch

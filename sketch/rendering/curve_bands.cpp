@@ -55,7 +55,7 @@ bool forks(const graph::Patch& patch, const graph::Patch& other) {
 graph::Point leave(const graph::Patch& patch, const graph::Patch& other) {
   if (!forks(patch, other)) return patch.position;
   const graph::Point t = direction(patch.theta), normal{-t.y, t.x};
-  return line_at(patch, std::copysign(1.0, graph::dot(other.position - patch.position, normal)));
+  return ridge_line(patch, std::copysign(1.0, graph::dot(other.position - patch.position, normal)));
 }
 
 Band alone(const graph::AttributeGraph& graph, std::size_t vertex) {
@@ -70,7 +70,7 @@ Band alone(const graph::AttributeGraph& graph, std::size_t vertex) {
 
 }  // namespace
 
-std::vector<Band> bands(const graph::AttributeGraph& graph) {
+std::vector<Band> make_bands(const graph::AttributeGraph& graph) {
   std::vector<Band> all;
   all.reserve(graph.size() + graph.edges().size());
   std::vector<char> through(graph.size());

@@ -13,42 +13,43 @@
 #include "sketch/patches/blob.hpp"
 #include "sketch/patches/profile_shape.hpp"
 
-// Where the patches of a graph lie in the frame, whatever they show there (render.hpp).
+// The places of patches in the frame: bands about the curves between them, and discs of blobs (render.hpp).
 namespace emberfold::sketch {
 
-inline constexpr double kLeastReach = 1.5, kMostReach = 12;  ///< px to each side
-inline constexpr double kSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
+// Chosen for the look of drawn strokes; no source.
+inline constexpr double kLeastReach = 1.5;    ///< px to each side that a band shows at least
+inline constexpr double kMostReach = 12;      ///< px to each side that a band shows at most
+inline constexpr double kLeastMargin = 1;     ///< px beyond the core: else a sharp line holds no pixel of its sides
+inline constexpr double kBorderSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
 
-inline constexpr double kLeastMargin =
-    1;  ///< px beyond the core: else a sharp line holds no pixel of its sides
-
-/// How far to each side a patch's profile changes, px.
+/// Returns how far to each side a patch's profile changes, px.
 inline double profile_reach(const graph::Patch& patch) {
   const double margin = std::max(2 * std::max(patch.blur, kLeastBlur), kLeastMargin);
   return std::clamp(std::max(patch.width, 0.0) / 2 + margin, kLeastReach, kMostReach);
 }
 
-/// Of a double ridge the middle of its line on the right (`side` 1) or on the left (−1); else the patch's
-/// place.
-inline graph::Point line_at(const graph::Patch& patch, double side) {
+/// Returns the middle of one line of a double ridge: on the right (`side` 1) or on the left (−1). For other
+/// patches returns the patch's place.
+inline graph::Point ridge_line(const graph::Patch& patch, double side) {
   const double aside = patch.hollow > 0 ? side * (patch.width + patch.hollow) / 4 : 0;
   return patch.position + graph::Point{-std::sin(patch.theta), std::cos(patch.theta)} * aside;
 }
 
-inline double between(double a, double b, double s) {
+/// Returns a + s·(b − a).
+inline double interpolate(double a, double b, double s) {
   return a + s * (b - a);
 }
 
-/// Which patch's profile a band shows at one end.
+/// Holds which patch's profile a band shows at one end.
 struct BandEnd {
   std::size_t vertex = 0;
   bool backwards = false;  ///< the patch's direction is against the band's
   double slope = 0;
   double reach = kLeastReach;
-  bool round = false;  ///< its end is rounded, to close the gap at a bend
+  bool round = false;  ///< rounded, to close the gap at a bend
 };
 
-/// A band: a curve from `origin` over `length` px in direction `along`, which rises to the right of it by a
+/// Holds a band: a curve from `origin` over `length` px in direction `along`. To the right it rises by a
 /// cubic with the slopes of its ends.
 struct Band {
   graph::Point origin, along;
@@ -57,14 +58,14 @@ struct Band {
   double before = 0, after = 0;  ///< px by which it goes on straight behind its ends
 };
 
-/// One for each edge, and for each patch without edges that is no blob.
-std::vector<Band> bands(const graph::AttributeGraph& graph);
+/// Returns one band for each edge, and one for each patch without edges that is no blob. O(patches).
+std::vector<Band> make_bands(const graph::AttributeGraph& graph);
 
-/// Height and its derivatives over the chord.
+/// Holds the height of a band's curve above its chord, and its two derivatives.
 struct Height {
   double value, slope, curvature;
 };
-inline Height height(const Band& band, double u) {
+inline Height height_at(const Band& band, double u) {
   const double c = std::clamp(u, 0.0, band.length), s = c / band.length;
   const double a = band.a.slope, b = band.b.slope;
   const double slope = a * (3 * s * s - 4 * s + 1) + b * (3 * s * s - 2 * s);
@@ -73,39 +74,43 @@ inline Height height(const Band& band, double u) {
   return {value, slope, inside ? (a * (6 * s - 4) + b * (6 * s - 2)) / band.length : 0};
 }
 
-/// Where a pixel lies with respect to a band: place along it, 0…1, and distance, positive to the right.
-struct Foot {
-  double s, distance;
-  bool at_round_end;
+/// Holds the nearest point of a band's curve to a pixel.
+struct Projection {
+  double s;           ///< place along the band, 0…1
+  double distance;    ///< px from the curve, positive to the right
+  bool at_round_end;  ///< the pixel lies beyond the end, in its rounding
 };
 
-inline std::optional<Foot> foot(const Band& band, double u0, double v0) {
+/// Projects a pixel onto a band's curve; none where it lies beyond an end that is not round. (u0, v0): px
+/// along and across the chord.
+inline std::optional<Projection> project(const Band& band, double u0, double v0) {
   // Newton's method for the nearest point of the curve, from the one beneath.
   double u = u0;
-  Height h = height(band, u);
+  Height h = height_at(band, u);
   if (band.a.slope != 0 || band.b.slope != 0)
     for (int i = 0; i < 4; ++i) {
       const double gradient = (u - u0) + (h.value - v0) * h.slope;
       const double second = 1 + h.slope * h.slope + (h.value - v0) * h.curvature;
       const double step = gradient / std::max(second, 0.3);
       u -= step;
-      h = height(band, u);
+      h = height_at(band, u);
       if (std::abs(step) < 1e-4) break;
     }
   const double stretch = std::sqrt(1 + h.slope * h.slope);
-  if (u >= -band.before - kSlack && u <= band.length + band.after + kSlack)
-    return Foot{std::clamp(u / band.length, 0.0, 1.0), ((v0 - h.value) - (u0 - u) * h.slope) / stretch,
-                false};
+  if (u >= -band.before - kBorderSlack && u <= band.length + band.after + kBorderSlack)
+    return Projection{std::clamp(u / band.length, 0.0, 1.0), ((v0 - h.value) - (u0 - u) * h.slope) / stretch,
+                      false};
   const bool at_a = u < band.length / 2;
   if (!(at_a ? band.a.round : band.b.round)) return std::nullopt;
   const double slope = at_a ? band.a.slope : band.b.slope, du = at_a ? u0 : u0 - band.length;
-  return Foot{at_a ? 0.0 : 1.0, std::copysign(std::hypot(du, v0), v0 - slope * du), true};
+  return Projection{at_a ? 0.0 : 1.0, std::copysign(std::hypot(du, v0), v0 - slope * du), true};
 }
 
-/// The whole numbers x in [0, count) with low ≤ slope·x + offset ≤ high, as a range that only shrinks.
-struct Range {
+/// Holds the whole numbers from `first` to `last`; the range can only shrink.
+struct PixelRange {
   int first, last;
-  void meet(double slope, double offset, double low, double high) {
+  /// Keeps the numbers x with low ≤ slope·x + offset ≤ high.
+  void intersect(double slope, double offset, double low, double high) {
     if (std::abs(slope) < 1e-12) {
       if (offset < low || offset > high) last = first - 1;
       return;
@@ -122,71 +127,72 @@ struct Range {
   }
 };
 
-/// paint(x, y, foot) for every pixel that the band covers.
+/// Calls paint(x, y, projection) for every pixel that the band covers.
 template <class Paint>
-void cover(const Band& band, cv::Size size, Paint paint) {
+void visit_band(const Band& band, cv::Size size, Paint paint) {
   const double reach = std::max(band.a.reach, band.b.reach);
   // The cubic stays below 4/27 of the length times the slopes; where it leans, so do its ends.
   const double side = reach + band.length * (std::abs(band.a.slope) + std::abs(band.b.slope)) * 4 / 27;
   const double lean_a = band.a.round ? 1 : std::min(std::abs(band.a.slope), 1.0);
   const double lean_b = band.b.round ? 1 : std::min(std::abs(band.b.slope), 1.0);
-  const double low = -band.before - reach * lean_a - kSlack;
-  const double high = band.length + band.after + reach * lean_b + kSlack;
+  const double low = -band.before - reach * lean_a - kBorderSlack;
+  const double high = band.length + band.after + reach * lean_b + kBorderSlack;
   const graph::Point o = band.origin, t = band.along;
   const double tip = std::abs(t.x) * side;
-  Range rows{0, size.height - 1};
-  rows.meet(1, 0, o.y + std::min(low * t.y, high * t.y) - tip, o.y + std::max(low * t.y, high * t.y) + tip);
+  PixelRange rows{0, size.height - 1};
+  rows.intersect(1, 0, o.y + std::min(low * t.y, high * t.y) - tip, o.y + std::max(low * t.y, high * t.y) + tip);
   for (int y = rows.first; y <= rows.last; ++y) {
     // Along and across the chord, u = (p − o)·t and v = (p − o)·n with n = (−t.y, t.x).
     const double dy = y - o.y;
-    Range columns{0, size.width - 1};
-    columns.meet(t.x, dy * t.y - o.x * t.x, low, high);
-    columns.meet(-t.y, dy * t.x + o.x * t.y, -side, side);
+    PixelRange columns{0, size.width - 1};
+    columns.intersect(t.x, dy * t.y - o.x * t.x, low, high);
+    columns.intersect(-t.y, dy * t.x + o.x * t.y, -side, side);
     for (int x = columns.first; x <= columns.last; ++x) {
       const double dx = x - o.x;
-      const auto at = foot(band, dx * t.x + dy * t.y, dy * t.x - dx * t.y);
-      if (at && std::abs(at->distance) <= between(band.a.reach, band.b.reach, at->s)) paint(x, y, *at);
+      const auto at = project(band, dx * t.x + dy * t.y, dy * t.x - dx * t.y);
+      if (at && std::abs(at->distance) <= interpolate(band.a.reach, band.b.reach, at->s)) paint(x, y, *at);
     }
   }
 }
 
-/// The nearer to a band's middle, the more it counts; rounded ends count where nothing else does.
-inline double weight(const Band& band, const Foot& at) {
-  const double reach = between(band.a.reach, band.b.reach, at.s);
+/// Returns a pixel's weight in a band: the greater the nearer to its middle. Rounded ends count where nothing
+/// else does.
+inline double band_weight(const Band& band, const Projection& at) {
+  const double reach = interpolate(band.a.reach, band.b.reach, at.s);
   const double inward = std::max(1 - std::abs(at.distance) / reach, 0.03);
   return inward * inward * inward * inward * (at.at_round_end ? 1e-12 : 1);
 }
 
-/// paint(x, y) for every pixel of a blob.
+/// Calls paint(x, y) for every pixel of a blob.
 template <class Paint>
-void cover_blob(const graph::Patch& blob, const BlobShape& shape, cv::Size size, Paint paint) {
+void visit_blob(const graph::Patch& blob, const BlobShape& shape, cv::Size size, Paint paint) {
   const auto [px, py] = blob.position;
-  Range rows{0, size.height - 1}, columns{0, size.width - 1};
-  rows.meet(1, -py, -shape.reach() - kSlack, shape.reach() + kSlack);
-  columns.meet(1, -px, -shape.reach() - kSlack, shape.reach() + kSlack);
+  PixelRange rows{0, size.height - 1}, columns{0, size.width - 1};
+  rows.intersect(1, -py, -shape.reach() - kBorderSlack, shape.reach() + kBorderSlack);
+  columns.intersect(1, -px, -shape.reach() - kBorderSlack, shape.reach() + kBorderSlack);
   for (int y = rows.first; y <= rows.last; ++y)
     for (int x = columns.first; x <= columns.last; ++x)
       if (shape.holds(x - px, y - py)) paint(x, y);
 }
 
-/// paint(vertex, shape, x, y) for every pixel of every blob.
+/// Calls paint(vertex, shape, x, y) for every pixel of every blob.
 template <class Paint>
-void cover_blobs(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
+void visit_blobs(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const graph::Patch& patch = graph.patch(i);
     if (graph.degree(i) != 0 || patch.type != graph::PatchType::blob) continue;
     const BlobShape shape(patch);
-    cover_blob(patch, shape, size, [&](int x, int y) { paint(i, shape, x, y); });
+    visit_blob(patch, shape, size, [&](int x, int y) { paint(i, shape, x, y); });
   }
 }
 
-/// The nearer to a blob's middle, the more it counts.
+/// Returns a pixel's weight in a blob: the greater the nearer to its middle.
 inline double blob_weight(const BlobShape& shape, double dx, double dy) {
   const double inward = std::max(1 - std::hypot(dx, dy) / shape.reach(), 0.03);
   return inward * inward * inward * inward;
 }
 
-/// InputError for an empty size, or other than 1 or 3 channels.
+/// Throws core::InputError for an empty size, or other than 1 or 3 channels.
 void check_frame(cv::Size size, int channels);
 
 }  // namespace emberfold::sketch

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/luma.hpp"
 #include "sketch/dictionary/dictionary.hpp"
 #include "sketch/dictionary/patch_views.hpp"
 #include "sketch/rendering/curve_bands.hpp"
@@ -22,14 +23,14 @@ using Colour = std::array<double, 3>;
 using Table = std::array<Colour, kProfileSamples>;
 
 /// Of a patch: its profile, and the window that lies over it, if one does; along the patch's own direction.
-struct Shown {
+struct DecodedPatch {
   Table across{};
   std::vector<Colour> window;
 };
 
 Colour colour(const graph::Level& level, int channels) {
   const Colour c = {double{level[0]}, double{level[1]}, double{level[2]}};
-  return channels == 3 ? c : Colour{0.114 * c[0] + 0.587 * c[1] + 0.299 * c[2], 0, 0};
+  return channels == 3 ? c : Colour{core::luma(c[0], c[1], c[2]), 0, 0};
 }
 
 Table parametric(const graph::Patch& patch, int channels) {
@@ -38,14 +39,14 @@ Table parametric(const graph::Patch& patch, int channels) {
                right = colour(patch.right, channels), between = colour(patch.between, channels);
   Table table{};
   for (std::size_t i = 0; i < kProfileSamples; ++i) {
-    const auto reached = shape.at(profile_reach(patch) * profile_place(i));
+    const auto reached = shape.at(profile_reach(patch) * profile_position(i));
     for (std::size_t c = 0; c < 3; ++c) table[i][c] = reached.level(left[c], middle[c], right[c], between[c]);
   }
   return table;
 }
 
 Colour mixed(const Colour& a, const Colour& b, double s) {
-  return {between(a[0], b[0], s), between(a[1], b[1], s), between(a[2], b[2], s)};
+  return {interpolate(a[0], b[0], s), interpolate(a[1], b[1], s), interpolate(a[2], b[2], s)};
 }
 
 /// A window's levels at (along, across), −1…1 each.
@@ -60,7 +61,7 @@ Colour window_at(const std::vector<Colour>& window, double along, double across)
 }
 
 /// What a code says at each of its entry's samples.
-std::vector<Colour> told(const Code& code, const Entry& entry, int channels) {
+std::vector<Colour> decode(const PatchCode& code, const DictionaryEntry& entry, int channels) {
   const Colour level = colour(code.level, channels), amplitude = colour(code.amplitude, channels);
   std::vector<Colour> all(entry.mean.size());
   const auto numbers = std::min(static_cast<std::size_t>(std::max(code.numbers, 0)), entry.components.size());
@@ -71,17 +72,18 @@ std::vector<Colour> told(const Code& code, const Entry& entry, int channels) {
     for (std::size_t i = 0; i < all.size(); ++i)
       for (std::size_t c = 0; c < 3; ++c) all[i][c] += coefficient[c] * double{entry.components[k][i]};
   }
-  if (code.turned) std::ranges::reverse(all);
+  if (code.reversed) std::ranges::reverse(all);
   return all;
 }
 
-Shown shown(const graph::Patch& patch, const Code& code, const Dictionary& dictionary, int channels) {
-  if (code.entry == Code::kNone) return {parametric(patch, channels), {}};
-  const Entry& entry = dictionary.entries[code.entry];
-  auto levels = told(code, entry, channels);
-  Shown result;
+DecodedPatch decode_patch(const graph::Patch& patch, const PatchCode& code, const Dictionary& dictionary,
+                          int channels) {
+  if (code.entry == PatchCode::kNone) return {parametric(patch, channels), {}};
+  const DictionaryEntry& entry = dictionary.entries[code.entry];
+  auto levels = decode(code, entry, channels);
+  DecodedPatch result;
   for (std::size_t i = 0; i < kProfileSamples; ++i)
-    result.across[i] = entry.window() ? window_at(levels, 0, profile_place(i) / 1.5) : levels[i];
+    result.across[i] = entry.window() ? window_at(levels, 0, profile_position(i) / 1.5) : levels[i];
   if (entry.window()) result.window = std::move(levels);
   return result;
 }
@@ -109,19 +111,19 @@ struct Canvas {
   }
 };
 
-void draw_bands(Canvas& canvas, const graph::AttributeGraph& graph, const std::vector<Shown>& all) {
-  for (const Band& band : bands(graph)) {
+void draw_bands(Canvas& canvas, const graph::AttributeGraph& graph, const std::vector<DecodedPatch>& all) {
+  for (const Band& band : make_bands(graph)) {
     // What looks like a window has no profile of its own along the curve.
     const auto profile_end = [&](const BandEnd& own, const BandEnd& other) {
       return !all[own.vertex].window.empty() && all[other.vertex].window.empty() ? other : own;
     };
     const BandEnd a = profile_end(band.a, band.b), b = profile_end(band.b, band.a);
     const Table &table_a = all[a.vertex].across, &table_b = all[b.vertex].across;
-    cover(band, canvas.part.mask.size(), [&](int x, int y, const Foot& foot) {
-      const double place = foot.distance / between(band.a.reach, band.b.reach, foot.s);
+    visit_band(band, canvas.part.mask.size(), [&](int x, int y, const Projection& foot) {
+      const double place = foot.distance / interpolate(band.a.reach, band.b.reach, foot.s);
       const Colour from = at(table_a, a.backwards ? -place : place);
       const Colour to = at(table_b, b.backwards ? -place : place);
-      canvas.add(x, y, mixed(from, to, foot.s), weight(band, foot));
+      canvas.add(x, y, mixed(from, to, foot.s), band_weight(band, foot));
     });
   }
 }
@@ -131,9 +133,9 @@ void lay_window(Canvas& canvas, const graph::Patch& patch, const std::vector<Col
   const double reach = 1.5 * profile_reach(patch), c = std::cos(patch.theta), s = std::sin(patch.theta);
   const auto [px, py] = patch.position;
   const cv::Size size = canvas.part.mask.size();
-  Range rows{0, size.height - 1}, columns{0, size.width - 1};
-  rows.meet(1, -py, -reach, reach);
-  columns.meet(1, -px, -reach, reach);
+  PixelRange rows{0, size.height - 1}, columns{0, size.width - 1};
+  rows.intersect(1, -py, -reach, reach);
+  columns.intersect(1, -px, -reach, reach);
   for (int y = rows.first; y <= rows.last; ++y)
     for (int x = columns.first; x <= columns.last; ++x) {
       if (canvas.part.mask.at<std::uint8_t>(y, x) == 0) continue;
@@ -144,7 +146,7 @@ void lay_window(Canvas& canvas, const graph::Patch& patch, const std::vector<Col
     }
 }
 
-void draw_blobs(Canvas& canvas, const graph::AttributeGraph& graph, const std::vector<Shown>& all) {
+void draw_blobs(Canvas& canvas, const graph::AttributeGraph& graph, const std::vector<DecodedPatch>& all) {
   const int channels = canvas.part.levels.channels();
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const graph::Patch& blob = graph.patch(i);
@@ -153,7 +155,7 @@ void draw_blobs(Canvas& canvas, const graph::AttributeGraph& graph, const std::v
     const Colour left = colour(blob.left, channels), middle = colour(blob.middle, channels),
                  right = colour(blob.right, channels);
     const double c = std::cos(blob.theta), s = std::sin(blob.theta);
-    cover_blob(blob, shape, canvas.part.mask.size(), [&](int x, int y) {
+    visit_blob(blob, shape, canvas.part.mask.size(), [&](int x, int y) {
       const double dx = x - blob.position.x, dy = y - blob.position.y;
       Colour levels{};
       if (all[i].window.empty()) {
@@ -169,16 +171,16 @@ void draw_blobs(Canvas& canvas, const graph::AttributeGraph& graph, const std::v
   }
 }
 
-void check_codes(const graph::AttributeGraph& graph, std::span<const Code> codes,
+void check_codes(const graph::AttributeGraph& graph, std::span<const PatchCode> codes,
                  const Dictionary& dictionary) {
   if (codes.size() != graph.size())
     throw core::InputError("render: " + std::to_string(codes.size()) + " codes for " +
                            std::to_string(graph.size()) + " patches");
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    if (codes[i].entry == Code::kNone) continue;
+    if (codes[i].entry == PatchCode::kNone) continue;
     if (codes[i].entry >= dictionary.entries.size() ||
         dictionary.entries[codes[i].entry].window() !=
-            looks_like_window(graph.patch(i).type, degree_of(graph, i)))
+            looks_like_window(graph.patch(i).type, counted_degree(graph, i)))
       throw core::InputError("render: the code of patch " + std::to_string(i) + " names entry " +
                              std::to_string(codes[i].entry) + ", which the dictionary has not for it");
   }
@@ -186,14 +188,14 @@ void check_codes(const graph::AttributeGraph& graph, std::span<const Code> codes
 
 }  // namespace
 
-Sketchable draw_learned(const graph::AttributeGraph& graph, std::span<const Code> codes,
+Sketchable draw_learned(const graph::AttributeGraph& graph, std::span<const PatchCode> codes,
                         const Dictionary& dictionary, cv::Size size, int channels) {
   check_frame(size, channels);
   check_codes(graph, codes, dictionary);
-  std::vector<Shown> all;
+  std::vector<DecodedPatch> all;
   all.reserve(graph.size());
   for (std::size_t i = 0; i < graph.size(); ++i)
-    all.push_back(shown(graph.patch(i), codes[i], dictionary, channels));
+    all.push_back(decode_patch(graph.patch(i), codes[i], dictionary, channels));
   Canvas canvas{{cv::Mat(size, CV_32FC(channels), cv::Scalar::all(0)), cv::Mat(size, CV_8U, cv::Scalar(0))},
                 cv::Mat1f(size, 0.0F)};
   draw_bands(canvas, graph, all);

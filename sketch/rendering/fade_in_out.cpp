@@ -14,7 +14,7 @@ constexpr int beyond = half - 1;                            // that a patch show
 constexpr int whole = static_cast<int>(FadeInOut::kAhead);  // an age at which all of it is there
 
 /// `age`: frames since its first, or until its last.
-float presence(int age) {
+float opacity(int age) {
   return std::clamp((static_cast<float>(age + half) - 0.5F) / (2 * half), 0.0F, 1.0F);
 }
 
@@ -81,7 +81,7 @@ FadedGraph FadeInOut::next(const graph::AttributeGraph& now,
       age = whole;
     }
     ages.emplace_hint(ages.end(), vertex.id.value, age);
-    result.presence.push_back(presence(std::min(age, frames_left(vertex.id, now, ahead, behind_))));
+    result.opacity.push_back(opacity(std::min(age, frames_left(vertex.id, now, ahead, behind_))));
   }
   ages_ = std::move(ages);
   begun_ = true;

@@ -11,21 +11,21 @@
 
 namespace emberfold::sketch {
 
-/// A frame's patches with those that have just gone or are about to come, and how much there is of each.
+/// Holds a frame's patches, those that have just gone or are about to come included, with their opacities.
 struct FadedGraph {
   graph::AttributeGraph graph;
-  std::vector<float> presence;  ///< of each patch, 0…1
+  std::vector<float> opacity;  ///< of each patch, by index, 0…1
 };
 
-/// Lets patches come and go over six frames, half of them before a patch's first frame and after its last: in
-/// none does its presence change by more than 1/6, and it is there in half when it was before, too. Where a
-/// patch is not yet or no more, it is shown as it was in its nearest frame.
+/// Fades patches in and out over six frames. Half of them lie before a patch's first frame, half after its
+/// last. No opacity changes by more than 1/6 a frame. Outside its lifetime a patch is shown as it was in its
+/// nearest frame.
 class FadeInOut {
  public:
-  /// How many frames ahead must be known.
+  /// Number of frames ahead that next() needs.
   static constexpr std::size_t kAhead = 4;
-  /// The next frame. `ahead`: those that come then, in order; patches keep their ids through time. What is in
-  /// the very first frame is there in full.
+  /// Returns the next frame. `ahead`: the frames after it, in order; patches keep their ids through time. All
+  /// patches of the very first frame are opaque.
   FadedGraph next(const graph::AttributeGraph& now, std::span<const graph::AttributeGraph* const> ahead);
 
  private:

@@ -10,6 +10,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/math/cell_grid.hpp"
+
 namespace emberfold::sketch {
 
 namespace {
@@ -19,7 +21,7 @@ constexpr int fade_steps = 6;  // a fade's, as fading.hpp has it
 
 /// Of each pixel that a patch shows, 1 + the number of shares it is there by, of those between which a fade
 /// goes; 0 elsewhere. What is there by the k-th has a rank above k.
-cv::Mat ranks_of(const cv::Mat& mask, const cv::Mat& presence) {
+cv::Mat ranks_of(const cv::Mat& mask, const cv::Mat& opacity) {
   std::array<float, fade_steps + 1> shares{};
   for (int k = 0; k <= fade_steps; ++k)
     shares[static_cast<std::size_t>(k)] =
@@ -27,7 +29,7 @@ cv::Mat ranks_of(const cv::Mat& mask, const cv::Mat& presence) {
   cv::Mat ranks = cv::Mat::zeros(mask.size(), CV_8U);
   for (int y = 0; y < mask.rows; ++y) {
     const auto* shown = mask.ptr(y);
-    const auto* present = presence.ptr<float>(y);
+    const auto* present = opacity.ptr<float>(y);
     auto* rank = ranks.ptr(y);
     for (int x = 0; x < mask.cols; ++x) {
       if (shown[x] == 0) continue;
@@ -41,9 +43,9 @@ cv::Mat ranks_of(const cv::Mat& mask, const cv::Mat& presence) {
 /// Fills the patches of at least a rank in coarse cells: good enough for levels to begin from.
 class CoarseFill {
  public:
-  CoarseFill(const sketch::Sketchable& part, const cv::Mat& ranks, const BackgroundImage& ground)
-      : part_(part), ranks_(ranks), ground_(ground) {
-    if (!ground.empty()) near_ = spread_maximum(ranks);
+  CoarseFill(const sketch::Sketchable& part, const cv::Mat& ranks, const BackgroundImage& background)
+      : part_(part), ranks_(ranks), ground_(background) {
+    if (!background.empty()) near_ = spread_maximum(ranks);
   }
   /// Of what has a rank above this one.
   [[nodiscard]] cv::Mat above(int rank, float empty_level, const sketch::FillOptions& options) const {
@@ -56,9 +58,8 @@ class CoarseFill {
       ground_.levels.copyTo(seen, still);
       held = left | still;
     }
-    const auto cells = [](int length) { return (length + coarse - 1) / coarse; };
     held.convertTo(weight, CV_32F, 1 / 255.0);
-    cv::resize(weight, weight, {cells(held.cols), cells(held.rows)}, 0, 0, cv::INTER_AREA);
+    cv::resize(weight, weight, core::count_cells(held.size(), coarse), 0, 0, cv::INTER_AREA);
     cv::resize(seen, levels, weight.size(), 0, 0, cv::INTER_AREA);
     cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(levels.channels()), cv::max(weight, 1e-3)),
               weights);
@@ -77,11 +78,11 @@ class CoarseFill {
 };
 
 /// Where a patch is not quite there: `from`, and by its share what its levels have beyond `beyond`.
-void blend(sketch::Sketchable& part, const cv::Mat& presence, const cv::Mat& from, const cv::Mat& beyond) {
+void blend(sketch::Sketchable& part, const cv::Mat& opacity, const cv::Mat& from, const cv::Mat& beyond) {
   const int channels = part.levels.channels();
   for (int y = 0; y < part.mask.rows; ++y) {
     const auto* drawn = part.mask.ptr(y);
-    const auto *share = presence.ptr<float>(y), *begin = from.ptr<float>(y), *own = beyond.ptr<float>(y);
+    const auto *share = opacity.ptr<float>(y), *begin = from.ptr<float>(y), *own = beyond.ptr<float>(y);
     auto* levels = part.levels.ptr<float>(y);
     for (int x = 0; x < part.mask.cols; ++x)
       for (int c = x * channels; drawn[x] != 0 && share[x] < kOpaque && c < (x + 1) * channels; ++c)
@@ -91,10 +92,10 @@ void blend(sketch::Sketchable& part, const cv::Mat& presence, const cv::Mat& fro
 
 }  // namespace
 
-void blend_with_fill(sketch::Sketchable& part, const cv::Mat& presence, const BackgroundImage& ground,
+void blend_with_fill(sketch::Sketchable& part, const cv::Mat& opacity, const BackgroundImage& background,
                      float empty_level, const sketch::FillOptions& options) {
-  const cv::Mat ranks = ranks_of(part.mask, presence);
-  const CoarseFill fill(part, ranks, ground);
+  const cv::Mat ranks = ranks_of(part.mask, opacity);
+  const CoarseFill fill(part, ranks, background);
   std::array<std::size_t, fade_steps + 3> counts{};
   std::for_each(ranks.begin<uchar>(), ranks.end<uchar>(), [&](uchar rank) { ++counts[rank]; });
   const cv::Mat all = fill.above(0, empty_level, options);
@@ -107,11 +108,11 @@ void blend_with_fill(sketch::Sketchable& part, const cv::Mat& presence, const Ba
   cv::Mat from, whole;
   cv::resize(sum, from, part.mask.size(), 0, 0, cv::INTER_LINEAR);
   cv::resize(all, whole, part.mask.size(), 0, 0, cv::INTER_LINEAR);
-  blend(part, presence, from, whole);
+  blend(part, opacity, from, whole);
 }
 
-void blend_with_background(sketch::Sketchable& part, const cv::Mat& presence, const cv::Mat& ground) {
-  blend(part, presence, ground, ground);
+void blend_with_background(sketch::Sketchable& part, const cv::Mat& opacity, const cv::Mat& background) {
+  blend(part, opacity, background, background);
 }
 
 }  // namespace emberfold::sketch

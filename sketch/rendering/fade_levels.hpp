@@ -7,19 +7,22 @@
 #include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/render.hpp"
 
-// The levels of patches that come and go.
+// The levels of patches that fade in or out.
 namespace emberfold::sketch {
 
-constexpr float kOpaque = 0.999F;  ///< a presence from which on nothing is missing
+/// Opacity from which on nothing is missing.
+constexpr float kOpaque = 0.999F;
 
-/// What the patches that are not quite there show. The frame's smooth part is the mean, over all shares s, of
-/// the fill of those patches of which at least s is there: so a stroke that begins to fade tells on all
-/// others by as little as on itself. To it comes what each patch's own levels have beyond it, by its share.
-/// `presence`: CV_32F, 0…1; `empty_level`: of a frame that nothing is left in.
-void blend_with_fill(sketch::Sketchable& part, const cv::Mat& presence, const BackgroundImage& ground,
+/// Blends the patches that are not opaque with the fill that would show without them. The smooth part of the
+/// frame is the mean, over all opacities s, of the fill from the patches of opacity s or more, so a patch
+/// that fades changes its surroundings gradually. Each patch adds what its own levels have beyond the fill of
+/// all patches, times its opacity. `part`: changed in place; `opacity`: CV_32F, 0…1; `empty_level`: of a
+/// frame without patches and background, white = 255. Some 8 fills of a sixteenth of the frame.
+void blend_with_fill(sketch::Sketchable& part, const cv::Mat& opacity, const BackgroundImage& background,
                      float empty_level, const sketch::FillOptions& options);
 
-/// The same on a ground, which is what is there without them.
-void blend_with_background(sketch::Sketchable& part, const cv::Mat& presence, const cv::Mat& ground);
+/// Blends the patches that are not opaque with a given background. `background`: CV_32F, as the levels of
+/// `part`.
+void blend_with_background(sketch::Sketchable& part, const cv::Mat& opacity, const cv::Mat& background);
 
 }  // namespace emberfold::sketch

@@ -14,71 +14,72 @@
 
 namespace emberfold::sketch {
 
-/// A frame of which patches show a part and diffusion the rest.
+/// Holds a frame of which patches show a part and diffusion the rest.
 struct RenderedLevels {
   cv::Mat levels;    ///< CV_32F, white = 255
-  double share = 0;  ///< that patches show, 0…1
+  double share = 0;  ///< of the pixels that patches show, 0…1
   bool converged = true;
 };
 
-/// Fills what `part` and the still ground (add_background_pixels) leave open; with nothing held the frame
-/// becomes `empty`, levels by channel.
+/// Fills what the patches and the still background (add_background_pixels) leave open. With nothing held the
+/// frame becomes `empty`, levels by channel. `opacity`: as for add_background_pixels.
 RenderedLevels render_around(const sketch::Sketchable& part, const cv::Scalar& empty,
-                             const sketch::FillOptions& options, const BackgroundImage& ground = {},
-                             const cv::Mat& presence = {});
+                             const sketch::FillOptions& options, const BackgroundImage& background = {},
+                             const cv::Mat& opacity = {});
 
-/// What the frames of a clip of graphs have in common.
+/// Holds what all frames of a drawn clip have in common.
 struct RenderOptions {
   cv::Size size;
   int channels = 3;       ///< 1 or 3
-  float empty_level = 0;  ///< of a frame without patches and ground, white = 255
+  float empty_level = 0;  ///< of a frame without patches and background, white = 255
   sketch::FillOptions fill = {};
-  Background ground = {};
+  Background background = {};
   double blur_share = 1;     ///< of their fitted blur that patches are drawn with, 0…1 (sharpening.hpp)
   double contrast_gain = 1;  ///< of their contrast, ≥ 1
-  /// Graphs drawn from a model, not seen: patches take the levels of where they are, those of a frame's
-  /// ground (rest_on_ground.hpp), and none that the clip never had there (seen_levels.hpp).
+  /// The patches come from a model and lie at new places: they take the levels of the background there
+  /// (relight.hpp), and none that the clip never shows there (level_range.hpp).
   bool new_places = false;
 };
 
-/// A frame to be drawn: its strokes, and what lies between them.
+/// Holds what one frame shows: its patches and what lies between them.
 struct FrameContent {
   graph::AttributeGraph graph;
-  cv::Mat ground = {};  ///< CV_8U, as the frame: the strokes are joined into it; empty: the fill, look.ground
-  /// How much of each patch is there, 0…1, for those that come and go: its levels lie between its own and
-  /// what would be there without it. Empty: all of all.
-  std::vector<float> presence = {};
-  cv::Mat residual = {};  ///< CV_8S, as the frame: added to all but the backdrop
+  /// CV_8U, as the frame: the strokes are joined into it. Empty: RenderOptions.background and the fill.
+  cv::Mat background = {};
+  /// Of each patch, 0…1, for patches that fade in or out (fade_in_out.hpp). Empty: all opaque.
+  std::vector<float> opacity = {};
+  cv::Mat residual = {};  ///< CV_8S, as the frame: added everywhere but at static pixels
 };
 
-/// The patches of which at least half is there.
-graph::AttributeGraph visible_patches(const FrameContent& parts);
+/// Returns the patches of opacity 0.5 and more, with the edges between them.
+graph::AttributeGraph visible_patches(const FrameContent& content);
 
-/// Draws frames of one look, which it keeps what they share of.
+/// Draws frames with one set of options and keeps what the frames share.
 class FrameRenderer {
  public:
-  explicit FrameRenderer(const RenderOptions& look);
-  /// The frame that a graph tells of: patches drawn from their attributes; around them the given ground,
-  /// which takes the strokes' levels beside them, or, without one, the still ground away from them and the
-  /// rest filled. CV_8U.
-  [[nodiscard]] cv::Mat draw(const FrameContent& parts) const;
+  explicit FrameRenderer(const RenderOptions& options);
+  /// Draws a frame, CV_8U. Patches are drawn from their attributes. Around them lies the frame's own
+  /// background, joined to the levels of the strokes; without one, the still background away from the patches
+  /// and a fill elsewhere.
+  [[nodiscard]] cv::Mat draw(const FrameContent& content) const;
 
  private:
-  RenderOptions look_;
+  RenderOptions options_;
   BackgroundImage still_;
 };
-inline cv::Mat render_frame(const FrameContent& parts, const RenderOptions& look) {
-  return FrameRenderer(look).draw(parts);
+/// Draws a single frame, CV_8U.
+inline cv::Mat render_frame(const FrameContent& content, const RenderOptions& options) {
+  return FrameRenderer(options).draw(content);
 }
-inline cv::Mat render_frame(const graph::AttributeGraph& graph, const RenderOptions& look) {
-  return render_frame(FrameContent{graph}, look);
+inline cv::Mat render_frame(const graph::AttributeGraph& graph, const RenderOptions& options) {
+  return render_frame(FrameContent{graph}, options);
 }
 
-/// Draws these frames on several threads, CV_8U. Throws core::Cancelled.
-std::vector<cv::Mat> render_frames(std::span<const FrameContent> parts, const RenderOptions& look,
+/// Draws the frames on several threads, CV_8U. Throws core::Cancelled.
+std::vector<cv::Mat> render_frames(std::span<const FrameContent> content, const RenderOptions& options,
                                    const core::Context& context);
-/// The same of graphs alone.
-std::vector<cv::Mat> render_frames(std::span<const graph::AttributeGraph> graphs, const RenderOptions& look,
-                                   const core::Context& context);
+/// Draws graphs of opaque patches.
+std::vector<cv::Mat> render_frames(std::span<const graph::AttributeGraph> graphs,
+                                   const RenderOptions& options, const core::Context& context);
 
 }  // namespace emberfold::sketch

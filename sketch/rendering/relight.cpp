@@ -23,19 +23,19 @@ constexpr double apart = 1.5;  // px from the profile's end to its middle
 /// By how much the sides give way, by channel: those of the left, then those of the right.
 using Lift = std::array<float, 6>;
 
-graph::Level level_at(const cv::Mat& ground, graph::Point place) {
-  const int x = std::clamp(static_cast<int>(std::lround(place.x)), 0, ground.cols - 1);
-  const int y = std::clamp(static_cast<int>(std::lround(place.y)), 0, ground.rows - 1);
-  const auto* pixel = ground.ptr<float>(y) + x * ground.channels();
-  return ground.channels() == 1 ? graph::Level{pixel[0], pixel[0], pixel[0]}
-                                : graph::Level{pixel[0], pixel[1], pixel[2]};
+graph::Level level_at(const cv::Mat& background, graph::Point place) {
+  const int x = std::clamp(static_cast<int>(std::lround(place.x)), 0, background.cols - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(place.y)), 0, background.rows - 1);
+  const auto* pixel = background.ptr<float>(y) + x * background.channels();
+  return background.channels() == 1 ? graph::Level{pixel[0], pixel[0], pixel[0]}
+                                    : graph::Level{pixel[0], pixel[1], pixel[2]};
 }
 
-Lift lift(const graph::Patch& patch, const cv::Mat& ground) {
+Lift lift(const graph::Patch& patch, const cv::Mat& background) {
   const graph::Point aside =
       graph::Point{-std::sin(patch.theta), std::cos(patch.theta)} * (sketch::profile_reach(patch) + apart);
-  const auto left = level_at(ground, patch.position - aside),
-             right = level_at(ground, patch.position + aside);
+  const auto left = level_at(background, patch.position - aside),
+             right = level_at(background, patch.position + aside);
   Lift result{};
   for (std::size_t c = 0; c < 3; ++c) {
     result[c] = left[c] - patch.left[c], result[c + 3] = right[c] - patch.right[c];
@@ -69,9 +69,9 @@ std::vector<Lift> evened(const graph::AttributeGraph& graph, std::vector<Lift> l
 
 }  // namespace
 
-graph::AttributeGraph relight(const graph::AttributeGraph& graph, const cv::Mat& ground) {
+graph::AttributeGraph relight(const graph::AttributeGraph& graph, const cv::Mat& background) {
   cv::Mat smooth;
-  cv::blur(ground, smooth, {beside, beside}, {-1, -1}, cv::BORDER_REFLECT_101);
+  cv::blur(background, smooth, {beside, beside}, {-1, -1}, cv::BORDER_REFLECT_101);
   std::vector<Lift> lifts;
   for (const auto& vertex : graph.vertices()) lifts.push_back(lift(vertex.patch, smooth));
   lifts = evened(graph, std::move(lifts));

@@ -7,10 +7,11 @@
 
 namespace emberfold::sketch {
 
-/// The graph with its patches on this ground instead of the one they were seen on. A line's sides take the
-/// ground's levels there, and its core stays as much brighter or darker than they; a step keeps its contrast
-/// and is lifted until its two sides are off by as much. Evened along the strokes. `ground`: CV_32F, 1 or 3
-/// channels, white = 255; grey counts for all channels.
-graph::AttributeGraph relight(const graph::AttributeGraph& graph, const cv::Mat& ground);
+/// Returns the graph with its patches' levels moved to those of another background. A line's sides take the
+/// background's levels there, and its core stays as much brighter or darker than they. A step keeps its
+/// contrast and is lifted until both sides are off by as much. The changes are evened along the strokes.
+/// `background`: CV_32F, 1 or 3 channels, white = 255; a grey one counts for all channels. O(pixels +
+/// patches).
+graph::AttributeGraph relight(const graph::AttributeGraph& graph, const cv::Mat& background);
 
 }  // namespace emberfold::sketch

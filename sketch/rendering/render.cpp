@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/math/luma.hpp"
 #include "sketch/rendering/curve_bands.hpp"
 
 namespace emberfold::sketch {
@@ -29,7 +30,7 @@ Colour colour(const graph::Level& level, int channels) {
   const Colour c = {static_cast<double>(level[0]), static_cast<double>(level[1]),
                     static_cast<double>(level[2])};
   if (channels == 3) return c;
-  return {0.114 * c[0] + 0.587 * c[1] + 0.299 * c[2], 0, 0};
+  return {core::luma(c[0], c[1], c[2]), 0, 0};
 }
 
 Profile profile(const graph::Patch& patch, bool backwards, int channels) {
@@ -44,17 +45,17 @@ Profile profile(const graph::Patch& patch, bool backwards, int channels) {
 
 ProfileShape shape_between(const ProfileShape& a, const ProfileShape& b, double s) {
   ProfileShape shape;
-  shape.half_width = between(a.half_width, b.half_width, s);
-  shape.half_hollow = between(a.half_hollow, b.half_hollow, s);
-  shape.blur = between(a.blur, b.blur, s);
+  shape.half_width = interpolate(a.half_width, b.half_width, s);
+  shape.half_hollow = interpolate(a.half_hollow, b.half_hollow, s);
+  shape.blur = interpolate(a.blur, b.blur, s);
   return shape;
 }
 
-void add(const Profile& a, const Profile& b, const Foot& at, double weight, int channels, float* sum) {
+void add(const Profile& a, const Profile& b, const Projection& at, double weight, int channels, float* sum) {
   const ProfileShape::Reached reached = shape_between(a.shape, b.shape, at.s).at(at.distance);
   for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c) {
     const auto mixed = [&](const Colour Profile::*level) {
-      return between((a.*level)[c], (b.*level)[c], at.s);
+      return interpolate((a.*level)[c], (b.*level)[c], at.s);
     };
     sum[c] += static_cast<float>(weight * reached.level(mixed(&Profile::left), mixed(&Profile::middle),
                                                         mixed(&Profile::right), mixed(&Profile::between)));
@@ -71,11 +72,11 @@ void add(const graph::Patch& blob, const BlobShape& shape, int x, int y, double 
         weight * (shares.left * left[c] + shares.middle * middle[c] + shares.right * right[c]));
 }
 
-using Told = std::span<const std::array<float, 2>>;
+using PatchValues = std::span<const std::array<float, 2>>;
 
 void add(const std::array<float, 2>& a, const std::array<float, 2>& b, double s, double weight, float* sum) {
   for (std::size_t i = 0; i < 2; ++i)
-    sum[i] += static_cast<float>(weight * between(double{a[i]}, double{b[i]}, s));
+    sum[i] += static_cast<float>(weight * interpolate(double{a[i]}, double{b[i]}, s));
 }
 
 void divide(cv::Mat& sums, const cv::Mat& weights) {
@@ -90,34 +91,34 @@ void divide(cv::Mat& sums, const cv::Mat& weights) {
 }
 
 /// With nothing told, nothing is.
-ToldSketch draw(const graph::AttributeGraph& graph, cv::Size size, int channels, Told told) {
+AttributedSketch draw(const graph::AttributeGraph& graph, cv::Size size, int channels, PatchValues values) {
   check_frame(size, channels);
-  ToldSketch result{
+  AttributedSketch result{
       {cv::Mat(size, CV_32FC(channels), cv::Scalar::all(0)), cv::Mat(size, CV_8U, cv::Scalar(0))},
-      told.empty() ? cv::Mat{} : cv::Mat(size, CV_32FC2, cv::Scalar::all(0))};
+      values.empty() ? cv::Mat{} : cv::Mat(size, CV_32FC2, cv::Scalar::all(0))};
   cv::Mat &levels = result.part.levels, weights(size, CV_32F, cv::Scalar(0));
-  for (const Band& band : bands(graph)) {
+  for (const Band& band : make_bands(graph)) {
     const Profile a = profile(graph.patch(band.a.vertex), band.a.backwards, channels);
     const Profile b = profile(graph.patch(band.b.vertex), band.b.backwards, channels);
-    cover(band, size, [&](int x, int y, const Foot& at) {
-      const double w = weight(band, at);
+    visit_band(band, size, [&](int x, int y, const Projection& at) {
+      const double w = band_weight(band, at);
       add(a, b, at, w, channels, levels.ptr<float>(y) + x * channels);
-      if (!told.empty())
-        add(told[band.a.vertex], told[band.b.vertex], at.s, w, result.told.ptr<float>(y) + 2 * x);
+      if (!values.empty())
+        add(values[band.a.vertex], values[band.b.vertex], at.s, w, result.values.ptr<float>(y) + 2 * x);
       weights.at<float>(y, x) += static_cast<float>(w);
       result.part.mask.at<std::uint8_t>(y, x) = 255;
     });
   }
-  cover_blobs(graph, size, [&](std::size_t i, const BlobShape& shape, int x, int y) {
+  visit_blobs(graph, size, [&](std::size_t i, const BlobShape& shape, int x, int y) {
     const graph::Patch& blob = graph.patch(i);
     const double w = blob_weight(shape, x - blob.position.x, y - blob.position.y);
     add(blob, shape, x, y, w, channels, levels.ptr<float>(y) + x * channels);
-    if (!told.empty()) add(told[i], told[i], 0, w, result.told.ptr<float>(y) + 2 * x);
+    if (!values.empty()) add(values[i], values[i], 0, w, result.values.ptr<float>(y) + 2 * x);
     weights.at<float>(y, x) += static_cast<float>(w);
     result.part.mask.at<std::uint8_t>(y, x) = 255;
   });
   divide(levels, weights);
-  if (!told.empty()) divide(result.told, weights);
+  if (!values.empty()) divide(result.values, weights);
   return result;
 }
 
@@ -127,12 +128,12 @@ double Sketchable::share() const {
   return mask.empty() ? 0 : static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
 }
 
-ToldSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels,
-                       std::span<const std::array<float, 2>> told) {
-  if (told.size() != graph.size())
-    throw core::InputError("render: " + std::to_string(told.size()) + " numbers are told of " +
+AttributedSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels,
+                             std::span<const std::array<float, 2>> values) {
+  if (values.size() != graph.size())
+    throw core::InputError("render: " + std::to_string(values.size()) + " numbers are told of " +
                            std::to_string(graph.size()) + " patches");
-  return draw(graph, size, channels, told);
+  return draw(graph, size, channels, values);
 }
 
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels) {
@@ -146,9 +147,10 @@ Sketchable draw_pixels(const graph::AttributeGraph& graph, const cv::Mat& levels
                            "; allowed are CV_32FC1 and CV_32FC3");
   Sketchable result{cv::Mat(levels.size(), levels.type(), cv::Scalar::all(0)),
                     cv::Mat(levels.size(), CV_8U, cv::Scalar(0))};
-  for (const Band& band : bands(graph))
-    cover(band, levels.size(), [&](int x, int y, const Foot&) { result.mask.at<std::uint8_t>(y, x) = 255; });
-  cover_blobs(graph, levels.size(),
+  for (const Band& band : make_bands(graph))
+    visit_band(band, levels.size(),
+               [&](int x, int y, const Projection&) { result.mask.at<std::uint8_t>(y, x) = 255; });
+  visit_blobs(graph, levels.size(),
               [&](std::size_t, const BlobShape&, int x, int y) { result.mask.at<std::uint8_t>(y, x) = 255; });
   levels.copyTo(result.levels, result.mask);
   return result;

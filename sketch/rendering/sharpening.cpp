@@ -25,14 +25,14 @@ constexpr double least_share = 0.25, most_gain = 1.5;
 constexpr double border = 4;  // px
 
 /// Of all frames, as they are drawn.
-double drawn_gradient(std::span<const FrameContent> parts, const RenderOptions& look,
-                      const core::Context& context) {
-  const auto frames = render_frames(parts, look, context);
+double measure_drawn_gradient(std::span<const FrameContent> content, const RenderOptions& options,
+                              const core::Context& context) {
+  const auto frames = render_frames(content, options, context);
   FlankGradient all;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     cv::Mat levels;
     frames[i].convertTo(levels, CV_32F);
-    const auto one = flank_gradient(core::luma(levels), visible_patches(parts[i]));
+    const auto one = measure_flank_gradient(core::luma(levels), visible_patches(content[i]));
     all.sum += one.sum, all.places += one.places;
   }
   return all.mean();
@@ -49,7 +49,7 @@ double bisect(double& value, double too_soft, double steep, const std::function<
 
 }  // namespace
 
-FlankGradient flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph) {
+FlankGradient measure_flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph) {
   const cv::Mat slope = core::sobel(luma).size;
   FlankGradient result;
   for (const auto& vertex : graph.vertices()) {
@@ -69,8 +69,8 @@ FlankGradient flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& g
   return result;
 }
 
-FlankGradient clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
-                                  const core::Context& context) {
+FlankGradient measure_clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                          const core::Context& context) {
   const std::size_t count = sketch.frames.size();
   const std::size_t every = std::max<std::size_t>(1, (count + most_frames - 1) / most_frames);
   FlankGradient all;
@@ -80,30 +80,32 @@ FlankGradient clip_flank_gradient(core::FrameSource& source, const graph::Sketch
     const cv::Mat frame = source.next();
     if (frame.empty()) break;
     if (t % every != every / 2) continue;
-    const auto one = flank_gradient(core::luma(frame, source.info()), sketch.frames[t]);
+    const auto one = measure_flank_gradient(core::luma(frame, source.info()), sketch.frames[t]);
     all.sum += one.sum, all.places += one.places;
   }
   return all;
 }
 
-Sharpening fit_sharpening(std::span<const FrameContent> parts, RenderOptions look, double wanted,
+Sharpening fit_sharpening(std::span<const FrameContent> content, RenderOptions options, double target,
                           const core::Context& context) {
-  look.blur_share = look.contrast_gain = 1;
-  const auto is_steep = [&] { return drawn_gradient(parts, look, context) >= wanted; };
-  if (const double fitted = drawn_gradient(parts, look, context); fitted <= 0 || fitted >= wanted) return {};
-  look.blur_share = least_share;
+  options.blur_share = options.contrast_gain = 1;
+  const auto is_steep = [&] { return measure_drawn_gradient(content, options, context) >= target; };
+  if (const double fitted = measure_drawn_gradient(content, options, context);
+      fitted <= 0 || fitted >= target)
+    return {};
+  options.blur_share = least_share;
   if (is_steep()) {
-    bisect(look.blur_share, 1, least_share, is_steep);
-    return {look.blur_share, 1};
+    bisect(options.blur_share, 1, least_share, is_steep);
+    return {options.blur_share, 1};
   }
-  bisect(look.contrast_gain, 1, most_gain, is_steep);
-  return {look.blur_share, look.contrast_gain};
+  bisect(options.contrast_gain, 1, most_gain, is_steep);
+  return {options.blur_share, options.contrast_gain};
 }
 
-RenderOptions sharpened(RenderOptions look, const Sharpening& sharpening) {
-  look.blur_share = sharpening.blur_share;
-  look.contrast_gain = sharpening.contrast_gain;
-  return look;
+RenderOptions apply_sharpening(RenderOptions options, const Sharpening& sharpening) {
+  options.blur_share = sharpening.blur_share;
+  options.contrast_gain = sharpening.contrast_gain;
+  return options;
 }
 
 void add_sharpening(core::ModelArchive& archive, const Sharpening& sharpening) {

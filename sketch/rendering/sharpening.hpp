@@ -12,43 +12,45 @@
 #include "graph/motion_graph.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
 
-// What makes the strokes of drawn clips as steep as those of the clip they are learned from: a profile that
-// is fitted over some px along its crease comes out more blurred than what it was fitted to. Unlike the
-// crease sharpness of dytex/measures/sharpness_si_ti.hpp, which clips are compared by, the gradient here is
-// that of strokes in a known sketch, and grows with their contrast.
+// Sharpening of the strokes of drawn clips. A profile that is fitted over some px along its crease comes out
+// more blurred than the clip's own; sharpening restores the gradient of the clip that the strokes are learned
+// from. Unlike the crease sharpness of dytex/measures/sharpness_si_ti.hpp, by which clips are compared, the
+// gradient here is that of strokes in a known sketch, and grows with their contrast.
 namespace emberfold::sketch {
 
-/// The gradient's magnitude (grey levels a px, Sobel) on the flanks of a frame's patches: half a width (a
-/// line's blur, if larger) to each side of a line, on a step itself. Means over places inside the frame.
+/// Holds the gradient's magnitude on the flanks of patches, summed over places. Grey levels a px (Sobel).
 struct FlankGradient {
   double sum = 0;
   std::size_t places = 0;
   [[nodiscard]] double mean() const { return places > 0 ? sum / static_cast<double>(places) : 0; }
 };
-/// `luma`: CV_32F, white = 255.
-FlankGradient flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph);
+/// Measures the gradient half a width to each side of lines (or a blur, if larger), and on steps. Places
+/// within 4 px of the border do not count. `luma`: CV_32F, white = 255. O(pixels + patches).
+FlankGradient measure_flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph);
 
-/// Of at most eight frames spread over a clip together. Reads the clip once; throws core::Cancelled.
-FlankGradient clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
-                                  const core::Context& context = {});
+/// Measures at most eight frames spread over a clip, and sums them. Reads the clip once. Throws
+/// core::Cancelled.
+FlankGradient measure_clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                          const core::Context& context = {});
 
-/// How the patches of new clips are drawn.
+/// Holds by how much the patches of new clips are sharpened.
 struct Sharpening {
-  double blur_share = 1;     ///< of their fitted blur, 0.25…1
-  double contrast_gain = 1;  ///< 1…1.5
+  double blur_share = 1;     ///< of the fitted blur, 0.25…1
+  double contrast_gain = 1;  ///< of the fitted contrast, 1…1.5
 };
-/// With what the frames of these graphs come as near as they can to a flank gradient `wanted`, by bisection:
-/// first less blur, then, where that is not enough, more contrast. Neither where they are that steep or have
-/// no patches. Throws core::Cancelled. Draws the frames some 15 times.
-Sharpening fit_sharpening(std::span<const FrameContent> parts, RenderOptions look, double wanted,
+/// Finds the sharpening with which drawn frames come nearest to a flank gradient `target`. Bisects first over
+/// less blur, then, where that is not enough, over more contrast. Returns no change where the frames are that
+/// steep or have no patches. Draws the frames about 15 times. Throws core::Cancelled.
+Sharpening fit_sharpening(std::span<const FrameContent> content, RenderOptions options, double target,
                           const core::Context& context = {});
 
-/// The look of frames that are drawn so.
-RenderOptions sharpened(RenderOptions look, const Sharpening& sharpening);
+/// Returns the options of frames that are drawn with this sharpening.
+RenderOptions apply_sharpening(RenderOptions options, const Sharpening& sharpening);
 
-/// The array "sharpening" beside a motion model's own: blur_share, contrast_gain.
+/// Adds the array "sharpening" to a motion model's archive: blur_share, contrast_gain.
 void add_sharpening(core::ModelArchive& archive, const Sharpening& sharpening);
-/// None where the archive has none; core::IoError where it is not two numbers in [0.1, 1] and [1, 10].
+/// Reads it from an archive; no change where it has none. Throws core::IoError where it is not two numbers in
+/// [0.1, 1] and [1, 10].
 Sharpening read_sharpening(const core::ModelArchive& archive);
 
 }  // namespace emberfold::sketch

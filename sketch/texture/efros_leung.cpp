@@ -15,6 +15,7 @@
 
 #include "core/error.hpp"
 #include "core/rng.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::sketch {
 
@@ -98,7 +99,7 @@ class Grower {
   bool next(cv::Point& pixel) { return front_.next(pixel); }
   void draw(cv::Point pixel);
   void plant();
-  [[nodiscard]] EfrosLeungResult result() const { return {canvas_(inner_).clone(), source_.clone(), {}}; }
+  [[nodiscard]] EfrosLeungResult result() const { return {canvas_(inner_).clone(), source_.clone()}; }
 
  private:
   struct Candidate {
@@ -303,16 +304,10 @@ void Grower::plant() {
 }  // namespace
 
 void EfrosLeungOptions::validate() const {
-  std::ostringstream message;
-  if (window < 3 || window > 31 || window % 2 == 0)
-    message << "EfrosLeungOptions.window is " << window << "; allowed are odd numbers from 3 to 31";
-  else if (!(tolerance >= 0) || !std::isfinite(tolerance))
-    message << "EfrosLeungOptions.tolerance is " << tolerance << "; it has to be at least 0";
-  else if (candidates < 1 || candidates > 100000)
-    message << "EfrosLeungOptions.candidates is " << candidates << "; allowed are 1 to 100000";
-  else if (!(guidance >= 0 && guidance <= 1))
-    message << "EfrosLeungOptions.guidance is " << guidance << "; allowed are 0 to 1";
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_odd("EfrosLeungOptions.window", window, 3, 31);
+  core::check_at_least("EfrosLeungOptions.tolerance", tolerance, 0);
+  core::check_range("EfrosLeungOptions.candidates", candidates, 1, 100000);
+  core::check_range("EfrosLeungOptions.guidance", guidance, 0, 1);
 }
 
 EfrosLeungResult efros_leung(const cv::Mat& start, const cv::Mat& observed, const TextureRegions& regions,
@@ -322,21 +317,15 @@ EfrosLeungResult efros_leung(const cv::Mat& start, const cv::Mat& observed, cons
   const int free = cv::countNonZero(regions.label);
   Grower grower(start, observed, regions, options);
   if (free == start.rows * start.cols) grower.plant();
-  auto status = core::Status::done;
   cv::Point pixel;
   for (int drawn = 0; grower.next(pixel); ++drawn) {
     if (drawn % kReportEvery == 0) {
-      if (context.cancelled()) {
-        status = core::Status::cancelled;
-        break;
-      }
+      context.check();
       context.report("efros-leung", double(drawn) / free);
     }
     grower.draw(pixel);
   }
-  auto result = grower.result();
-  result.status = status;
-  return result;
+  return grower.result();
 }
 
 }  // namespace emberfold::sketch

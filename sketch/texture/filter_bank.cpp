@@ -54,7 +54,7 @@ TextureFilter second_derivative(std::string_view name, double degrees) {
 
 }  // namespace
 
-std::array<TextureFilter, kTextureFilters> texture_filters() {
+std::array<TextureFilter, kTextureFilters> make_texture_filters() {
   return {TextureFilter{"level", 0, {{0, 0, kTextureLevel}}},
           laplacian("fine Laplacian", 2, 0.7),
           sampled("slope along x", 2, [](double x, double y) { return x * bell(x, y, 1); }),
@@ -68,7 +68,7 @@ std::array<TextureFilter, kTextureFilters> texture_filters() {
           TextureFilter{"difference along y", 1, {{0, 0, -kTextureLevel / 2}, {0, 1, kTextureLevel / 2}}}};
 }
 
-cv::Mat respond(const cv::Mat& bytes, const TextureFilter& filter) {
+cv::Mat filter_responses(const cv::Mat& bytes, const TextureFilter& filter) {
   cv::Mat padded;
   cv::copyMakeBorder(bytes, padded, filter.radius, filter.radius, filter.radius, filter.radius,
                      cv::BORDER_REPLICATE);
@@ -83,7 +83,7 @@ cv::Mat respond(const cv::Mat& bytes, const TextureFilter& filter) {
   return result;
 }
 
-BinEdges bin_edges(std::vector<int> responses) {
+BinEdges make_bin_edges(std::vector<int> responses) {
   constexpr std::array<double, kTextureBins - 3> kBelow{0.005, 0.03, 0.12, 0.28, 0.43,
                                                         0.57,  0.72, 0.88, 0.97, 0.995};
   constexpr int kGap = kTextureLevel / 4;
@@ -102,7 +102,7 @@ BinEdges bin_edges(std::vector<int> responses) {
   return edges;
 }
 
-int bin_of(const BinEdges& edges, int response) {
+int find_bin(const BinEdges& edges, int response) {
   return static_cast<int>(std::ranges::upper_bound(edges, response) - edges.begin());
 }
 

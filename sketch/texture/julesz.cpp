@@ -15,6 +15,7 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "core/rng.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::sketch {
 
@@ -151,7 +152,7 @@ void Sampler::visit(const cv::Size& size, cv::Point pixel) {
 /// A pixel of the border stands for those beyond it too.
 Sampler::Rows Sampler::rows_of(const cv::Size& size, cv::Point pixel) const {
   Rows rows;
-  const auto bank = texture_filters();
+  const auto bank = make_texture_filters();
   for (std::size_t f = 0; f < bank.size(); ++f) {
     const int r = bank[f].radius;
     for (int y = std::max(0, pixel.y - r); y <= std::min(size.height - 1, pixel.y + r); ++y) {
@@ -170,7 +171,7 @@ Sampler::Rows Sampler::rows_of(const cv::Size& size, cv::Point pixel) const {
 }
 
 void Sampler::set_limits(const TextureRegions& regions) {
-  const auto bank = texture_filters();
+  const auto bank = make_texture_filters();
   double power = 0;  // of the fine Laplacian: its response to white noise of SD 1, squared
   for (const auto& tap : bank[1].taps) power += tap.weight * tap.weight;
   for (const auto& edges : regions.edges) {
@@ -191,13 +192,13 @@ void Sampler::set_limits(const TextureRegions& regions) {
 }
 
 void Sampler::count(const cv::Mat& bytes, const TextureRegions& regions) {
-  const auto bank = texture_filters();
+  const auto bank = make_texture_filters();
   const std::size_t pairs = limits_.size();
   total_.assign(pairs, 0.0);
   excess_.assign(pairs * kTextureBins, 0.0);
   for (std::size_t f = 0; f < bank.size(); ++f) {
     Filter& filter = filters_[f];
-    const cv::Mat responses = respond(bytes, bank[f]);
+    const cv::Mat responses = filter_responses(bytes, bank[f]);
     filter.responses.assign(level_.size() + kLanes, 0);
     filter.low.assign(filter.responses.size(), std::numeric_limits<std::int16_t>::min());
     filter.end.assign(filter.responses.size(), kTop);
@@ -208,7 +209,7 @@ void Sampler::count(const cv::Mat& bytes, const TextureRegions& regions) {
         filter.responses[at] = static_cast<std::int16_t>(responses.at<int>(y, x));
         if (part_[at] == 0) continue;
         const auto& edges = regions.edges[part_[at] - std::size_t{1}][f];
-        filter.bins[at] = static_cast<std::uint8_t>(bin_of(edges, filter.responses[at]));
+        filter.bins[at] = static_cast<std::uint8_t>(find_bin(edges, filter.responses[at]));
         filter.low[at] = limits(at, f)[filter.bins[at]];
         filter.end[at] = limits(at, f)[filter.bins[at] + std::size_t{1}];
         ++excess_[cell(at, f, filter.bins[at])];
@@ -330,15 +331,9 @@ cv::Mat with_luma(const cv::Mat& start, const cv::Mat& luma, const cv::Mat& part
 }  // namespace
 
 void JuleszOptions::validate() const {
-  std::ostringstream message;
-  if (sweeps < 1 || sweeps > 10000)
-    message << "JuleszOptions.sweeps is " << sweeps << "; allowed are 1 to 10000";
-  else if (!(hottest > 0) || !std::isfinite(hottest))
-    message << "JuleszOptions.hottest is " << hottest << "; it has to be above 0";
-  else if (!(coldest > 0 && coldest <= hottest))
-    message << "JuleszOptions.coldest is " << coldest
-            << "; it has to be above 0 and at most hottest, which is " << hottest;
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_range("JuleszOptions.sweeps", sweeps, 1, 10000);
+  core::check_above("JuleszOptions.hottest", hottest, 0);
+  core::check_above("JuleszOptions.coldest", coldest, 0, hottest);
 }
 
 JuleszResult julesz(const cv::Mat& start, const TextureRegions& regions, const JuleszOptions& options,
@@ -350,10 +345,7 @@ JuleszResult julesz(const cv::Mat& start, const TextureRegions& regions, const J
   JuleszResult result;
   result.before = sampler.distance();
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
-    if (context.cancelled()) {
-      result.status = core::Status::cancelled;
-      break;
-    }
+    context.check();
     const double way = options.sweeps > 1 ? double(sweep) / (options.sweeps - 1) : 1;
     sampler.sweep(options.seed, static_cast<std::uint32_t>(sweep),
                   options.hottest * std::pow(options.coldest / options.hottest, way));

@@ -34,21 +34,22 @@ void check(const char* who, const cv::Mat& observed, const Sketchable& drawn) {
 
 }  // namespace
 
-void GroundOptions::validate() const {
+void NonsketchableFillOptions::validate() const {
   fill.validate();
   texture.validate();
   julesz.validate();
   efros_leung.validate();
-  if (kind != GroundFill::diffusion && kind != GroundFill::julesz && kind != GroundFill::efros_leung)
+  if (kind != FillMethod::diffusion && kind != FillMethod::julesz && kind != FillMethod::efros_leung)
     throw core::InputError("GroundOptions.kind is " + std::to_string(static_cast<int>(kind)) +
                            "; allowed are diffusion, julesz and efros_leung");
 }
 
-GroundResult fill_ground(const cv::Mat& observed, const Sketchable& drawn, const GroundOptions& options,
-                         const core::Context& context) {
+NonsketchableFillResult fill_nonsketchable(const cv::Mat& observed, const Sketchable& drawn,
+                                           const NonsketchableFillOptions& options,
+                                           const core::Context& context) {
   options.validate();
   check("fill_ground", observed, drawn);
-  GroundResult result;
+  NonsketchableFillResult result;
   if (cv::countNonZero(drawn.mask) > 0) {
     auto filled = fill(drawn.levels, drawn.mask, options.fill);
     result.levels = std::move(filled.levels);
@@ -56,29 +57,27 @@ GroundResult fill_ground(const cv::Mat& observed, const Sketchable& drawn, const
   } else {
     result.levels = cv::Mat(observed.size(), observed.type(), cv::mean(observed));
   }
-  if (options.kind == GroundFill::diffusion) return result;
+  if (options.kind == FillMethod::diffusion) return result;
   TextureOptions of_texture = options.texture;
   of_texture.seed = options.seed;
-  const auto regions = texture_regions(observed, drawn.mask, of_texture);
+  const auto regions = segment_texture(observed, drawn.mask, of_texture);
   result.regions = regions.count;
-  if (options.kind == GroundFill::julesz) {
+  if (options.kind == FillMethod::julesz) {
     JuleszOptions own = options.julesz;
     own.seed = options.seed;
     auto sample = julesz(result.levels, regions, own, context);
     result.levels = std::move(sample.levels);
     result.histogram_distance = sample.after;
-    result.status = sample.status;
   } else {
     EfrosLeungOptions own = options.efros_leung;
     own.seed = options.seed;
     auto grown = efros_leung(result.levels, observed, regions, own, context);
     result.levels = std::move(grown.levels);
-    result.status = grown.status;
   }
   return result;
 }
 
-Sketchable with_anchors(const Sketchable& drawn, const cv::Mat& observed, const cv::Mat& mask) {
+Sketchable add_anchors(const Sketchable& drawn, const cv::Mat& observed, const cv::Mat& mask) {
   check("with_anchors", observed, drawn);
   if (mask.type() != CV_8UC1 || mask.size() != observed.size()) {
     std::ostringstream message;

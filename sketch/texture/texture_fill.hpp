@@ -14,39 +14,41 @@
 
 namespace emberfold::sketch {
 
-/// How the non-sketchable part of a frame is drawn from the sketchable.
-enum class GroundFill {
-  diffusion,   ///< heat at rest: smooth
-  julesz,      ///< texture with the observed filter histograms, beginning with the diffusion
-  efros_leung  ///< texture of copied pixels, each from where it looks alike
+/// The methods that fill the non-sketchable part of a frame from the sketchable.
+enum class FillMethod {
+  diffusion,   ///< heat diffusion to equilibrium: smooth
+  julesz,      ///< a sample with the observed filter histograms, begun from the diffusion
+  efros_leung  ///< texture of copied pixels with similar surroundings
 };
 
-struct GroundOptions {
-  GroundFill kind = GroundFill::diffusion;
+/// Holds the method of fill_nonsketchable() and its settings.
+struct NonsketchableFillOptions {
+  FillMethod kind = FillMethod::diffusion;
   FillOptions fill = {};
-  TextureOptions texture = {};  ///< not for the diffusion
+  TextureOptions texture = {};  ///< unused by the diffusion
   JuleszOptions julesz = {};
   EfrosLeungOptions efros_leung = {};
-  std::uint64_t seed = 1;  ///< instead of those of texture, julesz and efros_leung
+  std::uint64_t seed = 1;  ///< replaces the seeds of texture, julesz and efros_leung
   void validate() const;
 };
 
-struct GroundResult {
+/// Holds a filled frame and how it was reached.
+struct NonsketchableFillResult {
   cv::Mat levels;                 ///< CV_32F, channels as given
-  bool converged = true;          ///< the diffusion, which is the begin of all
-  int regions = 0;                ///< textures found; 0 with the diffusion
-  double histogram_distance = 0;  ///< of the result from the observed frame, 0…1; only with julesz
-  core::Status status = core::Status::done;
+  bool converged = true;          ///< whether the diffusion, which comes first, converged
+  int regions = 0;                ///< number of textures; 0 with the diffusion
+  double histogram_distance = 0;  ///< from the observed frame, 0…1; only with julesz
 };
 
-/// Draws what lies between the patches. `observed`: the frame, CV_32F, 1 or 3 channels, finite: the textures'
-/// source; the diffusion only takes its mean where nothing is drawn. `drawn`: of the same size and type; its
-/// pixels come back bit for bit. InputError otherwise. Anchors belong into `drawn` too: see with_anchors.
-/// After a cancel the levels are valid, and as far as they had come.
-GroundResult fill_ground(const cv::Mat& observed, const Sketchable& drawn, const GroundOptions& options = {},
-                         const core::Context& context = {});
+/// Fills the pixels between the patches. `observed`: the frame, CV_32F, 1 or 3 channels, finite: the source
+/// of the textures; the diffusion uses only its mean, where nothing is drawn. `drawn`: of the same size and
+/// type; its pixels come back bit for bit. Anchors belong into `drawn` too: see add_anchors. Throws
+/// core::InputError otherwise, and core::Cancelled.
+NonsketchableFillResult fill_nonsketchable(const cv::Mat& observed, const Sketchable& drawn,
+                                           const NonsketchableFillOptions& options = {},
+                                           const core::Context& context = {});
 
-/// The patches and, where `mask` (CV_8U) is set and no patch lies, the frame's own pixels.
-Sketchable with_anchors(const Sketchable& drawn, const cv::Mat& observed, const cv::Mat& mask);
+/// Adds the frame's own pixels where `mask` (CV_8U) is set and no patch lies.
+Sketchable add_anchors(const Sketchable& drawn, const cv::Mat& observed, const cv::Mat& mask);
 
 }  // namespace emberfold::sketch

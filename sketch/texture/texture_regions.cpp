@@ -4,10 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <numeric>
 #include <sstream>
-#include <tuple>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -15,8 +12,10 @@
 
 #include "core/clip.hpp"
 #include "core/error.hpp"
+#include "core/math/kmeans.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::sketch {
 
@@ -26,8 +25,8 @@ constexpr std::array<std::size_t, 6> kLimitEdges{2, 3, 5,
                                                  6, 8, 9};  // of each filter: 3, 12, 43, 57, 88, 97 %
 constexpr int kLimits = kLimitEdges.size();
 constexpr int kFeatures = kTextureFilters * kLimits;  // of a pixel
-constexpr std::size_t kLanes = 8;                     // features are summed side by side, for the vector unit
-constexpr int kStep = 3;                              // px between the pixels that make the clusters
+constexpr std::size_t kLanes = 8;  // a feature is padded to whole vectors, as core::squared_distance sums
+constexpr int kStep = 3;           // px between the pixels that make the clusters
 constexpr int kIterations = 25;
 constexpr int kReach = 3;  // px, of the filters
 constexpr int kTries = 4;  // of k-means, the best is taken
@@ -107,70 +106,22 @@ class Features {
   std::vector<cv::Mat> planes_;
 };
 
-double distance(const Feature& a, const Feature& b) {
-  std::array<float, kLanes> sums{};
-  for (std::size_t i = 0; i < a.size(); i += kLanes)
-    for (std::size_t j = 0; j < kLanes; ++j) {
-      const float d = a[i + j] - b[i + j];
-      sums[j] += d * d;
-    }
-  return static_cast<double>(std::accumulate(sums.begin(), sums.end(), 0.0F));
-}
-
-std::pair<std::size_t, double> nearest(const Feature& feature, const std::vector<Feature>& centres) {
-  std::pair<std::size_t, double> best{0, std::numeric_limits<double>::infinity()};
-  for (std::size_t k = 0; k < centres.size(); ++k)
-    if (const double d = distance(feature, centres[k]); d < best.second) best = {k, d};
-  return best;
-}
-
-std::vector<Feature> first_centres(const std::vector<Feature>& points, std::size_t count, core::Rng rng) {
-  std::vector<Feature> centres{points[rng.below(static_cast<std::uint32_t>(points.size()))]};
-  std::vector<double> weights(points.size(), std::numeric_limits<double>::infinity());
-  while (centres.size() < count) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-      weights[i] = std::min(weights[i], distance(points[i], centres.back()));
-    if (!(*std::ranges::max_element(weights) > 0)) break;  // fewer different points than centres
-    centres.push_back(points[rng.categorical(weights)]);
-  }
-  return centres;
-}
-
 struct Clusters {
   std::vector<Feature> centres;
   double distortion = 0;  ///< mean squared distance
 };
 
 Clusters refine(const std::vector<Feature>& points, std::vector<Feature> centres) {
-  Clusters result{std::move(centres), 0};
-  std::vector<std::size_t> owner(points.size(), 0);
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    bool changed = false;
-    double sum = 0;
-    std::vector<std::array<double, std::tuple_size_v<Feature>>> sums(result.centres.size());
-    std::vector<double> counts(result.centres.size(), 0.0);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto [k, d] = nearest(points[i], result.centres);
-      changed |= iteration == 0 || owner[i] != k;
-      owner[i] = k;
-      sum += d;
-      ++counts[k];
-      for (std::size_t j = 0; j < points[i].size(); ++j) sums[k][j] += static_cast<double>(points[i][j]);
-    }
-    result.distortion = sum / static_cast<double>(points.size());
-    if (!changed) break;
-    for (std::size_t k = 0; k < sums.size(); ++k)
-      for (std::size_t j = 0; j < sums[k].size(); ++j)
-        if (counts[k] > 0) result.centres[k][j] = static_cast<float>(sums[k][j] / counts[k]);
-  }
-  return result;
+  auto state = core::lloyd(points, std::move(centres), kIterations,
+                           [](const auto& assigned) { return !assigned.changed; });
+  return {std::move(state.centres), state.squares / static_cast<double>(points.size())};
 }
 
 Clusters cluster(const std::vector<Feature>& points, int count, std::uint64_t seed) {
   std::vector<Clusters> tries(kTries);
   core::parallel_for(kTries, {}, [&](std::size_t i) {
-    const core::Rng rng(seed, {static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(i)});
-    tries[i] = refine(points, first_centres(points, static_cast<std::size_t>(count), rng));
+    core::Rng rng(seed, {static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(i)});
+    tries[i] = refine(points, core::kmeans_plus_plus(points, static_cast<std::size_t>(count), rng));
   });
   return *std::ranges::min_element(tries, {}, &Clusters::distortion);
 }
@@ -217,7 +168,7 @@ void label_pixels(const Features& features, const cv::Mat& bytes, const cv::Mat&
     for (int x = 0; x < free.cols; ++x)
       if (free.at<std::uint8_t>(y, x) != 0)
         regions.label.at<std::uint8_t>(y, x) =
-            static_cast<std::uint8_t>(1 + nearest(features.at(y, x), centres).first);
+            static_cast<std::uint8_t>(1 + core::nearest_centre(features.at(y, x), centres).first);
   });
   std::vector<std::pair<double, int>> order;  // mean level, label
   for (int k = 1; k <= static_cast<int>(centres.size()); ++k) {
@@ -235,19 +186,13 @@ void label_pixels(const Features& features, const cv::Mat& bytes, const cv::Mat&
 }  // namespace
 
 void TextureOptions::validate() const {
-  std::ostringstream message;
-  if (regions < 0 || regions > 16)
-    message << "TextureOptions.regions is " << regions << "; allowed are 0 to 16";
-  else if (most < 1 || most > 16)
-    message << "TextureOptions.most is " << most << "; allowed are 1 to 16";
-  else if (fewest < 1 || fewest > most)
-    message << "TextureOptions.fewest is " << fewest << "; allowed are 1 to most, which is " << most;
-  else if (window < 3 || window > 31 || window % 2 == 0)
-    message << "TextureOptions.window is " << window << "; allowed are odd numbers from 3 to 31";
-  if (!message.str().empty()) throw core::InputError(message.str());
+  core::check_range("TextureOptions.regions", regions, 0, 16);
+  core::check_range("TextureOptions.most", most, 1, 16);
+  core::check_range("TextureOptions.fewest", fewest, 1, most);
+  core::check_odd("TextureOptions.window", window, 3, 31);
 }
 
-TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
+TextureRegions segment_texture(const cv::Mat& levels, const cv::Mat& sketchable,
                                const TextureOptions& options) {
   options.validate();
   check(levels, sketchable);
@@ -256,12 +201,12 @@ TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
   regions.part = regions.label.clone();
   const cv::Mat free = sketchable == 0, bytes = core::to_bytes(core::luma(levels));
   if (cv::countNonZero(free) == 0) return regions;
-  const auto filters = texture_filters();
+  const auto filters = make_texture_filters();
   std::vector<cv::Mat> responses(filters.size());
   std::array<BinEdges, kTextureFilters> edges;
   core::parallel_for(filters.size(), {}, [&](std::size_t f) {
-    responses[f] = respond(bytes, filters[f]);
-    edges[f] = bin_edges(where(responses[f], free));
+    responses[f] = filter_responses(bytes, filters[f]);
+    edges[f] = make_bin_edges(where(responses[f], free));
   });
   const Features features(responses, edges, free, options.window);
   std::vector<Feature> points;
@@ -279,24 +224,24 @@ TextureRegions texture_regions(const cv::Mat& levels, const cv::Mat& sketchable,
   regions.edges.resize(2 * static_cast<std::size_t>(regions.count));
   core::parallel_for(filters.size(), {}, [&](std::size_t f) {
     for (std::size_t k = 0; k < regions.edges.size(); ++k)
-      regions.edges[k][f] = bin_edges(where(responses[f], regions.part == static_cast<int>(k + 1)));
+      regions.edges[k][f] = make_bin_edges(where(responses[f], regions.part == static_cast<int>(k + 1)));
   });
-  regions.histograms = region_histograms(bytes, regions);
+  regions.histograms = measure_region_histograms(bytes, regions);
   return regions;
 }
 
-std::vector<FilterHistograms> region_histograms(const cv::Mat& bytes, const TextureRegions& regions) {
+std::vector<FilterHistograms> measure_region_histograms(const cv::Mat& bytes, const TextureRegions& regions) {
   std::vector<FilterHistograms> histograms(2 * static_cast<std::size_t>(regions.count));
-  const auto filters = texture_filters();
+  const auto filters = make_texture_filters();
   core::parallel_for(filters.size(), {}, [&](std::size_t f) {
-    const cv::Mat responses = respond(bytes, filters[f]);
+    const cv::Mat responses = filter_responses(bytes, filters[f]);
     std::vector<double> counts(histograms.size(), 0.0);
     for (int y = 0; y < bytes.rows; ++y)
       for (int x = 0; x < bytes.cols; ++x) {
         const auto part = static_cast<std::size_t>(regions.part.at<std::uint8_t>(y, x));
         if (part == 0) continue;
         ++counts[part - 1];
-        const int bin = bin_of(regions.edges[part - 1][f], responses.at<int>(y, x));
+        const int bin = find_bin(regions.edges[part - 1][f], responses.at<int>(y, x));
         ++histograms[part - 1][f][static_cast<std::size_t>(bin)];
       }
     for (std::size_t k = 0; k < histograms.size(); ++k)

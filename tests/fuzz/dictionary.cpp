@@ -12,7 +12,8 @@ using namespace emberfold;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   return fuzz::round_trip(
-      data, size, "dictionary: ", [](std::istream& in) { return sketch::dictionary(fuzz::read_archive(in)); },
+      data, size,
+      "dictionary: ", [](std::istream& in) { return sketch::read_dictionary(fuzz::read_archive(in)); },
       [](std::ostream& out, const sketch::Dictionary& dictionary) {
         fuzz::write_archive(out, sketch::to_archive(dictionary));
       });

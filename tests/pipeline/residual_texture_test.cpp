@@ -159,10 +159,11 @@ TEST_CASE("Residual: lies on the frames that strokes alone would give") {
     CHECK(cv::norm(rest, cv::NORM_INF) <= 1);
   }
   // A backdrop keeps still.
-  seen.ground = sketch::still_background(
+  seen.background = sketch::estimate_background(
       std::vector{sketch::measure_background(cv::Mat(kSize, CV_32FC3, cv::Scalar::all(90)), {})});
-  seen.ground.backdrop = {cv::Mat(kSize, CV_8UC3, cv::Scalar::all(40)), cv::Mat::zeros(kSize, CV_8U)};
-  seen.ground.backdrop.still.rowRange(0, 30) = 255;
+  seen.background.static_pixels = {cv::Mat(kSize, CV_8UC3, cv::Scalar::all(40)),
+                                   cv::Mat::zeros(kSize, CV_8U)};
+  seen.background.static_pixels.still.rowRange(0, 30) = 255;
   for (const auto& frame : pipeline::residual_frames(model, residual, seen, 1).next(2)) {
     CHECK(cv::norm(frame.rowRange(0, 24), cv::Mat(24, kSize.width, CV_8UC3, cv::Scalar::all(40)),
                    cv::NORM_INF) == 0);

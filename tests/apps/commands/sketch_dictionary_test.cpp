@@ -47,7 +47,7 @@ TEST_CASE("sketch learns a dictionary and draws with it and with one learned bef
       run_command({"sketch", clip, "-o", made.string(), "--learn-dictionary", "--patches", "learned", "-q"});
   INFO(learned.err);
   REQUIRE(learned.exit == 0);
-  const auto dictionary = sketch::dictionary(io::read_model(made / "dictionary", io::kDictionaryFormat));
+  const auto dictionary = sketch::read_dictionary(io::read_model(made / "dictionary", io::kDictionaryFormat));
   REQUIRE_FALSE(dictionary.entries.empty());
   const Json told = summary_of(made)["dictionary"];
   REQUIRE(told["entries"].size() == dictionary.entries.size());

@@ -212,7 +212,7 @@ TEST_CASE("a clip's evidence is the gain in its own frames") {
   const auto patch = made_patch(strokes[0], 3, 2);
   for (int t = 0; t < 6; ++t) {
     const auto frame =
-        sketch::prepare_gain(core::to_levels(clip.frames[static_cast<std::size_t>(t)], clip.info));
+        sketch::prepare_coding(core::to_levels(clip.frames[static_cast<std::size_t>(t)], clip.info));
     CHECK(evidence.gain(t, patch) == sketch::coding_gain(frame, patch));
   }
   for (const int t : {-1, 6}) CHECK_THROWS_AS(evidence.gain(t, patch), core::InputError);

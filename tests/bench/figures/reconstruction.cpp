@@ -35,7 +35,7 @@ Sketchable anchored(const graph::AttributeGraph&, const cv::Mat& levels) {
   sketch::ExtractOptions options = reconstruction_options();
   options.budget = kShare / 4;
   Sketchable held = sketch::draw_pixels(sketch::extract(levels, options), levels);
-  held.mask |= sketch::anchors(levels, held.mask, kShare - held.share());
+  held.mask |= sketch::choose_anchors(levels, held.mask, kShare - held.share());
   levels.copyTo(held.levels, held.mask);
   return held;
 }

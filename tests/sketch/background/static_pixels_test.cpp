@@ -50,10 +50,10 @@ sketch::StaticPixels measured(const core::Clip& clip) {
 
 TEST_CASE("Backdrop: still is what noise and shaking alone move, even where something rarely passes") {
   for (const int type : {CV_8UC1, CV_8UC3}) {
-    const auto backdrop = measured(wall(100, type));
-    REQUIRE(backdrop.levels.type() == type);
-    REQUIRE(backdrop.levels.size() == kSize);
-    const auto still = [&](int x) { return backdrop.still.at<uchar>(30, x) == 255; };
+    const auto static_pixels = measured(wall(100, type));
+    REQUIRE(static_pixels.levels.type() == type);
+    REQUIRE(static_pixels.levels.size() == kSize);
+    const auto still = [&](int x) { return static_pixels.still.at<uchar>(30, x) == 255; };
     for (const int x : {0, 10, 20, 23, 25, 40, 60, 67, 77, 89}) {
       CAPTURE(x);
       CHECK(still(x));
@@ -61,16 +61,16 @@ TEST_CASE("Backdrop: still is what noise and shaking alone move, even where some
     for (int x = 68; x < 77; ++x) {
       CAPTURE(x);
       CHECK_FALSE(still(x));
-      CHECK(backdrop.levels.ptr(30)[x * backdrop.levels.channels()] == 0);
+      CHECK(static_pixels.levels.ptr(30)[x * static_pixels.levels.channels()] == 0);
     }
-    CHECK(std::abs(int{backdrop.levels.ptr(30)[40 * backdrop.levels.channels()]} - 150) <= 1);
-    CHECK(std::abs(int{backdrop.levels.ptr(30)[23 * backdrop.levels.channels()]} - 30) <= 2);
+    CHECK(std::abs(int{static_pixels.levels.ptr(30)[40 * static_pixels.levels.channels()]} - 150) <= 1);
+    CHECK(std::abs(int{static_pixels.levels.ptr(30)[23 * static_pixels.levels.channels()]} - 30) <= 2);
   }
 }
 
 TEST_CASE("Backdrop: of long clips some frames tell, of one frame all is still") {
-  const auto backdrop = measured(wall(600));
-  CHECK(backdrop.still.at<uchar>(30, 40) == 255);
+  const auto static_pixels = measured(wall(600));
+  CHECK(static_pixels.still.at<uchar>(30, 40) == 255);
   CHECK(cv::countNonZero(measured(wall(1)).still) == kSize.area());
   std::stop_source stop;
   stop.request_stop();
@@ -84,9 +84,9 @@ TEST_CASE("Backdrop: strokes of a new clip pass behind it, and nothing else of i
   look.new_places = true;
   const std::vector<sketch::FrameBackground> seen{
       sketch::measure_background(cv::Mat(kSize, CV_32FC3, cv::Scalar::all(100)), {})};
-  look.ground = sketch::still_background(seen);
-  look.ground.seen = {};
-  look.ground.still = 0;
+  look.background = sketch::estimate_background(seen);
+  look.background.level_range = {};
+  look.background.still = 0;
   std::vector<graph::Vertex> vertices;
   for (std::uint32_t i = 0; i < 12; ++i) {
     graph::Patch patch;
@@ -97,22 +97,23 @@ TEST_CASE("Backdrop: strokes of a new clip pass behind it, and nothing else of i
   }
   const graph::AttributeGraph strokes(vertices, {});
   const cv::Mat without = sketch::render_frame(strokes, look);
-  look.ground.backdrop = {cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)), cv::Mat::zeros(kSize, CV_8U)};
-  look.ground.backdrop.still.colRange(0, 40) = 255;
-  for (const bool on_ground : {false, true}) {
+  look.background.static_pixels = {cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
+                                   cv::Mat::zeros(kSize, CV_8U)};
+  look.background.static_pixels.still.colRange(0, 40) = 255;
+  for (const bool on_background : {false, true}) {
     sketch::FrameContent parts{strokes};
-    if (on_ground) parts.ground = cv::Mat(kSize, CV_8UC3, cv::Scalar::all(100));
-    for (const float presence : {1.0F, 0.5F}) {
-      parts.presence.assign(vertices.size(), presence);
+    if (on_background) parts.background = cv::Mat(kSize, CV_8UC3, cv::Scalar::all(100));
+    for (const float opacity : {1.0F, 0.5F}) {
+      parts.opacity.assign(vertices.size(), opacity);
       const cv::Mat drawn = sketch::render_frame(parts, look);
-      CAPTURE(on_ground, presence);
-      const cv::Scalar held = on_ground ? cv::Scalar::all(100) : cv::Scalar(7, 8, 9);
-      if (!on_ground)
+      CAPTURE(on_background, opacity);
+      const cv::Scalar held = on_background ? cv::Scalar::all(100) : cv::Scalar(7, 8, 9);
+      if (!on_background)
         CHECK(cv::norm(drawn.colRange(0, 34), cv::Mat(60, 34, CV_8UC3, held), cv::NORM_INF) == 0);
       // Over 6 px it takes more and more of them.
-      for (int x = 34; !on_ground && presence == 1 && x < 40; ++x)
+      for (int x = 34; !on_background && opacity == 1 && x < 40; ++x)
         CHECK(drawn.at<cv::Vec3b>(30, x)[0] < drawn.at<cv::Vec3b>(30, x + 1)[0]);
-      if (presence == 1) CHECK(drawn.at<cv::Vec3b>(30, 64)[0] > 180);
+      if (opacity == 1) CHECK(drawn.at<cv::Vec3b>(30, 64)[0] > 180);
     }
   }
   CHECK(without.at<cv::Vec3b>(30, 22)[0] > 180);
@@ -123,25 +124,25 @@ TEST_CASE("Backdrop: a frame without a stroke shows it, and a ground is shown as
   look.new_places = true;
   const std::vector<sketch::FrameBackground> seen{
       sketch::measure_background(cv::Mat(kSize, CV_32FC3, cv::Scalar::all(100)), {})};
-  look.ground = sketch::still_background(seen);
-  look.ground.backdrop = {cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
-                          cv::Mat(kSize, CV_8U, cv::Scalar(255))};
+  look.background = sketch::estimate_background(seen);
+  look.background.static_pixels = {cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
+                                   cv::Mat(kSize, CV_8U, cv::Scalar(255))};
   sketch::FrameContent parts;
   CHECK(cv::norm(sketch::render_frame(parts, look), cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
                  cv::NORM_INF) == 0);
-  parts.ground = noise_frame(kSize, CV_8UC3, 3);
-  CHECK(same_pixels(sketch::render_frame(parts, look), parts.ground));
+  parts.background = noise_frame(kSize, CV_8UC3, 3);
+  CHECK(same_pixels(sketch::render_frame(parts, look), parts.background));
 }
 
 TEST_CASE("Backdrop: kept beside a model, bit by bit, and refused where it does not fit") {
   for (const int type : {CV_8UC1, CV_8UC3}) {
-    const auto backdrop = measured(wall(30, type));
+    const auto static_pixels = measured(wall(30, type));
     core::ModelArchive archive;
     CHECK(sketch::read_static_pixels(archive, kSize).empty());
-    sketch::add_static_pixels(archive, backdrop);
+    sketch::add_static_pixels(archive, static_pixels);
     const auto read = sketch::read_static_pixels(archive, kSize);
-    CHECK(same_pixels(read.levels, backdrop.levels));
-    CHECK(same_pixels(read.still, backdrop.still));
+    CHECK(same_pixels(read.levels, static_pixels.levels));
+    CHECK(same_pixels(read.still, static_pixels.still));
     const auto refusal = [&](const core::ModelArchive& from, cv::Size frame) {
       return message_of<core::IoError>([&] { sketch::read_static_pixels(from, frame); });
     };

@@ -53,14 +53,14 @@ std::string refusal(const core::ModelArchive& archive, cv::Size frame) {
 }  // namespace
 
 TEST_CASE("Ground: a cell is the mean of its pixels, closed where a patch is near") {
-  const auto ground = sketch::measure_background(slope(), line(24, 24, 40));
-  REQUIRE(ground.levels.size() == cv::Size(7, 5));
-  CHECK_THAT(ground.levels.at<float>(1, 1), Catch::Matchers::WithinAbs(20 + 0.5 * 23.5, 1e-3));
+  const auto background = sketch::measure_background(slope(), line(24, 24, 40));
+  REQUIRE(background.levels.size() == cv::Size(7, 5));
+  CHECK_THAT(background.levels.at<float>(1, 1), Catch::Matchers::WithinAbs(20 + 0.5 * 23.5, 1e-3));
   // The patches at x = 24, y = 24 … 39 reach 8 px: the cells from x = 16 to 32 and y = 16 to 47.
   for (int y = 0; y < 5; ++y)
     for (int x = 0; x < 7; ++x) {
       CAPTURE(x, y);
-      CHECK((ground.open.at<uchar>(y, x) == 0) == ((x == 1 || x == 2) && (y == 1 || y == 2)));
+      CHECK((background.uncovered.at<uchar>(y, x) == 0) == ((x == 1 || x == 2) && (y == 1 || y == 2)));
     }
 }
 
@@ -73,21 +73,21 @@ TEST_CASE("Ground: still is what is seen often enough and keeps its level") {
     // A line that stands before one cell in all frames but five.
     frames.push_back(sketch::measure_background(levels, t < 35 ? line(56, 24, 30) : graph::AttributeGraph{}));
   }
-  const auto ground = sketch::still_background(frames);
-  CHECK(ground.still.at<uchar>(0, 0) == 0);
-  CHECK(ground.still.at<uchar>(0, 1) == 255);
-  CHECK_THAT(ground.levels.at<float>(0, 1), Catch::Matchers::WithinAbs(20 + 0.5 * 23.5 + 4, 1e-3));
-  CHECK(ground.still.at<uchar>(1, 3) == 0);
-  CHECK(ground.still.at<uchar>(4, 5) == 255);
+  const auto background = sketch::estimate_background(frames);
+  CHECK(background.still.at<uchar>(0, 0) == 0);
+  CHECK(background.still.at<uchar>(0, 1) == 255);
+  CHECK_THAT(background.levels.at<float>(0, 1), Catch::Matchers::WithinAbs(20 + 0.5 * 23.5 + 4, 1e-3));
+  CHECK(background.still.at<uchar>(1, 3) == 0);
+  CHECK(background.still.at<uchar>(4, 5) == 255);
 }
 
 TEST_CASE("Ground: frames keep it away from strokes, and strokes keep their place") {
   const std::vector<sketch::FrameBackground> seen{sketch::measure_background(slope(), {})};
-  const auto ground = sketch::still_background(seen);
+  const auto background = sketch::estimate_background(seen);
   const auto graph = line(50, 0, 69);
   const auto alone = sketch::draw_fitted(graph, {100, 70}, 1);
-  const auto drawn =
-      sketch::render_around(alone, cv::Scalar::all(0), {}, sketch::background_image(ground, {100, 70}, 1));
+  const auto drawn = sketch::render_around(alone, cv::Scalar::all(0), {},
+                                           sketch::expand_background(background, {100, 70}, 1));
   CHECK(drawn.share == alone.share());
   for (int y = 0; y < 70; ++y)
     for (int x = 0; x < 100; ++x) {
@@ -99,7 +99,7 @@ TEST_CASE("Ground: frames keep it away from strokes, and strokes keep their plac
     }
   // Without strokes the ground is all there is; without either the level that is told.
   CHECK_THAT(sketch::render_around(sketch::draw_fitted({}, {100, 70}, 3), cv::Scalar::all(9), {},
-                                   sketch::background_image(ground, {100, 70}, 3))
+                                   sketch::expand_background(background, {100, 70}, 3))
                  .levels.at<cv::Vec3f>(30, 40)[2],
              Catch::Matchers::WithinAbs(40, 0.6));
   CHECK(sketch::render_around(sketch::draw_fitted({}, {100, 70}, 1), cv::Scalar::all(9), {})
@@ -108,13 +108,13 @@ TEST_CASE("Ground: frames keep it away from strokes, and strokes keep their plac
 
 TEST_CASE("Ground: kept beside a model, bit by bit, and refused where it does not fit") {
   const std::vector<sketch::FrameBackground> seen{sketch::measure_background(slope(), line(24, 24, 40))};
-  const auto ground = sketch::still_background(seen);
+  const auto background = sketch::estimate_background(seen);
   core::ModelArchive archive;
   CHECK(sketch::read_background(archive, {100, 70}).empty());
-  sketch::add_background(archive, ground);
+  sketch::add_background(archive, background);
   const auto read = sketch::read_background(archive, {100, 70});
-  CHECK(cv::countNonZero(read.levels != ground.levels) == 0);
-  CHECK(cv::countNonZero(read.still != ground.still) == 0);
+  CHECK(cv::countNonZero(read.levels != background.levels) == 0);
+  CHECK(cv::countNonZero(read.still != background.still) == 0);
 
   CHECK(refusal(archive, {200, 70}) == "motion model: ground.npy is 5 x 7 x 1; expected float32, 5 x 13 x 1");
   auto broken = archive;

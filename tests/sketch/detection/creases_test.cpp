@@ -66,9 +66,9 @@ TEST_CASE("A Gaussian line is found in its place, at its scale, with its height"
         const double spread = probe[level].sigma;
         const ScaleSpace space = sketch::scale_space(gaussian_line(line, spread, height), 1.2, 5);
         const CreaseKind kind = height > 0 ? CreaseKind::ridge : CreaseKind::valley;
-        sketch::Lines lines = sketch::find_lines(space, flat_ground(space), kLimits);
+        sketch::CreaseLines lines = sketch::find_lines(space, flat_ground(space), kLimits);
         CreaseMap& map = kind == CreaseKind::ridge ? lines.ridges : lines.valleys;
-        sketch::thin(map, space);
+        sketch::thin_parallel_points(map, space);
         INFO("angle " << line.theta << ", spread " << spread << ", height " << height);
         std::size_t far_scale = 0;
         double contrast = 0;
@@ -91,7 +91,7 @@ TEST_CASE("A blurred step is found in its place, with its height and the brighte
       const auto image = draw(kSize, [&](Point p) { return 60 + 80 * reached(line(p), blur); });
       const ScaleSpace space = sketch::scale_space(image, 1.2, 5);
       CreaseMap map = sketch::find_steps(space, flat_ground(space), kLimits);
-      sketch::thin(map, space);
+      sketch::thin_parallel_points(map, space);
       INFO("angle " << line.theta << ", blur " << blur);
       const std::size_t count = check_points(map, line, 2, [&](const CreasePoint& p) {
         REQUIRE_THAT(line(p.position), WithinAbs(0, 0.2));
@@ -175,7 +175,7 @@ TEST_CASE("Thinning keeps one line of points") {
     const Straight line = at_angle(k);
     const ScaleSpace space = sketch::scale_space(gaussian_line(line, 2.4, 80), 1.2, 5);
     CreaseMap map = sketch::find_lines(space, flat_ground(space), kLimits).ridges;
-    sketch::thin(map, space);
+    sketch::thin_parallel_points(map, space);
     for (const CreasePoint& p : map.points)
       for (const CreasePoint& q : map.points) {
         const Point way = q.position - p.position;

@@ -13,9 +13,9 @@ using graph::PatchType;
 namespace {
 
 // Lines down the frame, each a curve of patches 5 px apart.
-class Lines {
+class CreaseLines {
  public:
-  Lines& line(double x, double width, double contrast, double gain = 100, int patches = 10) {
+  CreaseLines& line(double x, double width, double contrast, double gain = 100, int patches = 10) {
     for (int i = 0; i < patches; ++i) {
       Patch patch;
       patch.type = width == 0 ? PatchType::step : contrast > 0 ? PatchType::ridge : PatchType::valley;
@@ -35,7 +35,7 @@ class Lines {
   // Where those lines lie that stay.
   [[nodiscard]] std::vector<double> left() const {
     std::vector<double> xs;
-    const AttributeGraph found = sketch::without_flanks(graph());
+    const AttributeGraph found = sketch::remove_flank_curves(graph());
     for (const auto& v : found.vertices())
       if (xs.empty() || xs.back() != v.patch.position.x) xs.push_back(v.patch.position.x);
     return xs;
@@ -52,39 +52,39 @@ using Xs = std::vector<double>;
 }  // namespace
 
 TEST_CASE("a wide line beside a narrow one of the other sign is its flank") {
-  CHECK(Lines().line(50, 5, 30).line(62, 18, -25).left() == Xs{50});
-  CHECK(Lines().line(62, 18, 25).line(50, 5, -30).left() == Xs{50});
+  CHECK(CreaseLines().line(50, 5, 30).line(62, 18, -25).left() == Xs{50});
+  CHECK(CreaseLines().line(62, 18, 25).line(50, 5, -30).left() == Xs{50});
   // Whichever comes first.
-  CHECK(Lines().line(62, 18, -25).line(50, 5, 30).left() == Xs{50});
+  CHECK(CreaseLines().line(62, 18, -25).line(50, 5, 30).left() == Xs{50});
 }
 
 TEST_CASE("lines that are no flank stay: alone - as narrow - of the same sign - farther off - stronger") {
-  CHECK(Lines().line(62, 18, -25).left() == Xs{62});
-  CHECK(Lines().line(50, 5, 30).line(58, 5, -25).left() == Xs{50, 58});
-  CHECK(Lines().line(50, 5, 30).line(62, 18, 25).left() == Xs{50, 62});
-  CHECK(Lines().line(50, 5, 30).line(66, 18, -25).left() == Xs{50, 66});
-  CHECK(Lines().line(50, 5, 30).line(62, 18, -40).left() == Xs{50, 62});
+  CHECK(CreaseLines().line(62, 18, -25).left() == Xs{62});
+  CHECK(CreaseLines().line(50, 5, 30).line(58, 5, -25).left() == Xs{50, 58});
+  CHECK(CreaseLines().line(50, 5, 30).line(62, 18, 25).left() == Xs{50, 62});
+  CHECK(CreaseLines().line(50, 5, 30).line(66, 18, -25).left() == Xs{50, 66});
+  CHECK(CreaseLines().line(50, 5, 30).line(62, 18, -40).left() == Xs{50, 62});
 }
 
 TEST_CASE("a line that is beside another for less than two patches in five stays") {
-  CHECK(Lines().line(50, 5, 30, 100, 3).line(62, 18, -25, 100, 12).left() == Xs{50, 62});
-  CHECK(Lines().line(50, 5, 30, 100, 6).line(62, 18, -25, 100, 12).left() == Xs{50});
+  CHECK(CreaseLines().line(50, 5, 30, 100, 3).line(62, 18, -25, 100, 12).left() == Xs{50, 62});
+  CHECK(CreaseLines().line(50, 5, 30, 100, 6).line(62, 18, -25, 100, 12).left() == Xs{50});
 }
 
 TEST_CASE("a step at the side of a line is its flank where it saves less than the line") {
-  CHECK(Lines().line(50, 5, 30, 100).line(56, 0, 40, 50).left() == Xs{50});
-  CHECK(Lines().line(50, 5, 30, 100).line(56, 0, 40, 90).left() == Xs{50, 56});
-  CHECK(Lines().line(50, 5, 30, 100).line(56, 0, 80, 50).left() == Xs{50, 56});
-  CHECK(Lines().line(50, 5, 30, 100).line(70, 0, 40, 50).left() == Xs{50, 70});
+  CHECK(CreaseLines().line(50, 5, 30, 100).line(56, 0, 40, 50).left() == Xs{50});
+  CHECK(CreaseLines().line(50, 5, 30, 100).line(56, 0, 40, 90).left() == Xs{50, 56});
+  CHECK(CreaseLines().line(50, 5, 30, 100).line(56, 0, 80, 50).left() == Xs{50, 56});
+  CHECK(CreaseLines().line(50, 5, 30, 100).line(70, 0, 40, 50).left() == Xs{50, 70});
 }
 
 TEST_CASE("what is a flank of a flank is judged by what stays") {
   // The wide valley goes; the wider ridge beside it had only the valley to be a flank of.
-  CHECK(Lines().line(50, 5, 30).line(62, 18, -25).line(86, 30, 24).left() == Xs{50, 86});
+  CHECK(CreaseLines().line(50, 5, 30).line(62, 18, -25).line(86, 30, 24).left() == Xs{50, 86});
 }
 
 TEST_CASE("a graph without flanks is given back as it is - and an empty one") {
-  const AttributeGraph graph = Lines().line(50, 5, 30).line(100, 18, -25).graph();
-  CHECK(sketch::without_flanks(graph) == graph);
-  CHECK(sketch::without_flanks({}).empty());
+  const AttributeGraph graph = CreaseLines().line(50, 5, 30).line(100, 18, -25).graph();
+  CHECK(sketch::remove_flank_curves(graph) == graph);
+  CHECK(sketch::remove_flank_curves({}).empty());
 }

@@ -47,8 +47,8 @@ double product(const Shape& a, const Shape& b) {
 }
 
 // A view of the shape at some level and contrast, in white noise.
-View seen(const Shape& of, std::uint32_t vertex, core::Rng& rng, double noise) {
-  View view;
+PatchView seen(const Shape& of, std::uint32_t vertex, core::Rng& rng, double noise) {
+  PatchView view;
   view.vertex = {vertex};
   view.degree = 2;
   view.reach = 12;
@@ -78,7 +78,7 @@ Drawn drawn(double noise = 0, double shift = 0) {
 
 Dictionary learned_from(const Drawn& from) {
   DictionaryLearner learner;
-  learner.add(0, views(from.levels, from.graph));
+  learner.add(0, view_patches(from.levels, from.graph));
   return learner.learn();
 }
 
@@ -103,7 +103,7 @@ const Shape kSkew = shape([](double d) { return std::exp(-9 * (d + 0.3) * (d + 0
 TEST_CASE("Two planted profiles of one type become two entries") {
   core::Rng rng(5);
   DictionaryLearner learner;
-  std::vector<View> all;
+  std::vector<PatchView> all;
   for (std::uint32_t i = 0; i < 500; ++i) all.push_back(seen(i % 5 < 3 ? kNarrow : kSkew, i, rng, 0.15));
   learner.add(0, all);
   const Dictionary dictionary = learner.learn();
@@ -112,7 +112,7 @@ TEST_CASE("Two planted profiles of one type become two entries") {
   CHECK(product(dictionary.entries[1].mean, kSkew) > 0.998);
   CHECK(dictionary.entries[0].seen == 300);
   CHECK_THAT(dictionary.entries[1].share, WithinAbs(0.4, 1e-12));
-  for (const Entry& entry : dictionary.entries) {
+  for (const DictionaryEntry& entry : dictionary.entries) {
     CHECK(entry.components.empty());
     CHECK_THAT(entry.residual, WithinAbs(0.15 / std::sqrt(1 + 0.15 * 0.15), 0.01));
   }
@@ -127,7 +127,7 @@ TEST_CASE("A planted way to vary is found as the one component") {
   for (std::size_t i = 0; i < way.size(); ++i) way[i] -= static_cast<float>(along) * kNarrow[i];
   const double length = std::sqrt(product(way, way));
   for (float& v : way) v /= static_cast<float>(length);
-  std::vector<View> all;
+  std::vector<PatchView> all;
   double squares = 0;  // of the coefficient, the view's contrast taken off
   for (std::uint32_t i = 0; i < 600; ++i) {
     Shape varied = kNarrow;
@@ -140,7 +140,7 @@ TEST_CASE("A planted way to vary is found as the one component") {
   learner.add(0, all);
   const Dictionary dictionary = learner.learn();
   REQUIRE(dictionary.entries.size() == 1);
-  const Entry& entry = dictionary.entries[0];
+  const DictionaryEntry& entry = dictionary.entries[0];
   REQUIRE(entry.components.size() == 1);
   CHECK(std::abs(product(entry.components[0], way)) > 0.99);
   CHECK_THAT(entry.spread[0], WithinAbs(std::sqrt(squares / 600), 0.01));
@@ -149,7 +149,7 @@ TEST_CASE("A planted way to vary is found as the one component") {
 
 TEST_CASE("Learning depends on neither threads nor the order of frames, and holds a bounded sample") {
   core::Rng rng(7);
-  std::vector<std::vector<View>> frames;
+  std::vector<std::vector<PatchView>> frames;
   for (int t = 0; t < 12; ++t) {
     frames.emplace_back();
     for (std::uint32_t i = 0; i < 400; ++i) {
@@ -172,26 +172,27 @@ TEST_CASE("Learning depends on neither threads nor the order of frames, and hold
   CHECK(first.entries.size() == 4);
 
   DictionaryLearner much;
-  std::vector<View> many;
+  std::vector<PatchView> many;
   for (std::uint32_t i = 0; i < 5000; ++i) many.push_back(seen(kNarrow, i, rng, 0.1));
   much.add(0, many);
-  CHECK(much.held() == 4096);
+  CHECK(much.stored() == 4096);
   CHECK(much.learn().entries.front().seen == 5000);
 }
 
 TEST_CASE("Even views and those that are not finite teach nothing") {
-  View even;
+  PatchView even;
   even.degree = 2;
   even.luma.assign(kProfileSamples, 80.0F);
   DictionaryLearner learner;
-  learner.add(0, std::vector<View>{even});
-  CHECK(learner.held() == 0);
+  learner.add(0, std::vector<PatchView>{even});
+  CHECK(learner.stored() == 0);
   CHECK(learner.learn().entries.empty());
 
   Drawn made = drawn();
   made.levels.setTo(std::numeric_limits<float>::quiet_NaN());
-  for (const View& view : views(made.levels, made.graph)) CHECK(view.luma.empty());
-  for (const Code& code : encode(made.levels, made.graph, Dictionary{}, 1)) CHECK(code.entry == Code::kNone);
+  for (const PatchView& view : view_patches(made.levels, made.graph)) CHECK(view.luma.empty());
+  for (const PatchCode& code : encode(made.levels, made.graph, Dictionary{}, 1))
+    CHECK(code.entry == PatchCode::kNone);
 }
 
 TEST_CASE("Codes follow level and contrast and do not mind the way that a curve is followed") {
@@ -210,28 +211,28 @@ TEST_CASE("Codes follow level and contrast and do not mind the way that a curve 
   }
   const graph::AttributeGraph turned_graph(
       vertices, std::vector<graph::Edge>(made.graph.edges().begin(), made.graph.edges().end()));
-  const auto turned = encode(made.levels, turned_graph, dictionary, 1.5);
+  const auto reversed = encode(made.levels, turned_graph, dictionary, 1.5);
   std::size_t coded = 0;
   for (std::size_t i = 0; i < codes.size(); ++i) {
     INFO(i);
     CHECK(faint[i].entry == codes[i].entry);
-    CHECK(turned[i].entry == codes[i].entry);
-    if (codes[i].entry == Code::kNone) continue;
+    CHECK(reversed[i].entry == codes[i].entry);
+    if (codes[i].entry == PatchCode::kNone) continue;
     ++coded;
     CHECK(faint[i].numbers == codes[i].numbers);
     CHECK_THAT(double(faint[i].level[0]), WithinAbs(0.5 * double(codes[i].level[0]) + 30, 1e-2));
     CHECK_THAT(double(faint[i].amplitude[0]), WithinAbs(0.5 * double(codes[i].amplitude[0]), 1e-2));
     CHECK_THAT(faint[i].residual, WithinAbs(0.5 * codes[i].residual, 1e-2));
     CHECK_THAT(faint[i].cost, WithinAbs(codes[i].cost, 1e-9));
-    CHECK(turned[i].turned != codes[i].turned);
-    CHECK_THAT(double(turned[i].amplitude[0]), WithinAbs(double(codes[i].amplitude[0]), 1e-2));
-    CHECK_THAT(turned[i].residual, WithinAbs(codes[i].residual, 1e-2));
-    REQUIRE(turned[i].parametric.has_value() == codes[i].parametric.has_value());
-    if (codes[i].parametric) CHECK_THAT(*turned[i].parametric, WithinAbs(*codes[i].parametric, 1e-2));
+    CHECK(reversed[i].reversed != codes[i].reversed);
+    CHECK_THAT(double(reversed[i].amplitude[0]), WithinAbs(double(codes[i].amplitude[0]), 1e-2));
+    CHECK_THAT(reversed[i].residual, WithinAbs(codes[i].residual, 1e-2));
+    REQUIRE(reversed[i].parametric.has_value() == codes[i].parametric.has_value());
+    if (codes[i].parametric) CHECK_THAT(*reversed[i].parametric, WithinAbs(*codes[i].parametric, 1e-2));
   }
   CHECK(coded * 20 >= codes.size() * 19);
   const auto there = draw_learned(made.graph, codes, dictionary, made.levels.size(), 1);
-  const auto back = draw_learned(turned_graph, turned, dictionary, made.levels.size(), 1);
+  const auto back = draw_learned(turned_graph, reversed, dictionary, made.levels.size(), 1);
   CHECK(cv::norm(there.levels, back.levels, cv::NORM_INF) < 0.05);
 }
 
@@ -240,11 +241,11 @@ TEST_CASE("A code costs its numbers and its entry's share") {
   const Dictionary dictionary = learned_from(made);
   for (const double noise : {0.3, 3.0, 300.0}) {
     const auto codes = encode(made.levels, made.graph, dictionary, noise);
-    const auto all = views(made.levels, made.graph);
+    const auto all = view_patches(made.levels, made.graph);
     int told = 0;
     for (std::size_t i = 0; i < codes.size(); ++i) {
-      if (codes[i].entry == Code::kNone) continue;
-      const Entry& entry = dictionary.entries.at(codes[i].entry);
+      if (codes[i].entry == PatchCode::kNone) continue;
+      const DictionaryEntry& entry = dictionary.entries.at(codes[i].entry);
       const double side = all[i].type == PatchType::blob ? 2 * all[i].reach : 3 * all[i].reach;
       const double pixels = entry.window() ? side * side : 10 * all[i].reach;
       CHECK_THAT(codes[i].cost,
@@ -274,7 +275,7 @@ TEST_CASE("A frame that was drawn from attributes is drawn again by what is lear
   DictionaryLearner learner;
   for (std::uint32_t frame = 0; frame < 12; ++frame) {
     const Drawn other = drawn(0, 0.4 * frame);
-    learner.add(frame, views(other.levels, other.graph));
+    learner.add(frame, view_patches(other.levels, other.graph));
   }
   const Dictionary dictionary = learner.learn();
   const auto codes = encode(made.levels, made.graph, dictionary, 0.3);
@@ -294,7 +295,7 @@ TEST_CASE("A frame that was drawn from attributes is drawn again by what is lear
 
 TEST_CASE("Without codes patches are drawn from their attributes") {
   const Drawn made = drawn();
-  const std::vector<Code> none(made.graph.size());
+  const std::vector<PatchCode> none(made.graph.size());
   const auto fitted = draw_fitted(made.graph, made.levels.size(), 1);
   const auto learned = draw_learned(made.graph, none, Dictionary{}, made.levels.size(), 1);
   CHECK(cv::norm(learned.mask, fitted.mask, cv::NORM_INF) == 0);
@@ -305,7 +306,7 @@ TEST_CASE("What cannot be coded or drawn is told") {
   const Drawn made = drawn();
   const Dictionary dictionary = learned_from(made);
   const cv::Mat bytes(10, 10, CV_8U, cv::Scalar(0));
-  CHECK_THROWS_AS(views(bytes, made.graph), core::InputError);
+  CHECK_THROWS_AS(view_patches(bytes, made.graph), core::InputError);
   CHECK_THROWS_AS(encode(made.levels, made.graph, dictionary, 0), core::InputError);
   auto codes = encode(made.levels, made.graph, dictionary, 1);
   codes[3].entry = 4000;
@@ -318,11 +319,12 @@ TEST_CASE("What cannot be coded or drawn is told") {
 
 TEST_CASE("A dictionary reads back from its archive bit for bit") {
   const Dictionary dictionary = learned_from(drawn(1));
-  REQUIRE(std::ranges::any_of(dictionary.entries, &Entry::window));
-  REQUIRE(std::ranges::any_of(dictionary.entries, [](const Entry& e) { return !e.components.empty(); }));
+  REQUIRE(std::ranges::any_of(dictionary.entries, &DictionaryEntry::window));
+  REQUIRE(std::ranges::any_of(dictionary.entries,
+                              [](const DictionaryEntry& e) { return !e.components.empty(); }));
   const auto archive = to_archive(dictionary);
-  CHECK(sketch::dictionary(archive) == dictionary);
-  CHECK(sketch::dictionary(to_archive(Dictionary{})).entries.empty());
+  CHECK(sketch::read_dictionary(archive) == dictionary);
+  CHECK(sketch::read_dictionary(to_archive(Dictionary{})).entries.empty());
 }
 
 TEST_CASE("Bad archives are refused in one line that names what is wrong") {
@@ -332,7 +334,7 @@ TEST_CASE("Bad archives are refused in one line that names what is wrong") {
     spoil(archive);
     std::string message;
     try {
-      sketch::dictionary(archive);
+      sketch::read_dictionary(archive);
     } catch (const core::IoError& error) {
       message = error.what();
     }

@@ -66,7 +66,7 @@ TEST_CASE("Anchors are no more than allowed and never where something is taken",
   taken.colRange(30, 50) = 255;
   for (const int rounds : {0, 1, 2, 16})
     for (const double share : {0.0, 0.0001, 0.01, 0.2, 0.7, 1.0}) {
-      const cv::Mat mask = sketch::anchors(frame, taken, share, {.rounds = rounds});
+      const cv::Mat mask = sketch::choose_anchors(frame, taken, share, {.rounds = rounds});
       INFO(rounds << " rounds, share " << share);
       CHECK(mask.type() == CV_8U);
       CHECK(cv::countNonZero(mask & taken) == 0);
@@ -86,8 +86,8 @@ TEST_CASE("Anchors beat random pixels by far and rounds beat curvature alone", "
   for (const cv::Mat& taken : {nothing(kSize), band})
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       const cv::Mat frame = make_frame(kSize, seed);
-      const cv::Mat best = sketch::anchors(frame, taken, 0.15),
-                    quick = sketch::anchors(frame, taken, 0.15, {.rounds = 0});
+      const cv::Mat best = sketch::choose_anchors(frame, taken, 0.15),
+                    quick = sketch::choose_anchors(frame, taken, 0.15, {.rounds = 0});
       const double random =
           rms_after_fill(frame, random_mask(kSize, cv::countNonZero(best), taken, seed + 100));
       CHECK(rms_after_fill(frame, best | taken) < 0.5 * random);    // 6 dB
@@ -100,27 +100,27 @@ TEST_CASE("More anchors leave less error", "[sketch][anchors]") {
   const cv::Mat frame = make_frame(kSize, 5);
   double before = std::numeric_limits<double>::infinity();
   for (const double share : {0.02, 0.05, 0.1, 0.2, 0.4}) {
-    const double error = rms_after_fill(frame, sketch::anchors(frame, nothing(kSize), share));
+    const double error = rms_after_fill(frame, sketch::choose_anchors(frame, nothing(kSize), share));
     CHECK(error < 0.8 * before);
     before = error;
   }
 }
 
 TEST_CASE("Anchors turn with the frame", "[sketch][anchors]") {
-  const cv::Mat frame = make_frame(kSize, 6), mask = sketch::anchors(frame, nothing(kSize), 0.1);
+  const cv::Mat frame = make_frame(kSize, 6), mask = sketch::choose_anchors(frame, nothing(kSize), 0.1);
   const double count = cv::countNonZero(mask);
   for (const int code : {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180, cv::ROTATE_90_COUNTERCLOCKWISE}) {
     cv::Mat turned, expected;
     cv::rotate(frame, turned, code);
     cv::rotate(mask, expected, code);
-    const cv::Mat found = sketch::anchors(turned, nothing(turned.size()), 0.1);
+    const cv::Mat found = sketch::choose_anchors(turned, nothing(turned.size()), 0.1);
     CHECK(cv::countNonZero(found & expected) > 0.9 * count);
   }
   for (const int axis : {0, 1}) {
     cv::Mat turned, expected;
     cv::flip(frame, turned, axis);
     cv::flip(mask, expected, axis);
-    CHECK(cv::countNonZero(sketch::anchors(turned, nothing(kSize), 0.1) & expected) > 0.9 * count);
+    CHECK(cv::countNonZero(sketch::choose_anchors(turned, nothing(kSize), 0.1) & expected) > 0.9 * count);
   }
 }
 
@@ -128,8 +128,8 @@ TEST_CASE("Anchors of a colour frame are those of its luma", "[sketch][anchors]"
   const cv::Mat frame = make_frame(kSize, 7);
   cv::Mat colour;
   cv::merge(std::vector<cv::Mat>{frame, frame, frame}, colour);
-  const cv::Mat grey = sketch::anchors(frame, nothing(kSize), 0.1);
-  const cv::Mat mask = sketch::anchors(colour, nothing(kSize), 0.1);
+  const cv::Mat grey = sketch::choose_anchors(frame, nothing(kSize), 0.1);
+  const cv::Mat mask = sketch::choose_anchors(colour, nothing(kSize), 0.1);
   CHECK(cv::countNonZero(mask & grey) > 0.95 * cv::countNonZero(grey));
 }
 
@@ -138,10 +138,10 @@ TEST_CASE("Anchors make up for patches that are drawn wrong", "[sketch][anchors]
   sketch::Sketchable drawn{frame.clone(), nothing(kSize)};
   drawn.mask.colRange(58, 62) = 255;
   drawn.levels.setTo(0, drawn.mask == 0);
-  const cv::Mat right = sketch::anchors(frame, drawn, 0.1);
-  CHECK(cv::norm(right, sketch::anchors(frame, drawn.mask, 0.1), cv::NORM_INF) == 0);
+  const cv::Mat right = sketch::choose_anchors(frame, drawn, 0.1);
+  CHECK(cv::norm(right, sketch::choose_anchors(frame, drawn.mask, 0.1), cv::NORM_INF) == 0);
   drawn.levels.setTo(255, drawn.mask);
-  const cv::Mat wrong = sketch::anchors(frame, drawn, 0.1);
+  const cv::Mat wrong = sketch::choose_anchors(frame, drawn, 0.1);
   CHECK(cv::countNonZero(wrong & drawn.mask) == 0);
   // They stand against what leaks out of the wrong patch.
   const auto beside = [&](const cv::Mat& mask) {
@@ -154,30 +154,30 @@ TEST_CASE("Anchors of odd frames", "[sketch][anchors]") {
   for (const cv::Size size : {cv::Size(1, 1), {3, 1}, {1, 40}, {3, 50}, {50, 3}})
     for (const int rounds : {0, 16}) {
       const cv::Mat frame = make_frame(size, 9);
-      const cv::Mat mask = sketch::anchors(frame, nothing(size), 0.3, {.rounds = rounds});
+      const cv::Mat mask = sketch::choose_anchors(frame, nothing(size), 0.3, {.rounds = rounds});
       CHECK(mask.size() == size);
       CHECK(cv::countNonZero(mask) <= 0.3 * size.area());
-      CHECK(cv::countNonZero(sketch::anchors(frame, cv::Mat(size, CV_8U, cv::Scalar(255)), 0.3)) == 0);
+      CHECK(cv::countNonZero(sketch::choose_anchors(frame, cv::Mat(size, CV_8U, cv::Scalar(255)), 0.3)) == 0);
     }
   cv::Mat constant(kSize, CV_32F, cv::Scalar(77)), corner = nothing(kSize);
   corner.at<uchar>(0, 0) = 255;
-  CHECK(cv::countNonZero(sketch::anchors(constant, corner, 0.2)) == 0);  // one pixel tells it all
-  const cv::Mat free = sketch::anchors(constant, nothing(kSize), 0.2);
+  CHECK(cv::countNonZero(sketch::choose_anchors(constant, corner, 0.2)) == 0);  // one pixel tells it all
+  const cv::Mat free = sketch::choose_anchors(constant, nothing(kSize), 0.2);
   CHECK(cv::countNonZero(free) > 0);  // and one is needed
   CHECK(rms_after_fill(constant, free) < 1e-3);
 }
 
 TEST_CASE("Anchors reject what is none", "[sketch][anchors]") {
   const cv::Mat frame = make_frame(kSize, 10);
-  CHECK_THROWS_AS(sketch::anchors(cv::Mat(), nothing(kSize), 0.1), core::InputError);
-  CHECK_THROWS_AS(sketch::anchors(frame, nothing({4, 4}), 0.1), core::InputError);
-  CHECK_THROWS_AS(sketch::anchors(frame, nothing(kSize), 1.1), core::InputError);
-  CHECK_THROWS_AS(sketch::anchors(frame, nothing(kSize), std::nan("")), core::InputError);
-  CHECK_THROWS_AS(sketch::anchors(frame, nothing(kSize), 0.1, {.rounds = -1}), core::InputError);
-  CHECK_THROWS_AS(sketch::anchors(frame, nothing(kSize), 0.1, {.spread = 9}), core::InputError);
+  CHECK_THROWS_AS(sketch::choose_anchors(cv::Mat(), nothing(kSize), 0.1), core::InputError);
+  CHECK_THROWS_AS(sketch::choose_anchors(frame, nothing({4, 4}), 0.1), core::InputError);
+  CHECK_THROWS_AS(sketch::choose_anchors(frame, nothing(kSize), 1.1), core::InputError);
+  CHECK_THROWS_AS(sketch::choose_anchors(frame, nothing(kSize), std::nan("")), core::InputError);
+  CHECK_THROWS_AS(sketch::choose_anchors(frame, nothing(kSize), 0.1, {.rounds = -1}), core::InputError);
+  CHECK_THROWS_AS(sketch::choose_anchors(frame, nothing(kSize), 0.1, {.spread = 9}), core::InputError);
   cv::Mat broken = frame.clone();
   broken.at<float>(3, 3) = std::numeric_limits<float>::quiet_NaN();
-  CHECK_THROWS_AS(sketch::anchors(broken, nothing(kSize), 0.1), core::InputError);
+  CHECK_THROWS_AS(sketch::choose_anchors(broken, nothing(kSize), 0.1), core::InputError);
   const sketch::Sketchable other{cv::Mat(kSize, CV_32FC3, cv::Scalar::all(0)), nothing(kSize)};
-  CHECK_THROWS_AS(sketch::anchors(frame, other, 0.1), core::InputError);
+  CHECK_THROWS_AS(sketch::choose_anchors(frame, other, 0.1), core::InputError);
 }

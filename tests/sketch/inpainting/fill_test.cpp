@@ -357,16 +357,16 @@ TEST_CASE("What cannot be filled is refused by name", "[sketch][fill]") {
 TEST_CASE("Put onto a ground, the difference is that of a direct solution with a sink", "[sketch][fill]") {
   core::Rng rng(21);
   for (const cv::Size size : {cv::Size(63, 41), cv::Size(16, 80), cv::Size(1, 30), cv::Size(300, 4)}) {
-    const cv::Mat levels = random_levels(size, rng), ground = random_levels(size, rng);
+    const cv::Mat levels = random_levels(size, rng), background = random_levels(size, rng);
     cv::Mat mask(size, CV_8U, cv::Scalar(0));
     for (int i = 0; i < 6; ++i)
       mask.at<uchar>(static_cast<int>(rng.below(static_cast<std::uint32_t>(size.height))),
                      static_cast<int>(rng.below(static_cast<std::uint32_t>(size.width)))) = 255;
     for (const double reach : {1.0, 3.0, 12.0, 500.0}) {
       cv::Mat held(size, CV_32F, cv::Scalar(0));
-      cv::Mat(levels - ground).copyTo(held, mask);
-      const cv::Mat expected = ground + direct_fill(held, mask, 1 / (reach * reach));
-      const auto result = sketch::fill_onto(levels, mask, ground, reach);
+      cv::Mat(levels - background).copyTo(held, mask);
+      const cv::Mat expected = background + direct_fill(held, mask, 1 / (reach * reach));
+      const auto result = sketch::fill_onto(levels, mask, background, reach);
       INFO(size << ", reach " << reach);
       CHECK(result.converged);
       CHECK(result.iterations < 40);
@@ -378,27 +378,27 @@ TEST_CASE("Put onto a ground, the difference is that of a direct solution with a
 
 TEST_CASE("A ground stays itself away from what is put onto it, in every channel", "[sketch][fill]") {
   core::Rng rng(22);
-  cv::Mat ground(60, 90, CV_32FC3), mask(60, 90, CV_8U, cv::Scalar(0));
-  for (auto& pixel : cv::Mat_<cv::Vec3f>(ground))
+  cv::Mat background(60, 90, CV_32FC3), mask(60, 90, CV_8U, cv::Scalar(0));
+  for (auto& pixel : cv::Mat_<cv::Vec3f>(background))
     for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(rng.uniform(0, 255));
   const cv::Mat levels(60, 90, CV_32FC3, cv::Scalar(200, 100, 0));
-  CHECK(largest_difference(sketch::fill_onto(levels, mask, ground, 4).levels, ground) == 0);
+  CHECK(largest_difference(sketch::fill_onto(levels, mask, background, 4).levels, background) == 0);
   mask.colRange(0, 6).setTo(255);
-  const cv::Mat drawn = sketch::fill_onto(levels, mask, ground, 4).levels;
+  const cv::Mat drawn = sketch::fill_onto(levels, mask, background, 4).levels;
   CHECK(largest_difference(drawn.colRange(0, 6), levels.colRange(0, 6)) == 0);
   // e^(−40/4) of at most 255 levels is left 40 px away.
-  CHECK(largest_difference(drawn.colRange(46, 90), ground.colRange(46, 90)) < 0.1);
+  CHECK(largest_difference(drawn.colRange(46, 90), background.colRange(46, 90)) < 0.1);
   mask.setTo(255);
-  CHECK(largest_difference(sketch::fill_onto(levels, mask, ground, 4).levels, levels) == 0);
+  CHECK(largest_difference(sketch::fill_onto(levels, mask, background, 4).levels, levels) == 0);
   mask.colRange(50, 90).setTo(0);
-  CHECK(largest_difference(sketch::fill_onto(ground, mask, ground, 4).levels, ground) == 0);
+  CHECK(largest_difference(sketch::fill_onto(background, mask, background, 4).levels, background) == 0);
 }
 
 TEST_CASE("A ground that cannot be taken is refused by name", "[sketch][fill]") {
   const cv::Mat levels(6, 8, CV_32F, cv::Scalar(1)), mask(6, 8, CV_8U, cv::Scalar(0));
-  const auto refused = [&](const cv::Mat& ground, double reach, const std::string& word) {
+  const auto refused = [&](const cv::Mat& background, double reach, const std::string& word) {
     try {
-      (void)sketch::fill_onto(levels, mask, ground, reach);
+      (void)sketch::fill_onto(levels, mask, background, reach);
     } catch (const core::InputError& error) {
       return std::string(error.what()).find(word) != std::string::npos;
     }

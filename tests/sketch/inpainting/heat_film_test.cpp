@@ -137,7 +137,7 @@ TEST_CASE("A film of heat is the flow at its times", "[sketch][heat]") {
   const cv::Size size(30, 20);
   const cv::Mat levels = random_levels(size, 1, 8), mask = some_held(size, 0.1, 9);
   const std::array<std::int64_t, 4> steps{0, 3, 3, 200};
-  const auto film = sketch::heat_film(levels, mask, steps);
+  const auto film = sketch::make_heat_film(levels, mask, steps);
   REQUIRE(film.size() == 4);
   CHECK(cv::norm(film[0], levels, cv::NORM_INF) == 0);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -147,7 +147,8 @@ TEST_CASE("A film of heat is the flow at its times", "[sketch][heat]") {
   }
   std::stop_source stop;
   stop.request_stop();
-  CHECK(sketch::heat_film(levels, mask, steps, core::Context(stop.get_token())).empty());
+  CHECK_THROWS_AS(sketch::make_heat_film(levels, mask, steps, core::Context(stop.get_token())),
+                  core::Cancelled);
 }
 
 TEST_CASE("Heat on odd frames and on bad input", "[sketch][heat]") {
@@ -166,7 +167,7 @@ TEST_CASE("Heat on odd frames and on bad input", "[sketch][heat]") {
   CHECK_THROWS_AS(sketch::HeatFlow(cv::Mat(), cv::Mat()), core::InputError);
   CHECK_THROWS_AS(sketch::HeatFlow(levels, mask).advance(-1), core::InputError);
   const std::array<std::int64_t, 2> back{5, 4};
-  CHECK_THROWS_AS(sketch::heat_film(levels, mask, back), core::InputError);
+  CHECK_THROWS_AS(sketch::make_heat_film(levels, mask, back), core::InputError);
   levels.at<float>(0, 0) = std::numeric_limits<float>::infinity();
   CHECK_THROWS_AS(sketch::HeatFlow(levels, mask), core::InputError);
 }

@@ -250,7 +250,7 @@ TEST_CASE("A double ridge costs nine numbers, and gains what one line of its wid
   const Patch patch = double_patch({45, 30}, 0);
   CHECK_THAT(coding_cost(patch, 99), WithinAbs(4.5 * std::log(100.0), 1e-9));
   const cv::Mat drawn = draw_fitted(row_of(patch), {90, 60}, 1).levels;
-  const GainFrame frame = prepare_gain(drawn);
+  const CodingContext frame = prepare_coding(drawn);
   Patch solid = patch;
   solid.hollow = 0;
   CHECK(coding_gain(frame, patch) > coding_gain(frame, solid) + 100);

@@ -77,7 +77,7 @@ double false_alarms(const std::vector<cv::Mat1f>& frames, int count) {
   core::Rng rng(11);
   int alarms = 0, all = 0;
   for (const auto& frame : frames) {
-    const GainFrame prepared = prepare_gain(frame);
+    const CodingContext prepared = prepare_coding(frame);
     for (int i = 0; i < count; ++i, ++all) {
       const Point at{rng.uniform(15, frame.cols - 16), rng.uniform(15, frame.rows - 16)};
       const auto kind = i % 3 == 0 ? CreaseKind::ridge : i % 3 == 1 ? CreaseKind::valley : CreaseKind::step;
@@ -97,7 +97,7 @@ TEST_CASE("a drawn patch gains at its place and less the farther it is moved or 
        {line_patch({48.3, 47.6}, 0.4, 60, 140, 60), line_patch({47.1, 48}, -1.1, 90, 40, 70),
         line_patch({48, 48}, 1.9, 30, 90, 80), step_patch({48.3, 47.6}, 0.4, 50, 110)}) {
     const Drawn drawn = draw_row(patch, size);
-    const GainFrame frame = prepare_gain(with_noise(drawn.frame, 3, 5));
+    const CodingContext frame = prepare_coding(with_noise(drawn.frame, 3, 5));
     for (const auto& one : drawn.patches) CHECK(coding_gain(frame, one) > 20);
     const Point across{-std::sin(patch.theta), std::cos(patch.theta)};
     for (const double side : {-1.0, 1.0}) {
@@ -146,23 +146,23 @@ TEST_CASE(
 TEST_CASE("the noise of a frame is measured beside its strokes") {
   const Drawn drawn = draw_row(line_patch({100, 60}, 0.3, 50, 160, 70), {200, 120});
   for (const double sd : {1.0, 4.0, 12.0}) {
-    const GainFrame frame = prepare_gain(with_noise(drawn.frame, sd, 9));
+    const CodingContext frame = prepare_coding(with_noise(drawn.frame, sd, 9));
     CHECK_THAT(frame.noise, WithinRel(sd, 0.06));
-    CHECK(std::max(frame.clumping[0], frame.clumping[1]) < 1.6);
+    CHECK(std::max(frame.noise_correlation[0], frame.noise_correlation[1]) < 1.6);
   }
   // twice the noise, a quarter of the nats: the cost is what both have in common
   const auto patch = drawn.patches[4];
   double quiet = 0, loud = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    GainFrame frame = prepare_gain(with_noise(drawn.frame, 4, seed));
-    frame.clumping = {1, 1};
+    CodingContext frame = prepare_coding(with_noise(drawn.frame, 4, seed));
+    frame.noise_correlation = {1, 1};
     quiet += coding_gain(frame, patch) / 30;
-    frame = prepare_gain(with_noise(drawn.frame, 8, seed));
-    frame.clumping = {1, 1};
+    frame = prepare_coding(with_noise(drawn.frame, 8, seed));
+    frame.noise_correlation = {1, 1};
     loud += coding_gain(frame, patch) / 30;
   }
   const double cost =
-      -coding_gain(prepare_gain(flat({200, 120}, 50)), line_patch({100, 60}, 0.3, 50, 50, 50));
+      -coding_gain(prepare_coding(flat({200, 120}, 50)), line_patch({100, 60}, 0.3, 50, 50, 50));
   CHECK_THAT((quiet + cost) / (loud + cost), WithinRel(4.0, 0.1));
 }
 
@@ -171,10 +171,9 @@ TEST_CASE("the gain is the sum that its formula tells, for an upright patch betw
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 40; ++x)
       picture(y, x) += static_cast<float>(80 + 1.5 * x + (std::abs(x - 20) <= 1 ? 30 : 0));
-  GainFrame frame = prepare_gain(picture);
-  frame.clumping = {1.7, 1.7};
-  const auto patch =
-      line_patch({20, 17}, std::numbers::pi / 2, 115, 140, 105);  // upright: its left is at greater x
+  CodingContext frame = prepare_coding(picture);
+  frame.noise_correlation = {1.7, 1.7};
+  const auto patch = line_patch({20, 17}, std::numbers::pi / 2, 115, 140, 105);  // upright: its left is at greater x
   // footprint: rows 15…19, columns 20 ± 3; bands: on to 8 away, and half of the column that is 9 away
   double n = 0, mean = 0, profile = 0, ramp = 0;
   std::array<double, 2> band{}, place{};
@@ -205,25 +204,25 @@ TEST_CASE("the gain is the sum that its formula tells, for an upright patch betw
 
 TEST_CASE("an even frame has defined gains and nothing to gain") {
   for (const cv::Size size : {cv::Size{64, 48}, cv::Size{3, 2}, cv::Size{1, 1}}) {
-    const GainFrame frame = prepare_gain(flat(size, 77));
+    const CodingContext frame = prepare_coding(flat(size, 77));
     CHECK(frame.noise == 0.29);
-    CHECK(frame.clumping == std::array<double, 2>{1, 1});
+    CHECK(frame.noise_correlation == std::array<double, 2>{1, 1});
     const Point middle{(size.width - 1) / 2.0, (size.height - 1) / 2.0};
     CHECK(coding_gain(frame, line_patch(middle, 0.7, 77, 77, 77)) < 0);
     CHECK(coding_gain(frame, line_patch(middle, 0.7, 60, 90, 60)) < 0);
   }
-  const GainFrame frame = prepare_gain(flat({64, 48}, 77));
+  const CodingContext frame = prepare_coding(flat({64, 48}, 77));
   // five rows of seven pixels
   CHECK_THAT(coding_gain(frame, line_patch({20, 20}, std::numbers::pi / 2, 77, 77, 77)),
              WithinAbs(-3.5 * std::log(36), 1e-6));
   // even shading is no stroke
   const auto slope = draw({64, 48}, [](Point p) { return 20 + 2 * p.x; });
-  CHECK(coding_gain(prepare_gain(slope), line_patch({30, 24}, std::numbers::pi / 2, 88, 80, 72)) < 0);
+  CHECK(coding_gain(prepare_coding(slope), line_patch({30, 24}, std::numbers::pi / 2, 88, 80, 72)) < 0);
 }
 
 TEST_CASE("outside of the frame there is nothing to gain or to pay") {
   const Drawn drawn = draw_row(line_patch({20, 4}, 0, 60, 140, 60), {60, 40});
-  const GainFrame frame = prepare_gain(drawn.frame);
+  const CodingContext frame = prepare_coding(drawn.frame);
   for (const Point at : {Point{-40, 10}, Point{20, 90}, Point{1e6, -1e6}, Point{-1e9, 3}})
     CHECK(coding_gain(frame, line_patch(at, 0.3, 60, 140, 60)) == 0);
   for (const double x : {-2.0, -0.5, 0.0, 59.0, 61.0})
@@ -234,7 +233,7 @@ TEST_CASE("the gain in a colour frame is that in its luma") {
   const Drawn drawn = draw_row(line_patch({48, 48}, 0.4, 60, 140, 60), {96, 96});
   cv::Mat colour;
   cv::merge(std::vector<cv::Mat>{drawn.frame * 0.5F, with_noise(drawn.frame, 4, 1), drawn.frame + 9}, colour);
-  const GainFrame frame = prepare_gain(colour), grey_frame = prepare_gain(core::luma(colour));
+  const CodingContext frame = prepare_coding(colour), grey_frame = prepare_coding(core::luma(colour));
   CHECK(frame.noise == grey_frame.noise);
   graph::Patch patch = drawn.patches[4];
   patch.middle = {100, 150, 130};
@@ -245,9 +244,9 @@ TEST_CASE("the gain in a colour frame is that in its luma") {
 }
 
 TEST_CASE("a frame that is none is refused") {
-  CHECK_THROWS_AS(prepare_gain(cv::Mat()), core::InputError);
-  CHECK_THROWS_AS(prepare_gain(cv::Mat(4, 4, CV_8U, cv::Scalar(0))), core::InputError);
+  CHECK_THROWS_AS(prepare_coding(cv::Mat()), core::InputError);
+  CHECK_THROWS_AS(prepare_coding(cv::Mat(4, 4, CV_8U, cv::Scalar(0))), core::InputError);
   cv::Mat1f broken = flat({20, 20}, 5);
   broken(3, 3) = std::numeric_limits<float>::quiet_NaN();
-  CHECK_THROWS_AS(prepare_gain(broken), core::InputError);
+  CHECK_THROWS_AS(prepare_coding(broken), core::InputError);
 }

@@ -34,38 +34,39 @@ graph::AttributeGraph row(const std::vector<double>& gains) {
 }
 
 /// A change that fits the draft, drawn at random.
-Edit any_edit(const Draft& draft, core::Rng& rng) {
+GraphEdit any_edit(const EditableGraph& draft, core::Rng& rng) {
   std::vector<Slot> held;
   for (Slot slot = 0; slot < draft.slots(); ++slot)
     if (draft.holds(slot)) held.push_back(slot);
-  Edit edit;
+  GraphEdit edit;
   std::set<Slot> gone;
   for (int i = 0; i < 3 && !held.empty(); ++i) {
     const Slot slot = held[rng.below(static_cast<std::uint32_t>(held.size()))];
-    if (rng.uniform(0, 1) < 0.5 && gone.insert(slot).second) drop(edit, draft, slot);
+    if (rng.uniform(0, 1) < 0.5 && gone.insert(slot).second) remove_patch(edit, draft, slot);
     for (const Slot other : draft.neighbours(slot))
-      if (rng.uniform(0, 1) < 0.3 && std::ranges::find(edit.cut, tie(slot, other)) == edit.cut.end())
-        edit.cut.push_back(tie(slot, other));
+      if (rng.uniform(0, 1) < 0.3 &&
+          std::ranges::find(edit.remove_edges, make_edge(slot, other)) == edit.remove_edges.end())
+        edit.remove_edges.push_back(make_edge(slot, other));
   }
   std::vector<Slot> there;
   std::ranges::copy_if(held, std::back_inserter(there), [&](Slot s) { return !gone.contains(s); });
   for (Slot i = 0; i < 2; ++i) {
     graph::Patch patch;
     patch.gain = rng.uniform(-5, 20);
-    edit.add.emplace_back(draft.slots() + i, patch);
+    edit.add_patches.emplace_back(draft.slots() + i, patch);
     there.push_back(draft.slots() + i);
   }
   for (int i = 0; i < 4; ++i) {
     const Slot a = there[rng.below(static_cast<std::uint32_t>(there.size()))],
                b = there[rng.below(static_cast<std::uint32_t>(there.size()))];
-    if (a == b || std::ranges::find(edit.tie, tie(a, b)) != edit.tie.end()) continue;
+    if (a == b || std::ranges::find(edit.add_edges, make_edge(a, b)) != edit.add_edges.end()) continue;
     const bool tied = a < draft.slots() && std::ranges::count(draft.neighbours(a), b) > 0;
-    if (!tied) edit.tie.push_back(tie(a, b));
+    if (!tied) edit.add_edges.push_back(make_edge(a, b));
   }
   return edit;
 }
 
-std::string refusal(Draft& draft, const Edit& edit) {
+std::string refusal(EditableGraph& draft, const GraphEdit& edit) {
   try {
     draft.apply(edit);
   } catch (const core::InputError& error) {
@@ -77,23 +78,23 @@ std::string refusal(Draft& draft, const Edit& edit) {
 }  // namespace
 
 TEST_CASE("A draft's length is its degrees' cost without its patches' gains") {
-  const Draft draft(row({7, 11, 2}));
+  const EditableGraph draft(row({7, 11, 2}));
   CHECK_THAT(draft.length(), WithinAbs(3 + 0 + 3 - 20, 1e-12));
-  CHECK(Draft(graph::AttributeGraph()).length() == 0);
+  CHECK(EditableGraph(graph::AttributeGraph()).length() == 0);
   CHECK(degree_cost(1) > degree_cost(3));
   CHECK(degree_cost(7) == degree_cost(4));
 }
 
 TEST_CASE("Any edit changes the length by what it says and its reverse restores the draft") {
   core::Rng rng(7);
-  Draft draft(row({3, 4, 5, 6, 7, 8, 9, 10}));
+  EditableGraph draft(row({3, 4, 5, 6, 7, 8, 9, 10}));
   for (int i = 0; i < 2000; ++i) {
-    const Draft before = draft;
-    const Edit edit = any_edit(draft, rng);
+    const EditableGraph before = draft;
+    const GraphEdit edit = any_edit(draft, rng);
     const double told = draft.change(edit);
-    const Edit reverse = draft.apply(edit);
+    const GraphEdit reverse = draft.apply(edit);
     REQUIRE_THAT(draft.length() - before.length(), WithinAbs(told, 1e-9));
-    Draft back = draft;
+    EditableGraph back = draft;
     REQUIRE_THAT(back.change(reverse), WithinAbs(-told, 1e-9));
     back.apply(reverse);
     REQUIRE(back == before);
@@ -102,8 +103,8 @@ TEST_CASE("Any edit changes the length by what it says and its reverse restores 
 }
 
 TEST_CASE("Edits that do not fit are refused and change nothing") {
-  Draft draft(row({1, 2, 3}));
-  const Draft before = draft;
+  EditableGraph draft(row({1, 2, 3}));
+  const EditableGraph before = draft;
   CHECK(refusal(draft, {{{0, 2}}, {}, {}, {}}).find("cuts an edge that is not there") != std::string::npos);
   CHECK(refusal(draft, {{}, {1}, {}, {}}).find("but not its edge") != std::string::npos);
   CHECK(refusal(draft, {{}, {9}, {}, {}}).find("not there at slot 9") != std::string::npos);
@@ -123,7 +124,7 @@ TEST_CASE("Every proposal for a frame is worth what counting anew says and can b
                           segment({120, 80}, {140, 110}, 3, 1)},
                          60, 90);
   const cv::Mat1f frame = with_noise(clean, 6, 3);
-  const GainFrame prepared = prepare_gain(frame);
+  const CodingContext prepared = prepare_coding(frame);
   // What is found, but for some patches, so that every edit has something to do.
   const graph::AttributeGraph found = extract(frame, {});
   std::vector<graph::Vertex> vertices;
@@ -132,20 +133,21 @@ TEST_CASE("Every proposal for a frame is worth what counting anew says and can b
     if (v.id.value % 7 != 3) vertices.push_back(v);
   for (const graph::Edge& e : found.edges())
     if (e.a.value % 7 != 3 && e.b.value % 7 != 3) edges.push_back(e);
-  const Draft draft(graph::AttributeGraph(std::move(vertices), std::move(edges)));
-  sketch::Tried tried;
-  Editor editor(draft, frame, {&prepared, 1}, {5, true}, tried);
+  const EditableGraph draft(graph::AttributeGraph(std::move(vertices), std::move(edges)));
+  sketch::FitCache cache;
+  ProposalBuilder editor(draft, frame, {&prepared, 1}, {5, true}, cache);
   propose_for_strokes(editor, true);
   propose_at_ends(editor);
   propose_meetings(editor);
-  const std::vector<Proposal> proposals = editor.take();
+  const std::vector<Proposal> proposals = editor.take_proposals();
   REQUIRE(proposals.size() >= 15);
   for (const Proposal& proposal : proposals) {
-    Draft edited = draft;
-    const Edit reverse = edited.apply(proposal.edit);
+    EditableGraph edited = draft;
+    const GraphEdit reverse = edited.apply(proposal.edit);
     CHECK_THAT(edited.length() - draft.length(), WithinAbs(proposal.change, 1e-9));
     CHECK(proposal.change < 0);
-    for (const auto& [slot, patch] : proposal.edit.add) CHECK(patch.gain == coding_gain(prepared, patch));
+    for (const auto& [slot, patch] : proposal.edit.add_patches)
+      CHECK(patch.gain == coding_gain(prepared, patch));
     edited.apply(reverse);
     CHECK(edited == draft);
   }

@@ -32,7 +32,7 @@ graph::AttributeGraph without(const graph::AttributeGraph& graph, const std::fun
 
 graph::AttributeGraph refined(const graph::AttributeGraph& graph, const cv::Mat1f& frame,
                               bool blobs = false) {
-  const GainFrame prepared = prepare_gain(frame);
+  const CodingContext prepared = prepare_coding(frame);
   return refine(graph, frame, {&prepared, 1}, {5, blobs});
 }
 

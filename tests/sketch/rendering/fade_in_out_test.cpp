@@ -47,9 +47,9 @@ std::vector<sketch::FadedGraph> faded(const std::vector<graph::AttributeGraph>& 
   return all;
 }
 
-double presence_of(const sketch::FadedGraph& fading, std::uint32_t id) {
+double opacity_of(const sketch::FadedGraph& fading, std::uint32_t id) {
   const auto i = fading.graph.index_of({id});
-  return i < fading.graph.size() ? double{fading.presence[i]} : 0;
+  return i < fading.graph.size() ? double{fading.opacity[i]} : 0;
 }
 
 }  // namespace
@@ -64,11 +64,11 @@ TEST_CASE("patches come and go by a sixth a frame at most, and are there for as 
   std::vector<graph::AttributeGraph> graphs;
   for (int t = 0; t < 120; ++t) graphs.push_back(graph_at(lives, t));
   const auto frames = faded(graphs);
-  CHECK(presence_of(frames[0], 0) == 1);
+  CHECK(opacity_of(frames[0], 0) == 1);
   for (std::uint32_t i = 1; i < lives.size(); ++i) {
     double sum = 0, before = 0, most = 0;
     for (const auto& frame : frames) {
-      const double now = presence_of(frame, i);
+      const double now = opacity_of(frame, i);
       CHECK(std::abs(now - before) <= 1 / 6.0 + 1e-6);
       sum += now, before = now, most = std::max(most, now);
     }
@@ -127,11 +127,11 @@ TEST_CASE("a stroke that closes off a region changes no pixel by more than its s
   for (int t = 0; t < 40; ++t) graphs.push_back(t >= 10 && t < 26 ? with : without);
   sketch::RenderOptions look{{100, 66}, 1, 7, {}};
   // A still ground to the right, some cells away from the line that stays.
-  look.ground.levels = cv::Mat(5, 7, CV_32F, cv::Scalar(90));
-  look.ground.still = cv::Mat::zeros(5, 7, CV_8U);
-  look.ground.still.colRange(4, 7).setTo(255);
+  look.background.levels = cv::Mat(5, 7, CV_32F, cv::Scalar(90));
+  look.background.still = cv::Mat::zeros(5, 7, CV_8U);
+  look.background.still.colRange(4, 7).setTo(255);
   std::vector<sketch::FrameContent> parts;
-  for (auto& one : faded(graphs)) parts.push_back({std::move(one.graph), {}, std::move(one.presence)});
+  for (auto& one : faded(graphs)) parts.push_back({std::move(one.graph), {}, std::move(one.opacity)});
   const auto frames = sketch::render_frames(parts, look, {});
   cv::Mat least = frames[0].clone(), most = frames[0].clone();
   for (const auto& frame : frames) cv::min(least, frame, least), cv::max(most, frame, most);

@@ -65,8 +65,8 @@ TEST_CASE("a batch of graphs is drawn frame by frame as each alone, on a ground 
   for (int t = 0; t < 19; ++t) {
     parts.push_back({bar(5 + t)});
     if (t % 2 == 0) continue;
-    parts.back().ground = cv::Mat(40, 48, CV_8UC3);
-    for (auto& pixel : cv::Mat_<cv::Vec3b>(parts.back().ground))
+    parts.back().background = cv::Mat(40, 48, CV_8UC3);
+    for (auto& pixel : cv::Mat_<cv::Vec3b>(parts.back().background))
       pixel = cv::Vec3b::all(static_cast<unsigned char>(100 + rng.below(20)));
   }
   const auto frames = sketch::render_frames(parts, look, {});
@@ -81,9 +81,10 @@ TEST_CASE("a batch of graphs is drawn frame by frame as each alone, on a ground 
 TEST_CASE("strokes are joined into a ground: theirs beside them, its own away from them") {
   const sketch::RenderOptions look{{96, 40}, 1, 7, {}};
   core::Rng rng(2);
-  cv::Mat ground(40, 96, CV_8U);
-  for (auto& value : cv::Mat_<unsigned char>(ground)) value = static_cast<unsigned char>(100 + rng.below(20));
-  const cv::Mat frame = sketch::render_frame(sketch::FrameContent{bar(20), ground}, look),
+  cv::Mat background(40, 96, CV_8U);
+  for (auto& value : cv::Mat_<unsigned char>(background))
+    value = static_cast<unsigned char>(100 + rng.below(20));
+  const cv::Mat frame = sketch::render_frame(sketch::FrameContent{bar(20), background}, look),
                 plain = sketch::render_frame(bar(20), look);
   const auto drawn = sketch::draw_fitted(bar(20), look.size, 1);
   for (int y = 0; y < 40; ++y)
@@ -91,9 +92,9 @@ TEST_CASE("strokes are joined into a ground: theirs beside them, its own away fr
       if (drawn.mask.at<unsigned char>(y, x) != 0)
         CHECK(frame.at<unsigned char>(y, x) == plain.at<unsigned char>(y, x));
   const cv::Rect away(72, 0, 24, 40);
-  CHECK(cv::norm(frame(away), ground(away), cv::NORM_INF) <= 1);
+  CHECK(cv::norm(frame(away), background(away), cv::NORM_INF) <= 1);
   // Its texture stays where its level gives way.
-  cv::Mat lifted = cv::Mat(ground - frame)(cv::Rect(26, 8, 4, 24));
+  cv::Mat lifted = cv::Mat(background - frame)(cv::Rect(26, 8, 4, 24));
   cv::Scalar mean, spread;
   cv::meanStdDev(lifted, mean, spread);
   CHECK(mean[0] > 10);
@@ -114,15 +115,15 @@ TEST_CASE("a patch that is there in part lies between its own levels and what is
     for (auto edge : one.edges()) edges.push_back({{edge.a.value + first}, {edge.b.value + first}});
   }
   const graph::AttributeGraph both(vertices, edges);
-  const auto share = [&](float value, const cv::Mat& ground = {}) {
-    sketch::FrameContent parts{both, ground, std::vector<float>(12, 1)};
-    for (std::size_t i = 6; i < 12; ++i) parts.presence[i] = value;
+  const auto share = [&](float value, const cv::Mat& background = {}) {
+    sketch::FrameContent parts{both, background, std::vector<float>(12, 1)};
+    for (std::size_t i = 6; i < 12; ++i) parts.opacity[i] = value;
     cv::Mat levels;
     sketch::render_frame(parts, look).convertTo(levels, CV_32F);
     return levels;
   };
-  const cv::Mat ground(64, 96, CV_8UC3, cv::Scalar(40, 60, 80));
-  for (const auto& below : {cv::Mat{}, ground}) {
+  const cv::Mat background(64, 96, CV_8UC3, cv::Scalar(40, 60, 80));
+  for (const auto& below : {cv::Mat{}, background}) {
     cv::Mat whole, none;
     sketch::render_frame(sketch::FrameContent{both, below}, look).convertTo(whole, CV_32F);
     vertices.resize(6), edges.resize(5);

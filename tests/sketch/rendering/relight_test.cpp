@@ -32,9 +32,9 @@ graph::AttributeGraph stroke(double x, float left, float middle, float right, bo
 
 /// 48 × 44, of one level to the left of x and another to the right.
 cv::Mat sides(int x, float left, float right) {
-  cv::Mat ground(44, 48, CV_32F, cv::Scalar(double{right}));
-  ground.colRange(0, x).setTo(double{left});
-  return ground;
+  cv::Mat background(44, 48, CV_32F, cv::Scalar(double{right}));
+  background.colRange(0, x).setTo(double{left});
+  return background;
 }
 
 void check_levels(const graph::AttributeGraph& graph, float left, float middle, float right) {
@@ -69,20 +69,21 @@ TEST_CASE("a step keeps its contrast, and both its sides are off by as much") {
 }
 
 TEST_CASE("a ground goes on through a line that rests on it, detail and all") {
-  cv::Mat ground(44, 48, CV_8U);
+  cv::Mat background(44, 48, CV_8U);
   core::Rng rng(4);
-  for (auto& value : cv::Mat_<unsigned char>(ground)) value = static_cast<unsigned char>(80 + rng.below(40));
+  for (auto& value : cv::Mat_<unsigned char>(background))
+    value = static_cast<unsigned char>(80 + rng.below(40));
   sketch::RenderOptions look{{48, 44}, 1, 7, {}};
   const auto spread = [&](const cv::Mat& frame) {
     cv::Scalar mean, deviation;
     cv::meanStdDev(frame(cv::Rect(23, 10, 3, 24)), mean, deviation);
     return deviation[0];
   };
-  const sketch::FrameContent parts{stroke(24, 100, 180, 100), ground};
+  const sketch::FrameContent parts{stroke(24, 100, 180, 100), background};
   const cv::Mat alone = sketch::render_frame(parts, look);
   look.new_places = true;
   const cv::Mat rests = sketch::render_frame(parts, look);
-  CHECK(spread(rests) > 0.8 * spread(ground));
-  CHECK(spread(alone) < 0.5 * spread(ground));
-  CHECK(cv::mean(rests(cv::Rect(23, 10, 3, 24)))[0] > cv::mean(ground)[0] + 60);
+  CHECK(spread(rests) > 0.8 * spread(background));
+  CHECK(spread(alone) < 0.5 * spread(background));
+  CHECK(cv::mean(rests(cv::Rect(23, 10, 3, 24)))[0] > cv::mean(background)[0] + 60);
 }

@@ -50,13 +50,13 @@ TEST_CASE("the flank gradient of a step is that on the step, whatever its direct
     graph::Patch patch;
     patch.type = graph::PatchType::step;
     patch.position = {48, 32}, patch.theta = theta, patch.width = 0, patch.blur = 2.5, patch.contrast = 100;
-    const auto found = sketch::flank_gradient(frame, {{{{0}, {}, patch}}, {}});
+    const auto found = sketch::measure_flank_gradient(frame, {{{{0}, {}, patch}}, {}});
     CHECK(found.places == 2);
     // 100 levels blurred by 2.5 px, and by Sobel's own half a pixel or so.
     const double peak = 100 / (2.5 * std::sqrt(2 * std::numbers::pi));
     CHECK_THAT(found.mean(), WithinAbs(peak, 0.12 * peak));
     patch.position = {2, 2};
-    CHECK(sketch::flank_gradient(frame, {{{{0}, {}, patch}}, {}}).places == 0);
+    CHECK(sketch::measure_flank_gradient(frame, {{{{0}, {}, patch}}, {}}).places == 0);
   }
 }
 
@@ -65,7 +65,8 @@ TEST_CASE("a blurred picture's flanks are less steep") {
   cv::Mat frame, blurred;
   clip_of(graph, 1).frames[0].convertTo(frame, CV_32F);
   cv::GaussianBlur(frame, blurred, {}, 1.5);
-  CHECK(sketch::flank_gradient(blurred, graph).mean() < 0.75 * sketch::flank_gradient(frame, graph).mean());
+  CHECK(sketch::measure_flank_gradient(blurred, graph).mean() <
+        0.75 * sketch::measure_flank_gradient(frame, graph).mean());
 }
 
 TEST_CASE("the sharpening is found that patches need, less blur before more contrast") {
@@ -73,8 +74,8 @@ TEST_CASE("the sharpening is found that patches need, less blur before more cont
   const sketch::RenderOptions look{.size = kSize, .channels = 1, .empty_level = 68};
   const auto gradient = [&](const sketch::Sharpening& sharpening) {
     cv::Mat levels;
-    sketch::render_frame(parts[0], sketch::sharpened(look, sharpening)).convertTo(levels, CV_32F);
-    return sketch::flank_gradient(levels, parts[0].graph).mean();
+    sketch::render_frame(parts[0], sketch::apply_sharpening(look, sharpening)).convertTo(levels, CV_32F);
+    return sketch::measure_flank_gradient(levels, parts[0].graph).mean();
   };
   for (const double share : {0.5, 0.7, 0.9}) {
     const auto found = sketch::fit_sharpening(parts, look, gradient({share, 1}));
@@ -97,6 +98,6 @@ TEST_CASE("a clip's flank gradient is that of some of its frames") {
   for (int t = 0; t < 9; ++t) sketch.append(wavy(1.6));
   cv::Mat levels;
   clip.frames[0].convertTo(levels, CV_32F);
-  CHECK_THAT(sketch::clip_flank_gradient(source, sketch).mean(),
-             WithinAbs(sketch::flank_gradient(levels, wavy(1.6)).mean(), 1e-9));
+  CHECK_THAT(sketch::measure_clip_flank_gradient(source, sketch).mean(),
+             WithinAbs(sketch::measure_flank_gradient(levels, wavy(1.6)).mean(), 1e-9));
 }

@@ -33,7 +33,7 @@ struct Scene {
 Scene scene(const cv::Mat& frame, const cv::Mat& mask, int count = 1) {
   cv::Mat start = sketch::fill(frame, mask).levels;
   if (cv::countNonZero(mask) == 0) start.setTo(cv::mean(frame));
-  return {frame, mask, start, sketch::texture_regions(frame, mask, {.regions = count})};
+  return {frame, mask, start, sketch::segment_texture(frame, mask, {.regions = count})};
 }
 
 /// A tile of 7 × 5 different levels, again and again.
@@ -76,7 +76,6 @@ TEST_CASE("Efros-Leung copies pixels of the own region from elsewhere", "[sketch
     const Scene s = scene(levels, test::bands(kSize), 2);
     const sketch::EfrosLeungOptions options;
     const auto result = sketch::efros_leung(s.start, levels, s.regions, options);
-    CHECK(result.status == core::Status::done);
     CHECK(same_where_held(result.levels, levels, s.mask));
     int moved = 0, free = 0;
     for (int y = 0; y < kSize.height; ++y)
@@ -162,16 +161,7 @@ TEST_CASE("Efros-Leung can be stopped", "[sketch][efros_leung]") {
   const core::Context context(stop.get_token(), [&](std::string_view, double share) {
     if (share > 0.2) stop.request_stop();
   });
-  const auto result = sketch::efros_leung(s.start, s.frame, s.regions, {}, context);
-  CHECK(result.status == core::Status::cancelled);
-  int left = 0;
-  for (int y = 0; y < kSize.height; ++y)
-    for (int x = 0; x < kSize.width; ++x)
-      if (s.mask.at<uchar>(y, x) == 0 && result.source.at<cv::Vec2i>(y, x)[0] < 0) {
-        ++left;
-        CHECK(result.levels.at<float>(y, x) == s.start.at<float>(y, x));
-      }
-  CHECK(left > 100);
+  CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, s.regions, {}, context), core::Cancelled);
 }
 
 TEST_CASE("Efros-Leung rejects what is none", "[sketch][efros_leung]") {

@@ -58,15 +58,16 @@ double share_right(const cv::Mat& label, int count) {
 }  // namespace
 
 TEST_CASE("Texture filters answer to what they are for and to nothing else", "[sketch][texture]") {
-  const auto filters = sketch::texture_filters();
+  const auto filters = sketch::make_texture_filters();
   cv::Mat plane(20, 20, CV_8U), flat(20, 20, CV_8U, cv::Scalar(91)), dot = flat.clone();
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 20; ++x) plane.at<uchar>(y, x) = static_cast<uchar>(10 + 5 * x + 2 * y);
   dot.at<uchar>(9, 11) = 92;
   for (std::size_t f = 0; f < filters.size(); ++f) {
     INFO(std::string(filters[f].name));
-    const cv::Mat on_flat = sketch::respond(flat, filters[f]), on_plane = sketch::respond(plane, filters[f]),
-                  on_dot = sketch::respond(dot, filters[f]);
+    const cv::Mat on_flat = sketch::filter_responses(flat, filters[f]),
+                  on_plane = sketch::filter_responses(plane, filters[f]),
+                  on_dot = sketch::filter_responses(dot, filters[f]);
     int weights = 0;
     for (const auto& tap : filters[f].taps) {
       CHECK(std::max(std::abs(tap.dx), std::abs(tap.dy)) <= filters[f].radius);
@@ -87,18 +88,18 @@ TEST_CASE("Texture filters answer to what they are for and to nothing else", "[s
 TEST_CASE("Bins hold the shares they are made for", "[sketch][texture]") {
   std::vector<int> responses;
   for (int i = 0; i < 10000; ++i) responses.push_back((i * 7919) % 10007);
-  const auto edges = sketch::bin_edges(responses);
+  const auto edges = sketch::make_bin_edges(responses);
   CHECK(std::ranges::is_sorted(edges));
   std::array<int, sketch::kTextureBins> counts{};
-  for (const int response : responses) ++counts[static_cast<std::size_t>(sketch::bin_of(edges, response))];
+  for (const int response : responses) ++counts[static_cast<std::size_t>(sketch::find_bin(edges, response))];
   const std::array<double, sketch::kTextureBins> shares{0,   .005, .025, .09,  .16,  .15, .14,
                                                         .15, .16,  .09,  .025, .005, 0};
   for (std::size_t b = 0; b < shares.size(); ++b)
     CHECK_THAT(counts[b] / 10000.0, WithinAbs(shares[b], 0.001));
-  CHECK(sketch::bin_of(edges, edges[3]) == 4);
-  CHECK(sketch::bin_of(edges, edges[3] - 1) == 3);
-  const auto alike = sketch::bin_edges(std::vector<int>(50, 7));
-  CHECK(sketch::bin_of(alike, 7) == 6);
+  CHECK(sketch::find_bin(edges, edges[3]) == 4);
+  CHECK(sketch::find_bin(edges, edges[3] - 1) == 3);
+  const auto alike = sketch::make_bin_edges(std::vector<int>(50, 7));
+  CHECK(sketch::find_bin(alike, 7) == 6);
   for (std::size_t i = 1; i < alike.size(); ++i) CHECK(alike[i] - alike[i - 1] == 32);
 }
 
@@ -110,24 +111,24 @@ TEST_CASE("Textures side by side are told apart", "[sketch][texture]") {
       const cv::Mat mask = held ? test::bands(frame.size()) : test::nothing(frame.size());
       const auto count = static_cast<int>(kinds.size());
       INFO(kinds[0] << " and " << kinds[1] << ", of " << kinds.size() << (held ? ", bands held" : ""));
-      const auto given = sketch::texture_regions(frame, mask, {.regions = count});
+      const auto given = sketch::segment_texture(frame, mask, {.regions = count});
       CHECK(given.count == count);
       CHECK(share_right(given.label, count) > 0.9);
       CHECK(cv::norm(given.label == 0, mask != 0, cv::NORM_INF) == 0);
       // And how many there are is found too, where no texture is as wide as the window.
       if (kinds.front() == 0 && kinds.back() == 3) continue;
-      const auto found = sketch::texture_regions(frame, mask, {.fewest = 2});
+      const auto found = sketch::segment_texture(frame, mask, {.fewest = 2});
       CHECK(found.count == count);
     }
 }
 
 TEST_CASE("Histograms of regions are counts of their own pixels", "[sketch][texture]") {
   const cv::Mat frame = beside({0, 2}, 100), mask = test::bands(frame.size());
-  const auto regions = sketch::texture_regions(frame, mask);
+  const auto regions = sketch::segment_texture(frame, mask);
   REQUIRE(regions.count >= 3);
   const int parts = 2 * regions.count;
   REQUIRE(regions.histograms.size() == static_cast<std::size_t>(parts));
-  const auto filters = sketch::texture_filters();
+  const auto filters = sketch::make_texture_filters();
   const cv::Mat bytes = core::to_bytes(frame);
   double before = 0;
   for (int k = 1; k <= parts; ++k) {
@@ -172,7 +173,7 @@ TEST_CASE("Texture regions are the same at any thread count and seed by seed", "
   const cv::Mat frame = beside({0, 3}, 110), mask = test::bands(frame.size());
   const auto with = [&](std::size_t threads) {
     const core::ThreadLimit limit(threads);
-    return sketch::texture_regions(frame, mask, {.seed = 5});
+    return sketch::segment_texture(frame, mask, {.seed = 5});
   };
   const auto one = with(1), four = with(4);
   CHECK(cv::norm(one.label, four.label, cv::NORM_INF) == 0);
@@ -182,29 +183,29 @@ TEST_CASE("Texture regions are the same at any thread count and seed by seed", "
 
 TEST_CASE("Texture regions of odd frames", "[sketch][texture]") {
   for (const cv::Size size : {cv::Size(1, 1), {3, 1}, {3, 40}, {40, 3}, {6, 6}}) {
-    const auto regions = sketch::texture_regions(test::texture(size, 3, 100, 3), test::nothing(size));
+    const auto regions = sketch::segment_texture(test::texture(size, 3, 100, 3), test::nothing(size));
     CHECK(regions.label.size() == size);
     CHECK(regions.count >= 1);
     CHECK(cv::countNonZero(regions.label) == size.area());
   }
   const cv::Size size(40, 30);
   const cv::Mat constant(size, CV_32F, cv::Scalar(80));
-  CHECK(sketch::texture_regions(constant, test::nothing(size)).count == 1);
-  const auto none = sketch::texture_regions(constant, cv::Mat(size, CV_8U, cv::Scalar(1)));
+  CHECK(sketch::segment_texture(constant, test::nothing(size)).count == 1);
+  const auto none = sketch::segment_texture(constant, cv::Mat(size, CV_8U, cv::Scalar(1)));
   CHECK(none.count == 0);
   CHECK(none.histograms.empty());
   CHECK(cv::countNonZero(none.label) == 0);
   cv::Mat one_free(size, CV_8U, cv::Scalar(255));
   one_free.at<uchar>(0, 0) = 0;
-  CHECK(sketch::texture_regions(constant, one_free).count == 1);
+  CHECK(sketch::segment_texture(constant, one_free).count == 1);
 }
 
 TEST_CASE("Texture regions reject what is none", "[sketch][texture]") {
   const cv::Size size(20, 20);
   cv::Mat frame = test::texture(size, 3, 100, 3);
   const cv::Mat mask = test::nothing(size);
-  CHECK_THROWS_AS(sketch::texture_regions(cv::Mat(), mask), core::InputError);
-  CHECK_THROWS_AS(sketch::texture_regions(frame, test::nothing({3, 3})), core::InputError);
+  CHECK_THROWS_AS(sketch::segment_texture(cv::Mat(), mask), core::InputError);
+  CHECK_THROWS_AS(sketch::segment_texture(frame, test::nothing({3, 3})), core::InputError);
   for (const sketch::TextureOptions& options : std::vector<sketch::TextureOptions>{{.regions = 17},
                                                                                    {.regions = -1},
                                                                                    {.fewest = 0},
@@ -212,7 +213,7 @@ TEST_CASE("Texture regions reject what is none", "[sketch][texture]") {
                                                                                    {.most = 17},
                                                                                    {.window = 4},
                                                                                    {.window = 1}})
-    CHECK_THROWS_AS(sketch::texture_regions(frame, mask, options), core::InputError);
+    CHECK_THROWS_AS(sketch::segment_texture(frame, mask, options), core::InputError);
   frame.at<float>(1, 1) = std::numeric_limits<float>::quiet_NaN();
-  CHECK_THROWS_AS(sketch::texture_regions(frame, mask), core::InputError);
+  CHECK_THROWS_AS(sketch::segment_texture(frame, mask), core::InputError);
 }
