@@ -6,8 +6,11 @@
 #include <cctype>
 #include <charconv>
 #include <cstdlib>
+#include <filesystem>
 #include <string_view>
 #include <tuple>
+
+#include "core/io/require_apart.hpp"
 
 namespace emberfold::apps {
 
@@ -102,6 +105,13 @@ void add_output(CLI::App& command, std::string& folder) {
       ->type_name("DIR")
       ->required(folder.empty())
       ->default_str(folder);
+}
+
+void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
+                   const std::vector<std::string>& names) {
+  std::vector<io::OutputPath> outputs{{folder, true}};
+  for (const auto& name : names) outputs.push_back({std::filesystem::path(folder) / name});
+  io::require_apart(inputs, outputs);
 }
 
 void check_common(const CommonOptions& common) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -79,6 +80,9 @@ void check_options(Options& options) {
     throw Misuse(message);
   }
 }
+/// Refuses an output folder where the clip, mask … that is read lies at one of the names that are written.
+void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
+                   const std::vector<std::string>& names);
 void check_common(const CommonOptions& common);
 /// Checks, and reads the range. The session's seed becomes that of a built-in clip.
 io::ReadOptions check_reading(const Reading& reading, const Session& session);

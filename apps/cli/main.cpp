@@ -14,6 +14,7 @@
 #include "apps/cli/command.hpp"
 #include "apps/cli/did_you_mean.hpp"
 #include "apps/cli/interrupt.hpp"
+#include "core/io/require_apart.hpp"
 #include "core/parallel.hpp"
 
 namespace {
@@ -188,6 +189,9 @@ int main(int count, char** words) {
     console.error("interrupted; " + interrupted.kept);
     return kInterrupted;
   } catch (const apps::Misuse& error) {
+    console.error(error.what());
+    return kMisuse;
+  } catch (const io::OverwriteError& error) {
     console.error(error.what());
     return kMisuse;
   } catch (const std::bad_alloc&) {

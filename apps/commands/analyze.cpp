@@ -28,7 +28,10 @@ void run_analyze(const Analyze& asked, Session& session) {
   check_options(options.infer);
   check_options(options.fill);
   check_options(options.calibrate);
+  require_apart({asked.reading.clip}, asked.output,
+                {"overlay.mp4", "reconstruction.avi", "birth_map.png", "death_map.png", "matches", "model"});
   io::OutputFolder output(asked.output);
+  output.protect({asked.reading.clip});
   auto analysis = analyze_clip(asked.reading.clip, options, output, session);
   finish_analysis(analysis, output, session);
   output.commit();

@@ -56,7 +56,11 @@ void run_compare(const Compare& asked, Session& session) {
   check_options(asked.options.match);
   check_options(asked.options.fill);
   check_options(asked.options.learn);
+  require_apart({asked.reading.clip, asked.other}, asked.output,
+                {"side_by_side.mp4", "synthesized_motion.avi", "synthesized_dytex.avi",
+                 "synthesized_hybrid.avi", "synthesized_star.avi"});
   io::OutputFolder output(asked.output);
+  output.protect({asked.reading.clip, asked.other});
   Stages stages;
   stages.begin("compare");
   const auto open = [&](const std::string& name) {

@@ -172,7 +172,14 @@ void run_classify(Classify asked, Session& session) {
   Found found;
   found.labelled = list_labelled(asked.folder, warn);
   deal(asked, found);
+  std::vector<std::string> inputs{asked.folder};
+  for (const auto& clip : found.labelled.clips) {
+    inputs.push_back(clip.path.string());
+    inputs.push_back(clip.path.parent_path().string());
+  }
+  require_apart(inputs, asked.output, {"confusion.png"});
   io::OutputFolder output(asked.output);
+  output.protect(inputs);
   Stages stages;
   stages.begin("learn");
   found.samples = learn_samples(found.labelled, asked.options, session, warn);

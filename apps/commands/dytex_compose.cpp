@@ -10,6 +10,7 @@
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
 #include "core/io/mask_file.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/model/layers.hpp"
 #include "dytex/synthesize.hpp"
 
@@ -112,6 +113,13 @@ Json compose_summary(const Compose& asked, const io::ReadOptions& read, const co
 
 void run_compose(const Compose& asked, Session& session) {
   const io::ReadOptions read = check_reading(asked.reading, session);
+  std::vector<std::string> inputs{asked.reading.clip};
+  for (const auto& layer : asked.layers) {
+    const auto [model, mask] = split_layer(layer);
+    inputs.push_back(model);
+    inputs.push_back(mask);
+  }
+  io::require_apart(inputs, {{asked.output}});
   Stages stages;
   stages.begin("read");
   const auto source =

@@ -16,6 +16,7 @@
 #include "apps/pictures/pictures.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/model/compression.hpp"
 
 namespace emberfold::apps {
@@ -170,6 +171,7 @@ void run_compress(const Compress& asked, Session& session) {
     if (fs::equivalent(asked.output, asked.model, ignored))
       throw Misuse(
           "--output is the model itself; what f16 and u8 leave out would be lost: name another folder");
+    io::require_apart({asked.model, asked.reading.clip}, {{asked.output}});
     folder.emplace(asked.output);
   }
   Stages stages;

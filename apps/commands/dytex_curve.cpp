@@ -38,7 +38,9 @@ void run_curve(const Curving& asked, Session& session) {
   } catch (const core::InputError& error) {
     throw Misuse(with_option_names(error.what()));
   }
+  require_apart({asked.reading.clip}, asked.output, {"curve.png"});
   io::OutputFolder output(asked.output);
+  output.protect({asked.reading.clip});
   Stages stages;
   stages.begin("curve");
   const auto source =

@@ -98,7 +98,11 @@ void run_distance(const Distance& asked, Session& session) {
   const Measure measure = check(asked);
   const auto names = short_names(asked.models);
   std::optional<io::OutputFolder> output;
-  if (!asked.output.empty()) output.emplace(asked.output);
+  if (!asked.output.empty()) {
+    require_apart(asked.models, asked.output, {});
+    output.emplace(asked.output);
+    output->protect(asked.models);
+  }
   Stages stages;
   stages.begin("read");
   const auto models = read_models(asked.models);

@@ -11,6 +11,7 @@
 #include "apps/textures/texture_edits.hpp"
 #include "apps/textures/texture_modes.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/editing/edit.hpp"
 #include "dytex/model/archive.hpp"
 
@@ -26,6 +27,7 @@ struct Editing {
   std::vector<dytex::Edit> edits;
   std::optional<int> channel;  // of those to come
   bool keep_contrast = true;   // by those to come
+  std::string weights_file;    // of --weights, which may be numbers too
 
   template <class What>
   void add(const What& what) {
@@ -97,6 +99,7 @@ Json edit_summary(const Editing& asked, const std::vector<std::string>& history,
 
 void run_edit(const Editing& asked, Session& session) {
   check_edits(asked);
+  io::require_apart({asked.model, asked.weights_file}, {{asked.output}});
   io::ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("read");
@@ -174,7 +177,10 @@ void add_strength_options(CLI::App& command, const std::shared_ptr<Editing>& ask
     return dytex::Scales{1, 1, x};
   });
   add_edit(command, "--weights", "X,X,...|FILE", "Each component, the first first, times its number", group,
-           [asked](const std::string& text) { asked->add(dytex::Weights{parse_numbers(text)}); });
+           [asked](const std::string& text) {
+             asked->weights_file = text;
+             asked->add(dytex::Weights{parse_numbers(text)});
+           });
   std::string names;
   for (const auto& info : dytex::presets()) names += (names.empty() ? "" : "|") + std::string(info.name);
   add_edit(command, "--preset", "NAME", "One of " + names, group, [asked](const std::string& name) {

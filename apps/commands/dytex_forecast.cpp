@@ -70,7 +70,10 @@ void run_forecast(const Forecasting& asked, Session& session) {
   if (asked.asked_after && asked.reading.clip.empty())
     throw Misuse("--after is the number of frames of CLIP; there is no CLIP");
   const io::ReadOptions read = check_reading(asked.reading, session);
+  const std::vector<std::string> inputs{asked.model, asked.reading.clip};
+  require_apart(inputs, asked.output, {"forecast.avi", "forecast.png", "deviation.png"});
   io::OutputFolder output(asked.output);
+  output.protect(inputs);
   Stages stages;
   stages.begin("read");
   const auto texture = read_texture(asked.model);

@@ -15,6 +15,7 @@
 #include "apps/textures/texture_picture.hpp"
 #include "core/io/mask_file.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/model/layers.hpp"
@@ -183,6 +184,7 @@ void run_learn(Learn asked, Session& session) {
   check_learning(asked.options);
   asked.em.options.memory = asked.options.memory;
   check_em(asked.em, asked.options);
+  io::require_apart({asked.reading.clip, asked.mask, asked.em.missing}, {{asked.output}, {asked.em.filled}});
   io::ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("learn");

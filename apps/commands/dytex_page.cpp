@@ -8,6 +8,7 @@
 #include "apps/commands/dytex.hpp"
 #include "apps/page/texture_page.hpp"
 #include "core/io/files.hpp"
+#include "core/io/require_apart.hpp"
 
 namespace emberfold::apps {
 
@@ -27,6 +28,7 @@ std::string page_text(const TexturePage& page, const std::string& output) {
 }
 
 void run_page(const Page& asked, Session& session) {
+  io::require_apart({asked.model}, {{asked.output}});
   const io::StagedFile file(asked.output);
   Stages stages;
   stages.begin("read");

@@ -6,6 +6,7 @@
 #include "apps/cli/interrupt.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/synthesize.hpp"
 
 namespace emberfold::apps {
@@ -36,6 +37,7 @@ void check_lengths(Synth& asked) {
 
 void run_synth(Synth asked, Session& session) {
   check_lengths(asked);
+  io::require_apart({asked.model}, {{asked.output}});
   Stages stages;
   stages.begin("read");
   const auto texture = read_texture(asked.model);

@@ -169,7 +169,7 @@ void add_quilt(CLI::App& app, Chosen& chosen) {
       "  emberfold quilt clouds.mp4 -o out/clouds --size 1024x1024 --block 48x96\n"
       "  emberfold quilt builtin:rust -o rust.mp4 --control gradient:right --rates 0:1\n"
       "  emberfold quilt normals.avi --apply out/rust/map.npy -o out/normals\n"
-      "  emberfold quilt stone.png -o stone.png --size 1024 --tileable");
+      "  emberfold quilt stone.png -o tile.png --size 1024 --tileable");
   const auto asked = std::make_shared<Asked>();
   add_reading(*command, asked->reading);
   add_output_options(*command, *asked);

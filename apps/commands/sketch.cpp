@@ -154,7 +154,12 @@ SketchRun write_sketched(const std::string& clip, const SketchRequest& request, 
 void run_sketch(const Sketch& asked, Session& session) {
   const io::ReadOptions read = check_reading(asked.reading, session);
   SketchRequest request = check_request(asked, read, session);
+  const std::vector<std::string> inputs{asked.reading.clip, asked.dictionary.folder};
+  require_apart(inputs, asked.output,
+                {"overlay.mp4", "reconstruction.avi", "film.mp4", "film.png", "heat.mp4", "dictionary",
+                 "dictionary.png"});
   io::OutputFolder output(asked.output);
+  output.protect(inputs);
   Stages stages;
   stages.begin("sketch");
   const auto source =

@@ -13,6 +13,7 @@
 #include "apps/report/report_model.hpp"
 #include "core/io/clip_writer.hpp"
 #include "core/io/files.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/editing/edit.hpp"
 #include "graph/io/motion_io.hpp"
 #include "mcmc/simulation/synthesize.hpp"
@@ -165,6 +166,7 @@ Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipelin
 
 void run_synth(Synth asked, Session& session) {
   check(asked);
+  io::require_apart({asked.model, asked.edit.birth_map}, {{asked.output}, {asked.overlay}, {asked.motion}});
   Stages stages;
   stages.begin("read");
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);

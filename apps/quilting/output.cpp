@@ -83,13 +83,19 @@ void write_array(const fs::path& path, const core::NpyArray& array) {
 
 }  // namespace
 
-void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const dytex::QuiltMap& map,
-                     const dytex::TimeControl& control) {
+bool keeps_map(const QuiltRequest& request, const QuiltTarget& target) {
+  std::error_code none;
+  return request.map.empty() && !request.apply.empty() &&
+         fs::equivalent(target.folder / "map.npy", request.apply, none);
+}
+
+void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const QuiltTarget& target,
+                     const dytex::QuiltMap& map, const dytex::TimeControl& control) {
   const auto array = dytex::to_array(map);
-  if (request.map.empty())
-    output.write("map.npy", [&](std::ostream& out) { core::write_npy(out, array); });
-  else
+  if (!request.map.empty())
     write_array(request.map, array);
+  else if (!keeps_map(request, target))
+    output.write("map.npy", [&](std::ostream& out) { core::write_npy(out, array); });
   if (control.plain()) return;
   const auto times = time_array(control, map.size);
   output.write("time.npy", [&](std::ostream& out) { core::write_npy(out, times); });

@@ -14,6 +14,7 @@
 #include "core/io/frame_decoders.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/io/tiff_pages.hpp"
 
 namespace emberfold::io {
 
@@ -141,6 +142,7 @@ std::unique_ptr<FrameDecoder> open_raw(const std::string& name, const ReadOption
                                                 ? error.message()
                                                 : "there is no such file or folder"));
   }
+  if (is_tiff(path)) return decode_tiff(path, options.grey, warn);
   if (is_image_name(path)) return decode_images({path}, options.grey, warn);
   return decode_video(path, warn);
 }

@@ -198,6 +198,11 @@ class ImageClip final : public FrameDecoder {
       differs(pixels.depth() == CV_8U ? "of 8 bits" : "of 16 bits", info_.depth == CV_8U ? "of 8" : "of 16");
     if (image.had_alpha && !std::exchange(warned_, true))
       tell(warn_, file.string() + ": its alpha channel is dropped, and so is that of the images after it");
+    if (image.pages > 1 && !std::exchange(warned_pages_, true))
+      tell(warn_,
+           file.string() + " has " + std::to_string(image.pages) +
+               " pages, of which the first is taken, and so it is of the images after it; give the file "
+               "itself to read all of its pages");
     if (to_grey_) return to_grey(pixels);
     if (info_.channels == 1 && pixels.channels() == 3)
       differs("in colour", "grey (ask for a grey clip to mix them)");
@@ -220,7 +225,7 @@ class ImageClip final : public FrameDecoder {
   core::Warn warn_;
   core::ClipInfo info_;
   std::size_t position_ = 0;
-  bool warned_ = false;
+  bool warned_ = false, warned_pages_ = false;
 };
 
 class HeldClip final : public FrameDecoder {

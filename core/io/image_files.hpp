@@ -32,10 +32,11 @@ std::vector<std::filesystem::path> match_images(const std::filesystem::path& pat
 struct ImageFile {
   cv::Mat pixels;
   bool had_alpha = false;
+  int pages = 1;  ///< in the file; the first one was read
 };
 
 /// Reads one image. core::IoError, naming the file: it cannot be opened, is no image, is cut off or damaged
-/// (found for PNG and JPEG), or holds another depth.
+/// (found for PNG, JPEG and TIFF), or holds another depth.
 ImageFile read_image(const std::filesystem::path& path);
 
 }  // namespace emberfold::io

@@ -10,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/io/files.hpp"
+#include "core/io/require_apart.hpp"
 
 namespace emberfold::io {
 
@@ -72,6 +73,11 @@ void OutputFolder::commit() {
     if (error) throw core::IoError("cannot write " + path.string() + ": " + error.message());
   };
   std::error_code error;
+  std::vector<OutputPath> targets;
+  for (const auto& entry : fs::directory_iterator(stage_, error))
+    targets.push_back({folder_ / entry.path().filename()});
+  check(error, folder_);
+  if (!inputs_.empty()) require_apart(inputs_, targets);
   for (const auto& entry : fs::directory_iterator(stage_, error)) {
     const fs::path target = folder_ / entry.path().filename();
     if (entry.is_directory()) fs::remove_all(target, error);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace emberfold::io {
@@ -25,15 +26,19 @@ class OutputFolder {
   /// Writes a file through a stream and checks that all of it arrived.
   void write(const std::string& name, const std::function<void(std::ostream&)>& body);
   void make_subfolder(const std::string& name);
+  /// Makes commit() refuse to replace any of these files (see require_apart).
+  void protect(std::vector<std::string> inputs) { inputs_ = std::move(inputs); }
   /// A message about a staged file, told of the final one.
   [[nodiscard]] std::string of_final(std::string message) const;
-  /// Puts everything in place; a file or folder of the same name is replaced.
+  /// Puts everything in place; a file or folder of the same name is replaced. Throws OverwriteError, with
+  /// nothing replaced, where that is a protected input.
   void commit();
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
 
  private:
   std::filesystem::path folder_, stage_;
   std::vector<std::filesystem::path> made_;  // folders that were not there, the innermost first
+  std::vector<std::string> inputs_;
   bool committed_ = false;
 };
 
