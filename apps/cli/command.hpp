@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -68,10 +70,13 @@ class Stages {
   Clock::time_point first_ = Clock::now(), began_ = first_;
 };
 
-/// What is to be run.
+class Settings;
+
+/// What the command line asks for.
 struct Chosen {
   CommonOptions common;
   std::function<void(Session&)> run;
+  std::map<std::string, std::shared_ptr<Settings>> settings;  ///< by command, "dytex learn"
 };
 
 void add_analyze(CLI::App& app, Chosen& chosen);

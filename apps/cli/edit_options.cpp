@@ -15,6 +15,7 @@ namespace emberfold::apps {
 
 namespace {
 
+constexpr const char* kSynthGroup = "synth";
 constexpr std::array<const char*, 6> kRates = {"births", "deaths",   "splits",
                                                "merges", "connects", "disconnects"};
 
@@ -41,33 +42,27 @@ mcmc::CellMap painted_births(const std::string& path, const mcmc::MotionModel& m
 
 }  // namespace
 
-void add_edit_options(CLI::App& app, EditOptions& options) {
-  const std::string group = "Changing the motion";
+void add_edit_options(CLI::App& app, Settings& settings, EditOptions& options) {
   auto& edit = options.edit;
   app.add_option("--start", options.start_name,
-                 "Begin with two frames as they were seen (data), or as they usually are (stationary)")
-      ->type_name("data|stationary")
+                 "Begin as in the clip (data) or as the model usually is (stationary)")
+      ->type_name("KIND")
       ->check(CLI::IsMember({"data", "stationary"}).description(""))
-      ->default_str(options.start_name)
-      ->group(group);
-  add_number(app, "--speed", edit.speed, "X", "So many times as fast, 0.1 to 10")->group(group);
-  app.add_flag("--reverse", edit.reverse, "Time runs backwards")->group(group);
-  add_number(app, "--intensity", edit.intensity, "X", "Of the force that makes strokes sway, 0 to 10")
-      ->group(group);
-  add_number(app, "--flicker", edit.flicker, "X", "Of what makes their contrast change, 0 to 10")
-      ->group(group);
-  for (std::size_t i = 0; i < kRates.size(); ++i)
-    add_number(app, std::string("--") + kRates[i], edit.rates[i], "X",
-               std::string(kRates[i]) + " so many times as often, 0 to 10")
-        ->group(group);
-  app.add_option("--birth-map", options.birth_map, "A picture, white where strokes are to be born")
-      ->type_name("FILE")
-      ->group(group);
-  app.add_option("--strokes", options.strokes, "The wider or the narrower half of the strokes alone")
-      ->type_name("all|coarse|fine")
+      ->default_str(options.start_name);
+  add_number(app, "--speed", edit.speed, "X", "Move X times as fast, 0.1 to 10");
+  app.add_flag("--reverse", edit.reverse, "Run time backwards");
+  add_number(app, "--intensity", edit.intensity, "X", "Scale the force that displaces strokes, 0 to 10");
+  add_number(app, "--flicker", edit.flicker, "X", "Scale the changes of contrast, 0 to 10");
+  app.add_option("--birth-map", options.birth_map, "Let strokes be born where this picture is white")
+      ->type_name("FILE");
+  app.add_option("--strokes", options.strokes,
+                 "Keep all strokes, or the wider (coarse) or narrower (fine) half")
+      ->type_name("WHICH")
       ->check(CLI::IsMember({"all", "coarse", "fine"}).description(""))
-      ->default_str(options.strokes)
-      ->group(group);
+      ->default_str(options.strokes);
+  for (std::size_t i = 0; i < kRates.size(); ++i)
+    settings.add(kSynthGroup, kRates[i], edit.rates[i], "X", std::string("Multiply the rate of ") + kRates[i],
+                 [] { return "0 to 10"; });
 }
 
 void check(EditOptions& options) {
@@ -83,7 +78,7 @@ void check(EditOptions& options) {
     for (const std::string field : {"speed", "intensity", "flicker"})
       message = with_option_name(message, field);
     for (const std::string field : kRates)
-      if (message.starts_with(field)) message = with_option_name(message, field);
+      if (message.starts_with(field)) message = std::string(kSynthGroup) + "." + message;
     throw Misuse(message);
   }
 }

@@ -22,8 +22,8 @@ struct EditOptions {
   }
 };
 
-/// --speed, --reverse, --intensity and the others.
-void add_edit_options(CLI::App& command, EditOptions& options);
+/// Adds --speed, --reverse, --intensity and others, and the rates of events to the settings (synth.births …).
+void add_edit_options(CLI::App& command, Settings& settings, EditOptions& options);
 
 /// Throws Misuse, in the options' names.
 void check(EditOptions& options);

@@ -79,17 +79,17 @@ void run_demo(const Demo& asked, Session& session) {
 
 void add_demo(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand(
-      "demo", "Make a built-in clip, analyse it, hold the events against the truth, draw new clips from it");
+      "demo", "Make a built-in clip, analyze it, score its events, draw new clips from its models");
   command->footer(
       "  emberfold demo\n"
       "  emberfold demo --clip cloth -o out/cloth --seed 7");
   const auto asked = std::make_shared<Demo>();
   add_output(*command, asked->output);
-  command->add_option("--clip", asked->clip, "Which clip")
+  command->add_option("--clip", asked->clip, "Use this clip")
       ->type_name("fire|cloth|river")
       ->check(CLI::IsMember({"fire", "cloth", "river"}).description(""))
       ->default_str(asked->clip);
-  add_common(*command, chosen.common, "Print the content of summary.json");
+  add_common(*command, chosen.common);
   command->callback(
       [asked, &chosen] { chosen.run = [asked](Session& session) { run_demo(*asked, session); }; });
 }

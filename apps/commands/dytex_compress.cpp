@@ -207,8 +207,7 @@ void run_compress(const Compress& asked, Session& session) {
 }  // namespace
 
 void add_dytex_compress(CLI::App& dytex, Chosen& chosen) {
-  auto* command =
-      dytex.add_subcommand("compress", "Keep a model in fewer bytes, and tell what that leaves of its clip");
+  auto* command = dytex.add_subcommand("compress", "Store a model in fewer bytes, and measure the loss");
   command->footer(
       "  emberfold dytex compress out/flag\n"
       "  emberfold dytex compress out/flag flag.avi\n"
@@ -217,15 +216,13 @@ void add_dytex_compress(CLI::App& dytex, Chosen& chosen) {
   add_texture_model(*command, asked->model);
   add_reading(*command, asked->reading);
   command->get_option("CLIP")->required(false)->description(
-      "The clip that it was learned from: the PSNR is then measured too");
-  command
-      ->add_option("-o,--output", asked->output,
-                   "Folder to write the smaller model into; every command reads it as any other")
+      "Measure the PSNR on this clip, which the model was learned from");
+  command->add_option("-o,--output", asked->output, "Write the smaller model into this folder")
       ->type_name("DIR");
-  command->add_option("--precision", asked->precision, "In which C and the mean are kept")
+  command->add_option("--precision", asked->precision, "Store components and mean in this type")
       ->type_name("f32|f16|u8")
       ->default_str(asked->precision);
-  add_common(*command, chosen.common, "Print the figures as JSON");
+  add_common(*command, chosen.common);
   command->callback(
       [asked, &chosen] { chosen.run = [asked](Session& session) { run_compress(*asked, session); }; });
 }

@@ -81,8 +81,7 @@ void run_curve(const Curving& asked, Session& session) {
 
 void add_dytex_curve(CLI::App& dytex, Chosen& chosen) {
   auto* command = dytex.add_subcommand(
-      "curve",
-      "How many frames a clip must have: the error of the next frame against the frames learned from");
+      "curve", "Measure how many frames must be learned: the error of the next frame against them");
   command->footer(
       "  emberfold dytex curve flag.avi -o out/curve\n"
       "  emberfold dytex curve flag.avi -o out/curve -n 10 --lengths 60 --targets 20");
@@ -90,18 +89,14 @@ void add_dytex_curve(CLI::App& dytex, Chosen& chosen) {
   auto& options = asked->options;
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
-  const char* group = "Curve";
-  add_number(*command, "-n,--components", options.components, "N", "Order: how many components")
-      ->group(group);
-  add_number(*command, "--lengths", options.lengths, "N", "How many lengths are tried")->group(group);
+  add_number(*command, "-n,--components", options.components, "N", "Learn this many components");
+  add_number(*command, "--lengths", options.lengths, "N", "Try this many lengths");
   add_number(*command, "--targets", options.targets, "N",
-             "How many frames are foretold for each, in the last quarter")
-      ->group(group);
-  add_number(*command, "--longest", options.longest, "FRAMES", "Longer windows are not tried")->group(group);
+             "Predict this many frames for each, in the last quarter");
+  add_number(*command, "--longest", options.longest, "FRAMES", "Try no longer windows than this");
   add_number(*command, "--tolerance", options.tolerance, "SHARE",
-             "Of the error at length, within which it must stay from the critical length on")
-      ->group(group);
-  add_common(*command, chosen.common, "Print the content of summary.json");
+             "Call a length critical where the error stays within this share of the last");
+  add_common(*command, chosen.common);
   command->callback(
       [asked, &chosen] { chosen.run = [asked](Session& session) { run_curve(*asked, session); }; });
 }

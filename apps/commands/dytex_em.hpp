@@ -21,8 +21,8 @@ struct EmAsked {
   [[nodiscard]] bool wanted() const { return em || options.noise_per_value || !missing.empty(); }
 };
 
-/// --em, --em-iterations, --em-tolerance, --noise-per-value, --missing, --filled.
-void add_em_options(CLI::App& command, EmAsked& asked);
+/// Adds --em, --missing, --filled, and the settings em.iterations, em.tolerance and em.noise_per_value.
+void add_em_options(CLI::App& command, Settings& settings, EmAsked& asked);
 /// Misuse where they cannot be, or not with what the closed form is asked for.
 void check_em(const EmAsked& asked, const dytex::LearnOptions& learning);
 

@@ -83,18 +83,15 @@ void add_dytex_synth(CLI::App& dytex, Chosen& chosen) {
   const auto asked = std::make_shared<Synth>();
   add_texture_model(*command, asked->model);
   command
-      ->add_option("-o,--output", asked->output, "Clip to write: .mp4, .avi (lossless), or a folder of PNG")
+      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
       ->type_name("OUT")
       ->required();
-  const char* group = "Synthesis";
-  auto* frames = add_number(*command, "--frames", asked->frames, "N", "How many frames");
+  auto* frames = add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   auto* start = add_start(*command, asked->start);
-  auto* loop = add_number(*command, "--loop", asked->loop, "N",
-                          "A clip of so many frames after which it begins again without a seam");
+  auto* loop = add_number(*command, "--loop", asked->loop, "N", "Draw N frames that repeat without a seam");
   loop->default_str("");
-  for (auto* option : {frames, start, loop}) option->group(group);
-  command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out")->group(group);
-  add_common(*command, chosen.common, "Print figures as JSON");
+  command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out");
+  add_common(*command, chosen.common);
   command->callback([asked, frames, start, loop, &chosen] {
     asked->asked_frames = frames->count() > 0;
     asked->asked_start = start->count() > 0;

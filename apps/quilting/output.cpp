@@ -45,7 +45,7 @@ void name_clip(QuiltTarget& target, const QuiltRequest& request, const core::Cli
   }
   const std::string format = !request.format.empty() ? request.format : deep ? "png" : "mp4";
   if (format != "png" && deep)
-    throw Misuse("--format " + format + " holds 8 bits" + bits + "; png holds them");
+    throw Misuse("quilt.format " + format + " holds 8 bits" + bits + "; png holds them");
   target.single = frames == 1;
   if (request.frame)
     target.clip = "frame_" + std::to_string(*request.frame) + ".png";
