@@ -82,11 +82,11 @@ void add_reading_options(CLI::App& command, std::string& range, io::ReadOptions&
   command.add_flag("--grey", options.grey, "Read luma only")->group(kReadingGroup);
 }
 
-std::shared_ptr<Settings> add_settings(CLI::App& command, Chosen& chosen) {
+std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line) {
   auto settings = std::make_shared<Settings>();
   std::string name = full_name(&command);
   name.erase(0, name.find(' ') + 1);
-  chosen.settings[name] = settings;
+  line.settings[name] = settings;
   // Kept whole: a comma or a bracket in a value is not CLI11's to take apart.
   command
       .add_option_function<std::string>(

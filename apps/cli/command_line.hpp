@@ -11,14 +11,13 @@
 #include "apps/cli/option_fields.hpp"
 #include "apps/cli/settings.hpp"
 
-// What the commands share in describing themselves to the parser. Only the commands' own sources include
-// this.
+// Shared by the commands, which describe themselves to the parser. Only their own sources include this.
 namespace emberfold::apps {
 
-/// "--min-contrast" of "min_contrast"
+/// Returns "--min-contrast" for "min_contrast".
 std::string option_name(const std::string& field);
 
-/// The message without a leading "XxxOptions." or "xxx: ".
+/// Removes a leading "XxxOptions." or "xxx: " from a message.
 std::string without_struct_name(const std::string& message);
 /// Replaces the first mention of the field, as a whole word, by another name; by that of its option.
 std::string with_name(const std::string& message, const std::string& field, const std::string& name);
@@ -45,7 +44,7 @@ std::string full_name(const CLI::App* app);
 void add_common(CLI::App& command, CommonOptions& common);
 
 /// Adds --set; the command adds to the result what can be set.
-std::shared_ptr<Settings> add_settings(CLI::App& command, Chosen& chosen);
+std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line);
 
 /// Adds --no-edges, which many people set.
 void add_no_edges(CLI::App& command, sketch::ExtractOptions& options);
@@ -57,7 +56,7 @@ struct Reading {
 /// Adds CLIP, --range, --scale and --grey; the latter three alone.
 void add_reading(CLI::App& command, Reading& reading);
 void add_reading_options(CLI::App& command, std::string& range, io::ReadOptions& options);
-/// -o DIR, required unless it has a default.
+/// Adds -o DIR, required unless `folder` has a default.
 void add_output(CLI::App& command, std::string& folder);
 
 /// Validates. Throws Misuse that names a field as --set does ("sketch.min_contrast"), or by its own option
@@ -75,11 +74,11 @@ void check_options(const Options& options, const std::string& group) {
     throw Misuse(message);
   }
 }
-/// Refuses an output folder where the clip, mask … that is read lies at one of the names that are written.
+/// Throws io::OverwriteError where the folder, or a file of these names in it, is read.
 void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
                    const std::vector<std::string>& names);
 void check_common(const CommonOptions& common);
-/// Checks, and reads the range. The session's seed becomes that of a built-in clip.
+/// Checks the options and parses the range. The session's seed becomes that of a built-in clip.
 io::ReadOptions check_reading(const Reading& reading, const Session& session);
 
 }  // namespace emberfold::apps

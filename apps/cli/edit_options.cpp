@@ -19,8 +19,8 @@ constexpr const char* kSynthGroup = "synth";
 constexpr std::array<const char*, 6> kRates = {"births", "deaths",   "splits",
                                                "merges", "connects", "disconnects"};
 
-/// How bright the picture, fitted to the frame, is in each cell of the model's grid.
-mcmc::CellMap painted_births(const std::string& path, const mcmc::MotionModel& model) {
+/// Returns the mean brightness of the picture, fitted to the frame, in each cell of the model's grid.
+mcmc::CellMap read_birth_map(const std::string& path, const mcmc::MotionModel& model) {
   cv::Mat picture = io::read_mask(path), fitted;
   picture.convertTo(picture, CV_32F);
   cv::resize(picture, fitted, {model.width, model.height}, 0, 0,
@@ -83,9 +83,9 @@ void check(EditOptions& options) {
   }
 }
 
-mcmc::MotionModel edited(mcmc::MotionModel model, const EditOptions& options, Session& session) {
+mcmc::MotionModel apply_edits(mcmc::MotionModel model, const EditOptions& options, Session& session) {
   mcmc::MotionEdit edit = options.edit;
-  if (!options.birth_map.empty()) edit.birth_map = painted_births(options.birth_map, model);
+  if (!options.birth_map.empty()) edit.birth_map = read_birth_map(options.birth_map, model);
   auto result = mcmc::edit_motion(model, edit, session.common.seed, session.context);
   for (const auto& note : result.notes) session.warn(note);
   return std::move(result.model);

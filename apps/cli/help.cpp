@@ -158,7 +158,7 @@ std::string common_help(const CLI::App& app) {
          "Exit status: 0 done, 1 failed, 2 misuse, 130 interrupted.\n";
 }
 
-std::string settings_help(const CLI::App& app, const Chosen& chosen, const std::string& command) {
+std::string settings_help(const CLI::App& app, const CommandLine& line, const std::string& command) {
   // Commands in the order of the overview; a struct that several commands share is printed once.
   std::vector<std::string> names;
   for (const auto* one : subcommands(&app)) {
@@ -167,8 +167,8 @@ std::string settings_help(const CLI::App& app, const Chosen& chosen, const std::
   }
   std::vector<std::pair<Settings::Setting, std::vector<std::string>>> found;
   for (const auto& name : names) {
-    if (!chosen.settings.contains(name) || (!command.empty() && name != command)) continue;
-    for (const auto& setting : chosen.settings.at(name)->all()) {
+    if (!line.settings.contains(name) || (!command.empty() && name != command)) continue;
+    for (const auto& setting : line.settings.at(name)->all()) {
       const auto known = std::ranges::find_if(found, [&](const auto& other) {
         return other.first.group == setting.group && other.first.field == setting.field;
       });
@@ -213,8 +213,9 @@ std::string joined_words(const std::vector<std::string>& words, std::size_t begi
   return text;
 }
 
-std::string topic_help(const CLI::App& app, const Chosen& chosen, const std::vector<std::string>& words) {
-  if (words.empty()) return app.help();
+std::string topic_help(const CLI::App& app, const CommandLine& line, const std::vector<std::string>& words) {
+  // App::help() would print the help of the subcommand that was named, which is this one.
+  if (words.empty()) return app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);
   if (words[0] == "reading" && words.size() == 1) return reading_help(app);
   if (words[0] == "common" && words.size() == 1) return common_help(app);
   const bool options = words[0] == "options";
@@ -234,7 +235,7 @@ std::string topic_help(const CLI::App& app, const Chosen& chosen, const std::vec
     }
     command = next;
   }
-  return options ? settings_help(app, chosen, joined_words(words, 1)) : command->help();
+  return options ? settings_help(app, line, joined_words(words, 1)) : command->help();
 }
 
 /// The command that was named, down to the last subcommand.
@@ -243,21 +244,21 @@ const CLI::App& named_command(const CLI::App& app) {
   return named.empty() ? app : named_command(*named.front());
 }
 
-std::string unknown_option(const CLI::App& where, const Chosen& chosen, const std::string& word) {
+std::string unknown_option(const CLI::App& where, const CommandLine& line, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
   const std::string full = full_name(&where);
-  const auto settings = chosen.settings.find(full.substr(full.find(' ') + 1));
-  if (settings != chosen.settings.end() && name.starts_with("--"))
+  const auto settings = line.settings.find(full.substr(full.find(' ') + 1));
+  if (settings != line.settings.end() && name.starts_with("--"))
     if (const std::string field = settings->second->name_of(name.substr(2)); !field.empty())
       return "unknown option " + word + "; give it as --set " + field + "=" +
              (name.starts_with("--no-") ? "false" : "VALUE");
   std::vector<std::string> known;
   for (const auto* option : where.get_options())
     for (const auto& one : option->get_lnames()) known.push_back("--" + one);
-  if (settings != chosen.settings.end())
+  if (settings != line.settings.end())
     for (const auto& setting : settings->second->all()) known.push_back(option_name(setting.field));
   std::string nearest = nearest_word(name, known);
-  if (settings != chosen.settings.end() && where.get_option_no_throw(nearest) == nullptr && !nearest.empty())
+  if (settings != line.settings.end() && where.get_option_no_throw(nearest) == nullptr && !nearest.empty())
     nearest = "--set " + settings->second->name_of(nearest.substr(2)) + "=VALUE";
   return "unknown option " + word + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
 }
@@ -268,21 +269,21 @@ void set_help_format(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());
 }
 
-void add_help(CLI::App& app, Chosen& chosen) {
+void add_help(CLI::App& app, CommandLine& line) {
   auto* command = app.add_subcommand("help", "Print help on a command or a topic");
   const auto words = std::make_shared<std::vector<std::string>>();
   command->add_option("TOPIC", *words, "A command, reading, common, or options [COMMAND]")->type_name("");
-  command->callback([words, &app, &chosen] {
-    chosen.run = [text = topic_help(app, chosen, *words)](Session& session) { session.print(text); };
+  command->callback([words, &app, &line] {
+    line.run = [text = topic_help(app, line, *words)](Session& session) { session.print(text); };
   });
 }
 
-std::string usage_message(const CLI::App& app, const Chosen& chosen, const CLI::ParseError& error) {
+std::string usage_message(const CLI::App& app, const CommandLine& line, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what();
   const CLI::App& where = named_command(app);
   const auto extras = where.remaining(true);
   const std::string word = extras.empty() ? "" : extras.front();
-  if (word.starts_with("-")) return unknown_option(where, chosen, word);
+  if (word.starts_with("-")) return unknown_option(where, line, word);
   const auto commands = subcommands(&where);
   if (commands.empty()) return "one argument too many: " + word;
   std::vector<std::string> known;

@@ -13,9 +13,9 @@ namespace emberfold::apps {
 void set_help_format(CLI::App& app);
 
 /// Adds `emberfold help [TOPIC]`. `app` and `chosen` must outlive the parsing.
-void add_help(CLI::App& app, Chosen& chosen);
+void add_help(CLI::App& app, CommandLine& line);
 
 /// Returns one line about a command line that cannot be parsed, with what may have been meant.
-std::string usage_message(const CLI::App& app, const Chosen& chosen, const CLI::ParseError& error);
+std::string usage_message(const CLI::App& app, const CommandLine& line, const CLI::ParseError& error);
 
 }  // namespace emberfold::apps

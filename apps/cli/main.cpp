@@ -29,10 +29,10 @@ std::string quoted(const std::string& word) {
   return out + "'";
 }
 
-std::string command_line(int count, char** words) {
-  std::string line = "emberfold";
-  for (int i = 1; i < count; ++i) line += " " + quoted(words[i]);
-  return line;
+std::string command_line_text(int count, char** words) {
+  std::string text = "emberfold";
+  for (int i = 1; i < count; ++i) text += " " + quoted(words[i]);
+  return text;
 }
 
 // Frames are drawn in images that come and go by the dozen. Given back to the system each time, their pages
@@ -44,19 +44,19 @@ void keep_freed_memory() {
 #endif
 }
 
-int run(apps::Console& console, const apps::Chosen& chosen, const std::string& line) {
+int run(apps::Console& console, const apps::CommandLine& line, const std::string& text) {
   const apps::InterruptWatch watch;
-  apps::Session session{console, {}, line, chosen.common};
+  apps::Session session{console, {}, text, line.common};
   session.context = core::Context(
       watch.token(), [&](std::string_view stage, double share) { console.progress(stage, share); },
-      [&](const std::string& text) { session.warn(text); });
+      [&](const std::string& warning) { session.warn(warning); });
   try {
-    chosen.common.validate();
+    line.common.validate();
   } catch (const core::InputError& error) {
     throw apps::Misuse("--" + std::string(error.what()));
   }
-  const core::ThreadLimit limit(static_cast<std::size_t>(chosen.common.threads));
-  chosen.run(session);
+  const core::ThreadLimit limit(static_cast<std::size_t>(line.common.threads));
+  line.run(session);
   return kDone;
 }
 
@@ -71,31 +71,31 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   app.set_help_flag("-h,--help", "Print this help");
   app.set_version_flag("--version", std::string("emberfold ") + apps::kVersion, "Print the version");
   app.require_subcommand(0, 1);
-  apps::Chosen chosen;
-  apps::add_analyze(app, chosen);
-  apps::add_synthesis(app, chosen);
-  apps::add_sketch(app, chosen);
-  apps::add_compare(app, chosen);
-  apps::add_dytex(app, chosen);
-  apps::add_quilt(app, chosen);
-  apps::add_score(app, chosen);
-  apps::add_demo(app, chosen);
-  apps::add_help(app, chosen);
+  apps::CommandLine line;
+  apps::add_analyze(app, line);
+  apps::add_synthesis(app, line);
+  apps::add_sketch(app, line);
+  apps::add_compare(app, line);
+  apps::add_dytex(app, line);
+  apps::add_quilt(app, line);
+  apps::add_score(app, line);
+  apps::add_demo(app, line);
+  apps::add_help(app, line);
   try {
     app.parse(count, words);
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    throw apps::Misuse(apps::usage_message(app, chosen, error));
+    throw apps::Misuse(apps::usage_message(app, line, error));
   }
-  if (!chosen.run) {
+  if (!line.run) {
     const CLI::App* named = &app;
     while (!named->get_subcommands().empty()) named = named->get_subcommands().front();
     std::cout << named->help() << std::flush;
     return kDone;
   }
-  console.set_quiet(chosen.common.quiet);
-  return run(console, chosen, command_line(count, words));
+  console.set_quiet(line.common.quiet);
+  return run(console, line, command_line_text(count, words));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ void run_analyze(const Analyze& asked, Session& session) {
 
 }  // namespace
 
-void add_analyze(CLI::App& app, Chosen& chosen) {
+void add_analyze(CLI::App& app, CommandLine& line) {
   auto* command = app.add_subcommand(
       "analyze", "Follow the strokes of a clip, find their events and learn how they move");
   command->footer(
@@ -62,16 +62,16 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
                     "Write reconstruction.avi too, and measure the PSNR of every frame");
   add_number(*command, "--texture", options.texture, "N",
              "Learn N components of what lies between strokes (synth --fill dytex)");
-  const auto settings = add_settings(*command, chosen);
+  const auto settings = add_settings(*command, line);
   settings->add("sketch", options.sketch);
   settings->add("match", options.match);
   settings->add("starts", options.starts);
   settings->add("infer", options.infer);
   settings->add("calibrate", options.calibrate);
   settings->add("fill", options.fill);
-  add_common(*command, chosen.common);
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_analyze(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_analyze(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

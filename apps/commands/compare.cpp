@@ -94,7 +94,7 @@ void run_compare(const Compare& asked, Session& session) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Chosen& chosen) {
+void add_compare(CLI::App& app, CommandLine& line) {
   auto* command =
       app.add_subcommand("compare", "Compare a clip with models learned from it, or with another clip");
   command->footer(
@@ -111,15 +111,15 @@ void add_compare(CLI::App& app, Chosen& chosen) {
   add_number(*command, "--frames", options.frames, "N",
              "Draw this many frames from each model; 0: as many as the clip has");
   add_no_edges(*command, options.sketch);
-  const auto settings = add_settings(*command, chosen);
+  const auto settings = add_settings(*command, line);
   settings->add("compare", options);
   settings->add("sketch", options.sketch);
   settings->add("match", options.match);
   settings->add("fill", options.fill);
   settings->add("learn", options.learn);
-  add_common(*command, chosen.common);
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_compare(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_compare(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

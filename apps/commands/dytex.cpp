@@ -46,7 +46,7 @@ void add_texture_model(CLI::App& command, std::string& model) {
       ->type_name("");
 }
 
-void add_dytex(CLI::App& app, Chosen& chosen) {
+void add_dytex(CLI::App& app, CommandLine& line) {
   auto* command =
       app.add_subcommand("dytex", "Learn, edit, draw, forecast and compare linear dynamic textures");
   command->footer(
@@ -56,17 +56,17 @@ void add_dytex(CLI::App& app, Chosen& chosen) {
       "  emberfold dytex info out/flag\n"
       "  emberfold dytex page out/flag -o flag.html");
   command->require_subcommand(0, 1);
-  add_dytex_learn(*command, chosen);
-  add_dytex_edit(*command, chosen);
-  add_dytex_synth(*command, chosen);
-  add_dytex_compose(*command, chosen);
-  add_dytex_page(*command, chosen);
-  add_dytex_info(*command, chosen);
-  add_dytex_forecast(*command, chosen);
-  add_dytex_curve(*command, chosen);
-  add_dytex_distance(*command, chosen);
-  add_dytex_classify(*command, chosen);
-  add_dytex_compress(*command, chosen);
+  add_dytex_learn(*command, line);
+  add_dytex_edit(*command, line);
+  add_dytex_synth(*command, line);
+  add_dytex_compose(*command, line);
+  add_dytex_page(*command, line);
+  add_dytex_info(*command, line);
+  add_dytex_forecast(*command, line);
+  add_dytex_curve(*command, line);
+  add_dytex_distance(*command, line);
+  add_dytex_classify(*command, line);
+  add_dytex_compress(*command, line);
 }
 
 }  // namespace emberfold::apps

@@ -216,7 +216,7 @@ void run_classify(Classify asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_classify(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_classify(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand(
       "classify", "Classify clips of several classes by their textures, with cross-validation");
   command->footer(
@@ -237,9 +237,9 @@ void add_dytex_classify(CLI::App& dytex, Chosen& chosen) {
   add_number(*command, "--discount", asked->kernel.discount, "RATE",
              "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
   add_reading_options(*command, asked->range, asked->options.reading);
-  add_common(*command, chosen.common);
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_classify(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_classify(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -144,7 +144,7 @@ void run_compose(const Compose& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_compose(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_compose(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand("compose", "Draw parts of a clip anew from models of their own");
   command->footer(
       "  emberfold dytex learn river.mp4 -o out/water --mask water.png\n"
@@ -167,9 +167,9 @@ void add_dytex_compose(CLI::App& dytex, Chosen& chosen) {
   add_number(*command, "--feather", asked->feather, "PX", "Blend a layer over this distance inside its mask");
   add_start(*command, asked->start);
   command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out");
-  add_common(*command, chosen.common);
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_compose(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_compose(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -206,7 +206,7 @@ void run_compress(const Compress& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_compress(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_compress(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand("compress", "Store a model in fewer bytes, and measure the loss");
   command->footer(
       "  emberfold dytex compress out/flag\n"
@@ -222,9 +222,9 @@ void add_dytex_compress(CLI::App& dytex, Chosen& chosen) {
   command->add_option("--precision", asked->precision, "Store components and mean in this type")
       ->type_name("f32|f16|u8")
       ->default_str(asked->precision);
-  add_common(*command, chosen.common);
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_compress(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_compress(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -79,7 +79,7 @@ void run_curve(const Curving& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_curve(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_curve(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand(
       "curve", "Measure how many frames must be learned: the error of the next frame against them");
   command->footer(
@@ -96,9 +96,8 @@ void add_dytex_curve(CLI::App& dytex, Chosen& chosen) {
   add_number(*command, "--longest", options.longest, "FRAMES", "Try no longer windows than this");
   add_number(*command, "--tolerance", options.tolerance, "SHARE",
              "Call a length critical where the error stays within this share of the last");
-  add_common(*command, chosen.common);
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_curve(*asked, session); }; });
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_curve(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

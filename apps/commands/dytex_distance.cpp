@@ -144,7 +144,7 @@ void run_distance(const Distance& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_distance(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_distance(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand("distance", "Measure the distances of linear dynamic textures");
   command->footer(
       "  emberfold dytex distance out/flag out/river\n"
@@ -169,11 +169,11 @@ void add_dytex_distance(CLI::App& dytex, Chosen& chosen) {
              "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
   command->add_flag("--first-frame", asked->kernel.first_frame,
                     "Begin the Binet-Cauchy kernel at the first training frame");
-  add_common(*command, chosen.common);
-  command->callback([asked, measure, growth, &chosen] {
+  add_common(*command, line.common);
+  command->callback([asked, measure, growth, &line] {
     asked->asked_measure = measure->count() > 0;
     asked->asked_growth = growth->count() > 0;
-    chosen.run = [asked](Session& session) { run_distance(*asked, session); };
+    line.run = [asked](Session& session) { run_distance(*asked, session); };
   });
 }
 

@@ -215,7 +215,7 @@ void add_manner_options(CLI::App& command, const std::shared_ptr<Editing>& asked
 
 }  // namespace
 
-void add_dytex_edit(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_edit(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand(
       "edit", "Change how a linear dynamic texture moves; edits are applied in their order");
   command->footer(
@@ -230,9 +230,8 @@ void add_dytex_edit(CLI::App& dytex, Chosen& chosen) {
   add_motion_options(*command, asked);
   add_strength_options(*command, asked);
   add_manner_options(*command, asked);
-  add_common(*command, chosen.common);
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_edit(*asked, session); }; });
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_edit(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

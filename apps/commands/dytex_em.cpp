@@ -18,7 +18,7 @@ std::string with_em_names(const std::string& message) {
 
 }  // namespace
 
-void add_em_options(CLI::App& command, Settings& settings, EmAsked& asked) {
+void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked) {
   auto& options = asked.options;
   command.add_flag("--em", asked.em, "Improve the closed form to the most likely model, by EM");
   command.add_option("--missing", asked.missing, "Ignore CLIP where this clip is white (implies --em)")
@@ -35,8 +35,8 @@ void add_em_options(CLI::App& command, Settings& settings, EmAsked& asked) {
                "Learn a noise variance for each value of a frame (implies --em)");
 }
 
-void check_em(const EmAsked& asked, const dytex::LearnOptions& learning) {
-  if (asked.wanted()) {
+void check_em(const EmRequest& asked, const dytex::LearnOptions& learning) {
+  if (asked.is_needed()) {
     const auto refuse = [](const std::string& option) {
       throw Misuse("EM goes on from a closed form of " + option + " alone");
     };
@@ -53,7 +53,7 @@ void check_em(const EmAsked& asked, const dytex::LearnOptions& learning) {
   }
 }
 
-EmStage::EmStage(const EmAsked& asked, core::FrameSource& source, const io::ReadOptions& read,
+EmStage::EmStage(const EmRequest& asked, core::FrameSource& source, const io::ReadOptions& read,
                  Session& session)
     : asked_(asked), source_(source), session_(session) {
   if (asked.missing.empty()) return;
@@ -72,7 +72,7 @@ EmStage::EmStage(const EmAsked& asked, core::FrameSource& source, const io::Read
 }
 
 void EmStage::improve(dytex::LinearDynamicTexture& texture) {
-  if (!asked_.wanted()) return;
+  if (!asked_.is_needed()) return;
   dytex::EmResult result;
   try {
     result = dytex::maximise_likelihood(source_, texture, asked_.options, missing_, session_.context);

@@ -122,7 +122,7 @@ void run_forecast(const Forecasting& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_forecast(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_forecast(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand("forecast", "Predict the frames that follow a clip, and their errors");
   command->footer(
       "  emberfold dytex forecast out/flag -o out/next\n"
@@ -137,10 +137,10 @@ void add_dytex_forecast(CLI::App& dytex, Chosen& chosen) {
   auto* after = add_number(*command, "--after", asked->after, "N",
                            "Use the first N frames of CLIP, and compare with those after them");
   after->default_str("");
-  add_common(*command, chosen.common);
-  command->callback([asked, after, &chosen] {
+  add_common(*command, line.common);
+  command->callback([asked, after, &line] {
     asked->asked_after = after->count() > 0;
-    chosen.run = [asked](Session& session) { run_forecast(*asked, session); };
+    line.run = [asked](Session& session) { run_forecast(*asked, session); };
   });
 }
 

@@ -52,7 +52,7 @@ struct Learn {
   dytex::LearnOptions options;
   bool asked_components = false, asked_energy = false, asked_order = false;
   double energy = 0.95;
-  EmAsked em;
+  EmRequest em;
   int memory = static_cast<int>(dytex::LearnOptions{}.memory >> 20);  // MiB
   std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
 };
@@ -193,7 +193,7 @@ void run_learn(Learn asked, Session& session) {
   fit_to_length(asked, source->info(), session);
   EmStage em(asked.em, *source, read, session);
   auto learned = learn_texture(asked, em.source(), session);
-  for (const auto& note : learned.notes) session.warn(asked.em.wanted() ? "closed form: " + note : note);
+  for (const auto& note : learned.notes) session.warn(asked.em.is_needed() ? "closed form: " + note : note);
   em.improve(learned.texture);
   stages.begin("write");
   io::write_model(folder.output(), "", dytex::archive_view(learned.texture));
@@ -250,7 +250,7 @@ void add_model_options(CLI::App& command, Settings& settings, Learn& asked) {
 
 }  // namespace
 
-void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand("learn", "Learn a linear dynamic texture from a clip");
   command->footer(
       "  emberfold dytex learn flag.avi -o out/flag\n"
@@ -271,15 +271,15 @@ void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
   order->excludes(components)->excludes(energy);
   auto* mask = command->add_option("--mask", asked->mask, "Learn only where this image is white");
   mask->type_name("MASK");
-  const auto settings = add_settings(*command, chosen);
+  const auto settings = add_settings(*command, line);
   add_model_options(*command, *settings, *asked);
   add_em_options(*command, *settings, asked->em);
-  add_common(*command, chosen.common);
-  command->callback([asked, components, energy, order, &chosen] {
+  add_common(*command, line.common);
+  command->callback([asked, components, energy, order, &line] {
     asked->asked_components = components->count() > 0;
     asked->asked_energy = energy->count() > 0;
     asked->asked_order = order->count() > 0;
-    chosen.run = [asked](Session& session) { run_learn(*asked, session); };
+    line.run = [asked](Session& session) { run_learn(*asked, session); };
   });
 }
 

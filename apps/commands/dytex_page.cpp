@@ -55,7 +55,7 @@ void run_page(const Page& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_page(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_page(CLI::App& dytex, CommandLine& line) {
   auto* command =
       dytex.add_subcommand("page", "Write an HTML page that plays a linear dynamic texture, with sliders");
   command->footer(
@@ -64,9 +64,8 @@ void add_dytex_page(CLI::App& dytex, Chosen& chosen) {
   const auto asked = std::make_shared<Page>();
   add_texture_model(*command, asked->model);
   command->add_option("-o,--output", asked->output, "Write this page")->type_name("FILE.html")->required();
-  add_common(*command, chosen.common);
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_page(*asked, session); }; });
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_page(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

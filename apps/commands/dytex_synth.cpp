@@ -73,7 +73,7 @@ void run_synth(Synth asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_synth(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_synth(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand("synth", "Draw a new clip from a linear dynamic texture");
   command->footer(
       "  emberfold dytex synth out/flag -o flag.mp4\n"
@@ -91,12 +91,12 @@ void add_dytex_synth(CLI::App& dytex, Chosen& chosen) {
   auto* loop = add_number(*command, "--loop", asked->loop, "N", "Draw N frames that repeat without a seam");
   loop->default_str("");
   command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out");
-  add_common(*command, chosen.common);
-  command->callback([asked, frames, start, loop, &chosen] {
+  add_common(*command, line.common);
+  command->callback([asked, frames, start, loop, &line] {
     asked->asked_frames = frames->count() > 0;
     asked->asked_start = start->count() > 0;
     asked->asked_loop = loop->count() > 0;
-    chosen.run = [asked](Session& session) { run_synth(*asked, session); };
+    line.run = [asked](Session& session) { run_synth(*asked, session); };
   });
 }
 

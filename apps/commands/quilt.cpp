@@ -109,7 +109,7 @@ void run_asked(Asked asked, Session& session) {
 
 }  // namespace
 
-void add_quilt(CLI::App& app, Chosen& chosen) {
+void add_quilt(CLI::App& app, CommandLine& line) {
   auto* command =
       app.add_subcommand("quilt", "Extend a time-lapse in space, and vary the speed of time over it");
   command->footer(
@@ -119,17 +119,17 @@ void add_quilt(CLI::App& app, Chosen& chosen) {
   const auto asked = std::make_shared<Asked>();
   add_reading(*command, asked->reading);
   add_options(*command, *asked);
-  const auto settings = add_settings(*command, chosen);
+  const auto settings = add_settings(*command, line);
   add_quilt_settings(*settings, asked->request);
   add_time_settings(*settings, asked->request.control);
-  add_common(*command, chosen.common);
-  command->callback([asked, &chosen, command, settings] {
+  add_common(*command, line.common);
+  command->callback([asked, &line, command, settings] {
     auto& request = asked->request;
     request.own_size = command->count("--size") > 0;
     request.own_block = command->count("--block") > 0;
     request.own_overlap = settings->is_given("quilt.overlap");
     request.own_apart = settings->is_given("quilt.apart");
-    chosen.run = [asked](Session& session) { run_asked(*asked, session); };
+    line.run = [asked](Session& session) { run_asked(*asked, session); };
   });
 }
 

@@ -29,7 +29,7 @@ void run_score(const Score& asked, const Session& session) {
 
 }  // namespace
 
-void add_score(CLI::App& app, Chosen& chosen) {
+void add_score(CLI::App& app, CommandLine& line) {
   auto* command = app.add_subcommand("score", "Score found events against true ones: precision, recall, F1");
   command->footer(
       "  emberfold score truth.json out/fire/events.json\n"
@@ -43,10 +43,9 @@ void add_score(CLI::App& app, Chosen& chosen) {
       ->type_name("");
   add_number(*command, "--frames", asked->options.frames, "N",
              "Count a true event at most this many frames away as a hit");
-  add_settings(*command, chosen)->add("score", asked->options);
-  add_common(*command, chosen.common);
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_score(*asked, session); }; });
+  add_settings(*command, line)->add("score", asked->options);
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_score(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -147,7 +147,7 @@ SketchRun write_sketched(const std::string& clip, const SketchRequest& request, 
     output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, run.sketch); });
     return run;
   } catch (const core::IoError& error) {
-    throw core::IoError(output.of_final(error.what()));
+    throw core::IoError(output.with_final_name(error.what()));
   }
 }
 
@@ -237,7 +237,7 @@ void add_drawing(CLI::App& command, Sketch& asked) {
 
 }  // namespace
 
-void add_sketch(CLI::App& app, Chosen& chosen) {
+void add_sketch(CLI::App& app, CommandLine& line) {
   auto* command =
       app.add_subcommand("sketch", "Extract the primal sketch of every frame, and draw the frame from it");
   command->footer(
@@ -252,14 +252,14 @@ void add_sketch(CLI::App& app, Chosen& chosen) {
   add_no_edges(*command, asked->request.extract);
   command->add_flag("--warm", asked->request.warm,
                     "Start each sketch from that of the frame before, against flicker");
-  const auto settings = add_settings(*command, chosen);
+  const auto settings = add_settings(*command, line);
   settings->add("sketch", asked->request.extract);
   settings->add("fill", asked->request.ground.fill);
-  add_common(*command, chosen.common);
-  command->callback([asked, &chosen, command, settings] {
+  add_common(*command, line.common);
+  command->callback([asked, &line, command, settings] {
     asked->own_budget = settings->is_given("sketch.budget");
     asked->own_regions = command->count("--regions") > 0;
-    chosen.run = [asked](Session& session) { run_sketch(*asked, session); };
+    line.run = [asked](Session& session) { run_sketch(*asked, session); };
   });
 }
 

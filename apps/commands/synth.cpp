@@ -171,7 +171,7 @@ void run_synth(Synth asked, Session& session) {
   stages.begin("read");
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
   stages.begin("edit");
-  opened.motion = edited(std::move(opened.motion), asked.edit, session);
+  opened.motion = apply_edits(std::move(opened.motion), asked.edit, session);
   edit_fill(opened, asked.edit.edit, session);
   stages.begin("synthesize");
   auto frames = pipeline::clip_synthesis(opened, asked.fill, session.common.seed, asked.edit.start());
@@ -189,7 +189,7 @@ void run_synth(Synth asked, Session& session) {
 
 }  // namespace
 
-void add_synthesis(CLI::App& app, Chosen& chosen) {
+void add_synthesis(CLI::App& app, CommandLine& line) {
   auto* command = app.add_subcommand("synth", "Draw a new clip from a motion model");
   command->footer(
       "  emberfold synth out/fire/model -o new_fire.mp4\n"
@@ -214,12 +214,11 @@ void add_synthesis(CLI::App& app, Chosen& chosen) {
       ->type_name("FILE");
   command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")
       ->type_name("OUT");
-  const auto settings = add_settings(*command, chosen);
+  const auto settings = add_settings(*command, line);
   add_edit_options(*command, *settings, asked->edit);
   settings->add("fill", asked->fill);
-  add_common(*command, chosen.common);
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_synth(*asked, session); }; });
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_synth(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -32,7 +32,8 @@ QuiltTarget quilt_target(const QuiltRequest& request) {
 void name_clip(QuiltTarget& target, const QuiltRequest& request, const core::ClipInfo& info,
                std::int64_t frames) {
   const bool deep = info.depth != CV_8U;
-  const std::string bits = ", but " + request.clips.front() + " has 16";
+  const std::string bits =
+      ", but " + request.clips.front() + (info.depth == CV_32F ? " has floats" : " has 16");
   if (!target.whole) {
     target.single = fs::path(target.clip).extension() == ".png";
     if (target.single && frames != 1)
@@ -109,14 +110,16 @@ WrittenClip write_quilt_clip(io::OutputFolder& output, const QuiltTarget& target
   std::unique_ptr<io::VideoWriter> writer;
   if (!target.single)
     writer = io::create_video(output.staged(target.clip), map.size, info.fps, info.channels == 3);
-  const auto take = [&](const cv::Mat& frame) {
+  const auto take = [&](const cv::Mat& drawn) {
+    cv::Mat frame = drawn;  // PNG holds floats as 16 bits
+    if (info.depth == CV_32F) drawn.convertTo(frame, CV_16U, 65535 / info.white);
     if (writer)
       writer->write(frame);
     else
       write_png(output.staged(target.clip), target.path(), frame);
     const std::int64_t t = written.frames++;
     if (t == 0 || t == plan.count / 2 || t == plan.count - 1)
-      written.some.push_back({static_cast<int>(plan.first + t), to_colour_bytes(frame, info)});
+      written.some.push_back({static_cast<int>(plan.first + t), to_colour_bytes(drawn, info)});
   };
   render_frames(map, clips, control, plan.first, plan.count, plan.to_end, take, session);
   if (writer) writer->finish();

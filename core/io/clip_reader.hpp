@@ -24,8 +24,8 @@ struct ReadOptions {
   void validate() const;
 };
 
-/// Frames as a user names them: "a:b" (a and those after it, up to but not b), "a:" or ":b". core::InputError
-/// where it is none of these, or holds no frame.
+/// Parses a range of frames: "a:b" (from a up to, not including, b), "a:" or ":b". Throws core::InputError
+/// for any other text and for an empty range.
 std::pair<std::int64_t, std::optional<std::int64_t>> parse_range(const std::string& text);
 
 /// Opens a clip: a video, a folder of images, a pattern of images (dir/img_*.png, dir/img_%04d.png; natural
@@ -37,7 +37,7 @@ std::pair<std::int64_t, std::optional<std::int64_t>> parse_range(const std::stri
 std::unique_ptr<core::FrameSource> open_video(const std::string& name, const ReadOptions& options = {},
                                               const core::Warn& warn = {});
 
-/// Opens a clip that is in memory, as open_video does; `name` is what messages call it.
+/// Opens a clip in memory with the options of open_video; messages call it `name`.
 std::unique_ptr<core::FrameSource> open_clip(core::Clip clip, const std::string& name,
                                              const ReadOptions& options, const core::Warn& warn = {});
 
