@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,17 +21,16 @@ namespace CLI {
 class App;
 }
 
-// How the commands of `emberfold` hang together: main.cpp lets each command describe itself to the parser
-// (add_…), which leaves in Chosen what is to be run.
+// main.cpp lets each command describe itself to the parser by add_…(). The parser then sets CommandLine::run.
 namespace emberfold::apps {
 
-/// The command line asks for something that cannot be: exit 2.
+/// A command line that makes no sense; the program exits with 2.
 class Misuse : public core::InputError {
  public:
   using core::InputError::InputError;
 };
 
-/// What every command takes.
+/// Options of every command.
 struct CommonOptions {
   std::uint64_t seed = 1;
   int threads = 0;     ///< 0: as many as the machine has; up to 1024
@@ -38,7 +39,7 @@ struct CommonOptions {
   void validate() const;
 };
 
-/// A running command's surroundings.
+/// Holds what a running command reports to.
 struct Session {
   Console& console;
   core::Context context;
@@ -46,7 +47,7 @@ struct Session {
   CommonOptions common;
   std::vector<std::string> warnings = {};
 
-  /// Throws core::Cancelled once the user asked to stop.
+  /// Throws core::Cancelled once the user has asked to stop.
   void check_stop() const;
   void warn(const std::string& text);
   /// Prints to standard output; core::IoError where that fails.
@@ -58,22 +59,25 @@ struct Stages : core::StageClock {
   [[nodiscard]] nlohmann::ordered_json seconds() const;  ///< with "total"
 };
 
-/// What is to be run.
-struct Chosen {
+class Settings;
+
+/// The command that the command line names, with its options.
+struct CommandLine {
   CommonOptions common;
   std::function<void(Session&)> run;
+  std::map<std::string, std::shared_ptr<Settings>> settings;  ///< by command, "dytex learn"
 };
 
-void add_analyze(CLI::App& app, Chosen& chosen);
-void add_sketch(CLI::App& app, Chosen& chosen);
-void add_score(CLI::App& app, Chosen& chosen);
-void add_synthesis(CLI::App& app, Chosen& chosen);
-void add_demo(CLI::App& app, Chosen& chosen);
-void add_dytex(CLI::App& app, Chosen& chosen);
-void add_compare(CLI::App& app, Chosen& chosen);
-void add_quilt(CLI::App& app, Chosen& chosen);
+void add_analyze(CLI::App& app, CommandLine& line);
+void add_sketch(CLI::App& app, CommandLine& line);
+void add_score(CLI::App& app, CommandLine& line);
+void add_synthesis(CLI::App& app, CommandLine& line);
+void add_demo(CLI::App& app, CommandLine& line);
+void add_dytex(CLI::App& app, CommandLine& line);
+void add_compare(CLI::App& app, CommandLine& line);
+void add_quilt(CLI::App& app, CommandLine& line);
 
-/// Peak memory of the process, MB.
+/// Returns the peak memory of the process, MB.
 double peak_memory_mb();
 
 extern const char* const kVersion;

@@ -2,50 +2,19 @@
 #include "apps/cli/command_line.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <charconv>
-#include <cstdlib>
+#include <filesystem>
 #include <string_view>
 #include <tuple>
 
-namespace emberfold::apps {
+#include "core/io/require_apart.hpp"
 
-namespace {
-template <class Whole>
-void parse_whole(const std::string& option, const std::string& text, Whole& value, const char* allowed) {
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (text.empty() || error != std::errc{} || stop != end)
-    throw CLI::ValidationError(option, "'" + text + "' is not a whole number" + allowed);
-}
-}  // namespace
+namespace emberfold::apps {
 
 std::string option_name(const std::string& field) {
   std::string name = "--" + field;
   std::ranges::replace(name, '_', '-');
   return name;
-}
-
-void parse_number(const std::string& option, const std::string& text, double& value) {
-  char* stop = nullptr;
-  value = std::strtod(text.c_str(), &stop);
-  if (text.empty() || stop != text.c_str() + text.size())
-    throw CLI::ValidationError(option, "'" + text + "' is not a number");
-}
-
-void parse_number(const std::string& option, const std::string& text, int& value) {
-  parse_whole(option, text, value, " that fits");
-}
-
-void parse_number(const std::string& option, const std::string& text, std::uint64_t& value) {
-  parse_whole(option, text, value, " from 0 to 18446744073709551615");
-}
-
-std::string number_text(double value) {
-  std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), result.ptr};
 }
 
 namespace {
@@ -64,44 +33,82 @@ std::string without_struct_name(const std::string& message) {
   return message;
 }
 
-std::string with_option_name(const std::string& message, const std::string& field) {
+std::string with_name(const std::string& message, const std::string& field, const std::string& name) {
   for (auto at = message.find(field); at != std::string::npos; at = message.find(field, at + 1)) {
     const auto end = at + field.size();
     if ((at > 0 && is_word(message[at - 1])) || (end < message.size() && is_word(message[end]))) continue;
-    return message.substr(0, at) + option_name(field) + message.substr(end);
+    return message.substr(0, at) + name + message.substr(end);
   }
   return message;
 }
 
-void add_common(CLI::App& command, CommonOptions& common, const std::string& json_about) {
-  const char* group = "Everywhere";
-  add_number(command, "--seed", common.seed, "N", "Seed of all that is random")->group(group);
-  add_number(command, "--threads", common.threads, "N", "Most threads; 0: as many as the machine has")
-      ->group(group);
-  command.add_flag("--json", common.json, json_about)->group(group);
-  command.add_flag("-q,--quiet", common.quiet, "Say nothing but warnings and errors")->group(group);
+std::string with_option_name(const std::string& message, const std::string& field) {
+  return with_name(message, field, option_name(field));
+}
+
+void add_no_edges(CLI::App& command, sketch::ExtractOptions& options) {
+  command.add_flag_callback(
+      "--no-edges", [&options] { options.edges = false; }, "Sketch ridges and valleys only, no step edges");
+}
+
+std::string full_name(const CLI::App* app) {
+  const auto* parent = app->get_parent();
+  return parent == nullptr ? app->get_name() : full_name(parent) + " " + app->get_name();
+}
+
+void add_common(CLI::App& command, CommonOptions& common) {
+  add_number(command, "--seed", common.seed, "N", "Seed of all random numbers")->group(kCommonGroup);
+  add_number(command, "--threads", common.threads, "N",
+             "Use at most N threads; 0: as many as the machine has")
+      ->group(kCommonGroup);
+  command.add_flag("--json", common.json, "Print the results as JSON to standard output")
+      ->group(kCommonGroup);
+  command.add_flag("-q,--quiet", common.quiet, "Print nothing but warnings and errors")->group(kCommonGroup);
 }
 
 void add_reading(CLI::App& command, Reading& reading) {
-  const char* group = "Reading the clip";
-  command
-      .add_option("CLIP", reading.clip,
-                  "A video, a folder of images, a pattern (dir/img_*.png, dir/img_%04d.png), or "
-                  "builtin:fire, builtin:cloth, builtin:river, builtin:rust")
+  command.add_option("CLIP", reading.clip, "Video, folder or pattern of images, TIFF stack, or builtin:NAME")
       ->required()
       ->type_name("");
-  command.add_option("--range", reading.range, "Frames a up to, not including, b; a: and :b are fine too")
-      ->type_name("a:b")
-      ->group(group);
-  add_fields(command, reading.options, group);
-  command.add_flag("--grey", reading.options.grey, "Read luma only")->group(group);
+  add_reading_options(command, reading.range, reading.options);
+}
+
+void add_reading_options(CLI::App& command, std::string& range, io::ReadOptions& options) {
+  command.add_option("--range", range, "Read frames A up to, not including, B; A: and :B are allowed")
+      ->type_name("A:B")
+      ->group(kReadingGroup);
+  add_number(command, "--scale", options.scale, "FACTOR", "Resize the frames by this factor, above 0 to 16")
+      ->group(kReadingGroup);
+  command.add_flag("--grey", options.grey, "Read luma only")->group(kReadingGroup);
+}
+
+std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line) {
+  auto settings = std::make_shared<Settings>();
+  std::string name = full_name(&command);
+  name.erase(0, name.find(' ') + 1);
+  line.settings[name] = settings;
+  // Kept whole: a comma or a bracket in a value is not CLI11's to take apart.
+  command
+      .add_option_function<std::string>(
+          "--set", [settings](const std::string& text) { settings->assign(text); },
+          "Set a rarer option, as often as needed: 'emberfold help options " + name + "'")
+      ->trigger_on_parse()
+      ->type_name("GROUP.FIELD=VALUE");
+  return settings;
 }
 
 void add_output(CLI::App& command, std::string& folder) {
-  command.add_option("-o,--output", folder, "Folder to write into; made where it is not there")
+  command.add_option("-o,--output", folder, "Write into this folder; it is made if missing")
       ->type_name("DIR")
       ->required(folder.empty())
       ->default_str(folder);
+}
+
+void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
+                   const std::vector<std::string>& names) {
+  std::vector<io::OutputPath> outputs{{folder, true}};
+  for (const auto& name : names) outputs.push_back({std::filesystem::path(folder) / name});
+  io::require_apart(inputs, outputs);
 }
 
 void check_common(const CommonOptions& common) {
@@ -120,7 +127,7 @@ io::ReadOptions check_reading(const Reading& reading, const Session& session) {
   } catch (const core::InputError& error) {
     throw Misuse("--range: " + std::string(error.what()));
   }
-  check_options(options);
+  check_options(options, {});
   return options;
 }
 

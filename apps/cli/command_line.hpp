@@ -1,30 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "apps/cli/command.hpp"
 #include "apps/cli/option_fields.hpp"
+#include "apps/cli/settings.hpp"
 
-// What the commands share in describing themselves to the parser. Only the commands' own sources include
-// this.
+// Shared by the commands, which describe themselves to the parser. Only their own sources include this.
 namespace emberfold::apps {
 
-/// "--min-contrast" of "min_contrast"
+/// Returns "--min-contrast" for "min_contrast".
 std::string option_name(const std::string& field);
 
-/// Numbers of the whole text, else a CLI::ValidationError that names option and value.
-void parse_number(const std::string& option, const std::string& text, double& value);
-void parse_number(const std::string& option, const std::string& text, int& value);
-void parse_number(const std::string& option, const std::string& text, std::uint64_t& value);
-
-std::string number_text(double value);
-
-/// The message without a leading "XxxOptions." or "xxx: ".
+/// Removes a leading "XxxOptions." or "xxx: " from a message.
 std::string without_struct_name(const std::string& message);
-/// The message with the first mention of the field, as a whole word, replaced by its option's name.
+/// Replaces the first mention of the field, as a whole word, by another name; by that of its option.
+std::string with_name(const std::string& message, const std::string& field, const std::string& name);
 std::string with_option_name(const std::string& message, const std::string& field);
 
 template <class Number>
@@ -37,50 +33,52 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Number& valu
       ->default_str(number_text(static_cast<double>(value)));
 }
 
-/// One option for each field of an options struct; a switch for a bool: --no-… turns off what is on.
-template <class Options>
-void add_fields(CLI::App& command, Options& options, const std::string& group) {
-  visit_fields(options,
-               [&](const std::string& field, auto& value, const std::string& unit, const std::string& about) {
-                 if constexpr (std::is_same_v<std::remove_reference_t<decltype(value)>, bool>)
-                   command
-                       .add_flag_callback(
-                           value ? "--no-" + option_name(field).substr(2) : option_name(field),
-                           [&value, turned = !value] { value = turned; }, about)
-                       ->group(group);
-                 else
-                   add_number(command, option_name(field), value, unit, about)->group(group);
-               });
-}
+/// Groups of options that --help sums up in a line; 'emberfold help reading' and 'help common' list them.
+inline constexpr const char* kReadingGroup = "Reading";
+inline constexpr const char* kCommonGroup = "Common";
 
-/// --seed, --threads, --json, --quiet.
-void add_common(CLI::App& command, CommonOptions& common, const std::string& json_about);
+/// Returns "emberfold dytex learn".
+std::string full_name(const CLI::App* app);
+
+/// Adds --seed, --threads, --json and --quiet.
+void add_common(CLI::App& command, CommonOptions& common);
+
+/// Adds --set; the command adds to the result what can be set.
+std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line);
+
+/// Adds --no-edges, which many people set.
+void add_no_edges(CLI::App& command, sketch::ExtractOptions& options);
 
 struct Reading {
   std::string clip, range;
   io::ReadOptions options;
 };
-/// CLIP, --range, --scale, --grey.
+/// Adds CLIP, --range, --scale and --grey; the latter three alone.
 void add_reading(CLI::App& command, Reading& reading);
-/// -o DIR, required unless it has a default.
+void add_reading_options(CLI::App& command, std::string& range, io::ReadOptions& options);
+/// Adds -o DIR, required unless `folder` has a default.
 void add_output(CLI::App& command, std::string& folder);
 
-/// Validates; what is wrong is told in the option's name, as Misuse.
+/// Validates. Throws Misuse that names a field as --set does ("sketch.min_contrast"), or by its own option
+/// where it has one (`group` is empty, or frames).
 template <class Options>
-void check_options(Options& options) {
+void check_options(const Options& options, const std::string& group) {
   try {
     options.validate();
   } catch (const core::InputError& error) {
     std::string message = without_struct_name(error.what());
-    if constexpr (requires { visit_fields(options, [](auto&&...) {}); })
-      visit_fields(options, [&](const std::string& field, auto&, auto&&...) {
-        message = with_option_name(message, field);
-      });
+    visit_fields(options, [&](const std::string& field, auto&, auto&&...) {
+      message = with_name(message, field,
+                          group.empty() || field == "frames" ? option_name(field) : group + "." + field);
+    });
     throw Misuse(message);
   }
 }
+/// Throws io::OverwriteError where the folder, or a file of these names in it, is read.
+void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
+                   const std::vector<std::string>& names);
 void check_common(const CommonOptions& common);
-/// Checks, and reads the range. The session's seed becomes that of a built-in clip.
+/// Checks the options and parses the range. The session's seed becomes that of a built-in clip.
 io::ReadOptions check_reading(const Reading& reading, const Session& session);
 
 }  // namespace emberfold::apps

@@ -7,9 +7,9 @@
 
 namespace emberfold::apps {
 
-/// What a command says on standard error. On a terminal its progress is one line that is written anew: stage,
-/// percentage, time left; elsewhere one line for each stage. Quiet: warnings and errors alone.
-/// Used from one thread at a time.
+/// Writes progress and messages to standard error. On a terminal progress is one line that is rewritten:
+/// stage, percentage, time left; elsewhere one line for each stage. When quiet, only warnings and errors are
+/// written. Use from one thread at a time.
 class Console {
  public:
   Console();
@@ -32,10 +32,10 @@ class Console {
   Clock::time_point began_, shown_;
 };
 
-/// "7 s", "3 min 5 s", "2 h 10 min"
+/// Formats a duration: "7 s", "3 min 5 s", "2 h 10 min".
 std::string duration_text(double seconds);
 
-/// The text on one line: what would break it or command a terminal is replaced by spaces.
+/// Replaces control characters by spaces, so that the text is one line and commands no terminal.
 std::string one_line(std::string_view text);
 
 }  // namespace emberfold::apps

@@ -6,8 +6,9 @@
 
 namespace emberfold::apps {
 
-/// The known word that `word` is most likely a slip of: fewest insertions, deletions, replacements and swaps
-/// of neighbours, at most a third of its length (and at least one). Empty where none is near.
+/// Returns the known word with the least edit distance to `word`; empty where none is near.
+/// Counted are insertions, deletions, replacements and swaps of neighbours (Damerau–Levenshtein). Allowed are
+/// at most a third of the word's length, and at least one.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
 
 }  // namespace emberfold::apps

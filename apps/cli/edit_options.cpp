@@ -15,11 +15,12 @@ namespace emberfold::apps {
 
 namespace {
 
+constexpr const char* kSynthGroup = "synth";
 constexpr std::array<const char*, 6> kRates = {"births", "deaths",   "splits",
                                                "merges", "connects", "disconnects"};
 
-/// How bright the picture, fitted to the frame, is in each cell of the model's grid.
-mcmc::CellMap painted_births(const std::string& path, const mcmc::MotionModel& model) {
+/// Returns the mean brightness of the picture, fitted to the frame, in each cell of the model's grid.
+mcmc::CellMap read_birth_map(const std::string& path, const mcmc::MotionModel& model) {
   cv::Mat picture = io::read_mask(path), fitted;
   picture.convertTo(picture, CV_32F);
   cv::resize(picture, fitted, {model.width, model.height}, 0, 0,
@@ -41,33 +42,27 @@ mcmc::CellMap painted_births(const std::string& path, const mcmc::MotionModel& m
 
 }  // namespace
 
-void add_edit_options(CLI::App& app, EditOptions& options) {
-  const std::string group = "Changing the motion";
+void add_edit_options(CLI::App& app, Settings& settings, EditOptions& options) {
   auto& edit = options.edit;
   app.add_option("--start", options.start_name,
-                 "Begin with two frames as they were seen (data), or as they usually are (stationary)")
-      ->type_name("data|stationary")
+                 "Begin as in the clip (data) or as the model usually is (stationary)")
+      ->type_name("KIND")
       ->check(CLI::IsMember({"data", "stationary"}).description(""))
-      ->default_str(options.start_name)
-      ->group(group);
-  add_number(app, "--speed", edit.speed, "X", "So many times as fast, 0.1 to 10")->group(group);
-  app.add_flag("--reverse", edit.reverse, "Time runs backwards")->group(group);
-  add_number(app, "--intensity", edit.intensity, "X", "Of the force that makes strokes sway, 0 to 10")
-      ->group(group);
-  add_number(app, "--flicker", edit.flicker, "X", "Of what makes their contrast change, 0 to 10")
-      ->group(group);
-  for (std::size_t i = 0; i < kRates.size(); ++i)
-    add_number(app, std::string("--") + kRates[i], edit.rates[i], "X",
-               std::string(kRates[i]) + " so many times as often, 0 to 10")
-        ->group(group);
-  app.add_option("--birth-map", options.birth_map, "A picture, white where strokes are to be born")
-      ->type_name("FILE")
-      ->group(group);
-  app.add_option("--strokes", options.strokes, "The wider or the narrower half of the strokes alone")
-      ->type_name("all|coarse|fine")
+      ->default_str(options.start_name);
+  add_number(app, "--speed", edit.speed, "X", "Move X times as fast, 0.1 to 10");
+  app.add_flag("--reverse", edit.reverse, "Run time backwards");
+  add_number(app, "--intensity", edit.intensity, "X", "Scale the force that displaces strokes, 0 to 10");
+  add_number(app, "--flicker", edit.flicker, "X", "Scale the changes of contrast, 0 to 10");
+  app.add_option("--birth-map", options.birth_map, "Let strokes be born where this picture is white")
+      ->type_name("FILE");
+  app.add_option("--strokes", options.strokes,
+                 "Keep all strokes, or the wider (coarse) or narrower (fine) half")
+      ->type_name("WHICH")
       ->check(CLI::IsMember({"all", "coarse", "fine"}).description(""))
-      ->default_str(options.strokes)
-      ->group(group);
+      ->default_str(options.strokes);
+  for (std::size_t i = 0; i < kRates.size(); ++i)
+    settings.add(kSynthGroup, kRates[i], edit.rates[i], "X", std::string("Multiply the rate of ") + kRates[i],
+                 [] { return "0 to 10"; });
 }
 
 void check(EditOptions& options) {
@@ -83,14 +78,14 @@ void check(EditOptions& options) {
     for (const std::string field : {"speed", "intensity", "flicker"})
       message = with_option_name(message, field);
     for (const std::string field : kRates)
-      if (message.starts_with(field)) message = with_option_name(message, field);
+      if (message.starts_with(field)) message = std::string(kSynthGroup) + "." + message;
     throw Misuse(message);
   }
 }
 
-mcmc::MotionModel edited(mcmc::MotionModel model, const EditOptions& options, Session& session) {
+mcmc::MotionModel apply_edits(mcmc::MotionModel model, const EditOptions& options, Session& session) {
   mcmc::MotionEdit edit = options.edit;
-  if (!options.birth_map.empty()) edit.birth_map = painted_births(options.birth_map, model);
+  if (!options.birth_map.empty()) edit.birth_map = read_birth_map(options.birth_map, model);
   auto result = mcmc::edit_motion(model, edit, session.common.seed, session.context);
   for (const auto& note : result.notes) session.warn(note);
   return std::move(result.model);

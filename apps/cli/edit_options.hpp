@@ -12,7 +12,7 @@
 
 namespace emberfold::apps {
 
-/// How a motion model is changed before anything is drawn from it, and where the clip begins.
+/// Options that change a motion model before a clip is drawn, and that choose the first frames.
 struct EditOptions {
   mcmc::MotionEdit edit;
   std::string strokes = "all", birth_map, start_name = "data";
@@ -22,15 +22,16 @@ struct EditOptions {
   }
 };
 
-/// --speed, --reverse, --intensity and the others.
-void add_edit_options(CLI::App& command, EditOptions& options);
+/// Adds --speed, --reverse, --intensity and others, and the rates of events to the settings (synth.births …).
+void add_edit_options(CLI::App& command, Settings& settings, EditOptions& options);
 
-/// Throws Misuse, in the options' names.
+/// Checks the options. Throws Misuse that names the option.
 void check(EditOptions& options);
 
-/// The model changed; what could not be had becomes warnings. Reads the picture of --birth-map: births as
-/// bright as it is there, fitted to the frame. Throws core::Cancelled, core::IoError, Misuse.
-mcmc::MotionModel edited(mcmc::MotionModel model, const EditOptions& options, Session& session);
+/// Returns the changed model; what could not be achieved becomes warnings. Reads the picture of --birth-map,
+/// fitted to the frame: births are proportional to its brightness. Throws core::Cancelled, core::IoError,
+/// Misuse.
+mcmc::MotionModel apply_edits(mcmc::MotionModel model, const EditOptions& options, Session& session);
 
 nlohmann::ordered_json edit_json(const EditOptions& options);
 

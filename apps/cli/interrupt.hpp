@@ -6,8 +6,8 @@
 
 namespace emberfold::apps {
 
-/// Turns Ctrl-C and SIGTERM into a stop request while it lives; the second one ends the process at once. Made
-/// before any other thread, so that all of them leave these signals to it.
+/// Turns Ctrl-C and SIGTERM into a stop request while it lives; the second one ends the process at once.
+/// Make it before any other thread, so that they all block these signals.
 class InterruptWatch {
  public:
   InterruptWatch();

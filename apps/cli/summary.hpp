@@ -11,16 +11,16 @@
 #include "core/io/staged_output.hpp"
 #include "graph/events/event_score.hpp"
 
-// The parts of summary.json that the commands share.
+// Parts of summary.json that the commands share.
 namespace emberfold::apps {
 
-/// Format, command, version and seed.
+/// Begins a summary with format, command, version and seed.
 nlohmann::ordered_json begin_summary(const std::string& command, const Session& session);
 
-/// What was read.
+/// Describes the clip that was read.
 nlohmann::ordered_json clip_json(const std::string& clip, const core::ClipInfo& info, int frames);
 
-/// The fields of an options struct by name.
+/// Returns the fields of an options struct by name.
 template <class Options>
 nlohmann::ordered_json options_json(const Options& options) {
   nlohmann::ordered_json out = nlohmann::ordered_json::object();
@@ -29,13 +29,13 @@ nlohmann::ordered_json options_json(const Options& options) {
 }
 nlohmann::ordered_json reading_json(const io::ReadOptions& read);
 
-/// {"four": {class: {"true", "found", "hit", "precision", "recall", "f1"}}, "six": …}
+/// Returns {"four": {class: {"true", "found", "hit", "precision", "recall", "f1"}}, "six": …}
 nlohmann::ordered_json score_json(const graph::Score& score);
 
-/// The score as a table, one for each reading.
+/// Returns the score as a table for each of the two sets of classes.
 std::string score_table(const graph::Score& score);
 
-/// Indented, a newline at the end; bytes that are no UTF-8 are replaced.
+/// Writes indented JSON with a newline at the end. Bytes that are no UTF-8 are replaced.
 std::string json_text(const nlohmann::ordered_json& value);
 
 }  // namespace emberfold::apps

@@ -21,14 +21,17 @@ void run_analyze(const Analyze& asked, Session& session) {
   AnalyzeOptions options = asked.options;
   options.read = check_reading(asked.reading, session);
   if (options.texture < 0 || options.texture > 500)
-    throw Misuse("--texture is " + std::to_string(options.texture) + ", must be in 0…500");
-  check_options(options.sketch);
-  check_options(options.match);
-  check_options(options.starts);
-  check_options(options.infer);
-  check_options(options.fill);
-  check_options(options.calibrate);
+    throw Misuse("--texture is " + std::to_string(options.texture) + "; allowed is 0 to 500");
+  check_options(options.sketch, "sketch");
+  check_options(options.match, "match");
+  check_options(options.starts, "starts");
+  check_options(options.infer, "infer");
+  check_options(options.fill, "fill");
+  check_options(options.calibrate, "calibrate");
+  require_apart({asked.reading.clip}, asked.output,
+                {"overlay.mp4", "reconstruction.avi", "birth_map.png", "death_map.png", "matches", "model"});
   io::OutputFolder output(asked.output);
+  output.protect({asked.reading.clip});
   auto analysis = analyze_clip(asked.reading.clip, options, output, session);
   finish_analysis(analysis, output, session);
   output.commit();
@@ -41,8 +44,9 @@ void run_analyze(const Analyze& asked, Session& session) {
 
 }  // namespace
 
-void add_analyze(CLI::App& app, Chosen& chosen) {
-  auto* command = app.add_subcommand("analyze", "Follow the strokes of a clip and find their events");
+void add_analyze(CLI::App& app, CommandLine& line) {
+  auto* command = app.add_subcommand(
+      "analyze", "Follow the strokes of a clip, find their events and learn how they move");
   command->footer(
       "  emberfold analyze fire.mp4 -o out/fire\n"
       "  emberfold analyze frames/ -o out/sea --range 0:100 --scale 0.5\n"
@@ -50,23 +54,24 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
   const auto asked = std::make_shared<Analyze>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
-  command->add_flag("--reconstruction", asked->options.reconstruction,
-                    "Write reconstruction.avi too, and measure every frame's PSNR");
-  add_number(
-      *command, "--texture", asked->options.texture, "N",
-      "Learn what lies between strokes too, a linear dynamic texture of so many components, for 'synth "
-      "--fill dytex'; 0: none");
-  add_fields(*command, asked->options.sketch, "Sketching");
-  add_fields(*command, asked->options.match, "Matching");
-  command->add_flag("--bottom-up", asked->options.bottom_up,
-                    "No sampler: the match as it is, every event of probability 1");
-  add_fields(*command, asked->options.starts, "Sampling");
-  add_fields(*command, asked->options.infer, "Sampling");
-  add_fields(*command, asked->options.calibrate, "The model");
-  add_fields(*command, asked->options.fill, "Filling");
-  add_common(*command, chosen.common, "Print the content of summary.json");
+  auto& options = asked->options;
+  command->add_flag("--bottom-up", options.bottom_up,
+                    "Skip the sampler: every event of the match has probability 1");
+  add_no_edges(*command, options.sketch);
+  command->add_flag("--reconstruction", options.reconstruction,
+                    "Write reconstruction.avi too, and measure the PSNR of every frame");
+  add_number(*command, "--texture", options.texture, "N",
+             "Learn N components of what lies between strokes (synth --fill dytex)");
+  const auto settings = add_settings(*command, line);
+  settings->add("sketch", options.sketch);
+  settings->add("match", options.match);
+  settings->add("starts", options.starts);
+  settings->add("infer", options.infer);
+  settings->add("calibrate", options.calibrate);
+  settings->add("fill", options.fill);
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_analyze(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_analyze(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

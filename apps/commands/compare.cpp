@@ -17,14 +17,13 @@ namespace emberfold::apps {
 template <class Options, class Visit>
 requires std::same_as<std::remove_const_t<Options>, pipeline::CompareOptions>
 void visit_fields(Options& o, Visit&& visit) {
-  visit("learn_share", o.learn_share, "SHARE",
-        "Of the clip, from its beginning, that models learn from; the rest is foretold");
-  visit("steps", o.steps, "N", "Foretell up to so many frames ahead");
-  visit("frames", o.frames, "N", "Frames of each clip drawn from a model; 0: as many as the source has");
-  visit("hybrid", o.hybrid, "", "Leave the hybrid of motion model and linear dynamic texture out");
-  visit("star", o.star, "", "Leave the spatio-temporal auto-regression out");
-  visit("strokes", o.strokes, "", "Do not find strokes in the drawn clips (half the time)");
-  visit("curve", o.curve, "", "Quality against the number of parameters too, from models of many sizes");
+  visit("learn_share", o.learn_share, "SHARE", "Learn from this first part of the clip; predict the rest");
+  visit("steps", o.steps, "N", "Predict up to this many frames ahead");
+  visit("frames", o.frames, "N", "Draw this many frames from each model; 0: as many as the clip has");
+  visit("hybrid", o.hybrid, "", "Include the hybrid of motion model and linear dynamic texture");
+  visit("star", o.star, "", "Include the spatio-temporal auto-regression");
+  visit("strokes", o.strokes, "", "Find strokes in the drawn clips (doubles the time)");
+  visit("curve", o.curve, "", "Measure quality against the number of parameters, of models of many sizes");
 }
 
 namespace {
@@ -51,12 +50,16 @@ Json options_of(const Compare& asked, const io::ReadOptions& read) {
 
 void run_compare(const Compare& asked, Session& session) {
   const io::ReadOptions read = check_reading(asked.reading, session);
-  check_options(asked.options);
-  check_options(asked.options.sketch);
-  check_options(asked.options.match);
-  check_options(asked.options.fill);
-  check_options(asked.options.learn);
+  check_options(asked.options, "compare");
+  check_options(asked.options.sketch, "sketch");
+  check_options(asked.options.match, "match");
+  check_options(asked.options.fill, "fill");
+  check_options(asked.options.learn, "learn");
+  require_apart({asked.reading.clip, asked.other}, asked.output,
+                {"side_by_side.mp4", "synthesized_motion.avi", "synthesized_dytex.avi",
+                 "synthesized_hybrid.avi", "synthesized_star.avi"});
   io::OutputFolder output(asked.output);
+  output.protect({asked.reading.clip, asked.other});
   Stages stages;
   stages.begin("compare");
   const auto open = [&](const std::string& name) {
@@ -91,26 +94,32 @@ void run_compare(const Compare& asked, Session& session) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Chosen& chosen) {
-  auto* command = app.add_subcommand(
-      "compare", "Hold a clip against what its models foretell and draw, or against another clip");
+void add_compare(CLI::App& app, CommandLine& line) {
+  auto* command =
+      app.add_subcommand("compare", "Compare a clip with models learned from it, or with another clip");
   command->footer(
       "  emberfold compare flag.avi -o out/compare\n"
       "  emberfold compare flame.mp4 -o out/compare --range 0:60 --scale 0.5\n"
-      "  emberfold compare river.mp4 -o out/compare --scale 0.5 --frames 1000 --curve\n"
+      "  emberfold compare river.mp4 -o out/compare --scale 0.5 --frames 1000 --set compare.curve=true\n"
       "  emberfold compare flag.avi flag_synthesized.avi -o out/compare --json");
   const auto asked = std::make_shared<Compare>();
   add_reading(*command, asked->reading);
-  command->add_option("OTHER", asked->other, "Another clip to hold the first one against")->type_name("");
+  command->add_option("OTHER", asked->other, "Another clip to compare with; without it models are learned")
+      ->type_name("");
   add_output(*command, asked->output);
-  add_fields(*command, asked->options, "Comparison");
-  add_fields(*command, asked->options.sketch, "Sketching");
-  add_fields(*command, asked->options.match, "Matching");
-  add_fields(*command, asked->options.fill, "Filling");
-  add_fields(*command, asked->options.learn, "Linear dynamic texture");
-  add_common(*command, chosen.common, "Print the content of summary.json instead of a table");
+  auto& options = asked->options;
+  add_number(*command, "--frames", options.frames, "N",
+             "Draw this many frames from each model; 0: as many as the clip has");
+  add_no_edges(*command, options.sketch);
+  const auto settings = add_settings(*command, line);
+  settings->add("compare", options);
+  settings->add("sketch", options.sketch);
+  settings->add("match", options.match);
+  settings->add("fill", options.fill);
+  settings->add("learn", options.learn);
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_compare(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_compare(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -34,7 +34,7 @@ BuiltinClip make_clip(const Demo& asked, io::OutputFolder& output, const Session
     for (const auto& frame : made.clip.frames) writer->write(frame);
     writer->finish();
   } catch (const core::IoError& error) {
-    throw core::IoError(output.of_final(error.what()));
+    throw core::IoError(output.with_final_name(error.what()));
   }
   output.write("truth.json", [&](std::ostream& out) { out << made.truth_json; });
   return made;
@@ -66,7 +66,7 @@ void run_demo(const Demo& asked, Session& session) {
   auto analysis = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
                                "builtin:" + asked.clip);
   const auto source = open_clip(output.staged("clip.avi").string(), {}, {});
-  tell_story(*source, options, analysis, output, session);
+  add_model_clips(*source, options, analysis, output, session);
   finish_analysis(analysis, output, session);
   const auto& summary = analysis.summary;
   output.write("score.json", [&](std::ostream& out) { out << json_text(summary["score"]); });
@@ -77,21 +77,20 @@ void run_demo(const Demo& asked, Session& session) {
 
 }  // namespace
 
-void add_demo(CLI::App& app, Chosen& chosen) {
+void add_demo(CLI::App& app, CommandLine& line) {
   auto* command = app.add_subcommand(
-      "demo", "Make a built-in clip, analyse it, hold the events against the truth, draw new clips from it");
+      "demo", "Make a built-in clip, analyze it, score its events, draw new clips from its models");
   command->footer(
       "  emberfold demo\n"
       "  emberfold demo --clip cloth -o out/cloth --seed 7");
   const auto asked = std::make_shared<Demo>();
   add_output(*command, asked->output);
-  command->add_option("--clip", asked->clip, "Which clip")
+  command->add_option("--clip", asked->clip, "Use this clip")
       ->type_name("fire|cloth|river")
       ->check(CLI::IsMember({"fire", "cloth", "river"}).description(""))
       ->default_str(asked->clip);
-  add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_demo(*asked, session); }; });
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_demo(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -112,8 +112,8 @@ ReportMeasures measures_table(const Json& measures) {
   return table;
 }
 
-void tell_story(core::FrameSource& source, const AnalyzeOptions& options, Analysis& analysis,
-                io::OutputFolder& output, Session& session) {
+void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, Analysis& analysis,
+                     io::OutputFolder& output, Session& session) {
   pipeline::CompareOptions compare;
   compare.sketch = options.sketch;
   compare.match = options.match;

@@ -5,14 +5,13 @@
 
 namespace emberfold::apps {
 
-/// Goes on from an analysis that kept its sketch: learns a linear dynamic texture of the clip, holds both
-/// models against it, and adds to report and summary what came of it. Writes dytex/ and the files of
+/// Learns a linear dynamic texture of the clip and compares both models with the clip. Takes an analysis that
+/// kept its sketch, and adds the comparison to its report and summary. Writes dytex/ and the files of
 /// compare_clip(). Throws core::Cancelled.
-void tell_story(core::FrameSource& source, const AnalyzeOptions& options, Analysis& analysis,
-                io::OutputFolder& output, Session& session);
+void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, Analysis& analysis,
+                     io::OutputFolder& output, Session& session);
 
-/// The table of the report: a comparison's measures.json, a column for each model and one for what they are
-/// held against.
+/// Returns the table of the report from measures.json: a column for each model and one for the reference.
 ReportMeasures measures_table(const nlohmann::ordered_json& measures);
 
 }  // namespace emberfold::apps

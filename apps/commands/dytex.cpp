@@ -4,9 +4,7 @@
 namespace emberfold::apps {
 
 CLI::Option* add_start(CLI::App& command, std::string& start) {
-  return command
-      .add_option("--start", start,
-                  "The first state: drawn by chance, the mean frame, or that of a learned frame")
+  return command.add_option("--start", start, "Start at a random state, the mean frame or a learned frame")
       ->type_name("stationary|mean|N")
       ->default_str(start);
 }
@@ -27,7 +25,7 @@ void set_start(dytex::SynthesisOptions& options, const std::string& start,
   int frame = 0;
   try {
     parse_number("--start", start, frame);
-  } catch (const CLI::ValidationError&) {
+  } catch (const Misuse&) {
     refuse();
   }
   if (frame < 0 || frame > last) refuse();
@@ -43,36 +41,32 @@ std::unique_ptr<io::VideoWriter> create_output(const std::string& path, const co
 }
 
 void add_texture_model(CLI::App& command, std::string& model) {
-  command.add_option("MODEL", model, "The folder that 'emberfold dytex learn' wrote")
+  command.add_option("MODEL", model, "Read the model from this folder of 'dytex learn'")
       ->required()
       ->type_name("");
 }
 
-void add_dytex(CLI::App& app, Chosen& chosen) {
+void add_dytex(CLI::App& app, CommandLine& line) {
   auto* command =
-      app.add_subcommand("dytex", "Linear dynamic textures: learn, edit, synthesize, foretell, compare");
+      app.add_subcommand("dytex", "Learn, edit, draw, forecast and compare linear dynamic textures");
   command->footer(
       "  emberfold dytex learn flag.avi -o out/flag\n"
       "  emberfold dytex edit out/flag -o out/storm --speed 1.5 --intensity 2\n"
       "  emberfold dytex synth out/storm -o storm.mp4\n"
       "  emberfold dytex info out/flag\n"
-      "  emberfold dytex distance out/flag out/river\n"
-      "  emberfold dytex classify clips -o out/classes\n"
-      "  emberfold dytex compress out/flag -o out/small --precision f16\n"
       "  emberfold dytex page out/flag -o flag.html");
   command->require_subcommand(0, 1);
-  add_dytex_learn(*command, chosen);
-  add_dytex_edit(*command, chosen);
-  add_dytex_synth(*command, chosen);
-  add_dytex_compose(*command, chosen);
-  add_dytex_page(*command, chosen);
-  add_dytex_info(*command, chosen);
-  add_dytex_forecast(*command, chosen);
-  add_dytex_curve(*command, chosen);
-  add_dytex_distance(*command, chosen);
-  add_dytex_classify(*command, chosen);
-  add_dytex_compress(*command, chosen);
-  for (auto* one : command->get_subcommands([](CLI::App*) { return true; })) one->group("Commands");
+  add_dytex_learn(*command, line);
+  add_dytex_edit(*command, line);
+  add_dytex_synth(*command, line);
+  add_dytex_compose(*command, line);
+  add_dytex_page(*command, line);
+  add_dytex_info(*command, line);
+  add_dytex_forecast(*command, line);
+  add_dytex_curve(*command, line);
+  add_dytex_distance(*command, line);
+  add_dytex_classify(*command, line);
+  add_dytex_compress(*command, line);
 }
 
 }  // namespace emberfold::apps

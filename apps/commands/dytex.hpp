@@ -13,29 +13,30 @@
 
 namespace emberfold::apps {
 
-/// The commands under `emberfold dytex`, a file each.
-void add_dytex_learn(CLI::App& dytex, Chosen& chosen);
-void add_dytex_edit(CLI::App& dytex, Chosen& chosen);
-void add_dytex_synth(CLI::App& dytex, Chosen& chosen);
-void add_dytex_compose(CLI::App& dytex, Chosen& chosen);
-void add_dytex_page(CLI::App& dytex, Chosen& chosen);
-void add_dytex_info(CLI::App& dytex, Chosen& chosen);
-void add_dytex_forecast(CLI::App& dytex, Chosen& chosen);
-void add_dytex_curve(CLI::App& dytex, Chosen& chosen);
-void add_dytex_distance(CLI::App& dytex, Chosen& chosen);
-void add_dytex_classify(CLI::App& dytex, Chosen& chosen);
-void add_dytex_compress(CLI::App& dytex, Chosen& chosen);
+/// Adds one command under `emberfold dytex`; each has its own file.
+void add_dytex_learn(CLI::App& dytex, CommandLine& line);
+void add_dytex_edit(CLI::App& dytex, CommandLine& line);
+void add_dytex_synth(CLI::App& dytex, CommandLine& line);
+void add_dytex_compose(CLI::App& dytex, CommandLine& line);
+void add_dytex_page(CLI::App& dytex, CommandLine& line);
+void add_dytex_info(CLI::App& dytex, CommandLine& line);
+void add_dytex_forecast(CLI::App& dytex, CommandLine& line);
+void add_dytex_curve(CLI::App& dytex, CommandLine& line);
+void add_dytex_distance(CLI::App& dytex, CommandLine& line);
+void add_dytex_classify(CLI::App& dytex, CommandLine& line);
+void add_dytex_compress(CLI::App& dytex, CommandLine& line);
 
-/// The argument MODEL.
+/// Adds the argument MODEL.
 void add_texture_model(CLI::App& command, std::string& model);
 
-/// --start, where a synthesis begins: "stationary", "mean", or a frame of the clip that was learned from.
+/// Adds --start: "stationary", "mean", or a frame of the clip that was learned from.
 CLI::Option* add_start(CLI::App& command, std::string& start);
-/// What it asks for; Misuse, naming the option, where the text is none of these. `model` names the texture.
+/// Sets the start that the text names. Throws Misuse, naming the option, for any other text. `model` names
+/// the texture in messages.
 void set_start(dytex::SynthesisOptions& options, const std::string& start,
                const dytex::LinearDynamicTexture& texture, const std::string& model);
 
-/// A writer for the clip `path`, the value of --output; Misuse where it cannot be one.
+/// Creates the writer of --output. Throws Misuse where the name is none of a clip.
 std::unique_ptr<io::VideoWriter> create_output(const std::string& path, const core::ClipInfo& info);
 
 }  // namespace emberfold::apps

@@ -30,10 +30,10 @@ struct Classify {
 void parse_blocks(const std::string& text, SampleOptions& options) {
   const auto cross = text.find('x');
   try {
-    if (cross == std::string::npos) throw CLI::ValidationError("--blocks", "");
+    if (cross == std::string::npos) throw Misuse("");
     parse_number("--blocks", text.substr(0, cross), options.columns);
     parse_number("--blocks", text.substr(cross + 1), options.rows);
-  } catch (const CLI::ValidationError&) {
+  } catch (const Misuse&) {
     throw Misuse("--blocks is " + one_line(text) + "; it must be COLUMNSxROWS, such as 2x2");
   }
 }
@@ -172,7 +172,14 @@ void run_classify(Classify asked, Session& session) {
   Found found;
   found.labelled = list_labelled(asked.folder, warn);
   deal(asked, found);
+  std::vector<std::string> inputs{asked.folder};
+  for (const auto& clip : found.labelled.clips) {
+    inputs.push_back(clip.path.string());
+    inputs.push_back(clip.path.parent_path().string());
+  }
+  require_apart(inputs, asked.output, {"confusion.png"});
   io::OutputFolder output(asked.output);
+  output.protect(inputs);
   Stages stages;
   stages.begin("learn");
   found.samples = learn_samples(found.labelled, asked.options, session, warn);
@@ -209,47 +216,30 @@ void run_classify(Classify asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_classify(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_classify(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand(
-      "classify", "Tell how well clips of several classes can be told apart, by cross-validation");
+      "classify", "Classify clips of several classes by their textures, with cross-validation");
   command->footer(
       "  emberfold dytex classify clips -o out/classes\n"
       "  emberfold dytex classify clips -o out/classes --blocks 2x2 --pieces 2 -n 15 --grey");
   const auto asked = std::make_shared<Classify>();
-  command
-      ->add_option("FOLDER", asked->folder,
-                   "Holds a folder for each class, with its clips or what 'dytex learn' made of them")
+  command->add_option("FOLDER", asked->folder, "Read a folder for each class, with its clips or their models")
       ->required()
       ->type_name("");
   add_output(*command, asked->output);
-  const char* group = "Samples";
-  command
-      ->add_option(
-          "--blocks", asked->blocks,
-          "Cut frames into so many blocks, each a sample; those of a clip stay together in the folds")
+  command->add_option("--blocks", asked->blocks, "Cut frames into this many blocks, each a sample")
       ->type_name("CxR")
-      ->default_str(asked->blocks)
-      ->group(group);
+      ->default_str(asked->blocks);
   add_number(*command, "--pieces", asked->options.pieces, "N",
-             "Cut clips into so many pieces of equal length")
-      ->group(group);
-  add_number(*command, "-n,--components", asked->options.components, "N", "Order of each model")
-      ->group(group);
-  add_number(*command, "--folds", asked->folds, "N",
-             "How many parts to leave out in turn; 0: every clip by itself")
-      ->group(group);
+             "Cut clips into this many pieces of equal length");
+  add_number(*command, "-n,--components", asked->options.components, "N", "Learn this many components");
+  add_number(*command, "--folds", asked->folds, "N", "Use this many folds; 0: leave out each clip in turn");
   add_number(*command, "--discount", asked->kernel.discount, "RATE",
-             "Of the Binet-Cauchy kernel: frame t weighs exp(-RATE t)")
-      ->group(group);
-  group = "Reading the clips";
-  command->add_option("--range", asked->range, "Frames a up to, not including, b; a: and :b are fine too")
-      ->type_name("a:b")
-      ->group(group);
-  add_fields(*command, asked->options.reading, group);
-  command->add_flag("--grey", asked->options.reading.grey, "Read luma only")->group(group);
-  add_common(*command, chosen.common, "Print the content of summary.json");
+             "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
+  add_reading_options(*command, asked->range, asked->options.reading);
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_classify(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_classify(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -10,6 +10,7 @@
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
 #include "core/io/mask_file.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/model/layers.hpp"
 #include "dytex/synthesize.hpp"
 
@@ -112,6 +113,13 @@ Json compose_summary(const Compose& asked, const io::ReadOptions& read, const co
 
 void run_compose(const Compose& asked, Session& session) {
   const io::ReadOptions read = check_reading(asked.reading, session);
+  std::vector<std::string> inputs{asked.reading.clip};
+  for (const auto& layer : asked.layers) {
+    const auto [model, mask] = split_layer(layer);
+    inputs.push_back(model);
+    inputs.push_back(mask);
+  }
+  io::require_apart(inputs, {{asked.output}});
   Stages stages;
   stages.begin("read");
   const auto source =
@@ -136,8 +144,8 @@ void run_compose(const Compose& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_compose(CLI::App& dytex, Chosen& chosen) {
-  auto* command = dytex.add_subcommand("compose", "Put parts that move by models of their own onto a clip");
+void add_dytex_compose(CLI::App& dytex, CommandLine& line) {
+  auto* command = dytex.add_subcommand("compose", "Draw parts of a clip anew from models of their own");
   command->footer(
       "  emberfold dytex learn river.mp4 -o out/water --mask water.png\n"
       "  emberfold dytex edit out/water -o out/fast --speed 2\n"
@@ -147,27 +155,21 @@ void add_dytex_compose(CLI::App& dytex, Chosen& chosen) {
   const auto asked = std::make_shared<Compose>();
   add_reading(*command, asked->reading);
   command
-      ->add_option("-o,--output", asked->output, "Clip to write: .mp4, .avi (lossless), or a folder of PNG")
+      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
       ->type_name("OUT")
       ->required();
-  const char* group = "Layers";
   command
-      ->add_option(
-          "--layer", asked->layers,
-          "A model, drawn where the mask (an image, white inside) is, or where the model moves; again "
-          "for a layer above it")
+      ->add_option("--layer", asked->layers,
+                   "Draw a model where MASK is white, or where it moves; may be repeated")
       ->type_name("MODEL[:MASK]")
       ->allow_extra_args(false)
-      ->required()
-      ->group(group);
-  add_number(*command, "--feather", asked->feather, "PX",
-             "Over how many px inside its mask's edge a layer appears")
-      ->group(group);
-  add_start(*command, asked->start)->group(group);
-  command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out")->group(group);
-  add_common(*command, chosen.common, "Print figures as JSON");
+      ->required();
+  add_number(*command, "--feather", asked->feather, "PX", "Blend a layer over this distance inside its mask");
+  add_start(*command, asked->start);
+  command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out");
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_compose(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_compose(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

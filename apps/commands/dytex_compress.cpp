@@ -17,6 +17,7 @@
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
 #include "dytex/measures/psnr.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/model/compression.hpp"
 
 namespace emberfold::apps {
@@ -171,6 +172,7 @@ void run_compress(const Compress& asked, Session& session) {
     if (fs::equivalent(asked.output, asked.model, ignored))
       throw Misuse(
           "--output is the model itself; what f16 and u8 leave out would be lost: name another folder");
+    io::require_apart({asked.model, asked.reading.clip}, {{asked.output}});
     folder.emplace(asked.output);
   }
   Stages stages;
@@ -205,9 +207,8 @@ void run_compress(const Compress& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_compress(CLI::App& dytex, Chosen& chosen) {
-  auto* command =
-      dytex.add_subcommand("compress", "Keep a model in fewer bytes, and tell what that leaves of its clip");
+void add_dytex_compress(CLI::App& dytex, CommandLine& line) {
+  auto* command = dytex.add_subcommand("compress", "Store a model in fewer bytes, and measure the loss");
   command->footer(
       "  emberfold dytex compress out/flag\n"
       "  emberfold dytex compress out/flag flag.avi\n"
@@ -216,17 +217,15 @@ void add_dytex_compress(CLI::App& dytex, Chosen& chosen) {
   add_texture_model(*command, asked->model);
   add_reading(*command, asked->reading);
   command->get_option("CLIP")->required(false)->description(
-      "The clip that it was learned from: the PSNR is then measured too");
-  command
-      ->add_option("-o,--output", asked->output,
-                   "Folder to write the smaller model into; every command reads it as any other")
+      "Measure the PSNR on this clip, which the model was learned from");
+  command->add_option("-o,--output", asked->output, "Write the smaller model into this folder")
       ->type_name("DIR");
-  command->add_option("--precision", asked->precision, "In which C and the mean are kept")
+  command->add_option("--precision", asked->precision, "Store components and mean in this type")
       ->type_name("f32|f16|u8")
       ->default_str(asked->precision);
-  add_common(*command, chosen.common, "Print the figures as JSON");
+  add_common(*command, line.common);
   command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_compress(*asked, session); }; });
+      [asked, &line] { line.run = [asked](Session& session) { run_compress(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -38,7 +38,9 @@ void run_curve(const Curving& asked, Session& session) {
   } catch (const core::InputError& error) {
     throw Misuse(with_option_names(without_struct_name(error.what())));
   }
+  require_apart({asked.reading.clip}, asked.output, {"curve.png"});
   io::OutputFolder output(asked.output);
+  output.protect({asked.reading.clip});
   Stages stages;
   stages.begin("curve");
   const auto source =
@@ -77,10 +79,9 @@ void run_curve(const Curving& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_curve(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_curve(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand(
-      "curve",
-      "How many frames a clip must have: the error of the next frame against the frames learned from");
+      "curve", "Measure how many frames must be learned: the error of the next frame against them");
   command->footer(
       "  emberfold dytex curve flag.avi -o out/curve\n"
       "  emberfold dytex curve flag.avi -o out/curve -n 10 --lengths 60 --targets 20");
@@ -88,20 +89,15 @@ void add_dytex_curve(CLI::App& dytex, Chosen& chosen) {
   auto& options = asked->options;
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
-  const char* group = "Curve";
-  add_number(*command, "-n,--components", options.components, "N", "Order: how many components")
-      ->group(group);
-  add_number(*command, "--lengths", options.lengths, "N", "How many lengths are tried")->group(group);
+  add_number(*command, "-n,--components", options.components, "N", "Learn this many components");
+  add_number(*command, "--lengths", options.lengths, "N", "Try this many lengths");
   add_number(*command, "--targets", options.targets, "N",
-             "How many frames are foretold for each, in the last quarter")
-      ->group(group);
-  add_number(*command, "--longest", options.longest, "FRAMES", "Longer windows are not tried")->group(group);
+             "Predict this many frames for each, in the last quarter");
+  add_number(*command, "--longest", options.longest, "FRAMES", "Try no longer windows than this");
   add_number(*command, "--tolerance", options.tolerance, "SHARE",
-             "Of the error at length, within which it must stay from the critical length on")
-      ->group(group);
-  add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_curve(*asked, session); }; });
+             "Call a length critical where the error stays within this share of the last");
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_curve(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -98,7 +98,11 @@ void run_distance(const Distance& asked, Session& session) {
   const Measure measure = check(asked);
   const auto names = short_names(asked.models);
   std::optional<io::OutputFolder> output;
-  if (!asked.output.empty()) output.emplace(asked.output);
+  if (!asked.output.empty()) {
+    require_apart(asked.models, asked.output, {});
+    output.emplace(asked.output);
+    output->protect(asked.models);
+  }
   Stages stages;
   stages.begin("read");
   const auto models = read_models(asked.models);
@@ -140,42 +144,36 @@ void run_distance(const Distance& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_distance(CLI::App& dytex, Chosen& chosen) {
-  auto* command = dytex.add_subcommand("distance", "Tell how far linear dynamic textures lie apart");
+void add_dytex_distance(CLI::App& dytex, CommandLine& line) {
+  auto* command = dytex.add_subcommand("distance", "Measure the distances of linear dynamic textures");
   command->footer(
       "  emberfold dytex distance out/flag out/river\n"
       "  emberfold dytex distance out/flag out/river -o out/apart --growth 200\n"
       "  emberfold dytex distance out/*/texture -o out/matrix --measure martin");
   const auto asked = std::make_shared<Distance>();
-  command->add_option("MODEL", asked->models, "Two folders or more that 'emberfold dytex learn' wrote")
+  command->add_option("MODEL", asked->models, "Read the models from these folders, two or more")
       ->required()
       ->type_name("");
   command
       ->add_option("-o,--output", asked->output,
-                   "Folder for matrix.json, matrix.csv and matrix.png; made where it is not there")
+                   "Write matrix.json, matrix.csv and matrix.png into this folder")
       ->type_name("DIR");
-  const char* group = "Distances";
   auto* measure =
-      command->add_option("--measure", asked->measure, "What the table, the CSV and the picture show")
+      command->add_option("--measure", asked->measure, "Show this distance in table, CSV and picture")
           ->type_name("kl|martin|binet-cauchy|angles")
-          ->default_str(asked->measure)
-          ->group(group);
+          ->default_str(asked->measure);
   auto* growth = add_number(*command, "--growth", asked->growth, "FRAMES",
-                            "Also how the KL divergence grows up to so many frames: growth.json, growth.png")
-                     ->default_str("")
-                     ->group(group);
+                            "Write growth.json, growth.png: KL divergence by frames")
+                     ->default_str("");
   add_number(*command, "--discount", asked->kernel.discount, "RATE",
-             "Of the Binet-Cauchy kernel: frame t weighs exp(-RATE t)")
-      ->group(group);
-  command
-      ->add_flag("--first-frame", asked->kernel.first_frame,
-                 "The Binet-Cauchy kernel begins at the first training frame, not at rest")
-      ->group(group);
-  add_common(*command, chosen.common, "Print all distances as JSON");
-  command->callback([asked, measure, growth, &chosen] {
+             "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
+  command->add_flag("--first-frame", asked->kernel.first_frame,
+                    "Begin the Binet-Cauchy kernel at the first training frame");
+  add_common(*command, line.common);
+  command->callback([asked, measure, growth, &line] {
     asked->asked_measure = measure->count() > 0;
     asked->asked_growth = growth->count() > 0;
-    chosen.run = [asked](Session& session) { run_distance(*asked, session); };
+    line.run = [asked](Session& session) { run_distance(*asked, session); };
   });
 }
 

@@ -11,6 +11,7 @@
 #include "apps/textures/texture_edits.hpp"
 #include "apps/textures/texture_modes.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/editing/edit.hpp"
 #include "dytex/model/archive.hpp"
 
@@ -26,6 +27,7 @@ struct Editing {
   std::vector<dytex::Edit> edits;
   std::optional<int> channel;  // of those to come
   bool keep_contrast = true;   // by those to come
+  std::string weights_file;    // of --weights, which may be numbers too
 
   template <class What>
   void add(const What& what) {
@@ -97,6 +99,7 @@ Json edit_summary(const Editing& asked, const std::vector<std::string>& history,
 
 void run_edit(const Editing& asked, Session& session) {
   check_edits(asked);
+  io::require_apart({asked.model, asked.weights_file}, {{asked.output}});
   io::ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("read");
@@ -147,37 +150,40 @@ void add_factor(CLI::App& command, const std::shared_ptr<Editing>& asked, const 
 
 void add_motion_options(CLI::App& command, const std::shared_ptr<Editing>& asked) {
   const std::string group = "Motion";
-  add_factor(command, asked, "--speed", "Phases of the poles times this, -3 to 3; lifetimes stay", group,
+  add_factor(command, asked, "--speed", "Multiply the poles' phases, -3 to 3; lifetimes stay", group,
              [](double x) { return dytex::Speed{x}; });
-  add_factor(command, asked, "--flow", "Time itself by this, 0.01 to 100: A becomes its power", group,
+  add_factor(command, asked, "--flow", "Multiply the speed of time, 0.01 to 100: A becomes its power", group,
              [](double x) { return dytex::Flow{x}; });
   command
       .add_flag_function(
-          "--reverse", [asked](std::int64_t) { asked->add(dytex::Reverse{}); }, "Exactly backwards")
+          "--reverse", [asked](std::int64_t) { asked->add(dytex::Reverse{}); }, "Run time backwards")
       ->trigger_on_parse()
       ->group(group);
 }
 
 void add_strength_options(CLI::App& command, const std::shared_ptr<Editing>& asked) {
   const std::string group = "Strength";
-  add_factor(command, asked, "--intensity", "Variance of the noise, and so of all motion, times this, 0 to 3",
-             group, [](double x) { return dytex::Intensity{x}; });
-  add_edit(command, "--directions", "X,X,...", "The same for each eigenvalue of the noise, the largest first",
+  add_factor(command, asked, "--intensity", "Multiply the variance of noise and motion, 0 to 3", group,
+             [](double x) { return dytex::Intensity{x}; });
+  add_edit(command, "--directions", "X,X,...", "Multiply each eigenvalue of the noise, the largest first",
            group, [asked](const std::string& text) { asked->add(dytex::Directions{parse_numbers(text)}); });
-  add_factor(command, asked, "--coarse", "Components 1 to 5 times this, 0 to 10", group, [](double x) {
+  add_factor(command, asked, "--coarse", "Multiply components 1 to 5, 0 to 10", group, [](double x) {
     return dytex::Scales{x, 1, 1};
   });
-  add_factor(command, asked, "--medium", "Components 6 to 15 times this", group, [](double x) {
+  add_factor(command, asked, "--medium", "Multiply components 6 to 15", group, [](double x) {
     return dytex::Scales{1, x, 1};
   });
-  add_factor(command, asked, "--fine", "Components from 16 on times this", group, [](double x) {
+  add_factor(command, asked, "--fine", "Multiply components from 16 on", group, [](double x) {
     return dytex::Scales{1, 1, x};
   });
-  add_edit(command, "--weights", "X,X,...|FILE", "Each component, the first first, times its number", group,
-           [asked](const std::string& text) { asked->add(dytex::Weights{parse_numbers(text)}); });
+  add_edit(command, "--weights", "X,X,...|FILE", "Multiply each component by its number", group,
+           [asked](const std::string& text) {
+             asked->weights_file = text;
+             asked->add(dytex::Weights{parse_numbers(text)});
+           });
   std::string names;
   for (const auto& info : dytex::presets()) names += (names.empty() ? "" : "|") + std::string(info.name);
-  add_edit(command, "--preset", "NAME", "One of " + names, group, [asked](const std::string& name) {
+  add_edit(command, "--preset", "NAME", "Apply " + names, group, [asked](const std::string& name) {
     try {
       asked->add_preset(name);
     } catch (const core::InputError& error) {
@@ -188,7 +194,7 @@ void add_strength_options(CLI::App& command, const std::shared_ptr<Editing>& ask
 
 void add_manner_options(CLI::App& command, const std::shared_ptr<Editing>& asked) {
   const std::string group = "For the edits after it";
-  add_edit(command, "--channel", "b|g|r|all", "They change this channel only, of a model per channel", group,
+  add_edit(command, "--channel", "b|g|r|all", "Apply the edits after it to this channel", group,
            [asked](const std::string& text) {
              try {
                asked->channel = parse_channel(text);
@@ -201,32 +207,31 @@ void add_manner_options(CLI::App& command, const std::shared_ptr<Editing>& asked
         .add_flag_function(
             keep ? "--contrast" : "--no-contrast",
             [asked, keep](std::int64_t) { asked->keep_contrast = keep; },
-            keep ? "They do again"
-                 : "Speed and flow leave the noise as it is, rather than keep what is shown as strong")
+            keep ? "Let the edits after it keep the contrast again"
+                 : "Let speed and flow after it keep the noise, not the contrast")
         ->trigger_on_parse()
         ->group(group);
 }
 
 }  // namespace
 
-void add_dytex_edit(CLI::App& dytex, Chosen& chosen) {
-  auto* command =
-      dytex.add_subcommand("edit", "Change how a linear dynamic texture moves; edits act in their order");
+void add_dytex_edit(CLI::App& dytex, CommandLine& line) {
+  auto* command = dytex.add_subcommand(
+      "edit", "Change how a linear dynamic texture moves; edits are applied in their order");
   command->footer(
       "  emberfold dytex edit out/flag -o out/slow --speed 0.5\n"
       "  emberfold dytex edit out/sea -o out/storm --preset rough-sea --flow 1.5\n"
       "  emberfold dytex edit out/fire -o out/odd --reverse --coarse 0.5 --fine 2 --intensity 1.5");
   const auto asked = std::make_shared<Editing>();
   add_texture_model(*command, asked->model);
-  command->add_option("-o,--output", asked->output, "Folder for the edited model")
+  command->add_option("-o,--output", asked->output, "Write the edited model into this folder")
       ->type_name("MODEL2")
       ->required();
   add_motion_options(*command, asked);
   add_strength_options(*command, asked);
   add_manner_options(*command, asked);
-  add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_edit(*asked, session); }; });
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_edit(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -13,39 +13,30 @@ namespace emberfold::apps {
 namespace {
 
 std::string with_em_names(const std::string& message) {
-  return with_option_name(with_option_name(message, "em_iterations"), "em_tolerance");
+  return with_name(with_name(message, "em_iterations", "em.iterations"), "em_tolerance", "em.tolerance");
 }
 
 }  // namespace
 
-void add_em_options(CLI::App& command, EmAsked& asked) {
-  const char* group = "Maximum likelihood";
+void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked) {
   auto& options = asked.options;
-  command.add_flag("--em", asked.em, "Go on from the closed form to the most likely model, by EM")
-      ->group(group);
-  add_number(command, "--em-iterations", options.iterations, "N", "How often, at most")->group(group);
-  add_number(command, "--em-tolerance", options.tolerance, "SHARE",
-             "Stop where the log-likelihood grows by less than this share of it")
-      ->group(group);
-  command
-      .add_flag("--noise-per-value", options.noise_per_value,
-                "Learn how noisy each value of a frame is, not only all together (implies --em)")
-      ->group(group);
-  command
-      .add_option(
-          "--missing", asked.missing,
-          "A clip of the same size, white where CLIP is not known: nothing there is looked at (implies --em)")
-      ->type_name("MASK")
-      ->group(group);
+  command.add_flag("--em", asked.em, "Improve the closed form to the most likely model, by EM");
+  command.add_option("--missing", asked.missing, "Ignore CLIP where this clip is white (implies --em)")
+      ->type_name("MASK");
   command
       .add_option("--filled", asked.filled,
-                  "Also write CLIP with what is hidden filled in: .mp4, .avi (lossless), or a folder of PNG")
-      ->type_name("OUT")
-      ->group(group);
+                  "Write CLIP with the ignored pixels filled in: .mp4, .avi, folder")
+      ->type_name("OUT");
+  settings.add("em", "iterations", options.iterations, "N", "Iterate at most so often",
+               [] { return "1 to 100000"; });
+  settings.add("em", "tolerance", options.tolerance, "SHARE",
+               "Stop where the log-likelihood grows by less than this share of it", [] { return "0 to 1"; });
+  settings.add("em", "noise_per_value", options.noise_per_value, "",
+               "Learn a noise variance for each value of a frame (implies --em)");
 }
 
-void check_em(const EmAsked& asked, const dytex::LearnOptions& learning) {
-  if (asked.wanted()) {
+void check_em(const EmRequest& asked, const dytex::LearnOptions& learning) {
+  if (asked.is_needed()) {
     const auto refuse = [](const std::string& option) {
       throw Misuse("EM goes on from a closed form of " + option + " alone");
     };
@@ -54,15 +45,15 @@ void check_em(const EmAsked& asked, const dytex::LearnOptions& learning) {
     if (learning.method != dytex::Method::closed_form) refuse("--method closed-form");
   }
   if (!asked.filled.empty() && asked.missing.empty())
-    throw Misuse("--filled is what --missing hides, filled in; there is no --missing");
+    throw Misuse("--filled needs --missing, which says what to fill in");
   try {
     asked.options.validate();
   } catch (const core::InputError& error) {
-    throw Misuse("--em-" + without_struct_name(error.what()));
+    throw Misuse("em." + without_struct_name(error.what()));
   }
 }
 
-EmStage::EmStage(const EmAsked& asked, core::FrameSource& source, const io::ReadOptions& read,
+EmStage::EmStage(const EmRequest& asked, core::FrameSource& source, const io::ReadOptions& read,
                  Session& session)
     : asked_(asked), source_(source), session_(session) {
   if (asked.missing.empty()) return;
@@ -81,7 +72,7 @@ EmStage::EmStage(const EmAsked& asked, core::FrameSource& source, const io::Read
 }
 
 void EmStage::improve(dytex::LinearDynamicTexture& texture) {
-  if (!asked_.wanted()) return;
+  if (!asked_.is_needed()) return;
   dytex::EmResult result;
   try {
     result = dytex::maximise_likelihood(source_, texture, asked_.options, missing_, session_.context);

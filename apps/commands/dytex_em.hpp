@@ -13,36 +13,36 @@
 
 namespace emberfold::apps {
 
-/// What `dytex learn` is asked for beyond the closed form.
-struct EmAsked {
+/// Options of `dytex learn` beyond the closed form.
+struct EmRequest {
   bool em = false;
   std::string missing, filled;
   dytex::EmOptions options;
-  [[nodiscard]] bool wanted() const { return em || options.noise_per_value || !missing.empty(); }
+  [[nodiscard]] bool is_needed() const { return em || options.noise_per_value || !missing.empty(); }
 };
 
-/// --em, --em-iterations, --em-tolerance, --noise-per-value, --missing, --filled.
-void add_em_options(CLI::App& command, EmAsked& asked);
-/// Misuse where they cannot be, or not with what the closed form is asked for.
-void check_em(const EmAsked& asked, const dytex::LearnOptions& learning);
+/// Adds --em, --missing, --filled, and the settings em.iterations, em.tolerance and em.noise_per_value.
+void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked);
+/// Checks the options, also against those of the closed form. Throws Misuse.
+void check_em(const EmRequest& asked, const dytex::LearnOptions& learning);
 
-/// Maximum likelihood on top of what `dytex learn` learns in closed form; nothing where it is not asked for.
+/// Improves the closed form of `dytex learn` by maximum likelihood, where the options ask for it.
 class EmStage {
  public:
-  /// Reads the mask, if any. `source`, `asked` and `session` must outlive it.
-  EmStage(const EmAsked& asked, core::FrameSource& source, const io::ReadOptions& read, Session& session);
+  /// Reads the mask of --missing, if any. `source`, `asked` and `session` must outlive it.
+  EmStage(const EmRequest& asked, core::FrameSource& source, const io::ReadOptions& read, Session& session);
 
-  /// What the closed form is to be learned from: the clip, what is hidden filled in for a beginning.
+  /// Returns the clip that the closed form is learned from, with missing pixels interpolated.
   [[nodiscard]] core::FrameSource& source() { return held_ ? *held_ : source_; }
-  /// Improves the texture; notes become warnings. Throws core::Cancelled.
+  /// Improves the texture by EM; notes become warnings. Throws core::Cancelled.
   void improve(dytex::LinearDynamicTexture& texture);
-  /// Writes the clip with what is hidden filled in, where --filled asks for it.
+  /// Writes the clip with missing pixels filled in, where --filled is given.
   void write_filled(const dytex::LinearDynamicTexture& texture);
-  /// For the summary; null where EM was not asked for.
+  /// Returns the figures for summary.json; null without EM.
   [[nodiscard]] const nlohmann::ordered_json& figures() const { return figures_; }
 
  private:
-  const EmAsked& asked_;
+  const EmRequest& asked_;
   core::FrameSource& source_;
   Session& session_;
   dytex::Missing missing_;

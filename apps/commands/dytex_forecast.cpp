@@ -70,7 +70,10 @@ void run_forecast(const Forecasting& asked, Session& session) {
   if (asked.asked_after && asked.reading.clip.empty())
     throw Misuse("--after is the number of frames of CLIP; there is no CLIP");
   const io::ReadOptions read = check_reading(asked.reading, session);
+  const std::vector<std::string> inputs{asked.model, asked.reading.clip};
+  require_apart(inputs, asked.output, {"forecast.avi", "forecast.png", "deviation.png"});
   io::OutputFolder output(asked.output);
+  output.protect(inputs);
   Stages stages;
   stages.begin("read");
   const auto texture = read_texture(asked.model);
@@ -119,8 +122,8 @@ void run_forecast(const Forecasting& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_forecast(CLI::App& dytex, Chosen& chosen) {
-  auto* command = dytex.add_subcommand("forecast", "Foretell the frames that follow a clip, and how well");
+void add_dytex_forecast(CLI::App& dytex, CommandLine& line) {
+  auto* command = dytex.add_subcommand("forecast", "Predict the frames that follow a clip, and their errors");
   command->footer(
       "  emberfold dytex forecast out/flag -o out/next\n"
       "  emberfold dytex forecast out/flag flag.avi -o out/next --steps 50\n"
@@ -130,15 +133,14 @@ void add_dytex_forecast(CLI::App& dytex, Chosen& chosen) {
   add_reading(*command, asked->reading);
   command->get_option("CLIP")->required(false);
   add_output(*command, asked->output);
-  const char* group = "Forecast";
-  add_number(*command, "--steps", asked->steps, "N", "How many frames ahead")->group(group);
+  add_number(*command, "--steps", asked->steps, "N", "Predict this many frames");
   auto* after = add_number(*command, "--after", asked->after, "N",
-                           "See only the first N frames of CLIP, and compare with those that follow");
-  after->default_str("")->group(group);
-  add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback([asked, after, &chosen] {
+                           "Use the first N frames of CLIP, and compare with those after them");
+  after->default_str("");
+  add_common(*command, line.common);
+  command->callback([asked, after, &line] {
     asked->asked_after = after->count() > 0;
-    chosen.run = [asked](Session& session) { run_forecast(*asked, session); };
+    line.run = [asked](Session& session) { run_forecast(*asked, session); };
   });
 }
 

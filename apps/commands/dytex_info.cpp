@@ -23,16 +23,15 @@ void run_info(const Info& asked, const Session& session) {
 
 }  // namespace
 
-void add_dytex_info(CLI::App& dytex, Chosen& chosen) {
-  auto* command = dytex.add_subcommand("info", "Tell what a linear dynamic texture is like");
+void add_dytex_info(CLI::App& dytex, CommandLine& line) {
+  auto* command = dytex.add_subcommand("info", "Print the modes and figures of a linear dynamic texture");
   command->footer(
       "  emberfold dytex info out/flag\n"
       "  emberfold dytex info out/flag --json | jq .modes");
   const auto asked = std::make_shared<Info>();
   add_texture_model(*command, asked->model);
-  add_common(*command, chosen.common, "Print JSON instead of a table");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_info(*asked, session); }; });
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_info(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

@@ -15,6 +15,7 @@
 #include "apps/textures/texture_picture.hpp"
 #include "core/io/mask_file.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/model/layers.hpp"
@@ -51,7 +52,7 @@ struct Learn {
   dytex::LearnOptions options;
   bool asked_components = false, asked_energy = false, asked_order = false;
   double energy = 0.95;
-  EmAsked em;
+  EmRequest em;
   int memory = static_cast<int>(dytex::LearnOptions{}.memory >> 20);  // MiB
   std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
 };
@@ -173,7 +174,7 @@ void take_words(Learn& asked) {
   options.stable = value_of(kStable, asked.stable);
   options.noise = value_of(kNoise, asked.noise);
   if (asked.memory < 1)
-    throw Misuse("--memory is " + std::to_string(asked.memory) + " MiB, must be at least 1");
+    throw Misuse("learn.memory is " + std::to_string(asked.memory) + " MiB; allowed is at least 1");
   options.memory = static_cast<std::size_t>(asked.memory) << 20;
 }
 
@@ -183,6 +184,7 @@ void run_learn(Learn asked, Session& session) {
   check_learning(asked.options);
   asked.em.options.memory = asked.options.memory;
   check_em(asked.em, asked.options);
+  io::require_apart({asked.reading.clip, asked.mask, asked.em.missing}, {{asked.output}, {asked.em.filled}});
   io::ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("learn");
@@ -191,7 +193,7 @@ void run_learn(Learn asked, Session& session) {
   fit_to_length(asked, source->info(), session);
   EmStage em(asked.em, *source, read, session);
   auto learned = learn_texture(asked, em.source(), session);
-  for (const auto& note : learned.notes) session.warn(asked.em.wanted() ? "closed form: " + note : note);
+  for (const auto& note : learned.notes) session.warn(asked.em.is_needed() ? "closed form: " + note : note);
   em.improve(learned.texture);
   stages.begin("write");
   io::write_model(folder.output(), "", dytex::archive_view(learned.texture));
@@ -218,73 +220,66 @@ template <class Value>
 CLI::Option* add_words(CLI::App& command, const std::string& name, std::string& word,
                        const Words<Value>& words, const std::string& about) {
   std::vector<std::string> all;
-  std::string text;
-  for (const auto& one : words) {
-    all.push_back(one.first);
-    text += (text.empty() ? "" : "|") + one.first;
-  }
+  for (const auto& one : words) all.push_back(one.first);
   return command.add_option(name, word, about)
-      ->type_name(text)
+      ->type_name("NAME")
       ->check(CLI::IsMember(all).description(""))
       ->default_str(word);
 }
 
-void add_model_options(CLI::App& command, Learn& asked) {
-  const char* group = "Model";
+std::vector<std::string> names_of(const auto& words) {
+  std::vector<std::string> names;
+  for (const auto& one : words) names.push_back(one.first);
+  return names;
+}
+
+void add_model_options(CLI::App& command, Settings& settings, Learn& asked) {
   add_words(command, "--channels", asked.channels, kChannels,
-            "Components of all channels together, or of one each; the channels share the noise")
-      ->group(group);
-  add_number(command, "--lags", asked.options.lags, "N", "From how many frames the next one follows")
-      ->group(group);
+            "Learn components of all channels (joint) or of each (separate)");
+  add_number(command, "--lags", asked.options.lags, "N", "Predict a frame from the last N");
   add_words(command, "--method", asked.method, kMethods,
-            "How the motion is found: n4sid and pem take the states to be measured with noise")
-      ->group(group);
-  add_words(command, "--stable", asked.stable, kStable,
-            "What is taken where least squares is not stable: what keeps the variance, or what errs least")
-      ->group(group);
-  add_words(command, "--noise", asked.noise, kNoise,
-            "What drives the model: normal noise, or what the fit left of the clip, drawn again")
-      ->group(group);
+            "Fit the motion by closed-form, or for noisy states n4sid or pem");
+  settings.add_word("learn", "stable", asked.stable, names_of(kStable), "",
+                    "Replace an unstable least-squares fit: keep the variance, or the error small");
+  settings.add_word("learn", "noise", asked.noise, names_of(kNoise), "",
+                    "Drive the model by normal noise, or by residuals of the fit");
+  settings.add("learn", "memory", asked.memory, "MIB",
+               "Memory for frames; more passes over the clip where they do not fit",
+               [] { return "at least 1"; });
 }
 
 }  // namespace
 
-void add_dytex_learn(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand("learn", "Learn a linear dynamic texture from a clip");
   command->footer(
       "  emberfold dytex learn flag.avi -o out/flag\n"
       "  emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100\n"
-      "  emberfold dytex learn flag.avi -o out/flag --energy 0.95\n"
-      "  emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2 --noise resampled\n"
+      "  emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2\n"
       "  emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4");
   const auto asked = std::make_shared<Learn>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
   auto* components =
-      add_number(*command, "-n,--components", asked->options.components, "N", "Order: how many components");
+      add_number(*command, "-n,--components", asked->options.components, "N", "Learn this many components");
   auto* energy = add_number(*command, "--energy", asked->energy, "SHARE",
-                            "Instead: the fewest components with this share of the variance");
+                            "Use the fewest components with this share of the variance");
   energy->default_str("");
   energy->excludes(components);
-  auto* order =
-      add_words(*command, "--order", asked->order, kOrders,
-                "Instead: as many components as stand out of noise (gavish-donoho), or foretell the "
-                "last fifth of the clip best (held-out, auto)");
+  auto* order = add_words(*command, "--order", asked->order, kOrders,
+                          "Find the number of components: auto, gavish-donoho or held-out");
   order->excludes(components)->excludes(energy);
-  auto* memory = add_number(*command, "--memory", asked->memory, "MIB",
-                            "For frames held at a time; more passes over the clip where they do not fit");
-  auto* mask =
-      command->add_option("--mask", asked->mask, "Learn the part inside alone: an image, white inside");
+  auto* mask = command->add_option("--mask", asked->mask, "Learn only where this image is white");
   mask->type_name("MASK");
-  for (auto* option : {components, energy, order, memory, mask}) option->group("Learning");
-  add_model_options(*command, *asked);
-  add_em_options(*command, asked->em);
-  add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback([asked, components, energy, order, &chosen] {
+  const auto settings = add_settings(*command, line);
+  add_model_options(*command, *settings, *asked);
+  add_em_options(*command, *settings, asked->em);
+  add_common(*command, line.common);
+  command->callback([asked, components, energy, order, &line] {
     asked->asked_components = components->count() > 0;
     asked->asked_energy = energy->count() > 0;
     asked->asked_order = order->count() > 0;
-    chosen.run = [asked](Session& session) { run_learn(*asked, session); };
+    line.run = [asked](Session& session) { run_learn(*asked, session); };
   });
 }
 

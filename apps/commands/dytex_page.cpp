@@ -8,6 +8,7 @@
 #include "apps/commands/dytex.hpp"
 #include "apps/page/texture_page.hpp"
 #include "core/io/files.hpp"
+#include "core/io/require_apart.hpp"
 
 namespace emberfold::apps {
 
@@ -27,6 +28,7 @@ std::string page_text(const TexturePage& page, const std::string& output) {
 }
 
 void run_page(const Page& asked, Session& session) {
+  io::require_apart({asked.model}, {{asked.output}});
   const io::StagedFile file(asked.output);
   Stages stages;
   stages.begin("read");
@@ -53,18 +55,17 @@ void run_page(const Page& asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_page(CLI::App& dytex, Chosen& chosen) {
-  auto* command = dytex.add_subcommand(
-      "page", "Make one HTML file that runs a linear dynamic texture live in a browser, with sliders");
+void add_dytex_page(CLI::App& dytex, CommandLine& line) {
+  auto* command =
+      dytex.add_subcommand("page", "Write an HTML page that plays a linear dynamic texture, with sliders");
   command->footer(
       "  emberfold dytex page out/flag -o flag.html\n"
       "  emberfold dytex page out/sea -o sea.html && xdg-open sea.html");
   const auto asked = std::make_shared<Page>();
   add_texture_model(*command, asked->model);
-  command->add_option("-o,--output", asked->output, "The page to write")->type_name("FILE.html")->required();
-  add_common(*command, chosen.common, "Print figures as JSON");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_page(*asked, session); }; });
+  command->add_option("-o,--output", asked->output, "Write this page")->type_name("FILE.html")->required();
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_page(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

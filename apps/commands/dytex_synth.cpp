@@ -6,6 +6,7 @@
 #include "apps/cli/interrupt.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/synthesize.hpp"
 
 namespace emberfold::apps {
@@ -36,6 +37,7 @@ void check_lengths(Synth& asked) {
 
 void run_synth(Synth asked, Session& session) {
   check_lengths(asked);
+  io::require_apart({asked.model}, {{asked.output}});
   Stages stages;
   stages.begin("read");
   const auto texture = read_texture(asked.model);
@@ -71,7 +73,7 @@ void run_synth(Synth asked, Session& session) {
 
 }  // namespace
 
-void add_dytex_synth(CLI::App& dytex, Chosen& chosen) {
+void add_dytex_synth(CLI::App& dytex, CommandLine& line) {
   auto* command = dytex.add_subcommand("synth", "Draw a new clip from a linear dynamic texture");
   command->footer(
       "  emberfold dytex synth out/flag -o flag.mp4\n"
@@ -81,23 +83,20 @@ void add_dytex_synth(CLI::App& dytex, Chosen& chosen) {
   const auto asked = std::make_shared<Synth>();
   add_texture_model(*command, asked->model);
   command
-      ->add_option("-o,--output", asked->output, "Clip to write: .mp4, .avi (lossless), or a folder of PNG")
+      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
       ->type_name("OUT")
       ->required();
-  const char* group = "Synthesis";
-  auto* frames = add_number(*command, "--frames", asked->frames, "N", "How many frames");
+  auto* frames = add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   auto* start = add_start(*command, asked->start);
-  auto* loop = add_number(*command, "--loop", asked->loop, "N",
-                          "A clip of so many frames after which it begins again without a seam");
+  auto* loop = add_number(*command, "--loop", asked->loop, "N", "Draw N frames that repeat without a seam");
   loop->default_str("");
-  for (auto* option : {frames, start, loop}) option->group(group);
-  command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out")->group(group);
-  add_common(*command, chosen.common, "Print figures as JSON");
-  command->callback([asked, frames, start, loop, &chosen] {
+  command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out");
+  add_common(*command, line.common);
+  command->callback([asked, frames, start, loop, &line] {
     asked->asked_frames = frames->count() > 0;
     asked->asked_start = start->count() > 0;
     asked->asked_loop = loop->count() > 0;
-    chosen.run = [asked](Session& session) { run_synth(*asked, session); };
+    line.run = [asked](Session& session) { run_synth(*asked, session); };
   });
 }
 

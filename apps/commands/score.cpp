@@ -18,7 +18,7 @@ struct Score {
 };
 
 void run_score(const Score& asked, const Session& session) {
-  check_options(asked.options);
+  check_options(asked.options, "score");
   const auto read = [](const std::string& name) {
     auto in = io::open_file(name);
     return graph::read_events(in, name);
@@ -29,18 +29,23 @@ void run_score(const Score& asked, const Session& session) {
 
 }  // namespace
 
-void add_score(CLI::App& app, Chosen& chosen) {
-  auto* command = app.add_subcommand("score", "Hold found events against true ones: precision, recall, F1");
+void add_score(CLI::App& app, CommandLine& line) {
+  auto* command = app.add_subcommand("score", "Score found events against true ones: precision, recall, F1");
   command->footer(
       "  emberfold score truth.json out/fire/events.json\n"
-      "  emberfold score truth.json out/fire/events.json --frames 1 --radius 10 --json");
+      "  emberfold score truth.json out/fire/events.json --frames 1 --set score.radius=10 --json");
   const auto asked = std::make_shared<Score>();
-  command->add_option("TRUTH", asked->truth, "A scene's truth.json")->required()->type_name("");
-  command->add_option("EVENTS", asked->events, "The events.json to score")->required()->type_name("");
-  add_fields(*command, asked->options, "Tolerance");
-  add_common(*command, chosen.common, "Print JSON instead of a table");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_score(*asked, session); }; });
+  command->add_option("TRUTH", asked->truth, "Read the true events from this truth.json")
+      ->required()
+      ->type_name("");
+  command->add_option("EVENTS", asked->events, "Read the found events from this events.json")
+      ->required()
+      ->type_name("");
+  add_number(*command, "--frames", asked->options.frames, "N",
+             "Count a true event at most this many frames away as a hit");
+  add_settings(*command, line)->add("score", asked->options);
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_score(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

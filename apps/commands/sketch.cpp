@@ -52,8 +52,8 @@ SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, co
   request.patches = patches_named(asked.patches);
   request.ground.kind = fill_named(asked.fill);
   request.ground.seed = session.common.seed;
-  check_options(request.extract);
-  check_options(request.ground.fill);
+  check_options(request.extract, "sketch");
+  check_options(request.ground.fill, "fill");
   if (request.patches == pipeline::PatchDrawing::learned && !asked.dictionary.any())
     throw Misuse("--patches learned needs a dictionary: give --learn-dictionary or --dictionary FOLDER");
   const int regions = request.ground.texture.regions;
@@ -147,14 +147,19 @@ SketchRun write_sketched(const std::string& clip, const SketchRequest& request, 
     output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, run.sketch); });
     return run;
   } catch (const core::IoError& error) {
-    throw core::IoError(output.of_final(error.what()));
+    throw core::IoError(output.with_final_name(error.what()));
   }
 }
 
 void run_sketch(const Sketch& asked, Session& session) {
   const io::ReadOptions read = check_reading(asked.reading, session);
   SketchRequest request = check_request(asked, read, session);
+  const std::vector<std::string> inputs{asked.reading.clip, asked.dictionary.folder};
+  require_apart(inputs, asked.output,
+                {"overlay.mp4", "reconstruction.avi", "film.mp4", "film.png", "heat.mp4", "dictionary",
+                 "dictionary.png"});
   io::OutputFolder output(asked.output);
+  output.protect(inputs);
   Stages stages;
   stages.begin("sketch");
   const auto source =
@@ -184,57 +189,40 @@ void parse_anchors(const std::string& text, double& share) {
   if (text.empty()) return;
   try {
     parse_number("--anchors", text, share);
-  } catch (const CLI::ValidationError&) {
-    throw CLI::ValidationError("--anchors",
-                               "'" + text +
-                                   "' is not a number; where no share is told, another option or "
-                                   "nothing may follow");
+  } catch (const Misuse&) {
+    throw Misuse("--anchors: '" + text +
+                 "' is not a number; without a share, an option or nothing may follow");
   }
 }
 
 void add_drawing(CLI::App& command, Sketch& asked) {
   auto& request = asked.request;
-  const char* group = "Drawing";
   command
       .add_option("--patches", asked.patches,
-                  "Draw patches from their attributes (fitted), with the frame's own pixels, or as a "
-                  "dictionary tells them (learned)")
-      ->type_name("fitted|pixels|learned")
+                  "Draw patches from attributes (fitted), pixels or a dictionary (learned)")
+      ->type_name("KIND")
       ->check(CLI::IsMember({"fitted", "pixels", "learned"}).description(""))
-      ->default_str(asked.patches)
-      ->group(group);
-  auto* learn = command
-                    .add_flag("--learn-dictionary", asked.dictionary.learn,
-                              "Learn what the clip's patches look like: dictionary/, dictionary.png")
-                    ->group(group);
+      ->default_str(asked.patches);
+  auto* learn = command.add_flag("--learn-dictionary", asked.dictionary.learn,
+                                 "Learn a dictionary of the clip's patches: dictionary/, dictionary.png");
   command.add_option("--dictionary", asked.dictionary.folder, "Use a dictionary that was learned before")
       ->type_name("FOLDER")
-      ->excludes(learn)
-      ->group(group);
+      ->excludes(learn);
   command
-      .add_option("--fill", asked.fill,
-                  "Draw the rest by heat diffusion, or as texture: with the frame's filter histograms "
-                  "(julesz), or of copied pixels (efros-leung); both draw numbers from --seed")
-      ->type_name("diffusion|julesz|efros-leung")
+      .add_option("--fill", asked.fill, "Draw the rest by diffusion, or as a texture: julesz or efros-leung")
+      ->type_name("KIND")
       ->check(CLI::IsMember({"diffusion", "julesz", "efros-leung"}).description(""))
-      ->default_str(asked.fill)
-      ->group(group);
+      ->default_str(asked.fill);
   add_number(command, "--regions", request.ground.texture.regions, "N",
-             "Textures that julesz and efros-leung tell apart, 3 to 7; 0: as many as fit best")
-      ->group(group);
+             "Use 3 to 7 textures with julesz and efros-leung; 0: as many as fit best");
   command
       .add_option_function<std::string>(
           "--anchors", [&request](const std::string& text) { parse_anchors(text, request.anchors); },
-          "Hold pixels where the diffusion needs them, until they and the patches show this share of the "
-          "frame, 0.2 where none is told; without --budget the patches get a quarter of it")
+          "Keep pixels that the diffusion needs: patches and pixels cover SHARE, 0.2")
       ->type_name("[SHARE]")
-      ->expected(0, 1)
-      ->group(group);
-  command
-      .add_flag("--film", request.film,
-                "Write film.mp4: input, graph, sketchable part, reconstruction; and film.png of the middle "
-                "frame")
-      ->group(group);
+      ->expected(0, 1);
+  command.add_flag("--film", request.film,
+                   "Write film.mp4, film.png: input, graph, sketchable part, reconstruction");
   command
       .add_option_function<std::string>(
           "--heat-film",
@@ -243,17 +231,15 @@ void add_drawing(CLI::App& command, Sketch& asked) {
             parse_number("--heat-film", text, frame);
             request.heat_frame = frame;
           },
-          "Write heat.mp4: the diffusion of this frame (0: the first that is sketched) as it goes on, from "
-          "patches on grey to rest")
-      ->type_name("FRAME")
-      ->group(group);
+          "Write heat.mp4: the diffusion of this frame, step by step")
+      ->type_name("FRAME");
 }
 
 }  // namespace
 
-void add_sketch(CLI::App& app, Chosen& chosen) {
+void add_sketch(CLI::App& app, CommandLine& line) {
   auto* command =
-      app.add_subcommand("sketch", "Draw the primal sketch of every frame, and the frame from its sketch");
+      app.add_subcommand("sketch", "Extract the primal sketch of every frame, and draw the frame from it");
   command->footer(
       "  emberfold sketch fire.mp4 -o out/sketch\n"
       "  emberfold sketch photo.png -o out/photo --patches pixels\n"
@@ -263,18 +249,17 @@ void add_sketch(CLI::App& app, Chosen& chosen) {
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
   add_drawing(*command, *asked);
-  add_fields(*command, asked->request.extract, "Sketching");
-  command
-      ->add_flag("--warm", asked->request.warm,
-                 "Begin each frame's sketch with that of the frame before, so that faint strokes flicker "
-                 "less; frames are then sketched one by one")
-      ->group("Sketching");
-  add_fields(*command, asked->request.ground.fill, "Filling");
-  add_common(*command, chosen.common, "Print the content of summary.json");
-  command->callback([asked, &chosen, command] {
-    asked->own_budget = command->count("--budget") > 0;
+  add_no_edges(*command, asked->request.extract);
+  command->add_flag("--warm", asked->request.warm,
+                    "Start each sketch from that of the frame before, against flicker");
+  const auto settings = add_settings(*command, line);
+  settings->add("sketch", asked->request.extract);
+  settings->add("fill", asked->request.ground.fill);
+  add_common(*command, line.common);
+  command->callback([asked, &line, command, settings] {
+    asked->own_budget = settings->is_given("sketch.budget");
     asked->own_regions = command->count("--regions") > 0;
-    chosen.run = [asked](Session& session) { run_sketch(*asked, session); };
+    line.run = [asked](Session& session) { run_sketch(*asked, session); };
   });
 }
 

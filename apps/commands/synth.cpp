@@ -15,6 +15,7 @@
 #include "apps/report/report_model.hpp"
 #include "core/io/clip_writer.hpp"
 #include "core/io/files.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/editing/edit.hpp"
 #include "graph/io/motion_io.hpp"
 #include "mcmc/simulation/synthesize.hpp"
@@ -27,7 +28,7 @@ namespace {
 
 pipeline::ModelFill parse_fill(const std::string& text) {
   if (const auto fill = pipeline::model_fill(text)) return *fill;
-  throw Misuse("--fill is " + text + ", allowed is one of diffusion, texture, dytex");
+  throw Misuse("--fill is " + text + "; allowed is one of diffusion, texture, dytex");
 }
 
 using Json = nlohmann::ordered_json;
@@ -52,8 +53,8 @@ std::unique_ptr<io::VideoWriter> create_output(const std::string& path, cv::Size
 
 void check(Synth& asked) {
   if (asked.frames < 1 || asked.frames > 1'000'000)
-    throw Misuse("--frames is " + std::to_string(asked.frames) + ", must be in 1…1000000");
-  check_options(asked.fill);
+    throw Misuse("--frames is " + std::to_string(asked.frames) + "; allowed is 1 to 1000000");
+  check_options(asked.fill, "fill");
   check(asked.edit);
 }
 
@@ -176,11 +177,12 @@ Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipelin
 
 void run_synth(Synth asked, Session& session) {
   check(asked);
+  io::require_apart({asked.model, asked.edit.birth_map}, {{asked.output}, {asked.overlay}, {asked.motion}});
   Stages stages;
   stages.begin("read");
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
   stages.begin("edit");
-  opened.motion = edited(std::move(opened.motion), asked.edit, session);
+  opened.motion = apply_edits(std::move(opened.motion), asked.edit, session);
   const auto& edit = asked.edit.edit;
   edit_texture(opened, edit, session);
   stages.begin("synthesize");
@@ -201,38 +203,36 @@ void run_synth(Synth asked, Session& session) {
 
 }  // namespace
 
-void add_synthesis(CLI::App& app, Chosen& chosen) {
+void add_synthesis(CLI::App& app, CommandLine& line) {
   auto* command = app.add_subcommand("synth", "Draw a new clip from a motion model");
   command->footer(
       "  emberfold synth out/fire/model -o new_fire.mp4\n"
       "  emberfold synth out/fire/model -o new_fire.mp4 --fill dytex\n"
       "  emberfold synth out/fire/model -o frames --frames 1000 --seed 7 --motion new_fire.jsonl");
   const auto asked = std::make_shared<Synth>();
-  command->add_option("MODEL", asked->model, "The model's folder, as analyze writes it (DIR/model)")
+  command->add_option("MODEL", asked->model, "Read the model from this folder, DIR/model of analyze")
       ->required()
       ->type_name("");
   command
-      ->add_option("-o,--output", asked->output,
-                   "The new clip: .mp4 (H.264), .avi (lossless), or no extension (a folder of PNG)")
+      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
       ->type_name("OUT")
       ->required();
-  add_number(*command, "--frames", asked->frames, "N", "How many frames");
+  add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   command
       ->add_option_function<std::string>(
           "--fill", [asked](const std::string& text) { asked->fill_kind = parse_fill(text); },
-          "What lies between strokes: what diffuses from them; that under a Gaussian texture as the clip's "
-          "residual; or what 'analyze --texture' learned")
-      ->type_name("diffusion|texture|dytex")
+          "Draw diffusion, texture or dytex (of 'analyze --texture') between strokes")
+      ->type_name("KIND")
       ->default_str("diffusion");
-  command->add_option("--motion", asked->motion, "Write the graphs and their links too (motion.jsonl)")
+  command->add_option("--motion", asked->motion, "Write the graphs and their links too, as motion.jsonl")
       ->type_name("FILE");
-  command->add_option("--overlay", asked->overlay, "Write the clip under its graph too, with its events")
+  command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")
       ->type_name("OUT");
-  add_fields(*command, asked->fill, "Filling");
-  add_edit_options(*command, asked->edit);
-  add_common(*command, chosen.common, "Print what was drawn as JSON");
-  command->callback(
-      [asked, &chosen] { chosen.run = [asked](Session& session) { run_synth(*asked, session); }; });
+  const auto settings = add_settings(*command, line);
+  add_edit_options(*command, *settings, asked->edit);
+  settings->add("fill", asked->fill);
+  add_common(*command, line.common);
+  command->callback([asked, &line] { line.run = [asked](Session& session) { run_synth(*asked, session); }; });
 }
 
 }  // namespace emberfold::apps

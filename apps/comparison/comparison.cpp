@@ -162,7 +162,7 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip,
         make_columns(models, info, pipeline::ClipMeasures(size, scale, drawn_frames), options, output);
     draw_all(source, drawing, options.strokes, output, session);
   } catch (const core::IoError& error) {
-    throw core::IoError(output.of_final(error.what()));
+    throw core::IoError(output.with_final_name(error.what()));
   }
   mcmc::StrokeSeries strokes;
   if (options.strokes) strokes = pipeline::stroke_series(sketched.sketch, options.match, session.context);

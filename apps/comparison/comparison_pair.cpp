@@ -126,7 +126,7 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
     run_through(pair, missing.empty(), options.strokes, beside, PanelRow(sizes), labels, session);
     beside.finish();
   } catch (const core::IoError& error) {
-    throw core::IoError(output.of_final(error.what()));
+    throw core::IoError(output.with_final_name(error.what()));
   }
   Json measures = begin_measures(scale);
   measures["clip"] = clip_json(name_a, a.info(), frames_a);

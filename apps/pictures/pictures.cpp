@@ -183,7 +183,7 @@ Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& moti
       throw core::IoError("the clip has fewer frames now than when it was sketched");
     return collector.finish();
   } catch (const core::IoError& error) {
-    throw core::IoError(output.of_final(error.what()));
+    throw core::IoError(output.with_final_name(error.what()));
   }
 }
 

@@ -36,7 +36,7 @@ cv::Mat fit_field(const cv::Mat& field, cv::Size size, const ControlRequest& req
   if (field.size() == size) return field;
   if (request.fit == "exact")
     throw core::InputError(name + " has " + size_text(field.size()) + " pixels, the output " +
-                           size_text(size) + "; --fit stretch or --fit centre takes it all the same");
+                           size_text(size) + "; --set control.fit=stretch (or centre) takes it all the same");
   cv::Mat result;
   if (request.fit == "stretch") {
     const bool shrinks = field.cols > size.width && field.rows > size.height;
@@ -182,14 +182,14 @@ dytex::TimeControl make_control(const ControlRequest& request, cv::Size size, cv
   if (!rates.empty()) control.rate = rates.front();
   if (rates.size() == 2) {
     if (!offsets.empty())
-      throw Misuse("--control " + request.rate + " holds offsets, so that --offset cannot be");
+      throw Misuse("--control " + request.rate + " holds offsets, so that control.offset cannot be");
     control.offset = rates.back();
   }
   if (offsets.size() == 2)
     throw core::InputError(request.offset + ": offsets are an array of height x width");
   if (!offsets.empty()) control.offset = offsets.front();
   if (!(request.jitter >= 0 && request.jitter <= 10000))
-    throw Misuse("--jitter is " + std::to_string(request.jitter) + "; allowed is 0 to 10000 frames");
+    throw Misuse("control.jitter is " + std::to_string(request.jitter) + "; allowed is 0 to 10000 frames");
   if (request.jitter > 0) {
     const cv::Mat jitter = dytex::time_jitter(size, block, request.jitter, seed);
     control.offset = control.offset.empty() ? jitter : cv::Mat(control.offset + jitter);

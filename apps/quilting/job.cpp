@@ -17,6 +17,7 @@
 #include "apps/quilting/output.hpp"
 #include "apps/report/quilt_report.hpp"
 #include "core/io/files.hpp"
+#include "core/io/require_apart.hpp"
 #include "dytex/quilting/quilt_measures.hpp"
 
 namespace emberfold::apps {
@@ -167,10 +168,41 @@ bool can_stream(const QuiltRequest& request, const QuiltTarget& target, const Qu
                        static_cast<std::size_t>(request.memory) * 1'000'000);
 }
 
+// All that the request names; a number or a gradient is no file and is passed over.
+std::vector<std::string> input_names(const QuiltRequest& request) {
+  std::vector<std::string> names = request.clips;
+  names.insert(names.end(), request.masks.begin(), request.masks.end());
+  for (const auto& name : {request.guide, request.apply, request.control.rate, request.control.offset}) {
+    names.push_back(name);
+    if (const auto colon = name.find(':'); colon != std::string::npos)
+      names.push_back(name.substr(colon + 1));  // depth:IMAGE, distance:MASK
+  }
+  return names;
+}
+
+std::vector<io::OutputPath> output_paths(const QuiltRequest& request, const QuiltTarget& target) {
+  std::vector<io::OutputPath> paths{{request.map}, {target.checkpoint}};
+  const bool own_map = request.map.empty() && !keeps_map(request, target);
+  if (!target.whole) {
+    paths.push_back({request.output});
+    if (own_map) paths.push_back({target.folder / "map.npy"});
+    paths.push_back({target.folder / "time.npy"});
+    return paths;
+  }
+  paths.push_back({target.folder, true});
+  for (const char* name :
+       {"quilt.mp4", "quilt.avi", "quilt.png", "frames", "map.png", "seams.png", "time.npy"})
+    paths.push_back({target.folder / name});
+  if (own_map) paths.push_back({target.folder / "map.npy"});
+  return paths;
+}
+
 }  // namespace
 
 void run_quilt(QuiltRequest& request, Session& session) {
   QuiltTarget target = quilt_target(request);
+  const auto inputs = input_names(request);
+  io::require_apart(inputs, output_paths(request, target));
   Stages stages;
   stages.begin("read");
   QuiltClips clips(request, reading_of(request), session);
@@ -180,6 +212,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
   const cv::Size size = request.apply.empty() ? request.quilt.size : found.map.size;
   const auto control = make_control(request.control, size, request.quilt.block, request.quilt.seed);
   io::OutputFolder output(target.folder);
+  output.protect(inputs);
   if (!can_stream(request, target, clips, control)) clips.load(target.folder, session);
   const FramePlan plan = plan_of(request, clips);
   name_clip(target, request, clips.info(), plan.count);
@@ -188,7 +221,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
     found = seek_map(clips, request, target, session);
   }
   stages.begin("render");
-  write_quilt_map(output, request, found.map, control);
+  write_quilt_map(output, request, target, found.map, control);
   const auto written = write_quilt_clip(output, target, found.map, clips, control, plan, session);
   stages.begin("write");
   Json summary = summarise(request, target, found, clips, written.frames, session);

@@ -32,7 +32,8 @@ QuiltTarget quilt_target(const QuiltRequest& request) {
 void name_clip(QuiltTarget& target, const QuiltRequest& request, const core::ClipInfo& info,
                std::int64_t frames) {
   const bool deep = info.depth != CV_8U;
-  const std::string bits = ", but " + request.clips.front() + " has 16";
+  const std::string bits =
+      ", but " + request.clips.front() + (info.depth == CV_32F ? " has floats" : " has 16");
   if (!target.whole) {
     target.single = fs::path(target.clip).extension() == ".png";
     if (target.single && frames != 1)
@@ -45,7 +46,7 @@ void name_clip(QuiltTarget& target, const QuiltRequest& request, const core::Cli
   }
   const std::string format = !request.format.empty() ? request.format : deep ? "png" : "mp4";
   if (format != "png" && deep)
-    throw Misuse("--format " + format + " holds 8 bits" + bits + "; png holds them");
+    throw Misuse("quilt.format " + format + " holds 8 bits" + bits + "; png holds them");
   target.single = frames == 1;
   if (request.frame)
     target.clip = "frame_" + std::to_string(*request.frame) + ".png";
@@ -83,13 +84,19 @@ void write_array(const fs::path& path, const core::NpyArray& array) {
 
 }  // namespace
 
-void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const dytex::QuiltMap& map,
-                     const dytex::TimeControl& control) {
+bool keeps_map(const QuiltRequest& request, const QuiltTarget& target) {
+  std::error_code none;
+  return request.map.empty() && !request.apply.empty() &&
+         fs::equivalent(target.folder / "map.npy", request.apply, none);
+}
+
+void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const QuiltTarget& target,
+                     const dytex::QuiltMap& map, const dytex::TimeControl& control) {
   const auto array = dytex::to_array(map);
-  if (request.map.empty())
-    output.write("map.npy", [&](std::ostream& out) { core::write_npy(out, array); });
-  else
+  if (!request.map.empty())
     write_array(request.map, array);
+  else if (!keeps_map(request, target))
+    output.write("map.npy", [&](std::ostream& out) { core::write_npy(out, array); });
   if (control.plain()) return;
   const auto times = time_array(control, map.size);
   output.write("time.npy", [&](std::ostream& out) { core::write_npy(out, times); });
@@ -103,14 +110,16 @@ WrittenClip write_quilt_clip(io::OutputFolder& output, const QuiltTarget& target
   std::unique_ptr<io::VideoWriter> writer;
   if (!target.single)
     writer = io::create_video(output.staged(target.clip), map.size, info.fps, info.channels == 3);
-  const auto take = [&](const cv::Mat& frame) {
+  const auto take = [&](const cv::Mat& drawn) {
+    cv::Mat frame = drawn;  // PNG holds floats as 16 bits
+    if (info.depth == CV_32F) drawn.convertTo(frame, CV_16U, 65535 / info.white);
     if (writer)
       writer->write(frame);
     else
       write_png(output.staged(target.clip), target.path(), frame);
     const std::int64_t t = written.frames++;
     if (t == 0 || t == plan.count / 2 || t == plan.count - 1)
-      written.some.push_back({static_cast<int>(plan.first + t), to_colour_bytes(frame, info)});
+      written.some.push_back({static_cast<int>(plan.first + t), to_colour_bytes(drawn, info)});
   };
   render_frames(map, clips, control, plan.first, plan.count, plan.to_end, take, session);
   if (writer) writer->finish();

@@ -32,9 +32,12 @@ QuiltTarget quilt_target(const QuiltRequest& request);
 void name_clip(QuiltTarget& target, const QuiltRequest& request, const core::ClipInfo& info,
                std::int64_t frames);
 
+/// Tells whether the map that is rendered lies where map.npy would be written; it then stays as it is.
+bool keeps_map(const QuiltRequest& request, const QuiltTarget& target);
+
 /// Writes map.npy, or the request's own name for it, and time.npy where times differ from place to place.
-void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const dytex::QuiltMap& map,
-                     const dytex::TimeControl& control);
+void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const QuiltTarget& target,
+                     const dytex::QuiltMap& map, const dytex::TimeControl& control);
 
 /// A frame as drawn, CV_8UC3.
 struct QuiltedFrame {

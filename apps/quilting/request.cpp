@@ -30,8 +30,7 @@ std::string as_option(const std::string& message) {
   const std::string rest = message.substr(name.size());
   if (!name.starts_with("QuiltOptions.")) return message;
   name = name.substr(std::string("QuiltOptions.").size());
-  std::ranges::replace(name, '_', '-');
-  return "--" + name + rest;
+  return (name == "size" || name == "block" || name == "tileable" ? "--" : "quilt.") + name + rest;
 }
 
 }  // namespace
@@ -76,13 +75,13 @@ void check_request(const QuiltRequest& request) {
     throw Misuse("there are " + std::to_string(request.masks.size()) + " masks for " +
                  std::to_string(request.clips.size()) + (request.clips.size() == 1 ? " clip" : " clips"));
   if (request.flatten != 0 && !(request.flatten >= 1 && request.flatten <= 4096))
-    refuse("--flatten", std::to_string(request.flatten), "1 to 4096 pixels, or 0 for not at all");
+    refuse("quilt.flatten", std::to_string(request.flatten), "1 to 4096 pixels, or 0 for not at all");
   if (request.frames && (*request.frames < 1 || *request.frames > 1'000'000))
     refuse("--frames", std::to_string(*request.frames), "1 to 1000000");
   if (request.frame && (*request.frame < 0 || *request.frame > 1'000'000))
     refuse("--frame", std::to_string(*request.frame), "0 to 1000000");
   if (request.memory < 0 || request.memory > 1'000'000)
-    refuse("--memory", std::to_string(request.memory), "0 to 1000000 MB");
+    refuse("quilt.memory", std::to_string(request.memory), "0 to 1000000 MB");
   if (!request.apply.empty() &&
       (request.own_size || request.resume || !request.guide.empty() || !request.masks.empty()))
     throw Misuse(
@@ -92,7 +91,7 @@ void check_request(const QuiltRequest& request) {
     throw Misuse("-o is " + request.output +
                  "; give a name in .mp4, .avi or (for one frame) .png, or that of a folder");
   if (!extension.empty() && !request.format.empty())
-    throw Misuse("--format is for a folder; the clip " + request.output + " tells its own");
+    throw Misuse("quilt.format is for a folder; the clip " + request.output + " tells its own");
   dytex::QuiltOptions sizes_aside = request.quilt;
   sizes_aside.tileable = false;
   if (!request.own_block) sizes_aside.block = {64, 64};

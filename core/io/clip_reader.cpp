@@ -14,6 +14,7 @@
 #include "core/io/frame_decoders.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/io/tiff_pages.hpp"
 
 namespace emberfold::io {
 
@@ -23,30 +24,34 @@ namespace {
 
 constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
-std::string number_text(double value) {
+std::string value_text(double value) {
   std::ostringstream out;
   out << value;
   return out.str();
 }
 
-/// A raw clip with range, grey and scale applied.
-class ShapedClip final : public core::FrameSource {
+/// Applies range, grey and scale to a decoded clip.
+class TransformedClip final : public core::FrameSource {
  public:
-  ShapedClip(std::string name, std::unique_ptr<FrameDecoder> raw, const ReadOptions& options,
-             const core::Warn& warn)
-      : name_(std::move(name)), raw_(std::move(raw)), options_(options), warn_(warn), info_(raw_->info()) {
+  TransformedClip(std::string name, std::unique_ptr<FrameDecoder> decoder, const ReadOptions& options,
+                  const core::Warn& warn)
+      : name_(std::move(name)),
+        decoder_(std::move(decoder)),
+        options_(options),
+        warn_(warn),
+        info_(decoder_->info()) {
     const auto scaled = [&](int length) { return std::max(1.0, std::round(length * options_.scale)); };
     const double width = scaled(info_.width), height = scaled(info_.height);
     if (width * height > static_cast<double>(max_pixels))
-      throw core::InputError("scale " + number_text(options_.scale) + " would make frames of " +
-                             number_text(width) + "x" + number_text(height) +
+      throw core::InputError("scale " + value_text(options_.scale) + " would make frames of " +
+                             value_text(width) + "x" + value_text(height) +
                              " pixels; at most 2^28 pixels are allowed");
     info_.width = static_cast<int>(width);
     info_.height = static_cast<int>(height);
     if (options_.grey) info_.channels = 1;
     start();
-    pending_ = shaped(raw_->next());
-    if (pending_.empty()) outside();
+    pending_ = transform(decoder_->next());
+    if (pending_.empty()) refuse_range();
     count();
   }
 
@@ -58,7 +63,7 @@ class ShapedClip final : public core::FrameSource {
       return std::exchange(pending_, {});
     }
     if (options_.last && options_.first + position_ >= *options_.last) return {};
-    cv::Mat frame = shaped(raw_->next());
+    cv::Mat frame = transform(decoder_->next());
     if (frame.empty())
       end();
     else
@@ -70,25 +75,25 @@ class ShapedClip final : public core::FrameSource {
     if (position_ == 0) return;
     pending_.release();
     position_ = 0;
-    raw_->rewind();
+    decoder_->rewind();
     start();
   }
 
  private:
   void start() {
     for (std::int64_t i = 0; i < options_.first; ++i)
-      if (!raw_->skip()) outside();
+      if (!decoder_->skip()) refuse_range();
   }
 
-  [[noreturn]] void outside() const {
-    const auto frames = raw_->info().frames;
+  [[noreturn]] void refuse_range() const {
+    const auto frames = decoder_->info().frames;
     throw core::InputError("the range begins at frame " + std::to_string(options_.first) + ", but " + name_ +
                            " has " + (frames ? std::to_string(*frames) : std::string("fewer")) +
                            " frames (the first is 0)");
   }
 
   void count() {
-    const auto frames = raw_->info().frames;
+    const auto frames = decoder_->info().frames;
     info_.frames.reset();
     if (frames)
       info_.frames =
@@ -102,7 +107,7 @@ class ShapedClip final : public core::FrameSource {
             std::to_string(options_.first + position_) + " frames");
   }
 
-  [[nodiscard]] cv::Mat shaped(cv::Mat frame) const {
+  [[nodiscard]] cv::Mat transform(cv::Mat frame) const {
     if (frame.empty()) return frame;
     if (options_.grey) frame = to_grey(frame);
     const cv::Size size(info_.width, info_.height);
@@ -115,7 +120,7 @@ class ShapedClip final : public core::FrameSource {
   }
 
   std::string name_;
-  std::unique_ptr<FrameDecoder> raw_;
+  std::unique_ptr<FrameDecoder> decoder_;
   ReadOptions options_;
   core::Warn warn_;
   core::ClipInfo info_;
@@ -124,8 +129,8 @@ class ShapedClip final : public core::FrameSource {
   bool warned_ = false;
 };
 
-std::unique_ptr<FrameDecoder> open_raw(const std::string& name, const ReadOptions& options,
-                                       const core::Warn& warn) {
+std::unique_ptr<FrameDecoder> open_decoder(const std::string& name, const ReadOptions& options,
+                                           const core::Warn& warn) {
   const fs::path path(name);
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -141,6 +146,7 @@ std::unique_ptr<FrameDecoder> open_raw(const std::string& name, const ReadOption
                                                 ? error.message()
                                                 : "there is no such file or folder"));
   }
+  if (is_tiff(path)) return decode_tiff(path, options.grey, warn);
   if (is_image_name(path)) return decode_images({path}, options.grey, warn);
   return decode_video(path, warn);
 }
@@ -154,7 +160,7 @@ void ReadOptions::validate() const {
     throw core::InputError("the range " + std::to_string(first) + ":" + std::to_string(*last) +
                            " holds no frame; its end must lie behind its beginning");
   if (!(scale > 0 && scale <= 16))
-    throw core::InputError("scale " + number_text(scale) + " is out of range: above 0, at most 16");
+    throw core::InputError("scale " + value_text(scale) + " is out of range: above 0, at most 16");
 }
 
 std::pair<std::int64_t, std::optional<std::int64_t>> parse_range(const std::string& text) {
@@ -181,13 +187,13 @@ std::pair<std::int64_t, std::optional<std::int64_t>> parse_range(const std::stri
 std::unique_ptr<core::FrameSource> open_video(const std::string& name, const ReadOptions& options,
                                               const core::Warn& warn) {
   options.validate();
-  return std::make_unique<ShapedClip>(name, open_raw(name, options, warn), options, warn);
+  return std::make_unique<TransformedClip>(name, open_decoder(name, options, warn), options, warn);
 }
 
 std::unique_ptr<core::FrameSource> open_clip(core::Clip clip, const std::string& name,
                                              const ReadOptions& options, const core::Warn& warn) {
   options.validate();
-  return std::make_unique<ShapedClip>(name, decode_clip(std::move(clip)), options, warn);
+  return std::make_unique<TransformedClip>(name, decode_clip(std::move(clip)), options, warn);
 }
 
 }  // namespace emberfold::io

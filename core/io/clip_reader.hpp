@@ -24,20 +24,20 @@ struct ReadOptions {
   void validate() const;
 };
 
-/// Frames as a user names them: "a:b" (a and those after it, up to but not b), "a:" or ":b". core::InputError
-/// where it is none of these, or holds no frame.
+/// Parses a range of frames: "a:b" (from a up to, not including, b), "a:" or ":b". Throws core::InputError
+/// for any other text and for an empty range.
 std::pair<std::int64_t, std::optional<std::int64_t>> parse_range(const std::string& text);
 
 /// Opens a clip: a video, a folder of images, a pattern of images (dir/img_*.png, dir/img_%04d.png; natural
-/// order), or one image. Frames are read one by one; nothing but the frame at hand is kept. `info().frames`
-/// is what is known without reading: for a video the container's claim, until the end was reached once.
-/// Shrinking averages areas, growing is bicubic. core::IoError where the file cannot be read as a clip;
-/// core::InputError where the options are wrong or the range begins behind the last frame. A range that ends
-/// behind it is cut, with a warning.
+/// order), a TIFF whose pages are the frames (decode_tiff), or one image. Frames are read one by one; nothing
+/// but the frame at hand is kept. `info().frames` is what is known without reading: for a video the
+/// container's claim, until the end was reached once. Shrinking averages areas, growing is bicubic.
+/// core::IoError where the file cannot be read as a clip; core::InputError where the options are wrong or the
+/// range begins behind the last frame. A range that ends behind it is cut, with a warning.
 std::unique_ptr<core::FrameSource> open_video(const std::string& name, const ReadOptions& options = {},
                                               const core::Warn& warn = {});
 
-/// Opens a clip that is in memory, as open_video does; `name` is what messages call it.
+/// Opens a clip in memory with the options of open_video; messages call it `name`.
 std::unique_ptr<core::FrameSource> open_clip(core::Clip clip, const std::string& name,
                                              const ReadOptions& options, const core::Warn& warn = {});
 

@@ -11,8 +11,8 @@
 
 namespace emberfold::io {
 
-/// Writes a clip frame by frame, beside its final name. finish() gives it that name once it is known to be
-/// whole; without finish() the destructor removes what was begun.
+/// Writes a clip frame by frame under a temporary name. finish() renames it once it is complete; without
+/// finish() the destructor removes it.
 class VideoWriter {
  public:
   VideoWriter() = default;
@@ -20,24 +20,25 @@ class VideoWriter {
   VideoWriter& operator=(const VideoWriter&) = delete;
   virtual ~VideoWriter() = default;
 
-  /// A frame of the clip's size: CV_8UC1 or CV_8UC3; CV_16U too where the clip becomes a folder of PNG. A
-  /// grey frame in a colour clip is spread to three channels. core::InputError for any other frame,
-  /// core::IoError where the disk refuses it.
+  /// Writes a frame of the clip's size: CV_8UC1 or CV_8UC3; CV_16U too where the clip becomes a folder of
+  /// PNG. A grey frame in a colour clip is spread to three channels. Throws core::InputError for any other
+  /// frame, core::IoError where the disk refuses it.
   virtual void write(const cv::Mat& frame) = 0;
 
-  /// core::InputError where no frame was written; core::IoError, with nothing left behind, where the file is
-  /// not whole (the disk is full, say). Nothing can be written afterwards.
+  /// Completes the clip and gives it its name. Throws core::InputError where no frame was written;
+  /// core::IoError, with nothing left behind, where the file is incomplete (a full disk). Nothing can be
+  /// written afterwards.
   virtual void finish() = 0;
 };
 
-/// A writer by extension:
+/// Creates a writer by the extension of the name:
 ///   .mp4          H.264, yuv420p, plays in a browser
 ///   .avi          FFV1: lossless, 8 bits, grey or colour
 ///   no extension  a folder of PNG, frame_00000.png …, 8 or 16 bits
 /// Videos have even sizes: an odd width or height gets its last column or row once more. A folder of that
 /// name is replaced if it holds nothing but such frames, else refused. size: 1…16384 px each way; fps: (0,
-/// 1000]. core::InputError for another extension, size or rate, core::IoError where the target cannot be
-/// written.
+/// 1000]. Throws core::InputError for another extension, size or rate, core::IoError where the target cannot
+/// be written.
 std::unique_ptr<VideoWriter> create_video(const std::filesystem::path& path, cv::Size size, double fps,
                                           bool colour);
 

@@ -9,17 +9,17 @@
 
 namespace emberfold::io {
 
-/// Makes the folder and those above it; core::IoError where it cannot, or where something else has its name.
+/// Makes the folder and those above it. Throws core::IoError where it cannot, or a file has this name.
 void make_folder(const std::filesystem::path& path);
 
-/// Opens a file for reading; core::IoError, with the path and the system's reason, where it cannot.
+/// Opens a file for reading. Throws core::IoError with the path and the system's reason.
 std::ifstream open_file(const std::filesystem::path& path);
 
-/// Whether the name's extension is that of a video.
+/// Returns whether the name has the extension of a video.
 bool is_video_name(const std::filesystem::path& path);
 
-/// A file that is written beside its name and takes it in the end; without finish() nothing stays of it.
-/// core::IoError, with the path and the reason, where it cannot be written, found when it is made.
+/// Writes a file under a temporary name. finish() gives it its own; without finish() it is removed.
+/// The constructor throws core::IoError, with the path and the reason, where the file cannot be written.
 class StagedFile {
  public:
   explicit StagedFile(std::filesystem::path path);
@@ -27,7 +27,7 @@ class StagedFile {
   StagedFile(const StagedFile&) = delete;
   StagedFile& operator=(const StagedFile&) = delete;
 
-  /// Writes all of it through a stream and checks that all arrived.
+  /// Writes the content through a stream and checks that all of it arrived.
   void write(const std::function<void(std::ostream&)>& body) const;
   void finish() const;
 

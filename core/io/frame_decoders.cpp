@@ -26,13 +26,13 @@ std::string size_text(const cv::Size& size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
-void tell(const core::Warn& warn, const std::string& line) {
+void report(const core::Warn& warn, const std::string& line) {
   if (warn) warn(line);
 }
 
-class VideoClip final : public FrameDecoder {
+class VideoFileDecoder final : public FrameDecoder {
  public:
-  VideoClip(const fs::path& path, const core::Warn& warn) : path_(path), warn_(warn) {
+  VideoFileDecoder(const fs::path& path, const core::Warn& warn) : path_(path), warn_(warn) {
     open();
     grey_ = stream_is_grey();
     info_.fps = rate();
@@ -130,14 +130,15 @@ class VideoClip final : public FrameDecoder {
   double rate() {
     const double fps = video_.get(cv::CAP_PROP_FPS);
     if (fps > 0 && fps <= 1000) return fps;
-    tell(warn_, path_.string() + ": its frame rate is not known; taken as 25 a second");
+    report(warn_, path_.string() + ": its frame rate is not known; taken as 25 a second");
     return 25;
   }
 
   cv::Mat end() {
     if (!ended_ && !warned_ && claimed_ && position_ + 1 < *claimed_) {
-      tell(warn_, path_.string() + ": only " + std::to_string(position_) + " of the " +
-                      std::to_string(*claimed_) + " frames that it promises can be read; it may be cut off");
+      report(warn_, path_.string() + ": only " + std::to_string(position_) + " of the " +
+                        std::to_string(*claimed_) +
+                        " frames that it promises can be read; it may be cut off");
       warned_ = true;
     }
     ended_ = true;
@@ -156,9 +157,9 @@ class VideoClip final : public FrameDecoder {
   bool grey_ = false, ended_ = false, warned_ = false;
 };
 
-class ImageClip final : public FrameDecoder {
+class ImageDecoder final : public FrameDecoder {
  public:
-  ImageClip(std::vector<fs::path> files, bool to_grey, const core::Warn& warn)
+  ImageDecoder(std::vector<fs::path> files, bool to_grey, const core::Warn& warn)
       : files_(std::move(files)), to_grey_(to_grey), warn_(warn) {
     const ImageFile first = read_image(files_.front());
     info_.width = first.pixels.cols;
@@ -197,7 +198,12 @@ class ImageClip final : public FrameDecoder {
     if (pixels.depth() != info_.depth)
       differs(pixels.depth() == CV_8U ? "of 8 bits" : "of 16 bits", info_.depth == CV_8U ? "of 8" : "of 16");
     if (image.had_alpha && !std::exchange(warned_, true))
-      tell(warn_, file.string() + ": its alpha channel is dropped, and so is that of the images after it");
+      report(warn_, file.string() + ": its alpha channel is dropped, and so is that of the images after it");
+    if (image.pages > 1 && !std::exchange(warned_pages_, true))
+      report(warn_,
+             file.string() + " has " + std::to_string(image.pages) +
+                 " pages, of which the first is taken, and so it is of the images after it; give the file "
+                 "itself to read all of its pages");
     if (to_grey_) return to_grey(pixels);
     if (info_.channels == 1 && pixels.channels() == 3)
       differs("in colour", "grey (ask for a grey clip to mix them)");
@@ -220,12 +226,12 @@ class ImageClip final : public FrameDecoder {
   core::Warn warn_;
   core::ClipInfo info_;
   std::size_t position_ = 0;
-  bool warned_ = false;
+  bool warned_ = false, warned_pages_ = false;
 };
 
-class HeldClip final : public FrameDecoder {
+class MemoryClip final : public FrameDecoder {
  public:
-  explicit HeldClip(core::Clip clip) : clip_(std::move(clip)), source_(clip_) {}
+  explicit MemoryClip(core::Clip clip) : clip_(std::move(clip)), source_(clip_) {}
   [[nodiscard]] const core::ClipInfo& info() const override { return clip_.info; }
   cv::Mat next() override { return source_.next(); }
   bool skip() override { return !source_.next().empty(); }
@@ -244,17 +250,17 @@ std::unique_ptr<FrameDecoder> decode_video(const fs::path& path, const core::War
   std::error_code error;
   if (fs::file_size(path, error) == 0 && !error)
     throw core::IoError("cannot read " + path.string() + ": it is empty");
-  return std::make_unique<VideoClip>(path, warn);
+  return std::make_unique<VideoFileDecoder>(path, warn);
 }
 
 std::unique_ptr<FrameDecoder> decode_images(std::vector<fs::path> files, bool to_grey,
                                             const core::Warn& warn) {
   silence_media_libraries();
-  return std::make_unique<ImageClip>(std::move(files), to_grey, warn);
+  return std::make_unique<ImageDecoder>(std::move(files), to_grey, warn);
 }
 
 std::unique_ptr<FrameDecoder> decode_clip(core::Clip clip) {
-  return std::make_unique<HeldClip>(std::move(clip));
+  return std::make_unique<MemoryClip>(std::move(clip));
 }
 
 cv::Mat to_grey(const cv::Mat& frame) {

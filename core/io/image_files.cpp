@@ -15,6 +15,7 @@
 
 #include "core/error.hpp"
 #include "core/io/files.hpp"
+#include "core/io/tiff_pages.hpp"
 
 namespace emberfold::io {
 
@@ -234,6 +235,7 @@ ImageFile read_image(const fs::path& path) {
   if (!in) fail(path, "reading stopped half way");
   if (bytes.empty()) fail(path, "it is empty");
   if (const std::string what = damage(bytes); !what.empty()) fail(path, what);
+  const auto pages = is_tiff(path) ? read_tiff_pages(path) : std::vector<TiffPage>(1);
 
   // Asking for any colour drops alpha and honours EXIF orientation; asking for the pixels unchanged shows the
   // alpha but not the orientation. A PNG tells in its header, which spares the second decoding.
@@ -245,6 +247,7 @@ ImageFile read_image(const fs::path& path) {
   if (png_colour == 4) cv::extractChannel(image.pixels.clone(), image.pixels, 0);  // grey with alpha
   if (image.pixels.depth() != CV_8U && image.pixels.depth() != CV_16U)
     fail(path, "its values have neither 8 nor 16 bits");
+  image.pages = static_cast<int>(std::ranges::count_if(pages, &TiffPage::is_picture));
   return image;
 }
 

@@ -10,21 +10,22 @@
 
 namespace emberfold::io {
 
-/// Natural order: runs of digits compare as numbers (img2 before img10), all else byte by byte.
+/// Compares in natural order: runs of digits as numbers (img2 before img10), all else byte by byte.
 bool natural_less(std::string_view a, std::string_view b);
 
-/// Whether the name's extension is that of a still image.
+/// Returns whether the name has the extension of a still image.
 bool is_image_name(const std::filesystem::path& path);
 
-/// Whether the last part of the name holds `*`, `?` or a printf number such as %04d.
+/// Returns whether the last part of the name holds `*`, `?` or a printf number such as %04d.
 bool is_pattern(const std::filesystem::path& path);
 
-/// Whether a file name fits a pattern: `*` any run, `?` any one byte, `%d` a number without leading zeros,
+/// Returns whether a file name fits a pattern: `*` any run, `?` any one byte, `%d` a number without leading
+/// zeros,
 /// `%0Nd` a number filled to N digits, `%%` a percent sign.
 bool fits_pattern(std::string_view pattern, std::string_view name);
 
-/// The images of a folder, or the files that fit a pattern's last part, in natural order; hidden files are
-/// passed over. core::IoError where the folder cannot be read or no file is left.
+/// Lists the images of a folder, or the files that fit a pattern's last part, in natural order. Hidden files
+/// are passed over. Throws core::IoError where the folder cannot be read or no file is left.
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 std::vector<std::filesystem::path> match_images(const std::filesystem::path& pattern);
 
@@ -32,10 +33,11 @@ std::vector<std::filesystem::path> match_images(const std::filesystem::path& pat
 struct ImageFile {
   cv::Mat pixels;
   bool had_alpha = false;
+  int pages = 1;  ///< in the file; the first one was read
 };
 
-/// Reads one image. core::IoError, naming the file: it cannot be opened, is no image, is cut off or damaged
-/// (found for PNG and JPEG), or holds another depth.
+/// Reads one image. Throws core::IoError, naming the file: it cannot be opened, is no image, is cut off or
+/// damaged (found for PNG, JPEG and TIFF), or holds another depth.
 ImageFile read_image(const std::filesystem::path& path);
 
 }  // namespace emberfold::io

@@ -8,21 +8,21 @@
 
 namespace emberfold::io {
 
-/// Gives memory for a chunk of frames: `bytes` bytes that live as long as the giver.
+/// Allocates `bytes` bytes for a chunk of frames; they live as long as the allocator.
 using ChunkMemory = std::function<std::byte*(int chunk, std::size_t bytes)>;
 
-/// Memory for trajectories: from the heap up to a limit, beyond it from a file that is mapped into memory, of
-/// which the system keeps as much in memory as there is room for. The file has no name: it vanishes with this
-/// object, however the program ends. What was handed out lives as long as this.
+/// Allocates memory for trajectories: from the heap up to a limit, beyond it from a file that is mapped into
+/// memory. The file has no name and vanishes with this object, however the program ends. The memory lives as
+/// long as this object.
 class MappedFrames {
  public:
-  /// The file will lie in `folder`.
+  /// Puts the file into `folder` once it is needed.
   MappedFrames(std::filesystem::path folder, std::size_t heap_bytes);
   ~MappedFrames();
   MappedFrames(const MappedFrames&) = delete;
   MappedFrames& operator=(const MappedFrames&) = delete;
 
-  /// core::IoError where the disk has no room.
+  /// Returns the allocator. It throws core::IoError where the disk is full.
   [[nodiscard]] ChunkMemory memory();
   [[nodiscard]] std::size_t mapped_bytes() const { return end_; }
 

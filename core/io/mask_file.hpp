@@ -7,8 +7,8 @@
 
 namespace emberfold::io {
 
-/// A mask from an image: CV_8U or CV_16U, one channel (luma of a coloured one), white inside. core::IoError
-/// where it cannot be read.
+/// Reads a mask from an image: CV_8U or CV_16U, one channel (luma of a coloured one), white inside. Throws
+/// core::IoError where it cannot be read.
 cv::Mat read_mask(const std::string& path);
 
 }  // namespace emberfold::io

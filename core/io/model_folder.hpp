@@ -18,7 +18,7 @@ constexpr std::string_view kDictionaryFormat = "emberfold.dictionary";
 constexpr std::string_view kMotionFormat = "emberfold.motion_model";
 
 /// Writes model.json and NAME.npy for every array into the folder `name` of an output, made where it is not
-/// there; "" is the output's own. core::IoError where something cannot be written.
+/// there; "" is the output's own. Throws core::IoError where something cannot be written.
 void write_model(OutputFolder& output, const std::string& name, const core::ModelArchive& archive);
 void write_model(OutputFolder& output, const std::string& name, const core::ModelView& model);
 
@@ -26,15 +26,15 @@ void write_model(OutputFolder& output, const std::string& name, const core::Mode
 /// replaced. core::IoError where the folder holds other things than a model, or something cannot be written.
 void write_model(const std::filesystem::path& folder, const core::ModelArchive& archive);
 
-/// A model's own folder while it is written. Beside the model it may hold a summary.json, a
-/// components.png and a compression.png.
+/// Writes a model into a folder of its own. Beside the model it may hold a summary.json, a components.png and
+/// a compression.png.
 class ModelFolder {
  public:
-  /// core::IoError where the folder can be none, or already holds other things than a model.
+  /// Throws core::IoError where the folder cannot be made, or holds other things than a model.
   explicit ModelFolder(const std::filesystem::path& folder);
 
   [[nodiscard]] OutputFolder& output() { return output_; }
-  /// Puts what was written in place; what an older model left there goes.
+  /// Puts the model in place and removes the files of an older one.
   void commit();
 
  private:
@@ -47,17 +47,17 @@ struct ModelLimits {
   bool parts = true;                          ///< read the models in folders below, too
 };
 
-/// The model in a folder, if it is of this format. core::IoError, on one line and naming the file: there is
+/// Reads the model in a folder. Throws core::IoError, on one line and naming the file: there is
 /// none, it is a clip, it is a model of another format (with the command that takes it), it is larger than
 /// the limits, it is cut off or holds something else than its names promise.
 core::ModelArchive read_model(const std::filesystem::path& folder, std::string_view format,
                               const ModelLimits& limits = {});
 
-/// What the model.json in a folder calls itself, if that is a format of ours: "emberfold.…". Nothing where
-/// there is no such folder or file, or it cannot be read.
+/// Returns the format that the model.json in a folder names, if it is "emberfold.…"; nothing where there is
+/// no such file or it cannot be read.
 std::optional<std::string> model_format(const std::filesystem::path& folder);
 
-/// "a motion model; 'emberfold synth' draws from it"
+/// Describes a format: "a motion model; 'emberfold synth' draws from it".
 std::string about_model(std::string_view format);
 
 }  // namespace emberfold::io

@@ -10,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/io/files.hpp"
+#include "core/io/require_apart.hpp"
 
 namespace emberfold::io {
 
@@ -27,7 +28,7 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
     make_folder(stage_);
   } catch (const core::IoError& error) {
     for (const auto& path : made_) fs::remove(path, ignored);
-    throw core::IoError(of_final(error.what()));
+    throw core::IoError(with_final_name(error.what()));
   }
 }
 
@@ -55,11 +56,11 @@ void OutputFolder::make_subfolder(const std::string& name) {
   try {
     make_folder(staged(name));
   } catch (const core::IoError& error) {
-    throw core::IoError(of_final(error.what()));
+    throw core::IoError(with_final_name(error.what()));
   }
 }
 
-std::string OutputFolder::of_final(std::string message) const {
+std::string OutputFolder::with_final_name(std::string message) const {
   const std::string staged_prefix = stage_.string(), final_prefix = folder_.string();
   for (auto at = message.find(staged_prefix); at != std::string::npos;
        at = message.find(staged_prefix, at + 1))
@@ -72,6 +73,11 @@ void OutputFolder::commit() {
     if (error) throw core::IoError("cannot write " + path.string() + ": " + error.message());
   };
   std::error_code error;
+  std::vector<OutputPath> targets;
+  for (const auto& entry : fs::directory_iterator(stage_, error))
+    targets.push_back({folder_ / entry.path().filename()});
+  check(error, folder_);
+  if (!inputs_.empty()) require_apart(inputs_, targets);
   for (const auto& entry : fs::directory_iterator(stage_, error)) {
     const fs::path target = folder_ / entry.path().filename();
     if (entry.is_directory()) fs::remove_all(target, error);

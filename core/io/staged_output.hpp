@@ -5,14 +5,14 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace emberfold::io {
 
-/// A folder whose files appear all together or not at all: they are written into a hidden folder inside it
-/// and take their places by commit(). Without commit() everything begun is removed, and the folder too if it
-/// was made here. core::IoError, with the final path and the system's reason, where something cannot be
-/// written.
+/// Writes files that appear in a folder all together or not at all. They are written into a hidden folder
+/// inside it; commit() moves them. Without commit() they are removed, and the folder too if it was made here.
+/// Throws core::IoError, with the final path and the system's reason, where something cannot be written.
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path folder);
@@ -20,20 +20,24 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where the file or folder `name` is written until commit().
+  /// Returns the path of the file or folder `name` until commit().
   [[nodiscard]] std::filesystem::path staged(const std::string& name) const { return stage_ / name; }
   /// Writes a file through a stream and checks that all of it arrived.
   void write(const std::string& name, const std::function<void(std::ostream&)>& body);
   void make_subfolder(const std::string& name);
-  /// A message about a staged file, told of the final one.
-  [[nodiscard]] std::string of_final(std::string message) const;
-  /// Puts everything in place; a file or folder of the same name is replaced.
+  /// Makes commit() refuse to replace any of these files (see require_apart).
+  void protect(std::vector<std::string> inputs) { inputs_ = std::move(inputs); }
+  /// Replaces the names of staged files in a message by their final ones.
+  [[nodiscard]] std::string with_final_name(std::string message) const;
+  /// Puts everything in place; a file or folder of the same name is replaced. Throws OverwriteError, with
+  /// nothing replaced, where that is a protected input.
   void commit();
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
 
  private:
   std::filesystem::path folder_, stage_;
   std::vector<std::filesystem::path> made_;  // folders that were not there, the innermost first
+  std::vector<std::string> inputs_;
   bool committed_ = false;
 };
 

@@ -15,8 +15,6 @@ using graph::Point;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 bool ends_free(const EditableGraph& draft, const std::vector<Slot>& stroke) {
   return draft.degree(stroke.front()) <= 1 && draft.degree(stroke.back()) <= 1;
 }

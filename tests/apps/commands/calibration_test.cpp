@@ -44,9 +44,9 @@ TEST_CASE("calibration tells what the clip showed and what each round saw") {
     REQUIRE(result.exit == 0);
     return Json::parse(result.out);
   };
-  const auto plain = analyze("plain", {"--calibrate", "0"});
+  const auto plain = analyze("plain", {"--set", "calibrate.calibrate=0"});
   CHECK(plain["calibration"].is_null());
-  const auto told = analyze("told", {"--calibrate", "2", "--threads", "1"});
+  const auto told = analyze("told", {"--set", "calibrate.calibrate=2", "--threads", "1"});
   const auto& calibration = told["calibration"];
   CHECK(told["options"]["calibrate"]["calibrate"] == 2);
   REQUIRE(calibration["rounds"].size() == 2);
@@ -63,7 +63,7 @@ TEST_CASE("calibration tells what the clip showed and what each round saw") {
                  plain["sketch"]["patches_per_frame"].get<double>()) < 0.01);
   CHECK(bytes_of(temp / "told/motion.jsonl") == bytes_of(temp / "plain/motion.jsonl"));
   CHECK(bytes_of(temp / "told/model/model.json") != bytes_of(temp / "plain/model/model.json"));
-  const auto again = analyze("again", {"--calibrate", "2", "--threads", "3"});
+  const auto again = analyze("again", {"--set", "calibrate.calibrate=2", "--threads", "3"});
   CHECK(again["calibration"] == calibration);
   CHECK(bytes_of(temp / "again/model/model.json") == bytes_of(temp / "told/model/model.json"));
 }
@@ -103,8 +103,9 @@ TEST_CASE("rounds of calibration out of range are refused in one line") {
   const TempFolder temp;
   const auto out = temp / "out";
   for (const std::string rounds : {"-1", "21"})
-    check_one_line({"analyze", "builtin:fire", "-o", out.string(), "-q", "--calibrate", rounds}, 2,
-                   {"--calibrate", rounds, "0", "20"}, out);
-  check_one_line({"analyze", "builtin:fire", "-o", out.string(), "-q", "--calibrate", "few"}, 2,
-                 {"--calibrate", "few"}, out);
+    check_one_line(
+        {"analyze", "builtin:fire", "-o", out.string(), "-q", "--set", "calibrate.calibrate=" + rounds}, 2,
+        {"calibrate.calibrate", rounds, "0", "20"}, out);
+  check_one_line({"analyze", "builtin:fire", "-o", out.string(), "-q", "--set", "calibrate.calibrate=few"}, 2,
+                 {"calibrate.calibrate", "few"}, out);
 }

@@ -201,14 +201,14 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
       check_refused(arguments, 2, what, out);
     }
   };
-  refused({"--min-contrast", "nan"}, {"--min-contrast", "nan"});
-  refused({"--min-contrast", "inf"}, {"--min-contrast", "inf"});
-  refused({"--min-contrast", "-3"}, {"--min-contrast", "-3", "0"});
-  refused({"--hysteresis", "1.5"}, {"--hysteresis", "1.5", "1"});
-  refused({"--scales", "0"}, {"--scales", "0", "1"});
-  refused({"--scales", "2.5"}, {"--scales", "2.5", "whole"});
-  refused({"--spacing", "five"}, {"--spacing", "five", "number"});
-  refused({"--tolerance", "0"}, {"--tolerance", "0"});
+  refused({"--set", "sketch.min_contrast=nan"}, {"sketch.min_contrast", "nan"});
+  refused({"--set", "sketch.min_contrast=inf"}, {"sketch.min_contrast", "inf"});
+  refused({"--set", "sketch.min_contrast=-3"}, {"sketch.min_contrast", "-3", "0"});
+  refused({"--set", "sketch.hysteresis=1.5"}, {"sketch.hysteresis", "1.5", "1"});
+  refused({"--set", "sketch.scales=0"}, {"sketch.scales", "0", "1"});
+  refused({"--set", "sketch.scales=2.5"}, {"sketch.scales", "2.5", "whole"});
+  refused({"--set", "sketch.spacing=five"}, {"sketch.spacing", "five", "number"});
+  refused({"--set", "fill.tolerance=0"}, {"fill.tolerance", "0"});
   refused({"--scale", "nan"}, {"--scale", "nan", "16"});
   refused({"--scale", "0"}, {"--scale", "0", "16"});
   refused({"--range", "5:3"}, {"--range", "5:3"});
@@ -216,16 +216,23 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   refused({"--threads", "-1"}, {"--threads", "-1", "1024"});
   refused({"--threads", "999999"}, {"--threads", "1024"});
   refused({"--seed", "-1"}, {"--seed", "-1"});
-  refused({"--min-contrats", "3"}, {"--min-contrats", "--min-contrast"});
+  refused({"--min-contrats", "3"}, {"--min-contrats", "--set sketch.min_contrast=VALUE"});
+  refused({"--min-contrast", "3"}, {"--min-contrast", "--set sketch.min_contrast=VALUE"});
+  refused({"--set", "sketch.edges=maybe"}, {"sketch.edges", "maybe", "true"});
+  refused({"--set", "sketsh.edges=true"}, {"'sketsh'", "sketch", "fill", "did you mean sketch?"});
+  refused({"--set", "sketch.min_contrats=1"}, {"'min_contrats'", "did you mean min_contrast?"});
+  for (const char* odd : {"", "=", "sketch", "sketch.edges", "edges=true", "."})
+    refused({"--set", odd}, {"--set"});
   refused({"surplus"}, {"surplus"});
-  check_refused({"analyze", clip, "-o", out.string(), "--max-motion", "0"}, 2, {"--max-motion", "0"}, out);
+  check_refused({"analyze", clip, "-o", out.string(), "--set", "match.max_motion=0"}, 2,
+                {"match.max_motion", "0"}, out);
   check_refused({"sketch", clip, "-o", out.string(), "--patches", "round"}, 2,
                 {"--patches", "round", "fitted", "pixels"}, out);
   check_refused({"analyze", clip}, 2, {"--output"});
   check_refused({"analyse", clip}, 2, {"analyse", "analyze"});
   check_refused({"frobnicate"}, 2, {"frobnicate"});
   check_refused({"--verson"}, 2, {"--verson", "--version"});
-  check_refused({"score", "a", "b", "--radius", "-1"}, 2, {"--radius", "-1"});
+  check_refused({"score", "a", "b", "--set", "score.radius=-1"}, 2, {"score.radius", "-1"});
   check_refused({"score", "a", "b", "--frames", "nan"}, 2, {"--frames", "nan"});
 }
 
@@ -243,9 +250,79 @@ TEST_CASE("an overview, help that opens with examples and shows the defaults, th
     CHECK(examples < help.out.find("Usage:"));
     for (const char* option : {"--seed N [1]", "--threads", "--json", "--quiet"})
       CHECK(contains(help.out, option));
+    CHECK(run_command({"help", command}).out == help.out);
   }
-  CHECK(contains(run_command({"analyze", "--help"}).out, "--spacing PX [5]"));
+  CHECK(run_command({"help"}).out == overview.out);
   CHECK(run_command({"--version"}).out.starts_with("emberfold "));
+}
+
+TEST_CASE("the help of every command fits on one screen") {
+  std::vector<std::vector<std::string>> commands{{}};
+  for (const char* one : {"analyze", "sketch", "synth", "compare", "score", "demo", "quilt", "dytex"})
+    commands.push_back({one});
+  for (const char* one : {"learn", "edit", "synth", "compose", "page", "info", "forecast", "curve",
+                          "distance", "classify", "compress"})
+    commands.push_back({"dytex", one});
+  for (auto words : commands) {
+    words.emplace_back("--help");
+    const auto help = run_command(words);
+    INFO(help.out);
+    CHECK(help.exit == 0);
+    CHECK(std::ranges::count(help.out, '\n') <= 24);
+    const auto options = help.out.substr(help.out.find("Usage:"));
+    CHECK(std::ranges::count(options, '\n') <= 17);  // the usage and 16 more
+    std::istringstream lines(help.out);
+    for (std::string line; std::getline(lines, line);) CHECK(line.size() <= 100);
+  }
+}
+
+TEST_CASE("help lists what --set takes, with defaults and ranges, and the options of reading") {
+  const auto all = run_command({"help", "options"});
+  CHECK(all.exit == 0);
+  for (const char* name :
+       {"sketch.spacing", "match.sigma_across", "starts.chains", "infer.sweeps", "calibrate.calibrate",
+        "fill.tolerance", "learn.components", "compare.steps", "synth.births", "quilt.overlap",
+        "control.jitter", "em.iterations", "score.radius"})
+    CHECK(contains(all.out, std::string("\n  ") + name + " "));
+  const auto own = run_command({"help", "options", "dytex", "learn"});
+  CHECK(contains(own.out, "learn.memory"));
+  CHECK_FALSE(contains(own.out, "sketch."));
+  // each line's default is what the struct holds, and its range what validate() tells
+  std::istringstream lines(run_command({"help", "options", "compare"}).out);
+  bool found = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (!contains(line, "compare.steps")) continue;
+    found = true;
+    CHECK(contains(line, " 8 "));
+    CHECK(contains(line, " 1 to 64 "));
+  }
+  CHECK(found);
+  for (const char* word : {"--range", "--scale", "--grey", "builtin:", "stack.tif"})
+    CHECK(contains(run_command({"help", "reading"}).out, word));
+  CHECK(contains(run_command({"help", "common"}).out, "--threads"));
+  check_refused({"help", "analyse"}, 2, {"analyse", "did you mean analyze?"});
+  check_refused({"help", "options", "demo"}, 2, {"demo"});
+}
+
+TEST_CASE("a setting changes what its field changes, and the last of two counts") {
+  const TempFolder temp;
+  const auto clip = write_clip(temp / "clip", 96, 64, 2);
+  const auto options = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"sketch", clip, "-o", (temp / "out").string(), "--json", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return Json::parse(result.out)["options"]["sketch"];
+  };
+  const auto usual = options({});
+  auto changed = usual;
+  changed["spacing"] = 7.0;
+  changed["edges"] = false;
+  CHECK(options({"--set", "sketch.spacing=6", "--set", "sketch.edges=no", "--set=sketch.spacing=7"}) ==
+        changed);
+  changed["spacing"] = usual["spacing"];
+  CHECK(options({"--no-edges"}) == changed);
 }
 
 TEST_CASE("progress is one line for each stage where there is no terminal, and none if quiet") {

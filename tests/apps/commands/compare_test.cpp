@@ -195,13 +195,15 @@ TEST_CASE("compare draws clips of any length and foretells with what it may lear
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {60, 48}, 24, 4);
   const auto run = [&](const std::vector<std::string>& more) {
-    const auto result = run_command(
-        joined({"compare", clip, "-o", (temp / "out").string(), "--json", "-q", "--no-star"}, more));
+    const auto result = run_command(joined(
+        {"compare", clip, "-o", (temp / "out").string(), "--json", "-q", "--set", "compare.star=false"},
+        more));
     INFO(result.err);
     REQUIRE(result.exit == 0);
     return Json::parse(result.out)["measures"];
   };
-  const auto longer = run({"--frames", "40", "--no-strokes", "--no-hybrid"});
+  const auto longer =
+      run({"--frames", "40", "--set", "compare.strokes=false", "--set", "compare.hybrid=false"});
   CHECK(longer["synthesis"]["frames"] == 40);
   CHECK_FALSE(longer["synthesis"]["motion_model"].contains("strokes"));
   CHECK(longer["models"].size() == 2);
@@ -210,11 +212,13 @@ TEST_CASE("compare draws clips of any length and foretells with what it may lear
       40);
   CHECK(core::read_all(*apps::open_clip((temp / "out/side_by_side.mp4").string(), {}, {})).frames.size() ==
         24);
-  const auto whole = run({"--learn-share", "1", "--no-strokes", "--no-hybrid"});
+  const auto whole = run(
+      {"--set", "compare.learn_share=1", "--set", "compare.strokes=false", "--set", "compare.hybrid=false"});
   CHECK(whole["prediction"].is_null());
   CHECK(whole["learned_frames"] == 24);
   CHECK_FALSE(fs::exists(temp / "out/synthesized_star.avi"));
-  const auto curve = run({"--curve", "--no-strokes", "--no-hybrid", "--components", "4"})["size_curve"];
+  const auto curve = run({"--set", "compare.curve=true", "--set", "compare.strokes=false", "--set",
+                          "compare.hybrid=false", "--set", "learn.components=4"})["size_curve"];
   std::map<std::string, std::vector<double>> sizes;
   for (const auto& point : curve["points"]) {
     sizes[point["model"].get<std::string>()].push_back(point["parameters"].get<double>());
@@ -298,9 +302,9 @@ TEST_CASE("what compare cannot take is refused in one line") {
   refused({few}, 1, {"few", "7 frames", "at least 8"});
   refused({clip, few}, 1, {"few", "7 frames"});
   refused({clip, (temp / "no").string()}, 1, {"no such"});
-  refused({clip, "--components", "0"}, 2, {"--components", "0"});
-  refused({clip, "--learn-share", "0"}, 2, {"--learn-share", "0", "up to 1"});
-  refused({clip, "--steps", "65"}, 2, {"--steps", "65", "1 to 64"});
+  refused({clip, "--set", "learn.components=0"}, 2, {"learn.components", "0"});
+  refused({clip, "--set", "compare.learn_share=0"}, 2, {"compare.learn_share", "0", "up to 1"});
+  refused({clip, "--set", "compare.steps=65"}, 2, {"compare.steps", "65", "1 to 64"});
   refused({clip, "--frames", "3"}, 2, {"--frames", "3"});
   refused({clip, clip, clip}, 2, {"one argument too many"});
   REQUIRE(run_command({"dytex", "learn", clip, "-o", (temp / "model").string(), "-q"}).exit == 0);

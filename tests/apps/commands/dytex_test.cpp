@@ -170,9 +170,9 @@ TEST_CASE("what a model is learned by is asked for by words and told in the summ
   CHECK(lags["texture"]["order"] == 8);
   CHECK(learn({"--method", "n4sid", "-n", "3"})["learning"]["transition"] == "n4sid");
   CHECK(learn({"--method", "pem", "-n", "3"})["learning"]["transition"] == "prediction_error");
-  CHECK(learn({"--noise", "resampled", "-n", "3"})["texture"]["residuals"] == 59);
-  CHECK(learn({"--stable", "soc", "-n", "3"})["options"]["learn"]["stable"] == "soc");
-  CHECK(learn({"--memory", "1", "-n", "3"})["learning"]["passes"] == 1);
+  CHECK(learn({"--set", "learn.noise=resampled", "-n", "3"})["texture"]["residuals"] == 59);
+  CHECK(learn({"--set", "learn.stable=soc", "-n", "3"})["options"]["learn"]["stable"] == "soc");
+  CHECK(learn({"--set", "learn.memory=1", "-n", "3"})["learning"]["passes"] == 1);
 }
 
 TEST_CASE("short clips get fewer components unless more were asked for") {
@@ -207,12 +207,12 @@ TEST_CASE("what dytex cannot take is refused in one line") {
   learn({clip, "--order", "held-out"}, 2, {"order", "at least 10", "6"});
   learn({clip, "--lags", "0"}, 2, {"--lags", "0", "1 to 16"});
   learn({clip, "--lags", "2", "-n", "3"}, 2, {"lags", "at least 8 frames", "6"});
-  learn({clip, "--lags", "2", "--stable", "soc"}, 2, {"--lags", "soc"});
+  learn({clip, "--lags", "2", "--set", "learn.stable=soc"}, 2, {"--lags", "soc"});
   learn({clip, "--method", "pem", "-n", "2"}, 2, {"method", "at least 10 frames", "6"});
   learn({clip, "--method", "magic"}, 2, {"--method", "magic", "n4sid"});
   learn({clip, "--channels", "both"}, 2, {"--channels", "both"});
-  learn({clip, "--noise", "loud"}, 2, {"--noise", "loud"});
-  learn({clip, "--memory", "0"}, 2, {"--memory", "0", "1"});
+  learn({clip, "--set", "learn.noise=loud"}, 2, {"learn.noise", "loud", "normal, resampled"});
+  learn({clip, "--set", "learn.memory=0"}, 2, {"learn.memory", "0", "1"});
   learn({one}, 1, {"one", "at least two"});
   learn({one, "--energy", "0.9"}, 1, {"one", "at least two"});
   learn({(temp / "no.mp4").string()}, 1, {"no.mp4"});

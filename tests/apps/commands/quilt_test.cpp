@@ -82,7 +82,7 @@ int wrong_pixels(const core::Clip& drawn, const core::Clip& source, const fs::pa
   return wrong;
 }
 
-const std::vector<std::string> kSmall{"--size", "100x90", "--block", "24", "--format", "png"};
+const std::vector<std::string> kSmall{"--size", "100x90", "--block", "24", "--set", "quilt.format=png"};
 
 }  // namespace
 
@@ -120,7 +120,7 @@ TEST_CASE("a map is applied to other clips of other depth and single frames") {
   CHECK(wrong_pixels(drawn, frames_of(deep), map) == 0);
   CHECK(bytes_of(temp / "other/map.npy") == bytes_of(map));
   // Streamed: only the clip and its map.
-  quilted(clip, temp / "again.avi", {"--apply", map, "--map", (temp / "again.npy").string()});
+  quilted(clip, temp / "again.avi", {"--apply", map, "--set", "quilt.map=" + (temp / "again.npy").string()});
   CHECK(wrong_pixels(frames_of(temp / "again.avi"), frames_of(clip), map) == 0);
   CHECK(bytes_of(temp / "again.npy") == bytes_of(map));
   CHECK_FALSE(fs::exists(temp / "map.npy"));
@@ -139,9 +139,10 @@ TEST_CASE("a map is applied to other clips of other depth and single frames") {
 TEST_CASE("quilt writes the same bytes at any number of threads and from a file") {
   const TempFolder temp;
   const auto clip = write_lapse(temp / "lapse");
-  quilted(clip, temp / "1", joined(kSmall, {"--threads", "1"}, {"--jitter", "2"}));
-  quilted(clip, temp / "3", joined(kSmall, {"--threads", "3"}, {"--jitter", "2"}));
-  const auto mapped = quilted(clip, temp / "file", joined(kSmall, {"--memory", "0"}, {"--jitter", "2"}));
+  quilted(clip, temp / "1", joined(kSmall, {"--threads", "1"}, {"--set", "control.jitter=2"}));
+  quilted(clip, temp / "3", joined(kSmall, {"--threads", "3"}, {"--set", "control.jitter=2"}));
+  const auto mapped = quilted(clip, temp / "file",
+                              joined(kSmall, {"--set", "quilt.memory=0"}, {"--set", "control.jitter=2"}));
   CHECK(mapped["mapped_mb"] > 0);
   for (const char* other : {"3", "file"})
     for (const char* name : {"map.npy", "time.npy", "map.png", "seams.png", "frames/frame_00009.png"})
@@ -153,8 +154,8 @@ TEST_CASE("quilt writes the same bytes at any number of threads and from a file"
 TEST_CASE("an interrupted quilt keeps its blocks for the same options alone") {
   const TempFolder temp;
   const auto clip = write_lapse(temp / "lapse", {72, 64}, 40);
-  const std::vector<std::string> slow{"--size",  "400x400",  "--block", "16",
-                                      "--exact", "--format", "png",     "-q"};
+  const std::vector<std::string> slow{"--size",           "400x400", "--block",          "16", "--set",
+                                      "quilt.exact=true", "--set",   "quilt.format=png", "-q"};
   const auto part = temp / "out/quilt.part.json";
   CommandOptions options;
   options.interrupt_if = [&] { return fs::exists(part); };
@@ -199,15 +200,15 @@ TEST_CASE("control maps of every kind steer time") {
   const auto map = (temp / "plain/map.npy").string();
   const auto plain = frames_of(temp / "plain/frames");
   const auto last_of = [&](const std::vector<std::string>& more) {
-    quilted(clip, temp / "out", joined({"--apply", map, "--format", "png"}, more, {}));
+    quilted(clip, temp / "out", joined({"--apply", map, "--set", "quilt.format=png"}, more, {}));
     return frames_of(temp / "out/frames").frames.back();
   };
   CHECK(same_pixels(last_of({"--control", "1"}), plain.frames[9]));
   CHECK(same_pixels(last_of({"--control", "0"}), plain.frames[0]));
-  CHECK(same_pixels(last_of({"--control", "0.45", "--between", "nearest"}), plain.frames[4]));
-  CHECK(same_pixels(last_of({"--offset", "4"}), plain.frames[5]));
-  CHECK(same_pixels(last_of({"--frames", "13", "--ends", "loop"}), plain.frames[2]));
-  CHECK(same_pixels(last_of({"--frames", "13", "--ends", "ping-pong"}), plain.frames[6]));
+  CHECK(same_pixels(last_of({"--control", "0.45", "--set", "control.between=nearest"}), plain.frames[4]));
+  CHECK(same_pixels(last_of({"--set", "control.offset=4"}), plain.frames[5]));
+  CHECK(same_pixels(last_of({"--frames", "13", "--set", "control.ends=loop"}), plain.frames[2]));
+  CHECK(same_pixels(last_of({"--frames", "13", "--set", "control.ends=ping-pong"}), plain.frames[6]));
   CHECK(same_pixels(last_of({"--frames", "13"}), plain.frames[9]));
   const auto right = last_of({"--control", "gradient:right"});
   CHECK(same_pixels(right.col(99), plain.frames[9].col(99)));
@@ -228,7 +229,7 @@ TEST_CASE("control maps of every kind steer time") {
   std::vector<float> values;
   for (int i = 0; i < 9000; ++i) values.insert(values.end(), {0.5F, -2.0F});
   write_array(temp / "time.npy", {{90, 100, 2}, false, values});
-  const auto both = last_of({"--control", (temp / "time.npy").string(), "--between", "nearest"});
+  const auto both = last_of({"--control", (temp / "time.npy").string(), "--set", "control.between=nearest"});
   CHECK(same_pixels(both, plain.frames[7]));  // 9/2 + 2 = 6.5
   CHECK(read_array(temp / "out/time.npy") == read_array(temp / "time.npy"));
 }
@@ -249,19 +250,20 @@ TEST_CASE("control maps that cannot be are refused") {
     return (temp / name).string();
   };
   const auto small = array("small.npy", {40, 50}, 1);
-  refused({"--control", small}, 1, {"small.npy", "50x40", "80x80", "--fit"});
+  refused({"--control", small}, 1, {"small.npy", "50x40", "80x80", "control.fit"});
   refused({"--control", array("nan.npy", {80, 80}, std::nanf(""))}, 1, {"nan.npy", "not a number"});
   refused({"--control", array("line.npy", {80}, 1)}, 1, {"line.npy", "height x width"});
-  refused({"--offset", array("two.npy", {80, 80, 2}, 1)}, 1, {"two.npy"});
+  refused({"--set", "control.offset=" + array("two.npy", {80, 80, 2}, 1)}, 1, {"two.npy"});
   refused({"--control", "nan"}, 1, {"--control", "not a number"});
   refused({"--control", "gradient:in"}, 2, {"gradient:in", "right"});
   refused({"--control", (temp / "no.png").string()}, 1, {"no.png"});
-  refused({"--rates", "1"}, 2, {"--rates", "0:1"});
-  refused({"--jitter", "-1"}, 2, {"--jitter"});
-  refused({"--fit", "tight"}, 2, {"tight"});
+  refused({"--set", "control.slow=a"}, 2, {"control.slow", "'a'"});
+  refused({"--set", "control.jitter=-1"}, 2, {"control.jitter"});
+  refused({"--set", "control.fit=tight"}, 2, {"tight"});
   for (const char* fit : {"stretch", "centre"})
     quilted(clip, temp / fit,
-            {"--size", "80", "--block", "24", "--format", "png", "--control", small, "--fit", fit});
+            {"--size", "80", "--block", "24", "--set", "quilt.format=png", "--control", small, "--set",
+             std::string("control.fit=") + fit});
 }
 
 TEST_CASE("stills and masks and guides and several sources are quilted") {
@@ -309,13 +311,14 @@ TEST_CASE("what quilt cannot take is refused in one line") {
     check_one_line(joined({"quilt"}, more, {"-q"}), exit, what, out);
   };
   refused({clip, "-o", out, "--block", "80"}, 2, {"--block is 80x80", "72x64"});
-  refused({clip, "-o", out, "--block", "20", "--overlap", "11"}, 2, {"--overlap is 11", "1 to 10"});
+  refused({clip, "-o", out, "--block", "20", "--set", "quilt.overlap=11"}, 2,
+          {"quilt.overlap is 11", "1 to 10"});
   refused({clip, "-o", out, "--block", "20x"}, 2, {"--block", "20x", "640x480"});
   refused({clip, "-o", out, "--size", "0x9"}, 2, {"--size is 0x9"});
-  refused({clip, "-o", out, "--components", "0"}, 2, {"--components is 0"});
+  refused({clip, "-o", out, "--set", "quilt.components=0"}, 2, {"quilt.components is 0"});
   refused({clip, "-o", out, "--frames", "0"}, 2, {"--frames is 0"});
-  refused({clip, "-o", out, "--flatten", "0.5"}, 2, {"--flatten", "1 to 4096"});
-  refused({clip, "-o", out, "--guide-weight", "1"}, 2, {"--guide-weight", "0.99"});
+  refused({clip, "-o", out, "--set", "quilt.flatten=0.5"}, 2, {"quilt.flatten", "1 to 4096"});
+  refused({clip, "-o", out, "--set", "quilt.guide_weight=1"}, 2, {"quilt.guide_weight", "0.99"});
   refused({clip, "-o", (temp / "x.gif").string()}, 2, {"x.gif", ".mp4"});
   refused({clip, "-o", (temp / "x.png").string()}, 2, {"x.png", "--frame"});
   refused({clip, "-o", (temp / "no/x.mp4").string()}, 1, {"no folder"});

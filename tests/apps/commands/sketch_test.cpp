@@ -75,8 +75,8 @@ TEST_CASE("a budget of the sketch is kept in every frame and told", "[slow]") {
   const auto free = sketched("builtin:fire", temp / "free", {"--range", "30:34"});
   const auto most = free["sketch"]["sketchable_share"]["mean"].get<double>();
   for (const double budget : {0.08, 0.04}) {
-    const auto summary =
-        sketched("builtin:fire", temp / "out", {"--range", "30:34", "--budget", std::to_string(budget)});
+    const auto summary = sketched("builtin:fire", temp / "out",
+                                  {"--range", "30:34", "--set", "sketch.budget=" + std::to_string(budget)});
     CHECK(summary["options"]["sketch"]["budget"] == budget);
     REQUIRE(summary["per_frame"]["sketchable_share"].size() == 4);
     for (const double share : summary["per_frame"]["sketchable_share"]) {
@@ -91,7 +91,7 @@ TEST_CASE("anchors show the share asked for with the patches and bring the frame
   const TempFolder temp;
   for (const std::string patches : {"fitted", "pixels"}) {
     const auto alone = sketched("builtin:fire", temp / "alone",
-                                {"--range", "30:32", "--budget", "0.2", "--patches", patches});
+                                {"--range", "30:32", "--set", "sketch.budget=0.2", "--patches", patches});
     const auto held =
         sketched("builtin:fire", temp / "held", {"--range", "30:32", "--anchors", "--patches", patches});
     CHECK(held["options"]["drawing"]["anchors"] == 0.2);
@@ -106,8 +106,8 @@ TEST_CASE("anchors show the share asked for with the patches and bring the frame
       CHECK(held["per_frame"]["psnr"][t] > alone["per_frame"]["psnr"][t].get<double>() + 3);
     }
   }
-  const auto own =
-      sketched("builtin:fire", temp / "own", {"--range", "30:31", "--anchors=0.1", "--budget", "0.08"});
+  const auto own = sketched("builtin:fire", temp / "own",
+                            {"--range", "30:31", "--anchors=0.1", "--set", "sketch.budget=0.08"});
   CHECK(own["options"]["sketch"]["budget"] == 0.08);
   CHECK(own["per_frame"]["sketchable_share"][0] > 0.05);
 }
@@ -115,8 +115,8 @@ TEST_CASE("anchors show the share asked for with the patches and bring the frame
 TEST_CASE("where the patches show as much as the anchors may there are none and a warning") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {80, 60}, 2);
-  const auto with = sketched(clip, temp / "with", {"--anchors", "0.001", "--budget", "0.5"});
-  const auto without = sketched(clip, temp / "without", {"--budget", "0.5"});
+  const auto with = sketched(clip, temp / "with", {"--anchors", "0.001", "--set", "sketch.budget=0.5"});
+  const auto without = sketched(clip, temp / "without", {"--set", "sketch.budget=0.5"});
   REQUIRE(without["sketch"]["sketchable_share"]["min"] > 0.01);
   CHECK(with["sketch"]["anchor_share"]["max"] == 0);
   REQUIRE(with["warnings"].size() == 1);
@@ -310,9 +310,9 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   const auto refused = [&](const std::vector<std::string>& more, const std::vector<std::string>& what) {
     check_one_line(joined({"sketch", clip, "-o", out.string(), "-q"}, more, {}), 2, what, out);
   };
-  refused({"--budget", "1.5"}, {"--budget", "1.5", "1"});
-  refused({"--budget", "-0.1"}, {"--budget", "-0.1", "0"});
-  refused({"--budget", "nan"}, {"--budget", "nan"});
+  refused({"--set", "sketch.budget=1.5"}, {"sketch.budget", "1.5", "1"});
+  refused({"--set", "sketch.budget=-0.1"}, {"sketch.budget", "-0.1", "0"});
+  refused({"--set", "sketch.budget=nan"}, {"sketch.budget", "nan"});
   refused({"--anchors", "1.5"}, {"--anchors", "1.5", "0 (none) to 1"});
   refused({"--anchors", "-0.5"}, {"--anchors", "-0.5"});
   refused({"--anchors=nan"}, {"--anchors", "nan"});
@@ -354,7 +354,7 @@ TEST_CASE("double ridges go from the sketch through files and models into new cl
   }
   writer->finish();
   const auto clip = (temp / "rails.avi").string();
-  const auto summary = sketched(clip, temp / "sketch", {"--double-ridges"});
+  const auto summary = sketched(clip, temp / "sketch", {"--set", "sketch.double_ridges=true"});
   CHECK(summary["options"]["sketch"]["double_ridges"] == true);
   const auto two = sketched(clip, temp / "two", {});
   CHECK(summary["sketch"]["psnr"]["mean"] > two["sketch"]["psnr"]["mean"].get<double>() - 2);
@@ -369,8 +369,9 @@ TEST_CASE("double ridges go from the sketch through files and models into new cl
       if (frame.degree(i) == 2) CHECK(frame.patch(i).type == graph::PatchType::double_ridge);
     }
   }
-  const auto analysed = run_command({"analyze", clip, "-o", (temp / "model").string(), "--double-ridges",
-                                     "--bottom-up", "--calibrate", "0", "-q"});
+  const auto analysed =
+      run_command({"analyze", clip, "-o", (temp / "model").string(), "--set", "sketch.double_ridges=true",
+                   "--bottom-up", "--set", "calibrate.calibrate=0", "-q"});
   INFO(analysed.err);
   REQUIRE(analysed.exit == 0);
   const auto drawn = run_command({"synth", (temp / "model" / "model").string(), "-o",
@@ -397,7 +398,7 @@ TEST_CASE("the smallest and the oddest pictures go through every way of drawing"
       INFO(name << " " << fill);
       const auto summary = sketched((temp / "picture.png").string(), temp / name,
                                     {"--fill", fill, "--film", "--heat-film", "0", "--anchors", "--warm",
-                                     "--blobs", "--double-ridges"});
+                                     "--set", "sketch.blobs=true", "--set", "sketch.double_ridges=true"});
       CHECK(frames_of(temp / name / "film.mp4").size() == 1);
       CHECK(frames_of(temp / name / "heat.mp4").size() >= 2);
       CHECK(summary["sketch"]["psnr"]["mean"] > 5);

@@ -241,7 +241,7 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(2, {"-o", out.string(), "--frames", "-3"}, {"--frames", "-3"});
   refused(2, {"-o", out.string(), "--frames", "many"}, {"--frames", "many"});
   refused(2, {"-o", out.string(), "--fill", "paint"}, {"--fill", "paint", "diffusion, texture, dytex"});
-  refused(2, {"-o", out.string(), "--tolerance", "0"}, {"--tolerance", "0"});
+  refused(2, {"-o", out.string(), "--set", "fill.tolerance=0"}, {"fill.tolerance", "0"});
   refused(2, {"-o", (made.temp / "new.gif").string()}, {".gif"});
   refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
   refused(1, {"-o", out.string(), "--motion", (made.temp / "no/where.jsonl").string()}, {"where.jsonl"});
@@ -307,7 +307,7 @@ TEST_CASE("synth changes the motion as it is asked to, and by nothing if by noth
   const auto plain = made.temp / "plain.avi", same = made.temp / "same.avi";
   REQUIRE(run_command({"synth", made.model, "-o", plain.string(), "--frames", "12", "-q"}).exit == 0);
   REQUIRE(run_command({"synth", made.model, "-o", same.string(), "--frames", "12", "-q", "--speed", "1",
-                       "--births", "1", "--intensity", "1"})
+                       "--set", "synth.births=1", "--intensity", "1"})
               .exit == 0);
   CHECK(bytes_of(plain) == bytes_of(same));
   const auto still = made.temp / "still.avi";
@@ -327,8 +327,8 @@ TEST_CASE("synth changes the motion as it is asked to, and by nothing if by noth
     check_refused(arguments, 2, {what}, none);
   };
   refused({"--speed", "0"}, "--speed is 0, must be in 0.1…10");
-  refused({"--deaths", "0"}, "at most 4 times the deaths");
-  refused({"--splits", "-1"}, "--splits is -1");
+  refused({"--set", "synth.deaths=0"}, "at most 4 times the deaths");
+  refused({"--set", "synth.splits=-1"}, "synth.splits is -1");
   const auto black = made.temp / "black.png";
   cv::imwrite(black.string(), cv::Mat(40, 40, CV_8U, cv::Scalar(0)));
   refused({"--birth-map", black.string()}, "is black: nothing would be born");
