@@ -259,7 +259,7 @@ FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& opt
 
   context.report("fit", 0.5);
   if (options.balance) append(result.notes, balance_births(result, born, options.seed, context));
-  if (context.cancelled()) result.status = core::Status::cancelled;
+  context.check();
   return result;
 }
 

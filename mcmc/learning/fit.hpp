@@ -28,7 +28,6 @@ struct FitResult {
   std::array<RateInterval, kSizes> death_by_size{};  ///< likewise
   std::vector<std::string>
       notes;  ///< a line for everything that was not taken as measured: an unstable fit, too little data
-  core::Status status = core::Status::done;
 };
 
 /// Learns Θ from samples of the posterior of one clip's matched graph: the M step of Monte Carlo EM (Wei &

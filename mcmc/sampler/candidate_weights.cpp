@@ -9,13 +9,11 @@
 
 namespace emberfold::mcmc {
 
-namespace {}  // namespace
-
-core::Status weigh(HiddenGraph& state, const Evidence& evidence, const core::Context& context) {
+void weigh(HiddenGraph& state, const Evidence& evidence, const core::Context& context) {
   const auto frames = static_cast<std::size_t>(state.frames());
   std::vector<std::vector<Index>> nodes(frames);
   for (Index i = 0; i < state.size(); ++i) nodes[static_cast<std::size_t>(state[i].frame)].push_back(i);
-  return core::parallel_for(frames, context, [&](std::size_t t) {
+  core::parallel_for(frames, context, [&](std::size_t t) {
     for (const Index i : nodes[t]) {
       state.set_evidence(i, std::max(0.0, evidence.gain(static_cast<int>(t), state[i].patch)));
       for (const Beside& near : state.beside(i))

@@ -11,7 +11,7 @@ namespace emberfold::mcmc {
 /// Gives all candidates the evidence of the images. What a sketch shows although it does not pay alone holds
 /// a line together, or is where lines meet, which no profile shows: it counts 0. Edges that the state has
 /// now, the sketch's, are worth kEdge nats, others cost as much. Frames in parallel.
-core::Status weigh(HiddenGraph& state, const Evidence& evidence, const core::Context& context = {});
+void weigh(HiddenGraph& state, const Evidence& evidence, const core::Context& context = {});
 
 constexpr double kEdge = 20;
 

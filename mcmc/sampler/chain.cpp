@@ -102,29 +102,25 @@ Chain::Tally Chain::move_in(int frame, double proposals) {
   return tally;
 }
 
-core::Status Chain::sweep(double proposals, const core::Context& context) {
-  const auto status = move(proposals, context);
-  if (status == core::Status::done) redraw_sways();
-  return status;
+void Chain::sweep(double proposals, const core::Context& context) {
+  move(proposals, context);
+  redraw_sways();
 }
 
-core::Status Chain::move(double proposals, const core::Context& context) {
+void Chain::move(double proposals, const core::Context& context) {
   std::vector<Tally> tallies(static_cast<std::size_t>(state_.frames()));
   for (int colour = 0; colour < kApart; ++colour) {
     const int count = (state_.frames() - colour + kApart - 1) / kApart;
-    const auto status =
-        core::parallel_for(static_cast<std::size_t>(std::max(0, count)), context, [&](std::size_t k) {
-          const int frame = colour + static_cast<int>(k) * kApart;
-          tallies[static_cast<std::size_t>(frame)] = move_in(frame, proposals);
-        });
-    if (status == core::Status::cancelled) return status;
+    core::parallel_for(static_cast<std::size_t>(std::max(0, count)), context, [&](std::size_t k) {
+      const int frame = colour + static_cast<int>(k) * kApart;
+      tallies[static_cast<std::size_t>(frame)] = move_in(frame, proposals);
+    });
   }
   for (const Tally& tally : tallies) {
     if (log_density_) *log_density_ += tally.gain;
     for (std::size_t m = 0; m < counts_.size(); ++m) counts_[m] += tally.counts[m];
   }
   ++sweeps_;
-  return core::Status::done;
 }
 
 void Chain::redraw_sways() {

@@ -26,9 +26,9 @@ class Chain {
 
   /// `proposals` moves for every candidate, in frames six apart at the same time; then all sways are drawn
   /// anew. Cancelled: between two groups of frames.
-  core::Status sweep(double proposals, const core::Context& context);
+  void sweep(double proposals, const core::Context& context);
   /// Its two halves.
-  core::Status move(double proposals, const core::Context& context);
+  void move(double proposals, const core::Context& context);
   void redraw_sways();
 
   [[nodiscard]] const HiddenGraph& state() const { return state_; }

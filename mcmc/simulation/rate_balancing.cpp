@@ -91,7 +91,8 @@ void balance(MotionModel& model, Census wanted, std::uint64_t seed, const core::
   Controls controls(births, rates);
   const int frames = detail::frames_a_round(model, rounds);
   auto particles = detail::begin(model, seed);
-  for (int round = 0; round < rounds && !context.cancelled(); ++round) {
+  for (int round = 0; round < rounds; ++round) {
+    context.check();
     const auto first = static_cast<std::uint32_t>(1 + round * frames);
     const Census shown = detail::simulate(particles, model, seed, first, frames);
     const double step = 0.4 / (1 + 0.05 * round);

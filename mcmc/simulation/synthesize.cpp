@@ -60,24 +60,19 @@ const std::array<int, 6>& Synthesis::operators() const {
   return state_->operators;
 }
 
-SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed,
-                           const core::Context& context, Start start) {
+graph::MotionGraph synthesize(const MotionModel& model, int frames, std::uint64_t seed,
+                              const core::Context& context, Start start) {
   if (frames < 1) throw core::InputError("frames is " + std::to_string(frames) + "; allowed is 1 and more");
-  SynthesisResult result;
   detail::LinkedFrames linked;
   auto& motion = linked.motion;
   motion.sketch.width = model.width, motion.sketch.height = model.height, motion.sketch.fps = model.fps;
   Synthesis synthesis(model, seed, start);
   for (int t = 0; t < frames; ++t) {
-    if (context.cancelled()) {
-      result.status = core::Status::cancelled;
-      break;
-    }
+    context.check();
     linked.append(synthesis.next());
     context.report("synthesize", (t + 1.0) / frames);
   }
-  result.motion = graph::identify(std::move(motion));
-  return result;
+  return graph::identify(std::move(motion));
 }
 
 }  // namespace emberfold::mcmc

@@ -110,7 +110,7 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
   const auto motion = graph::read_motion(stream, "new.jsonl");
   const auto archive = io::read_model(made.model, io::kMotionFormat);
   const auto model = mcmc::motion_model(archive);
-  CHECK(motion == mcmc::synthesize(model, 40, 5).motion);
+  CHECK(motion == mcmc::synthesize(model, 40, 5));
 
   const auto drawn = read_clip(avi);
   REQUIRE(drawn.frames.size() == 40);

@@ -101,7 +101,7 @@ graph::SketchSequence to_and_fro(const graph::SketchSequence& clip, int frames) 
 mcmc::Chain begin(const graph::MotionGraph& start, mcmc::Theta& prior) {
   const auto learned = mcmc::fit(start, {1, false}).model;
   auto state = mcmc::hidden_graph(start, {}, {});
-  if (mcmc::weigh(state, mcmc::NotedEvidence{}) != core::Status::done) throw std::runtime_error("cancelled");
+  mcmc::weigh(state, mcmc::NotedEvidence{});
   mcmc::place(state, learned);
   prior = mcmc::prior_for(start, learned);
   const auto theta = mcmc::widened(mcmc::most_likely(mcmc::tally(state, mcmc::Density(prior)), prior,
@@ -121,7 +121,7 @@ void sweep(mcmc::Chain& chain, double proposals, Stages& stages) {
     const double now = user_seconds();
     stage += now - begun, begun = now;
   };
-  if (chain.move(proposals, {}) != core::Status::done) throw std::runtime_error("cancelled");
+  chain.move(proposals, {});
   lap(stages.moves);
   chain.redraw_sways();
   lap(stages.sways);

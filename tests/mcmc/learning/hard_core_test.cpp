@@ -88,12 +88,12 @@ TEST_CASE("What comes too near makes way, and what goes on beyond an end does no
     model.first = frame.graph();
     SECTION("of the same kind") {
       model.exclusion.alike = 8;
-      const auto motion = mcmc::synthesize(model, 12, 1).motion;
+      const auto motion = mcmc::synthesize(model, 12, 1);
       CHECK_THAT(nearest(motion.sketch.frames.back()), WithinAbs(8, 0.1));
     }
     SECTION("of another kind") {
       model.exclusion.lines = 8;
-      const auto motion = mcmc::synthesize(model, 12, 1).motion;
+      const auto motion = mcmc::synthesize(model, 12, 1);
       CHECK(nearest(motion.sketch.frames.back()) == 4);
     }
   }
@@ -101,7 +101,7 @@ TEST_CASE("What comes too near makes way, and what goes on beyond an end does no
     frame.line(make::segment({144, 100}, {240, 100}, 20));
     model.first = frame.graph();
     model.exclusion.alike = 8;
-    const auto motion = mcmc::synthesize(model, 12, 1).motion;
+    const auto motion = mcmc::synthesize(model, 12, 1);
     CHECK(nearest(motion.sketch.frames.back()) == 4);
   }
 }
@@ -110,7 +110,7 @@ TEST_CASE("Strokes are born and sway as far apart as they are to be", "[exclusio
   auto model = made::coming_and_going(9, 8, 0.25, 0.03);
   model.sway = {0.97, 0, 0, 0.8, 20, 0};
   const auto near = [&] {
-    const auto motion = mcmc::synthesize(model, 200, 2).motion;
+    const auto motion = mcmc::synthesize(model, 200, 2);
     int all = 0, too_near = 0;
     for (std::size_t t = 100; t < 200; t += 10) {
       const auto& graph = motion.sketch.frames[t];

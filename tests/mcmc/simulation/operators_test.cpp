@@ -28,7 +28,7 @@ struct Clip {
   std::vector<Tally> tallies;
 };
 Clip clip(const mcmc::MotionModel& model, int frames, std::uint64_t seed = 1) {
-  Clip result{mcmc::synthesize(model, frames, seed).motion, {}};
+  Clip result{mcmc::synthesize(model, frames, seed), {}};
   mcmc::Synthesis synthesis(model, seed);
   for (int t = 0; t < frames; ++t) {
     (void)synthesis.next();
