@@ -75,7 +75,7 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("burn_in", o.burn_in, "N", "Sweeps of each chain in which it learns and nothing is kept");
   visit("samples", o.samples, "N", "How many states of each chain are kept");
   visit("proposals", o.proposals, "N", "Moves for every patch in a sweep");
-  visit("rungs", o.rungs, "N", "Tempered chains beside each, evidence to the power 1, 1/2, 1/4 ...");
+  visit("rungs", o.tempering_levels, "N", "Tempered chains beside each, evidence to the power 1, 1/2, 1/4 ...");
 }
 
 template <class Options, class Visit>

@@ -151,7 +151,7 @@ Json learn_texture(core::FrameSource& source, const graph::SketchSequence& sketc
 std::vector<RateInterval> rates_a_frame(const mcmc::FitResult& fitted) {
   std::vector<RateInterval> rates;
   for (const auto type : graph::all_event_types()) {
-    const auto& found = fitted.a_frame[static_cast<std::size_t>(type)];
+    const auto& found = fitted.events_per_frame[static_cast<std::size_t>(type)];
     rates.push_back({std::string(graph::name(type)), found.mean, found.low, found.high, "a frame"});
   }
   return rates;
@@ -182,7 +182,7 @@ void infer_motion(const pipeline::StartSketches& sketches, const AnalyzeOptions&
                        [](const auto& e) { return e.probability >= 0.5; });
 }
 
-Json census_json(const mcmc::Census& census) {
+Json census_json(const mcmc::EventStatistics& census) {
   Json events = Json::object();
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
   for (const auto type : graph::all_event_types())
@@ -202,7 +202,7 @@ Json calibrate_model(const pipeline::StartSketches& sketches, const sketch::Rend
   if (!options.bottom_up)
     matched = graph::match(sketches.clip.sketch, options.match, session.context.with_progress({}));
   const auto& motion = matched ? matched->motion : made.motion;
-  const auto source = mcmc::census(motion, graph::stroke_events(motion));
+  const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
   const pipeline::ReadingAndDrawing how{options.sketch, options.match, look};
   Json rounds = Json::array();
   for (const auto& seen :

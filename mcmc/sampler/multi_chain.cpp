@@ -18,9 +18,9 @@ namespace emberfold::mcmc {
 
 namespace {
 
-FitOptions fitting(std::uint64_t seed, bool balance) {
+FitOptions fitting(std::uint64_t seed, bool calibrate) {
   FitOptions options;
-  options.seed = seed, options.balance = balance;
+  options.seed = seed, options.calibrate = calibrate;
   return options;
 }
 
@@ -54,7 +54,7 @@ InferResult sample_readings(const std::vector<graph::MotionGraph>& starts, const
     const core::Context part = context.with_progress([&](std::string_view stage, double share) {
       context.report(stage, (static_cast<double>(k) + share) / static_cast<double>(starts.size()));
     });
-    auto chain = infer({&start, 1}, *model, NotedEvidence{}, options, seed + k / 2, part);
+    auto chain = infer({&start, 1}, *model, SketchEvidence{}, options, seed + k / 2, part);
     context.check();
     if (backwards[k])
       for (auto& sample : chain.samples) sample = graph::reversed(sample);

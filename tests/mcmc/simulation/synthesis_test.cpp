@@ -15,12 +15,12 @@ using namespace emberfold;
 
 namespace {
 
-// About ten strokes that sway, come and go.
+// About ten strokes that displacement, come and go.
 made::Scene scene_of_life(int frames) {
   made::Scene scene;
   scene.frames = frames;
   scene.strokes = made::living(0.3, 0.03, frames, scene.width, scene.height, 51);
-  scene.sway = {1.5, -0.6, 0.25, 30};
+  scene.displacement = {1.5, -0.6, 0.25, 30};
   scene.gain = {1.3, -0.5, 0.05, 30};
   return scene;
 }
@@ -127,7 +127,7 @@ TEST_CASE("Neither strokes nor contrast nor events drift in five thousand frames
     for (std::size_t i = 0; i < 6; ++i) events[i].push_back(synthesis.operators()[i]);
     unseen += static_cast<int>(std::ranges::count(seen, false));
   }
-  // What has left sways on where it is for a frame at most.
+  // What has left displacements on where it is for a frame at most.
   CHECK(unseen <= frames / 100);
   CHECK(std::abs(trend(strokes, 10)) < 4);
   CHECK(std::abs(trend(contrast, 10)) < 4);
@@ -144,10 +144,10 @@ TEST_CASE("A model that was drawn from is learned again", "[synthesis][slow]") {
   scene.strokes = made::scattered(6, 4, scene.width, scene.height, 50);
   const auto model = mcmc::fit(made::make(scene, 54).motion).model;
   const auto again = mcmc::fit(mcmc::synthesize(model, 400, 55)).model;
-  CHECK_THAT(again.sway.a1, Catch::Matchers::WithinRel(model.sway.a1, 0.1));
-  CHECK_THAT(again.sway.a2, Catch::Matchers::WithinRel(model.sway.a2, 0.1));
-  CHECK_THAT(mcmc::stationary_deviation(again.sway),
-             Catch::Matchers::WithinRel(mcmc::stationary_deviation(model.sway), 0.1));
+  CHECK_THAT(again.displacement.a1, Catch::Matchers::WithinRel(model.displacement.a1, 0.1));
+  CHECK_THAT(again.displacement.a2, Catch::Matchers::WithinRel(model.displacement.a2, 0.1));
+  CHECK_THAT(mcmc::stationary_deviation(again.displacement),
+             Catch::Matchers::WithinRel(mcmc::stationary_deviation(model.displacement), 0.1));
   CHECK_THAT(again.contrast.a1, Catch::Matchers::WithinRel(model.contrast.a1, 0.1));
   CHECK_THAT(again.contrast.a2, Catch::Matchers::WithinRel(model.contrast.a2, 0.1));
   CHECK_THAT(mcmc::stationary_deviation(again.contrast),
@@ -212,7 +212,7 @@ TEST_CASE("A synthesized clip is a valid motion graph", "[synthesis]") {
 TEST_CASE("Bad calls of the synthesis are refused", "[synthesis]") {
   auto model = made::empty_model();
   for (const int frames : {0, -5}) CHECK_THROWS_AS(mcmc::synthesize(model, frames, 1), core::InputError);
-  model.sway.a1 = 1.5;
+  model.displacement.a1 = 1.5;
   CHECK_THROWS_AS(mcmc::synthesize(model, 5, 1), core::InputError);
   CHECK_THROWS_AS(mcmc::Synthesis(model, 1), core::InputError);
 }
