@@ -70,7 +70,7 @@ std::optional<Calibration> calibrate_rates(const StartSketches& sketches, const 
   if (!options.bottom_up)
     matched = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
   const auto& motion = matched ? *matched : analysis.motion;
-  Calibration result{mcmc::census(motion, graph::stroke_events(motion)), {}};
+  Calibration result{mcmc::event_statistics(motion, graph::stroke_events(motion)), {}};
   const ReadingAndDrawing how{options.sketch, options.match, look};
   result.rounds = calibrate(fitted, result.source, how, options.calibrate, options.seed, context);
   return result;
@@ -118,7 +118,7 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   const auto look =
       sketch::apply_sharpening(render_options(fitted.model, model.background, options.fill), model.sharpening);
   analysis.calibration = calibrate_rates(sketches, look, options, analysis, fitted, clock, context);
-  analysis.rates = fitted.a_frame;
+  analysis.rates = fitted.events_per_frame;
   model.motion = std::move(fitted.model);
   auto residual = measure_residual(source, sketch.frames,
                                    render_options(model.motion, model.background, options.fill), context);

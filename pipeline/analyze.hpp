@@ -40,8 +40,8 @@ struct AnalyzeOptions {
 
 /// Event statistics of the clip and of clips drawn from its model, which the rates were corrected by.
 struct Calibration {
-  mcmc::Census source;
-  std::vector<mcmc::Census> rounds;
+  mcmc::EventStatistics source;
+  std::vector<mcmc::EventStatistics> rounds;
 };
 
 /// Figures of the texture learned between the strokes.

@@ -8,7 +8,7 @@
 #include "core/context.hpp"
 #include "core/error.hpp"
 #include "graph/events/events.hpp"
-#include "mcmc/simulation/rate_balancing.hpp"
+#include "mcmc/simulation/rate_calibration.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_measures.hpp"
 #include "pipeline/clip_strokes.hpp"
@@ -33,35 +33,35 @@ void CalibrateOptions::validate() const {
                            ", must be in 0…20");
 }
 
-mcmc::Census seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
+mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
                              std::uint64_t seed, const core::Context& context) {
   FrameSynthesis drawn(mcmc::Synthesis(model, seed, mcmc::Start::stationary), how.look);
   ClipStrokes strokes(how.look.size, model.fps, how.sketch, how.match);
   for (int done = 0; done < frames; done += kAtOnce)
     strokes.add(levels_of(drawn.next(std::min(kAtOnce, frames - done), context)), context);
   const auto motion = strokes.motion(context.with_progress({}));
-  return mcmc::census(motion, graph::stroke_events(motion));
+  return mcmc::event_statistics(motion, graph::stroke_events(motion));
 }
 
-std::vector<mcmc::Census> calibrate(mcmc::FitResult& fitted, const mcmc::Census& source,
+std::vector<mcmc::EventStatistics> calibrate(mcmc::FitResult& fitted, const mcmc::EventStatistics& source,
                                     const ReadingAndDrawing& how, const CalibrateOptions& options,
                                     std::uint64_t seed, const core::Context& context) {
-  std::vector<mcmc::Census> found;
+  std::vector<mcmc::EventStatistics> found;
   mcmc::MotionModel& model = fitted.model;
   if (source.patches <= 0 || model.exemplars.empty()) return found;
-  mcmc::Census wanted = fitted.shown, usual = source;
+  mcmc::EventStatistics wanted = fitted.observed, usual = source;
   reconcile(wanted), reconcile(usual);
   const int frames = std::clamp(model.frames, 2, kMostFrames);
   const double one = 1.0 / frames;
   for (int round = 0; round < options.calibrate; ++round) {
     context.report("calibrate", double(round) / options.calibrate);
     found.push_back(seen_when_drawn(model, how, frames, seed + static_cast<std::uint64_t>(round), context));
-    mcmc::Census seen = found.back();
+    mcmc::EventStatistics seen = found.back();
     reconcile(seen);
     const double step = 1.0 / (1 + round);
     for (std::size_t i = 0; i < wanted.events.size(); ++i)
       correct(wanted.events[i], usual.events[i], seen.events[i], one, step);
-    mcmc::balance(model, wanted, seed, context.with_progress({}));
+    mcmc::calibrate_rates(model, wanted, seed, context.with_progress({}));
     context.check();
   }
   return found;

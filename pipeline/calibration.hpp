@@ -7,7 +7,7 @@
 #include "core/context.hpp"
 #include "graph/matching/match.hpp"
 #include "mcmc/learning/fit.hpp"
-#include "mcmc/simulation/event_census.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
 
@@ -28,7 +28,7 @@ struct ReadingAndDrawing {
 
 /// What a clip drawn from the model shows to whoever analyses it, bottom-up: `frames` ≥ 2 frames from its
 /// stationary state are drawn, sketched and matched. Throws core::Cancelled.
-mcmc::Census seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
+mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
                              std::uint64_t seed, const core::Context& context);
 
 /// Corrects the rates of a learned model until clips drawn from it show to a bottom-up analysis what the clip
@@ -38,7 +38,7 @@ mcmc::Census seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDra
 /// of event that the model is balanced to is multiplied by (source / seen)^(1 / round). How many strokes
 /// there are and how large is left alone: what is not seen of them lies under others, and more would hide
 /// more. Returns what each round saw before its correction. Throws core::Cancelled.
-std::vector<mcmc::Census> calibrate(mcmc::FitResult& fitted, const mcmc::Census& source,
+std::vector<mcmc::EventStatistics> calibrate(mcmc::FitResult& fitted, const mcmc::EventStatistics& source,
                                     const ReadingAndDrawing& how, const CalibrateOptions& options,
                                     std::uint64_t seed, const core::Context& context);
 

@@ -11,7 +11,7 @@
 #include "dytex/synthesize.hpp"
 #include "graph/events/events.hpp"
 #include "mcmc/learning/fit.hpp"
-#include "mcmc/simulation/event_census.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
 #include "mcmc/simulation/predict.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/background_texture.hpp"
@@ -114,7 +114,7 @@ void prepare_drawing(Strokes& strokes, mcmc::FitResult& fitted, const graph::Mot
       sketch::measure_clip_flank_gradient(part, first_frames(input.sketched.sketch, input.first), context)
           .mean();
   strokes.sharpening = fit_sharpening(fitted.model, strokes.drawn_ground, wanted, seed, context);
-  calibrate(fitted, mcmc::census(motion, graph::stroke_events(motion)),
+  calibrate(fitted, mcmc::event_statistics(motion, graph::stroke_events(motion)),
             {input.options.sketch, input.options.match, strokes.drawn_look()}, CalibrateOptions{}, seed,
             context.with_progress({}));
   strokes.drawn = fitted.model;
@@ -141,7 +141,7 @@ std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const Know
   try {
     mcmc::FitOptions options;
     options.seed = input.seed;
-    options.balance = known.motion_model == nullptr;  // it serves drawing alone
+    options.calibrate = known.motion_model == nullptr;  // it serves drawing alone
     const auto motion = match_strokes(first_frames(sketch, input.first), input.options.match, context);
     auto fitted = mcmc::fit(motion, options, context);
     for (const auto& note : fitted.notes) context.warn("motion model: " + note);
@@ -216,10 +216,10 @@ double parameter_count(const mcmc::MotionModel& model) {
   const auto numbers = [](const graph::AttributeGraph& graph) {
     return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());
   };
-  double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizes;
+  double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizeClasses;
   for (const auto& exemplar : model.exemplars) sum += numbers(exemplar.graph) + 3;
-  for (const auto* map : {&model.sway_share, &model.drift_x, &model.drift_y, &model.rates.birth,
-                          &model.rates.death, &model.rates.parting, &model.density})
+  for (const auto* map : {&model.displacement_scale, &model.drift_x, &model.drift_y, &model.rates.birth,
+                          &model.rates.death, &model.rates.separation, &model.density})
     sum += static_cast<double>(map->values.size());
   return sum;
 }

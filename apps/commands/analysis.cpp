@@ -124,7 +124,7 @@ std::vector<RateInterval> rates_a_frame(const pipeline::Analysis& found) {
   return rates;
 }
 
-Json census_json(const mcmc::Census& census) {
+Json census_json(const mcmc::EventStatistics& census) {
   Json events = Json::object();
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
   for (const auto type : graph::all_event_types())

@@ -62,8 +62,7 @@ void check(Synth& asked) {
 std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::MotionModel& model,
                                               const Session& session) {
   if (asked.motion.empty() && asked.overlay.empty()) return std::nullopt;
-  auto made = mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.edit.start());
-  return std::move(made.motion);
+  return mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.edit.start());
 }
 
 /// What is written; nothing takes its name before finish().

@@ -129,7 +129,7 @@ Json rates_json(const mcmc::MotionModel& model, std::span<const graph::Event> ev
   const auto& rates = model.rates;
   row("birth", "in the frame", seen(birth), births_a_frame(model));
   row("death", "in the frame", seen(death), static_cast<double>(seen(death)) / std::max(1, model.frames - 1));
-  for (std::size_t i = 0; i < mcmc::kSizes; ++i) row("", stroke_sizes(i), nullptr, rates.death_by_size[i]);
+  for (std::size_t i = 0; i < mcmc::kSizeClasses; ++i) row("", stroke_sizes(i), nullptr, rates.death_by_size[i]);
   row("split", "a patch inside a curve", seen(split), rates.split);
   row("merge", "a pair of ends in line", seen(merge), rates.merge);
   row("connect", "a pair of strokes beside each other", seen(connect), rates.connect);
@@ -194,9 +194,9 @@ Json report_measures(const ReportMeasures& measures) {
 }
 
 Json report_motion_model(const mcmc::MotionModel& model, std::span<const graph::Event> events) {
-  Json poles = poles_json("sway", model.sway);
+  Json poles = poles_json("sway", model.displacement);
   for (const auto& pole : poles_json("contrast", model.contrast)) poles.push_back(pole);
-  return {{"sway", motion_json(model.sway)},
+  return {{"sway", motion_json(model.displacement)},
           {"contrast", motion_json(model.contrast)},
           {"poles", std::move(poles)},
           {"rates", rates_json(model, events)},
@@ -209,7 +209,7 @@ Json report_motion_model(const mcmc::MotionModel& model, std::span<const graph::
 
 Json motion_model_figures(const mcmc::MotionModel& model) {
   const auto& rates = model.rates;
-  return {{"sway", motion_json(model.sway)},
+  return {{"sway", motion_json(model.displacement)},
           {"contrast", motion_json(model.contrast)},
           {"rates",
            {{"birth_per_frame", round_for_page(births_a_frame(model))},

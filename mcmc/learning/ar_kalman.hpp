@@ -8,38 +8,38 @@
 
 namespace emberfold::mcmc::detail {
 
-/// N laws side by side, one a lane.
+/// Holds one number for each of N laws that are evaluated side by side.
 template <int N>
 using Lanes = Eigen::Array<double, N, 1>;
 
-/// d(t+1) = a1 d(t) + a2 d(t−1) + e, each e of variance `noise`; a place is seen at d + rest, with an error
-/// of variance `error`. Stable: |a2| < 1, |a1| < 1 − a2.
+/// Holds N laws d(t+1) = a1 d(t) + a2 d(t−1) + e of a path, with var e = `noise`.
+/// A place shows d + rest with an error of variance `error`. Stable: |a2| < 1, |a1| < 1 − a2.
 template <int N>
 struct PathLaw {
   Lanes<N> a1, a2, noise, error;
 };
 
-/// What a Kalman filter for known rests does at the k-th place of a path: the same for all paths. Rests are
-/// then found by regression (de Jong 1991): beside the places, the filter runs over a path of ones, and the
-/// rest is how much of that is in the places.
+/// Holds the step of a Kalman filter at the k-th place of a path; it is the same for all paths.
+/// The filter takes rests as known. The unknown rest follows by regression (de Jong 1991): the filter also runs
+/// over a path of ones, and the rest is the coefficient of that path.
 template <int N>
-struct Gain {
+struct KalmanGain {
   Lanes<N> precision;    ///< 1 / variance of the innovation
-  Lanes<N> now, before;  ///< of d(t), d(t−1) per unit of innovation
+  Lanes<N> now, before;  ///< change of d(t), d(t−1) per unit of innovation
   Lanes<N> one;          ///< innovation of a path of ones
-  Lanes<N> information;  ///< of all places so far on the rest
+  Lanes<N> information;  ///< of all places so far about the rest
   Lanes<N> log_scale;    ///< Σ log variance so far + log information
 };
 
-/// From the stationary state, for paths of up to `count` places.
+/// Computes the filter's steps for paths of up to `count` places that start in the stationary state.
 template <int N>
-std::vector<Gain<N>> gains(const PathLaw<N>& law, std::size_t count) {
+std::vector<KalmanGain<N>> kalman_gains(const PathLaw<N>& law, std::size_t count) {
   using L = Lanes<N>;
   const L &a = law.a1, &b = law.a2;
   // Covariance of (d(t), d(t−1)) before the place is seen, at first that of an AR(2).
   L p = law.noise * (1 - b) / ((1 + b) * ((1 - b).square() - a.square())), r = p, q = p * a / (1 - b);
   L now = L::Zero(), before = L::Zero(), information = L::Zero(), logs = L::Zero();
-  std::vector<Gain<N>> result(count);
+  std::vector<KalmanGain<N>> result(count);
   for (auto& gain : result) {
     const L variance = p + law.error;
     gain.precision = variance.inverse();
@@ -55,14 +55,14 @@ std::vector<Gain<N>> gains(const PathLaw<N>& law, std::size_t count) {
   return result;
 }
 
-/// Follows a path whose rest is unknown, under a flat prior of the rest.
+/// Filters a path whose rest is unknown, under a flat prior of the rest.
 template <int N>
 class RestFilter {
  public:
   explicit RestFilter(const PathLaw<N>& law) : law_(law) {}
 
-  /// The path's next place; `gain`: of that place.
-  void measure(double place, const Gain<N>& gain) {
+  /// Takes the path's next place; `gain` is that of the place.
+  void measure(double place, const KalmanGain<N>& gain) {
     const Lanes<N> innovation = place - now_, weighted = innovation * gain.precision;
     squares_ += innovation * weighted;
     product_ += gain.one * weighted;
@@ -70,16 +70,16 @@ class RestFilter {
     now_ += gain.now * innovation, before_ += gain.before * innovation;
     one_now_ += gain.now * gain.one, one_before_ += gain.before * gain.one;
   }
-  /// On to the next frame; `push` is added to d.
+  /// Advances to the next frame and adds `push` to d.
   void advance(const Lanes<N>& push) {
     step(now_, before_);
     now_ += push;
     step(one_now_, one_before_);
   }
 
-  /// Σ innovation² / variance, the rest being the likeliest.
+  /// Returns Σ innovation² / variance at the most likely rest.
   [[nodiscard]] Lanes<N> squares() const { return squares_ - product_.square() / information_; }
-  /// Where the path is expected, given all measured so far.
+  /// Returns the expected place, given all places so far.
   [[nodiscard]] Lanes<N> place() const { return now_ + product_ / information_ * (1 - one_now_); }
 
  private:

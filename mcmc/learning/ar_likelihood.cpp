@@ -29,12 +29,12 @@ Lanes<kNodes> log_weights() {
   return (weights / weights.sum()).log();
 }
 
-bool oscillates(const SwayLaw& law) {
+bool oscillates(const MotionLaw& law) {
   return law.a1 * law.a1 < -4 * law.a2;
 }
 
 // a1 at each node of the frequency.
-Lanes<kNodes> speeds(const SwayLaw& law) {
+Lanes<kNodes> speeds(const MotionLaw& law) {
   const double r = std::sqrt(-law.a2), frequency = std::acos(law.a1 / (2 * r));
   return 2 * r * (frequency * (1 + law.spread * nodes())).cos();
 }
@@ -48,21 +48,21 @@ double logarithm_of_sum(const Lanes<N>& logs) {
 
 // The likelihood of all paths under N laws each, of log prior `prior`.
 template <int N>
-double over_lanes(const std::vector<Path>& paths, const SwayLaw& law, const Lanes<N>& a1,
+double over_lanes(const std::vector<DeviationPath>& paths, const MotionLaw& law, const Lanes<N>& a1,
                   const Lanes<N>& prior) {
   std::size_t longest = 0;
   for (const auto& path : paths) longest = std::max(longest, path.own.size());
   const double q = law.noise * law.noise;
   const PathLaw<N> unit{a1 - law.coupling, Lanes<N>::Constant(law.a2), Lanes<N>::Ones(),
                         Lanes<N>::Constant(law.measurement * law.measurement / q)};
-  const auto all = gains(unit, longest);
+  const auto all = kalman_gains(unit, longest);
   return core::deterministic_sum(paths.size(), 16, [&](std::size_t i) {
-    const Path& path = paths[i];
+    const DeviationPath& path = paths[i];
     const std::size_t n = path.own.size();
     if (n < 2) return 0.0;
     RestFilter<N> filter(unit);
     for (std::size_t k = 0; k < n; ++k) {
-      if (k > 0) filter.advance(Lanes<N>::Constant(law.coupling * path.around[k - 1]));
+      if (k > 0) filter.advance(Lanes<N>::Constant(law.coupling * path.neighbour_mean[k - 1]));
       filter.measure(path.own[k], all[k]);
     }
     const double known = static_cast<double>(n) - 1;
@@ -72,21 +72,21 @@ double over_lanes(const std::vector<Path>& paths, const SwayLaw& law, const Lane
 }
 
 // Of the paths so many as hold about `frames` frames, evenly taken.
-std::vector<Path> evenly(const std::vector<Path>& paths, std::size_t frames) {
+std::vector<DeviationPath> evenly(const std::vector<DeviationPath>& paths, std::size_t frames) {
   std::size_t all = 0;
   for (const auto& path : paths) all += path.own.size();
   if (all <= frames) return paths;
   const double share = static_cast<double>(frames) / static_cast<double>(all);
-  std::vector<Path> kept;
+  std::vector<DeviationPath> kept;
   for (std::size_t i = 0; i < paths.size(); ++i)
     if (std::floor(share * (double(i) + 1)) > std::floor(share * double(i))) kept.push_back(paths[i]);
   return kept;
 }
 
 // Any numbers stand for a law of spectral radius most_stable at most; four for one without spread.
-SwayLaw law_of(const Eigen::VectorXd& x, double coupling) {
+MotionLaw law_of(const Eigen::VectorXd& x, double coupling) {
   const double a2 = std::tanh(x[1]), a1 = std::tanh(x[0]) * (1 - a2);
-  SwayLaw law;
+  MotionLaw law;
   law.a1 = most_stable * a1, law.a2 = most_stable * most_stable * a2, law.coupling = coupling;
   law.noise = std::exp(std::clamp(x[2], -30.0, 30.0));
   law.measurement = law.noise * std::exp(std::clamp(x[3], -7.0, 7.0));
@@ -103,12 +103,12 @@ Eigen::VectorXd numbers_of(double a1, double a2, double noise, double measuremen
 
 }  // namespace
 
-double SwayLaw::mean_a1() const {
+double MotionLaw::mean_a1() const {
   if (spread <= 0 || !oscillates(*this)) return a1;
   return (speeds(*this) * log_weights().exp()).sum();
 }
 
-double log_likelihood(const std::vector<Path>& paths, const SwayLaw& law) {
+double log_likelihood(const std::vector<DeviationPath>& paths, const MotionLaw& law) {
   const Autoregression motion{law.a1, law.a2, law.coupling, 0, 0, 0};
   if (!(spectral_radius(motion) < 1) || !(law.noise > 0)) return -infinity;
   if (law.spread <= 0 || !oscillates(law))
@@ -119,9 +119,9 @@ double log_likelihood(const std::vector<Path>& paths, const SwayLaw& law) {
   return over_lanes<kNodes>(paths, law, a1, log_weights());
 }
 
-SwayLaw likeliest(const std::vector<Path>& all, double coupling, double deviation) {
+MotionLaw most_likely_law(const std::vector<DeviationPath>& all, double coupling, double deviation) {
   const auto paths = evenly(all, most_seen), few = evenly(paths, first_seen);
-  const auto among = [&](const std::vector<Path>& some) {
+  const auto among = [&](const std::vector<DeviationPath>& some) {
     return [&some, coupling](const Eigen::VectorXd& x) { return -log_likelihood(some, law_of(x, coupling)); };
   };
   const Eigen::Vector4d steps(0.3, 0.3, 0.5, 1);

@@ -15,7 +15,7 @@ using graph::Point;
 using Index = std::uint32_t;
 
 constexpr double farthest_step = 16;  // px: beyond what matching links
-constexpr double crowded = 2;         // px: two lineages closer than this are one
+constexpr double crowded = 2;         // px: two tracks closer than this are one
 constexpr double bare = 3;            // px: a patch with none as near begins one
 constexpr double side_by_side = 12;   // px
 
@@ -47,7 +47,7 @@ Point tangent(const graph::Patch& patch, Point along) {
 }
 
 // Where the curve through two neighbouring patches meets the line p + s n.
-std::optional<Sample> meet(const AttributeGraph& graph, Index a, Index b, Point p, Point n) {
+std::optional<TrackSample> meet(const AttributeGraph& graph, Index a, Index b, Point p, Point n) {
   const Point from = graph.patch(a).position, chord = graph.patch(b).position - from;
   const double length = graph::norm(chord), slope = cross(chord, n);
   if (length < 1e-9 || std::abs(slope) < 0.2 * length) return {};
@@ -60,12 +60,12 @@ std::optional<Sample> meet(const AttributeGraph& graph, Index a, Index b, Point 
   const Point bulge = normal_of(along) * (-turn / 2 * length * u * (1 - u));
   const Point on_chord = from + chord * u;
   const double s = graph::dot(on_chord + bulge - p, n);
-  Sample sample;
+  TrackSample sample;
   sample.position = p + n * s;
   const Point middle = unit(ta * (1 - u) + tb * u);
   sample.normal = normal_of(middle);
   if (graph::dot(sample.normal, n) < 0) sample.normal = sample.normal * -1;
-  sample.travel = s;
+  sample.normal_displacement = s;
   sample.contrast = log_contrast(graph.patch(a)) * (1 - u) + log_contrast(graph.patch(b)) * u;
   sample.vertex = u < 0.5 ? a : b;
   return sample;
@@ -91,10 +91,10 @@ std::vector<Index> within_two_edges(const AttributeGraph& graph, std::vector<Ind
   return from;
 }
 
-// The lineage's place in the next frame: where its normal meets the curve that its patch goes on in, or its
+// The track's place in the next frame: where its normal meets the curve that its patch goes on in, or its
 // patch's neighbours where it ends itself.
-std::optional<Sample> step(const AttributeGraph& before, const AttributeGraph& after,
-                           const std::vector<std::vector<Index>>& next, const Sample& at) {
+std::optional<TrackSample> step(const AttributeGraph& before, const AttributeGraph& after,
+                           const std::vector<std::vector<Index>>& next, const TrackSample& at) {
   std::vector<Index> targets = next[at.vertex];
   if (targets.empty())
     for (const Index w : before.neighbours(at.vertex))
@@ -104,20 +104,20 @@ std::optional<Sample> step(const AttributeGraph& before, const AttributeGraph& a
   for (const Index w : targets) expected += graph::dot(after.patch(w).position - at.position, at.normal);
   expected /= static_cast<double>(targets.size());
   const auto reachable = within_two_edges(after, std::move(targets));
-  std::optional<Sample> best;
+  std::optional<TrackSample> best;
   for (const Index a : reachable)
     for (const Index b : after.neighbours(a)) {
       if (b < a && std::ranges::binary_search(reachable, b)) continue;
       const auto found = meet(after, a, b, at.position, at.normal);
-      if (!found || std::abs(found->travel) > farthest_step) continue;
-      if (!best || std::abs(found->travel - expected) < std::abs(best->travel - expected)) best = found;
+      if (!found || std::abs(found->normal_displacement) > farthest_step) continue;
+      if (!best || std::abs(found->normal_displacement - expected) < std::abs(best->normal_displacement - expected)) best = found;
     }
   return best;
 }
 
-using Lists = std::vector<std::vector<Index>>;  // for each vertex the lineages at it
+using Lists = std::vector<std::vector<Index>>;  // for each vertex the tracks at it
 
-// All lineages at a vertex or its neighbours.
+// All tracks at a vertex or its neighbours.
 template <class Visit>
 void visit_near(const AttributeGraph& graph, const Lists& at, Index vertex, Visit visit) {
   for (const Index i : at[vertex]) visit(i);
@@ -125,8 +125,8 @@ void visit_near(const AttributeGraph& graph, const Lists& at, Index vertex, Visi
     for (const Index i : at[w]) visit(i);
 }
 
-// Ends the younger of two lineages that came together: its newest sample is taken back.
-void thin_out(const AttributeGraph& graph, std::vector<Lineage>& all, std::vector<Index>& alive, Lists& at) {
+// Ends the younger of two tracks that came together: its newest sample is taken back.
+void thin_out(const AttributeGraph& graph, std::vector<CurveTrack>& all, std::vector<Index>& alive, Lists& at) {
   std::vector<Index> kept;
   for (const Index i : alive) {  // older ones first
     const auto& mine = all[i].samples.back();
@@ -144,7 +144,7 @@ void thin_out(const AttributeGraph& graph, std::vector<Lineage>& all, std::vecto
   alive = std::move(kept);
 }
 
-void begin_new(const AttributeGraph& graph, int frame, std::vector<Lineage>& all, std::vector<Index>& alive,
+void begin_new(const AttributeGraph& graph, int frame, std::vector<CurveTrack>& all, std::vector<Index>& alive,
                Lists& at) {
   for (Index v = 0; v < graph.size(); ++v) {
     if (graph.degree(v) != 2) continue;
@@ -179,8 +179,8 @@ void smooth(const AttributeGraph& graph, std::vector<Point>& values, std::vector
 
 }  // namespace
 
-std::vector<Lineage> lineages(const graph::MotionGraph& motion) {
-  std::vector<Lineage> all;
+std::vector<CurveTrack> track_curves(const graph::MotionGraph& motion) {
+  std::vector<CurveTrack> all;
   std::vector<Index> alive;
   const auto& frames = motion.sketch.frames;
   for (std::size_t t = 0; t < frames.size(); ++t) {
@@ -190,7 +190,7 @@ std::vector<Lineage> lineages(const graph::MotionGraph& motion) {
       for (const Index i : alive) {
         auto sample = step(frames[t - 1], frames[t], next, all[i].samples.back());
         if (!sample) continue;
-        sample->travel += all[i].samples.back().travel;
+        sample->normal_displacement += all[i].samples.back().normal_displacement;
         all[i].samples.push_back(*sample);
         going.push_back(i);
       }
@@ -203,14 +203,14 @@ std::vector<Lineage> lineages(const graph::MotionGraph& motion) {
   return all;
 }
 
-Neighbours neighbours(const graph::MotionGraph& motion, const std::vector<Lineage>& all) {
+TrackNeighbours find_track_neighbours(const graph::MotionGraph& motion, const std::vector<CurveTrack>& all) {
   const auto& frames = motion.sketch.frames;
   std::vector<Lists> at(frames.size());
   for (std::size_t t = 0; t < frames.size(); ++t) at[t].resize(frames[t].size());
   for (Index i = 0; i < all.size(); ++i)
     for (std::size_t k = 0; k < all[i].samples.size(); ++k)
       at[static_cast<std::size_t>(all[i].first) + k][all[i].samples[k].vertex].push_back(i);
-  Neighbours result;
+  TrackNeighbours result;
   result.frames.resize(frames.size());
   for (std::size_t t = 0; t < frames.size(); ++t)
     for (Index v = 0; v < frames[t].size(); ++v)
@@ -237,10 +237,10 @@ Neighbours neighbours(const graph::MotionGraph& motion, const std::vector<Lineag
   return result;
 }
 
-std::vector<Point> on_patches(const AttributeGraph& graph, const std::vector<Told>& told) {
+std::vector<Point> smooth_over_patches(const AttributeGraph& graph, const std::vector<TrackValue>& track_values) {
   std::vector<Point> values(graph.size());
   std::vector<int> count(graph.size());
-  for (const auto& [vertex, value] : told) values[vertex] = values[vertex] + value, ++count[vertex];
+  for (const auto& [vertex, value] : track_values) values[vertex] = values[vertex] + value, ++count[vertex];
   std::vector<bool> known(graph.size());
   for (std::size_t v = 0; v < values.size(); ++v) {
     known[v] = count[v] > 0;

@@ -4,25 +4,20 @@
 #include <vector>
 
 #include "mcmc/learning/curve_tracks.hpp"
-#include "mcmc/model/motion_model.hpp"
+#include "mcmc/model/rate_maps.hpp"
 
 namespace emberfold::mcmc {
 
-/// How the curves travel on average, by place, px a frame: the velocity whose parts along the lineages'
-/// normals fit their mean speeds best (least squares, weighted by nearness and by how well a speed can be
-/// told from a sway over the lineage's length; where little is known drawn towards the frame's mean, and that
-/// towards rest).
+/// Holds the mean velocity of the curves by place, px a frame.
 struct Drift {
   CellMap x, y;
   [[nodiscard]] graph::Point at(graph::Point p) const { return {x.at(p), y.at(p)}; }
 };
-Drift measure_drift(const std::vector<detail::Lineage>& lineages, const CellMap& grid);
 
-/// A map of zeros over a frame, of cells fit for it.
-CellMap grid_over(int width, int height);
-
-/// A map smoothed by a Gaussian of SD `sigma` cells, whole mass kept at the borders: every cell's value is
-/// spread over the cells around it in shares that sum to one.
-std::vector<double> spread(const CellMap& map, double sigma);
+/// Estimates the drift on the cells of `grid`: the velocity whose components along the tracks' normals best fit
+/// their mean speeds.
+/// Least squares, weighted by nearness and by how precisely a track of its length shows a speed. Where little
+/// was observed the estimate shrinks towards the frame's mean, and that towards 0. O(samples + cells).
+Drift estimate_drift(const std::vector<detail::CurveTrack>& tracks, const CellMap& grid);
 
 }  // namespace emberfold::mcmc

@@ -19,17 +19,17 @@ using Index = std::uint32_t;
 
 constexpr double far_away = 1000;   // px, from a stroke that is alone
 constexpr std::size_t enough = 12;  // exemplars of a size
-constexpr double most_gain = 1;     // of the logarithm of the contrast: beyond it a lineage has gone astray
+constexpr double most_gain = 1;     // of the logarithm of the contrast: beyond it a track has gone astray
 
 // A stroke of a frame, by the index of one of its vertices' component.
-struct Seen {
+struct StrokeReference {
   std::uint32_t frame = 0, part = 0;
 };
 
 Exemplar exemplar(const AttributeGraph& rest, const std::vector<Index>& indices) {
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
-  const Point place = middle(rest, indices);
+  const Point place = stroke_middle(rest, indices);
   const auto number = [&](Index v) {
     return graph::VertexId{static_cast<Index>(std::ranges::lower_bound(indices, v) - indices.begin())};
   };
@@ -50,27 +50,27 @@ Exemplar exemplar(const AttributeGraph& rest, const std::vector<Index>& indices)
 
 }  // namespace
 
-std::vector<std::vector<Deviation>> deviations(const graph::MotionGraph& motion,
-                                               const std::vector<detail::Lineage>& all,
-                                               const Series& travel) {
+std::vector<std::vector<Deviation>> patch_deviations(const graph::MotionGraph& motion,
+                                               const std::vector<detail::CurveTrack>& all,
+                                               const Series& normal_displacement) {
   const auto& frames = motion.sketch.frames;
-  std::vector<std::vector<detail::Told>> moved(frames.size()), shone(frames.size());
+  std::vector<std::vector<detail::TrackValue>> moved(frames.size()), shone(frames.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& samples = all[i].samples;
     const double length = double(samples.size());
-    const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / length;
+    const double mean = std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) / length;
     double contrast = 0;
     for (const auto& sample : samples) contrast += sample.contrast / length;
     for (std::size_t k = 0; k < samples.size(); ++k) {
       const auto t = static_cast<std::size_t>(all[i].first) + k;
-      moved[t].push_back({samples[k].vertex, samples[k].normal * (travel[i][k] - mean)});
+      moved[t].push_back({samples[k].vertex, samples[k].normal * (normal_displacement[i][k] - mean)});
       shone[t].push_back({samples[k].vertex, {samples[k].contrast - contrast, 0}});
     }
   }
   std::vector<std::vector<Deviation>> result;
   for (std::size_t t = 0; t < frames.size(); ++t) {
-    const auto offsets = detail::on_patches(frames[t], moved[t]);
-    const auto gains = detail::on_patches(frames[t], shone[t]);
+    const auto offsets = detail::smooth_over_patches(frames[t], moved[t]);
+    const auto gains = detail::smooth_over_patches(frames[t], shone[t]);
     result.emplace_back();
     for (std::size_t v = 0; v < offsets.size(); ++v)
       result.back().push_back({offsets[v], std::clamp(gains[v].x, -most_gain, most_gain)});
@@ -78,25 +78,25 @@ std::vector<std::vector<Deviation>> deviations(const graph::MotionGraph& motion,
   return result;
 }
 
-std::vector<Swing> swings(const graph::MotionGraph& motion, const std::vector<std::vector<Deviation>>& all,
-                          std::size_t frame, const CellMap& sway_share) {
+std::vector<InitialMotion> estimate_initial_motion(const graph::MotionGraph& motion, const std::vector<std::vector<Deviation>>& all,
+                          std::size_t frame, const CellMap& displacement_scale) {
   const auto &now = motion.sketch.frames[frame], &before = motion.sketch.frames[frame - 1];
-  std::vector<Swing> result;
+  std::vector<InitialMotion> result;
   for (Index v = 0; v < now.size(); ++v) {
     const Deviation& d = all[frame][v];
-    const double share = 1 / std::max(sway_share.at(now.patch(v).position - d.offset), 0.1);
+    const double share = 1 / std::max(displacement_scale.at(now.patch(v).position - d.offset), 0.1);
     result.push_back({d.offset * share, d.offset * share, d.gain, d.gain});
   }
   for (const auto& link : motion.links[frame]) {
     const auto v = now.index_of(link.after), u = before.index_of(link.before);
     const Deviation& d = all[frame - 1][u];
-    const double share = 1 / std::max(sway_share.at(now.patch(v).position - all[frame][v].offset), 0.1);
+    const double share = 1 / std::max(displacement_scale.at(now.patch(v).position - all[frame][v].offset), 0.1);
     result[v].offset_before = d.offset * share, result[v].gain_before = d.gain;
   }
   return result;
 }
 
-AttributeGraph at_rest(const AttributeGraph& graph, std::span<const Deviation> deviation) {
+AttributeGraph graph_at_rest(const AttributeGraph& graph, std::span<const Deviation> deviation) {
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
   for (Index v = 0; v < graph.size(); ++v) {
@@ -114,10 +114,10 @@ std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
                                        const std::vector<std::vector<Deviation>>& deviation,
                                        std::size_t most) {
   const auto& frames = motion.sketch.frames;
-  std::array<std::vector<Seen>, kSizes> seen;
+  std::array<std::vector<StrokeReference>, kSizeClasses> seen;
   std::size_t all = 0;
   for (std::uint32_t t = 0; t < frames.size(); ++t) {
-    const auto found = strokes(graph::components(frames[t]));
+    const auto found = vertices_by_stroke(graph::components(frames[t]));
     all += found.size();
     for (std::uint32_t part = 0; part < found.size(); ++part)
       seen[size_class(found[part].size())].push_back({t, part});
@@ -127,15 +127,15 @@ std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
     const std::size_t share = all > 0 ? most * of_size.size() / all : 0;
     const std::size_t wanted = std::min(of_size.size(), std::max(share, enough));
     for (std::size_t i = 0; i < wanted; ++i) {
-      const Seen one = of_size[i * of_size.size() / wanted];
-      const auto rest = at_rest(frames[one.frame], deviation[one.frame]);
-      result.push_back(exemplar(rest, strokes(graph::components(rest))[one.part]));
+      const StrokeReference one = of_size[i * of_size.size() / wanted];
+      const auto rest = graph_at_rest(frames[one.frame], deviation[one.frame]);
+      result.push_back(exemplar(rest, vertices_by_stroke(graph::components(rest))[one.part]));
     }
   }
   return result;
 }
 
-double shortest_life(std::span<const graph::Event> events) {
+double estimate_refractory_period(std::span<const graph::Event> events) {
   std::map<graph::SubgraphId, int> begun;
   for (const auto& event : events)
     if (event.type == graph::EventType::birth) begun[event.after.at(0)] = event.frame;
@@ -151,7 +151,7 @@ double shortest_life(std::span<const graph::Event> events) {
   return std::min(8.0, static_cast<double>(*at));
 }
 
-std::array<double, kSizes> born_sizes(const graph::MotionGraph& motion,
+std::array<double, kSizeClasses> count_births_by_size(const graph::MotionGraph& motion,
                                       std::span<const graph::Event> events) {
   // Of each stroke how large it is in its frames, in order.
   std::map<graph::SubgraphId, std::vector<std::size_t>> sizes;
@@ -160,7 +160,7 @@ std::array<double, kSizes> born_sizes(const graph::MotionGraph& motion,
     for (const auto& vertex : graph.vertices()) ++now[vertex.subgraph];
     for (const auto& [stroke, size] : now) sizes[stroke].push_back(size);
   }
-  std::array<double, kSizes> births{};
+  std::array<double, kSizeClasses> births{};
   for (const auto& event : events) {
     if (event.type != graph::EventType::birth) continue;
     const auto& life = sizes.at(event.after.at(0));

@@ -13,37 +13,40 @@
 
 namespace emberfold::mcmc {
 
-/// How far a patch is from rest.
+/// Holds the deviation of a patch from its rest.
 struct Deviation {
   graph::Point offset;  ///< px
-  double gain = 0;      ///< logarithm of its contrast over what its lineages have on average
+  double gain = 0;      ///< logarithm of its contrast over the mean of its tracks
 };
 
-/// Of each patch of each frame how far it is from rest: that of the lineages at it, smoothed along the
-/// curves. `travel`: each lineage's travel, less what it drifts.
-std::vector<std::vector<Deviation>> deviations(const graph::MotionGraph& motion,
-                                               const std::vector<detail::Lineage>& lineages,
-                                               const Series& travel);
+/// Estimates the deviation of each patch of each frame from the tracks at it, smoothed along the curves.
+/// `travel`: each track's normal displacement, less its drift. O(samples + vertices).
+std::vector<std::vector<Deviation>> patch_deviations(const graph::MotionGraph& motion,
+                                                     const std::vector<detail::CurveTrack>& tracks,
+                                                     const Series& travel);
 
-/// The frame's graph with every patch at rest, its vertices numbered from 0.
-graph::AttributeGraph at_rest(const graph::AttributeGraph& graph, std::span<const Deviation> deviation);
+/// Returns the frame's graph with every patch at rest, its vertices numbered from 0.
+graph::AttributeGraph graph_at_rest(const graph::AttributeGraph& graph, std::span<const Deviation> deviation);
 
-/// How the patches of frame `frame` ≥ 1 moved as they came there; of one without a past, as if it had stood.
-std::vector<Swing> swings(const graph::MotionGraph& motion, const std::vector<std::vector<Deviation>>& all,
-                          std::size_t frame, const CellMap& sway_share);
+/// Estimates the motion of the patches of frame `frame` ≥ 1; a patch without a predecessor stands still.
+std::vector<InitialMotion> estimate_initial_motion(const graph::MotionGraph& motion,
+                                                   const std::vector<std::vector<Deviation>>& all,
+                                                   std::size_t frame, const CellMap& displacement_scale);
 
-/// Strokes to be born: of each size a sample, evenly spread over the clip, of all strokes of all frames, so
-/// that what is born is like what is there; about `most` in all, of each size as many as its share, and some
-/// at least. At rest.
+/// Samples the strokes that a model can give birth to, at rest.
+/// From each size class it takes strokes evenly over the clip, in proportion to its share of all strokes of all
+/// frames but at least some; about `most` in all. Newborn strokes then look like the strokes of the clip.
 std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
                                        const std::vector<std::vector<Deviation>>& deviation,
                                        std::size_t most);
 
-/// Nine in ten strokes that were born and died lived for so many frames, at most 8, or more; 0 where fewer
-/// than five did. A matcher that takes out what is there for a frame or two leaves its trace here.
-double shortest_life(std::span<const graph::Event> events);
+/// Estimates the refractory period: the lifetime, at most 8 frames, that nine in ten strokes reached.
+/// Only strokes that were born and died in the clip count; 0 for fewer than five. Flicker removal in the matcher
+/// erases lives of a frame or two, which shows here.
+double estimate_refractory_period(std::span<const graph::Event> events);
 
-/// How many strokes of each size were born, as large as they were half way through their lives.
-std::array<double, kSizes> born_sizes(const graph::MotionGraph& motion, std::span<const graph::Event> events);
+/// Counts the births of each size class; a stroke's size is the one half way through its life.
+std::array<double, kSizeClasses> count_births_by_size(const graph::MotionGraph& motion,
+                                                      std::span<const graph::Event> events);
 
 }  // namespace emberfold::mcmc

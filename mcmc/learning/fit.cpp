@@ -14,65 +14,65 @@
 #include "mcmc/learning/moments.hpp"
 #include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/learning/rate_modifiers.hpp"
-#include "mcmc/simulation/rate_balancing.hpp"
+#include "mcmc/simulation/rate_calibration.hpp"
 
 namespace emberfold::mcmc {
 
 namespace {
 
-constexpr std::size_t shortest = 12;  // frames: shorter lineages tell no rest
+constexpr std::size_t shortest = 12;  // frames: shorter tracks tell no rest
 constexpr double few = 5;             // samples in a cell
-constexpr double most_share = 10;     // of the usual sway
+constexpr double most_share = 10;     // of the usual displacement
 constexpr std::size_t most_exemplars = 300;
 constexpr double renewal = 1e-3;  // of a stroke in a frame, to begin with
 
-using Lineages = std::vector<detail::Lineage>;
+using CurveTracks = std::vector<detail::CurveTrack>;
 
 // What is made of each sample's paths.
-struct Followed {
-  Lineages lineages;
-  Series travel;  // less what the drift made of it
+struct FollowedSample {
+  CurveTracks tracks;
+  Series normal_displacement;  // less what the drift made of it
 };
 
-// Each lineage's travel, less what the drift made of it.
-Series without_drift(const Lineages& all, const Drift& drift) {
+// Each track's travel, less what the drift made of it.
+Series without_drift(const CurveTracks& all, const Drift& drift) {
   Series series;
-  for (const auto& lineage : all) {
-    std::vector<double> travel;
+  for (const auto& track : all) {
+    std::vector<double> normal_displacement;
     double drifted = 0;
-    for (const auto& sample : lineage.samples) {
-      travel.push_back(sample.travel - drifted);
+    for (const auto& sample : track.samples) {
+      normal_displacement.push_back(sample.normal_displacement - drifted);
       drifted += graph::dot(drift.at(sample.position), sample.normal);
     }
-    series.push_back(std::move(travel));
+    series.push_back(std::move(normal_displacement));
   }
   return series;
 }
 
-Series contrasts(const Lineages& all) {
+Series contrasts(const CurveTracks& all) {
   Series series;
-  for (const auto& lineage : all) {
+  for (const auto& track : all) {
     series.emplace_back();
-    for (const auto& sample : lineage.samples) series.back().push_back(sample.contrast);
+    for (const auto& sample : track.samples) series.back().push_back(sample.contrast);
   }
   return series;
 }
 
 // How bright a stroke is on its way in, in shares of what it has later; `backwards`: on its way out.
-std::array<double, 8> way_in(std::span<const Followed> samples, int frames, bool backwards) {
+std::array<double, 8> fade_shares(std::span<const FollowedSample> samples, int frames, bool backwards) {
   std::array<double, 8> sum{}, shares{};
   double count = 0;
-  const auto add = [&](const detail::Lineage& lineage) {
-    const auto n = lineage.samples.size();
-    if (n < 2 * sum.size() || (backwards ? lineage.last() >= frames - 1 : lineage.first == 0)) return;
-    const auto at = [&](std::size_t k) { return lineage.samples[backwards ? n - 1 - k : k].contrast; };
+  const auto add = [&](const detail::CurveTrack& track) {
+    const auto n = track.samples.size();
+    if (n < 2 * sum.size() || (backwards ? track.last() >= frames - 1 : track.first == 0)) return;
+    const auto at = [&](std::size_t k) { return track.samples[backwards ? n - 1 - k : k].contrast; };
     double later = 0;
     for (std::size_t k = sum.size(); k < n; ++k) later += at(k);
     later /= static_cast<double>(n - sum.size());
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += at(k) - later;
     ++count;
   };
-  for (const auto& sample : samples) std::ranges::for_each(sample.lineages, add);
+  for (const auto& sample : samples) std::ranges::for_each(sample.tracks, add);
   for (std::size_t k = 0; k < sum.size(); ++k) shares[k] = count > 0 ? std::exp(sum[k] / count) : 1;
   // Brighter with every frame, and all of it in the end.
   double limit = 1;
@@ -82,7 +82,7 @@ std::array<double, 8> way_in(std::span<const Followed> samples, int frames, bool
 }
 
 // The frame, but not the first, whose number of patches is nearest the mean.
-std::size_t usual_frame(const graph::MotionGraph& motion) {
+std::size_t typical_frame(const graph::MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   double mean = 0;
   for (const auto& graph : frames) mean += static_cast<double>(graph.size());
@@ -99,34 +99,34 @@ void add(CellMap& to, const CellMap& from, double share) {
 
 CellMap usual_density(std::span<const graph::MotionGraph> samples) {
   const auto& sketch = samples[0].sketch;
-  CellMap map = grid_over(sketch.width, sketch.height);
+  CellMap map = make_cell_grid(sketch.width, sketch.height);
   const double share = 1 / static_cast<double>(sketch.frames.size() * samples.size());
   for (const auto& motion : samples)
     for (const auto& graph : motion.sketch.frames)
       for (const auto& vertex : graph.vertices()) map.values[map.index(vertex.patch.position)] += share;
-  map.values = spread(map, 2);
+  map.values = spread_over_cells(map, 2);
   return map;
 }
 
 // The SD of the travel about its mean in each cell, less what the sketch adds, over what is usual; where
 // little was seen nearer to 1.
-CellMap sway_by_place(std::span<const Followed> samples, const Autoregression& sway, const CellMap& grid) {
+CellMap displacement_scale_map(std::span<const FollowedSample> samples, const Autoregression& displacement, const CellMap& grid) {
   CellMap roots = grid, counts = grid;
   const double share = 1 / static_cast<double>(samples.size());
-  for (const auto& [all, travel] : samples)
+  for (const auto& [all, normal_displacement] : samples)
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (travel[i].size() < shortest) continue;
-      const double mean = std::accumulate(travel[i].begin(), travel[i].end(), 0.0) / double(travel[i].size());
-      for (std::size_t k = 0; k < travel[i].size(); ++k) {
+      if (normal_displacement[i].size() < shortest) continue;
+      const double mean = std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) / double(normal_displacement[i].size());
+      for (std::size_t k = 0; k < normal_displacement[i].size(); ++k) {
         const auto cell = grid.index(all[i].samples[k].position);
-        roots.values[cell] += share * std::sqrt(std::abs(travel[i][k] - mean));
+        roots.values[cell] += share * std::sqrt(std::abs(normal_displacement[i][k] - mean));
         counts.values[cell] += share;
       }
     }
   CellMap shares = grid;
-  const double error = sway.measurement * sway.measurement;
-  const double usual = sway.noise > 0 ? std::pow(stationary_deviation(sway), 2) : 0;
-  const auto s = spread(roots, 1), n = spread(counts, 1);
+  const double error = displacement.measurement * displacement.measurement;
+  const double usual = displacement.noise > 0 ? std::pow(stationary_deviation(displacement), 2) : 0;
+  const auto s = spread_over_cells(roots, 1), n = spread_over_cells(counts, 1);
   for (std::size_t c = 0; c < shares.values.size(); ++c) {
     const double variance =
         RobustVariance::variance((s[c] + few * RobustVariance::root(usual + error)) / (n[c] + few));
@@ -156,33 +156,33 @@ void check(std::span<const graph::MotionGraph> samples) {
                            std::to_string(frames));
 }
 
-// Drift, sway and contrast; what was followed of each sample.
-std::vector<Followed> learn_motion(std::span<const graph::MotionGraph> samples, FitResult& result) {
+// Drift, displacement and contrast; what was followed of each sample.
+std::vector<FollowedSample> learn_motion(std::span<const graph::MotionGraph> samples, FitResult& result) {
   MotionModel& model = result.model;
-  const CellMap grid = grid_over(model.width, model.height);
+  const CellMap grid = make_cell_grid(model.width, model.height);
   Drift drift{grid, grid};
-  std::vector<Followed> followed;
+  std::vector<FollowedSample> followed;
   for (const auto& motion : samples) {
-    followed.push_back({detail::lineages(motion), {}});
-    const Drift one = measure_drift(followed.back().lineages, grid);
+    followed.push_back({detail::track_curves(motion), {}});
+    const Drift one = estimate_drift(followed.back().tracks, grid);
     add(drift.x, one.x, 1 / static_cast<double>(samples.size()));
     add(drift.y, one.y, 1 / static_cast<double>(samples.size()));
   }
-  Observed travels, brightness;
+  MotionObservations normal_displacements, brightness;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    auto& [lineages, travel] = followed[i];
-    travel = without_drift(lineages, drift);
-    travels += observe(samples[i], lineages, travel, true);
-    brightness += observe(samples[i], lineages, contrasts(lineages), false);
+    auto& [tracks, normal_displacement] = followed[i];
+    normal_displacement = without_drift(tracks, drift);
+    normal_displacements += collect_observations(samples[i], tracks, normal_displacement, true);
+    brightness += collect_observations(samples[i], tracks, contrasts(tracks), false);
   }
-  const auto sway = estimate(travels, "sway"), contrast = estimate(brightness, "contrast");
+  const auto displacement = estimate_motion(normal_displacements, "sway"), contrast = estimate_motion(brightness, "contrast");
   model.drift_x = drift.x, model.drift_y = drift.y;
-  model.sway = sway.motion, model.contrast = contrast.motion;
-  model.sway_share = sway_by_place(followed, model.sway, grid);
-  append(result.notes, sway.notes);
+  model.displacement = displacement.motion, model.contrast = contrast.motion;
+  model.displacement_scale = displacement_scale_map(followed, model.displacement, grid);
+  append(result.notes, displacement.notes);
   append(result.notes, contrast.notes);
-  model.appearing = way_in(followed, model.frames, false);
-  model.vanishing = way_in(followed, model.frames, true);
+  model.appearing = fade_shares(followed, model.frames, false);
+  model.vanishing = fade_shares(followed, model.frames, true);
   return followed;
 }
 
@@ -191,23 +191,23 @@ double sum(const CellMap& map) {
 }
 
 // `born`: how many of each size were born in the clip.
-std::vector<std::string> balance_births(FitResult& result, std::array<double, kSizes> born,
+std::vector<std::string> calibrate_births(FitResult& result, std::array<double, kSizeClasses> born,
                                         std::uint64_t seed, const core::Context& context) {
   MotionModel& model = result.model;
-  const Census& wanted = result.shown;
+  const EventStatistics& wanted = result.observed;
   const double seen = std::accumulate(born.begin(), born.end(), 0.0) / result.counts.gaps;
   const auto moves = [](double speed) { return speed != 0; };
   const bool leaves =
       std::ranges::any_of(model.drift_x.values, moves) || std::ranges::any_of(model.drift_y.values, moves);
-  std::array<bool, kSizes> known{};
+  std::array<bool, kSizeClasses> known{};
   for (const auto& exemplar : model.exemplars) known[size_class(exemplar.graph.size())] = true;
-  for (std::size_t s = 0; s < kSizes; ++s) {
+  for (std::size_t s = 0; s < kSizeClasses; ++s) {
     // Of a size nobody saw being born, as many as die; and some where strokes leave the frame.
     const double needed = wanted.strokes[s] * std::max(model.rates.death_by_size[s], leaves ? renewal : 0);
     born[s] = known[s] ? std::max(born[s] / result.counts.gaps, needed) : 0;
   }
   set_births(model, born, wanted.strokes);
-  balance(model, wanted, seed, context);
+  calibrate_rates(model, wanted, seed, context);
   const auto births = births_by_size(model);
   const double ratio = seen > 0 ? std::accumulate(births.begin(), births.end(), 0.0) / seen : 1;
   if (ratio >= 0.5 && ratio <= 1.5) return {};
@@ -232,33 +232,33 @@ FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& opt
   context.report("fit", 0.3);
   std::vector<OperatorCounts> counts;
   std::vector<std::vector<graph::Event>> events;
-  std::array<double, kSizes> born{};
-  double hold = 8;
+  std::array<double, kSizeClasses> born{};
+  double refractory_period = 8;
   for (const auto& motion : samples) {
     events.push_back(graph::stroke_events(motion));
     counts.push_back(count_operators(motion, events.back()));
-    hold = std::min(hold, shortest_life(events.back()));
-    const auto sizes = born_sizes(motion, events.back());
-    for (std::size_t s = 0; s < kSizes; ++s) born[s] += sizes[s] / static_cast<double>(samples.size());
+    refractory_period = std::min(refractory_period, estimate_refractory_period(events.back()));
+    const auto sizes = count_births_by_size(motion, events.back());
+    for (std::size_t s = 0; s < kSizeClasses; ++s) born[s] += sizes[s] / static_cast<double>(samples.size());
   }
-  result.counts = mean(counts);
+  result.counts = mean_counts(counts);
   auto rates = estimate_rates(result.counts);
   model.rates = std::move(rates.rates);
-  model.rates.hold = hold;
-  model.rates.circumstances = estimate_circumstances(samples, events, model.rates);
-  result.a_frame = rates.a_frame, result.death_by_size = rates.death_by_size;
+  model.rates.refractory_period = refractory_period;
+  model.rates.modifiers = estimate_rate_modifiers(samples, events, model.rates);
+  result.events_per_frame = rates.events_per_frame, result.death_by_size = rates.death_by_size;
   append(result.notes, rates.notes);
-  const auto deviation = deviations(last, followed.back().lineages, followed.back().travel);
+  const auto deviation = patch_deviations(last, followed.back().tracks, followed.back().normal_displacement);
   model.exemplars = sample_exemplars(last, deviation, most_exemplars);
   model.density = usual_density(samples);
-  model.exclusion = estimate_exclusion(samples);
-  const auto usual = usual_frame(last);
-  model.first = at_rest(last.sketch.frames[usual], deviation[usual]);
-  model.first_swing = swings(last, deviation, usual, model.sway_share);
-  result.shown = census(result.counts, sum(model.density));
+  model.hard_core = estimate_hard_core(samples);
+  const auto usual = typical_frame(last);
+  model.first = graph_at_rest(last.sketch.frames[usual], deviation[usual]);
+  model.first_motion = estimate_initial_motion(last, deviation, usual, model.displacement_scale);
+  result.observed = event_statistics(result.counts, sum(model.density));
 
   context.report("fit", 0.5);
-  if (options.balance) append(result.notes, balance_births(result, born, options.seed, context));
+  if (options.calibrate) append(result.notes, calibrate_births(result, born, options.seed, context));
   context.check();
   return result;
 }

@@ -11,35 +11,41 @@
 #include "graph/motion_graph.hpp"
 #include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/model/motion_model.hpp"
-#include "mcmc/simulation/event_census.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
 
 namespace emberfold::mcmc {
 
+/// Options of fit().
 struct FitOptions {
-  std::uint64_t seed = 1;  ///< of the simulated clips that balance births and deaths
-  bool balance = true;     ///< false: rates as they were seen, for whoever will not draw from the model
+  std::uint64_t seed = 1;  ///< of the simulated clips that calibrate the rates
+  bool calibrate = true;   ///< false: rates as observed, for models that are not drawn from
 };
 
+/// Holds a learned model and the observations that it was learned from.
 struct FitResult {
   MotionModel model;
-  OperatorCounts counts;                             ///< what the rates were learned from
-  Census shown;                                      ///< what the clip shows, which the rates are balanced to
-  std::array<RateInterval, 6> a_frame{};             ///< RateEstimate::a_frame: before balance
-  std::array<RateInterval, kSizes> death_by_size{};  ///< likewise
+  OperatorCounts counts;     ///< what the rates were learned from
+  EventStatistics observed;  ///< statistics of the clip, to which the rates are calibrated
+  std::array<RateInterval, 6> events_per_frame{};          ///< RateEstimate::events_per_frame, uncalibrated
+  std::array<RateInterval, kSizeClasses> death_by_size{};  ///< RateEstimate::death_by_size, uncalibrated
+  /// One line for each number that was not taken as measured: an unstable fit, too little data.
+  std::vector<std::string> notes;
+};             ///< RateEstimate::a_frame: before balance
+  std::array<RateInterval, kSizeClasses> death_by_size{};  ///< likewise
   std::vector<std::string>
       notes;  ///< a line for everything that was not taken as measured: an unstable fit, too little data
 };
 
-/// Learns Θ from samples of the posterior of one clip's matched graph: the M step of Monte Carlo EM (Wei &
-/// Tanner 1990). Auto-regressions are of the greatest mean likelihood; the operators' rates come from how
-/// often they happened and could have, on average; exemplars and one frame's strokes at rest are the last
-/// sample's; then births are balanced by simulation so that a synthesized clip keeps its strokes. InputError
-/// for no sample, samples of unlike sizes or numbers of frames, or fewer than two frames. O(vertices log) and
-/// some thousand simulated frames.
+/// Learns Θ from samples of the posterior of one clip's matched graph.
+/// It is the M step of Monte Carlo EM (Wei & Tanner 1990): auto-regressions maximise the mean likelihood; rates
+/// come from mean counts of events and of sites; exemplars and the first frame are the last sample's. The rates
+/// are then calibrated by simulation, so that a drawn clip keeps its number of strokes.
+/// Throws core::InputError for no sample, samples of different sizes or lengths, or fewer than two frames;
+/// core::Cancelled. O(vertices log vertices) and some thousand simulated frames.
 FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& options = {},
               const core::Context& context = {});
 
-/// From a clip matched once: one sample.
+/// Learns Θ from one sample: a clip matched once.
 FitResult fit(const graph::MotionGraph& motion, const FitOptions& options = {},
               const core::Context& context = {});
 

@@ -25,7 +25,7 @@ Kind kind(const Patch& a, const Patch& b) {
 }
 
 // What goes on beyond the end of a stroke does not lie beside it.
-bool beside(const Patch& patch, Point apart) {
+bool lies_beside(const Patch& patch, Point apart) {
   const Point along{std::cos(patch.theta), std::sin(patch.theta)};
   const double on = graph::dot(apart, along);
   return 2 * on * on <= graph::dot(apart, apart);
@@ -34,7 +34,7 @@ bool beside(const Patch& patch, Point apart) {
 constexpr double farthest = 12;  // px
 constexpr double step = 0.5;     // px, between the distances that are tried
 constexpr std::size_t steps = static_cast<std::size_t>(farthest / step);
-constexpr double rarely = 0.2;
+constexpr double rare_share = 0.2;
 constexpr double few = 20;  // patches
 // Elsewhere nearby, px: out of reach, and not the distance between the folds of one cloth each time.
 constexpr std::array<Point, 6> elsewhere = {{{19, 7}, {-23, 9}, {-8, -27}, {31, -11}, {12, 33}, {-37, -14}}};
@@ -42,19 +42,19 @@ constexpr std::array<Point, 6> elsewhere = {{{19, 7}, {-23, 9}, {-8, -27}, {31, 
 // How many patches have one of another stroke within (k + 1) · step px, by kind.
 using Counts = std::array<std::array<double, steps>, kinds>;
 
-struct Frame {
+struct IndexedFrame {
   const graph::AttributeGraph& graph;
   graph::Components parts;
   graph::detail::PointGrid near;
 };
 
-Frame frame_of(const graph::AttributeGraph& graph) {
+IndexedFrame index_frame(const graph::AttributeGraph& graph) {
   std::vector<Point> places;
   for (const auto& vertex : graph.vertices()) places.push_back(vertex.patch.position);
   return {graph, graph::components(graph), {std::move(places), farthest}};
 }
 
-void count(const Frame& frame, Point shift, double weight, Counts& counts) {
+void count_near(const IndexedFrame& frame, Point shift, double weight, Counts& counts) {
   for (std::uint32_t v = 0; v < frame.graph.size(); ++v) {
     const Patch& patch = frame.graph.patch(v);
     const Point place = patch.position + shift;
@@ -63,7 +63,7 @@ void count(const Frame& frame, Point shift, double weight, Counts& counts) {
     for (const auto w : frame.near.find_near(place)) {
       if (frame.parts.of_vertex[w] == frame.parts.of_vertex[v]) continue;
       const Patch& other = frame.graph.patch(w);
-      if (!beside(patch, other.position - place)) continue;
+      if (!lies_beside(patch, other.position - place)) continue;
       double& least = nearest[kind(patch, other)];
       least = std::min(least, graph::distance(place, other.position));
     }
@@ -74,33 +74,33 @@ void count(const Frame& frame, Point shift, double weight, Counts& counts) {
 
 }  // namespace
 
-double kept_apart(const Exclusion& exclusion, const Patch& a, const Patch& b) {
+double hard_core_distance(const HardCoreDistances& hard_core, const Patch& a, const Patch& b) {
   switch (kind(a, b)) {
     case alike:
-      return exclusion.alike;
+      return hard_core.alike;
     case lines:
-      return exclusion.lines;
+      return hard_core.lines;
     default:
-      return exclusion.mixed;
+      return hard_core.mixed;
   }
 }
 
-double most_kept_apart(const Exclusion& exclusion) {
-  return std::max({exclusion.alike, exclusion.lines, exclusion.mixed});
+double largest_hard_core_distance(const HardCoreDistances& hard_core) {
+  return std::max({hard_core.alike, hard_core.lines, hard_core.mixed});
 }
 
-Exclusion estimate_exclusion(std::span<const graph::MotionGraph> samples) {
+HardCoreDistances estimate_hard_core(std::span<const graph::MotionGraph> samples) {
   Counts seen{}, expected{};
   for (const auto& motion : samples)
     for (const auto& graph : motion.sketch.frames) {
-      const Frame frame = frame_of(graph);
-      count(frame, {}, 1, seen);
-      for (const Point shift : elsewhere) count(frame, shift, 1.0 / elsewhere.size(), expected);
+      const IndexedFrame frame = index_frame(graph);
+      count_near(frame, {}, 1, seen);
+      for (const Point shift : elsewhere) count_near(frame, shift, 1.0 / elsewhere.size(), expected);
     }
   std::array<double, kinds> result{};
   for (std::size_t k = 0; k < kinds; ++k)
     for (std::size_t s = 0; s < steps; ++s)
-      if (expected[k][s] >= few && seen[k][s] <= rarely * expected[k][s])
+      if (expected[k][s] >= few && seen[k][s] <= rare_share * expected[k][s])
         result[k] = static_cast<double>(s + 1) * step;
   return {result[alike], result[lines], result[mixed]};
 }
@@ -112,20 +112,20 @@ namespace {
 constexpr int relaxations = 2, smoothings = 2;
 
 // Where each patch has to go to be as far from others as it should; from each of two that are too near half.
-std::vector<Point> pushes(const Particles& p, const graph::Components& parts, const Exclusion& exclusion) {
+std::vector<Point> separating_offsets(const SimulatedStrokes& p, const graph::Components& parts, const HardCoreDistances& hard_core) {
   std::vector<Point> places;
-  for (const auto& particle : p.list) places.push_back(particle.position());
-  const graph::detail::PointGrid near(places, most_kept_apart(exclusion));
+  for (const auto& simulated : p.list) places.push_back(simulated.position());
+  const graph::detail::PointGrid near(places, largest_hard_core_distance(hard_core));
   std::vector<Point> result(p.list.size());
   for (std::uint32_t v = 0; v < p.list.size(); ++v) {
-    if (p.list[v].leaving >= 0) continue;
+    if (p.list[v].frames_left >= 0) continue;
     double most = 0;
     for (const auto w : near.find_near(places[v])) {
-      if (parts.of_vertex[w] == parts.of_vertex[v] || p.list[w].leaving >= 0) continue;
+      if (parts.of_vertex[w] == parts.of_vertex[v] || p.list[w].frames_left >= 0) continue;
       const Point apart = places[v] - places[w];
       const double far = graph::norm(apart),
-                   missing = kept_apart(exclusion, p.list[v].rest, p.list[w].rest) - far;
-      if (missing <= most || far <= 0 || !beside(p.list[v].rest, apart)) continue;
+                   missing = hard_core_distance(hard_core, p.list[v].rest, p.list[w].rest) - far;
+      if (missing <= most || far <= 0 || !lies_beside(p.list[v].rest, apart)) continue;
       most = missing;
       result[v] = apart * (missing / 2 / far);
     }
@@ -135,12 +135,12 @@ std::vector<Point> pushes(const Particles& p, const graph::Components& parts, co
 
 }  // namespace
 
-void keep_apart(Particles& p, const MotionModel& model) {
-  if (p.list.empty() || most_kept_apart(model.exclusion) <= 0) return;
-  const auto sides = neighbours(p);
-  const auto parts = graph::components(shape(p));
+void enforce_hard_core(SimulatedStrokes& p, const MotionModel& model) {
+  if (p.list.empty() || largest_hard_core_distance(model.hard_core) <= 0) return;
+  const auto sides = neighbour_lists(p);
+  const auto parts = graph::components(stroke_graph(p));
   for (int i = 0; i < relaxations; ++i) {
-    auto push = pushes(p, parts, model.exclusion);
+    auto push = separating_offsets(p, parts, model.hard_core);
     for (int k = 0; k < smoothings; ++k) {
       const auto now = push;
       for (std::size_t v = 0; v < now.size(); ++v) {

@@ -7,24 +7,23 @@
 #include "mcmc/model/motion_model.hpp"
 #include "mcmc/simulation/simulated_strokes.hpp"
 
-// Strokes of a frame do not run into each other: two ridges have a valley between them.
 namespace emberfold::mcmc {
 
-/// px that patches of two strokes keep between them.
-double kept_apart(const Exclusion& exclusion, const graph::Patch& a, const graph::Patch& b);
+/// Returns the hard-core distance of two patches of different strokes, px: it depends on their kinds.
+double hard_core_distance(const HardCoreDistances& hard_core, const graph::Patch& a, const graph::Patch& b);
 
-/// The most that patches of any kind do.
-double most_kept_apart(const Exclusion& exclusion);
+/// Returns the largest hard-core distance of any two kinds, px.
+double largest_hard_core_distance(const HardCoreDistances& hard_core);
 
-/// For each kind of pair the greatest distance, up to 12 px, within which patches have one of another stroke
-/// a fifth as often as they would had they been set down elsewhere nearby; 0 where so few would that nothing
-/// can be said. O(patches).
-Exclusion estimate_exclusion(std::span<const graph::MotionGraph> samples);
+/// Estimates for each pair of kinds the greatest distance, up to 12 px, at which strokes avoid each other.
+/// Within it patches have a neighbour of another stroke a fifth as often as they would at places nearby. 0 where
+/// too few neighbours are expected to tell. O(patches).
+HardCoreDistances estimate_hard_core(std::span<const graph::MotionGraph> samples);
 
 namespace detail {
 
-/// Strokes that have come nearer to each other than the model's strokes do make way: their rest shapes bend.
-void keep_apart(Particles& particles, const MotionModel& model);
+/// Pushes strokes apart that came closer than the hard-core distance, by bending their rest shapes. O(patches).
+void enforce_hard_core(SimulatedStrokes& strokes, const MotionModel& model);
 
 }  // namespace detail
 

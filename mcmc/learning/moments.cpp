@@ -14,7 +14,7 @@ namespace emberfold::mcmc {
 namespace {
 
 constexpr int K = Moments::kLags;
-constexpr std::size_t shortest_window = 12, shortest_path = 6;  // frames of lineages
+constexpr std::size_t shortest_window = 12, shortest_path = 6;  // frames of tracks
 constexpr double fewest = 100;                                  // steps, windows, pairs
 constexpr double little = 1e-12;                                // a variance that is none
 constexpr double most_swing = 1.5;  // times the variance seen, of what paths are too short to show
@@ -22,12 +22,12 @@ constexpr double bin = 5;           // px, of distances
 constexpr std::size_t of_late = 4;  // frames: the sketch's errors have no say in what moves for so long
 constexpr double parallel = 0.8;    // cosine: curves that turn more say nothing of each other
 
-// Deviations from the lineage's mean, and the neighbours' mean deviation less its own, frame by frame.
+// Deviations from the track's mean, and the neighbours' mean deviation less its own, frame by frame.
 struct Deviations {
   Series own, neighbours;
 };
 
-Deviations deviations(const std::vector<detail::Lineage>& all, const detail::Neighbours& sides,
+Deviations track_deviations(const std::vector<detail::CurveTrack>& all, const detail::TrackNeighbours& sides,
                       const Series& series, bool turns) {
   Deviations result{series, series};
   for (auto& d : result.own) {
@@ -52,11 +52,11 @@ Deviations deviations(const std::vector<detail::Lineage>& all, const detail::Nei
 
 using Window = Eigen::Matrix<double, 2 * K, 1>;
 
-Window window(const Deviations& d, std::size_t lineage, std::size_t newest) {
+Window window(const Deviations& d, std::size_t track, std::size_t newest) {
   Window psi;
   for (int k = 0; k < K; ++k) {
-    psi[k] = d.own[lineage][newest - static_cast<std::size_t>(k)];
-    psi[K + k] = d.neighbours[lineage][newest - static_cast<std::size_t>(k)];
+    psi[k] = d.own[track][newest - static_cast<std::size_t>(k)];
+    psi[K + k] = d.neighbours[track][newest - static_cast<std::size_t>(k)];
   }
   return psi;
 }
@@ -85,11 +85,11 @@ double coupling(const Moments& m) {
 }
 
 // c exp(−h²/2 range²), fitted to how deviations correlate over distance.
-struct Likeness {
+struct CorrelationFit {
   double share = 1, range = 0;
 };
-Likeness likeness(const Moments& m) {
-  Likeness best;
+CorrelationFit fit_correlation(const Moments& m) {
+  CorrelationFit best;
   double least = std::numeric_limits<double>::infinity();
   for (double range = 2; range < 200; range *= 1.1) {
     double pp = 0, pc = 0, cc = 0;
@@ -107,7 +107,7 @@ Likeness likeness(const Moments& m) {
 }
 
 // Of the stationary variance, the share that is about the mean of so many frames, for each number of them.
-std::vector<double> about_mean(const Autoregression& m, double error_share, std::size_t longest) {
+std::vector<double> share_about_mean(const Autoregression& m, double error_share, std::size_t longest) {
   std::vector<double> shares{1, 0};
   double before = 1, now = m.a1 / (1 - m.a2), sum = 0, weighted = 0;  // correlations, Σ ρ(k), Σ k ρ(k)
   for (std::size_t n = 2; n <= longest; ++n) {
@@ -121,10 +121,10 @@ std::vector<double> about_mean(const Autoregression& m, double error_share, std:
 }
 
 // The variance of all deviations from rest, from those from the paths' means.
-double from_rest(const std::vector<detail::Path>& paths, const Autoregression& m, double error_share) {
+double variance_about_rest(const std::vector<detail::DeviationPath>& paths, const Autoregression& m, double error_share) {
   std::size_t longest = 0;
   for (const auto& path : paths) longest = std::max(longest, path.own.size());
-  const auto shares = about_mean(m, error_share, longest);
+  const auto shares = share_about_mean(m, error_share, longest);
   RobustVariance all;
   for (const auto& path : paths) {
     const double share = std::max(shares[path.own.size()], 1 / most_swing);
@@ -134,29 +134,29 @@ double from_rest(const std::vector<detail::Path>& paths, const Autoregression& m
 }
 
 // Noise and measurement of all paths' mean variance; of the noise, what goes on along the curves.
-void take_noise(const Observed& seen, const detail::SwayLaw& law, Autoregression& motion) {
+void set_noise(const MotionObservations& seen, const detail::MotionLaw& law, Autoregression& motion) {
   motion.noise = law.noise;
   const double swing = std::pow(stationary_deviation(motion), 2), error = std::pow(law.measurement, 2);
   const double error_share = error / (swing + error);
-  const double all = from_rest(seen.paths, motion, error_share);
-  const Likeness along = likeness(seen.moments);
+  const double all = variance_about_rest(seen.paths, motion, error_share);
+  const CorrelationFit along = fit_correlation(seen.moments);
   motion.range = along.range;
   motion.measurement = std::sqrt(error_share * all);
   motion.noise *= std::sqrt(all * std::min(along.share, 1 - error_share) / swing);
 }
 
-// The frame's pairs of lineages on one stroke: how alike they have moved of late. Means of lineages that
+// The frame's pairs of tracks on one stroke: how alike they have moved of late. Means of tracks that
 // begin and end at different times would not be comparable.
 void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t frame,
-               const std::vector<std::uint32_t>& there, const std::vector<detail::Lineage>& all,
+               const std::vector<std::uint32_t>& there, const std::vector<detail::CurveTrack>& all,
                const Series& deviation, bool turns) {
   const auto parts = graph::components(graph);
-  std::vector<std::vector<std::uint32_t>> strokes(parts.count);
+  std::vector<std::vector<std::uint32_t>> by_stroke(parts.count);
   const auto at = [&](std::uint32_t i) { return frame - static_cast<std::size_t>(all[i].first); };
   for (const auto i : there)
-    if (at(i) >= of_late) strokes[parts.of_vertex[all[i].samples[at(i)].vertex]].push_back(i);
+    if (at(i) >= of_late) by_stroke[parts.of_vertex[all[i].samples[at(i)].vertex]].push_back(i);
   const auto moved = [&](std::uint32_t i) { return deviation[i][at(i)] - deviation[i][at(i) - of_late]; };
-  for (const auto& stroke : strokes)
+  for (const auto& stroke : by_stroke)
     for (std::size_t p = 0; p < stroke.size(); ++p)
       for (std::size_t q = 0; q < p; ++q) {
         const auto& a = all[stroke[p]].samples[at(stroke[p])];
@@ -184,17 +184,17 @@ Moments& Moments::operator+=(const Moments& other) {
   return *this;
 }
 
-Observed& Observed::operator+=(const Observed& other) {
+MotionObservations& MotionObservations::operator+=(const MotionObservations& other) {
   moments += other.moments;
   paths.insert(paths.end(), other.paths.begin(), other.paths.end());
   return *this;
 }
 
-Observed observe(const graph::MotionGraph& motion, const std::vector<detail::Lineage>& all,
+MotionObservations collect_observations(const graph::MotionGraph& motion, const std::vector<detail::CurveTrack>& all,
                  const Series& series, bool turns) {
-  const Deviations d = deviations(all, detail::neighbours(motion, all), series, turns);
+  const Deviations d = track_deviations(all, detail::find_track_neighbours(motion, all), series, turns);
   const auto tells_rest = [&](std::size_t i) { return d.own[i].size() >= shortest_window; };
-  Observed seen;
+  MotionObservations seen;
   Moments& sums = seen.moments;
   std::vector<std::vector<std::uint32_t>> there(motion.sketch.frames.size());
   for (std::uint32_t i = 0; i < all.size(); ++i) {
@@ -206,8 +206,8 @@ Observed observe(const graph::MotionGraph& motion, const std::vector<detail::Lin
     for (std::size_t k = 0; tells_rest(i) && k < all[i].samples.size(); ++k)
       there[static_cast<std::size_t>(all[i].first) + k].push_back(i);
     if (d.own[i].size() < shortest_path) continue;
-    detail::Path path{d.own[i], d.own[i]};
-    for (std::size_t k = 0; k < path.around.size(); ++k) path.around[k] += d.neighbours[i][k];
+    detail::DeviationPath path{d.own[i], d.own[i]};
+    for (std::size_t k = 0; k < path.neighbour_mean.size(); ++k) path.neighbour_mean[k] += d.neighbours[i][k];
     seen.paths.push_back(std::move(path));
   }
   for (std::size_t t = 0; t < there.size(); ++t)
@@ -215,8 +215,8 @@ Observed observe(const graph::MotionGraph& motion, const std::vector<detail::Lin
   return seen;
 }
 
-Estimate estimate(const Observed& seen, const std::string& what) {
-  Estimate result;
+MotionEstimate estimate_motion(const MotionObservations& seen, const std::string& what) {
+  MotionEstimate result;
   double steps = 0, squares = 0, count = 0;
   for (const auto& path : seen.paths) {
     steps += static_cast<double>(path.own.size()) - 2, count += static_cast<double>(path.own.size());
@@ -232,7 +232,7 @@ Estimate estimate(const Observed& seen, const std::string& what) {
     result.notes.push_back(what + ": nothing moves; it stands still");
     return result;
   }
-  const auto law = detail::likeliest(seen.paths, coupling(seen.moments), std::sqrt(squares / count));
+  const auto law = detail::most_likely_law(seen.paths, coupling(seen.moments), std::sqrt(squares / count));
   result.law = law;
   result.motion = {law.mean_a1(), law.a2, law.coupling, 0, 0, 0};
   if (const double radius = spectral_radius({law.a1, law.a2, law.coupling, 0, 0, 0});
@@ -240,7 +240,7 @@ Estimate estimate(const Observed& seen, const std::string& what) {
     result.notes.push_back(
         what + ": the likeliest motion grows or never comes to rest; held at a spectral radius of " +
         std::to_string(radius));
-  take_noise(seen, law, result.motion);
+  set_noise(seen, law, result.motion);
   return result;
 }
 

@@ -30,10 +30,10 @@ constexpr double doubt = 0.2;                        // events that the prior is
 
 // Happened over could, as if `doubt` of an event more had been seen in the time that takes on average over
 // `all`.
-double rate(const OperatorCounts::Tally& tally, const OperatorCounts::Tally& all) {
-  if (all.could <= 0 || all.happened <= 0) return 0;
-  const double mean = all.happened / all.could;
-  return std::min(1.0, (tally.happened + doubt) / (tally.could + doubt / mean));
+double rate(const OperatorCounts::Count& count, const OperatorCounts::Count& all) {
+  if (all.exposure <= 0 || all.events <= 0) return 0;
+  const double mean = all.events / all.exposure;
+  return std::min(1.0, (count.events + doubt) / (count.exposure + doubt / mean));
 }
 
 constexpr double jeffreys = 0.5;  // events
@@ -41,28 +41,28 @@ constexpr double jeffreys = 0.5;  // events
 void add_intervals(const OperatorCounts& counts, RateEstimate& result) {
   if (counts.gaps <= 0) return;
   for (std::size_t type = 0; type < counts.events.size(); ++type) {
-    auto& interval = result.a_frame[type];
+    auto& interval = result.events_per_frame[type];
     interval = rate_interval(counts.events[type], counts.gaps, counts.events_variance[type], jeffreys, 0);
     interval.mean = counts.events[type] / counts.gaps;
     if (counts.events[type] <= 0) interval.low = 0;
   }
-  OperatorCounts::Tally deaths;
-  for (const auto& tally : counts.death) deaths += tally;
-  if (deaths.happened <= 0) return;
-  for (std::size_t s = 0; s < kSizes; ++s) {
-    const auto& tally = counts.death[s];
-    result.death_by_size[s] = rate_interval(tally.happened, tally.could, tally.variance, doubt,
-                                            doubt * deaths.could / deaths.happened);
+  OperatorCounts::Count deaths;
+  for (const auto& count : counts.death) deaths += count;
+  if (deaths.events <= 0) return;
+  for (std::size_t s = 0; s < kSizeClasses; ++s) {
+    const auto& count = counts.death[s];
+    result.death_by_size[s] = rate_interval(count.events, count.exposure, count.variance, doubt,
+                                            doubt * deaths.exposure / deaths.events);
   }
 }
 
 void require_alike(const OperatorCounts& a, const OperatorCounts& b, std::size_t index) {
-  if (a.births.size() == b.births.size() && a.strokes.columns == b.strokes.columns &&
-      a.strokes.rows == b.strokes.rows && a.strokes.cell == b.strokes.cell)
+  if (a.births.size() == b.births.size() && a.expected_deaths.columns == b.expected_deaths.columns &&
+      a.expected_deaths.rows == b.expected_deaths.rows && a.expected_deaths.cell == b.expected_deaths.cell)
     return;
   const auto shape = [](const OperatorCounts& c) {
-    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.strokes.columns) + " x " +
-           std::to_string(c.strokes.rows) + " cells";
+    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.expected_deaths.columns) + " x " +
+           std::to_string(c.expected_deaths.rows) + " cells";
   };
   throw core::InputError("samples of one clip are alike in frames and size; sample " + std::to_string(index) +
                          " has " + shape(b) + ", the first " + shape(a));
@@ -81,26 +81,26 @@ void add_all(T& to, const T& from, double share) {
 }
 
 // Where what could happen was.
-struct Could {
-  std::array<CellMap, kSizes> die;
+struct ExposureMaps {
+  std::array<CellMap, kSizeClasses> die;
   CellMap split, disconnect;
 };
 
-void count_strokes(const graph::AttributeGraph& graph, OperatorCounts& counts, Could& could) {
+void count_strokes(const graph::AttributeGraph& graph, OperatorCounts& counts, ExposureMaps& exposures) {
   const auto parts = graph::components(graph);
-  for (const auto& stroke : strokes(parts)) {
+  for (const auto& stroke : vertices_by_stroke(parts)) {
     const auto size = size_class(stroke.size());
-    ++counts.death[size].could;
-    ++could.die[size].values[could.die[size].index(middle(graph, stroke))];
+    ++counts.death[size].exposure;
+    ++exposures.die[size].values[exposures.die[size].index(stroke_middle(graph, stroke))];
   }
-  const Sites found = sites(graph, parts, counts.reach);
-  counts.split.could += static_cast<double>(found.inner.size());
-  counts.disconnect.could += static_cast<double>(found.arms.size());
-  const auto at = [&](std::uint32_t v) { return could.split.index(graph.patch(v).position); };
-  for (const auto v : found.inner) ++could.split.values[at(v)];
-  for (const auto& arm : found.arms) ++could.disconnect.values[at(arm.a)];
-  counts.merge.could += static_cast<double>(found.facing.size());
-  counts.connect.could += static_cast<double>(found.beside.size());
+  const OperatorSites found = find_sites(graph, parts, counts.reach);
+  counts.split.exposure += static_cast<double>(found.split_sites.size());
+  counts.disconnect.exposure += static_cast<double>(found.disconnect_sites.size());
+  const auto at = [&](std::uint32_t v) { return exposures.split.index(graph.patch(v).position); };
+  for (const auto v : found.split_sites) ++exposures.split.values[at(v)];
+  for (const auto& arm : found.disconnect_sites) ++exposures.disconnect.values[at(arm.a)];
+  counts.merge.exposure += static_cast<double>(found.merge_sites.size());
+  counts.connect.exposure += static_cast<double>(found.connect_sites.size());
 }
 
 std::map<graph::SubgraphId, std::size_t> stroke_sizes(const graph::AttributeGraph& graph) {
@@ -111,9 +111,9 @@ std::map<graph::SubgraphId, std::size_t> stroke_sizes(const graph::AttributeGrap
 
 void count_events(const graph::MotionGraph& motion, std::span<const graph::Event> events,
                   OperatorCounts& counts) {
-  const CellMap grid = grid_over(motion.sketch.width, motion.sketch.height);
+  const CellMap grid = make_cell_grid(motion.sketch.width, motion.sketch.height);
   counts.births.assign(motion.sketch.frames.size() - 1, grid);
-  counts.deaths = counts.partings = counts.births;
+  counts.deaths = counts.separations = counts.births;
   for (std::size_t i = 0; i < events.size();) {
     const int frame = events[i].frame;
     const auto sizes = stroke_sizes(motion.sketch.frames[static_cast<std::size_t>(frame) - 1]);
@@ -128,21 +128,21 @@ void count_events(const graph::MotionGraph& motion, std::span<const graph::Event
         case EventType::death:
           ++counts.deaths[gap].values[grid.index(event.position)];
           if (const auto found = sizes.find(event.before.at(0)); found != sizes.end())
-            ++counts.death[size_class(found->second)].happened;
+            ++counts.death[size_class(found->second)].events;
           break;
         case EventType::split:
-          ++counts.split.happened;
-          ++counts.partings[gap].values[grid.index(event.position)];
+          ++counts.split.events;
+          ++counts.separations[gap].values[grid.index(event.position)];
           break;
         case EventType::merge:
-          ++counts.merge.happened;
+          ++counts.merge.events;
           break;
         case EventType::connect:
-          ++counts.connect.happened;
+          ++counts.connect.events;
           break;
         case EventType::disconnect:
-          ++counts.disconnect.happened;
-          ++counts.partings[gap].values[grid.index(event.position)];
+          ++counts.disconnect.events;
+          ++counts.separations[gap].values[grid.index(event.position)];
           break;
       }
     }
@@ -164,10 +164,10 @@ void measure_gaps(const graph::MotionGraph& motion, std::span<const graph::Event
     const auto& frames = motion.sketch.frames;
     const auto t = static_cast<std::size_t>(event.frame);
     if (event.before.size() == 2)
-      unions.push_back(gap_between(frames[t - 1], event.before[0], event.before[1]));
+      unions.push_back(gap_between_strokes(frames[t - 1], event.before[0], event.before[1]));
     if (event.after.size() == 2)
       (event.type == EventType::split ? splits : disconnects)
-          .push_back(gap_between(frames[t], event.after[0], event.after[1]));
+          .push_back(gap_between_strokes(frames[t], event.after[0], event.after[1]));
   }
   counts.reach = std::clamp(quantile(unions, 0.9, counts.reach), least_reach, most_reach);
   counts.split_gap = std::min(quantile(splits, 0.5, counts.split_gap), most_reach);
@@ -181,40 +181,40 @@ CellMap sum(const std::vector<CellMap>& maps) {
   return result;
 }
 
-// Σ K n under a Gaussian K of peak 1: what happened around each cell.
-std::vector<double> around(const CellMap& map, double sigma) {
-  auto sums = spread(map, sigma);
+// Σ K n under a Gaussian K of peak 1: what events around each cell.
+std::vector<double> kernel_sums(const CellMap& map, double sigma) {
+  auto sums = spread_over_cells(map, sigma);
   const double cells = std::max(1.0, 2 * std::numbers::pi * sigma * sigma);
   for (double& s : sums) s *= cells;
   return sums;
 }
 
 // (1 + Σ K n) / (1 + Σ K e): events as a multiple of those expected, drawn towards 1 as if by one event.
-std::vector<double> relative(const CellMap& happened, const CellMap& expected, double sigma) {
-  auto n = around(happened, sigma);
-  const auto e = around(expected, sigma);
+std::vector<double> relative_rates(const CellMap& events, const CellMap& expected, double sigma) {
+  auto n = kernel_sums(events, sigma);
+  const auto e = kernel_sums(expected, sigma);
   for (std::size_t c = 0; c < n.size(); ++c) n[c] = (1 + n[c]) / (1 + e[c]);
   return n;
 }
 
 // Log-likelihood of each gap's events under the map made of the others'.
-double left_out(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected, double sigma) {
+double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected, double sigma) {
   double sum = 0;
   CellMap others = all, expected_others = expected;
   const double share = 1 - 1 / static_cast<double>(gaps.size());
   for (double& e : expected_others.values) e *= share;
-  const auto e = around(expected_others, sigma);
-  const auto n_all = around(all, sigma);
+  const auto e = kernel_sums(expected_others, sigma);
+  const auto n_all = kernel_sums(all, sigma);
   for (const auto& gap : gaps) {
     if (total(gap.values) <= 0) continue;
-    const auto mine = around(gap, sigma);
+    const auto mine = kernel_sums(gap, sigma);
     for (std::size_t c = 0; c < gap.values.size(); ++c)
       if (gap.values[c] > 0 && expected.values[c] > 0)
         sum += gap.values[c] *
                std::log((1 + std::max(0.0, n_all[c] - mine[c])) / (1 + e[c]) * expected.values[c]);
   }
   // The expected number in a gap: the same for all of them.
-  const auto map = relative(all, expected, sigma);
+  const auto map = relative_rates(all, expected, sigma);
   for (std::size_t c = 0; c < map.size(); ++c) sum -= map[c] * expected.values[c];
   return sum;
 }
@@ -224,10 +224,10 @@ CellMap relative_map(const std::vector<CellMap>& gaps, const CellMap& expected) 
   CellMap best = expected;
   double highest = -std::numeric_limits<double>::infinity();
   for (const double sigma : {0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 16.0}) {
-    const double likely = left_out(gaps, all, expected, sigma);
+    const double likely = leave_one_out_likelihood(gaps, all, expected, sigma);
     if (!(likely > highest)) continue;
     highest = likely;
-    best.values = relative(all, expected, sigma);
+    best.values = relative_rates(all, expected, sigma);
   }
   if (highest == -std::numeric_limits<double>::infinity()) std::ranges::fill(best.values, 1.0);
   return best;
@@ -235,13 +235,13 @@ CellMap relative_map(const std::vector<CellMap>& gaps, const CellMap& expected) 
 
 }  // namespace
 
-std::vector<std::vector<std::uint32_t>> strokes(const graph::Components& parts) {
+std::vector<std::vector<std::uint32_t>> vertices_by_stroke(const graph::Components& parts) {
   std::vector<std::vector<std::uint32_t>> result(parts.count);
   for (std::uint32_t v = 0; v < parts.of_vertex.size(); ++v) result[parts.of_vertex[v]].push_back(v);
   return result;
 }
 
-Point middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke) {
+Point stroke_middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke) {
   Point mean;
   for (const auto v : stroke) mean = mean + graph.patch(v).position;
   mean = mean * (1.0 / static_cast<double>(stroke.size()));
@@ -250,7 +250,7 @@ Point middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> 
   return graph.patch(*nearest).position;
 }
 
-double gap_between(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b) {
+double gap_between_strokes(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b) {
   std::vector<Point> one, other;
   for (const auto& v : graph.vertices()) {
     if (v.subgraph == a) one.push_back(v.patch.position);
@@ -267,61 +267,61 @@ OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const
   const auto& frames = motion.sketch.frames;
   counts.gaps = static_cast<double>(frames.size()) - 1;
   measure_gaps(motion, events, counts);
-  const CellMap grid = grid_over(motion.sketch.width, motion.sketch.height);
-  Could could{{}, grid, grid};
-  could.die.fill(grid);
-  for (std::size_t t = 0; t + 1 < frames.size(); ++t) count_strokes(frames[t], counts, could);
+  const CellMap grid = make_cell_grid(motion.sketch.width, motion.sketch.height);
+  ExposureMaps exposures{{}, grid, grid};
+  exposures.die.fill(grid);
+  for (std::size_t t = 0; t + 1 < frames.size(); ++t) count_strokes(frames[t], counts, exposures);
   count_events(motion, events, counts);
-  OperatorCounts::Tally all;
-  for (const auto& tally : counts.death) all += tally;
-  counts.strokes = counts.partable = grid;
-  for (std::size_t s = 0; s < kSizes; ++s)
-    for (std::size_t c = 0; c < counts.strokes.values.size(); ++c)
-      counts.strokes.values[c] += could.die[s].values[c] * rate(counts.death[s], all);
+  OperatorCounts::Count all;
+  for (const auto& count : counts.death) all += count;
+  counts.expected_deaths = counts.expected_separations = grid;
+  for (std::size_t s = 0; s < kSizeClasses; ++s)
+    for (std::size_t c = 0; c < counts.expected_deaths.values.size(); ++c)
+      counts.expected_deaths.values[c] += exposures.die[s].values[c] * rate(counts.death[s], all);
   for (std::size_t c = 0; c < grid.values.size(); ++c)
-    counts.partable.values[c] = could.split.values[c] * rate(counts.split, counts.split) +
-                                could.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
+    counts.expected_separations.values[c] = exposures.split.values[c] * rate(counts.split, counts.split) +
+                                exposures.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
   return counts;
 }
 
-OperatorCounts mean(std::span<const OperatorCounts> samples) {
+OperatorCounts mean_counts(std::span<const OperatorCounts> samples) {
   if (samples.empty()) throw core::InputError("a mean of counts is made of one sample or more; here is none");
   const auto n = static_cast<double>(samples.size());
   const double share = 1 / n, unbiased = 1 / std::max(1.0, n - 1);
   OperatorCounts result;
   result.reach = result.split_gap = result.disconnect_gap = 0;
-  result.strokes = samples[0].strokes;
-  std::ranges::fill(result.strokes.values, 0.0);
-  result.partable = result.strokes;
-  result.births.assign(samples[0].births.size(), result.strokes);
-  result.deaths = result.partings = result.births;
+  result.expected_deaths = samples[0].expected_deaths;
+  std::ranges::fill(result.expected_deaths.values, 0.0);
+  result.expected_separations = result.expected_deaths;
+  result.births.assign(samples[0].births.size(), result.expected_deaths);
+  result.deaths = result.separations = result.births;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto& sample = samples[i];
     require_alike(samples[0], sample, i);
     add_all(result.births, sample.births, share);
     add_all(result.deaths, sample.deaths, share);
-    add_all(result.partings, sample.partings, share);
-    add(result.strokes, sample.strokes, share);
-    add(result.partable, sample.partable, share);
+    add_all(result.separations, sample.separations, share);
+    add(result.expected_deaths, sample.expected_deaths, share);
+    add(result.expected_separations, sample.expected_separations, share);
     add(result.reach, sample.reach, share);
     add(result.split_gap, sample.split_gap, share);
     add(result.disconnect_gap, sample.disconnect_gap, share);
     add(result.gaps, sample.gaps, share);
     add_all(result.events, sample.events, share);
   }
-  const auto average = [&](auto tally) {
-    OperatorCounts::Tally m;
+  const auto average = [&](auto count) {
+    OperatorCounts::Count m;
     for (const auto& sample : samples)
-      add(m.happened, tally(sample).happened, share), add(m.could, tally(sample).could, share);
+      add(m.events, count(sample).events, share), add(m.exposure, count(sample).exposure, share);
     for (const auto& sample : samples)
-      add(m.variance, std::pow(tally(sample).happened - m.happened, 2), unbiased);
+      add(m.variance, std::pow(count(sample).events - m.events, 2), unbiased);
     return m;
   };
   result.split = average([](const auto& c) { return c.split; });
   result.merge = average([](const auto& c) { return c.merge; });
   result.connect = average([](const auto& c) { return c.connect; });
   result.disconnect = average([](const auto& c) { return c.disconnect; });
-  for (std::size_t s = 0; s < kSizes; ++s)
+  for (std::size_t s = 0; s < kSizeClasses; ++s)
     result.death[s] = average([s](const auto& c) { return c.death[s]; });
   for (const auto& sample : samples)
     for (std::size_t type = 0; type < result.events.size(); ++type)
@@ -345,14 +345,14 @@ RateEstimate estimate_rates(const OperatorCounts& counts) {
   RateEstimate result;
   add_intervals(counts, result);
   OperatorRates& rates = result.rates;
-  OperatorCounts::Tally deaths;
-  for (const auto& tally : counts.death) deaths += tally;
-  for (std::size_t s = 0; s < kSizes; ++s) rates.death_by_size[s] = rate(counts.death[s], deaths);
-  rates.death = relative_map(counts.deaths, counts.strokes);
-  rates.parting = relative_map(counts.partings, counts.partable);
+  OperatorCounts::Count deaths;
+  for (const auto& count : counts.death) deaths += count;
+  for (std::size_t s = 0; s < kSizeClasses; ++s) rates.death_by_size[s] = rate(counts.death[s], deaths);
+  rates.death = relative_map(counts.deaths, counts.expected_deaths);
+  rates.separation = relative_map(counts.separations, counts.expected_separations);
 
   const double births = total(sum(counts.births).values);
-  const CellMap& grid = counts.strokes;
+  const CellMap& grid = counts.expected_deaths;
   CellMap expected = grid;
   std::ranges::fill(expected.values, births / static_cast<double>(grid.values.size()));
   rates.birth = relative_map(counts.births, expected);
@@ -365,9 +365,9 @@ RateEstimate estimate_rates(const OperatorCounts& counts) {
   rates.disconnect = rate(counts.disconnect, counts.disconnect);
   rates.reach = counts.reach, rates.split_gap = counts.split_gap;
   rates.disconnect_gap = counts.disconnect_gap;
-  if (births + deaths.happened < 10)
+  if (births + deaths.events < 10)
     result.notes.push_back("only " + std::to_string(static_cast<int>(births)) + " births and " +
-                           std::to_string(static_cast<int>(deaths.happened)) +
+                           std::to_string(static_cast<int>(deaths.events)) +
                            " deaths: their rates are hardly known");
   return result;
 }

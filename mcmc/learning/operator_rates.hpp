@@ -12,20 +12,21 @@
 
 namespace emberfold::mcmc {
 
-/// Sufficient statistics of the operator rates: what happened, and how often it could have.
+/// Holds sufficient statistics of the operator rates: events and the sites at which they could happen.
 struct OperatorCounts {
-  struct Tally {
-    double happened = 0, could = 0;
-    double variance = 0;  ///< of `happened` between the samples of the clip's graph that it is the mean of
-    Tally& operator+=(const Tally& o) {
-      return happened += o.happened, could += o.could, variance += o.variance, *this;
+  /// Holds a number of events and the number of occasions for them.
+  struct Count {
+    double events = 0, exposure = 0;
+    double variance = 0;  ///< of `events` between the samples of the clip's graph that it is the mean of
+    Count& operator+=(const Count& o) {
+      return events += o.events, exposure += o.exposure, variance += o.variance, *this;
     }
   };
-  Tally split, merge, connect, disconnect;  ///< could: sites × frames (mcmc/learning/operator_sites.hpp)
-  std::array<Tally, kSizes> death;          ///< could: strokes × frames
-  std::vector<CellMap> births, deaths, partings;  ///< of every gap between frames: how many in each cell
-  CellMap partable;   ///< splits and disconnects expected in each cell by the sites alone
-  CellMap strokes;    ///< deaths expected in each cell by the strokes' sizes alone
+  Count split, merge, connect, disconnect;  ///< could: sites × frames (mcmc/learning/operator_sites.hpp)
+  std::array<Count, kSizeClasses> death;          ///< could: strokes × frames
+  std::vector<CellMap> births, deaths, separations;  ///< of every gap between frames: how many in each cell
+  CellMap expected_separations;   ///< splits and disconnects expected in each cell by the sites alone
+  CellMap expected_deaths;    ///< deaths expected in each cell by the strokes' sizes alone
   double reach = 24;  ///< px: nine in ten unions bridged no more
   double split_gap = 10, disconnect_gap = 10;  ///< px, medians
   double gaps = 0;                             ///< between frames
@@ -35,46 +36,47 @@ struct OperatorCounts {
   std::array<double, 6> events_variance{};  ///< between samples
 };
 
-/// `events` are motion's stroke events. O(n log n).
+/// Counts the events and sites of a matched clip; `events` are its stroke events. O(n log n).
 OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const graph::Event> events);
 
-/// What several samples of one clip's graph count on average, and how far their counts differ. InputError for
-/// none, or samples of unlike maps or numbers of frames.
-OperatorCounts mean(std::span<const OperatorCounts> samples);
+/// Averages the counts of several samples of one clip's graph and adds the variance between samples.
+/// Throws core::InputError for no sample, and for samples of different maps or numbers of frames.
+OperatorCounts mean_counts(std::span<const OperatorCounts> samples);
 
-/// A rate and what it may be: with 90 % probability (or another that is told) it lies between `low` and
-/// `high`.
+/// Holds a rate with its credible interval from `low` to `high`, of 90 % unless another probability is named.
 struct RateInterval {
   double mean = 0, low = 0, high = 0;
 };
 
-/// Of a Gamma law of so many events in so much time (shape `events` + `prior_events`, rate `time` +
-/// `prior_time`, > 0) whose variance is increased by that of `events`, `variance` (law of total variance; the
-/// Gamma law of that mean and variance stands for the mixture).
+/// Computes the interval of a rate under a Gamma law of shape `events` + `prior_events` and rate `time` +
+/// `prior_time` (> 0).
+/// Its variance is increased by `variance`, the variance of `events` (law of total variance); a Gamma law of the
+/// same mean and variance stands for the mixture. Throws core::InputError where shape or rate is not above 0.
 RateInterval rate_interval(double events, double time, double variance, double prior_events,
                            double prior_time, double probability = 0.9);
 
+/// Holds estimated rates and their intervals.
 struct RateEstimate {
   OperatorRates rates;
-  /// Expected number of each kind of event (graph::EventType) a frame: Jeffreys' prior; 0 and what it may be
-  /// at most where none was seen.
-  std::array<RateInterval, 6> a_frame{};
-  std::array<RateInterval, kSizes> death_by_size{};  ///< per stroke and frame, about rates.death_by_size
+  /// Expected number of each kind of event (graph::EventType) in a frame under Jeffreys' prior; `low` is 0 for a
+  /// kind that was never observed.
+  std::array<RateInterval, 6> events_per_frame{};
+  std::array<RateInterval, kSizeClasses> death_by_size{};  ///< per stroke and frame, about rates.death_by_size
   std::vector<std::string> notes;
 };
-/// Posterior means under Gamma priors drawn towards the mean over the sizes. Maps: counts and exposures
-/// smoothed by one kernel, whose width makes the events of each frame likeliest given the others'; drawn
-/// towards the frame's mean by as much as one event. The births' sizes are left to whoever knows what is
-/// born.
+/// Estimates the rates as posterior means under Gamma priors that shrink towards the mean over sizes.
+/// Maps are ratios of counts and exposures smoothed by one kernel and shrunk towards the frame's mean with the
+/// weight of one event; the kernel's width maximises the likelihood of each frame's events given the others'.
+/// `birth_by_size` is left to the caller, who knows the exemplars.
 RateEstimate estimate_rates(const OperatorCounts& counts);
 
-/// A stroke's middle: the patch nearest the mean of its places.
-graph::Point middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke);
+/// Returns the place of the patch nearest the mean of a stroke's places, px.
+graph::Point stroke_middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke);
 
-/// px between the nearest patches of two strokes of a frame; infinite where one of them is not there.
-double gap_between(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b);
+/// Returns the distance between the nearest patches of two strokes of a frame, px; infinite where one is absent.
+double gap_between_strokes(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b);
 
-/// The vertices of each component.
-std::vector<std::vector<std::uint32_t>> strokes(const graph::Components& parts);
+/// Lists the vertices of each component.
+std::vector<std::vector<std::uint32_t>> vertices_by_stroke(const graph::Components& parts);
 
 }  // namespace emberfold::mcmc

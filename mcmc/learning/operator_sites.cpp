@@ -21,18 +21,18 @@ using Index = std::uint32_t;
 
 constexpr double in_line = std::numbers::pi / 6;
 
-double turn(Point a, Point b) {
+double angle_between(Point a, Point b) {
   return std::abs(std::atan2(a.x * b.y - a.y * b.x, graph::dot(a, b)));
 }
 
 bool face_each_other(const AttributeGraph& graph, Index a, Index b) {
   const Point gap = graph.patch(b).position - graph.patch(a).position;
-  return turn(outwards(graph, a), gap) < in_line && turn(gap, outwards(graph, b) * -1) < in_line;
+  return angle_between(end_direction(graph, a), gap) < in_line && angle_between(gap, end_direction(graph, b) * -1) < in_line;
 }
 
 // The direction in which a curve would end at its k-th patch, coming from the left (step 1) or from the right
 // (−1).
-Point tip(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t k, int step) {
+Point tip_direction_at(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t k, int step) {
   const auto at = [&](std::size_t i) { return graph.patch(curve[i]).position; };
   std::vector<Point> way{at(k)};
   const std::size_t last = step > 0 ? 0 : curve.size() - 1;
@@ -51,13 +51,13 @@ bool splits(const AttributeGraph& graph, const std::vector<Index>& curve, std::s
     const std::size_t a = i - std::min(i, wide), b = std::min(curve.size() - 1, i + wide);
     const Point gap = graph.patch(curve[b]).position - graph.patch(curve[a]).position;
     // What ends in the gap with one patch has no direction of its own.
-    const Point out = a > 0 ? tip(graph, curve, a, 1) : gap,
-                in = b + 1 < curve.size() ? tip(graph, curve, b, -1) : gap * -1;
-    return turn(out, gap) < in_line && turn(gap * -1, in) < in_line;
+    const Point out = a > 0 ? tip_direction_at(graph, curve, a, 1) : gap,
+                in = b + 1 < curve.size() ? tip_direction_at(graph, curve, b, -1) : gap * -1;
+    return angle_between(out, gap) < in_line && angle_between(gap * -1, in) < in_line;
   });
 }
 
-void find_along(const AttributeGraph& graph, Sites& result) {
+void find_along(const AttributeGraph& graph, OperatorSites& result) {
   for (const auto& curve : graph::curves(graph)) {
     const std::size_t n = curve.size();
     const bool ring = n > 1 && curve.front() == curve.back();
@@ -65,29 +65,29 @@ void find_along(const AttributeGraph& graph, Sites& result) {
     // How many patches lie between the i-th and the free end before it, or behind it.
     const std::size_t before = free(curve.front()) ? 0 : kPiece, behind = free(curve.back()) ? 0 : kPiece;
     const auto whole = [&](std::size_t i) { return i + before >= kPiece && n - 1 - i + behind >= kPiece; };
-    if (n > 1 && graph.degree(curve.front()) >= 3 && whole(0)) result.arms.push_back({curve[0], curve[1]});
+    if (n > 1 && graph.degree(curve.front()) >= 3 && whole(0)) result.disconnect_sites.push_back({curve[0], curve[1]});
     if (n > 1 && graph.degree(curve.back()) >= 3 && whole(n - 1))
-      result.arms.push_back({curve[n - 1], curve[n - 2]});
+      result.disconnect_sites.push_back({curve[n - 1], curve[n - 2]});
     for (std::size_t i = 1; i + 1 < n; ++i) {
       if (!whole(i)) continue;
       const Point at = graph.patch(curve[i]).position;
       const bool corner =
-          turn(at - graph.patch(curve[i - 1]).position, graph.patch(curve[i + 1]).position - at) >= in_line;
+          angle_between(at - graph.patch(curve[i - 1]).position, graph.patch(curve[i + 1]).position - at) >= in_line;
       if (!corner && splits(graph, curve, i)) {
-        result.inner.push_back(curve[i]);
+        result.split_sites.push_back(curve[i]);
       } else if (corner) {
-        result.arms.push_back({curve[i], curve[i - 1]});
-        result.arms.push_back({curve[i], curve[i + 1]});
+        result.disconnect_sites.push_back({curve[i], curve[i - 1]});
+        result.disconnect_sites.push_back({curve[i], curve[i + 1]});
       }
     }
   }
-  std::ranges::sort(result.inner);
-  std::ranges::sort(result.arms);
+  std::ranges::sort(result.split_sites);
+  std::ranges::sort(result.disconnect_sites);
 }
 
 // Where an end comes nearest to a patch of another stroke.
 struct Approach {
-  Sites::Pair pair;
+  OperatorSites::Pair pair;
   double distance = 0;
   bool facing = false;
   // Ends in line go before others, then the nearest.
@@ -96,7 +96,7 @@ struct Approach {
   }
 };
 
-void find_between(const AttributeGraph& graph, const graph::Components& parts, double reach, Sites& result) {
+void find_between(const AttributeGraph& graph, const graph::Components& parts, double reach, OperatorSites& result) {
   std::vector<Point> points;
   for (const auto& vertex : graph.vertices()) points.push_back(vertex.patch.position);
   const graph::detail::PointGrid near(points, reach);
@@ -115,27 +115,27 @@ void find_between(const AttributeGraph& graph, const graph::Components& parts, d
     }
   }
   for (const auto& [both, approach] : nearest)
-    (approach.facing ? result.facing : result.beside).push_back(approach.pair);
-  std::ranges::sort(result.facing);
-  std::ranges::sort(result.beside);
+    (approach.facing ? result.merge_sites : result.connect_sites).push_back(approach.pair);
+  std::ranges::sort(result.merge_sites);
+  std::ranges::sort(result.connect_sites);
 }
 
 }  // namespace
 
-Sites sites(const AttributeGraph& graph, const graph::Components& parts, double reach) {
-  Sites result;
+OperatorSites find_sites(const AttributeGraph& graph, const graph::Components& parts, double reach) {
+  OperatorSites result;
   find_along(graph, result);
   find_between(graph, parts, reach, result);
   return result;
 }
 
-Point outwards(const AttributeGraph& graph, Index end) {
+Point end_direction(const AttributeGraph& graph, Index end) {
   return graph.patch(end).position - graph.patch(graph.neighbours(end)[0]).position;
 }
 
-double turn_towards(const AttributeGraph& graph, const Sites::Pair& pair) {
+double turn_angle_towards(const AttributeGraph& graph, const OperatorSites::Pair& pair) {
   if (graph.degree(pair.a) == 0) return 0;
-  return turn(outwards(graph, pair.a), graph.patch(pair.b).position - graph.patch(pair.a).position);
+  return angle_between(end_direction(graph, pair.a), graph.patch(pair.b).position - graph.patch(pair.a).position);
 }
 
 }  // namespace emberfold::mcmc

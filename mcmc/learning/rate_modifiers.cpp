@@ -17,16 +17,16 @@ namespace {
 using graph::EventType;
 
 constexpr double near = 16;                                           // px
-constexpr std::array<double, kSince - 1> begins = {4, 6, 9, 16, 32};  // frames
-constexpr std::array<double, kGaps - 1> widths = {5, 7, 10, 14, 20};  // px
+constexpr std::array<double, kElapsedClasses - 1> begins = {4, 6, 9, 16, 32};  // frames
+constexpr std::array<double, kGapClasses - 1> widths = {5, 7, 10, 14, 20};  // px
 
 template <std::size_t kClasses>
-struct Tally {
-  std::array<double, kClasses> happened{}, expected{};
+struct ClassCounts {
+  std::array<double, kClasses> events{}, expected{};
 
-  [[nodiscard]] std::array<double, kClasses> relative() const {
+  [[nodiscard]] std::array<double, kClasses> ratios() const {
     std::array<double, kClasses> result{};
-    for (std::size_t i = 0; i < kClasses; ++i) result[i] = (1 + happened[i]) / (1 + expected[i]);
+    for (std::size_t i = 0; i < kClasses; ++i) result[i] = (1 + events[i]) / (1 + expected[i]);
     return result;
   }
 };
@@ -34,29 +34,29 @@ struct Tally {
 bool is_union(EventType type) {
   return type == EventType::merge || type == EventType::connect;
 }
-bool is_parting(EventType type) {
+bool is_separation(EventType type) {
   return type == EventType::split || type == EventType::disconnect;
 }
 
-// What has happened in a clip until a frame.
+// What has events in a clip until a frame.
 struct Past {
-  std::vector<Happening> unions, partings;
+  std::vector<PastEvent> unions, separations;
   std::map<graph::SubgraphId, double> born;
 
   [[nodiscard]] std::size_t age(graph::SubgraphId stroke, double frame) const {
     const auto found = born.find(stroke);
-    return since_class(found == born.end() ? std::numeric_limits<double>::infinity() : frame - found->second);
+    return elapsed_class(found == born.end() ? std::numeric_limits<double>::infinity() : frame - found->second);
   }
   void forget(double frame) {
-    const auto long_ago = [frame](const Happening& one) { return frame - one.frame >= begins.back(); };
+    const auto long_ago = [frame](const PastEvent& one) { return frame - one.frame >= begins.back(); };
     std::erase_if(unions, long_ago);
-    std::erase_if(partings, long_ago);
+    std::erase_if(separations, long_ago);
   }
   void note(const graph::Event& event) {
     const double frame = event.frame;
     if (event.type == EventType::birth) born[event.after.at(0)] = frame;
     if (is_union(event.type)) unions.push_back({event.position, frame});
-    if (is_parting(event.type)) partings.push_back({event.position, frame});
+    if (is_separation(event.type)) separations.push_back({event.position, frame});
     // What comes of strokes is as old as the oldest of them.
     double began = std::numeric_limits<double>::infinity();
     for (const auto stroke : event.before) {
@@ -68,59 +68,59 @@ struct Past {
   }
 };
 
-struct Tallies {
-  Tally<kSince> death, parting, uniting;
-  Tally<kGaps> bridging;
-  Tally<kTurns> turning;
+struct ModifierCounts {
+  ClassCounts<kElapsedClasses> death, separation, unification;
+  ClassCounts<kGapClasses> bridging;
+  ClassCounts<kTurnClasses> turning;
 };
 
-std::size_t class_of(const graph::AttributeGraph& graph, const Sites::Pair& pair) {
-  return turn_class(turn_towards(graph, pair));
+std::size_t class_of(const graph::AttributeGraph& graph, const OperatorSites::Pair& pair) {
+  return turn_class(turn_angle_towards(graph, pair));
 }
 
-void expect(const graph::AttributeGraph& graph, const graph::Components& parts, const Sites& found,
-            const Past& past, double frame, const OperatorRates& rates, Tallies& tallies) {
-  for (const auto& stroke : strokes(parts)) {
+void add_expected(const graph::AttributeGraph& graph, const graph::Components& parts, const OperatorSites& found,
+            const Past& past, double frame, const OperatorRates& rates, ModifierCounts& counts) {
+  for (const auto& stroke : vertices_by_stroke(parts)) {
     const auto age = past.age(graph.vertices()[stroke[0]].subgraph, frame);
-    tallies.death.expected[age] +=
-        rates.death_by_size[size_class(stroke.size())] * rates.death.at(middle(graph, stroke));
+    counts.death.expected[age] +=
+        rates.death_by_size[size_class(stroke.size())] * rates.death.at(stroke_middle(graph, stroke));
   }
   const auto place = [&](std::uint32_t v) { return graph.patch(v).position; };
-  const auto add = [&](Tally<kSince>& tally, const std::vector<Happening>& what, std::uint32_t v,
-                       double rate) { tally.expected[since_class(since(what, place(v), frame))] += rate; };
-  for (const auto v : found.inner)
-    add(tallies.parting, past.unions, v, rates.split * rates.parting.at(place(v)));
-  for (const auto& arm : found.arms)
-    add(tallies.parting, past.unions, arm.a, rates.disconnect * rates.parting.at(place(arm.a)));
-  const auto add_pair = [&](const Sites::Pair& pair, double rate) {
-    add(tallies.uniting, past.partings, pair.a, rate);
-    tallies.bridging.expected[gap_class(graph::distance(place(pair.a), place(pair.b)))] += rate;
+  const auto add = [&](ClassCounts<kElapsedClasses>& count, const std::vector<PastEvent>& what, std::uint32_t v,
+                       double rate) { count.expected[elapsed_class(frames_since(what, place(v), frame))] += rate; };
+  for (const auto v : found.split_sites)
+    add(counts.separation, past.unions, v, rates.split * rates.separation.at(place(v)));
+  for (const auto& arm : found.disconnect_sites)
+    add(counts.separation, past.unions, arm.a, rates.disconnect * rates.separation.at(place(arm.a)));
+  const auto add_pair = [&](const OperatorSites::Pair& pair, double rate) {
+    add(counts.unification, past.separations, pair.a, rate);
+    counts.bridging.expected[gap_class(graph::distance(place(pair.a), place(pair.b)))] += rate;
   };
-  for (const auto& pair : found.facing) add_pair(pair, rates.merge);
-  for (const auto& pair : found.beside) {
+  for (const auto& pair : found.merge_sites) add_pair(pair, rates.merge);
+  for (const auto& pair : found.connect_sites) {
     add_pair(pair, rates.connect);
-    tallies.turning.expected[class_of(graph, pair)] += rates.connect;
+    counts.turning.expected[class_of(graph, pair)] += rates.connect;
   }
 }
 
-void count(const graph::Event& event, const graph::AttributeGraph& before, const Sites& found,
-           const Past& past, Tallies& tallies) {
+void add_event(const graph::Event& event, const graph::AttributeGraph& before, const OperatorSites& found,
+           const Past& past, ModifierCounts& counts) {
   const double frame = event.frame;
-  if (event.type == EventType::death) ++tallies.death.happened[past.age(event.before.at(0), frame)];
-  if (is_parting(event.type))
-    ++tallies.parting.happened[since_class(since(past.unions, event.position, frame))];
+  if (event.type == EventType::death) ++counts.death.events[past.age(event.before.at(0), frame)];
+  if (is_separation(event.type))
+    ++counts.separation.events[elapsed_class(frames_since(past.unions, event.position, frame))];
   if (!is_union(event.type)) return;
-  ++tallies.uniting.happened[since_class(since(past.partings, event.position, frame))];
-  ++tallies.bridging.happened[gap_class(gap_between(before, event.before.at(0), event.before.at(1)))];
+  ++counts.unification.events[elapsed_class(frames_since(past.separations, event.position, frame))];
+  ++counts.bridging.events[gap_class(gap_between_strokes(before, event.before.at(0), event.before.at(1)))];
   const auto of = [&](std::uint32_t v) { return before.vertices()[v].subgraph; };
-  for (const auto& pair : found.beside)
+  for (const auto& pair : found.connect_sites)
     if (std::minmax(of(pair.a), of(pair.b)) == std::minmax(event.before.at(0), event.before.at(1)))
-      ++tallies.turning.happened[class_of(before, pair)];
+      ++counts.turning.events[class_of(before, pair)];
 }
 
 }  // namespace
 
-std::size_t since_class(double frames) {
+std::size_t elapsed_class(double frames) {
   return static_cast<std::size_t>(std::ranges::upper_bound(begins, frames) - begins.begin());
 }
 
@@ -129,10 +129,10 @@ std::size_t gap_class(double px) {
 }
 
 std::size_t turn_class(double angle) {
-  return std::min(kTurns - 1, static_cast<std::size_t>(angle / (std::numbers::pi / 6)));
+  return std::min(kTurnClasses - 1, static_cast<std::size_t>(angle / (std::numbers::pi / 6)));
 }
 
-double since(std::span<const Happening> all, graph::Point place, double frame) {
+double frames_since(std::span<const PastEvent> all, graph::Point place, double frame) {
   double least = std::numeric_limits<double>::infinity();
   for (const auto& one : all) {
     const graph::Point apart = one.place - place;
@@ -141,10 +141,10 @@ double since(std::span<const Happening> all, graph::Point place, double frame) {
   return least;
 }
 
-Circumstances estimate_circumstances(std::span<const graph::MotionGraph> samples,
+RateModifiers estimate_rate_modifiers(std::span<const graph::MotionGraph> samples,
                                      std::span<const std::vector<graph::Event>> events,
                                      const OperatorRates& rates) {
-  Tallies tallies;
+  ModifierCounts counts;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     Past past;
     auto event = events[i].begin();
@@ -153,16 +153,16 @@ Circumstances estimate_circumstances(std::span<const graph::MotionGraph> samples
       past.forget(static_cast<double>(t));
       const auto& before = frames[t - 1];
       const auto parts = graph::components(before);
-      const Sites found = sites(before, parts, rates.reach);
-      expect(before, parts, found, past, static_cast<double>(t), rates, tallies);
+      const OperatorSites found = find_sites(before, parts, rates.reach);
+      add_expected(before, parts, found, past, static_cast<double>(t), rates, counts);
       const auto first = event;
       for (; event != events[i].end() && event->frame == static_cast<int>(t); ++event)
-        count(*event, before, found, past, tallies);
+        add_event(*event, before, found, past, counts);
       std::for_each(first, event, [&](const graph::Event& one) { past.note(one); });
     }
   }
-  return {tallies.death.relative(),    tallies.parting.relative(), tallies.uniting.relative(),
-          tallies.bridging.relative(), tallies.turning.relative(), 1};
+  return {counts.death.ratios(),    counts.separation.ratios(), counts.unification.ratios(),
+          counts.bridging.ratios(), counts.turning.ratios(), 1};
 }
 
 }  // namespace emberfold::mcmc

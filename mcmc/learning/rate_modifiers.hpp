@@ -10,25 +10,26 @@
 
 namespace emberfold::mcmc {
 
-std::size_t since_class(double frames);
+/// Return the classes of a time, a gap and a turn (mcmc/model/motion_model.hpp).
+std::size_t elapsed_class(double frames);
 std::size_t gap_class(double px);
 std::size_t turn_class(double angle);  ///< rad, 0…π
 
-/// Something that happened at a place, px, and when, frame.
-struct Happening {
+/// Holds the place, px, and the frame of an event.
+struct PastEvent {
   graph::Point place;
   double frame = 0;
 };
 
-/// Frames until `frame` since the latest of them within 16 px of a place; infinite where there was none, 0
-/// where it is still to come.
-double since(std::span<const Happening> all, graph::Point place, double frame);
+/// Returns the number of frames until `frame` since the latest event within 16 px of a place.
+/// Infinite without any such event; 0 for an event in the future.
+double frames_since(std::span<const PastEvent> all, graph::Point place, double frame);
 
-/// How what happens depends on what happened before, and unions on the gap: events of each class over those
-/// that the other rates alone would have made there, drawn towards 1 as if by one event. `events[i]` are
-/// samples[i]'s stroke events; a stroke that was there in the first frame is of unknown age. O(sites · events
-/// of 32 frames).
-Circumstances estimate_circumstances(std::span<const graph::MotionGraph> samples,
+/// Estimates how rates depend on past events, on gaps and on turns.
+/// Each factor is the number of events of a class over the number that the other rates predict, shrunk towards 1
+/// with the weight of one event. `events[i]` are samples[i]'s stroke events; strokes of the first frame are of
+/// unknown age. O(sites · events of 32 frames).
+RateModifiers estimate_rate_modifiers(std::span<const graph::MotionGraph> samples,
                                      std::span<const std::vector<graph::Event>> events,
                                      const OperatorRates& rates);
 

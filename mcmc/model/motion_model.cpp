@@ -95,16 +95,9 @@ double stationary_deviation(const Autoregression& m) {
   return m.noise * std::sqrt(variance / mass);
 }
 
-std::size_t CellMap::index(graph::Point p) const {
-  const auto place = [&](double x, int count) {
-    return static_cast<std::size_t>(std::clamp(std::floor((x + 0.5) / cell), 0.0, count - 1.0));
-  };
-  return place(p.y, rows) * static_cast<std::size_t>(columns) + place(p.x, columns);
-}
-
 std::size_t size_class(std::size_t patches) {
   std::size_t size = 0;
-  for (std::size_t limit = 4; size + 1 < kSizes && patches > limit; limit *= 2) ++size;
+  for (std::size_t limit = 4; size + 1 < kSizeClasses && patches > limit; limit *= 2) ++size;
   return size;
 }
 
@@ -115,14 +108,14 @@ void validate(const MotionModel& model) {
   check(model.fps > 0 && model.fps <= 1000, "fps",
         "is " + core::number_text(model.fps) + "; allowed is (0, 1000]");
   check(model.frames >= 2, "frames", "is " + std::to_string(model.frames) + "; at least 2");
-  check(model.sway, "sway");
+  check(model.displacement, "sway");
   check(model.contrast, "contrast");
   check(model.drift_x, model, "drift_x", -1e6);
   check(model.drift_y, model, "drift_y", -1e6);
   check(model.rates.birth, model, "the birth map", 0);
   check(model.rates.death, model, "the death map", 0);
-  check(model.rates.parting, model, "the parting map", 0);
-  check(model.sway_share, model, "sway_share", 0);
+  check(model.rates.separation, model, "the parting map", 0);
+  check(model.displacement_scale, model, "sway_share", 0);
   check(model.density, model, "the density map", 0);
   for (const double share : model.rates.birth_by_size) check_share(share, "a share of births");
   for (const double rate : model.rates.death_by_size) check_share(rate, "a death rate");
@@ -133,20 +126,20 @@ void validate(const MotionModel& model) {
   for (const double length : {model.rates.reach, model.rates.split_gap, model.rates.disconnect_gap})
     check(length >= 0 && length <= 1000, "a gap",
           "is " + core::number_text(length) + " px; allowed is 0…1000");
-  check(model.rates.hold >= 0 && model.rates.hold <= 1000, "hold",
-        "is " + core::number_text(model.rates.hold) + " frames; allowed is 0…1000");
-  const auto& after = model.rates.circumstances;
+  check(model.rates.refractory_period >= 0 && model.rates.refractory_period <= 1000, "hold",
+        "is " + core::number_text(model.rates.refractory_period) + " frames; allowed is 0…1000");
+  const auto& after = model.rates.modifiers;
   const auto check_multiples = [&](const auto& multiples) {
     for (const double multiple : multiples)
       check(multiple >= 0 && multiple <= 1e6, "circumstances",
             "holds " + core::number_text(multiple) + ", which is out of range");
   };
-  for (const auto* multiples : {&after.death, &after.parting, &after.uniting, &after.bridging})
+  for (const auto* multiples : {&after.death, &after.separation, &after.unification, &after.bridging})
     check_multiples(*multiples);
   check_multiples(after.turning);
   check(after.pace >= 1e-3 && after.pace <= 1e3, "circumstances",
         "has a pace of " + core::number_text(after.pace) + "; allowed is 0.001…1000");
-  for (const double far : {model.exclusion.alike, model.exclusion.lines, model.exclusion.mixed})
+  for (const double far : {model.hard_core.alike, model.hard_core.lines, model.hard_core.mixed})
     check(far >= 0 && far <= 1000, "exclusion", "holds " + core::number_text(far) + " px; allowed is 0…1000");
   for (const double share : model.appearing) check_share(share, "appearing");
   for (const double share : model.vanishing) check_share(share, "vanishing");
@@ -158,10 +151,10 @@ void validate(const MotionModel& model) {
     check(exemplar.graph, "an exemplar");
   }
   check(model.first, "the first frame");
-  check(model.first_swing.empty() || model.first_swing.size() == model.first.size(), "first_swing",
-        "tells of " + std::to_string(model.first_swing.size()) + " patches, the first frame has " +
+  check(model.first_motion.empty() || model.first_motion.size() == model.first.size(), "first_swing",
+        "tells of " + std::to_string(model.first_motion.size()) + " patches, the first frame has " +
             std::to_string(model.first.size()));
-  for (const auto& s : model.first_swing)
+  for (const auto& s : model.first_motion)
     for (const double value :
          {s.offset.x, s.offset.y, s.offset_before.x, s.offset_before.y, s.gain, s.gain_before})
       check(std::isfinite(value), "first_swing", "holds a number that is not finite");

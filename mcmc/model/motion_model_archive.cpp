@@ -247,7 +247,7 @@ void read_exemplars(const core::ModelArchive& archive, MotionModel& model) {
   if (!archive.arrays.contains("first_swing")) return;  // older models do not have it
   const auto& swing = rows_of<double>(archive, "first_swing", 6, model.first.size());
   for (const double* s = swing.data(); s != swing.data() + swing.size(); s += 6)
-    model.first_swing.push_back({{s[0], s[1]}, {s[2], s[3]}, s[4], s[5]});
+    model.first_motion.push_back({{s[0], s[1]}, {s[2], s[3]}, s[4], s[5]});
 }
 
 nlohmann::json header(const core::ModelArchive& archive) {
@@ -264,13 +264,13 @@ nlohmann::json header(const core::ModelArchive& archive) {
   return json;
 }
 
-Circumstances read_circumstances(const Json& json) {
-  return {numbers<kSince>(json, "death"),   numbers<kSince>(json, "parting"),
-          numbers<kSince>(json, "uniting"), numbers<kGaps>(json, "bridging"),
-          numbers<kTurns>(json, "turning"), number(json, "pace")};
+RateModifiers read_modifiers(const Json& json) {
+  return {numbers<kElapsedClasses>(json, "death"),   numbers<kElapsedClasses>(json, "parting"),
+          numbers<kElapsedClasses>(json, "uniting"), numbers<kGapClasses>(json, "bridging"),
+          numbers<kTurnClasses>(json, "turning"), number(json, "pace")};
 }
 
-Exclusion read_exclusion(const Json& json) {
+HardCoreDistances read_hard_core(const Json& json) {
   return {number(json, "alike"), number(json, "lines"), number(json, "mixed")};
 }
 
@@ -285,7 +285,7 @@ core::ModelArchive to_archive(const MotionModel& model) {
                      {"height", model.height},
                      {"fps", model.fps},
                      {"frames", model.frames},
-                     {"sway", motion_json(model.sway)},
+                     {"sway", motion_json(model.displacement)},
                      {"contrast", motion_json(model.contrast)},
                      {"cell", model.density.cell},
                      {"rates",
@@ -298,25 +298,25 @@ core::ModelArchive to_archive(const MotionModel& model) {
                        {"reach", rates.reach},
                        {"split_gap", rates.split_gap},
                        {"disconnect_gap", rates.disconnect_gap},
-                       {"hold", rates.hold},
+                       {"hold", rates.refractory_period},
                        {"circumstances",
-                        {{"death", rates.circumstances.death},
-                         {"parting", rates.circumstances.parting},
-                         {"uniting", rates.circumstances.uniting},
-                         {"bridging", rates.circumstances.bridging},
-                         {"turning", rates.circumstances.turning},
-                         {"pace", rates.circumstances.pace}}}}},
+                        {{"death", rates.modifiers.death},
+                         {"parting", rates.modifiers.separation},
+                         {"uniting", rates.modifiers.unification},
+                         {"bridging", rates.modifiers.bridging},
+                         {"turning", rates.modifiers.turning},
+                         {"pace", rates.modifiers.pace}}}}},
                      {"exclusion",
-                      {{"alike", model.exclusion.alike},
-                       {"lines", model.exclusion.lines},
-                       {"mixed", model.exclusion.mixed}}},
+                      {{"alike", model.hard_core.alike},
+                       {"lines", model.hard_core.lines},
+                       {"mixed", model.hard_core.mixed}}},
                      {"appearing", model.appearing},
                      {"vanishing", model.vanishing}};
   core::ModelArchive archive;
   archive.text = json.dump(1) + "\n";
   archive.arrays = {{"birth", map_array(rates.birth)},           {"death", map_array(rates.death)},
-                    {"density", map_array(model.density)},       {"parting", map_array(rates.parting)},
-                    {"sway_share", map_array(model.sway_share)}, {"drift_x", map_array(model.drift_x)},
+                    {"density", map_array(model.density)},       {"parting", map_array(rates.separation)},
+                    {"sway_share", map_array(model.displacement_scale)}, {"drift_x", map_array(model.drift_x)},
                     {"drift_y", map_array(model.drift_y)}};
   std::vector<double> patches, places, first, hollows, first_hollows;
   std::vector<std::int64_t> edges, sizes, first_edges;
@@ -341,9 +341,9 @@ core::ModelArchive to_archive(const MotionModel& model) {
     archive.arrays["exemplar_hollows"] = table(std::move(hollows), kHollowColumns);
   if (has_double_ridges(model.first))
     archive.arrays["first_hollows"] = table(std::move(first_hollows), kHollowColumns);
-  if (model.first_swing.empty()) return archive;
+  if (model.first_motion.empty()) return archive;
   std::vector<double> swing;
-  for (const auto& s : model.first_swing)
+  for (const auto& s : model.first_motion)
     swing.insert(swing.end(),
                  {s.offset.x, s.offset.y, s.offset_before.x, s.offset_before.y, s.gain, s.gain_before});
   archive.arrays["first_swing"] = table(std::move(swing), 6);
@@ -359,21 +359,21 @@ MotionModel motion_model(const core::ModelArchive& archive) {
            " px; allowed is 1 to 65536 each way");
   model.fps = number(json, "fps");
   model.frames = whole(json, "frames");
-  model.sway = read_motion(part(json, "sway"));
+  model.displacement = read_motion(part(json, "sway"));
   model.contrast = read_motion(part(json, "contrast"));
   const auto& rates = part(json, "rates");
-  model.rates.birth_by_size = numbers<kSizes>(rates, "birth_by_size");
-  model.rates.death_by_size = numbers<kSizes>(rates, "death_by_size");
+  model.rates.birth_by_size = numbers<kSizeClasses>(rates, "birth_by_size");
+  model.rates.death_by_size = numbers<kSizeClasses>(rates, "death_by_size");
   model.rates.split = number(rates, "split"), model.rates.merge = number(rates, "merge");
   model.rates.connect = number(rates, "connect"), model.rates.disconnect = number(rates, "disconnect");
   model.rates.reach = number(rates, "reach");
   model.rates.split_gap = number(rates, "split_gap");
   model.rates.disconnect_gap = number(rates, "disconnect_gap");
   // Older models do not have them.
-  if (rates.contains("hold")) model.rates.hold = number(rates, "hold");
+  if (rates.contains("hold")) model.rates.refractory_period = number(rates, "hold");
   if (rates.contains("circumstances"))
-    model.rates.circumstances = read_circumstances(part(rates, "circumstances"));
-  if (json.contains("exclusion")) model.exclusion = read_exclusion(part(json, "exclusion"));
+    model.rates.modifiers = read_modifiers(part(rates, "circumstances"));
+  if (json.contains("exclusion")) model.hard_core = read_hard_core(part(json, "exclusion"));
   model.appearing = numbers<8>(json, "appearing");
   model.vanishing = numbers<8>(json, "vanishing");
   const double cell = number(json, "cell");
@@ -381,7 +381,7 @@ MotionModel motion_model(const core::ModelArchive& archive) {
     refuse("\"cell\" is " + core::number_text(cell) + "; allowed is 1 to 65536 px");
   const auto map = [&](const char* name) { return read_map(archive, name, cell, model.width, model.height); };
   model.rates.birth = map("birth"), model.rates.death = map("death");
-  model.rates.parting = map("parting"), model.sway_share = map("sway_share");
+  model.rates.separation = map("parting"), model.displacement_scale = map("sway_share");
   model.density = map("density");
   model.drift_x = map("drift_x"), model.drift_y = map("drift_y");
   read_exemplars(archive, model);

@@ -11,11 +11,11 @@ namespace emberfold::mcmc {
 /// Gives all candidates the evidence of the images. What a sketch shows although it does not pay alone holds
 /// a line together, or is where lines meet, which no profile shows: it counts 0. Edges that the state has
 /// now, the sketch's, are worth kEdge nats, others cost as much. Frames in parallel.
-core::Status weigh(HiddenGraph& state, const Evidence& evidence, const core::Context& context = {});
+void weigh_candidates(HiddenGraph& state, const Evidence& evidence, const core::Context& context = {});
 
-constexpr double kEdge = 20;
+constexpr double kEdgeEvidence = 20;
 
 /// What maps learned before say of the candidates' places: births, deaths and drift.
-void place(HiddenGraph& state, const MotionModel& model);
+void apply_maps(HiddenGraph& state, const MotionModel& model);
 
 }  // namespace emberfold::mcmc

@@ -14,7 +14,7 @@ namespace {
 constexpr int kApart = 6;  // frames: a move at t touches t … t + 1 and reads t − 2 … t + 3
 
 // What random numbers are drawn for: in the upper bits of a stream's last part, the chain in the lower ones.
-enum Purpose : std::uint32_t { kMoves = 1U << 24U, kSways = 2U << 24U };
+enum Purpose : std::uint32_t { kMoves = 1U << 24U, kDisplacements = 2U << 24U };
 
 std::vector<double> chances(bool last_frame) {
   std::vector<double> weights;
@@ -29,22 +29,22 @@ std::vector<double> chances(bool last_frame) {
 
 }  // namespace
 
-Chain::Chain(HiddenGraph state, const Theta& theta, std::uint64_t seed, std::uint32_t number, double evidence)
+Chain::Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number, double evidence)
     : state_(std::move(state)),
       power_(evidence),
       density_(theta, evidence),
       seed_(seed),
       number_(number),
       counts_(moves().size()) {
-  scratch_.remember(state_);
+  cache_.enable(state_);
   density_.prepare(state_);
   log_density_ = density_.total(state_);
 }
 
-void Chain::set_theta(const Theta& theta) {
+void Chain::set_theta(const SamplerParameters& theta) {
   density_ = Density(theta, power_);
   density_.prepare(state_);
-  scratch_.forget();
+  cache_.invalidate();
   log_density_.reset();
 }
 
@@ -56,83 +56,79 @@ double Chain::log_density() {
 double Chain::evidence() const {
   double sum = 0;
   for (int t = 0; t < state_.frames(); ++t)
-    for (const Index i : state_.on(t)) {
+    for (const Index i : state_.active(t)) {
       sum += state_[i].evidence;
-      for (const Beside& near : state_.beside(i))
+      for (const NeighbourCandidate& near : state_.neighbours(i))
         if (i < near.node && state_[i].edges.has(near.node)) sum += double{near.evidence};
     }
   return sum;
 }
 
-void Chain::exchange(Chain& other) {
+void Chain::swap_states(Chain& other) {
   std::swap(state_, other.state_);
   density_.prepare(state_), other.density_.prepare(other.state_);
-  scratch_.forget(), other.scratch_.forget();
+  cache_.invalidate(), other.cache_.invalidate();
   log_density_.reset(), other.log_density_.reset();
 }
 
-Chain::Tally Chain::move_in(int frame, double proposals) {
-  Tally tally;
-  tally.counts.resize(moves().size());
+Chain::FrameTotals Chain::move_in(int frame, double proposals) {
+  FrameTotals totals;
+  totals.counts.resize(moves().size());
   const auto frames = static_cast<std::uint32_t>(state_.frames()), t = static_cast<std::uint32_t>(frame);
   core::Rng rng(seed_, {sweeps_, t, kMoves | number_});
-  RandomDraws draws(rng);
-  Edit edit(state_, density_, scratch_, sweeps_ * frames + t);
+  RandomChoices draws(rng);
+  StateChange change(state_, density_, cache_, sweeps_ * frames + t);
   const auto weights = chances(t + 1 == frames);
   // As many as there are candidates, on or off: a number that hung on the state would bend the chain's law.
   const auto count = static_cast<std::size_t>(
-      std::ceil(proposals * static_cast<double>(state_.on(frame).size() + state_.off(frame).size())));
+      std::ceil(proposals * static_cast<double>(state_.active(frame).size() + state_.inactive(frame).size())));
   for (std::size_t n = 0; n < count; ++n) {
     const std::size_t which = draws.pick(weights);
-    MoveCount& seen = tally.counts[which];
-    ++seen.tried;
-    const auto ratio = moves()[which].propose(edit, draws, frame);
+    MoveCount& move = totals.counts[which];
+    ++move.tried;
+    const auto ratio = moves()[which].propose(change, draws, frame);
     if (!ratio) continue;
-    ++seen.evaluated;
+    ++move.evaluated;
     const double level = std::log1p(-draws.uniform());
-    const double gain = edit.gain(level - *ratio);
+    const double gain = change.gain(level - *ratio);
     if (level < gain + *ratio) {
-      ++seen.accepted;
-      tally.gain += gain;
-      edit.keep();
+      ++move.accepted;
+      totals.gain += gain;
+      change.commit();
     } else {
-      edit.undo();
+      change.rollback();
     }
   }
-  return tally;
+  return totals;
 }
 
-core::Status Chain::sweep(double proposals, const core::Context& context) {
-  const auto status = move(proposals, context);
-  if (status == core::Status::done) redraw_sways();
-  return status;
+void Chain::sweep(double proposals, const core::Context& context) {
+  move(proposals, context);
+  redraw_displacements();
 }
 
-core::Status Chain::move(double proposals, const core::Context& context) {
-  std::vector<Tally> tallies(static_cast<std::size_t>(state_.frames()));
+void Chain::move(double proposals, const core::Context& context) {
+  std::vector<FrameTotals> frame_totals(static_cast<std::size_t>(state_.frames()));
   for (int colour = 0; colour < kApart; ++colour) {
     const int count = (state_.frames() - colour + kApart - 1) / kApart;
-    const auto status =
-        core::parallel_for(static_cast<std::size_t>(std::max(0, count)), context, [&](std::size_t k) {
-          const int frame = colour + static_cast<int>(k) * kApart;
-          tallies[static_cast<std::size_t>(frame)] = move_in(frame, proposals);
-        });
-    if (status == core::Status::cancelled) return status;
+    core::parallel_for(static_cast<std::size_t>(std::max(0, count)), context, [&](std::size_t k) {
+      const int frame = colour + static_cast<int>(k) * kApart;
+      frame_totals[static_cast<std::size_t>(frame)] = move_in(frame, proposals);
+    });
   }
-  for (const Tally& tally : tallies) {
-    if (log_density_) *log_density_ += tally.gain;
-    for (std::size_t m = 0; m < counts_.size(); ++m) counts_[m] += tally.counts[m];
+  for (const FrameTotals& totals : frame_totals) {
+    if (log_density_) *log_density_ += totals.gain;
+    for (std::size_t m = 0; m < counts_.size(); ++m) counts_[m] += totals.counts[m];
   }
   ++sweeps_;
-  return core::Status::done;
 }
 
-void Chain::redraw_sways() {
-  for (const auto& course : courses(state_)) {
-    RandomDraws draws(core::Rng(seed_, {sweeps_, course[0], kSways | number_}));
-    draw_sways(state_, density_, course, draws);
+void Chain::redraw_displacements() {
+  for (const auto& path : find_paths(state_)) {
+    RandomChoices draws(core::Rng(seed_, {sweeps_, path[0], kDisplacements | number_}));
+    draw_displacements(state_, density_, path, draws);
   }
-  scratch_.forget_arrivals();
+  cache_.invalidate_arrivals();
   log_density_.reset();
 }
 

@@ -22,19 +22,19 @@ struct MoveCount {
 /// One Markov chain over a HiddenGraph. It depends on (seed, number), not on threads.
 class Chain {
  public:
-  Chain(HiddenGraph state, const Theta& theta, std::uint64_t seed, std::uint32_t number, double evidence = 1);
+  Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number, double evidence = 1);
 
-  /// `proposals` moves for every candidate, in frames six apart at the same time; then all sways are drawn
+  /// `proposals` moves for every candidate, in frames six apart at the same time; then all displacements are drawn
   /// anew. Cancelled: between two groups of frames.
-  core::Status sweep(double proposals, const core::Context& context);
+  void sweep(double proposals, const core::Context& context);
   /// Its two halves.
-  core::Status move(double proposals, const core::Context& context);
-  void redraw_sways();
+  void move(double proposals, const core::Context& context);
+  void redraw_displacements();
 
   [[nodiscard]] const HiddenGraph& state() const { return state_; }
-  [[nodiscard]] const Theta& theta() const { return density_.theta(); }
-  void set_theta(const Theta& theta);
-  /// Kept up by the moves' gains; reckoned anew, in O(nodes), where sways or θ changed since it was asked
+  [[nodiscard]] const SamplerParameters& theta() const { return density_.theta(); }
+  void set_theta(const SamplerParameters& theta);
+  /// Kept up by the moves' gains; reckoned anew, in O(nodes), where displacements or θ changed since it was asked
   /// for.
   double log_density();
   [[nodiscard]] const std::vector<MoveCount>& counts() const { return counts_; }  ///< by move
@@ -42,19 +42,19 @@ class Chain {
   /// Of the state, patches and edges, untempered.
   [[nodiscard]] double evidence() const;
   /// Takes another chain's state and gives it this one's.
-  void exchange(Chain& other);
+  void swap_states(Chain& other);
 
  private:
-  struct Tally {
+  struct FrameTotals {
     double gain = 0;
     std::vector<MoveCount> counts;
   };
-  Tally move_in(int frame, double proposals);
+  FrameTotals move_in(int frame, double proposals);
 
   HiddenGraph state_;
   double power_;
   Density density_;
-  Scratch scratch_;
+  FactorCache cache_;
   std::uint64_t seed_;
   std::uint32_t number_, sweeps_ = 0;
   std::optional<double> log_density_;

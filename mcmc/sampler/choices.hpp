@@ -10,9 +10,9 @@ namespace emberfold::mcmc {
 
 /// Where moves take their chances from: random numbers, or every outcome in turn
 /// (mcmc/sampler/ratio_check.hpp).
-class Draws {
+class ChoiceSource {
  public:
-  virtual ~Draws() = default;
+  virtual ~ChoiceSource() = default;
   /// Uniform on {0, …, count − 1}; count ≥ 1.
   virtual std::size_t below(std::size_t count) = 0;
   /// i with the chance weights[i]; they sum 1. What has the weight 0 is never picked.
@@ -22,9 +22,9 @@ class Draws {
   bool coin() { return below(2) == 1; }
 };
 
-class RandomDraws final : public Draws {
+class RandomChoices final : public ChoiceSource {
  public:
-  explicit RandomDraws(const core::Rng& rng) : rng_(rng) {}
+  explicit RandomChoices(const core::Rng& rng) : rng_(rng) {}
   std::size_t below(std::size_t count) override { return rng_.below(static_cast<std::uint32_t>(count)); }
   std::size_t pick(std::span<const double> weights) override {
     double left = rng_.uniform();

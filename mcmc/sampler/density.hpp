@@ -17,49 +17,49 @@ inline Index parent(const HiddenGraph& g, Index w) {
   const auto& prev = g[w].prev;
   Index first = prev[0];
   for (std::size_t k = 1; k < prev.size(); ++k)
-    if (g.before(prev[k], first)) first = prev[k];
+    if (g.precedes(prev[k], first)) first = prev[k];
   return first;
 }
 /// How many earlier nodes nearby go on as one, so that v could merge into them.
 std::size_t merge_targets(const HiddenGraph& g, Index v);
 /// What became of the neighbours that come before it: the index of Theta::outcome.
-std::size_t config_of(const HiddenGraph& g, Index v);
+std::size_t outcome_context_of(const HiddenGraph& g, Index v);
 /// Which of Theta::growth a node grows others by.
-std::size_t grower(const HiddenGraph& g, Index w);
+std::size_t parent_class(const HiddenGraph& g, Index w);
 /// How two nodes that go on lay in the frame before.
-Were were(const HiddenGraph& g, Index a, Index b);
+PreviousAdjacency previous_adjacency(const HiddenGraph& g, Index a, Index b);
 /// −1 where the normals of two nodes point to opposite sides, else 1.
 inline double sense(const Node& a, const Node& b) {
   return graph::dot(a.tangent, b.tangent) < 0 ? -1 : 1;
 }
-/// Mean sway of a node's neighbours, in the sense of its own normal; its own where it has none.
-double neighbours_sway(const HiddenGraph& g, Index v);
+/// Mean displacement of a node's neighbours, in the sense of its own normal; its own where it has none.
+double neighbour_displacement(const HiddenGraph& g, Index v);
 
 /// log p(G, L | θ) + the evidence, as a sum over nodes and pairs of nodes (formulas: docs/method/sampler.md).
 /// Densities are with respect to counting of sets, edges and links, and lengths in px, rad and logarithms.
 class Density {
  public:
   /// `evidence`: its power, 0…1; below 1 it is tempered.
-  explicit Density(const Theta& theta, double evidence = 1);
+  explicit Density(const SamplerParameters& theta, double evidence = 1);
 
-  [[nodiscard]] const Theta& theta() const { return theta_; }
+  [[nodiscard]] const SamplerParameters& theta() const { return theta_; }
   /// Of what becomes of v.
-  [[nodiscard]] double of_outcome(const HiddenGraph& g, Index v) const;
-  /// Of where w came from, how it looks and sways.
-  [[nodiscard]] double of_arrival(const HiddenGraph& g, Index w) const;
-  /// Of the sway alone, given where w came from.
-  [[nodiscard]] double of_sway(const HiddenGraph& g, Index w) const;
+  [[nodiscard]] double log_outcome(const HiddenGraph& g, Index v) const;
+  /// Of where w came from, how it looks and displacements.
+  [[nodiscard]] double log_birth_or_survival(const HiddenGraph& g, Index w) const;
+  /// Of the displacement alone, given where w came from.
+  [[nodiscard]] double log_displacement(const HiddenGraph& g, Index w) const;
   /// That nothing more than what does grows from w; and its evidence.
-  [[nodiscard]] double of_presence(const HiddenGraph& g, Index w) const;
+  [[nodiscard]] double log_presence(const HiddenGraph& g, Index w) const;
   /// What the image says of two nodes being joined.
-  [[nodiscard]] double of_edge(const Beside& b) const { return evidence_ * double{b.evidence}; }
+  [[nodiscard]] double edge_evidence(const NeighbourCandidate& b) const { return evidence_ * double{b.evidence}; }
   /// What no outcome exceeds; and no arrival of a node that has a past, or none, as w.
-  [[nodiscard]] double most_of_outcome() const { return most_outcome_; }
-  [[nodiscard]] double most_of_arrival(const HiddenGraph& g, Index w) const {
-    return g.has_past(w) ? most_survival_ : most_birth_ + std::max(0.0, g[w].log_birth);
+  [[nodiscard]] double max_log_outcome() const { return max_outcome_; }
+  [[nodiscard]] double max_log_birth_or_survival(const HiddenGraph& g, Index w) const {
+    return g.has_past(w) ? max_survival_ : max_birth_ + std::max(0.0, g[w].log_birth);
   }
   /// Of whether two nodes that both go on are joined. 0 where one of them is new.
-  [[nodiscard]] double of_pair(const HiddenGraph& g, Index a, const Beside& b) const;
+  [[nodiscard]] double log_edge(const HiddenGraph& g, Index a, const NeighbourCandidate& b) const;
   /// Keeps in the graph what hangs on θ and on places alone, and from now on takes it from there: for many
   /// looks at one graph. Candidates added later are not known.
   void prepare(HiddenGraph& g);
@@ -73,40 +73,40 @@ class Density {
     std::array<double, kMostEdges> shares{};
   };
   [[nodiscard]] Origins origins(const HiddenGraph& g, Index w) const;
-  /// Mean and variance of w's sway given where it came from.
+  /// Mean and variance of w's displacement given where it came from.
   struct Normal {
     double mean = 0, variance = 1;
   };
-  [[nodiscard]] Normal sway_given_past(const HiddenGraph& g, Index w) const;
+  [[nodiscard]] Normal displacement_given_past(const HiddenGraph& g, Index w) const;
   /// The same of one that goes on from v, its normal pointing to the same side (1) or to the other (−1).
-  [[nodiscard]] Normal sway_given_past(const HiddenGraph& g, Index v, double same) const;
+  [[nodiscard]] Normal displacement_given_past(const HiddenGraph& g, Index v, double same) const;
   [[nodiscard]] double stationary_sd() const;
   /// The chance that a change of this many SDs is an error of the sketch (kErrs).
-  [[nodiscard]] static double erred(double z);
+  [[nodiscard]] static double outlier_probability(double z);
 
  private:
-  struct Ways;
-  void bound();
+  struct BirthWays;
+  void compute_bounds();
   [[nodiscard]] double log_parts(std::size_t parts) const;
-  [[nodiscard]] Ways ways(const HiddenGraph& g, Index w) const;
-  [[nodiscard]] double of_new(const HiddenGraph& g, Index w) const;
-  [[nodiscard]] double look(const Course& course) const;
-  [[nodiscard]] double begun(const Node& w) const;
-  [[nodiscard]] double grown(const Node& from, const Node& w) const;
+  [[nodiscard]] BirthWays birth_ways(const HiddenGraph& g, Index w) const;
+  [[nodiscard]] double log_birth(const HiddenGraph& g, Index w) const;
+  [[nodiscard]] double log_appearance(const TransitionOffset& offset) const;
+  [[nodiscard]] double log_new_stroke(const Node& w) const;
+  [[nodiscard]] double log_grown(const Node& from, const Node& w) const;
 
-  Theta theta_;
+  SamplerParameters theta_;
   double evidence_;
   bool prepared_ = false;
-  double most_outcome_ = 0, most_survival_ = 0, most_birth_ = 0;
+  double max_outcome_ = 0, max_survival_ = 0, max_birth_ = 0;
   /// [place][config][outcome], without and with nodes that it could merge into.
-  std::array<std::array<std::array<double, kOutcomes>, kConfigs>, kPlaces> alone_{}, beside_{};
+  std::array<std::array<std::array<double, kOutcomes>, kOutcomeContexts>, kPlaces> without_hosts_{}, with_hosts_{};
   std::array<std::array<std::array<double, 2>, kCloseness>, 3> joined_{};  ///< [were][closeness][joined]
   std::array<std::array<std::array<double, 2>, kCloseness>, 2> closed_{};
-  std::array<double, kGrowers> log_growth_{};
+  std::array<double, kParentClasses> log_growth_{};
   double log_first_growth_ = 0, log_branch_ = 0, log_curve_ = 0, log_same_kind_ = 0, log_other_kind_ = 0;
   std::array<double, 2> log_birth_{};
   std::array<double, 3> log_kinds_{};
-  double stationary_ = 1, lag_one_ = 0;  ///< variance and autocorrelation of the sway
+  double stationary_ = 1, lag_one_ = 0;  ///< variance and autocorrelation of the displacement
   /// Logarithms of the factors before the exponentials of normal densities.
   struct Scale {
     double sd = 1, peak = 0, half_precision = 0.5;
@@ -114,7 +114,7 @@ class Density {
     explicit Scale(double sd);
     [[nodiscard]] double log_normal(double x) const { return peak - half_precision * x * x; }
   };
-  Scale begins_, lag_, noise_;           ///< of the sway
+  Scale begins_, lag_, noise_;           ///< of the displacement
   std::array<Scale, 2> across_, along_;  ///< of one that goes on, of a split's parts
   Scale turn_, wide_turn_, flicker_, new_contrast_, step_, side_, bend_, grown_contrast_;
 };

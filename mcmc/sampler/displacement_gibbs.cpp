@@ -8,7 +8,7 @@ namespace emberfold::mcmc {
 
 namespace {
 
-/// A residual that is linear in the sways, and its variance.
+/// A residual that is linear in the displacements, and its variance.
 struct Residual {
   struct Term {
     Index node;
@@ -21,8 +21,8 @@ struct Residual {
   void add(Index node, double factor) { terms[count++] = {node, factor}; }
 };
 
-/// What Density::of_sway says of w, in its sways: how it goes on, and where it is seen.
-std::array<Residual, 2> residuals(const HiddenGraph& g, const Theta& theta, Index w, double stationary) {
+/// What Density::of_sway says of w, in its displacements: how it goes on, and where it is seen.
+std::array<Residual, 2> residuals(const HiddenGraph& g, const SamplerParameters& theta, Index w, double stationary) {
   std::array<Residual, 2> result;
   Residual &on = result[0], &seen = result[1];
   const Node& node = g[w];
@@ -30,7 +30,7 @@ std::array<Residual, 2> residuals(const HiddenGraph& g, const Theta& theta, Inde
   on.variance = stationary;
   seen.variance = 0;
   if (node.prev.empty()) return result;
-  const Autoregression& m = theta.sway;
+  const Autoregression& m = theta.displacement;
   const Index v = parent(g, w);
   const Node& past = g[v];
   const double same = sense(past, node);
@@ -50,23 +50,23 @@ std::array<Residual, 2> residuals(const HiddenGraph& g, const Theta& theta, Inde
   }
   const double sd = theta.across * (past.next.size() > 1 ? theta.split_spread : 1);
   seen.variance = sd * sd;
-  seen.rest = g.course(v, w).across;
+  seen.rest = g.offset(v, w).across;
   seen.add(w, -same);
   seen.add(v, 1);
   return result;
 }
 
-/// Nodes whose residuals a course's sways are in.
-std::vector<Index> touched(const HiddenGraph& g, const std::vector<Index>& course, bool coupled) {
-  std::vector<Index> list(course);
-  for (const Index c : g[course.back()].next) {
+/// Nodes whose residuals a path's displacements are in.
+std::vector<Index> touched(const HiddenGraph& g, const std::vector<Index>& path, bool coupled) {
+  std::vector<Index> list(path);
+  for (const Index c : g[path.back()].next) {
     list.push_back(c);
     list.insert(list.end(), g[c].next.begin(), g[c].next.end());
   }
   if (coupled)
-    for (const Index i : course)
+    for (const Index i : path)
       for (const Index u : g[i].edges) list.insert(list.end(), g[u].next.begin(), g[u].next.end());
-  // A course's last but one is the grandparent of what its last goes on as.
+  // A path's last but one is the grandparent of what its last goes on as.
   std::ranges::sort(list);
   list.erase(std::unique(list.begin(), list.end()), list.end());
   return list;
@@ -74,32 +74,32 @@ std::vector<Index> touched(const HiddenGraph& g, const std::vector<Index>& cours
 
 }  // namespace
 
-std::vector<std::vector<Index>> courses(const HiddenGraph& g) {
+std::vector<std::vector<Index>> find_paths(const HiddenGraph& g) {
   std::vector<std::vector<Index>> result;
   for (Index i = 0; i < g.size(); ++i) {
-    if (!g[i].on) continue;
-    if (!g[i].prev.empty() && outcome(g, parent(g, i)) == Outcome::going_on) continue;
-    std::vector<Index> course{i};
-    for (Index v = i; outcome(g, v) == Outcome::going_on;) course.push_back(v = g[v].next[0]);
-    result.push_back(std::move(course));
+    if (!g[i].active) continue;
+    if (!g[i].prev.empty() && outcome(g, parent(g, i)) == Outcome::survival) continue;
+    std::vector<Index> path{i};
+    for (Index v = i; outcome(g, v) == Outcome::survival;) path.push_back(v = g[v].next[0]);
+    result.push_back(std::move(path));
   }
   return result;
 }
 
-SwayGaussian sway_given_rest(const HiddenGraph& g, const Density& density, const std::vector<Index>& course) {
-  const Theta& theta = density.theta();
-  const std::size_t n = course.size();
-  const int first = g[course[0]].frame;
+DisplacementGaussian displacement_given_rest(const HiddenGraph& g, const Density& density, const std::vector<Index>& path) {
+  const SamplerParameters& theta = density.theta();
+  const std::size_t n = path.size();
+  const int first = g[path[0]].frame;
   const auto at = [&](Index i) {
     const int k = g[i].frame - first;
-    return k >= 0 && k < static_cast<int>(n) && course[static_cast<std::size_t>(k)] == i ? k : -1;
+    return k >= 0 && k < static_cast<int>(n) && path[static_cast<std::size_t>(k)] == i ? k : -1;
   };
   const double sd = density.stationary_sd();
-  SwayGaussian result;
+  DisplacementGaussian result;
   auto& band = result.factor;  // of the precision, then of its factor
   band.assign(n, {0, 0, 0});
   std::vector<double> shift(n, 0);
-  for (const Index w : touched(g, course, theta.sway.coupling != 0)) {
+  for (const Index w : touched(g, path, theta.displacement.coupling != 0)) {
     for (const Residual& r : residuals(g, theta, w, sd * sd)) {
       if (r.variance <= 0) continue;
       double rest = r.rest;
@@ -110,7 +110,7 @@ SwayGaussian sway_given_rest(const HiddenGraph& g, const Density& density, const
         if (const int place = at(node); place >= 0)
           mine[count++] = {static_cast<std::size_t>(place), factor};
         else
-          rest += factor * g[node].sway;
+          rest += factor * g[node].displacement;
       }
       for (std::size_t a = 0; a < count; ++a) {
         shift[mine[a].first] -= mine[a].second * rest / r.variance;
@@ -142,10 +142,10 @@ SwayGaussian sway_given_rest(const HiddenGraph& g, const Density& density, const
   return result;
 }
 
-void draw_sways(HiddenGraph& g, const Density& density, const std::vector<Index>& course, Draws& draws) {
-  const SwayGaussian given = sway_given_rest(g, density, course);
+void draw_displacements(HiddenGraph& g, const Density& density, const std::vector<Index>& path, ChoiceSource& draws) {
+  const DisplacementGaussian given = displacement_given_rest(g, density, path);
   const auto& band = given.factor;
-  const std::size_t n = course.size();
+  const std::size_t n = path.size();
   std::vector<double> x(n);
   for (std::size_t i = n; i-- > 0;) {
     x[i] = draws.normal(0, 1);
@@ -153,7 +153,7 @@ void draw_sways(HiddenGraph& g, const Density& density, const std::vector<Index>
     if (i + 2 < n) x[i] -= band[i + 2][0] * x[i + 2];
     x[i] /= band[i][2];
   }
-  for (std::size_t i = 0; i < n; ++i) g.set_sway(course[i], given.mean[i] + x[i]);
+  for (std::size_t i = 0; i < n; ++i) g.set_displacement(path[i], given.mean[i] + x[i]);
 }
 
 }  // namespace emberfold::mcmc

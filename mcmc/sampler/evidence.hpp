@@ -15,7 +15,7 @@ class Evidence {
 };
 
 /// What the sketch noted of its patches as it made them (graph::Patch::gain): needs no image.
-class NotedEvidence final : public Evidence {
+class SketchEvidence final : public Evidence {
  public:
   [[nodiscard]] double gain(int /*frame*/, const graph::Patch& patch) const override { return patch.gain; }
 };

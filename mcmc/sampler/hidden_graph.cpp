@@ -68,11 +68,11 @@ Kind kind(const graph::Patch& patch) {
 
 HiddenGraph::HiddenGraph(int width, int height, int frames, const Gates& gates)
     : width_(width), height_(height), gates_(gates) {
-  on_.resize(static_cast<std::size_t>(frames));
-  off_ = on_;
+  active_.resize(static_cast<std::size_t>(frames));
+  inactive_ = active_;
   cell_ = std::max({gates.edge, gates.link, 4.0});
   columns_ = static_cast<int>(width / cell_) + 1, rows_ = static_cast<int>(height / cell_) + 1;
-  cells_.resize(on_.size() * static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+  cells_.resize(active_.size() * static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
 }
 
 std::size_t HiddenGraph::cell(int frame, int column, int row) const {
@@ -112,8 +112,8 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
   node.place = kPlaces / 2;
   nodes_.push_back(node);
   flags_.push_back(0);
-  beside_.emplace_back(), hosts_.emplace_back(), guests_.emplace_back(), ahead_.emplace_back(),
-      behind_.emplace_back(), courses_.emplace_back();
+  neighbours_.emplace_back(), hosts_.emplace_back(), guests_.emplace_back(), candidates_after_.emplace_back(),
+      candidates_before_.emplace_back(), offsets_.emplace_back();
   at_.push_back(0);
   const auto t = static_cast<std::size_t>(frame);
   const auto within = [&](Index j, double gate) {
@@ -122,20 +122,20 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
   };
   visit_near(frame, p, [&](Index j) {
     if (!within(j, gates_.edge)) return;
-    lay_beside(i, j);
-    if (nodes_[j].on && overlaps(i, j)) ++nodes_[i].overlapped;
+    add_neighbours(i, j);
+    if (nodes_[j].active && overlaps(i, j)) ++nodes_[i].overlapped;
   });
   const auto linkable = [&](Index j) { return nodes_[j].kind == nodes_[i].kind && within(j, gates_.link); };
   if (t > 0)
     visit_near(frame - 1, p, [&](Index j) {
-      if (linkable(j)) lay_ahead(j, i);
+      if (linkable(j)) add_link_candidate(j, i);
     });
-  if (t + 1 < on_.size())
+  if (t + 1 < active_.size())
     visit_near(frame + 1, p, [&](Index j) {
-      if (linkable(j)) lay_ahead(i, j);
+      if (linkable(j)) add_link_candidate(i, j);
     });
   cells_[cell(frame, p)].push_back(i);
-  append_to(off_[t], at_, i);
+  append_to(inactive_[t], at_, i);
   return i;
 }
 
@@ -143,39 +143,39 @@ void HiddenGraph::drop_newest_candidate() {
   const auto i = static_cast<Index>(nodes_.size() - 1);
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   // The newest is the last in every list that it is in.
-  for (const Beside& near : beside_[i]) beside_[near.node].pop_back();
+  for (const NeighbourCandidate& near : neighbours_[i]) neighbours_[near.node].pop_back();
   for (const Index j : hosts_[i]) guests_[j].pop_back();
   for (const Index j : guests_[i]) hosts_[j].pop_back();
-  for (const Index j : behind_[i]) ahead_[j].pop_back(), courses_[j].pop_back();
-  for (const Index j : ahead_[i]) behind_[j].pop_back();
+  for (const Index j : candidates_before_[i]) candidates_after_[j].pop_back(), offsets_[j].pop_back();
+  for (const Index j : candidates_after_[i]) candidates_before_[j].pop_back();
   cells_[cell(nodes_[i].frame, nodes_[i].patch.position)].pop_back();
-  erase_from(off_[t], at_, i);
+  erase_from(inactive_[t], at_, i);
   nodes_.pop_back(), flags_.pop_back(), at_.pop_back();
-  beside_.pop_back(), hosts_.pop_back(), guests_.pop_back(), ahead_.pop_back(), behind_.pop_back(),
-      courses_.pop_back();
+  neighbours_.pop_back(), hosts_.pop_back(), guests_.pop_back(), candidates_after_.pop_back(), candidates_before_.pop_back(),
+      offsets_.pop_back();
 }
 
-void HiddenGraph::lay_beside(Index a, Index b) {
-  beside_[a].push_back({b, closeness(nodes_[a], nodes_[b]), before(b, a), 0});
-  beside_[b].push_back({a, closeness(nodes_[b], nodes_[a]), before(a, b), 0});
-  if (!may_merge(a, beside_[a].back())) return;
-  const Index host = before(a, b) ? a : b, guest = host == a ? b : a;
+void HiddenGraph::add_neighbours(Index a, Index b) {
+  neighbours_[a].push_back({b, closeness(nodes_[a], nodes_[b]), precedes(b, a), 0});
+  neighbours_[b].push_back({a, closeness(nodes_[b], nodes_[a]), precedes(a, b), 0});
+  if (!can_merge(a, neighbours_[a].back())) return;
+  const Index host = precedes(a, b) ? a : b, guest = host == a ? b : a;
   hosts_[guest].push_back(host), guests_[host].push_back(guest);
 }
-void HiddenGraph::lay_ahead(Index v, Index w) {
-  ahead_[v].push_back(w);
-  courses_[v].push_back(make_course(v, w));
-  behind_[w].push_back(v);
+void HiddenGraph::add_link_candidate(Index v, Index w) {
+  candidates_after_[v].push_back(w);
+  offsets_[v].push_back(make_offset(v, w));
+  candidates_before_[w].push_back(v);
 }
 
 bool HiddenGraph::linkable(Index v, Index w) const {
-  return std::ranges::find(ahead_[v], w) != ahead_[v].end();
+  return std::ranges::find(candidates_after_[v], w) != candidates_after_[v].end();
 }
 
-Course HiddenGraph::make_course(Index v, Index w) const {
+TransitionOffset HiddenGraph::make_offset(Index v, Index w) const {
   const Node &past = nodes_[v], &node = nodes_[w];
   const Point moved = node.patch.position - past.patch.position - past.drift;
-  Course result;
+  TransitionOffset result;
   result.across = graph::dot(moved, past.normal());
   result.along = graph::dot(moved, past.tangent);
   result.turn = turn_between(past, node);
@@ -184,30 +184,30 @@ Course HiddenGraph::make_course(Index v, Index w) const {
   return result;
 }
 
-void HiddenGraph::set_place(Index i, double log_birth, std::uint8_t place, Point drift) {
+void HiddenGraph::set_map_values(Index i, double log_birth, std::uint8_t place, Point drift) {
   nodes_[i].log_birth = log_birth, nodes_[i].place = place, nodes_[i].drift = drift;
-  for (std::size_t k = 0; k < ahead_[i].size(); ++k) courses_[i][k] = make_course(i, ahead_[i][k]);
+  for (std::size_t k = 0; k < candidates_after_[i].size(); ++k) offsets_[i][k] = make_offset(i, candidates_after_[i][k]);
 }
 
 void HiddenGraph::allow_edge(Index a, Index b) {
-  if (std::ranges::find(beside_[a], b, &Beside::node) != beside_[a].end()) return;
-  lay_beside(a, b);
+  if (std::ranges::find(neighbours_[a], b, &NeighbourCandidate::node) != neighbours_[a].end()) return;
+  add_neighbours(a, b);
 }
 
 void HiddenGraph::set_edge_evidence(Index a, Index b, double nats) {
   for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
-    for (Beside& near : beside_[from])
+    for (NeighbourCandidate& near : neighbours_[from])
       if (near.node == to) near.evidence = static_cast<float>(nats);
 }
 
 void HiddenGraph::allow_link(Index before, Index after) {
   if (linkable(before, after)) return;
-  lay_ahead(before, after);
+  add_link_candidate(before, after);
 }
 
 bool HiddenGraph::can_link(Index v, Index w) const {
   // A star: at most one of both ends has partners, and these have no other.
-  if (!is_on(v) || !is_on(w) || (has_future(v) && has_past(w))) return false;
+  if (!is_active(v) || !is_active(w) || (has_future(v) && has_past(w))) return false;
   const Node &a = nodes_[v], &b = nodes_[w];
   if (b.frame != a.frame + 1 || a.next.full() || b.prev.full() || a.next.has(w)) return false;
   return std::ranges::all_of(a.next, [&](Index x) { return nodes_[x].prev.size() == 1; }) &&
@@ -223,9 +223,9 @@ void HiddenGraph::flag_links(Index v, Index w) {
   const auto& prev = nodes_[w].prev;
   flag(w, kPast, !prev.empty());
   flag(v, kFuture, !next.empty());
-  flag(v, kGoesOn, next.size() == 1 && is_parent(v, next[0]));
+  flag(v, kContinues, next.size() == 1 && is_parent(v, next[0]));
   for (const Index x : prev)
-    if (x != v) flag(x, kGoesOn, nodes_[x].next.size() == 1 && is_parent(x, w));
+    if (x != v) flag(x, kContinues, nodes_[x].next.size() == 1 && is_parent(x, w));
 }
 void HiddenGraph::flag_edges(Index a, Index b) {
   flag(a, kCrowded, nodes_[a].edges.full());
@@ -247,17 +247,17 @@ void HiddenGraph::undo_unlink(Index v, Index w, Places at) {
   nodes_[w].prev.insert(at.second, v);
   flag_links(v, w);
 }
-void HiddenGraph::join(Index a, Index b) {
+void HiddenGraph::add_edge(Index a, Index b) {
   nodes_[a].edges.push(b);
   nodes_[b].edges.push(a);
   flag_edges(a, b);
 }
-HiddenGraph::Places HiddenGraph::cut(Index a, Index b) {
+HiddenGraph::Places HiddenGraph::remove_edge(Index a, Index b) {
   const Places at{nodes_[a].edges.erase(b), nodes_[b].edges.erase(a)};
   flag_edges(a, b);
   return at;
 }
-void HiddenGraph::undo_cut(Index a, Index b, Places at) {
+void HiddenGraph::undo_remove_edge(Index a, Index b, Places at) {
   nodes_[a].edges.insert(at.first, b);
   nodes_[b].edges.insert(at.second, a);
   flag_edges(a, b);
@@ -265,53 +265,53 @@ void HiddenGraph::undo_cut(Index a, Index b, Places at) {
 
 void HiddenGraph::count_overlaps(Index i, int change) {
   if (gates_.overlap <= 0) return;
-  for (const Beside& near : beside_[i])
+  for (const NeighbourCandidate& near : neighbours_[i])
     if (overlaps(i, near.node))
       nodes_[near.node].overlapped = static_cast<std::uint8_t>(nodes_[near.node].overlapped + change);
 }
 
-void HiddenGraph::show(Index i, bool on) {
-  nodes_[i].on = on;
-  flag(i, kOn, on);
-  count_overlaps(i, on ? 1 : -1);
+void HiddenGraph::set_active(Index i, bool active) {
+  nodes_[i].active = active;
+  flag(i, kActive, active);
+  count_overlaps(i, active ? 1 : -1);
 }
 
-void HiddenGraph::put(Index i) {
+void HiddenGraph::activate(Index i) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
-  erase_from(off_[t], at_, i);
-  append_to(on_[t], at_, i);
-  show(i, true);
+  erase_from(inactive_[t], at_, i);
+  append_to(active_[t], at_, i);
+  set_active(i, true);
 }
-HiddenGraph::Places HiddenGraph::take(Index i) {
+HiddenGraph::Places HiddenGraph::deactivate(Index i) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
   const std::size_t place = at_[i];
-  erase_from(on_[t], at_, i);
-  append_to(off_[t], at_, i);
-  show(i, false);
+  erase_from(active_[t], at_, i);
+  append_to(inactive_[t], at_, i);
+  set_active(i, false);
   return {place, 0};
 }
-void HiddenGraph::undo_take(Index i, Places at) {
+void HiddenGraph::undo_deactivate(Index i, Places at) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
-  off_[t].pop_back();
-  put_back(on_[t], at_, i, at.first);
-  show(i, true);
+  inactive_[t].pop_back();
+  put_back(active_[t], at_, i, at.first);
+  set_active(i, true);
 }
-HiddenGraph::Places HiddenGraph::off_place(Index i) const {
+HiddenGraph::Places HiddenGraph::inactive_place(Index i) const {
   return {at_[i], 0};
 }
-void HiddenGraph::undo_put(Index i, Places at) {
+void HiddenGraph::undo_activate(Index i, Places at) {
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
-  on_[t].pop_back();
-  put_back(off_[t], at_, i, at.first);
-  show(i, false);
+  active_[t].pop_back();
+  put_back(inactive_[t], at_, i, at.first);
+  set_active(i, false);
 }
 
 std::uint64_t HiddenGraph::hash() const {
   std::uint64_t sum = 0;
   for (Index i = 0; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];
-    if (!node.on) continue;
-    sum += mixed(3 * std::uint64_t{i} + 1) ^ mixed(std::bit_cast<std::uint64_t>(node.sway) + i);
+    if (!node.active) continue;
+    sum += mixed(3 * std::uint64_t{i} + 1) ^ mixed(std::bit_cast<std::uint64_t>(node.displacement) + i);
     for (const Index j : node.edges)
       if (i < j) sum += mixed((std::uint64_t{i} << 32U | j) * 2 + 1);
     for (const Index j : node.next) sum += mixed(mixed(std::uint64_t{i} << 32U | j));
@@ -323,8 +323,8 @@ bool HiddenGraph::operator==(const HiddenGraph& o) const {
   if (nodes_.size() != o.nodes_.size()) return false;
   for (Index i = 0; i < nodes_.size(); ++i) {
     const Node &a = nodes_[i], &b = o.nodes_[i];
-    if (a.on != b.on) return false;
-    if (a.on && (a.sway != b.sway || !same_set(a.edges, b.edges) || !same_set(a.next, b.next))) return false;
+    if (a.active != b.active) return false;
+    if (a.active && (a.displacement != b.displacement || !same_set(a.edges, b.edges) || !same_set(a.next, b.next))) return false;
   }
   return true;
 }

@@ -59,7 +59,7 @@ constexpr std::size_t kMostEdges = 12, kMostLinks = 6;
 constexpr std::size_t kCloseness = 6;
 
 /// A node nearby in the same frame.
-struct Beside {
+struct NeighbourCandidate {
   Index node = 0;
   std::uint8_t closeness = 0;  ///< below kCloseness
   bool earlier = false;        ///< it comes before the one that it lies beside (HiddenGraph::before)
@@ -67,7 +67,7 @@ struct Beside {
 };
 
 /// How a node would have moved and changed as one of the next frame.
-struct Course {
+struct TransitionOffset {
   double across = 0, along = 0;  ///< px, from where drift carries it: along the normal, along the curve
   double turn = 0;               ///< rad, undirected, −π/2…π/2
   double flicker = 0;            ///< of the logarithm of the contrast
@@ -84,7 +84,7 @@ Kind kind(const graph::Patch& patch);
 struct alignas(64) Node {
   // What changes while it is `on`:
   ShortList<kMostLinks> next, prev;  ///< links to nodes of the frame after and before
-  bool on = false;
+  bool active = false;
   std::uint8_t overlapped = 0;  ///< by how many nodes that are on
   // What does not:
   std::uint8_t place = 0;  ///< level of the death map here, below kPlaces
@@ -92,7 +92,7 @@ struct alignas(64) Node {
   Kind kind = Kind::bright;
   // Again what does:
   ShortList<kMostEdges> edges;
-  double sway = 0;  ///< px, latent: displacement from rest along the normal (−sin θ, cos θ)
+  double displacement = 0;  ///< px, latent: displacement from rest along the normal (−sin θ, cos θ)
   // And what does not:
   double evidence = 0;      ///< nats that showing it saves
   graph::Point tangent;     ///< unit, of the patch's direction
@@ -119,7 +119,7 @@ struct Gates {
 double turn_between(const Node& a, const Node& b);
 
 /// The state of the sampler: of a fixed set of candidate patches in every frame those that are in the graph,
-/// their edges, the links between frames (a star forest in each gap), and how far each patch sways. What
+/// their edges, the links between frames (a star forest in each gap), and how far each patch displacements. What
 /// candidates could be joined or linked is known beforehand. Operations do what they are told; whether they
 /// may is asked of can_link and can_join.
 class HiddenGraph {
@@ -128,42 +128,42 @@ class HiddenGraph {
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  [[nodiscard]] int frames() const { return static_cast<int>(on_.size()); }
+  [[nodiscard]] int frames() const { return static_cast<int>(active_.size()); }
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
   [[nodiscard]] const Node& operator[](Index i) const { return nodes_[i]; }
   /// Nodes of a frame that are on, or off, in no order that matters.
-  [[nodiscard]] std::span<const Index> on(int frame) const { return on_[static_cast<std::size_t>(frame)]; }
-  [[nodiscard]] std::span<const Index> off(int frame) const { return off_[static_cast<std::size_t>(frame)]; }
+  [[nodiscard]] std::span<const Index> active(int frame) const { return active_[static_cast<std::size_t>(frame)]; }
+  [[nodiscard]] std::span<const Index> inactive(int frame) const { return inactive_[static_cast<std::size_t>(frame)]; }
   /// Nodes, on or off, within the edge's gate in the same frame; symmetric.
-  [[nodiscard]] std::span<const Beside> beside(Index i) const { return beside_[i]; }
+  [[nodiscard]] std::span<const NeighbourCandidate> neighbours(Index i) const { return neighbours_[i]; }
   /// Of those, the ones of its kind that it could merge into, being close and earlier; and those that could
   /// merge into it.
   [[nodiscard]] std::span<const Index> hosts(Index i) const { return hosts_[i]; }
   [[nodiscard]] std::span<const Index> guests(Index i) const { return guests_[i]; }
   /// Nodes of the same kind, on or off, within the link's gate one frame on, and one back.
-  [[nodiscard]] std::span<const Index> ahead(Index i) const { return ahead_[i]; }
-  [[nodiscard]] std::span<const Index> behind(Index i) const { return behind_[i]; }
+  [[nodiscard]] std::span<const Index> candidates_after(Index i) const { return candidates_after_[i]; }
+  [[nodiscard]] std::span<const Index> candidates_before(Index i) const { return candidates_before_[i]; }
   /// How it would go on as each of those ahead.
-  [[nodiscard]] std::span<const Course> courses(Index i) const { return courses_[i]; }
-  [[nodiscard]] std::span<Course> courses(Index i) { return courses_[i]; }
+  [[nodiscard]] std::span<const TransitionOffset> offsets(Index i) const { return offsets_[i]; }
+  [[nodiscard]] std::span<TransitionOffset> offsets(Index i) { return offsets_[i]; }
   /// Of two nodes that can be linked.
-  [[nodiscard]] const Course& course(Index v, Index w) const {
-    const auto& list = ahead_[v];
+  [[nodiscard]] const TransitionOffset& offset(Index v, Index w) const {
+    const auto& list = candidates_after_[v];
     std::size_t k = 0;
     while (list[k] != w) ++k;
-    return courses_[v][k];
+    return offsets_[v][k];
   }
   [[nodiscard]] bool linkable(Index v, Index w) const;
-  [[nodiscard]] bool before(Index a, Index b) const {
+  [[nodiscard]] bool precedes(Index a, Index b) const {
     return nodes_[a].order != nodes_[b].order ? nodes_[a].order < nodes_[b].order : a < b;
   }
   // What Node tells too, a byte a node.
-  [[nodiscard]] bool is_on(Index i) const { return (flags_[i] & kOn) != 0; }
+  [[nodiscard]] bool is_active(Index i) const { return (flags_[i] & kActive) != 0; }
   [[nodiscard]] bool has_past(Index i) const { return (flags_[i] & kPast) != 0; }
   [[nodiscard]] bool has_future(Index i) const { return (flags_[i] & kFuture) != 0; }
   [[nodiscard]] bool has_room(Index i) const { return (flags_[i] & kCrowded) == 0; }  ///< for an edge
   /// On, and its only link leads to a node whose parent it is.
-  [[nodiscard]] bool goes_on(Index i) const { return (flags_[i] & kGoesOn) != 0; }
+  [[nodiscard]] bool continues(Index i) const { return (flags_[i] & kContinues) != 0; }
 
   /// A new candidate, off. O(candidates nearby).
   Index add_candidate(int frame, const graph::Patch& patch);
@@ -175,54 +175,54 @@ class HiddenGraph {
   void allow_link(Index before, Index after);
   [[nodiscard]] bool overlaps(Index a, Index b) const;
   /// What the maps say of its place.
-  void set_place(Index i, double log_birth, std::uint8_t place, graph::Point drift);
+  void set_map_values(Index i, double log_birth, std::uint8_t place, graph::Point drift);
   void set_evidence(Index i, double nats) { nodes_[i].evidence = nats; }
 
-  [[nodiscard]] bool can_put(Index i) const { return !nodes_[i].on && nodes_[i].overlapped == 0; }
+  [[nodiscard]] bool can_activate(Index i) const { return !nodes_[i].active && nodes_[i].overlapped == 0; }
   /// Both on, of neighbouring frames, not linked, and the links stay a star forest.
   [[nodiscard]] bool can_link(Index v, Index w) const;
-  [[nodiscard]] bool can_join(Index a, Index b) const {
-    return a != b && is_on(a) && is_on(b) && has_room(a) && has_room(b) && !nodes_[a].edges.has(b);
+  [[nodiscard]] bool can_add_edge(Index a, Index b) const {
+    return a != b && is_active(a) && is_active(b) && has_room(a) && has_room(b) && !nodes_[a].edges.has(b);
   }
 
   void link(Index v, Index w);
-  void join(Index a, Index b);
-  void put(Index i);                                                              ///< on, alone
-  void set_sway(Index i, double sway) { nodes_[i].sway = sway == 0 ? 0 : sway; }  // no −0
+  void add_edge(Index a, Index b);
+  void activate(Index i);                                                              ///< on, alone
+  void set_displacement(Index i, double displacement) { nodes_[i].displacement = displacement == 0 ? 0 : displacement; }  // no −0
   /// The places in the lists from which things were taken: what undoing needs.
   struct Places {
     std::size_t first = 0, second = 0;
   };
   Places unlink(Index v, Index w);
-  Places cut(Index a, Index b);
-  Places take(Index i);  ///< off; it has neither edges nor links
+  Places remove_edge(Index a, Index b);
+  Places deactivate(Index i);  ///< off; it has neither edges nor links
   void undo_unlink(Index v, Index w, Places at);
-  void undo_cut(Index a, Index b, Places at);
-  void undo_take(Index i, Places at);
-  [[nodiscard]] Places off_place(Index i) const;  ///< before put(), for undo_put()
-  void undo_put(Index i, Places at);
+  void undo_remove_edge(Index a, Index b, Places at);
+  void undo_deactivate(Index i, Places at);
+  [[nodiscard]] Places inactive_place(Index i) const;  ///< before put(), for undo_activate()
+  void undo_activate(Index i, Places at);
 
-  /// Of what is on, with edges, links and sway, whatever the order of lists. Equal states have equal hashes.
+  /// Of what is on, with edges, links and displacement, whatever the order of lists. Equal states have equal hashes.
   [[nodiscard]] std::uint64_t hash() const;
   bool operator==(const HiddenGraph& o) const;
 
  private:
-  enum Flag : std::uint8_t { kOn = 1, kPast = 2, kFuture = 4, kGoesOn = 8, kCrowded = 16 };
+  enum Flag : std::uint8_t { kActive = 1, kPast = 2, kFuture = 4, kContinues = 8, kCrowded = 16 };
   void flag(Index i, Flag which, bool holds);
   void flag_links(Index v, Index w);
   void flag_edges(Index a, Index b);
-  void show(Index i, bool on);
+  void set_active(Index i, bool active);
   [[nodiscard]] bool is_parent(Index v, Index w) const {
     const auto& prev = nodes_[w].prev;
-    return std::all_of(prev.begin(), prev.end(), [&](Index x) { return x == v || before(v, x); });
+    return std::all_of(prev.begin(), prev.end(), [&](Index x) { return x == v || precedes(v, x); });
   }
-  [[nodiscard]] bool may_merge(Index a, const Beside& b) const {
+  [[nodiscard]] bool can_merge(Index a, const NeighbourCandidate& b) const {
     return b.closeness < 2 && nodes_[a].kind == nodes_[b.node].kind;
   }
-  void lay_beside(Index a, Index b);
-  void lay_ahead(Index v, Index w);
+  void add_neighbours(Index a, Index b);
+  void add_link_candidate(Index v, Index w);
   void count_overlaps(Index i, int change);
-  [[nodiscard]] Course make_course(Index v, Index w) const;
+  [[nodiscard]] TransitionOffset make_offset(Index v, Index w) const;
   [[nodiscard]] std::size_t cell(int frame, int column, int row) const;
   [[nodiscard]] std::size_t cell(int frame, graph::Point p) const;
   template <class Visit>
@@ -232,14 +232,14 @@ class HiddenGraph {
   Gates gates_;
   std::vector<Node> nodes_;
   std::vector<std::uint8_t> flags_;
-  std::vector<std::vector<Beside>> beside_;
-  std::vector<std::vector<Index>> hosts_, guests_, ahead_, behind_;
-  std::vector<std::vector<Course>> courses_;
-  std::vector<std::vector<Index>> on_, off_;  ///< by frame
+  std::vector<std::vector<NeighbourCandidate>> neighbours_;
+  std::vector<std::vector<Index>> hosts_, guests_, candidates_after_, candidates_before_;
+  std::vector<std::vector<TransitionOffset>> offsets_;
+  std::vector<std::vector<Index>> active_, inactive_;  ///< by frame
   std::vector<std::vector<Index>> cells_;     ///< all nodes, by frame, row and column
   int columns_ = 1, rows_ = 1;
   double cell_ = 1;        ///< px
-  std::vector<Index> at_;  ///< place in on_ or off_
+  std::vector<Index> at_;  ///< place in active_ or inactive_
 };
 
 /// A state whose candidates are the patches of `start`, on as it has them, and off those of the others that

@@ -34,7 +34,7 @@ void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int fram
     if (a != b) state.allow_edge(a, b);
   }
   for (const Index i : as)
-    if (!state[i].on) nodes.push_back(i);
+    if (!state[i].active) nodes.push_back(i);
   std::ranges::sort(nodes);
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 }
@@ -56,11 +56,11 @@ HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph:
     std::vector<Index> now;
     for (const auto& vertex : shown.vertices()) now.push_back(state.add_candidate(frame, vertex.patch));
     std::vector<Index> nodes = now;
-    for (const Index i : now) state.put(i);
+    for (const Index i : now) state.activate(i);
     for (const auto& edge : shown.edges()) {
       const Index a = now[shown.index_of(edge.a)], b = now[shown.index_of(edge.b)];
       state.allow_edge(a, b);
-      if (state.can_join(a, b)) state.join(a, b);
+      if (state.can_add_edge(a, b)) state.add_edge(a, b);
     }
     for (const auto& link : start.links[t]) {
       const auto& past = sketch.frames[t - 1];
@@ -80,7 +80,7 @@ graph::MotionGraph motion_graph(const HiddenGraph& state, double fps) {
   std::vector<std::uint32_t> id(state.size());
   std::uint32_t next_id = 0;
   for (int t = 0; t < state.frames(); ++t) {
-    std::vector<Index> shown(state.on(t).begin(), state.on(t).end());
+    std::vector<Index> shown(state.active(t).begin(), state.active(t).end());
     std::ranges::sort(shown);
     std::vector<graph::Vertex> vertices;
     std::vector<graph::Edge> edges;

@@ -30,26 +30,24 @@ double step_size(int sweep, int burn_in) {
 }
 
 /// A chain with what it learns, or a ladder of them.
-class Run {
+class TemperedChain {
  public:
-  Run(HiddenGraph state, const Theta& prior, std::uint64_t seed, std::uint32_t number, int rungs)
+  TemperedChain(HiddenGraph state, const SamplerParameters& prior, std::uint64_t seed, std::uint32_t number, int tempering_levels)
       : prior_(prior), area_(double(state.width()) * state.height()), seed_(seed), number_(number) {
-    const Theta theta =
-        widened(with_sway(most_likely(tally(state, Density(prior)), prior, area_), prior.sway));
-    for (int r = 0; r < rungs; ++r)
+    const SamplerParameters theta =
+        widen_spreads(with_displacement(most_likely_parameters(sufficient_statistics(state, Density(prior)), prior, area_), prior.displacement));
+    for (int r = 0; r < tempering_levels; ++r)
       ladder_.emplace_back(state, theta, seed, number * 16 + static_cast<std::uint32_t>(r), std::exp2(-r));
   }
 
-  core::Status sweep(int number, const InferOptions& options, const core::Context& context) {
-    for (Chain& chain : ladder_)
-      if (chain.sweep(options.proposals, context) == core::Status::cancelled) return core::Status::cancelled;
+  void sweep(int number, const InferOptions& options, const core::Context& context) {
+    for (Chain& chain : ladder_) chain.sweep(options.proposals, context);
     exchange(number);
     if (number < options.burn_in) {
-      sums_.blend(tally(state(), Density(ladder_[0].theta())), step_size(number, options.burn_in));
-      const Theta theta = widened(most_likely(sums_, prior_, area_));
+      sums_.blend(sufficient_statistics(state(), Density(ladder_[0].theta())), step_size(number, options.burn_in));
+      const SamplerParameters theta = widen_spreads(most_likely_parameters(sums_, prior_, area_));
       for (Chain& chain : ladder_) chain.set_theta(theta);
     }
-    return core::Status::done;
   }
   [[nodiscard]] const HiddenGraph& state() const { return ladder_[0].state(); }
   Chain& chain() { return ladder_[0]; }
@@ -62,8 +60,8 @@ class Run {
   }
 
  private:
-  static Theta with_sway(Theta theta, const Autoregression& sway) {
-    theta.sway = sway;
+  static SamplerParameters with_displacement(SamplerParameters theta, const Autoregression& displacement) {
+    theta.displacement = displacement;
     return theta;
   }
   /// Neighbours on the ladder, even and odd ones in turn.
@@ -73,32 +71,32 @@ class Run {
       const double gain = (low.power() - high.power()) * (high.evidence() - low.evidence());
       core::Rng rng(
           seed_, {static_cast<std::uint32_t>(sweep), static_cast<std::uint32_t>(r), (3U << 24U) | number_});
-      if (std::log1p(-rng.uniform()) < gain) low.exchange(high);
+      if (std::log1p(-rng.uniform()) < gain) low.swap_states(high);
     }
   }
 
-  Theta prior_;
+  SamplerParameters prior_;
   double area_;
   std::uint64_t seed_;
   std::uint32_t number_;
   std::vector<Chain> ladder_;
-  Tallies sums_;
+  SufficientStatistics sums_;
 };
 
 /// What is noted of a chain after each sweep.
 constexpr std::array<const char*, 8> kTraces = {"log posterior", "patches", "edges", "links", "a1", "a2",
                                                 "deaths",        "births"};
-std::array<double, kTraces.size()> noted(Chain& chain) {
+std::array<double, kTraces.size()> trace_values(Chain& chain) {
   const HiddenGraph& g = chain.state();
   double patches = 0, edges = 0, links = 0, deaths = 0, births = 0;
   for (int t = 0; t < g.frames(); ++t)
-    for (const Index i : g.on(t)) {
+    for (const Index i : g.active(t)) {
       patches += 1;
       edges += static_cast<double>(g[i].edges.size()) / 2, links += static_cast<double>(g[i].next.size());
       deaths += t + 1 < g.frames() && g[i].next.empty(), births += t > 0 && g[i].prev.empty();
     }
-  return {chain.log_density(),   patches, edges, links, chain.theta().sway.a1,
-          chain.theta().sway.a2, deaths,  births};
+  return {chain.log_density(),   patches, edges, links, chain.theta().displacement.a1,
+          chain.theta().displacement.a2, deaths,  births};
 }
 
 }  // namespace
@@ -108,7 +106,7 @@ void InferOptions::validate() const {
   check(burn_in >= 1 && burn_in <= 100000, "burn_in", burn_in, "1…100000");
   check(samples >= 1 && samples <= sweeps, "samples", samples, "1 to the number of sweeps");
   check(proposals >= 0.01 && proposals <= 1000, "proposals", proposals, "0.01…1000");
-  check(rungs >= 1 && rungs <= 16, "rungs", rungs, "1…16");
+  check(tempering_levels >= 1 && tempering_levels <= 16, "rungs", tempering_levels, "1…16");
 }
 
 InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel& learned,
@@ -127,24 +125,22 @@ InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel&
   const int sweeps = options.burn_in + options.sweeps;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     HiddenGraph state = hidden_graph(starts[k], {}, {});
-    result.status = weigh(state, evidence, context);
-    if (result.status == core::Status::cancelled) return result;
-    place(state, learned);
+    weigh_candidates(state, evidence, context);
+    apply_maps(state, learned);
     const std::clock_t begun = std::clock();
-    Run run(std::move(state), prior_for(starts[k], learned), seed, static_cast<std::uint32_t>(k),
-            options.rungs);
+    TemperedChain sampler(std::move(state), prior_parameters(starts[k], learned), seed, static_cast<std::uint32_t>(k),
+            options.tempering_levels);
     for (Trace& trace : result.traces) trace.chains.emplace_back();
     for (int n = 0; n < sweeps; ++n) {
       context.report("sample", (static_cast<double>(k) + double(n) / sweeps) / double(starts.size()));
-      result.status = run.sweep(n, options, context);
-      if (result.status == core::Status::cancelled) return result;
-      const auto values = noted(run.chain());
+      sampler.sweep(n, options, context);
+      const auto values = trace_values(sampler.chain());
       for (std::size_t i = 0; i < values.size(); ++i) result.traces[i].chains.back().push_back(values[i]);
       const int kept = n - options.burn_in + 1;  // of `sweeps`, the last of each part is a sample
       if (kept > 0 && kept * options.samples / options.sweeps > (kept - 1) * options.samples / options.sweeps)
-        result.samples.push_back(motion_graph(run.state(), starts[k].sketch.fps));
+        result.samples.push_back(motion_graph(sampler.state(), starts[k].sketch.fps));
     }
-    run.add_counts(result.moves);
+    sampler.add_counts(result.moves);
     result.seconds += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
     ++result.chains;
   }

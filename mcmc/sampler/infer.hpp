@@ -18,7 +18,7 @@ struct InferOptions {
   int burn_in = 10;      ///< 1…100000: sweeps of each chain in which θ is learned and nothing is kept
   int samples = 5;       ///< 1…sweeps: kept of each chain, evenly spread
   double proposals = 8;  ///< 0.01…1000: moves for every candidate patch in a sweep
-  int rungs = 1;  ///< 1…16: of each chain's ladder of tempered ones, evidence to the power 1, ½, ¼ …
+  int tempering_levels = 1;  ///< 1…16: of each chain's ladder of tempered ones, evidence to the power 1, ½, ¼ …
 
   void validate() const;
 };
@@ -43,12 +43,11 @@ struct InferResult {
   std::vector<MoveSum> moves;
   double proposals = 0;  ///< evaluated, of all chains
   double seconds = 0;    ///< of processor time that they took
-  core::Status status = core::Status::done;
 };
 
 /// Samples the posterior of graphs and links given the images, a chain from each start (graphs of the same
 /// clip, matched), and learns the sampler's θ meanwhile by stochastic approximation (docs/method/sampler.md).
-/// `learned`: fitted to one of the starts: maps, drift, and where the sway's learning begins. The same bytes
+/// `learned`: fitted to one of the starts: maps, drift, and where the displacement's learning begins. The same bytes
 /// at any thread count. InputError for no start, or starts of different clips. O(sweeps · candidates).
 InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel& learned,
                   const Evidence& evidence, const InferOptions& options, std::uint64_t seed,

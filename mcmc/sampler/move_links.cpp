@@ -6,72 +6,72 @@ namespace emberfold::mcmc {
 
 namespace {
 
-Index any_of(std::span<const Index> list, Draws& draws) {
+Index draw_any(std::span<const Index> list, ChoiceSource& draws) {
   return list.empty() ? kNone : list[draws.below(list.size())];
 }
 
 }  // namespace
 
-std::optional<double> link_or_unlink(Edit& edit, Draws& draws, int frame) {
-  const HiddenGraph& g = edit.state();
+std::optional<double> link_or_unlink(StateChange& change, ChoiceSource& draws, int frame) {
+  const HiddenGraph& g = change.state();
   const bool link = draws.coin();
-  const Index v = any_of(g.on(frame), draws);
+  const Index v = draw_any(g.active(frame), draws);
   if (v == kNone) return std::nullopt;
   const auto linkable = [&](Index w) { return g.can_link(v, w); };
   if (link) {
-    const std::size_t choices = count_if(g.ahead(v), linkable);
+    const std::size_t choices = count_if(g.candidates_after(v), linkable);
     if (choices == 0) return std::nullopt;
-    edit.link(v, nth(g.ahead(v), draws.below(choices), linkable));
+    change.link(v, nth(g.candidates_after(v), draws.below(choices), linkable));
     return log_count(choices) - log_count(g[v].next.size());
   }
   const std::size_t links = g[v].next.size();
   if (links == 0) return std::nullopt;
-  edit.unlink(v, g[v].next[draws.below(links)]);
-  return log_count(links) - log_count(count_if(g.ahead(v), linkable));
+  change.unlink(v, g[v].next[draws.below(links)]);
+  return log_count(links) - log_count(count_if(g.candidates_after(v), linkable));
 }
 
-std::optional<double> switch_links(Edit& edit, Draws& draws, int frame) {
+std::optional<double> switch_links(StateChange& change, ChoiceSource& draws, int frame) {
   // Both chances, here and there, are made of the same counts: links a patch has, neighbours it could have.
-  const HiddenGraph& g = edit.state();
-  const Index a = any_of(g.on(frame), draws);
-  if (a == kNone || g[a].next.empty() || g.beside(a).empty()) return std::nullopt;
-  const Index c = g.beside(a)[draws.below(g.beside(a).size())].node;
-  if (!g[c].on || g[c].next.empty() || g[c].kind != g[a].kind) return std::nullopt;
+  const HiddenGraph& g = change.state();
+  const Index a = draw_any(g.active(frame), draws);
+  if (a == kNone || g[a].next.empty() || g.neighbours(a).empty()) return std::nullopt;
+  const Index c = g.neighbours(a)[draws.below(g.neighbours(a).size())].node;
+  if (!g[c].active || g[c].next.empty() || g[c].kind != g[a].kind) return std::nullopt;
   const Index b = g[a].next[draws.below(g[a].next.size())];
   const Index d = g[c].next[draws.below(g[c].next.size())];
   if (b == d || !g.linkable(a, d) || !g.linkable(c, b)) return std::nullopt;
-  edit.unlink(a, b);
-  edit.unlink(c, d);
+  change.unlink(a, b);
+  change.unlink(c, d);
   if (g.can_link(a, d)) {
-    edit.link(a, d);
+    change.link(a, d);
     if (g.can_link(c, b)) {
-      edit.link(c, b);
+      change.link(c, b);
       return 0;
     }
   }
-  edit.undo();
+  change.rollback();
   return std::nullopt;
 }
 
-std::optional<double> relink(Edit& edit, Draws& draws, int frame) {
+std::optional<double> relink(StateChange& change, ChoiceSource& draws, int frame) {
   // Without the link, the choices are the same from either of its places.
-  const HiddenGraph& g = edit.state();
+  const HiddenGraph& g = change.state();
   const bool forward = draws.coin();
-  const Index i = any_of(g.on(forward ? frame : frame + 1), draws);
+  const Index i = draw_any(g.active(forward ? frame : frame + 1), draws);
   if (i == kNone) return std::nullopt;
   const auto& links = forward ? g[i].next : g[i].prev;
   if (links.empty()) return std::nullopt;
   const Index was = links[draws.below(links.size())];
-  forward ? edit.unlink(i, was) : edit.unlink(was, i);
+  forward ? change.unlink(i, was) : change.unlink(was, i);
   const auto other = [&](Index j) { return j != was && (forward ? g.can_link(i, j) : g.can_link(j, i)); };
-  const std::size_t choices = forward ? count_if(g.ahead(i), other) : count_if(g.behind(i), other);
+  const std::size_t choices = forward ? count_if(g.candidates_after(i), other) : count_if(g.candidates_before(i), other);
   if (choices == 0) {
-    edit.undo();
+    change.rollback();
     return std::nullopt;
   }
   const std::size_t n = draws.below(choices);
-  const Index is = forward ? nth(g.ahead(i), n, other) : nth(g.behind(i), n, other);
-  forward ? edit.link(i, is) : edit.link(is, i);
+  const Index is = forward ? nth(g.candidates_after(i), n, other) : nth(g.candidates_before(i), n, other);
+  forward ? change.link(i, is) : change.link(is, i);
   return 0;
 }
 

@@ -28,11 +28,11 @@ struct Side {
   [[nodiscard]] bool gated(Index i, Index partner) const {
     return back ? g.linkable(partner, i) : g.linkable(i, partner);
   }
-  void link(Edit& edit, Index i, Index partner) const {
-    back ? edit.link(partner, i) : edit.link(i, partner);
+  void link(StateChange& change, Index i, Index partner) const {
+    back ? change.link(partner, i) : change.link(i, partner);
   }
-  void unlink(Edit& edit, Index i, Index partner) const {
-    back ? edit.unlink(partner, i) : edit.unlink(i, partner);
+  void unlink(StateChange& change, Index i, Index partner) const {
+    back ? change.unlink(partner, i) : change.unlink(i, partner);
   }
 };
 
@@ -65,14 +65,14 @@ std::vector<Index> component(const HiddenGraph& g, Index i) {
 using Pairs = std::vector<std::pair<Index, Index>>;
 
 /// How one stroke lies on another: nearest patches first, each once. Known from their places alone.
-Pairs laid(const HiddenGraph& g, const std::vector<Index>& before, const std::vector<Index>& after) {
+Pairs match_patches(const HiddenGraph& g, const std::vector<Index>& before, const std::vector<Index>& after) {
   std::vector<std::tuple<double, Index, Index>> near;
   for (const Index v : before)
-    for (std::size_t k = 0; k < g.ahead(v).size(); ++k) {
-      const Index w = g.ahead(v)[k];
-      if (!g.is_on(w) || std::ranges::find(after, w) == after.end()) continue;
-      const Course& course = g.courses(v)[k];
-      near.emplace_back(course.across * course.across + course.along * course.along, v, w);
+    for (std::size_t k = 0; k < g.candidates_after(v).size(); ++k) {
+      const Index w = g.candidates_after(v)[k];
+      if (!g.is_active(w) || std::ranges::find(after, w) == after.end()) continue;
+      const TransitionOffset& offset = g.offsets(v)[k];
+      near.emplace_back(offset.across * offset.across + offset.along * offset.along, v, w);
     }
   std::ranges::sort(near);
   Pairs pairs;
@@ -84,7 +84,7 @@ Pairs laid(const HiddenGraph& g, const std::vector<Index>& before, const std::ve
   return pairs;
 }
 
-bool tied(const HiddenGraph& g, const Pairs& pairs) {
+bool are_linked(const HiddenGraph& g, const Pairs& pairs) {
   return std::ranges::all_of(pairs, [&](const auto& p) {
     return g[p.first].next.size() == 1 && g[p.first].next[0] == p.second && g[p.second].prev.size() == 1;
   });
@@ -92,10 +92,10 @@ bool tied(const HiddenGraph& g, const Pairs& pairs) {
 
 }  // namespace
 
-std::optional<double> shift_run(Edit& edit, Draws& draws, int frame) {
-  const HiddenGraph& g = edit.state();
+std::optional<double> shift_links(StateChange& change, ChoiceSource& draws, int frame) {
+  const HiddenGraph& g = change.state();
   const Side side{g, draws.coin()};
-  const auto shown = g.on(side.back ? frame + 1 : frame);
+  const auto shown = g.active(side.back ? frame + 1 : frame);
   if (shown.empty()) return std::nullopt;
   const Index first = shown[draws.below(shown.size())];
   if (!side.is_free(first) || g[first].edges.empty()) return std::nullopt;
@@ -108,11 +108,11 @@ std::optional<double> shift_run(Edit& edit, Draws& draws, int frame) {
   for (const Index i : run) {
     const Index partner = side.partner(i);
     if (!side.gated(to, partner)) {
-      edit.undo();
+      change.rollback();
       return std::nullopt;
     }
-    side.unlink(edit, i, partner);
-    side.link(edit, to, partner);
+    side.unlink(change, i, partner);
+    side.link(change, to, partner);
     to = i;
   }
   const Index last = run.back(), before = run.size() > 1 ? run[run.size() - 2] : first;
@@ -120,44 +120,44 @@ std::optional<double> shift_run(Edit& edit, Draws& draws, int frame) {
   return here - std::log(static_cast<double>(g[last].edges.size() * back.size()));
 }
 
-std::optional<double> tie_strokes(Edit& edit, Draws& draws, int frame) {
+std::optional<double> link_strokes(StateChange& change, ChoiceSource& draws, int frame) {
   // Which strokes are drawn and how one lies on the other does not depend on links.
-  const HiddenGraph& g = edit.state();
-  if (g.on(frame).empty()) return std::nullopt;
-  const Index v = g.on(frame)[draws.below(g.on(frame).size())];
-  if (g.ahead(v).empty()) return std::nullopt;
-  const Index w = g.ahead(v)[draws.below(g.ahead(v).size())];
-  if (!g.is_on(w)) return std::nullopt;
-  const Pairs pairs = laid(g, component(g, v), component(g, w));
+  const HiddenGraph& g = change.state();
+  if (g.active(frame).empty()) return std::nullopt;
+  const Index v = g.active(frame)[draws.below(g.active(frame).size())];
+  if (g.candidates_after(v).empty()) return std::nullopt;
+  const Index w = g.candidates_after(v)[draws.below(g.candidates_after(v).size())];
+  if (!g.is_active(w)) return std::nullopt;
+  const Pairs pairs = match_patches(g, component(g, v), component(g, w));
   if (pairs.empty()) return std::nullopt;
-  if (tied(g, pairs)) {
-    for (const auto& [a, b] : pairs) edit.unlink(a, b);
+  if (are_linked(g, pairs)) {
+    for (const auto& [a, b] : pairs) change.unlink(a, b);
     return 0;
   }
   for (const auto& [a, b] : pairs)
     if (!g[a].next.empty() || !g[b].prev.empty()) return std::nullopt;
-  for (const auto& [a, b] : pairs) edit.link(a, b);
+  for (const auto& [a, b] : pairs) change.link(a, b);
   return 0;
 }
 
-std::optional<double> hand_over(Edit& edit, Draws& draws, int frame) {
-  const HiddenGraph& g = edit.state();
-  if (g.on(frame + 1).empty()) return std::nullopt;
-  const Index w = g.on(frame + 1)[draws.below(g.on(frame + 1).size())];
-  const auto behind = g.behind(w);
+std::optional<double> relink_stroke(StateChange& change, ChoiceSource& draws, int frame) {
+  const HiddenGraph& g = change.state();
+  if (g.active(frame + 1).empty()) return std::nullopt;
+  const Index w = g.active(frame + 1)[draws.below(g.active(frame + 1).size())];
+  const auto behind = g.candidates_before(w);
   if (behind.empty()) return std::nullopt;
   const Index a = behind[draws.below(behind.size())], b = behind[draws.below(behind.size())];
-  if (!g[a].on || !g[b].on) return std::nullopt;
+  if (!g[a].active || !g[b].active) return std::nullopt;
   const auto from = component(g, a), to = component(g, b), stroke = component(g, w);
   if (std::ranges::find(from, b) != from.end()) return std::nullopt;
-  const Pairs was = laid(g, from, stroke), is = laid(g, to, stroke);
-  if (was.empty() || is.empty() || !tied(g, was)) return std::nullopt;
+  const Pairs was = match_patches(g, from, stroke), is = match_patches(g, to, stroke);
+  if (was.empty() || is.empty() || !are_linked(g, was)) return std::nullopt;
   for (const auto& [v, x] : is) {
     const bool freed = std::ranges::any_of(was, [x = x](const auto& p) { return p.second == x; });
     if (!g[v].next.empty() || (!freed && !g[x].prev.empty())) return std::nullopt;
   }
-  for (const auto& [v, x] : was) edit.unlink(v, x);
-  for (const auto& [v, x] : is) edit.link(v, x);
+  for (const auto& [v, x] : was) change.unlink(v, x);
+  for (const auto& [v, x] : is) change.link(v, x);
   return 0;
 }
 

@@ -12,9 +12,9 @@ std::span<const Move> moves() {
                                                {"connect, cut", connect_or_cut, 3, false},
                                                {"add, delete", add_or_delete, 2, false},
                                                {"split, merge", split_or_merge, 1, false},
-                                               {"shift a run", shift_run, 0.5, true},
-                                               {"tie strokes", tie_strokes, 0.03, true},
-                                               {"hand over", hand_over, 0.03, true}}};
+                                               {"shift a run", shift_links, 0.5, true},
+                                               {"tie strokes", link_strokes, 0.03, true},
+                                               {"hand over", relink_stroke, 0.03, true}}};
   return all;
 }
 

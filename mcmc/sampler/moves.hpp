@@ -15,7 +15,7 @@ namespace emberfold::mcmc {
 /// it was, where what was drawn cannot be. `frame`: the one it works on, or the first of the two between
 /// which it does. Reads no farther than two frames back and three on. (Density and proposals share one
 /// measure, so there is no Jacobian.)
-using Propose = std::optional<double> (*)(Edit& edit, Draws& draws, int frame);
+using Propose = std::optional<double> (*)(StateChange& change, ChoiceSource& draws, int frame);
 
 struct Move {
   std::string_view name;
@@ -27,26 +27,26 @@ struct Move {
 std::span<const Move> moves();
 
 // Links between frames (move_links.cpp).
-std::optional<double> link_or_unlink(Edit& edit, Draws& draws, int frame);
+std::optional<double> link_or_unlink(StateChange& change, ChoiceSource& draws, int frame);
 /// (a, b), (c, d) → (a, d), (c, b).
-std::optional<double> switch_links(Edit& edit, Draws& draws, int frame);
+std::optional<double> switch_links(StateChange& change, ChoiceSource& draws, int frame);
 /// One end of a link goes elsewhere.
-std::optional<double> relink(Edit& edit, Draws& draws, int frame);
+std::optional<double> relink(StateChange& change, ChoiceSource& draws, int frame);
 
 // Edges and patches of a frame (move_patches.cpp).
-std::optional<double> connect_or_cut(Edit& edit, Draws& draws, int frame);
+std::optional<double> connect_or_cut(StateChange& change, ChoiceSource& draws, int frame);
 /// A candidate is put in, with edges and links that are drawn by what is near; or a patch taken out.
-std::optional<double> add_or_delete(Edit& edit, Draws& draws, int frame);
+std::optional<double> add_or_delete(StateChange& change, ChoiceSource& draws, int frame);
 /// A patch gives some of its edges, and perhaps its past, to a candidate beside it; or takes all of a
 /// neighbour's.
-std::optional<double> split_or_merge(Edit& edit, Draws& draws, int frame);
+std::optional<double> split_or_merge(StateChange& change, ChoiceSource& draws, int frame);
 
 // Whole stretches of curves (move_strokes.cpp).
 /// Along a curve, each patch's predecessor becomes its neighbour's.
-std::optional<double> shift_run(Edit& edit, Draws& draws, int frame);
+std::optional<double> shift_links(StateChange& change, ChoiceSource& draws, int frame);
 /// All links that lay one stroke onto another, all at once: made or undone.
-std::optional<double> tie_strokes(Edit& edit, Draws& draws, int frame);
+std::optional<double> link_strokes(StateChange& change, ChoiceSource& draws, int frame);
 /// A stroke gets its past from another stroke than before.
-std::optional<double> hand_over(Edit& edit, Draws& draws, int frame);
+std::optional<double> relink_stroke(StateChange& change, ChoiceSource& draws, int frame);
 
 }  // namespace emberfold::mcmc

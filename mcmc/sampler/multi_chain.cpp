@@ -18,14 +18,14 @@ namespace emberfold::mcmc {
 
 namespace {
 
-mcmc::FitOptions fitting(std::uint64_t seed, bool balance) {
-  mcmc::FitOptions options;
-  options.seed = seed, options.balance = balance;
+FitOptions fitting(std::uint64_t seed, bool calibrate) {
+  FitOptions options;
+  options.seed = seed, options.calibrate = calibrate;
   return options;
 }
 
 /// Adds what one more chain tells.
-void add(mcmc::InferResult chain, mcmc::InferResult& all) {
+void add(InferResult chain, InferResult& all) {
   if (all.chains == 0) {
     all = std::move(chain);
     return;
@@ -43,19 +43,18 @@ void add(mcmc::InferResult chain, mcmc::InferResult& all) {
 
 /// A chain from each start, in the sense of time in which the start was matched. The two of a pair draw by
 /// the same seed: backwards, the clip has the same two chains for its own readings, the other way about.
-mcmc::InferResult sample_readings(const std::vector<graph::MotionGraph>& starts,
-                                  const std::vector<bool>& backwards, const mcmc::InferOptions& options,
-                                  std::uint64_t seed, const core::Context& context) {
-  mcmc::InferResult all;
-  std::array<std::optional<mcmc::MotionModel>, 2> learned;  // of each sense, from the first that has it
+InferResult sample_readings(const std::vector<graph::MotionGraph>& starts, const std::vector<bool>& backwards,
+                            const InferOptions& options, std::uint64_t seed, const core::Context& context) {
+  InferResult all;
+  std::array<std::optional<MotionModel>, 2> learned;  // of each sense, from the first that has it
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const graph::MotionGraph start = backwards[k] ? graph::reverse_time(starts[k]) : starts[k];
     auto& model = learned.at(backwards[k] ? 1 : 0);
-    if (!model) model = mcmc::fit(start, fitting(seed, false), context.with_progress({})).model;
+    if (!model) model = fit(start, fitting(seed, false), context.with_progress({})).model;
     const core::Context part = context.with_progress([&](std::string_view stage, double share) {
       context.report(stage, (static_cast<double>(k) + share) / static_cast<double>(starts.size()));
     });
-    auto chain = mcmc::infer({&start, 1}, *model, mcmc::NotedEvidence{}, options, seed + k / 2, part);
+    auto chain = infer({&start, 1}, *model, SketchEvidence{}, options, seed + k / 2, part);
     context.check();
     if (backwards[k])
       for (auto& sample : chain.samples) sample = graph::reverse_time(sample);
@@ -67,7 +66,7 @@ mcmc::InferResult sample_readings(const std::vector<graph::MotionGraph>& starts,
 }  // namespace
 
 MultiChainResult sample_chains(const std::vector<graph::MotionGraph>& starts,
-                               const std::vector<bool>& backwards, const mcmc::InferOptions& options,
+                               const std::vector<bool>& backwards, const InferOptions& options,
                                std::uint64_t seed, const core::Context& context) {
   if (starts.empty() || starts.size() != backwards.size()) {
     throw core::InputError("sampling: " + std::to_string(starts.size()) + " starts of " +
@@ -88,7 +87,7 @@ MultiChainResult sample_chains(const std::vector<graph::MotionGraph>& starts,
   std::vector<graph::MotionGraph> last;
   const std::size_t each = samples.size() / starts.size();
   for (std::size_t k = 0; k < starts.size(); ++k) last.push_back(samples[(k + 1) * each - 1]);
-  result.fitted = mcmc::fit(last, fitting(seed, true), context);
+  result.fitted = fit(last, fitting(seed, true), context);
   context.check();
   return result;
 }

@@ -15,10 +15,10 @@ namespace emberfold::mcmc {
 
 /// What samples of a clip's posterior tell.
 struct MultiChainResult {
-  mcmc::InferResult sampler;
+  InferResult sampler;
   graph::MotionGraph motion;         ///< the sample whose events agree most with all
   std::vector<graph::Event> events;  ///< pooled, of whatever probability; strokes named as in `motion`
-  mcmc::FitResult fitted;            ///< to a sample of each chain
+  FitResult fitted;            ///< to a sample of each chain
 };
 
 /// From matched readings of a clip to graphs, events and the motion model: a chain from
@@ -27,7 +27,7 @@ struct MultiChainResult {
 /// graphs drawn forwards and its two senses differ where it is in doubt. `backwards`: whether each start was
 /// matched backwards in time. Throws core::Cancelled; InputError for no start, or another number of readings.
 MultiChainResult sample_chains(const std::vector<graph::MotionGraph>& starts,
-                               const std::vector<bool>& backwards, const mcmc::InferOptions& options,
+                               const std::vector<bool>& backwards, const InferOptions& options,
                                std::uint64_t seed, const core::Context& context);
 
 }  // namespace emberfold::mcmc

@@ -5,7 +5,7 @@
 
 namespace emberfold::mcmc {
 
-Theta widened(Theta theta) {
+SamplerParameters widen_spreads(SamplerParameters theta) {
   constexpr double kLook = 3, kGrowth = 10, kLeastAcross = 1;
   theta.turn = std::min(0.5, kLook * theta.turn);
   theta.flicker *= kLook;
@@ -16,14 +16,14 @@ Theta widened(Theta theta) {
   return theta;
 }
 
-Theta prior_for(const graph::MotionGraph& start, const MotionModel& learned) {
+SamplerParameters prior_parameters(const graph::MotionGraph& start, const MotionModel& learned) {
   double patches = 0;
   for (const auto& frame : start.sketch.frames) patches += static_cast<double>(frame.size());
   patches /= static_cast<double>(std::max<std::size_t>(1, start.sketch.frames.size()));
-  Theta prior = usual_theta(patches, double(start.sketch.width) * start.sketch.height);
-  Autoregression sway = learned.sway;
-  sway.noise = std::max(0.02, sway.noise), sway.range = sway.measurement = 0, sway.coupling = 0;
-  if (spectral_radius(sway) <= 0.995) prior.sway = sway;
+  SamplerParameters prior = usual_parameters(patches, double(start.sketch.width) * start.sketch.height);
+  Autoregression displacement = learned.displacement;
+  displacement.noise = std::max(0.02, displacement.noise), displacement.range = displacement.measurement = 0, displacement.coupling = 0;
+  if (spectral_radius(displacement) <= 0.995) prior.displacement = displacement;
   return prior;
 }
 

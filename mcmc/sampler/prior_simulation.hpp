@@ -10,7 +10,7 @@ namespace emberfold::mcmc {
 /// is on, and there are no other candidates. The maps are even, and none beyond the frame: what lies there
 /// has grown or gone on, none begins (log_birth is −∞). The drift is none. Gates should be so wide, and lists
 /// so long, that they cut nothing off. InputError for fewer than one frame.
-HiddenGraph draw_forward(const Theta& theta, int width, int height, int frames, const Gates& gates,
+HiddenGraph simulate_prior(const SamplerParameters& theta, int width, int height, int frames, const Gates& gates,
                          core::Rng& rng);
 
 }  // namespace emberfold::mcmc

@@ -13,7 +13,7 @@ namespace emberfold::mcmc {
 namespace {
 
 /// Follows one way through a move's draws after another.
-class EveryDraw final : public Draws {
+class EveryDraw final : public ChoiceSource {
  public:
   std::size_t below(std::size_t count) override {
     return branch(std::vector<double>(count, 1 / static_cast<double>(count)));
@@ -53,7 +53,7 @@ using Key = std::vector<std::uint64_t>;
 Key key(const HiddenGraph& g) {
   Key key;
   for (Index i = 0; i < g.size(); ++i) {
-    if (!g[i].on) continue;
+    if (!g[i].active) continue;
     key.push_back(i);
     std::vector<Index> ties(g[i].edges.begin(), g[i].edges.end());
     ties.insert(ties.end(), g[i].next.begin(), g[i].next.end());
@@ -90,14 +90,14 @@ std::map<std::size_t, Reached> follow(States& states, std::size_t from, const De
   std::map<std::size_t, Reached> reached;
   HiddenGraph g = states.list[from];
   const std::uint64_t hash = g.hash();
-  Scratch scratch;
-  scratch.fit(g.size());
-  Edit edit(g, density, scratch);
+  FactorCache cache;
+  cache.fit(g.size());
+  StateChange change(g, density, cache);
   EveryDraw draws;
   do {
     draws.begin();
-    if (const auto ratio = move(edit, draws, frame)) {
-      const double gain = edit.gain();
+    if (const auto ratio = move(change, draws, frame)) {
+      const double gain = change.gain();
       if (std::isfinite(gain)) {
         const std::size_t to = states.add(g, density);
         report.worst_gain =
@@ -108,7 +108,7 @@ std::map<std::size_t, Reached> follow(States& states, std::size_t from, const De
         there.chances.push_back(draws.chance());
       }
     }
-    edit.undo();
+    change.rollback();
     report.restored = report.restored && g.hash() == hash;
   } while (draws.advance());
   return reached;

@@ -11,7 +11,7 @@
 namespace emberfold::mcmc {
 
 /// A move as the checker takes it: any function like Propose, so that a wrong one can be checked too.
-using CheckedMove = std::function<std::optional<double>(Edit& edit, Draws& draws, int frame)>;
+using CheckedMove = std::function<std::optional<double>(StateChange& change, ChoiceSource& draws, int frame)>;
 
 /// What following every draw of a move from every state shows.
 struct RatioReport {

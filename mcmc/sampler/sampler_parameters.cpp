@@ -24,7 +24,7 @@ void check_positive(const std::string& name, double value) {
 
 }  // namespace
 
-void validate(const Theta& theta) {
+void validate(const SamplerParameters& theta) {
   for (const auto& chances : theta.outcome) {
     for (const double p : chances) check_chance("outcome", p);
     const double sum = std::accumulate(chances.begin(), chances.end(), 0.0);
@@ -48,20 +48,20 @@ void validate(const Theta& theta) {
   check_positive("side_sd", theta.side_sd), check_positive("bend_sd", theta.bend_sd);
   check_positive("grown_contrast_sd", theta.grown_contrast_sd);
   check_positive("branch_reach", theta.branch_reach);
-  check_positive("the noise of the sway", theta.sway.noise);
-  check(spectral_radius(theta.sway) < 1, "the sway's spectral radius", spectral_radius(theta.sway),
+  check_positive("the noise of the sway", theta.displacement.noise);
+  check(spectral_radius(theta.displacement) < 1, "the sway's spectral radius", spectral_radius(theta.displacement),
         "a number below 1");
 }
 
-Theta usual_theta(double patches, double area) {
-  Theta theta;
+SamplerParameters usual_parameters(double patches, double area) {
+  SamplerParameters theta;
   for (std::size_t degree = 0; degree < kDegrees; ++degree)
     for (std::size_t border = 0; border < 2; ++border)
-      for (std::size_t told = 0; told < kTold; ++told) {
+      for (std::size_t neighbour_outcome = 0; neighbour_outcome < kNeighbourOutcomes; ++neighbour_outcome) {
         const double alone = degree == 0 ? 0.2 : degree == 1 ? 0.1 : 0.02;
-        const double death = told == 2 ? 0.4 : told == 1 ? alone / 2 : alone;
+        const double death = neighbour_outcome == 2 ? 0.4 : neighbour_outcome == 1 ? alone / 2 : alone;
         const double split = 0.002, merge = 0.002;
-        theta.outcome[config(degree, border > 0, told)] = {death, 1 - death - split - merge, split, merge};
+        theta.outcome[outcome_context(degree, border > 0, neighbour_outcome)] = {death, 1 - death - split - merge, split, merge};
       }
   const double strokes = std::max(patches, 1.0) / 10 / std::max(area, 1.0);
   theta.birth = {strokes, strokes * 0.05};

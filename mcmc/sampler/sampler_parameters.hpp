@@ -12,44 +12,44 @@ namespace emberfold::mcmc {
 
 /// What becomes of a patch in the next frame: nothing; one patch that goes on from it; several; or it goes
 /// into the one that a neighbour earlier in order goes on as.
-enum class Outcome : std::uint8_t { death, going_on, split, merge };
+enum class Outcome : std::uint8_t { death, survival, split, merge };
 constexpr std::size_t kOutcomes = 4;
 
 /// On what its chances depend: its degree (0, 1, 2, 3 or more), whether it lies near the frame's border, and
 /// what became of its neighbours that come earlier in order: there are none; all stay; some died.
-constexpr std::size_t kDegrees = 4, kTold = 3;
-constexpr std::size_t kConfigs = kDegrees * 2 * kTold;
-constexpr std::size_t config(std::size_t degree, bool border, std::size_t told) {
-  return ((degree < kDegrees ? degree : kDegrees - 1) * 2 + (border ? 1 : 0)) * kTold + told;
+constexpr std::size_t kDegrees = 4, kNeighbourOutcomes = 3;
+constexpr std::size_t kOutcomeContexts = kDegrees * 2 * kNeighbourOutcomes;
+constexpr std::size_t outcome_context(std::size_t degree, bool border, std::size_t neighbour_outcome) {
+  return ((degree < kDegrees ? degree : kDegrees - 1) * 2 + (border ? 1 : 0)) * kNeighbourOutcomes + neighbour_outcome;
 }
 
 /// From what a patch grows: a patch that goes on from an end (degree 0, 1), from inside a curve, from a
 /// junction; or one that is new.
-constexpr std::size_t kGrowers = 4;
+constexpr std::size_t kParentClasses = 4;
 
 /// How two patches lay in the frame before: neither joined nor joined to the same; joined to the same
 /// (patches are set down anew along a curve in every frame, and what was next but one may be next now);
 /// joined, or one.
-enum class Were : std::uint8_t { apart, near, joined };
+enum class PreviousAdjacency : std::uint8_t { apart, near, joined };
 
 /// What a patch looks like as it goes on is normal, but for this share, which spreads this many times wider:
 /// the sketch errs now and then.
-constexpr double kErrs = 0.05, kErrsBy = 4;
+constexpr double kOutlierShare = 0.05, kOutlierScale = 4;
 
-/// θ of the sampler's density (docs/method/sampler.md). Chances are in (0, 1), rates above 0. [2]: in frame
-/// 0, in later ones.
-struct Theta {
-  std::array<std::array<double, kOutcomes>, kConfigs> outcome{};  ///< sums 1
+/// θ of the sampler's density (docs/method/sampler.md). Chances are in (0, 1), rates above 0. [2]: in frame 0, in
+/// later ones.
+struct SamplerParameters {
+  std::array<std::array<double, kOutcomes>, kOutcomeContexts> outcome{};  ///< sums 1
   double split_more = 0.05;               ///< chance of yet another successor, beyond two
   std::array<double, 2> birth{};          ///< strokes begun, per px²
-  std::array<double, kGrowers> growth{};  ///< patches that grow from one, expected number; from a new one to
+  std::array<double, kParentClasses> growth{};  ///< patches that grow from one, expected number; from a new one to
                                           ///< both sides, of which one comes later in order
   double first_growth = 1.6;              ///< the same in frame 0, where all are new
   /// Chance that two patches which go on are joined, by how they lay before and how they lie now.
   std::array<std::array<double, kCloseness>, 3> join{};
   std::array<std::array<double, kCloseness>, 2> close{};  ///< that a new patch is joined to one it is not
                                                           ///< grown from
-  double across = 0.5, along = 1.5;  ///< px: SD of a patch about where its sway and drift carry it
+  double across = 0.5, along = 1.5;  ///< px: SD of a patch about where its displacement and drift carry it
   double turn = 0.15;                ///< rad
   double flicker = 0.2;              ///< SD of the change of the logarithm of the contrast
   double split_spread = 2;           ///< how many times wider the places of a split's parts spread
@@ -61,13 +61,13 @@ struct Theta {
   double branch = 0.1;                           ///< share of what grows into any direction, up to the gate
   double branch_reach = 12;                      ///< px
   double other_kind = 0.02;                      ///< chance that what grows is of another kind
-  Autoregression sway{1.5, -0.7, 0, 0.4, 0, 0};  ///< of the displacement from rest, px
+  Autoregression displacement{1.5, -0.7, 0, 0.4, 0, 0};  ///< of the displacement from rest, px
 };
 
 /// Throws InputError, naming the field, where a number is out of its range.
-void validate(const Theta& theta);
+void validate(const SamplerParameters& theta);
 
 /// Where to begin: usual numbers, for a clip of this many patches a frame over so many px².
-Theta usual_theta(double patches, double area);
+SamplerParameters usual_parameters(double patches, double area);
 
 }  // namespace emberfold::mcmc

@@ -13,74 +13,74 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-void Scratch::remember(const HiddenGraph& g) {
-  fit(g.size());
-  remembers_ = true;
+void FactorCache::enable(const HiddenGraph& g) {
+  resize(g.size());
+  enabled_ = true;
   first_.clear();
   std::size_t pairs = 0;
   for (Index i = 0; i < g.size(); ++i) {
     first_.push_back(pairs);
-    pairs += g.beside(i).size();
+    pairs += g.neighbours(i).size();
   }
   pairs_.assign(pairs, kUnknown);
-  forget();
+  invalidate();
 }
 
-void Scratch::forget() {
+void FactorCache::invalidate() {
   for (Mark& mark : marks_) mark.known = 0;
   std::ranges::fill(pairs_, kUnknown);
 }
 
-void Scratch::forget_arrivals() {
+void FactorCache::invalidate_arrivals() {
   for (Mark& mark : marks_) mark.known = static_cast<std::uint8_t>(mark.known & ~kArrival);
 }
 
-Edit::Edit(HiddenGraph& g, const Density& density, Scratch& scratch, std::uint32_t who)
-    : g_(g), density_(density), scratch_(scratch), stamp_((std::uint64_t{who} + 1) << 32U) {}
+StateChange::StateChange(HiddenGraph& g, const Density& density, FactorCache& cache, std::uint32_t who)
+    : g_(g), density_(density), cache_(cache), stamp_((std::uint64_t{who} + 1) << 32U) {}
 
 // ---- what each step touches ----
 
-void Edit::begin() {
+void StateChange::begin() {
   if (!steps_.empty()) return;
   ++stamp_;
   outcomes_.clear(), arrivals_.clear(), presences_.clear(), paired_.clear(), pairs_.clear();
 }
 
-bool Edit::note(Index i, Factor factor) {
-  auto& mark = scratch_.marks_[i];
+bool StateChange::note(Index i, Factor factor) {
+  auto& mark = cache_.marks_[i];
   if (mark.stamp != stamp_) mark.stamp = stamp_, mark.noted = 0;
   if ((mark.noted & factor) != 0) return false;
   mark.noted = static_cast<std::uint8_t>(mark.noted | factor);
   return true;
 }
-void Edit::note_outcome(Index v) {
-  if (note(v, Scratch::kOutcome)) outcomes_.push_back(v);
+void StateChange::note_outcome(Index v) {
+  if (note(v, FactorCache::kOutcome)) outcomes_.push_back(v);
 }
-void Edit::note_arrival(Index w) {
-  if (note(w, Scratch::kArrival)) arrivals_.push_back(w);
+void StateChange::note_arrival(Index w) {
+  if (note(w, FactorCache::kArrival)) arrivals_.push_back(w);
 }
-void Edit::note_presence(Index w) {
-  if (note(w, Scratch::kPresence)) presences_.push_back(w);
+void StateChange::note_presence(Index w) {
+  if (note(w, FactorCache::kPresence)) presences_.push_back(w);
 }
 
-// What becomes of x changes; `dies`: whether it dies does.
-void Edit::note_outcomes_about(Index x, bool dies) {
+// StepKind becomes of x changes; `dies`: whether it dies does.
+void StateChange::note_outcomes_about(Index x, bool dies) {
   note_outcome(x);
   for (const Index guest : g_.guests(x))
-    if (g_.is_on(guest)) note_outcome(guest);
+    if (g_.is_active(guest)) note_outcome(guest);
   if (dies)
     for (const Index y : g_[x].edges) note_outcome(y);
 }
 
 // The rate at which others grow from w changes.
-void Edit::note_grown_from(Index w) {
+void StateChange::note_grown_from(Index w) {
   note_presence(w);
   for (const Index x : g_[w].edges)
     if (!g_.has_past(x)) note_arrival(x);
 }
 
 // `last`: v has no other link, so that it dies with this or without it.
-void Edit::note_link(Index v, Index w, bool last) {
+void StateChange::note_link(Index v, Index w, bool last) {
   const Node &from = g_[v], &to = g_[w];
   note_outcomes_about(v, last);
   note_arrival(w);
@@ -91,24 +91,24 @@ void Edit::note_link(Index v, Index w, bool last) {
   note_grown_from(w);
   // Whether w is new, or not, is for those to know that come before it.
   if (to.prev.size() <= 1)
-    for (const Beside& near : g_.beside(w))
-      if (near.earlier && g_.is_on(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
-  if (note(w, Scratch::kPairs)) paired_.push_back(w);
+    for (const NeighbourCandidate& near : g_.neighbours(w))
+      if (near.earlier && g_.is_active(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
+  if (note(w, FactorCache::kPairs)) paired_.push_back(w);
 }
 
-void Edit::note_pair(Index a, Index b) {
+void StateChange::note_pair(Index a, Index b) {
   if (a == b || !g_.has_past(a) || !g_.has_past(b)) return;
   const Index first = std::min(a, b), second = std::max(a, b);
-  const auto beside = g_.beside(first);
-  const auto near = std::ranges::find(beside, second, &Beside::node);
-  if (near == beside.end()) return;
-  const auto place = static_cast<std::size_t>(near - beside.begin());
-  if (std::ranges::none_of(pairs_, [&](const Pair& p) { return p.node == first && p.beside == place; }))
+  const auto candidates = g_.neighbours(first);
+  const auto near = std::ranges::find(candidates, second, &NeighbourCandidate::node);
+  if (near == candidates.end()) return;
+  const auto place = static_cast<std::size_t>(near - candidates.begin());
+  if (std::ranges::none_of(pairs_, [&](const Pair& p) { return p.node == first && p.place == place; }))
     pairs_.push_back({first, place});
 }
 
-void Edit::note_edge(Index a, Index b) {
-  const bool coupled = density_.theta().sway.coupling != 0;
+void StateChange::note_edge(Index a, Index b) {
+  const bool coupled = density_.theta().displacement.coupling != 0;
   for (const Index i : {a, b}) {
     note_outcome(i);
     if (!g_.has_past(i)) note_arrival(i);
@@ -129,87 +129,87 @@ void Edit::note_edge(Index a, Index b) {
     if (y != a) note_next(a, y);
 }
 
-void Edit::note_lone(Index i) {
+void StateChange::note_isolated(Index i) {
   note_outcome(i);
   note_arrival(i);
   note_presence(i);
-  for (const Beside& near : g_.beside(i))
-    if (!near.earlier && g_.is_on(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
+  for (const NeighbourCandidate& near : g_.neighbours(i))
+    if (!near.earlier && g_.is_active(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
 }
 
 // ---- what the factors are ----
 
 // All noted pairs, each once.
 template <class Visit>
-void Edit::visit_pairs(Visit visit) const {
+void StateChange::visit_pairs(Visit visit) const {
   const auto paired = [&](Index x) {  // few are: to look through them is quicker than to look x up
-    return paired_.size() <= 4 ? std::ranges::find(paired_, x) != paired_.end() : noted(x, Scratch::kPairs);
+    return paired_.size() <= 4 ? std::ranges::find(paired_, x) != paired_.end() : noted(x, FactorCache::kPairs);
   };
   for (const Index w : paired_) {
-    const auto beside = g_.beside(w);
-    for (std::size_t k = 0; k < beside.size(); ++k)
-      if (w < beside[k].node || !paired(beside[k].node)) visit(w, k);
+    const auto candidates = g_.neighbours(w);
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (w < candidates[k].node || !paired(candidates[k].node)) visit(w, k);
   }
   for (const Pair& p : pairs_)
-    if (!paired(p.node) && !paired(g_.beside(p.node)[p.beside].node)) visit(p.node, p.beside);
+    if (!paired(p.node) && !paired(g_.neighbours(p.node)[p.place].node)) visit(p.node, p.place);
 }
 
-double Edit::sum() const {
+double StateChange::sum() const {
   double sum = 0;
   for (const Index v : outcomes_)
-    if (g_.is_on(v)) sum += density_.of_outcome(g_, v);
+    if (g_.is_active(v)) sum += density_.log_outcome(g_, v);
   for (const Index w : arrivals_)
-    if (g_.is_on(w)) sum += density_.of_arrival(g_, w);
+    if (g_.is_active(w)) sum += density_.log_birth_or_survival(g_, w);
   for (const Index w : presences_)
-    if (g_.is_on(w)) sum += density_.of_presence(g_, w);
-  visit_pairs([&](Index w, std::size_t k) { sum += density_.of_pair(g_, w, g_.beside(w)[k]); });
+    if (g_.is_active(w)) sum += density_.log_presence(g_, w);
+  visit_pairs([&](Index w, std::size_t k) { sum += density_.log_edge(g_, w, g_.neighbours(w)[k]); });
   return sum;
 }
 
 // The sum in the state before, of which all factors must be known.
-std::optional<double> Edit::known_sum() const {
-  if (!scratch_.remembers_) return std::nullopt;
+std::optional<double> StateChange::known_sum() const {
+  if (!cache_.enabled_) return std::nullopt;
   double sum = 0;
   bool known = true;
-  const auto add = [&](const std::vector<Index>& list, Factor factor, double Scratch::Mark::*value) {
+  const auto add = [&](const std::vector<Index>& list, Factor factor, double FactorCache::Mark::*value) {
     for (const Index i : list) {
-      const auto& mark = scratch_.marks_[i];
+      const auto& mark = cache_.marks_[i];
       known = known && (mark.known & factor) != 0;
       sum += mark.*value;
     }
   };
-  add(outcomes_, Scratch::kOutcome, &Scratch::Mark::outcome);
-  add(arrivals_, Scratch::kArrival, &Scratch::Mark::arrival);
-  add(presences_, Scratch::kPresence, &Scratch::Mark::presence);
+  add(outcomes_, FactorCache::kOutcome, &FactorCache::Mark::outcome);
+  add(arrivals_, FactorCache::kArrival, &FactorCache::Mark::arrival);
+  add(presences_, FactorCache::kPresence, &FactorCache::Mark::presence);
   if (!known) return std::nullopt;
-  visit_pairs([&](Index w, std::size_t k) { sum += scratch_.pairs_[scratch_.first_[w] + k]; });
+  visit_pairs([&](Index w, std::size_t k) { sum += cache_.pairs_[cache_.first_[w] + k]; });
   return std::isnan(sum) ? std::nullopt : std::optional(sum);
 }
 
-// The same once the state before is there again. What is not known is evaluated, and kept.
-double Edit::former_sum() {
+// The same once the state before is there again. StepKind is not known is evaluated, and kept.
+double StateChange::former_sum() {
   double sum = 0;
-  const auto add = [&](const std::vector<Index>& list, Factor factor, double Scratch::Mark::*value,
+  const auto add = [&](const std::vector<Index>& list, Factor factor, double FactorCache::Mark::*value,
                        auto&& evaluate) {
     for (const Index i : list) {
-      auto& mark = scratch_.marks_[i];
-      if (!scratch_.remembers_ || (mark.known & factor) == 0) {
-        mark.*value = g_.is_on(i) ? evaluate(i) : 0;
+      auto& mark = cache_.marks_[i];
+      if (!cache_.enabled_ || (mark.known & factor) == 0) {
+        mark.*value = g_.is_active(i) ? evaluate(i) : 0;
         mark.known = static_cast<std::uint8_t>(mark.known | factor);
       }
       sum += mark.*value;
     }
   };
-  add(outcomes_, Scratch::kOutcome, &Scratch::Mark::outcome,
-      [&](Index v) { return density_.of_outcome(g_, v); });
-  add(arrivals_, Scratch::kArrival, &Scratch::Mark::arrival,
-      [&](Index w) { return density_.of_arrival(g_, w); });
-  add(presences_, Scratch::kPresence, &Scratch::Mark::presence,
-      [&](Index w) { return density_.of_presence(g_, w); });
+  add(outcomes_, FactorCache::kOutcome, &FactorCache::Mark::outcome,
+      [&](Index v) { return density_.log_outcome(g_, v); });
+  add(arrivals_, FactorCache::kArrival, &FactorCache::Mark::arrival,
+      [&](Index w) { return density_.log_birth_or_survival(g_, w); });
+  add(presences_, FactorCache::kPresence, &FactorCache::Mark::presence,
+      [&](Index w) { return density_.log_presence(g_, w); });
   visit_pairs([&](Index w, std::size_t k) {
-    double* kept = scratch_.remembers_ ? &scratch_.pairs_[scratch_.first_[w] + k] : nullptr;
+    double* kept = cache_.enabled_ ? &cache_.pairs_[cache_.first_[w] + k] : nullptr;
     const double value =
-        kept != nullptr && !std::isnan(*kept) ? *kept : density_.of_pair(g_, w, g_.beside(w)[k]);
+        kept != nullptr && !std::isnan(*kept) ? *kept : density_.log_edge(g_, w, g_.neighbours(w)[k]);
     if (kept != nullptr) *kept = value;
     sum += value;
   });
@@ -218,180 +218,180 @@ double Edit::former_sum() {
 
 // Whether the factors as they are now may sum to `need`: they are evaluated as long as those that are left
 // could still make up for what is missing.
-bool Edit::may_reach(double need) const {
+bool StateChange::may_reach(double need) const {
   const double enough = need - 1e-9 * (1 + std::abs(need));  // rounding decides nothing
   double most = 0;
   for (const Index w : presences_)
-    if (g_.is_on(w)) most += density_.of_presence(g_, w);
+    if (g_.is_active(w)) most += density_.log_presence(g_, w);
   for (const Index v : outcomes_)
-    if (g_.is_on(v)) most += density_.most_of_outcome();
+    if (g_.is_active(v)) most += density_.max_log_outcome();
   for (const Index w : arrivals_)
-    if (g_.is_on(w)) most += density_.most_of_arrival(g_, w);
+    if (g_.is_active(w)) most += density_.max_log_birth_or_survival(g_, w);
   if (most < enough) return false;
   for (std::size_t k = 0; k < std::max(arrivals_.size(), outcomes_.size()); ++k) {
-    if (k < arrivals_.size() && g_.is_on(arrivals_[k]))
-      most += density_.of_arrival(g_, arrivals_[k]) - density_.most_of_arrival(g_, arrivals_[k]);
-    if (k < outcomes_.size() && g_.is_on(outcomes_[k]))
-      most += density_.of_outcome(g_, outcomes_[k]) - density_.most_of_outcome();
+    if (k < arrivals_.size() && g_.is_active(arrivals_[k]))
+      most += density_.log_birth_or_survival(g_, arrivals_[k]) - density_.max_log_birth_or_survival(g_, arrivals_[k]);
+    if (k < outcomes_.size() && g_.is_active(outcomes_[k]))
+      most += density_.log_outcome(g_, outcomes_[k]) - density_.max_log_outcome();
     if (most < enough) return false;
   }
   visit_pairs([&](Index w, std::size_t k) {
-    if (most >= enough) most += density_.of_pair(g_, w, g_.beside(w)[k]);
+    if (most >= enough) most += density_.log_edge(g_, w, g_.neighbours(w)[k]);
   });
   return most >= enough;
 }
 
-double Edit::gain(double least) {
+double StateChange::gain(double least) {
   constexpr double kImpossible = -std::numeric_limits<double>::infinity();
   if (steps_.empty()) return 0;
   auto was = known_sum();
   if (!was) {
-    for (std::size_t k = steps_.size(); k-- > 0;) take_back(steps_[k]);
+    for (std::size_t k = steps_.size(); k-- > 0;) revert(steps_[k]);
     was = former_sum();
-    for (Step& step : steps_) take_again(step);
+    for (Step& step : steps_) apply(step);
   }
   if (least > kImpossible && !may_reach(least + *was - edges_)) return kImpossible;
   const double is = sum();
   return is == kImpossible ? kImpossible : is - *was + edges_;
 }
 
-double Edit::edge_evidence(Index a, Index b) const {
-  const auto near = std::ranges::find(g_.beside(a), b, &Beside::node);
-  return near == g_.beside(a).end() ? 0 : density_.of_edge(*near);
+double StateChange::edge_evidence(Index a, Index b) const {
+  const auto near = std::ranges::find(g_.neighbours(a), b, &NeighbourCandidate::node);
+  return near == g_.neighbours(a).end() ? 0 : density_.edge_evidence(*near);
 }
 
-void Edit::add(const Step& step) {
+void StateChange::add(const Step& step) {
   steps_.push_back(step);
-  take_again(steps_.back());
+  apply(steps_.back());
 }
 
-void Edit::link(Index v, Index w) {
+void StateChange::link(Index v, Index w) {
   begin();
   note_link(v, w, g_[v].next.empty());
-  add({What::link, v, w, {}, 0});
+  add({StepKind::link, v, w, {}, 0});
 }
-void Edit::unlink(Index v, Index w) {
+void StateChange::unlink(Index v, Index w) {
   begin();
   note_link(v, w, g_[v].next.size() == 1);
-  add({What::unlink, v, w, {}, 0});
+  add({StepKind::unlink, v, w, {}, 0});
 }
-void Edit::join(Index a, Index b) {
+void StateChange::add_edge(Index a, Index b) {
   begin();
   note_edge(a, b);
   edges_ += edge_evidence(a, b);
-  add({What::join, a, b, {}, 0});
+  add({StepKind::add_edge, a, b, {}, 0});
 }
-void Edit::cut(Index a, Index b) {
+void StateChange::remove_edge(Index a, Index b) {
   begin();
   note_edge(a, b);
   edges_ -= edge_evidence(a, b);
-  add({What::cut, a, b, {}, 0});
+  add({StepKind::remove_edge, a, b, {}, 0});
 }
-void Edit::put(Index i) {
+void StateChange::activate(Index i) {
   begin();
-  note_lone(i);
-  add({What::put, i, 0, {}, 0});
+  note_isolated(i);
+  add({StepKind::activate, i, 0, {}, 0});
 }
-void Edit::take(Index i) {
+void StateChange::deactivate(Index i) {
   begin();
-  note_lone(i);
-  add({What::take, i, 0, {}, 0});
+  note_isolated(i);
+  add({StepKind::deactivate, i, 0, {}, 0});
 }
-void Edit::set_sway(Index i, double sway) {
+void StateChange::set_displacement(Index i, double displacement) {
   begin();
   note_arrival(i);
   for (const Index c : g_[i].next) {
     note_arrival(c);
     for (const Index d : g_[c].next) note_arrival(d);
   }
-  if (density_.theta().sway.coupling != 0)
+  if (density_.theta().displacement.coupling != 0)
     for (const Index x : g_[i].edges)
       for (const Index c : g_[x].next) note_arrival(c);
-  add({What::sway, i, 0, {}, sway});
+  add({StepKind::displacement, i, 0, {}, displacement});
 }
 
-void Edit::take_again(Step& s) {
-  switch (s.what) {
-    case What::link:
+void StateChange::apply(Step& s) {
+  switch (s.kind) {
+    case StepKind::link:
       g_.link(s.a, s.b);
       break;
-    case What::unlink:
+    case StepKind::unlink:
       s.at = g_.unlink(s.a, s.b);
       break;
-    case What::join:
-      g_.join(s.a, s.b);
+    case StepKind::add_edge:
+      g_.add_edge(s.a, s.b);
       break;
-    case What::cut:
-      s.at = g_.cut(s.a, s.b);
+    case StepKind::remove_edge:
+      s.at = g_.remove_edge(s.a, s.b);
       break;
-    case What::put:
-      s.at = g_.off_place(s.a);
-      g_.put(s.a);
+    case StepKind::activate:
+      s.at = g_.inactive_place(s.a);
+      g_.activate(s.a);
       break;
-    case What::take:
-      s.at = g_.take(s.a);
+    case StepKind::deactivate:
+      s.at = g_.deactivate(s.a);
       break;
-    case What::sway: {
-      const double was = g_[s.a].sway;
-      g_.set_sway(s.a, s.sway);
-      s.sway = was;
+    case StepKind::displacement: {
+      const double was = g_[s.a].displacement;
+      g_.set_displacement(s.a, s.displacement);
+      s.displacement = was;
       break;
     }
   }
 }
 
-void Edit::take_back(Step& s) {
-  switch (s.what) {
-    case What::link:
+void StateChange::revert(Step& s) {
+  switch (s.kind) {
+    case StepKind::link:
       g_.unlink(s.a, s.b);
       break;
-    case What::unlink:
+    case StepKind::unlink:
       g_.undo_unlink(s.a, s.b, s.at);
       break;
-    case What::join:
-      g_.cut(s.a, s.b);
+    case StepKind::add_edge:
+      g_.remove_edge(s.a, s.b);
       break;
-    case What::cut:
-      g_.undo_cut(s.a, s.b, s.at);
+    case StepKind::remove_edge:
+      g_.undo_remove_edge(s.a, s.b, s.at);
       break;
-    case What::put:
-      g_.undo_put(s.a, s.at);
+    case StepKind::activate:
+      g_.undo_activate(s.a, s.at);
       break;
-    case What::take:
-      g_.undo_take(s.a, s.at);
+    case StepKind::deactivate:
+      g_.undo_deactivate(s.a, s.at);
       break;
-    case What::sway:
-      take_again(s);  // changes places with what is there
+    case StepKind::displacement:
+      apply(s);  // changes places with what is there
       break;
   }
 }
 
-void Edit::forget_noted() {
-  const auto forget = [&](const std::vector<Index>& list, Factor factor) {
+void StateChange::invalidate_noted() {
+  const auto invalidate = [&](const std::vector<Index>& list, Factor factor) {
     for (const Index i : list) {
-      auto& mark = scratch_.marks_[i];
+      auto& mark = cache_.marks_[i];
       mark.known = static_cast<std::uint8_t>(mark.known & ~factor);
     }
   };
-  forget(outcomes_, Scratch::kOutcome);
-  forget(arrivals_, Scratch::kArrival);
-  forget(presences_, Scratch::kPresence);
+  invalidate(outcomes_, FactorCache::kOutcome);
+  invalidate(arrivals_, FactorCache::kArrival);
+  invalidate(presences_, FactorCache::kPresence);
   visit_pairs([&](Index w, std::size_t k) {
-    const Index x = g_.beside(w)[k].node;
-    const auto back = std::ranges::find(g_.beside(x), w, &Beside::node) - g_.beside(x).begin();
-    scratch_.pairs_[scratch_.first_[w] + k] = kUnknown;
-    scratch_.pairs_[scratch_.first_[x] + static_cast<std::size_t>(back)] = kUnknown;
+    const Index x = g_.neighbours(w)[k].node;
+    const auto back = std::ranges::find(g_.neighbours(x), w, &NeighbourCandidate::node) - g_.neighbours(x).begin();
+    cache_.pairs_[cache_.first_[w] + k] = kUnknown;
+    cache_.pairs_[cache_.first_[x] + static_cast<std::size_t>(back)] = kUnknown;
   });
 }
 
-void Edit::keep() {
-  if (!steps_.empty() && scratch_.remembers_) forget_noted();
+void StateChange::commit() {
+  if (!steps_.empty() && cache_.enabled_) invalidate_noted();
   steps_.clear();
   edges_ = 0;
 }
 
-void Edit::undo() {
-  for (; !steps_.empty(); steps_.pop_back()) take_back(steps_.back());
+void StateChange::rollback() {
+  for (; !steps_.empty(); steps_.pop_back()) revert(steps_.back());
   edges_ = 0;
 }
 

@@ -15,8 +15,8 @@ namespace {
 
 using graph::Point;
 
-void tally_outcome(const HiddenGraph& g, Index v, Tallies& t) {
-  const std::size_t c = config_of(g, v);
+void add_outcome(const HiddenGraph& g, Index v, SufficientStatistics& t) {
+  const std::size_t c = outcome_context_of(g, v);
   const Outcome what = outcome(g, v);
   t.outcome[c][static_cast<std::size_t>(what)] += 1;
   t.exposed[c] += std::exp2(0.5 * (static_cast<double>(g[v].place) - kPlaces / 2));
@@ -24,40 +24,40 @@ void tally_outcome(const HiddenGraph& g, Index v, Tallies& t) {
   if (what == Outcome::split) t.splits += 1, t.more_parts += static_cast<double>(g[v].next.size()) - 2;
 }
 
-void tally_sway(const HiddenGraph& g, Index w, Tallies& t) {
+void add_displacement(const HiddenGraph& g, Index w, SufficientStatistics& t) {
   const Index v = parent(g, w);
   const Node &node = g[w], &past = g[v];
   if (past.prev.size() != 1) return;
   const Node& before = g[past.prev[0]];
-  const double y = sense(past, node) * node.sway;
-  const std::array z = {past.sway, sense(before, past) * before.sway, neighbours_sway(g, v) - past.sway};
+  const double y = sense(past, node) * node.displacement;
+  const std::array z = {past.displacement, sense(before, past) * before.displacement, neighbour_displacement(g, v) - past.displacement};
   std::size_t k = 0;
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j <= i; ++j) t.sway_zz[k++] += z[i] * z[j];
-  for (std::size_t i = 0; i < 3; ++i) t.sway_zy[i] += z[i] * y;
-  t.sway_yy += y * y;
-  t.sway_count += 1;
+    for (std::size_t j = 0; j <= i; ++j) t.displacement_zz[k++] += z[i] * z[j];
+  for (std::size_t i = 0; i < 3; ++i) t.displacement_zy[i] += z[i] * y;
+  t.displacement_yy += y * y;
+  t.displacement_count += 1;
 }
 
 // A square as it counts for the narrower of both spreads (kErrs).
 double narrow_square(double x, double sd) {
-  const double wide = Density::erred(x / sd);
-  return x * x * (1 - wide + wide / (kErrsBy * kErrsBy));
+  const double wide = Density::outlier_probability(x / sd);
+  return x * x * (1 - wide + wide / (kOutlierScale * kOutlierScale));
 }
 
-void tally_going_on(const HiddenGraph& g, Index w, const Theta& theta, Tallies& t) {
+void add_survival(const HiddenGraph& g, Index w, const SamplerParameters& theta, SufficientStatistics& t) {
   const Index v = parent(g, w);
   const double wider = g[v].next.size() > 1 ? theta.split_spread : 1;
-  const Course& course = g.course(v, w);
-  const double across = (course.across - (course.sense * g[w].sway - g[v].sway)) / wider;
-  const double along = course.along / wider;
-  t.going_on += 1;
+  const TransitionOffset& offset = g.offset(v, w);
+  const double across = (offset.across - (offset.sense * g[w].displacement - g[v].displacement)) / wider;
+  const double along = offset.along / wider;
+  t.survival += 1;
   t.across2 += across * across, t.along2 += along * along;
-  t.turn2 += narrow_square(course.turn, theta.turn);
-  t.flicker2 += narrow_square(course.flicker, theta.flicker);
+  t.turn2 += narrow_square(offset.turn, theta.turn);
+  t.flicker2 += narrow_square(offset.flicker, theta.flicker);
 }
 
-void tally_grown(const Node& from, const Node& w, double share, const Theta& theta, Tallies& t) {
+void add_grown(const Node& from, const Node& w, double share, const SamplerParameters& theta, SufficientStatistics& t) {
   const Point apart = w.patch.position - from.patch.position;
   const double along = std::abs(graph::dot(apart, from.tangent)), side = graph::dot(apart, from.normal());
   const double bend = turn_between(from, w), contrast = w.log_contrast - from.log_contrast;
@@ -73,7 +73,7 @@ void tally_grown(const Node& from, const Node& w, double share, const Theta& the
   if (from.kind != w.kind) t.other_kind += share;
 }
 
-void tally_new(const HiddenGraph& g, Index w, const Density& density, Tallies& t) {
+void add_new(const HiddenGraph& g, Index w, const Density& density, SufficientStatistics& t) {
   const Node& node = g[w];
   const std::size_t epoch = node.frame == 0 ? 0 : 1;
   const auto origins = density.origins(g, w);
@@ -81,42 +81,42 @@ void tally_new(const HiddenGraph& g, Index w, const Density& density, Tallies& t
   t.contrast += origins.begun * node.log_contrast;
   t.contrast2 += origins.begun * node.log_contrast * node.log_contrast;
   t.kinds[static_cast<std::size_t>(node.kind)] += origins.begun;
-  for (const Beside& near : g.beside(w)) {
+  for (const NeighbourCandidate& near : g.neighbours(w)) {
     const Node& other = g[near.node];
-    if (!other.on || (other.prev.empty() && !g.before(near.node, w))) continue;
+    if (!other.active || (other.prev.empty() && !g.precedes(near.node, w))) continue;
     auto& close = t.close[epoch][near.closeness];
     const std::size_t k = origins.from.find(near.node);
     if (k == origins.from.size()) {
-      close.could += 1;
+      close.exposure += 1;
       continue;
     }
     const double share = origins.shares[k];
-    close.joined += 1 - share, close.could += 1 - share;
-    (epoch == 0 ? t.first_grown : t.grown[grower(g, near.node)]) += share;
-    tally_grown(other, node, share, density.theta(), t);
+    close.joined += 1 - share, close.exposure += 1 - share;
+    (epoch == 0 ? t.first_grown : t.grown[parent_class(g, near.node)]) += share;
+    add_grown(other, node, share, density.theta(), t);
   }
 }
 
-void tally_pairs(const HiddenGraph& g, Index a, Tallies& t) {
+void add_pairs(const HiddenGraph& g, Index a, SufficientStatistics& t) {
   if (g[a].prev.empty()) return;
-  for (const Beside& near : g.beside(a)) {
-    if (near.node < a || !g[near.node].on || g[near.node].prev.empty()) continue;
-    auto& pair = t.join[static_cast<std::size_t>(were(g, a, near.node))][near.closeness];
-    pair.could += 1;
+  for (const NeighbourCandidate& near : g.neighbours(a)) {
+    if (near.node < a || !g[near.node].active || g[near.node].prev.empty()) continue;
+    auto& pair = t.join[static_cast<std::size_t>(previous_adjacency(g, a, near.node))][near.closeness];
+    pair.exposure += 1;
     pair.joined += g[a].edges.has(near.node) ? 1 : 0;
   }
 }
 
-double chance(double happened, double could, double prior, double weight) {
-  return std::clamp((happened + weight * prior) / (could + weight), 1e-6, 1 - 1e-6);
+double chance(double events, double exposure, double prior, double weight) {
+  return std::clamp((events + weight * prior) / (exposure + weight), 1e-6, 1 - 1e-6);
 }
 /// SD from a sum of squares, with some at the prior's.
 double spread(double squares, double count, double prior, double weight) {
   return std::sqrt((squares + weight * prior * prior) / (count + weight));
 }
 
-void learn_outcomes(const Tallies& t, const Theta& prior, double weight, Theta& theta) {
-  for (std::size_t c = 0; c < kConfigs; ++c) {
+void learn_outcomes(const SufficientStatistics& t, const SamplerParameters& prior, double weight, SamplerParameters& theta) {
+  for (std::size_t c = 0; c < kOutcomeContexts; ++c) {
     const auto& n = t.outcome[c];
     // Where nothing was there to merge into, merges are counted as often as they would have been.
     const double virtual_merges = t.no_target[c] * prior.outcome[c][3] / (1 - prior.outcome[c][3]);
@@ -129,26 +129,26 @@ void learn_outcomes(const Tallies& t, const Theta& prior, double weight, Theta& 
   theta.split_more = chance(t.more_parts, t.splits + t.more_parts, prior.split_more, weight);
 }
 
-void learn_edges(const Tallies& t, const Theta& prior, double weight, Theta& theta) {
+void learn_edges(const SufficientStatistics& t, const SamplerParameters& prior, double weight, SamplerParameters& theta) {
   for (std::size_t k = 0; k < kCloseness; ++k) {
     for (std::size_t w = 0; w < 3; ++w)
-      theta.join[w][k] = chance(t.join[w][k].joined, t.join[w][k].could, prior.join[w][k], weight);
+      theta.join[w][k] = chance(t.join[w][k].joined, t.join[w][k].exposure, prior.join[w][k], weight);
     for (std::size_t e = 0; e < 2; ++e)
-      theta.close[e][k] = chance(t.close[e][k].joined, t.close[e][k].could, prior.close[e][k], weight);
+      theta.close[e][k] = chance(t.close[e][k].joined, t.close[e][k].exposure, prior.close[e][k], weight);
   }
 }
 
-void learn_births(const Tallies& t, const Theta& prior, double area, double weight, Theta& theta) {
-  const auto rate = [&](double n, double could, double usual) {
-    return (n + weight * usual) / (could + weight);
+void learn_births(const SufficientStatistics& t, const SamplerParameters& prior, double area, double weight, SamplerParameters& theta) {
+  const auto rate = [&](double n, double exposure, double usual) {
+    return (n + weight * usual) / (exposure + weight);
   };
   theta.birth[0] = (t.begun[0] + 0.5) / (area + 0.5 / prior.birth[0]);
   theta.birth[1] = (t.begun[1] + 0.5) / (area * t.later_frames + 0.5 / prior.birth[1]);
-  for (std::size_t k = 0; k < kGrowers; ++k) {
-    const double could = t.growers[k] * (k == 3 ? 0.5 : 1);
-    theta.growth[k] = rate(t.grown[k], could, prior.growth[k]);
+  for (std::size_t k = 0; k < kParentClasses; ++k) {
+    const double exposure = t.parents[k] * (k == 3 ? 0.5 : 1);
+    theta.growth[k] = rate(t.grown[k], exposure, prior.growth[k]);
   }
-  theta.first_growth = rate(t.first_grown, t.first_growers / 2, prior.first_growth);
+  theta.first_growth = rate(t.first_grown, t.first_parents / 2, prior.first_growth);
   const double begun = t.begun[0] + t.begun[1];
   const double mean = (t.contrast + weight * prior.new_contrast) / (begun + weight);
   theta.new_contrast = mean;
@@ -161,7 +161,7 @@ void learn_births(const Tallies& t, const Theta& prior, double area, double weig
   for (double& p : theta.kinds) p /= sum;
 }
 
-void learn_growth(const Tallies& t, const Theta& prior, double weight, Theta& theta) {
+void learn_growth(const SufficientStatistics& t, const SamplerParameters& prior, double weight, SamplerParameters& theta) {
   const double n = t.grown_along_curve, all = n + t.grown_elsewhere;
   theta.branch = std::clamp(chance(t.grown_elsewhere, all, prior.branch, weight), 0.01, 0.5);
   theta.step = (t.step + weight * prior.step) / (n + weight);
@@ -173,15 +173,15 @@ void learn_growth(const Tallies& t, const Theta& prior, double weight, Theta& th
   theta.other_kind = std::clamp(chance(t.other_kind, all, prior.other_kind, weight), 1e-4, 0.5);
 }
 
-Autoregression learn_sway(const Tallies& t, const Autoregression& prior, double weight) {
-  if (t.sway_count < 10) return prior;
+Autoregression learn_displacement(const SufficientStatistics& t, const Autoregression& prior, double weight) {
+  if (t.displacement_count < 10) return prior;
   Eigen::Matrix3d zz;
   std::size_t k = 0;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j <= i; ++j) zz(i, j) = zz(j, i) = t.sway_zz[k++];
-  const Eigen::Vector3d zy(t.sway_zy[0], t.sway_zy[1], t.sway_zy[2]);
+    for (int j = 0; j <= i; ++j) zz(i, j) = zz(j, i) = t.displacement_zz[k++];
+  const Eigen::Vector3d zy(t.displacement_zy[0], t.displacement_zy[1], t.displacement_zy[2]);
   const Eigen::Vector3d mean(prior.a1, prior.a2, prior.coupling);
-  const double ridge = weight * zz.trace() / 3 / t.sway_count;
+  const double ridge = weight * zz.trace() / 3 / t.displacement_count;
   const Eigen::Matrix3d sum = zz + ridge * Eigen::Matrix3d::Identity();
   Eigen::Vector3d a = sum.ldlt().solve(zy + ridge * mean);
   if (!(a[2] >= 0 && a[2] < 0.5)) {  // the coupling is no push apart
@@ -190,62 +190,62 @@ Autoregression learn_sway(const Tallies& t, const Autoregression& prior, double 
         sum.topLeftCorner<2, 2>().ldlt().solve((zy + ridge * mean).head<2>() - a[2] * sum.block<2, 1>(0, 2));
     a[0] = rest[0], a[1] = rest[1];
   }
-  Autoregression sway = prior;
-  sway.a1 = a[0], sway.a2 = a[1], sway.coupling = a[2];
-  const double squares = t.sway_yy - 2 * a.dot(zy) + a.dot(zz * a);
-  sway.noise = spread(std::max(squares, 0.0), t.sway_count, prior.noise, weight);
-  for (double radius = spectral_radius(sway); radius > 0.995; radius = spectral_radius(sway)) {
+  Autoregression displacement = prior;
+  displacement.a1 = a[0], displacement.a2 = a[1], displacement.coupling = a[2];
+  const double squares = t.displacement_yy - 2 * a.dot(zy) + a.dot(zz * a);
+  displacement.noise = spread(std::max(squares, 0.0), t.displacement_count, prior.noise, weight);
+  for (double radius = spectral_radius(displacement); radius > 0.995; radius = spectral_radius(displacement)) {
     const double scale = 0.9949 / radius;
-    sway.a1 *= scale, sway.a2 *= scale * scale, sway.coupling *= scale;
+    displacement.a1 *= scale, displacement.a2 *= scale * scale, displacement.coupling *= scale;
   }
-  return sway;
+  return displacement;
 }
 
 }  // namespace
 
-void Tallies::blend(const Tallies& other, double gamma) {
-  static_assert(std::is_trivially_copyable_v<Tallies> && sizeof(Tallies) % sizeof(double) == 0);
+void SufficientStatistics::blend(const SufficientStatistics& other, double gamma) {
+  static_assert(std::is_trivially_copyable_v<SufficientStatistics> && sizeof(SufficientStatistics) % sizeof(double) == 0);
   // All of it is doubles.
-  std::array<double, sizeof(Tallies) / sizeof(double)> mine{}, theirs{};
-  std::memcpy(mine.data(), this, sizeof(Tallies));
-  std::memcpy(theirs.data(), &other, sizeof(Tallies));
+  std::array<double, sizeof(SufficientStatistics) / sizeof(double)> mine{}, theirs{};
+  std::memcpy(mine.data(), this, sizeof(SufficientStatistics));
+  std::memcpy(theirs.data(), &other, sizeof(SufficientStatistics));
   for (std::size_t i = 0; i < mine.size(); ++i) mine[i] += gamma * (theirs[i] - mine[i]);
-  std::memcpy(static_cast<void*>(this), mine.data(), sizeof(Tallies));
+  std::memcpy(static_cast<void*>(this), mine.data(), sizeof(SufficientStatistics));
 }
 
-Tallies tally(const HiddenGraph& g, const Density& density) {
-  Tallies t;
+SufficientStatistics sufficient_statistics(const HiddenGraph& g, const Density& density) {
+  SufficientStatistics t;
   t.later_frames = g.frames() - 1;
   for (Index i = 0; i < g.size(); ++i) {
-    if (!g[i].on) continue;
-    if (g[i].frame + 1 < g.frames()) tally_outcome(g, i, t);
+    if (!g[i].active) continue;
+    if (g[i].frame + 1 < g.frames()) add_outcome(g, i, t);
     if (g[i].frame == 0) {
-      t.first_growers += 1;
+      t.first_parents += 1;
     } else {
-      t.growers[grower(g, i)] += 1;
+      t.parents[parent_class(g, i)] += 1;
     }
-    tally_pairs(g, i, t);
+    add_pairs(g, i, t);
     if (g[i].prev.empty()) {
-      tally_new(g, i, density, t);
+      add_new(g, i, density, t);
     } else {
-      tally_going_on(g, i, density.theta(), t);
-      tally_sway(g, i, t);
+      add_survival(g, i, density.theta(), t);
+      add_displacement(g, i, t);
     }
   }
   return t;
 }
 
-Theta most_likely(const Tallies& t, const Theta& prior, double area, double weight) {
-  Theta theta = prior;
+SamplerParameters most_likely_parameters(const SufficientStatistics& t, const SamplerParameters& prior, double area, double weight) {
+  SamplerParameters theta = prior;
   learn_outcomes(t, prior, weight, theta);
   learn_edges(t, prior, weight, theta);
   learn_births(t, prior, area, weight, theta);
   learn_growth(t, prior, weight, theta);
-  theta.across = spread(t.across2, t.going_on, prior.across, weight);
-  theta.along = spread(t.along2, t.going_on, prior.along, weight);
-  theta.turn = spread(t.turn2, t.going_on, prior.turn, weight);
-  theta.flicker = spread(t.flicker2, t.going_on, prior.flicker, weight);
-  theta.sway = learn_sway(t, prior.sway, weight);
+  theta.across = spread(t.across2, t.survival, prior.across, weight);
+  theta.along = spread(t.along2, t.survival, prior.along, weight);
+  theta.turn = spread(t.turn2, t.survival, prior.turn, weight);
+  theta.flicker = spread(t.flicker2, t.survival, prior.flicker, weight);
+  theta.displacement = learn_displacement(t, prior.displacement, weight);
   return theta;
 }
 

@@ -11,7 +11,7 @@
 #include "core/rng.hpp"
 #include "graph/events/events.hpp"
 #include "mcmc/simulation/edit_population.hpp"
-#include "mcmc/simulation/rate_balancing.hpp"
+#include "mcmc/simulation/rate_calibration.hpp"
 
 namespace emberfold::mcmc {
 
@@ -46,7 +46,7 @@ double power(double share, double factor) {
 }
 
 // Shares of so many frames as they are when time runs faster; slower, within the frames that there are.
-void resample(std::array<double, 8>& shares, double factor) {
+void resample_fade(std::array<double, 8>& shares, double factor) {
   double rising = 0;  // frames until it is all there
   for (std::size_t k = 0; k < shares.size(); ++k)
     if (shares[k] < 0.95) rising = static_cast<double>(k) + 1;
@@ -61,24 +61,24 @@ void resample(std::array<double, 8>& shares, double factor) {
 }
 
 void speed_up(MotionModel& model, double factor, std::uint64_t seed, const core::Context& context) {
-  Census shown = detail::measure(model, seed, context);
+  EventStatistics shown = detail::measure_event_statistics(model, seed, context);
   for (double& events : shown.events) events *= factor;
-  model.sway = at_speed(model.sway, factor);
-  model.contrast = at_speed(model.contrast, factor);
+  model.displacement = change_speed(model.displacement, factor);
+  model.contrast = change_speed(model.contrast, factor);
   for (auto* map : {&model.drift_x, &model.drift_y, &model.rates.birth})
     for (double& value : map->values) value *= factor;
   auto& rates = model.rates;
   for (double& rate : rates.death_by_size) rate = power(rate, factor);
   for (double* rate : {&rates.split, &rates.merge, &rates.connect, &rates.disconnect})
     *rate = power(*rate, factor);
-  rates.hold /= factor, rates.circumstances.pace *= factor;
-  resample(model.appearing, factor);
-  resample(model.vanishing, factor);
-  for (auto& swing : model.first_swing) {
-    swing.offset_before = swing.offset + (swing.offset_before - swing.offset) * factor;
-    swing.gain_before = swing.gain + (swing.gain_before - swing.gain) * factor;
+  rates.refractory_period /= factor, rates.modifiers.pace *= factor;
+  resample_fade(model.appearing, factor);
+  resample_fade(model.vanishing, factor);
+  for (auto& motion : model.first_motion) {
+    motion.offset_before = motion.offset + (motion.offset_before - motion.offset) * factor;
+    motion.gain_before = motion.gain + (motion.gain_before - motion.gain) * factor;
   }
-  balance(model, shown, seed, context);
+  calibrate_rates(model, shown, seed, context);
 }
 
 // --- reversal
@@ -102,9 +102,9 @@ void swap_maps(MotionModel& model) {
 }
 
 // Unions need strokes that lie near each other: not as many can be had as came apart, in any model.
-void note_unmet(const Census& wanted, EditedMotion& result, std::uint64_t seed,
+void note_unmet(const EventStatistics& wanted, EditedMotion& result, std::uint64_t seed,
                 const core::Context& context) {
-  const Census seen = detail::measure(result.model, seed, context);
+  const EventStatistics seen = detail::measure_event_statistics(result.model, seed, context);
   for (std::size_t i = 0; i < wanted.events.size(); ++i)
     if (std::abs(seen.events[i] - wanted.events[i]) > 0.25 * wanted.events[i] + 0.05)
       result.notes.push_back("backwards " + std::to_string(seen.events[i]) + " " +
@@ -113,15 +113,15 @@ void note_unmet(const Census& wanted, EditedMotion& result, std::uint64_t seed,
                              " were wanted");
 }
 
-void turn_back(EditedMotion& result, std::uint64_t seed, const core::Context& context) {
+void reverse_time(EditedMotion& result, std::uint64_t seed, const core::Context& context) {
   MotionModel& model = result.model;
-  Census shown = detail::measure(model, seed, context);
+  EventStatistics shown = detail::measure_event_statistics(model, seed, context);
   auto& rates = model.rates;
   const auto born = births_by_size(model);
-  std::array<double, kSizes> dying{};
+  std::array<double, kSizeClasses> dying{};
   double deaths = 0;
-  for (std::size_t s = 0; s < kSizes; ++s) deaths += dying[s] = rates.death_by_size[s] * shown.strokes[s];
-  for (std::size_t s = 0; s < kSizes; ++s) {
+  for (std::size_t s = 0; s < kSizeClasses; ++s) deaths += dying[s] = rates.death_by_size[s] * shown.strokes[s];
+  for (std::size_t s = 0; s < kSizeClasses; ++s) {
     const double rate = shown.strokes[s] > 0 ? born[s] / shown.strokes[s] : rates.death_by_size[s];
     rates.death_by_size[s] = std::min(1.0, rate);
   }
@@ -143,11 +143,11 @@ void turn_back(EditedMotion& result, std::uint64_t seed, const core::Context& co
   for (auto* map : {&model.drift_x, &model.drift_y})
     for (double& value : map->values) value = -value;
   std::swap(model.appearing, model.vanishing);
-  for (auto& swing : model.first_swing) {
-    std::swap(swing.offset, swing.offset_before);
-    std::swap(swing.gain, swing.gain_before);
+  for (auto& motion : model.first_motion) {
+    std::swap(motion.offset, motion.offset_before);
+    std::swap(motion.gain, motion.gain_before);
   }
-  balance(model, shown, seed, context);
+  calibrate_rates(model, shown, seed, context);
   note_unmet(shown, result, seed, context);
 }
 
@@ -185,29 +185,29 @@ template <class Keep>
 void keep_first(MotionModel& model, const Keep& keep) {
   const auto& graph = model.first;
   std::vector<bool> kept(graph.size());
-  for (const auto& part : strokes(graph::components(graph)))
+  for (const auto& part : vertices_by_stroke(graph::components(graph)))
     for (const auto v : part) kept[v] = keep(stroke(graph, part));
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
-  std::vector<Swing> swings;
+  std::vector<InitialMotion> motions;
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
     if (!kept[v]) continue;
     vertices.push_back(graph.vertices()[v]);
-    if (!model.first_swing.empty()) swings.push_back(model.first_swing[v]);
+    if (!model.first_motion.empty()) motions.push_back(model.first_motion[v]);
   }
   for (const auto& edge : graph.edges())
     if (kept[graph.index_of(edge.a)]) edges.push_back(edge);
   model.first = {std::move(vertices), std::move(edges)};
-  model.first_swing = std::move(swings);
+  model.first_motion = std::move(motions);
 }
 
 // Returns how many of the births are left.
-double choose(MotionModel& model, StrokeChoice choice) {
+double choose_strokes(MotionModel& model, StrokeChoice choice) {
   const double usual = usual_coarseness(model);
   const auto keep = [&](const graph::AttributeGraph& graph) {
     return (coarseness(graph) > usual) == (choice == StrokeChoice::coarse);
   };
-  std::array<double, kSizes> all{}, left{};
+  std::array<double, kSizeClasses> all{}, left{};
   std::vector<Exemplar> exemplars;
   for (const auto& exemplar : model.exemplars) {
     const auto size = size_class(exemplar.graph.size());
@@ -220,7 +220,7 @@ double choose(MotionModel& model, StrokeChoice choice) {
     throw core::InputError("MotionEdit.strokes: the model's strokes are all alike; none would be left");
   auto births = births_by_size(model);
   const double before = std::accumulate(births.begin(), births.end(), 0.0);
-  for (std::size_t s = 0; s < kSizes; ++s) births[s] *= all[s] > 0 ? left[s] / all[s] : 0;
+  for (std::size_t s = 0; s < kSizeClasses; ++s) births[s] *= all[s] > 0 ? left[s] / all[s] : 0;
   set_births(model, births, left);
   model.exemplars = std::move(exemplars);
   keep_first(model, keep);
@@ -230,7 +230,7 @@ double choose(MotionModel& model, StrokeChoice choice) {
 
 // --- a painted birth map
 
-void paint_births(MotionModel& model, const CellMap& painted, std::uint64_t seed) {
+void apply_birth_map(MotionModel& model, const CellMap& painted, std::uint64_t seed) {
   auto& birth = model.rates.birth;
   if (painted.columns != birth.columns || painted.rows != birth.rows || painted.cell != birth.cell ||
       painted.values.size() != birth.values.size())
@@ -259,11 +259,11 @@ void paint_births(MotionModel& model, const CellMap& painted, std::uint64_t seed
 void change_population(EditedMotion& result, const MotionEdit& edit, std::uint64_t seed,
                        const core::Context& context) {
   MotionModel& model = result.model;
-  const Census shown = detail::measure(model, seed, context);
-  detail::WantedEvents wanted;
+  const EventStatistics shown = detail::measure_event_statistics(model, seed, context);
+  detail::TargetEvents wanted;
   double births = edit.rates[0];
-  if (edit.strokes != StrokeChoice::all) births *= choose(model, edit.strokes);
-  if (edit.birth_map) paint_births(model, *edit.birth_map, seed);
+  if (edit.strokes != StrokeChoice::all) births *= choose_strokes(model, edit.strokes);
+  if (edit.birth_map) apply_birth_map(model, *edit.birth_map, seed);
   auto& rates = model.rates;
   const auto scale = [&](EventType type, double factor, auto&&... rate) {
     const auto i = static_cast<std::size_t>(type);
@@ -282,7 +282,7 @@ void change_population(EditedMotion& result, const MotionEdit& edit, std::uint64
     if (edit.rates[0] <= 0) result.notes.emplace_back("nothing is born: what is there first dies out");
     return;
   }
-  auto notes = detail::settle_population(model, wanted, seed, context);
+  auto notes = detail::calibrate_population(model, wanted, seed, context);
   std::ranges::move(notes, std::back_inserter(result.notes));
 }
 
@@ -304,7 +304,7 @@ void MotionEdit::validate() const {
     throw core::InputError("MotionEdit.birth_map is empty: nothing is painted in it");
 }
 
-Autoregression at_speed(const Autoregression& motion, double factor) {
+Autoregression change_speed(const Autoregression& motion, double factor) {
   const double deviation = stationary_deviation(motion);
   const std::complex<double> root = std::sqrt(std::complex<double>(motion.a1 * motion.a1 + 4 * motion.a2, 0));
   const auto power = [factor](std::complex<double> pole) -> std::complex<double> {
@@ -328,13 +328,12 @@ EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::
   edit.validate();
   EditedMotion result{model, {}};
   if (edit.speed != 1) speed_up(result.model, edit.speed, seed, context);
-  if (edit.reverse) turn_back(result, seed, context);
-  result.model.sway.noise *= edit.intensity;
+  if (edit.reverse) reverse_time(result, seed, context);
+  result.model.displacement.noise *= edit.intensity;
   result.model.contrast.noise *= edit.flicker;
   const bool same_rates = std::ranges::all_of(edit.rates, [](double rate) { return rate == 1; });
   if (!same_rates || edit.birth_map || edit.strokes != StrokeChoice::all)
     change_population(result, edit, seed, context);
-  context.check();
   validate(result.model);
   return result;
 }

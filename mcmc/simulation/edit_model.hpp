@@ -20,7 +20,7 @@ enum class StrokeChoice { all, coarse, fine };
 struct MotionEdit {
   double speed = 1;      ///< 0.1…10: everything happens so many times as fast
   bool reverse = false;  ///< time runs backwards
-  double intensity = 1;  ///< 0…10: of the Brownian force that makes strokes sway, SD
+  double intensity = 1;  ///< 0…10: of the Brownian force that makes strokes displacement, SD
   double flicker = 1;    ///< 0…10: of what makes their contrast change, SD
   StrokeChoice strokes = StrokeChoice::all;
   /// Of births, as much as is painted in each cell of the model's grid; ≥ 0, not all 0.
@@ -48,6 +48,6 @@ EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::
 
 /// The law sped up: its poles to the power `factor` (real negative ones keep their sign), at the same
 /// stationary deviation.
-Autoregression at_speed(const Autoregression& motion, double factor);
+Autoregression change_speed(const Autoregression& motion, double factor);
 
 }  // namespace emberfold::mcmc

@@ -6,7 +6,7 @@
 
 #include "graph/events/events.hpp"
 #include "mcmc/learning/drift.hpp"
-#include "mcmc/simulation/rate_balancing.hpp"
+#include "mcmc/simulation/rate_calibration.hpp"
 #include "mcmc/simulation/simulation_step.hpp"
 
 namespace emberfold::mcmc::detail {
@@ -19,7 +19,7 @@ constexpr int rounds = 30, last_rounds = 15;  // the means of the last ones are 
 constexpr int looks = 20, first_looks = 5;    // at what a model shows; the first are not counted
 constexpr double usual_spread = 2;            // cells, as density is learned
 
-void multiply(MotionModel& model, EventType type, double factor) {
+void scale_rate(MotionModel& model, EventType type, double factor) {
   auto& rates = model.rates;
   const auto to = [factor](double& rate) { rate = std::min(1.0, rate * factor); };
   switch (type) {
@@ -45,78 +45,80 @@ void multiply(MotionModel& model, EventType type, double factor) {
 }
 
 // The strokes as they are now, but for what fades, become those that a clip begins with.
-void begin_with(MotionModel& model, Particles particles) {
+void set_first_frame(MotionModel& model, SimulatedStrokes strokes) {
   std::vector<bool> fading;
-  for (const auto& particle : particles.list) fading.push_back(particle.leaving >= 0);
-  remove(particles, fading);
+  for (const auto& simulated : strokes.list) fading.push_back(simulated.frames_left >= 0);
+  remove_patches(strokes, fading);
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
-  model.first_swing.clear();
-  for (std::uint32_t v = 0; v < particles.list.size(); ++v) {
-    const Particle& p = particles.list[v];
+  model.first_motion.clear();
+  for (std::uint32_t v = 0; v < strokes.list.size(); ++v) {
+    const SimulatedPatch& p = strokes.list[v];
     vertices.push_back({{v}, {}, p.rest});
-    model.first_swing.push_back({p.offset, p.offset_before, p.gain, p.gain_before});
+    model.first_motion.push_back({p.offset, p.offset_before, p.gain, p.gain_before});
   }
-  for (const auto& [a, b] : particles.edges) edges.push_back({{std::min(a, b)}, {std::max(a, b)}});
+  for (const auto& [a, b] : strokes.edges) edges.push_back({{std::min(a, b)}, {std::max(a, b)}});
   model.first = {std::move(vertices), std::move(edges)};
 }
 
-std::string shown(double value) {
+std::string two_decimals(double value) {
   std::string text = std::to_string(value);
   return text.substr(0, text.find('.') + 3);
 }
 
 }  // namespace
 
-Census measure(const MotionModel& model, std::uint64_t seed, const core::Context& context) {
-  const int frames = frames_a_round(model, rounds);
-  auto particles = begin(model, seed);
-  Census mean;
+EventStatistics measure_event_statistics(const MotionModel& model, std::uint64_t seed, const core::Context& context) {
+  const int frames = frames_per_round(model, rounds);
+  auto strokes = initial_strokes(model, seed);
+  EventStatistics mean;
   constexpr int counted = looks - first_looks;
-  for (int round = 0; round < looks && !context.cancelled(); ++round) {
+  for (int round = 0; round < looks; ++round) {
+    context.check();
     const auto first = static_cast<std::uint32_t>(1 + round * frames);
-    const Census one = simulate(particles, model, seed, first, frames);
+    const EventStatistics one = simulate_statistics(strokes, model, seed, first, frames);
     if (round < first_looks) continue;
     mean.patches += one.patches / counted;
-    for (std::size_t s = 0; s < kSizes; ++s) mean.strokes[s] += one.strokes[s] / counted;
+    for (std::size_t s = 0; s < kSizeClasses; ++s) mean.strokes[s] += one.strokes[s] / counted;
     for (std::size_t i = 0; i < mean.events.size(); ++i) mean.events[i] += one.events[i] / counted;
   }
   return mean;
 }
 
-std::vector<std::string> settle_population(MotionModel& model, const WantedEvents& wanted, std::uint64_t seed,
+std::vector<std::string> calibrate_population(MotionModel& model, const TargetEvents& wanted, std::uint64_t seed,
                                            const core::Context& context) {
-  const int frames = frames_a_round(model, rounds);
-  auto particles = begin(model, seed);
+  const int frames = frames_per_round(model, rounds);
+  auto strokes = initial_strokes(model, seed);
   std::array<double, 6> mean{};
-  for (int round = 0; round < rounds && !context.cancelled(); ++round) {
+  for (int round = 0; round < rounds; ++round) {
+    context.check();
     const double step = 0.5 / (1 + 0.15 * round);
     CellMap where = model.density;
     std::ranges::fill(where.values, 0.0);
-    const Census seen =
-        simulate(particles, model, seed, static_cast<std::uint32_t>(1 + round * frames), frames, &where);
-    const auto around = spread(where, usual_spread);
-    for (std::size_t c = 0; c < around.size(); ++c)
-      model.density.values[c] += step * (around[c] - model.density.values[c]);
+    const EventStatistics seen =
+        simulate_statistics(strokes, model, seed, static_cast<std::uint32_t>(1 + round * frames), frames, &where);
+    const auto smoothed = spread_over_cells(where, usual_spread);
+    for (std::size_t c = 0; c < smoothed.size(); ++c)
+      model.density.values[c] += step * (smoothed[c] - model.density.values[c]);
     const double one = 1.0 / frames;
     for (const auto type : {EventType::birth, EventType::death, EventType::split, EventType::merge,
                             EventType::connect, EventType::disconnect}) {
       const auto i = static_cast<std::size_t>(type);
       if (wanted[i] && *wanted[i] > 0)
-        multiply(model, type,
+        scale_rate(model, type,
                  std::pow(std::clamp((*wanted[i] + one) / (seen.events[i] + one), 0.25, 4.0), step));
       if (round >= rounds - last_rounds) mean[i] += seen.events[i] / last_rounds;
     }
     context.report("settle", (round + 1.0) / rounds);
   }
-  begin_with(model, std::move(particles));
+  set_first_frame(model, std::move(strokes));
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < mean.size(); ++i) {
     if (!wanted[i]) continue;
     const double events = *wanted[i] * frames * last_rounds;
     if (std::abs(mean[i] - *wanted[i]) * frames * last_rounds > 0.15 * events + 4 * std::sqrt(events + 1))
-      notes.push_back(shown(mean[i]) + " " + std::string(graph::name(static_cast<EventType>(i))) +
-                      " events a frame could be had, " + shown(*wanted[i]) + " were asked for");
+      notes.push_back(two_decimals(mean[i]) + " " + std::string(graph::name(static_cast<EventType>(i))) +
+                      " events a frame could be had, " + two_decimals(*wanted[i]) + " were asked for");
   }
   return notes;
 }

@@ -9,20 +9,20 @@
 
 #include "core/context.hpp"
 #include "mcmc/model/motion_model.hpp"
-#include "mcmc/simulation/event_census.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
 
 namespace emberfold::mcmc::detail {
 
 /// What a clip drawn from the model shows when it has run in.
-Census measure(const MotionModel& model, std::uint64_t seed, const core::Context& context);
+EventStatistics measure_event_statistics(const MotionModel& model, std::uint64_t seed, const core::Context& context);
 
 /// Events a frame that are asked for, by kind; the others happen as they may.
-using WantedEvents = std::array<std::optional<double>, 6>;
+using TargetEvents = std::array<std::optional<double>, 6>;
 
 /// Lets a changed model find the state that it keeps to: rates of events that are asked for are corrected
 /// until these happen as often, the density map becomes what is seen, and the strokes of the last simulated
 /// frame those to begin with. Returns a line for every event that does not happen as often as asked.
-std::vector<std::string> settle_population(MotionModel& model, const WantedEvents& wanted, std::uint64_t seed,
+std::vector<std::string> calibrate_population(MotionModel& model, const TargetEvents& wanted, std::uint64_t seed,
                                            const core::Context& context);
 
 }  // namespace emberfold::mcmc::detail

@@ -23,58 +23,58 @@ using Index = std::uint32_t;
 
 constexpr double crowd_reach = 2;      // cells
 constexpr double spacing = 5;          // px between the patches of a bridge
-constexpr double most_astray = 4;      // px, SD: how far from where it was seen an exemplar is born
+constexpr double largest_jitter = 4;      // px, SD: how far from where it was seen an exemplar is born
 constexpr double most_clearance = 40;  // px: strokes farther apart do not keep each other away
 
 // A frame's strokes while operators are drawn for them.
-struct Scene {
-  Particles& particles;
+struct OperatorFrame {
+  SimulatedStrokes& strokes;
   const MotionModel& model;
   core::Rng rng;
   graph::AttributeGraph graph;
   graph::Components parts;
   double frame;                  ///< the one that is made
-  CellMap crowd;                 ///< patches around each cell, over what is usual there
+  CellMap density;                 ///< patches around each cell, over what is usual there
   std::vector<bool> busy;        ///< strokes that have changed, or of which something fades
   std::array<int, 6> done = {};  ///< how many of each operator
 
   // What takes patches away happens more often where it is crowded ...
-  bool strike(Index vertex, double rate) {
-    return rng.uniform() < rate * crowd.at(graph.patch(vertex).position) && !busy[parts.of_vertex[vertex]];
+  bool draw_removal(Index vertex, double rate) {
+    return rng.uniform() < rate * density.at(graph.patch(vertex).position) && !busy[parts.of_vertex[vertex]];
   }
   // ... and what brings some, more often where it is bare.
-  bool bring(Index vertex, double rate) {
-    return rng.uniform() * crowd.at(graph.patch(vertex).position) < rate && !busy[parts.of_vertex[vertex]];
+  bool draw_addition(Index vertex, double rate) {
+    return rng.uniform() * density.at(graph.patch(vertex).position) < rate && !busy[parts.of_vertex[vertex]];
   }
-  [[nodiscard]] double parting(Index vertex) const {
+  [[nodiscard]] double separation_modifier(Index vertex) const {
     const Point place = graph.patch(vertex).position;
-    return model.rates.parting.at(place) *
-           after(model.rates.circumstances.parting, since(particles.unions, place, gone()));
+    return model.rates.separation.at(place) *
+           modifier_after(model.rates.modifiers.separation, frames_since(strokes.unions, place, fade_out_end()));
   }
-  [[nodiscard]] double uniting(Index a, Index b) const {
+  [[nodiscard]] double union_modifier(Index a, Index b) const {
     const Point from = graph.patch(a).position, to = graph.patch(b).position;
-    return after(model.rates.circumstances.uniting, since(particles.partings, from, frame)) *
-           model.rates.circumstances.bridging[gap_class(graph::distance(from, to))];
+    return modifier_after(model.rates.modifiers.unification, frames_since(strokes.separations, from, frame)) *
+           model.rates.modifiers.bridging[gap_class(graph::distance(from, to))];
   }
   // Of an end and a patch of another stroke that it does not continue.
-  [[nodiscard]] double turning(const Sites::Pair& pair) const {
-    return model.rates.circumstances.turning[turn_class(turn_towards(graph, pair))];
+  [[nodiscard]] double turn_modifier(const OperatorSites::Pair& pair) const {
+    return model.rates.modifiers.turning[turn_class(turn_angle_towards(graph, pair))];
   }
-  [[nodiscard]] double after(const std::array<double, kSince>& multiples, double frames) const {
-    return multiples[since_class(frames * model.rates.circumstances.pace)];
+  [[nodiscard]] double modifier_after(const std::array<double, kElapsedClasses>& multiples, double frames) const {
+    return multiples[elapsed_class(frames * model.rates.modifiers.pace)];
   }
   // The frame in which what begins to fade now is no longer there.
-  [[nodiscard]] double gone() const { return frame + fading() + 1; }
-  [[nodiscard]] bool held(Index vertex) const { return particles.list[vertex].held > 0; }
+  [[nodiscard]] double fade_out_end() const { return frame + fade_out_frames() + 1; }
+  [[nodiscard]] bool is_refractory(Index vertex) const { return strokes.list[vertex].refractory_left > 0; }
   // Nothing happens there for a while, once what fades is gone.
-  void hold(Index vertex, int fades = 0) {
-    auto& left = particles.list[vertex].held;
-    left = std::max(left, fades + static_cast<int>(std::lround(model.rates.hold)));
+  void start_refractory_period(Index vertex, int fades = 0) {
+    auto& left = strokes.list[vertex].refractory_left;
+    left = std::max(left, fades + static_cast<int>(std::lround(model.rates.refractory_period)));
   }
-  void take(Index vertex) { busy[parts.of_vertex[vertex]] = true; }
-  void count(graph::EventType type) { ++done[static_cast<std::size_t>(type)]; }
-  void fade(Index vertex) { particles.list[vertex].leaving = fading(); }
-  [[nodiscard]] int fading() const {
+  void mark_busy(Index vertex) { busy[parts.of_vertex[vertex]] = true; }
+  void count_event(graph::EventType type) { ++done[static_cast<std::size_t>(type)]; }
+  void fade_out(Index vertex) { strokes.list[vertex].frames_left = fade_out_frames(); }
+  [[nodiscard]] int fade_out_frames() const {
     int frames = 0;
     while (frames < static_cast<int>(model.vanishing.size()) &&
            model.vanishing[static_cast<std::size_t>(frames)] < 0.9)
@@ -83,38 +83,38 @@ struct Scene {
   }
 };
 
-void die(Scene& scene) {
-  const auto all = strokes(scene.parts);
+void apply_deaths(OperatorFrame& scene) {
+  const auto all = vertices_by_stroke(scene.parts);
   std::size_t least = scene.model.exemplars.empty() ? 0 : scene.graph.size();
   for (const auto& exemplar : scene.model.exemplars) least = std::min(least, exemplar.graph.size());
-  const int fading = scene.fading();
+  const int fading = scene.fade_out_frames();
   for (std::size_t s = 0; s < all.size(); ++s) {
     int age = 0;
-    for (const Index v : all[s]) age = std::max(age, scene.particles.list[v].age);
+    for (const Index v : all[s]) age = std::max(age, scene.strokes.list[v].age);
     // The hold of the newly born is in the chance that strokes of their age have.
-    const bool held = std::ranges::any_of(all[s], [&](Index v) { return scene.held(v); });
-    if (held && age >= scene.model.rates.hold) continue;
+    const bool refractory = std::ranges::any_of(all[s], [&](Index v) { return scene.is_refractory(v); });
+    if (refractory && age >= scene.model.rates.refractory_period) continue;
     const double rate = scene.model.rates.death_by_size[size_class(all[s].size())] *
-                        scene.model.rates.death.at(middle(scene.graph, all[s])) *
-                        scene.after(scene.model.rates.circumstances.death, age + fading + 1);
+                        scene.model.rates.death.at(stroke_middle(scene.graph, all[s])) *
+                        scene.modifier_after(scene.model.rates.modifiers.death, age + fading + 1);
     // The frames in which it fades are part of its life. What is smaller than any stroke that was seen is
     // none.
     const double sooner = rate / std::max(0.05, 1 - rate * fading);
-    if (!scene.strike(all[s][0], all[s].size() < least ? 1 : sooner)) continue;
-    scene.take(all[s][0]);
-    scene.count(EventType::death);
-    for (const Index v : all[s]) scene.fade(v);
+    if (!scene.draw_removal(all[s][0], all[s].size() < least ? 1 : sooner)) continue;
+    scene.mark_busy(all[s][0]);
+    scene.count_event(EventType::death);
+    for (const Index v : all[s]) scene.fade_out(v);
   }
 }
 
 // The patches of a curve from `from` on, away from `behind`, up to `most` and not its end; whether that was
 // reached, and is a free one.
-struct Run {
+struct CurveRun {
   std::vector<Index> patches;
   bool ended = false, free = false;
 };
-Run run(const graph::AttributeGraph& graph, Index behind, Index from, std::size_t most) {
-  Run result;
+CurveRun run_along(const graph::AttributeGraph& graph, Index behind, Index from, std::size_t most) {
+  CurveRun result;
   while (result.patches.size() < most && graph.degree(from) == 2) {
     result.patches.push_back(from);
     const auto sides = graph.neighbours(from);
@@ -127,58 +127,58 @@ Run run(const graph::AttributeGraph& graph, Index behind, Index from, std::size_
 }
 
 // Lets up to `wide` patches of the run go, at least one, and leaves a piece to a free end.
-void open_gap(Scene& scene, const Run& arm, std::size_t wide) {
+void fade_out_gap(OperatorFrame& scene, const CurveRun& arm, std::size_t wide) {
   const std::size_t kept = arm.free ? kPiece - 1 : 0, there = arm.patches.size();
   const std::size_t most = there > kept ? there - kept : 1;
   const std::size_t gone = std::min({wide, most, there});
-  for (std::size_t i = 0; i < gone; ++i) scene.fade(arm.patches[i]);
+  for (std::size_t i = 0; i < gone; ++i) scene.fade_out(arm.patches[i]);
   for (std::size_t i = gone; i < std::min(there, gone + kPiece); ++i)
-    scene.hold(arm.patches[i], scene.fading());
+    scene.start_refractory_period(arm.patches[i], scene.fade_out_frames());
 }
 
 std::size_t patches_of(double gap) {
   return static_cast<std::size_t>(std::max(1.0, std::round(gap / spacing) - 1));
 }
 
-void split(Scene& scene, const Sites& found) {
+void apply_splits(OperatorFrame& scene, const OperatorSites& found) {
   const auto wide = patches_of(scene.model.rates.split_gap);
-  for (const Index v : found.inner) {
-    if (scene.held(v) || !scene.strike(v, scene.model.rates.split * scene.parting(v))) continue;
-    scene.take(v);
-    scene.count(EventType::split);
-    scene.particles.partings.push_back({scene.graph.patch(v).position, scene.gone()});
-    scene.fade(v);
+  for (const Index v : found.split_sites) {
+    if (scene.is_refractory(v) || !scene.draw_removal(v, scene.model.rates.split * scene.separation_modifier(v))) continue;
+    scene.mark_busy(v);
+    scene.count_event(EventType::split);
+    scene.strokes.separations.push_back({scene.graph.patch(v).position, scene.fade_out_end()});
+    scene.fade_out(v);
     const auto sides = scene.graph.neighbours(v);
-    for (const Index side : sides) scene.hold(side, scene.fading());
-    if (wide > 1) open_gap(scene, run(scene.graph, v, sides[1], wide / 2 + kPiece), wide / 2);
-    if (wide > 2) open_gap(scene, run(scene.graph, v, sides[0], wide / 2 + kPiece), (wide - 1) / 2);
+    for (const Index side : sides) scene.start_refractory_period(side, scene.fade_out_frames());
+    if (wide > 1) fade_out_gap(scene, run_along(scene.graph, v, sides[1], wide / 2 + kPiece), wide / 2);
+    if (wide > 2) fade_out_gap(scene, run_along(scene.graph, v, sides[0], wide / 2 + kPiece), (wide - 1) / 2);
   }
 }
 
-void come_apart(Scene& scene, const Sites& found) {
+void apply_disconnects(OperatorFrame& scene, const OperatorSites& found) {
   const auto wide = patches_of(scene.model.rates.disconnect_gap);
-  for (const auto& [hub, first] : found.arms) {
-    if (scene.held(hub) || scene.held(first)) continue;
-    if (!scene.strike(hub, scene.model.rates.disconnect * scene.parting(hub))) continue;
-    scene.take(hub);
-    scene.hold(hub, scene.fading());
-    scene.count(EventType::disconnect);
-    scene.particles.partings.push_back({scene.graph.patch(hub).position, scene.gone()});
-    const Run arm = run(scene.graph, hub, first, 2 * wide + kPiece);
+  for (const auto& [hub, first] : found.disconnect_sites) {
+    if (scene.is_refractory(hub) || scene.is_refractory(first)) continue;
+    if (!scene.draw_removal(hub, scene.model.rates.disconnect * scene.separation_modifier(hub))) continue;
+    scene.mark_busy(hub);
+    scene.start_refractory_period(hub, scene.fade_out_frames());
+    scene.count_event(EventType::disconnect);
+    scene.strokes.separations.push_back({scene.graph.patch(hub).position, scene.fade_out_end()});
+    const CurveRun arm = run_along(scene.graph, hub, first, 2 * wide + kPiece);
     // A bridge goes as a whole where it is not much longer than usual; one without patches takes its far end.
     if (arm.patches.empty())
-      scene.fade(first);
+      scene.fade_out(first);
     else
-      open_gap(scene, arm,
+      fade_out_gap(scene, arm,
                arm.ended && !arm.free && arm.patches.size() <= 2 * wide ? arm.patches.size() : wide);
   }
 }
 
-// u of the way from one to the other, now at `place`.
-Particle between(const Particle& a, const Particle& b, double u, Point place, Point direction) {
+// u of the curve from one to the other, now at `place`.
+SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& b, double u, Point place, Point direction) {
   const auto mix = [&](double p, double q) { return p + u * (q - p); };
   const auto mix_points = [&](Point p, Point q) { return p + (q - p) * u; };
-  Particle result;
+  SimulatedPatch result;
   result.rest = a.rest;
   const Point along{std::cos(a.rest.theta), std::sin(a.rest.theta)};
   // Left and right are those of the end it sets out from.
@@ -204,14 +204,14 @@ Particle between(const Particle& a, const Particle& b, double u, Point place, Po
   return result;
 }
 
-// The way from one patch to another, u from 0 to 1, that goes on as the stroke ends at `a`, and at `b` where
+// The curve from one patch to another, u from 0 to 1, that goes on as the stroke ends at `a`, and at `b` where
 // that is an end: Hermite's cubic.
-class Way {
+class BridgeCurve {
  public:
-  Way(const graph::AttributeGraph& graph, Index a, Index b)
+  BridgeCurve(const graph::AttributeGraph& graph, Index a, Index b)
       : from_(graph.patch(a).position), to_(graph.patch(b).position) {
-    leave_ = set_out(graph, a, to_ - from_);
-    arrive_ = set_out(graph, b, from_ - to_) * -1;
+    leave_ = end_tangent(graph, a, to_ - from_);
+    arrive_ = end_tangent(graph, b, from_ - to_) * -1;
   }
   [[nodiscard]] Point at(double u) const {
     const double v = 1 - u;
@@ -224,9 +224,9 @@ class Way {
 
  private:
   // As long as the chord; the chord itself where the stroke does not end, or would have to turn back.
-  static Point set_out(const graph::AttributeGraph& graph, Index end, Point chord) {
+  static Point end_tangent(const graph::AttributeGraph& graph, Index end, Point chord) {
     if (graph.degree(end) != 1) return chord;
-    const Point out = outwards(graph, end);
+    const Point out = end_direction(graph, end);
     const double length = graph::norm(out);
     if (length <= 0 || graph::dot(out, chord) <= 0) return chord;
     return out * (graph::norm(chord) / length);
@@ -234,46 +234,46 @@ class Way {
   Point from_, to_, leave_, arrive_;
 };
 
-void bridge(Scene& scene, Index a, Index b) {
-  Particles& p = scene.particles;
-  const Particle from = p.list[a], to = p.list[b];
+void add_bridge(OperatorFrame& scene, Index a, Index b) {
+  SimulatedStrokes& p = scene.strokes;
+  const SimulatedPatch from = p.list[a], to = p.list[b];
   const int patches = std::max(
       0, static_cast<int>(std::lround(graph::distance(from.position(), to.position()) / spacing)) - 1);
-  const Way way(scene.graph, a, b);
+  const BridgeCurve curve(scene.graph, a, b);
   Index last = a;
   for (int i = 1; i <= patches; ++i) {
     const double u = i / (patches + 1.0);
-    const Index next = p.add(between(from, to, u, way.at(u), way.direction(u)));
-    scene.hold(next);
+    const Index next = p.add(interpolate_patch(from, to, u, curve.at(u), curve.direction(u)));
+    scene.start_refractory_period(next);
     p.edges.emplace_back(last, next);
     last = next;
   }
   p.edges.emplace_back(last, b);
-  scene.hold(a);
-  scene.hold(b);
+  scene.start_refractory_period(a);
+  scene.start_refractory_period(b);
 }
 
-void unite(Scene& scene, const std::vector<Sites::Pair>& pairs, double rate, EventType type) {
+void apply_unions(OperatorFrame& scene, const std::vector<OperatorSites::Pair>& pairs, double rate, EventType type) {
   for (const auto& pair : pairs) {
     const auto& [a, b] = pair;
-    if (scene.held(a) || scene.held(b)) continue;
-    const double bent = type == EventType::connect ? scene.turning(pair) : 1;
-    if (!scene.bring(a, rate * bent * scene.uniting(a, b)) || scene.busy[scene.parts.of_vertex[b]]) continue;
-    scene.take(a);
-    scene.take(b);
-    scene.count(type);
+    if (scene.is_refractory(a) || scene.is_refractory(b)) continue;
+    const double bent = type == EventType::connect ? scene.turn_modifier(pair) : 1;
+    if (!scene.draw_addition(a, rate * bent * scene.union_modifier(a, b)) || scene.busy[scene.parts.of_vertex[b]]) continue;
+    scene.mark_busy(a);
+    scene.mark_busy(b);
+    scene.count_event(type);
     const Point middle = (scene.graph.patch(a).position + scene.graph.patch(b).position) * 0.5;
-    scene.particles.unions.push_back({middle, scene.frame});
-    bridge(scene, a, b);
+    scene.strokes.unions.push_back({middle, scene.frame});
+    add_bridge(scene, a, b);
   }
 }
 
 // How many patches lie around each cell, over the usual number; 1/2 to 2.
-CellMap crowding(const graph::AttributeGraph& graph, const CellMap& usual) {
+CellMap relative_density(const graph::AttributeGraph& graph, const CellMap& usual) {
   CellMap now = usual;
   std::ranges::fill(now.values, 0.0);
   for (const auto& vertex : graph.vertices()) ++now.values[now.index(vertex.patch.position)];
-  now.values = spread(now, crowd_reach);
+  now.values = spread_over_cells(now, crowd_reach);
   double mean = 0;
   for (const double value : usual.values) mean += value / static_cast<double>(usual.values.size());
   for (std::size_t c = 0; c < now.values.size(); ++c)
@@ -284,9 +284,9 @@ CellMap crowding(const graph::AttributeGraph& graph, const CellMap& usual) {
 
 // How likely each exemplar is to be born: by its size, and where it was seen by the birth map, over how many
 // were seen around there.
-std::vector<double> birth_weights(const Scene& scene) {
+std::vector<double> birth_weights(const OperatorFrame& scene) {
   const auto& model = scene.model;
-  std::array<double, kSizes> counts{};
+  std::array<double, kSizeClasses> counts{};
   for (const auto& exemplar : model.exemplars) ++counts[size_class(exemplar.graph.size())];
   CellMap seen = model.density;
   std::ranges::fill(seen.values, 0.0);
@@ -294,9 +294,9 @@ std::vector<double> birth_weights(const Scene& scene) {
     const auto size = size_class(exemplar.graph.size());
     seen.values[seen.index(exemplar.place)] += model.rates.birth_by_size[size] / counts[size];
   }
-  seen.values = spread(seen, 1);
+  seen.values = spread_over_cells(seen, 1);
   std::vector<double> weights;
-  std::array<double, kSizes> sums{};
+  std::array<double, kSizeClasses> sums{};
   for (const auto& exemplar : model.exemplars) {
     weights.push_back((model.rates.birth.at(exemplar.place) + 1e-12) / (seen.at(exemplar.place) + 1e-9));
     sums[size_class(exemplar.graph.size())] += weights.back();
@@ -317,11 +317,11 @@ int poisson(double mean, core::Rng& rng) {
 
 // How free a stroke would lie at a place, 0…1: of its distance to each other stroke, over what it had to its
 // nearest when it was seen, or what strokes keep anyway, the least; the mean over its patches.
-double freedom(const Scene& scene, const Exemplar& exemplar, Point place) {
+double relative_clearance(const OperatorFrame& scene, const Exemplar& exemplar, Point place) {
   const auto& stroke = exemplar.graph;
-  const auto& exclusion = scene.model.exclusion;
+  const auto& hard_core = scene.model.hard_core;
   const double asked = std::clamp(exemplar.clearance, 1.0, most_clearance);
-  const double enough = std::max(asked, most_kept_apart(exclusion));
+  const double enough = std::max(asked, largest_hard_core_distance(hard_core));
   std::vector<double> least(stroke.size(), 1.0);
   Point low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()},
       high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
@@ -336,7 +336,7 @@ double freedom(const Scene& scene, const Exemplar& exemplar, Point place) {
       continue;
     for (std::uint32_t v = 0; v < stroke.size(); ++v) {
       const Patch& patch = stroke.patch(v);
-      const double need = std::max(asked, kept_apart(exclusion, patch, other.patch));
+      const double need = std::max(asked, hard_core_distance(hard_core, patch, other.patch));
       least[v] = std::min(least[v], graph::distance(patch.position + place, q) / need);
     }
   }
@@ -345,81 +345,81 @@ double freedom(const Scene& scene, const Exemplar& exemplar, Point place) {
 
 // An exemplar and a place about where it was seen: as much by itself as it was there, or as nearly so as some
 // tries allow.
-struct Cradle {
+struct BirthSite {
   const Exemplar* exemplar = nullptr;
   Point place;
 };
-Cradle find_cradle(Scene& scene, const std::vector<double>& weights) {
-  Cradle best;
+BirthSite choose_birth_site(OperatorFrame& scene, const std::vector<double>& weights) {
+  BirthSite best;
   double most_free = -1;
   // What hardly moves comes again where it was.
-  const double usual = stationary_deviation(scene.model.sway);
+  const double usual = stationary_deviation(scene.model.displacement);
   for (int tries = 0; tries < 20 && most_free < 1; ++tries) {
     const Exemplar& exemplar = scene.model.exemplars[scene.rng.categorical(weights)];
-    const double astray = std::min(most_astray, usual * scene.model.sway_share.at(exemplar.place));
-    const Point place = exemplar.place + Point{scene.rng.normal(), scene.rng.normal()} * astray;
-    const double crowded = scene.crowd.at(place);
+    const double jitter = std::min(largest_jitter, usual * scene.model.displacement_scale.at(exemplar.place));
+    const Point place = exemplar.place + Point{scene.rng.normal(), scene.rng.normal()} * jitter;
+    const double crowded = scene.density.at(place);
     if (best.exemplar && scene.rng.uniform() * crowded * crowded > 1) continue;
-    const double free = freedom(scene, exemplar, place);
+    const double free = relative_clearance(scene, exemplar, place);
     if (free > most_free) best = {&exemplar, place}, most_free = free;
   }
   return best;
 }
 
-void give_birth(Scene& scene, std::uint64_t seed) {
+void apply_births(OperatorFrame& scene, std::uint64_t seed) {
   const auto& model = scene.model;
   if (model.exemplars.empty()) return;
   double births = 0, usual = 0, crowded = 0;
   for (std::size_t c = 0; c < model.density.values.size(); ++c) {
     births += model.rates.birth.values[c] * model.rates.birth.cell * model.rates.birth.cell;
     usual += model.density.values[c];
-    crowded += model.density.values[c] * scene.crowd.values[c];
+    crowded += model.density.values[c] * scene.density.values[c];
   }
   // Fewer than usual are there: more are born.
   if (crowded > 0) births *= usual * usual / (crowded * crowded);
   if (births <= 0) return;
   const auto weights = birth_weights(scene);
   for (int left = poisson(births, scene.rng); left > 0; --left) {
-    const Cradle cradle = find_cradle(scene, weights);
-    scene.count(EventType::birth);
-    const auto first = static_cast<Index>(scene.particles.list.size());
-    add_settled(scene.particles, cradle.exemplar->graph, cradle.place, 0, model, seed);
-    // It lies there as it sways.
-    const auto fresh = std::span(scene.particles.list).subspan(first);
-    Point astray;
-    for (const auto& particle : fresh) astray = astray + particle.offset * particle.share;
-    astray = astray * (1 / static_cast<double>(fresh.size()));
-    for (auto& particle : fresh) particle.rest.position = particle.rest.position - astray;
-    for (Index v = first; v < scene.particles.list.size(); ++v) scene.hold(v);
+    const BirthSite site = choose_birth_site(scene, weights);
+    scene.count_event(EventType::birth);
+    const auto first = static_cast<Index>(scene.strokes.list.size());
+    add_stationary(scene.strokes, site.exemplar->graph, site.place, 0, model, seed);
+    // It lies there as it displacements.
+    const auto fresh = std::span(scene.strokes.list).subspan(first);
+    Point jitter;
+    for (const auto& simulated : fresh) jitter = jitter + simulated.offset * simulated.share;
+    jitter = jitter * (1 / static_cast<double>(fresh.size()));
+    for (auto& simulated : fresh) simulated.rest.position = simulated.rest.position - jitter;
+    for (Index v = first; v < scene.strokes.list.size(); ++v) scene.start_refractory_period(v);
   }
 }
 
 }  // namespace
 
-std::array<int, 6> operate(Particles& particles, const MotionModel& model, std::uint64_t seed,
+std::array<int, 6> apply_operators(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
                            std::uint32_t frame) {
-  auto shown = shape(particles);
-  auto parts = graph::components(shown);
-  CellMap crowd = crowding(shown, model.density);
+  auto graph_now = stroke_graph(strokes);
+  auto parts = graph::components(graph_now);
+  CellMap density = relative_density(graph_now, model.density);
   // Shifted as the keys of the noise are, and so none of theirs.
   const core::Rng rng(seed, {frame, 0, static_cast<std::uint32_t>(Purpose::operators) << 1U});
-  Scene scene{particles,        model, rng, std::move(shown), std::move(parts), static_cast<double>(frame),
-              std::move(crowd), {},    {}};
+  OperatorFrame scene{strokes,        model, rng, std::move(graph_now), std::move(parts), static_cast<double>(frame),
+              std::move(density), {},    {}};
   scene.busy.resize(scene.parts.count);
   for (Index v = 0; v < scene.graph.size(); ++v)
-    if (particles.list[v].leaving >= 0) scene.take(v);
-  const Sites found = sites(scene.graph, scene.parts, model.rates.reach);
-  die(scene);
-  split(scene, found);
-  come_apart(scene, found);
-  unite(scene, found.facing, model.rates.merge, EventType::merge);
-  unite(scene, found.beside, model.rates.connect, EventType::connect);
-  give_birth(scene, seed);
-  const auto forgotten = [&](const Happening& one) {
-    return since_class((scene.frame - one.frame) * model.rates.circumstances.pace) == kSince - 1;
+    if (strokes.list[v].frames_left >= 0) scene.mark_busy(v);
+  const OperatorSites found = find_sites(scene.graph, scene.parts, model.rates.reach);
+  apply_deaths(scene);
+  apply_splits(scene, found);
+  apply_disconnects(scene, found);
+  apply_unions(scene, found.merge_sites, model.rates.merge, EventType::merge);
+  apply_unions(scene, found.connect_sites, model.rates.connect, EventType::connect);
+  apply_births(scene, seed);
+  const auto forgotten = [&](const PastEvent& one) {
+    return elapsed_class((scene.frame - one.frame) * model.rates.modifiers.pace) == kElapsedClasses - 1;
   };
-  std::erase_if(particles.unions, forgotten);
-  std::erase_if(particles.partings, forgotten);
+  std::erase_if(strokes.unions, forgotten);
+  std::erase_if(strokes.separations, forgotten);
   return scene.done;
 }
 

@@ -21,26 +21,26 @@ std::vector<graph::AttributeGraph> predict(const MotionModel& model, const graph
   if (steps < 1)
     throw core::InputError("prediction: steps is " + std::to_string(steps) + "; allowed is 1 or more");
   const auto& frames = motion.sketch.frames;
-  std::vector<std::vector<detail::Told>> told(frames.size());
-  const auto& sway = model.sway;
+  std::vector<std::vector<detail::TrackValue>> track_values(frames.size());
+  const auto& displacement = model.displacement;
   const auto lane = [](double value) { return detail::Lanes<1>::Constant(value); };
-  const detail::PathLaw<1> law{lane(sway.a1), lane(sway.a2), lane(sway.noise * sway.noise),
-                               lane(sway.measurement * sway.measurement + least_error * least_error)};
-  const auto gains = detail::gains(law, frames.size());
-  for (const auto& lineage : detail::lineages(motion)) {
+  const detail::PathLaw<1> law{lane(displacement.a1), lane(displacement.a2), lane(displacement.noise * displacement.noise),
+                               lane(displacement.measurement * displacement.measurement + least_error * least_error)};
+  const auto gains = detail::kalman_gains(law, frames.size());
+  for (const auto& track : detail::track_curves(motion)) {
     detail::RestFilter<1> filter(law);
     double drifted = 0;
-    for (std::size_t k = 0; k < lineage.samples.size(); ++k) {
-      const auto& sample = lineage.samples[k];
-      filter.measure(sample.travel - drifted, gains[k]);
+    for (std::size_t k = 0; k < track.samples.size(); ++k) {
+      const auto& sample = track.samples[k];
+      filter.measure(sample.normal_displacement - drifted, gains[k]);
       filter.advance(lane(0));
       const graph::Point v{model.drift_x.at(sample.position), model.drift_y.at(sample.position)};
       const double drift = graph::dot(v, sample.normal);
       auto ahead = filter;
       for (int step = 1; step < steps; ++step) ahead.advance(lane(0));
       const double expected = ahead.place()[0] + drifted + steps * drift;
-      told[static_cast<std::size_t>(lineage.first) + k].push_back(
-          {sample.vertex, sample.normal * (expected - sample.travel)});
+      track_values[static_cast<std::size_t>(track.first) + k].push_back(
+          {sample.vertex, sample.normal * (expected - sample.normal_displacement)});
       drifted += drift;
     }
   }
@@ -48,7 +48,7 @@ std::vector<graph::AttributeGraph> predict(const MotionModel& model, const graph
   const auto ahead = static_cast<std::size_t>(steps);
   for (std::size_t t = ahead; t < frames.size(); ++t) {
     const auto& from = frames[t - ahead];
-    const auto moves = detail::on_patches(from, told[t - ahead]);
+    const auto moves = detail::smooth_over_patches(from, track_values[t - ahead]);
     std::vector<graph::Vertex> vertices(from.vertices().begin(), from.vertices().end());
     for (std::size_t v = 0; v < vertices.size(); ++v)
       vertices[v].patch.position = vertices[v].patch.position + moves[v];

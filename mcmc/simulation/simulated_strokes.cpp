@@ -17,8 +17,8 @@ using graph::Point;
 
 constexpr std::uint32_t coupled_settling = 30;  // frames
 
-double next_value(const Autoregression& m, double now, double before, double around, double push) {
-  return m.a1 * now + m.a2 * before + m.coupling * (around - now) + m.noise * push;
+double next_value(const Autoregression& m, double now, double before, double neighbour_mean, double push) {
+  return m.a1 * now + m.a2 * before + m.coupling * (neighbour_mean - now) + m.noise * push;
 }
 
 graph::PatchType type_of(const graph::Patch& rest, std::size_t degree) {
@@ -31,9 +31,9 @@ graph::PatchType type_of(const graph::Patch& rest, std::size_t degree) {
   return rest.contrast < 0 ? valley : ridge;
 }
 
-// How far the particle's surroundings have turned from rest.
-double turned(const Particles& p, const std::vector<std::uint32_t>& sides, std::size_t i) {
-  const Particle& me = p.list[i];
+// How far the patch's surroundings have turned from rest.
+double rotation_from_rest(const SimulatedStrokes& p, const std::vector<std::uint32_t>& sides, std::size_t i) {
+  const SimulatedPatch& me = p.list[i];
   const Point along{std::cos(me.rest.theta), std::sin(me.rest.theta)};
   Point at_rest, now;
   for (const auto j : sides) {
@@ -45,43 +45,29 @@ double turned(const Particles& p, const std::vector<std::uint32_t>& sides, std::
   return std::atan2(at_rest.x * now.y - at_rest.y * now.x, graph::dot(at_rest, now));
 }
 
-double share_shown(const Particle& particle, const MotionModel& model) {
+double contrast_share(const SimulatedPatch& simulated, const MotionModel& model) {
   const auto within = [](const auto& shares, int i) {
     return i >= 0 && i < static_cast<int>(shares.size()) ? shares[static_cast<std::size_t>(i)] : 1.0;
   };
-  return std::min(within(model.appearing, particle.age), within(model.vanishing, particle.leaving));
+  return std::min(within(model.appearing, simulated.age), within(model.vanishing, simulated.frames_left));
 }
 
-graph::AttributeGraph make_graph(const Particles& p, const MotionModel* model) {
-  const auto sides = neighbours(p);
+graph::AttributeGraph make_graph(const SimulatedStrokes& p, const MotionModel* model) {
+  const auto sides = neighbour_lists(p);
   std::vector<graph::Vertex> vertices(p.list.size());
   for (std::size_t i = 0; i < p.list.size(); ++i) {
-    const Particle& particle = p.list[i];
-    graph::Patch patch = particle.rest;
-    patch.position = particle.position();
+    const SimulatedPatch& simulated = p.list[i];
+    graph::Patch patch = simulated.rest;
+    patch.position = simulated.position();
     patch.type = type_of(patch, sides[i].size());
-    patch.theta = std::remainder(patch.theta + turned(p, sides[i], i), 2 * std::numbers::pi);
-    if (model) scale_contrast(patch, std::exp(particle.gain) * share_shown(particle, *model));
+    patch.theta = std::remainder(patch.theta + rotation_from_rest(p, sides[i], i), 2 * std::numbers::pi);
+    if (model) scale_contrast(patch, std::exp(simulated.gain) * contrast_share(simulated, *model));
     vertices[i] = {{p.ids[i]}, {}, patch};
   }
   std::vector<graph::Edge> edges;
   edges.reserve(p.edges.size());
   for (const auto& [a, b] : p.edges) edges.push_back({{p.ids[a]}, {p.ids[b]}});
   return {std::move(vertices), std::move(edges)};
-}
-
-}  // namespace
-
-namespace {
-
-// The map at a place, linear between the cells' middles.
-double between_cells(const CellMap& map, Point p) {
-  const double x = (p.x + 0.5) / map.cell - 0.5, y = (p.y + 0.5) / map.cell - 0.5;
-  const double u = x - std::floor(x), v = y - std::floor(y);
-  const auto value = [&](double dx, double dy) {
-    return map.at({(std::floor(x) + dx + 0.5) * map.cell - 0.5, (std::floor(y) + dy + 0.5) * map.cell - 0.5});
-  };
-  return (1 - v) * ((1 - u) * value(0, 0) + u * value(1, 0)) + v * ((1 - u) * value(0, 1) + u * value(1, 1));
 }
 
 }  // namespace
@@ -102,7 +88,7 @@ void scale_contrast(graph::Patch& patch, double factor) {
   }
 }
 
-std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
+std::vector<std::vector<std::uint32_t>> neighbour_lists(const SimulatedStrokes& p) {
   std::vector<std::vector<std::uint32_t>> result(p.list.size());
   for (const auto& [a, b] : p.edges) {
     result[a].push_back(b);
@@ -111,13 +97,13 @@ std::vector<std::vector<std::uint32_t>> neighbours(const Particles& p) {
   return result;
 }
 
-std::uint32_t Particles::add(const Particle& particle) {
+std::uint32_t SimulatedStrokes::add(const SimulatedPatch& simulated) {
   ids.push_back(next_id++);
-  list.push_back(particle);
+  list.push_back(simulated);
   return static_cast<std::uint32_t>(list.size() - 1);
 }
 
-void remove(Particles& p, const std::vector<bool>& marked) {
+void remove_patches(SimulatedStrokes& p, const std::vector<bool>& marked) {
   std::vector<std::uint32_t> place(p.list.size());
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < p.list.size(); ++i) {
@@ -132,20 +118,20 @@ void remove(Particles& p, const std::vector<bool>& marked) {
   p.list.resize(kept);
 }
 
-graph::AttributeGraph shape(const Particles& particles) {
-  return make_graph(particles, nullptr);
+graph::AttributeGraph stroke_graph(const SimulatedStrokes& strokes) {
+  return make_graph(strokes, nullptr);
 }
 
-graph::AttributeGraph appearance(const Particles& particles, const MotionModel& model) {
-  return make_graph(particles, &model);
+graph::AttributeGraph drawn_graph(const SimulatedStrokes& strokes, const MotionModel& model) {
+  return make_graph(strokes, &model);
 }
 
-void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
-  const auto sides = neighbours(p);
+void step_motion(SimulatedStrokes& p, const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
+  const auto sides = neighbour_lists(p);
   const auto push = draw_noise(p, model, seed, purpose, step);
-  const std::vector<Particle> now(p.list);
+  const std::vector<SimulatedPatch> now(p.list);
   for (std::size_t i = 0; i < now.size(); ++i) {
-    const Particle& me = now[i];
+    const SimulatedPatch& me = now[i];
     Point offset = me.offset;
     double gain = me.gain;
     if (!sides[i].empty()) {
@@ -154,15 +140,15 @@ void sway(Particles& p, const MotionModel& model, std::uint64_t seed, Purpose pu
       const double share = 1 / static_cast<double>(sides[i].size());
       offset = offset * share, gain *= share;
     }
-    Particle& next = p.list[i];
-    next.offset = {next_value(model.sway, me.offset.x, me.offset_before.x, offset.x, push[i].x),
-                   next_value(model.sway, me.offset.y, me.offset_before.y, offset.y, push[i].y)};
+    SimulatedPatch& next = p.list[i];
+    next.offset = {next_value(model.displacement, me.offset.x, me.offset_before.x, offset.x, push[i].x),
+                   next_value(model.displacement, me.offset.y, me.offset_before.y, offset.y, push[i].y)};
     next.gain = next_value(model.contrast, me.gain, me.gain_before, gain, push[i].gain);
     next.offset_before = me.offset, next.gain_before = me.gain;
   }
 }
 
-void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
+void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::uint64_t seed) {
   // Two frames of the stationary state: fields of the noise's own shape, as alike as the motion makes them.
   const std::uint32_t of = p.ids.empty() ? 0 : p.ids.front();
   const auto before = draw_noise(p, model, seed, Purpose::start, 0, of);
@@ -171,33 +157,33 @@ void settle(Particles& p, const MotionModel& model, std::uint64_t seed) {
     const double alike = m.a1 / (1 - m.a2);
     return std::pair{deviation * first, deviation * (alike * first + std::sqrt(1 - alike * alike) * second)};
   };
-  const double sway_deviation = stationary_deviation(model.sway),
+  const double sway_deviation = stationary_deviation(model.displacement),
                gain_deviation = stationary_deviation(model.contrast);
   for (std::size_t i = 0; i < p.list.size(); ++i) {
-    Particle& me = p.list[i];
-    std::tie(me.offset_before.x, me.offset.x) = pair(model.sway, sway_deviation, before[i].x, fresh[i].x);
-    std::tie(me.offset_before.y, me.offset.y) = pair(model.sway, sway_deviation, before[i].y, fresh[i].y);
+    SimulatedPatch& me = p.list[i];
+    std::tie(me.offset_before.x, me.offset.x) = pair(model.displacement, sway_deviation, before[i].x, fresh[i].x);
+    std::tie(me.offset_before.y, me.offset.y) = pair(model.displacement, sway_deviation, before[i].y, fresh[i].y);
     std::tie(me.gain_before, me.gain) = pair(model.contrast, gain_deviation, before[i].gain, fresh[i].gain);
   }
   // Coupling shapes the state further; the motion itself brings it there.
-  if (model.sway.coupling <= 0 && model.contrast.coupling <= 0) return;
+  if (model.displacement.coupling <= 0 && model.contrast.coupling <= 0) return;
   for (std::uint32_t step = 2; step < 2 + coupled_settling; ++step)
-    sway(p, model, seed, Purpose::start, step);
+    step_motion(p, model, seed, Purpose::start, step);
 }
 
 namespace {
 
-// What appears beside others sways as they do: of each deviation the part that its neighbour's tells,
+// What appears beside others displacements as they do: of each deviation the part that its neighbour's tells,
 // exp(−h²/2 range²) at h px from the nearest, is that one's. The variance stays.
-void go_along(Particles& fresh, const Particles& there, const MotionModel& model) {
+void copy_neighbour_motion(SimulatedStrokes& fresh, const SimulatedStrokes& there, const MotionModel& model) {
   if (there.list.empty()) return;
   std::vector<Point> places;
-  for (const auto& particle : there.list) places.push_back(particle.rest.position);
-  const double reach = 3 * std::max({model.sway.range, model.contrast.range, 1.0});
+  for (const auto& simulated : there.list) places.push_back(simulated.rest.position);
+  const double reach = 3 * std::max({model.displacement.range, model.contrast.range, 1.0});
   const graph::detail::PointGrid near(places, reach);
-  for (Particle& me : fresh.list) {
+  for (SimulatedPatch& me : fresh.list) {
     double least = reach * reach;
-    const Particle* nearest = nullptr;
+    const SimulatedPatch* nearest = nullptr;
     for (const auto j : near.find_near(me.rest.position)) {
       const Point apart = places[j] - me.rest.position;
       if (graph::dot(apart, apart) < least) least = graph::dot(apart, apart), nearest = &there.list[j];
@@ -208,8 +194,8 @@ void go_along(Particles& fresh, const Particles& there, const MotionModel& model
       const double alike = std::exp(-0.5 * least / (range * range));
       return other * alike + mine * std::sqrt(1 - alike * alike);
     };
-    me.offset = mix(model.sway.range, me.offset, nearest->offset);
-    me.offset_before = mix(model.sway.range, me.offset_before, nearest->offset_before);
+    me.offset = mix(model.displacement.range, me.offset, nearest->offset);
+    me.offset_before = mix(model.displacement.range, me.offset_before, nearest->offset_before);
     me.gain = mix(model.contrast.range, me.gain, nearest->gain);
     me.gain_before = mix(model.contrast.range, me.gain_before, nearest->gain_before);
   }
@@ -217,22 +203,22 @@ void go_along(Particles& fresh, const Particles& there, const MotionModel& model
 
 }  // namespace
 
-void add_settled(Particles& p, const graph::AttributeGraph& graph, Point place, int age,
+void add_stationary(SimulatedStrokes& p, const graph::AttributeGraph& graph, Point place, int age,
                  const MotionModel& model, std::uint64_t seed) {
-  Particles fresh;
+  SimulatedStrokes fresh;
   fresh.next_id = p.next_id;
   for (const auto& vertex : graph.vertices()) {
-    Particle particle;
-    particle.rest = vertex.patch;
-    particle.rest.position = particle.rest.position + place;
-    particle.share = between_cells(model.sway_share, particle.rest.position);
-    particle.age = age;
-    fresh.add(particle);
+    SimulatedPatch simulated;
+    simulated.rest = vertex.patch;
+    simulated.rest.position = simulated.rest.position + place;
+    simulated.share = interpolate(model.displacement_scale, simulated.rest.position);
+    simulated.age = age;
+    fresh.add(simulated);
   }
   const auto number = [&](graph::VertexId id) { return static_cast<std::uint32_t>(graph.index_of(id)); };
   for (const auto& edge : graph.edges()) fresh.edges.emplace_back(number(edge.a), number(edge.b));
-  settle(fresh, model, seed);
-  go_along(fresh, p, model);
+  draw_stationary_motion(fresh, model, seed);
+  copy_neighbour_motion(fresh, p, model);
   const auto before = static_cast<std::uint32_t>(p.list.size());
   for (const auto& [a, b] : fresh.edges) p.edges.emplace_back(a + before, b + before);
   p.ids.insert(p.ids.end(), fresh.ids.begin(), fresh.ids.end());

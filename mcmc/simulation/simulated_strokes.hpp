@@ -12,41 +12,41 @@
 namespace emberfold::mcmc::detail {
 
 /// A patch of a synthesized clip.
-struct Particle {
+struct SimulatedPatch {
   graph::Patch rest;                   ///< as it is at rest; its position too
-  graph::Point offset, offset_before;  ///< px from rest where the sway is usual, now and a frame ago
-  double share = 1;                    ///< of the usual sway that it shows
+  graph::Point offset, offset_before;  ///< px from rest where the displacement is usual, now and a frame ago
+  double share = 1;                    ///< of the usual displacement that it shows
   double gain = 0, gain_before = 0;    ///< logarithm of its contrast over that at rest
   int age = 0;                         ///< frames since it appeared
-  int leaving = -1;                    ///< frames until it goes; −1: it stays
-  int held = 0;                        ///< frames until something may happen to it again
+  int frames_left = -1;                    ///< frames until it goes; −1: it stays
+  int refractory_left = 0;                        ///< frames until something may happen to it again
 
   [[nodiscard]] graph::Point position() const { return rest.position + offset * share; }
 };
 
-/// The strokes of a moment: particles, with ids that ascend and are never used again, and edges by index.
-struct Particles {
+/// The strokes of a moment: patches, with ids that ascend and are never used again, and edges by index.
+struct SimulatedStrokes {
   std::vector<std::uint32_t> ids;
-  std::vector<Particle> list;
+  std::vector<SimulatedPatch> list;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   std::uint32_t next_id = 0;
-  std::vector<Happening> unions, partings;  ///< of late; a parting when what fades there is gone
+  std::vector<PastEvent> unions, separations;  ///< of late; a separation when what fades there is gone
 
   /// Returns its index.
-  std::uint32_t add(const Particle& particle);
+  std::uint32_t add(const SimulatedPatch& simulated);
 };
 
-/// For each particle the indices of those it shares an edge with.
-std::vector<std::vector<std::uint32_t>> neighbours(const Particles& particles);
+/// For each patch the indices of those it shares an edge with.
+std::vector<std::vector<std::uint32_t>> neighbour_lists(const SimulatedStrokes& strokes);
 
 /// Removes the marked ones, and their edges.
-void remove(Particles& particles, const std::vector<bool>& marked);
+void remove_patches(SimulatedStrokes& strokes, const std::vector<bool>& marked);
 
-/// What the particles show, without regard to how they come and go: positions, types by degree; for sites and
+/// What the patches show, without regard to how they come and go: positions, types by degree; for sites and
 /// components.
-graph::AttributeGraph shape(const Particles& particles);
+graph::AttributeGraph stroke_graph(const SimulatedStrokes& strokes);
 /// The same as it is drawn: contrasts by gain, and by age and leaving.
-graph::AttributeGraph appearance(const Particles& particles, const MotionModel& model);
+graph::AttributeGraph drawn_graph(const SimulatedStrokes& strokes, const MotionModel& model);
 
 /// The patch with `factor` times its contrast: a line's core comes nearer to its sides, a step's sides to
 /// each other.
@@ -56,14 +56,14 @@ void scale_contrast(graph::Patch& patch, double factor);
 enum class Purpose : std::uint32_t { start = 1, motion, operators };  // below 8
 
 /// One step of the auto-regressions.
-void sway(Particles& particles, const MotionModel& model, std::uint64_t seed, Purpose purpose,
+void step_motion(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed, Purpose purpose,
           std::uint32_t step);
 
-/// Brings particles into the stationary state of their motion.
-void settle(Particles& particles, const MotionModel& model, std::uint64_t seed);
+/// Brings patches into the stationary state of their motion.
+void draw_stationary_motion(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed);
 
 /// Adds a graph's patches at rest about `place`, settled and of this age.
-void add_settled(Particles& particles, const graph::AttributeGraph& graph, graph::Point place, int age,
+void add_stationary(SimulatedStrokes& strokes, const graph::AttributeGraph& graph, graph::Point place, int age,
                  const MotionModel& model, std::uint64_t seed);
 
 }  // namespace emberfold::mcmc::detail

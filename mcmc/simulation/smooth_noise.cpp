@@ -16,12 +16,12 @@ using graph::Point;
 
 // Standard normal at every place, correlated between them by exp(−h²/2 range²): white noise on a lattice,
 // weighted by Gaussians. That of one step.
-class Field {
+class NoiseField {
  public:
-  Field(double range, std::uint64_t seed, std::uint32_t of, std::uint32_t purpose_and_step, int components)
+  NoiseField(double range, std::uint64_t seed, std::uint32_t field, std::uint32_t purpose_and_step, int components)
       : reach_(range / std::numbers::sqrt2),
         seed_(seed),
-        of_(of),
+        field_(field),
         key_(purpose_and_step),
         components_(components) {}
 
@@ -55,14 +55,14 @@ class Field {
     const auto key = (static_cast<std::uint32_t>(x) << 16U) ^ (static_cast<std::uint32_t>(y) & 0xffffU);
     const auto [found, is_new] = nodes_.try_emplace(key);
     if (is_new) {
-      core::Rng rng(seed_, {of_, key, key_});
+      core::Rng rng(seed_, {field_, key, key_});
       for (int c = 0; c < components_; ++c) found->second[static_cast<std::size_t>(c)] = rng.normal();
     }
     return found->second;
   }
   double reach_;
   std::uint64_t seed_;
-  std::uint32_t of_, key_;
+  std::uint32_t field_, key_;
   int components_;
   std::unordered_map<std::uint32_t, std::array<double, 2>> nodes_;  // looked up, never walked through
 };
@@ -71,19 +71,19 @@ constexpr double finest_range = 3;  // px: below it neighbours have nothing in c
 
 }  // namespace
 
-std::vector<Noise> draw_noise(const Particles& p, const MotionModel& model, std::uint64_t seed,
-                              Purpose purpose, std::uint32_t step, std::uint32_t of) {
+std::vector<PatchNoise> draw_noise(const SimulatedStrokes& p, const MotionModel& model, std::uint64_t seed,
+                              Purpose purpose, std::uint32_t step, std::uint32_t field) {
   const auto key = [&](std::uint32_t which) {
     return (step << 4U) | (static_cast<std::uint32_t>(purpose) << 1U) | which;
   };
-  Field sway(model.sway.range, seed, of, key(0), 2), gain(model.contrast.range, seed, of, key(1), 1);
-  std::vector<Noise> result;
+  NoiseField displacement(model.displacement.range, seed, field, key(0), 2), gain(model.contrast.range, seed, field, key(1), 1);
+  std::vector<PatchNoise> result;
   for (std::size_t i = 0; i < p.list.size(); ++i) {
     const Point place = p.list[i].rest.position;
     core::Rng alone(seed, {p.ids[i], 0, key(8)});
-    Noise noise;
-    if (model.sway.range >= finest_range) {
-      const auto [x, y] = sway.at(place);
+    PatchNoise noise;
+    if (model.displacement.range >= finest_range) {
+      const auto [x, y] = displacement.at(place);
       noise.x = x, noise.y = y;
     } else {
       noise.x = alone.normal(), noise.y = alone.normal();

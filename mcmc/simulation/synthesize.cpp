@@ -28,7 +28,7 @@ std::uint32_t running_in(const MotionModel& model) {
 struct Synthesis::State {
   MotionModel model;
   std::uint64_t seed = 1;
-  detail::Particles particles;
+  detail::SimulatedStrokes strokes;
   std::uint32_t frame = 0;
   bool shown = false;
   std::array<int, 6> operators{};
@@ -39,10 +39,10 @@ Synthesis::Synthesis(const MotionModel& model, std::uint64_t seed, Start start)
   validate(model);
   state_->model = model;
   state_->seed = seed;
-  state_->particles = detail::begin(model, seed);
+  state_->strokes = detail::initial_strokes(model, seed);
   if (start == Start::data) return;
   for (auto left = running_in(model); left > 0; --left)
-    (void)detail::advance(state_->particles, model, seed, ++state_->frame);
+    (void)detail::advance_frame(state_->strokes, model, seed, ++state_->frame);
 }
 
 Synthesis::~Synthesis() = default;
@@ -50,20 +50,19 @@ Synthesis::Synthesis(Synthesis&&) noexcept = default;
 Synthesis& Synthesis::operator=(Synthesis&&) noexcept = default;
 
 graph::AttributeGraph Synthesis::next() {
-  auto& [model, seed, particles, frame, shown, operators] = *state_;
-  if (shown) operators = detail::advance(particles, model, seed, ++frame);
+  auto& [model, seed, strokes, frame, shown, operators] = *state_;
+  if (shown) operators = detail::advance_frame(strokes, model, seed, ++frame);
   shown = true;
-  return detail::appearance(particles, model);
+  return detail::drawn_graph(strokes, model);
 }
 
 const std::array<int, 6>& Synthesis::operators() const {
   return state_->operators;
 }
 
-SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed,
-                           const core::Context& context, Start start) {
+graph::MotionGraph synthesize(const MotionModel& model, int frames, std::uint64_t seed,
+                              const core::Context& context, Start start) {
   if (frames < 1) throw core::InputError("frames is " + std::to_string(frames) + "; allowed is 1 and more");
-  SynthesisResult result;
   detail::LinkedFrames linked;
   auto& motion = linked.motion;
   motion.sketch.width = model.width, motion.sketch.height = model.height, motion.sketch.fps = model.fps;
@@ -73,8 +72,7 @@ SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t s
     linked.append(synthesis.next());
     context.report("synthesize", (t + 1.0) / frames);
   }
-  result.motion = graph::identify(std::move(motion));
-  return result;
+  return graph::identify(std::move(motion));
 }
 
 }  // namespace emberfold::mcmc

@@ -35,11 +35,9 @@ class Synthesis {
   std::unique_ptr<State> state_;
 };
 
-struct SynthesisResult {
-  graph::MotionGraph motion;  ///< with links and identified strokes
-};
-/// `frames` ≥ 1 frames.
-SynthesisResult synthesize(const MotionModel& model, int frames, std::uint64_t seed,
+/// Draws a clip of `frames` ≥ 1 graphs, with links and identified strokes. Throws core::InputError for fewer,
+/// core::Cancelled.
+graph::MotionGraph synthesize(const MotionModel& model, int frames, std::uint64_t seed,
                            const core::Context& context = {}, Start start = Start::data);
 
 }  // namespace emberfold::mcmc

@@ -9,7 +9,7 @@
 
 namespace emberfold::formula {
 
-using mcmc::Theta;
+using mcmc::SamplerParameters;
 
 constexpr double kTight = 1e-10;
 
@@ -28,16 +28,16 @@ inline double log_contrast(double contrast) {
   return std::log(1 + std::abs(contrast));
 }
 /// Variance of an AR(2) from its lag-one correlation: γ₀(1 − a₁ρ₁ − a₂ρ₂) = noise².
-inline double stationary(const Theta& t) {
-  const double rho1 = t.sway.a1 / (1 - t.sway.a2), rho2 = t.sway.a1 * rho1 + t.sway.a2;
-  return t.sway.noise * t.sway.noise / (1 - t.sway.a1 * rho1 - t.sway.a2 * rho2);
+inline double stationary(const SamplerParameters& t) {
+  const double rho1 = t.displacement.a1 / (1 - t.displacement.a2), rho2 = t.displacement.a1 * rho1 + t.displacement.a2;
+  return t.displacement.noise * t.displacement.noise / (1 - t.displacement.a1 * rho1 - t.displacement.a2 * rho2);
 }
-inline double begun(const Theta& t, int frame, double contrast, std::size_t kind) {
-  return t.birth[frame == 0 ? 0 : 1] / (2 * std::numbers::pi) *
+inline double begun(const SamplerParameters& t, int frame, double contrast, std::size_t kind) {
+  return t.birth[frame == 0 ? 0 : 1] / (2 * kPi) *
          normal(log_contrast(contrast) - t.new_contrast, t.new_contrast_sd) * t.kinds[kind];
 }
 /// Of what lies `along` and `side` of where it grows from, turned by `turn`, of the same kind and contrast.
-inline double grown(const Theta& t, double along, double side, double turn) {
+inline double grown(const SamplerParameters& t, double along, double side, double turn) {
   const double line = 0.5 * (normal(along - t.step, t.step_sd) + normal(along + t.step, t.step_sd)) *
                       normal(side, t.side_sd) * turned(turn, t.bend_sd);
   const double r = t.branch_reach;
@@ -46,16 +46,16 @@ inline double grown(const Theta& t, double along, double side, double turn) {
   return ((1 - t.branch) * line + t.branch * anywhere) * normal(0, t.grown_contrast_sd) * (1 - t.other_kind);
 }
 /// The logarithm of the chance that no stroke more begins.
-inline double empty_frames(const Theta& t, double area, int frames) {
+inline double empty_frames(const SamplerParameters& t, double area, int frames) {
   return -t.birth[0] * area - (frames - 1) * t.birth[1] * area;
 }
-inline double chance(const Theta& t, std::size_t degree, std::size_t told, mcmc::Outcome what, bool can_merge,
+inline double chance(const SamplerParameters& t, std::size_t degree, std::size_t neighbour_outcome, mcmc::Outcome what, bool can_merge,
                      bool border = false) {
-  const auto& row = t.outcome[mcmc::config(degree, border, told)];
+  const auto& row = t.outcome[mcmc::outcome_context(degree, border, neighbour_outcome)];
   return row[static_cast<std::size_t>(what)] / (can_merge ? 1 : 1 - row[3]);
 }
 
-inline Theta theta() {
+inline SamplerParameters theta() {
   auto t = test::even_theta();
   t.new_contrast = 3.1;
   return t;

@@ -40,14 +40,14 @@ inline graph::AttributeGraph made_shape(std::uint32_t patches, double phase, dou
 inline mcmc::MotionModel made_model(int width, int height, double cell) {
   mcmc::MotionModel model;
   model.width = width, model.height = height, model.fps = 25, model.frames = 50;
-  model.sway = {1.31, -0.52, 0.1, 0.4, 12, 0.15};
-  model.sway_share = made_map(width, height, cell, 0.7, 1.3);
+  model.displacement = {1.31, -0.52, 0.1, 0.4, 12, 0.15};
+  model.displacement_scale = made_map(width, height, cell, 0.7, 1.3);
   model.contrast = {0.83, 0.04, 0.05, 0.08, 8, 0.02};
   model.drift_x = made_map(width, height, cell, -0.3, 0.3);
   model.drift_y = made_map(width, height, cell, -0.9, -0.2);
   model.rates.birth = made_map(width, height, cell, 0.5e-5, 4e-5);
   model.rates.death = made_map(width, height, cell, 0.6, 1.4);
-  model.rates.parting = made_map(width, height, cell, 0.8, 1.2);
+  model.rates.separation = made_map(width, height, cell, 0.8, 1.2);
   model.density = made_map(width, height, cell, 2, 9);
   model.rates.birth_by_size = {0.2, 0.5, 0.3, 0, 0, 0, 0};
   model.rates.death_by_size = {0.08, 0.05, 0.03, 0.02, 0.01, 0.01, 0.01};

@@ -24,7 +24,7 @@ inline mcmc::MotionModel empty_model(int width = 320, int height = 240) {
   model.width = width, model.height = height, model.frames = 2;
   const auto zero = map_over(width, height, 16, 0), one = map_over(width, height, 16, 1);
   model.drift_x = model.drift_y = model.rates.birth = model.density = zero;
-  model.rates.death = model.rates.parting = model.sway_share = one;
+  model.rates.death = model.rates.separation = model.displacement_scale = one;
   model.appearing.fill(1);
   model.vanishing.fill(1);
   return model;
@@ -54,22 +54,22 @@ inline mcmc::MotionModel coming_and_going(int patches, double clearance, double 
 inline mcmc::MotionModel full_model() {
   auto model = empty_model(100, 60);  // 7 x 4 cells
   model.fps = 29.97, model.frames = 77;
-  model.sway = {1.5, -0.6, 0.05, 0.3, 21, 0.1};
+  model.displacement = {1.5, -0.6, 0.05, 0.3, 21, 0.1};
   model.contrast = {0.7, 0.1, 0.02, 0.05, 9, 0.01};
   auto& r = model.rates;
   double value = 0.001;
   for (auto* map :
-       {&model.drift_x, &model.drift_y, &r.birth, &model.density, &r.death, &r.parting, &model.sway_share})
+       {&model.drift_x, &model.drift_y, &r.birth, &model.density, &r.death, &r.separation, &model.displacement_scale})
     for (double& cell : map->values) cell = value *= 1.02;
   model.drift_x.values[3] = -0.25;
   r.birth_by_size = {0.1, 0.2, 0.3, 0.15, 0.15, 0.06, 0.04};
   r.death_by_size = {0.3, 0.2, 0.1, 0.05, 0.04, 0.03, 0.02};
   r.split = 0.011, r.merge = 0.012, r.connect = 0.013, r.disconnect = 0.014;
-  r.reach = 23, r.split_gap = 11, r.disconnect_gap = 12, r.hold = 3;
-  r.circumstances = {{0.1, 0.9, 1.1, 1.2, 1.3, 1.4}, {1.5, 0.6, 0.7, 0.8, 1.6, 1.7},
+  r.reach = 23, r.split_gap = 11, r.disconnect_gap = 12, r.refractory_period = 3;
+  r.modifiers = {{0.1, 0.9, 1.1, 1.2, 1.3, 1.4}, {1.5, 0.6, 0.7, 0.8, 1.6, 1.7},
                      {1.8, 1.9, 0.4, 0.3, 0.2, 2.1}, {2.2, 2.3, 2.4, 0.5, 2.5, 2.6},
                      {2.7, 2.8, 0.35, 0.15},         1.5};
-  model.exclusion = {8, 2.5, 1.5};
+  model.hard_core = {8, 2.5, 1.5};
   model.appearing = {0.1, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 1};
   model.vanishing = {0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1, 1};
   model.exemplars.push_back({straight(5, 0.3, -20), {20.5, 30}, 11});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion graphs whose truth is known: curves in known places that sway by a known law, sampled anew in every
+// Motion graphs whose truth is known: curves in known places that displacement by a known law, sampled anew in every
 // frame.
 #pragma once
 
@@ -31,10 +31,10 @@ struct Law {
 
 /// One realization along a curve: as many waves as it takes for their mean cosine to be the correlation,
 /// each amplitude an AR(2) of its own.
-class Swing {
+class WaveMotion {
  public:
-  Swing() = default;
-  Swing(const Law& law, int frames, std::uint64_t seed, core::Stream stream) : range_(law.range) {
+  WaveMotion() = default;
+  WaveMotion(const Law& law, int frames, std::uint64_t seed, core::Stream stream) : range_(law.range) {
     core::Rng rng(seed, stream);
     std::vector<double> now(2 * kWaves), before(2 * kWaves);
     for (int t = -burn_in; t < frames; ++t) {
@@ -99,7 +99,7 @@ struct Stroke {
 struct Scene {
   int width = 320, height = 240, frames = 50;
   std::vector<Stroke> strokes;
-  Law sway, gain;                     ///< of the displacement along the normal, px; of the log contrast
+  Law displacement, gain;                     ///< of the displacement along the normal, px; of the log contrast
   std::function<Point(Point)> drift;  ///< px a frame, of a stroke by its start; none: at rest
   double jitter = 0;                  ///< px, SD: what each patch is off its curve, in each frame alone
   bool resampled = true;              ///< the patches' phase along the stroke is drawn anew in every frame
@@ -116,7 +116,7 @@ struct Where {
 struct Made {
   graph::MotionGraph motion;              ///< identified
   std::vector<std::vector<Where>> where;  ///< of each frame's vertices
-  std::vector<Swing> sway, gain;          ///< of each stroke
+  std::vector<WaveMotion> displacement, gain;          ///< of each stroke
 };
 
 inline Made make(const Scene& scene, std::uint64_t seed) {
@@ -124,7 +124,7 @@ inline Made make(const Scene& scene, std::uint64_t seed) {
   auto& sketch = made.motion.sketch;
   sketch.width = scene.width, sketch.height = scene.height;
   for (std::uint32_t i = 0; i < scene.strokes.size(); ++i) {
-    made.sway.emplace_back(scene.sway, scene.frames, seed, core::Stream{i, 1, 0});
+    made.displacement.emplace_back(scene.displacement, scene.frames, seed, core::Stream{i, 1, 0});
     made.gain.emplace_back(scene.gain, scene.frames, seed, core::Stream{i, 2, 0});
   }
   core::Rng rng(seed, {0, 3, 0});
@@ -144,7 +144,7 @@ inline Made make(const Scene& scene, std::uint64_t seed) {
       const Point moved = scene.drift ? scene.drift(stroke.start) * double(t) : Point{};
       const double phase = scene.resampled ? rng.uniform(0, spacing) : spacing / 2;
       now[i] = {phase, static_cast<std::uint32_t>(vertices.size()), 0};
-      const auto place = [&](double s) { return stroke.at(s) + stroke.normal(s) * made.sway[i].at(s, t); };
+      const auto place = [&](double s) { return stroke.at(s) + stroke.normal(s) * made.displacement[i].at(s, t); };
       for (double s = phase; s <= stroke.length; s += spacing, ++now[i].count) {
         const Point ahead = place(s + 0.01) - place(s - 0.01);
         const double contrast = stroke.contrast * std::exp(made.gain[i].at(s, t));

@@ -52,7 +52,7 @@ TEST_CASE("The motion model finds the sway that a built-in clip was made with") 
   const auto [a1, a2] = true_sway(made.truth_json);
   REQUIRE(a1 > 1);
   const auto fitted = mcmc::fit(follow(made.clip));
-  CAPTURE(a1, a2, fitted.model.sway.a1, fitted.model.sway.a2);
-  CHECK(std::abs(fitted.model.sway.a1 - a1) < 0.1 * std::abs(a1));
-  CHECK(std::abs(fitted.model.sway.a2 - a2) < 0.1 * std::abs(a2));
+  CAPTURE(a1, a2, fitted.model.displacement.a1, fitted.model.displacement.a2);
+  CHECK(std::abs(fitted.model.displacement.a1 - a1) < 0.1 * std::abs(a1));
+  CHECK(std::abs(fitted.model.displacement.a2 - a2) < 0.1 * std::abs(a2));
 }

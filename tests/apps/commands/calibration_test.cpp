@@ -25,9 +25,9 @@ constexpr std::size_t kBirth = static_cast<std::size_t>(graph::EventType::birth)
                       kDeath = static_cast<std::size_t>(graph::EventType::death);
 
 // Deaths a frame and stroke, of the sizes that the clip has.
-double deaths(const mcmc::MotionModel& model, const mcmc::Census& source) {
+double deaths(const mcmc::MotionModel& model, const mcmc::EventStatistics& source) {
   double sum = 0, strokes = 0;
-  for (std::size_t size = 0; size < mcmc::kSizes; ++size) {
+  for (std::size_t size = 0; size < mcmc::kSizeClasses; ++size) {
     sum += source.strokes[size] * model.rates.death_by_size[size];
     strokes += source.strokes[size];
   }
@@ -77,7 +77,7 @@ TEST_CASE("calibration corrects towards what the source shows") {
     strokes.add(pipeline::levels_of(std::vector<cv::Mat>{made_picture(made, size.width, size.height, t)}),
                 {});
   const auto motion = strokes.motion({});
-  const auto source = mcmc::census(motion, graph::stroke_events(motion));
+  const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
   const auto fitted = mcmc::fit(motion);
   const auto calibrated = [&](double share) {
     auto wanted = source;

@@ -60,12 +60,12 @@ TEST_CASE("the report shows the model's numbers, and what they mean") {
   events[1].type = events[2].type = graph::EventType::split;
   const Json shown = report_motion_model(model, events);
 
-  CHECK_THAT(shown["sway"]["a1"].get<double>(), WithinRel(model.sway.a1, 1e-3));
-  CHECK_THAT(shown["sway"]["radius"].get<double>(), WithinRel(mcmc::spectral_radius(model.sway), 1e-3));
+  CHECK_THAT(shown["sway"]["a1"].get<double>(), WithinRel(model.displacement.a1, 1e-3));
+  CHECK_THAT(shown["sway"]["radius"].get<double>(), WithinRel(mcmc::spectral_radius(model.displacement), 1e-3));
   CHECK_THAT(shown["contrast"]["noise"].get<double>(), WithinRel(model.contrast.noise, 1e-3));
   REQUIRE(shown["poles"].size() == 4);
   for (const auto& pole : shown["poles"]) {
-    const auto& of = pole["of"] == "sway" ? model.sway : model.contrast;
+    const auto& of = pole["of"] == "sway" ? model.displacement : model.contrast;
     const std::complex<double> z(pole["re"].get<double>(), pole["im"].get<double>());
     CHECK(std::abs(z * z - of.a1 * z - of.a2) < 5e-3);
     CHECK(std::abs(z) < 1);

@@ -25,7 +25,7 @@ Found matched_events(const EventClip& clip, int flicker) {
   options.flicker = flicker;
   auto motion = graph::match(clip.sketch, options);
   Found found{graph::stroke_events(motion), 0, 0, 0, {}};
-  const auto sway = mcmc::fit(motion).model.sway;
+  const auto sway = mcmc::fit(motion).model.displacement;
   found.a1 = sway.a1, found.a2 = sway.a2;
   found.seconds = since(begin);
   found.sketch = std::move(motion.sketch);
@@ -44,7 +44,7 @@ std::optional<Found> sampled_events(const EventClip& clip) {
   const auto starts = pipeline::match_starts(sketches, {}, options, {});
   auto sampled = mcmc::sample_chains(starts, pipeline::backward_readings(options), {}, 1, {});
   Found found{std::move(sampled.events), 0, 0, 0, {}};
-  found.a1 = sampled.fitted.model.sway.a1, found.a2 = sampled.fitted.model.sway.a2;
+  found.a1 = sampled.fitted.model.displacement.a1, found.a2 = sampled.fitted.model.displacement.a2;
   found.seconds = since(begin);
   found.sketch = std::move(sampled.motion.sketch);
   return found;

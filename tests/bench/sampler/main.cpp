@@ -98,21 +98,21 @@ graph::SketchSequence to_and_fro(const graph::SketchSequence& clip, int frames) 
 }
 
 /// A chain as `analyze` begins one.
-mcmc::Chain begin(const graph::MotionGraph& start, mcmc::Theta& prior) {
+mcmc::Chain begin(const graph::MotionGraph& start, mcmc::SamplerParameters& prior) {
   const auto learned = mcmc::fit(start, {1, false}).model;
   auto state = mcmc::hidden_graph(start, {}, {});
-  if (mcmc::weigh(state, mcmc::NotedEvidence{}) != core::Status::done) throw std::runtime_error("cancelled");
-  mcmc::place(state, learned);
-  prior = mcmc::prior_for(start, learned);
-  const auto theta = mcmc::widened(mcmc::most_likely(mcmc::tally(state, mcmc::Density(prior)), prior,
+  mcmc::weigh_candidates(state, mcmc::SketchEvidence{});
+  mcmc::apply_maps(state, learned);
+  prior = mcmc::prior_parameters(start, learned);
+  const auto theta = mcmc::widen_spreads(mcmc::most_likely_parameters(mcmc::sufficient_statistics(state, mcmc::Density(prior)), prior,
                                                      double(start.sketch.width) * start.sketch.height));
   return {std::move(state), theta, 1, 0};
 }
 
 /// User seconds by stage, of all sweeps.
 struct Stages {
-  double moves = 0, sways = 0, learning = 0;
-  [[nodiscard]] double sum() const { return moves + sways + learning; }
+  double moves = 0, displacements = 0, learning = 0;
+  [[nodiscard]] double sum() const { return moves + displacements + learning; }
 };
 
 void sweep(mcmc::Chain& chain, double proposals, Stages& stages) {
@@ -121,17 +121,17 @@ void sweep(mcmc::Chain& chain, double proposals, Stages& stages) {
     const double now = user_seconds();
     stage += now - begun, begun = now;
   };
-  if (chain.move(proposals, {}) != core::Status::done) throw std::runtime_error("cancelled");
+  chain.move(proposals, {});
   lap(stages.moves);
-  chain.redraw_sways();
-  lap(stages.sways);
+  chain.redraw_displacements();
+  lap(stages.displacements);
 }
 
-void learn(mcmc::Chain& chain, const mcmc::Theta& prior, Stages& stages) {
+void learn(mcmc::Chain& chain, const mcmc::SamplerParameters& prior, Stages& stages) {
   const double begun = user_seconds();
   const auto& g = chain.state();
-  const auto tallies = mcmc::tally(g, mcmc::Density(chain.theta()));
-  chain.set_theta(mcmc::widened(mcmc::most_likely(tallies, prior, double(g.width()) * g.height())));
+  const auto statistics = mcmc::sufficient_statistics(g, mcmc::Density(chain.theta()));
+  chain.set_theta(mcmc::widen_spreads(mcmc::most_likely_parameters(statistics, prior, double(g.width()) * g.height())));
   stages.learning += user_seconds() - begun;
 }
 
@@ -181,7 +181,7 @@ void print_mixing(const Indicators& indicators, double draws, double seconds) {
 }
 
 void print_clip(const std::string& name, const graph::SketchSequence& clip, const Arguments& arguments) {
-  mcmc::Theta prior;
+  mcmc::SamplerParameters prior;
   mcmc::Chain chain = begin(graph::match(clip, {}), prior);
   Stages stages;
   const int burn_in = arguments.sweeps / 4;
@@ -203,9 +203,9 @@ void print_clip(const std::string& name, const graph::SketchSequence& clip, cons
   std::printf(
       "  evaluated proposals a second and core: %.0f thousand (of moves alone), %.0f thousand (of "
       "whole sweeps)\n",
-      evaluated(chain) / moves / 1e3, evaluated(chain) / (moves + stages.sways + later.sways) / 1e3);
+      evaluated(chain) / moves / 1e3, evaluated(chain) / (moves + stages.displacements + later.displacements) / 1e3);
   std::printf("  a sweep: %.1f ms of moves, %.1f ms of sways; learning after it: %.1f ms\n",
-              1e3 * moves / arguments.sweeps, 1e3 * (stages.sways + later.sways) / arguments.sweeps,
+              1e3 * moves / arguments.sweeps, 1e3 * (stages.displacements + later.displacements) / arguments.sweeps,
               1e3 * stages.learning / burn_in);
   print_mixing(indicators, draws, later.sum());
   print_moves(chain);
@@ -217,7 +217,7 @@ void print_growth(const std::string& name, const graph::SketchSequence& clip, do
   std::printf("%s to and fro: a sweep and its learning\n", name.c_str());
   for (const int frames : {100, 200, 400, 800, 2000}) {
     const auto longer = to_and_fro(clip, frames);
-    mcmc::Theta prior;
+    mcmc::SamplerParameters prior;
     double begun = user_seconds();
     const auto start = graph::match(longer, {});
     const double matched = user_seconds() - begun;

@@ -17,8 +17,8 @@
 using namespace emberfold;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using mcmc::detail::Path;
-using mcmc::detail::SwayLaw;
+using mcmc::detail::DeviationPath;
+using mcmc::detail::MotionLaw;
 
 namespace {
 
@@ -38,7 +38,7 @@ MatrixXd covariance(double a1, double a2, double error, Eigen::Index n) {
 
 // The restricted likelihood of a path by its whole covariance matrix, under an inverse Gamma law of its scale
 // of four degrees of freedom.
-double dense(const Path& path, const SwayLaw& law, double a1) {
+double dense(const DeviationPath& path, const MotionLaw& law, double a1) {
   const auto n = static_cast<Eigen::Index>(path.own.size());
   const double own = a1 - law.coupling, q = law.noise * law.noise;
   VectorXd y(n);
@@ -46,7 +46,7 @@ double dense(const Path& path, const SwayLaw& law, double a1) {
   for (Eigen::Index t = 0; t < n; ++t) {
     const auto k = static_cast<std::size_t>(t);
     if (t > 0)
-      pushed = own * pushed + law.a2 * std::exchange(before, pushed) + law.coupling * path.around[k - 1];
+      pushed = own * pushed + law.a2 * std::exchange(before, pushed) + law.coupling * path.neighbour_mean[k - 1];
     y[t] = path.own[k] - pushed;
   }
   const MatrixXd c = covariance(own, law.a2, std::pow(law.measurement / law.noise, 2), n);
@@ -60,13 +60,13 @@ double dense(const Path& path, const SwayLaw& law, double a1) {
          0.5 * (4 + known) * std::log(1 + squares / (4 * q));
 }
 
-std::vector<Path> random_paths(std::uint64_t seed) {
+std::vector<DeviationPath> random_paths(std::uint64_t seed) {
   core::Rng rng(seed);
-  std::vector<Path> paths;
+  std::vector<DeviationPath> paths;
   for (const std::size_t n : {2, 3, 7, 12, 40, 20, 9, 6, 15, 8, 11, 5, 31, 10, 13, 17, 6, 21}) {
-    Path path;
+    DeviationPath path;
     for (std::size_t k = 0; k < n; ++k)
-      path.own.push_back(3 + rng.normal()), path.around.push_back(rng.normal());
+      path.own.push_back(3 + rng.normal()), path.neighbour_mean.push_back(rng.normal());
     paths.push_back(path);
   }
   return paths;
@@ -77,8 +77,8 @@ struct Lives {
   int count = 400, shortest = 15, longest = 30;
   double spread = 0;
 };
-std::vector<Path> simulate(const SwayLaw& law, const Lives& lives, std::uint64_t seed) {
-  std::vector<Path> paths;
+std::vector<DeviationPath> simulate(const MotionLaw& law, const Lives& lives, std::uint64_t seed) {
+  std::vector<DeviationPath> paths;
   const double r = std::sqrt(std::max(0.0, -law.a2)), frequency = r > 0 ? std::acos(law.a1 / (2 * r)) : 0;
   for (int i = 0; i < lives.count; ++i) {
     core::Rng rng(seed, {static_cast<std::uint32_t>(i), 0, 0});
@@ -86,7 +86,7 @@ std::vector<Path> simulate(const SwayLaw& law, const Lives& lives, std::uint64_t
         lives.spread > 0 ? 2 * r * std::cos(frequency * (1 + lives.spread * rng.normal())) : law.a1;
     const auto n =
         static_cast<std::size_t>(lives.shortest + rng.uniform(0, 1) * (lives.longest - lives.shortest + 1));
-    Path path;
+    DeviationPath path;
     double now = 0, before = 0, mean = 0;
     for (int t = -300; t < static_cast<int>(n); ++t) {
       now = a1 * now + law.a2 * std::exchange(before, now) + law.noise * rng.normal();
@@ -94,25 +94,25 @@ std::vector<Path> simulate(const SwayLaw& law, const Lives& lives, std::uint64_t
     }
     for (const double d : path.own) mean += d / static_cast<double>(n);
     for (double& d : path.own) d -= mean;
-    path.around = path.own;
+    path.neighbour_mean = path.own;
     paths.push_back(path);
   }
   return paths;
 }
 
-double deviation(const std::vector<Path>& paths) {
+double deviation(const std::vector<DeviationPath>& paths) {
   double squares = 0, count = 0;
   for (const auto& path : paths)
     for (const double d : path.own) squares += d * d, ++count;
   return std::sqrt(squares / count);
 }
 
-SwayLaw likeliest(const std::vector<Path>& paths) {
-  return mcmc::detail::likeliest(paths, 0, deviation(paths));
+MotionLaw most_likely_law(const std::vector<DeviationPath>& paths) {
+  return mcmc::detail::most_likely_law(paths, 0, deviation(paths));
 }
 
 // Plain least squares of d(t) on d(t−1), d(t−2).
-Eigen::Vector2d least_squares(const std::vector<Path>& paths) {
+Eigen::Vector2d least_squares(const std::vector<DeviationPath>& paths) {
   Eigen::Matrix2d xx = Eigen::Matrix2d::Zero();
   Eigen::Vector2d xy = Eigen::Vector2d::Zero();
   for (const auto& path : paths)
@@ -126,8 +126,8 @@ Eigen::Vector2d least_squares(const std::vector<Path>& paths) {
 }  // namespace
 
 TEST_CASE("A likelihood is that of the whole covariance matrix", "[likelihood]") {
-  const auto law = GENERATE(SwayLaw{1.6, -0.8, 0, 0.7, 0.4, 0}, SwayLaw{0.9, 0.05, 0, 1.5, 0, 0},
-                            SwayLaw{1.2, -0.5, 0.2, 0.3, 1, 0}, SwayLaw{-0.3, 0.2, 0.1, 1, 0.2, 0});
+  const auto law = GENERATE(MotionLaw{1.6, -0.8, 0, 0.7, 0.4, 0}, MotionLaw{0.9, 0.05, 0, 1.5, 0, 0},
+                            MotionLaw{1.2, -0.5, 0.2, 0.3, 1, 0}, MotionLaw{-0.3, 0.2, 0.1, 1, 0.2, 0});
   const auto paths = random_paths(1);
   double expected = 0;
   for (const auto& path : paths) expected += dense(path, law, law.a1);
@@ -135,7 +135,7 @@ TEST_CASE("A likelihood is that of the whole covariance matrix", "[likelihood]")
 }
 
 TEST_CASE("Frequencies that differ between paths are integrated out", "[likelihood]") {
-  const SwayLaw law{1.6, -0.85, 0, 0.8, 0.3, 0.15};
+  const MotionLaw law{1.6, -0.85, 0, 0.8, 0.3, 0.15};
   const double r = std::sqrt(0.85), frequency = std::acos(1.6 / (2 * r));
   const auto paths = random_paths(2);
   // A quadrature forty times as fine over a normal law cut where the coarse one's cells end.
@@ -158,7 +158,7 @@ TEST_CASE("A path's expected place is the best linear prediction", "[likelihood]
   constexpr double a1 = 1.5, a2 = -0.7, noise = 0.4, error = 0.3;
   const auto lane = [](double v) { return mcmc::detail::Lanes<1>::Constant(v); };
   const mcmc::detail::PathLaw<1> law{lane(a1), lane(a2), lane(noise), lane(error)};
-  const auto gains = mcmc::detail::gains(law, 12);
+  const auto gains = mcmc::detail::kalman_gains(law, 12);
   mcmc::detail::RestFilter<1> filter(law);
   core::Rng rng(3);
   VectorXd y(13);
@@ -178,8 +178,8 @@ TEST_CASE("A path's expected place is the best linear prediction", "[likelihood]
 
 TEST_CASE("A law that is not stable has no likelihood", "[likelihood]") {
   const auto paths = random_paths(4);
-  for (const SwayLaw& law : {SwayLaw{1.2, 0, 0, 1, 0, 0}, SwayLaw{2, -1, 0, 1, 0, 0},
-                             SwayLaw{-0.9, 0, 0.4, 1, 0, 0}, SwayLaw{1, 0, 0, 0, 1, 0}})
+  for (const MotionLaw& law : {MotionLaw{1.2, 0, 0, 1, 0, 0}, MotionLaw{2, -1, 0, 1, 0, 0},
+                             MotionLaw{-0.9, 0, 0.4, 1, 0, 0}, MotionLaw{1, 0, 0, 0, 1, 0}})
     CHECK(mcmc::detail::log_likelihood(paths, law) == -std::numeric_limits<double>::infinity());
 }
 
@@ -200,11 +200,11 @@ TEST_CASE("The simplex finds the bottom of a bent valley and stays out of the in
 }
 
 TEST_CASE("Short paths tell their law where least squares about their means is biased", "[likelihood]") {
-  const auto truth = GENERATE(SwayLaw{1.66, -0.94, 0, 0.35, 0.1, 0}, SwayLaw{1.85, -0.96, 0, 0.12, 0.1, 0},
-                              SwayLaw{1.93, -0.97, 0, 0.13, 0.1, 0});
+  const auto truth = GENERATE(MotionLaw{1.66, -0.94, 0, 0.35, 0.1, 0}, MotionLaw{1.85, -0.96, 0, 0.12, 0.1, 0},
+                              MotionLaw{1.93, -0.97, 0, 0.13, 0.1, 0});
   const auto paths = simulate(truth, {}, 5);
   const Eigen::Vector2d plain = least_squares(paths);
-  const auto found = likeliest(paths);
+  const auto found = most_likely_law(paths);
   CAPTURE(truth.a1, truth.a2, plain[0], plain[1], found.a1, found.a2, found.noise, found.measurement);
   REQUIRE(std::abs(plain[1] / truth.a2 - 1) > 0.02);
   CHECK_THAT(found.mean_a1(), about(truth.a1, 0.01));
@@ -215,10 +215,10 @@ TEST_CASE("Short paths tell their law where least squares about their means is b
 }
 
 TEST_CASE("Paths of unlike frequencies are not taken for damped ones", "[likelihood]") {
-  const SwayLaw truth{1.7, -0.94, 0, 0.35, 0.1, 0};
+  const MotionLaw truth{1.7, -0.94, 0, 0.35, 0.1, 0};
   constexpr double spread = 0.16;
   const auto paths = simulate(truth, {600, 15, 60, spread}, 6);
-  const auto found = likeliest(paths);
+  const auto found = most_likely_law(paths);
   CAPTURE(found.a1, found.a2, found.spread);
   // The likeliest law of one frequency for all is more damped.
   double a2_of_one = 0, most = -1e300;
@@ -235,7 +235,7 @@ TEST_CASE("Paths of unlike frequencies are not taken for damped ones", "[likelih
 }
 
 TEST_CASE("A few paths gone astray hardly change the law", "[likelihood]") {
-  const SwayLaw truth{1.8, -0.95, 0, 0.2, 0.1, 0};
+  const MotionLaw truth{1.8, -0.95, 0, 0.2, 0.1, 0};
   auto paths = simulate(truth, {}, 7);
   core::Rng rng(8);
   for (std::size_t i = 0; i < paths.size(); i += 20) {  // they hop to another curve and back
@@ -243,7 +243,7 @@ TEST_CASE("A few paths gone astray hardly change the law", "[likelihood]") {
     for (double& d : own)
       if (rng.uniform() < 0.3) d += 12;
   }
-  const auto found = likeliest(paths);
+  const auto found = most_likely_law(paths);
   REQUIRE(std::abs(least_squares(paths)[1] / truth.a2 - 1) > 0.2);
   CHECK_THAT(found.mean_a1(), about(truth.a1, 0.03));
   CHECK_THAT(found.a2, about(truth.a2, 0.04));
@@ -251,9 +251,9 @@ TEST_CASE("A few paths gone astray hardly change the law", "[likelihood]") {
 
 TEST_CASE("The likeliest law is the same at any thread count", "[likelihood]") {
   const auto paths = simulate({1.7, -0.9, 0, 0.3, 0.1, 0}, {120, 10, 30, 0.1}, 9);
-  const auto many = likeliest(paths);
+  const auto many = most_likely_law(paths);
   const core::ThreadLimit one(1);
-  const auto alone = likeliest(paths);
+  const auto alone = most_likely_law(paths);
   CHECK(many.a1 == alone.a1);
   CHECK(many.a2 == alone.a2);
   CHECK(many.noise == alone.noise);
@@ -266,7 +266,7 @@ TEST_CASE("The sway of strokes that live for 15 to 30 frames is found", "[likeli
   test::Scene scene;
   scene.frames = 100;
   scene.jitter = 0.1;
-  scene.sway = law;
+  scene.displacement = law;
   core::Rng rng(10);
   for (int born = -20; born < scene.frames; born += 15)
     for (auto stroke : test::scattered(6, 4, scene.width, scene.height, 50)) {
@@ -277,13 +277,13 @@ TEST_CASE("The sway of strokes that live for 15 to 30 frames is found", "[likeli
       scene.strokes.push_back(stroke);
     }
   const auto truth = test::make(scene, 11);
-  const auto lineages = mcmc::detail::lineages(truth.motion);
-  mcmc::Series travel;
-  for (const auto& lineage : lineages) {
-    travel.emplace_back();
-    for (const auto& sample : lineage.samples) travel.back().push_back(sample.travel);
+  const auto tracks = mcmc::detail::track_curves(truth.motion);
+  mcmc::Series normal_displacement;
+  for (const auto& track : tracks) {
+    normal_displacement.emplace_back();
+    for (const auto& sample : track.samples) normal_displacement.back().push_back(sample.normal_displacement);
   }
-  const auto found = mcmc::estimate(mcmc::observe(truth.motion, lineages, travel, true), "sway");
+  const auto found = mcmc::estimate_motion(mcmc::collect_observations(truth.motion, tracks, normal_displacement, true), "sway");
   CAPTURE(found.motion.a1, found.motion.a2, found.motion.noise, found.motion.measurement);
   CHECK(found.notes.empty());
   CHECK_THAT(found.motion.a1, about(law.a1, 0.02));

@@ -11,7 +11,7 @@
 
 using namespace emberfold;
 using graph::Point;
-using mcmc::detail::Lineage;
+using mcmc::detail::CurveTrack;
 
 namespace {
 
@@ -20,13 +20,13 @@ test::Scene one_stroke(double bend, int frames) {
   scene.frames = frames;
   scene.strokes = {{{60, 80}, 0.3, 150, bend}};
   // Wide swings, slow along the stroke: its normal turns little.
-  scene.sway = {1.5, -0.6, 0.5, 40};
+  scene.displacement = {1.5, -0.6, 0.5, 40};
   scene.gain = {0.8, 0, 0.1, 40};
   return scene;
 }
 
-std::size_t frame_of(const Lineage& lineage, std::size_t k) {
-  return static_cast<std::size_t>(lineage.first) + k;
+std::size_t frame_of(const CurveTrack& track, std::size_t k) {
+  return static_cast<std::size_t>(track.first) + k;
 }
 
 // The arc length at which the true curve lies nearest a point.
@@ -48,28 +48,28 @@ TEST_CASE("A lineage's travel is the curve's true displacement along its normal"
     const auto scene = one_stroke(bend, 60);
     const auto truth = test::make(scene, 5);
     const auto& stroke = scene.strokes[0];
-    const auto all = mcmc::detail::lineages(truth.motion);
+    const auto all = mcmc::detail::track_curves(truth.motion);
     REQUIRE(all.size() >= 20);
     std::size_t compared = 0;
     double squares = 0;
-    for (const auto& lineage : all) {
-      const double s0 = arc_at(stroke, lineage.samples[0].position);
+    for (const auto& track : all) {
+      const double s0 = arc_at(stroke, track.samples[0].position);
       const double sense =
-          graph::dot(lineage.samples[0].normal, stroke.normal(s0)) < 0 ? -1 : 1;  // of the lineage's normals
-      for (std::size_t k = 0; k < lineage.samples.size(); ++k) {
-        const auto& sample = lineage.samples[k];
-        const int t = static_cast<int>(frame_of(lineage, k));
+          graph::dot(track.samples[0].normal, stroke.normal(s0)) < 0 ? -1 : 1;  // of the track's normals
+      for (std::size_t k = 0; k < track.samples.size(); ++k) {
+        const auto& sample = track.samples[k];
+        const int t = static_cast<int>(frame_of(track, k));
         const double s = arc_at(stroke, sample.position);
         // On the curve: between patches 5 px apart it is a parabola through both with the turn of their
         // directions, off by some hundredths of a px.
         const double off = graph::dot(sample.position - stroke.at(s), stroke.normal(s));
-        CHECK_THAT(off, Catch::Matchers::WithinAbs(truth.sway[0].at(s, t), 0.05));
-        // The travel, against the displacement at the place where the lineage is: each of up to 60 steps goes
+        CHECK_THAT(off, Catch::Matchers::WithinAbs(truth.displacement[0].at(s, t), 0.05));
+        // The travel, against the displacement at the place where the track is: each of up to 60 steps goes
         // along a normal that is turned by the slope of the swings, which makes it longer by half its square,
         // 0.1 %, and lets the place glide along the curve.
-        const double moved = truth.sway[0].at(s, t) - truth.sway[0].at(s0, lineage.first);
-        squares += std::pow(sense * sample.travel - moved, 2);
-        CHECK_THAT(sense * sample.travel, Catch::Matchers::WithinAbs(moved, 0.5));
+        const double moved = truth.displacement[0].at(s, t) - truth.displacement[0].at(s0, track.first);
+        squares += std::pow(sense * sample.normal_displacement - moved, 2);
+        CHECK_THAT(sense * sample.normal_displacement, Catch::Matchers::WithinAbs(moved, 0.5));
         CHECK_THAT(graph::norm(sample.normal), Catch::Matchers::WithinAbs(1, 1e-12));
         CHECK_THAT(sample.contrast,
                    Catch::Matchers::WithinAbs(std::log(stroke.contrast) + truth.gain[0].at(s, t), 0.02));
@@ -86,19 +86,19 @@ TEST_CASE("A lineage lives as long as its curve", "[lineages]") {
   test::Scene scene = one_stroke(0.01, 80);
   scene.strokes.push_back({{60, 180}, 0, 150, 0, 40, 20, 50});
   const auto truth = test::make(scene, 6);
-  const auto all = mcmc::detail::lineages(truth.motion);
+  const auto all = mcmc::detail::track_curves(truth.motion);
   std::array<int, 2> whole{};
-  for (const auto& lineage : all) {
-    const auto where = truth.where[static_cast<std::size_t>(lineage.first)][lineage.samples[0].vertex];
+  for (const auto& track : all) {
+    const auto where = truth.where[static_cast<std::size_t>(track.first)][track.samples[0].vertex];
     const auto& stroke = scene.strokes[where.stroke];
-    CHECK(lineage.first >= stroke.born);
-    CHECK(lineage.last() < std::min(stroke.dies, scene.frames));
-    if (lineage.first == stroke.born && lineage.last() == std::min(stroke.dies, scene.frames) - 1)
+    CHECK(track.first >= stroke.born);
+    CHECK(track.last() < std::min(stroke.dies, scene.frames));
+    if (track.first == stroke.born && track.last() == std::min(stroke.dies, scene.frames) - 1)
       ++whole[where.stroke];
     // What is inside the curve by more than what it is sampled anew in, and what it glides, does not end
     // early.
-    if (where.s > 20 && where.s < stroke.length - 20 && lineage.first == stroke.born)
-      CHECK(lineage.last() >= stroke.born + 20);
+    if (where.s > 20 && where.s < stroke.length - 20 && track.first == stroke.born)
+      CHECK(track.last() >= stroke.born + 20);
   }
   // Of the places of a curve of 150 px, one in 5 px.
   CHECK(whole[0] >= 20);
@@ -109,15 +109,15 @@ TEST_CASE("Every place of a curve has a lineage and no two are closer than 2 px"
   test::Scene scene = one_stroke(0.015, 100);
   scene.strokes.push_back({{180, 190}, -0.2, 120, 0});  // far from the first
   const auto truth = test::make(scene, 7);
-  const auto all = mcmc::detail::lineages(truth.motion);
+  const auto all = mcmc::detail::track_curves(truth.motion);
   std::vector<std::vector<Point>> places(100);
   int before_first = 0;
-  for (const auto& lineage : all) {
-    CHECK(lineage.first >= before_first);
-    before_first = lineage.first;
-    CHECK(lineage.samples[0].travel == 0);
-    for (std::size_t k = 0; k < lineage.samples.size(); ++k)
-      places[frame_of(lineage, k)].push_back(lineage.samples[k].position);
+  for (const auto& track : all) {
+    CHECK(track.first >= before_first);
+    before_first = track.first;
+    CHECK(track.samples[0].normal_displacement == 0);
+    for (std::size_t k = 0; k < track.samples.size(); ++k)
+      places[frame_of(track, k)].push_back(track.samples[k].position);
   }
   for (std::size_t t = 0; t < places.size(); ++t) {
     double closest = 1e9;
@@ -140,21 +140,21 @@ TEST_CASE("Every place of a curve has a lineage and no two are closer than 2 px"
 TEST_CASE("Without links there are only lineages of one frame", "[lineages]") {
   auto truth = test::make(one_stroke(0, 5), 3);
   for (auto& links : truth.motion.links) links.clear();
-  const auto all = mcmc::detail::lineages(truth.motion);
+  const auto all = mcmc::detail::track_curves(truth.motion);
   std::size_t inner = 0;
   for (const auto& graph : truth.motion.sketch.frames)
     for (std::uint32_t v = 0; v < graph.size(); ++v) inner += graph.degree(v) == 2;
   CHECK(all.size() == inner);
-  for (const auto& lineage : all) CHECK(lineage.samples.size() == 1);
-  CHECK(mcmc::detail::lineages({}).empty());
+  for (const auto& track : all) CHECK(track.samples.size() == 1);
+  CHECK(mcmc::detail::track_curves({}).empty());
 }
 
 TEST_CASE("Neighbours lie side by side on one curve and know which way their normals point", "[lineages]") {
   test::Scene scene = one_stroke(0.01, 40);
   scene.strokes.push_back({{60, 90}, 0.3, 150, 0.01});  // 10 px beside the first
   const auto truth = test::make(scene, 8);
-  const auto all = mcmc::detail::lineages(truth.motion);
-  const auto sides = mcmc::detail::neighbours(truth.motion, all);
+  const auto all = mcmc::detail::track_curves(truth.motion);
+  const auto sides = mcmc::detail::find_track_neighbours(truth.motion, all);
   REQUIRE(sides.frames.size() == 40);
   std::size_t pairs = 0, returned = 0;
   for (std::size_t t = 0; t < sides.frames.size(); ++t) {
@@ -178,7 +178,7 @@ TEST_CASE("Neighbours lie side by side on one curve and know which way their nor
       returned += there.contains({b, a});
     }
     // One ahead and one behind; at the ends only one.
-    for (const auto& [lineage, n] : count) CHECK(n <= 2);
+    for (const auto& [track, n] : count) CHECK(n <= 2);
     CHECK(there.size() == sides.frames[t].size());
   }
   REQUIRE(pairs > 40 * 2 * 20);
@@ -196,8 +196,8 @@ TEST_CASE("Normals keep their sense though patches turn round", "[lineages]") {
       v.patch.theta = std::remainder(v.patch.theta + std::numbers::pi, 2 * std::numbers::pi);
     frames[t] = {std::move(vertices), {frames[t].edges().begin(), frames[t].edges().end()}};
   }
-  const auto turned = mcmc::detail::lineages(truth.motion);
-  const auto plain = mcmc::detail::lineages(test::make(one_stroke(0, 20), 9).motion);
+  const auto turned = mcmc::detail::track_curves(truth.motion);
+  const auto plain = mcmc::detail::track_curves(test::make(one_stroke(0, 20), 9).motion);
   REQUIRE(turned.size() == plain.size());
   for (std::size_t i = 0; i < turned.size(); ++i) {
     REQUIRE(turned[i].samples.size() == plain[i].samples.size());
@@ -205,8 +205,8 @@ TEST_CASE("Normals keep their sense though patches turn round", "[lineages]") {
     for (std::size_t k = 0; k < turned[i].samples.size(); ++k) {
       CHECK_THAT(graph::dot(turned[i].samples[k].normal, plain[i].samples[k].normal),
                  Catch::Matchers::WithinAbs(sense, 1e-6));
-      CHECK_THAT(turned[i].samples[k].travel * sense,
-                 Catch::Matchers::WithinAbs(plain[i].samples[k].travel, 1e-6));
+      CHECK_THAT(turned[i].samples[k].normal_displacement * sense,
+                 Catch::Matchers::WithinAbs(plain[i].samples[k].normal_displacement, 1e-6));
     }
   }
 }
@@ -218,10 +218,10 @@ TEST_CASE("Patches take what they are told and those that are told nothing their
   const auto graph = frame.graph();
   SECTION("the same for all stays, with every patch of the stroke told and only some") {
     for (const bool all : {true, false}) {
-      std::vector<mcmc::detail::Told> told;
+      std::vector<mcmc::detail::TrackValue> told;
       for (std::uint32_t v = 0; v < 10; ++v)
         if (all || v == 4 || v == 6) told.push_back({v, {2, -1}});
-      const auto values = mcmc::detail::on_patches(graph, told);
+      const auto values = mcmc::detail::smooth_over_patches(graph, told);
       REQUIRE(values.size() == graph.size());
       for (std::uint32_t v = all ? 0 : 2; v < (all ? 10 : 9); ++v) {
         CHECK_THAT(values[v].x, Catch::Matchers::WithinAbs(2, 1e-12));
@@ -232,24 +232,24 @@ TEST_CASE("Patches take what they are told and those that are told nothing their
     }
   }
   SECTION("of several told the mean") {
-    std::vector<mcmc::detail::Told> told;
+    std::vector<mcmc::detail::TrackValue> told;
     for (std::uint32_t v = 10; v < 15; ++v) told.insert(told.end(), {{v, {1, 0}}, {v, {2, 3}}, {v, {6, 0}}});
-    const auto values = mcmc::detail::on_patches(graph, told);
+    const auto values = mcmc::detail::smooth_over_patches(graph, told);
     for (std::uint32_t v = 10; v < 15; ++v) {
       CHECK_THAT(values[v].x, Catch::Matchers::WithinAbs(3, 1e-12));
       CHECK_THAT(values[v].y, Catch::Matchers::WithinAbs(1, 1e-12));
     }
   }
   SECTION("a linear course stays linear away from the ends") {
-    std::vector<mcmc::detail::Told> told;
+    std::vector<mcmc::detail::TrackValue> told;
     for (std::uint32_t v = 0; v < 10; ++v) told.push_back({v, {0.5 * v, 1 - 0.1 * v}});
-    const auto values = mcmc::detail::on_patches(graph, told);
+    const auto values = mcmc::detail::smooth_over_patches(graph, told);
     for (std::uint32_t v = 3; v < 7; ++v) {
       CHECK_THAT(values[v].x, Catch::Matchers::WithinAbs(0.5 * v, 1e-12));
       CHECK_THAT(values[v].y, Catch::Matchers::WithinAbs(1 - 0.1 * v, 1e-12));
     }
   }
   SECTION("nothing told is zero") {
-    for (const Point p : mcmc::detail::on_patches(graph, {})) CHECK(p == Point{});
+    for (const Point p : mcmc::detail::smooth_over_patches(graph, {})) CHECK(p == Point{});
   }
 }

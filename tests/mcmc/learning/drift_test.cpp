@@ -14,15 +14,15 @@ namespace {
 
 mcmc::Drift drift_of(const test::Scene& scene, std::uint64_t seed) {
   const auto truth = test::make(scene, seed);
-  return mcmc::measure_drift(mcmc::detail::lineages(truth.motion),
-                             mcmc::grid_over(scene.width, scene.height));
+  return mcmc::estimate_drift(mcmc::detail::track_curves(truth.motion),
+                             mcmc::make_cell_grid(scene.width, scene.height));
 }
 
 test::Scene scattered(int frames) {
   test::Scene scene;
   scene.frames = frames;
   scene.strokes = test::scattered(6, 4, scene.width, scene.height, 45);
-  scene.sway = {1.3, -0.45, 0.35, 30};  // SD 0.8 px
+  scene.displacement = {1.3, -0.45, 0.35, 30};  // SD 0.8 px
   return scene;
 }
 
@@ -37,8 +37,8 @@ TEST_CASE("A drift that is the same everywhere is recovered under a sway", "[dri
   auto scene = scattered(40);
   scene.drift = [v](Point) { return v; };
   const auto drift = drift_of(scene, 3);
-  // Where strokes are. A sway of 0.8 px lets a mean speed over 40 frames be off by about 0.03 px; some ten
-  // lineages say so in each cell.
+  // Where strokes are. A displacement of 0.8 px lets a mean speed over 40 frames be off by about 0.03 px; some ten
+  // tracks say so in each cell.
   for (double y = 30; y < 210; y += 20)
     for (double x = 30; x < 290; x += 20) {
       CHECK_THAT(drift.at({x, y}).x, Catch::Matchers::WithinAbs(v.x, 0.08));
@@ -78,15 +78,15 @@ TEST_CASE("Curves of one direction tell nothing of a drift along them", "[drift]
 }
 
 TEST_CASE("Nothing seen is no drift", "[drift]") {
-  const auto grid = mcmc::grid_over(100, 60);
-  const auto drift = mcmc::measure_drift({}, grid);
+  const auto grid = mcmc::make_cell_grid(100, 60);
+  const auto drift = mcmc::estimate_drift({}, grid);
   CHECK(total(drift.x.values) == 0);
   CHECK(total(drift.y.values) == 0);
 }
 
 TEST_CASE("A grid covers its frame", "[drift]") {
   for (const auto& [width, height] : {std::pair{1, 1}, {16, 16}, {17, 300}, {320, 240}, {3000, 20}}) {
-    const auto grid = mcmc::grid_over(width, height);
+    const auto grid = mcmc::make_cell_grid(width, height);
     CHECK(grid.columns * grid.cell >= width);
     CHECK((grid.columns - 1) * grid.cell < width);
     CHECK(grid.rows * grid.cell >= height);
@@ -104,13 +104,13 @@ TEST_CASE("A grid covers its frame", "[drift]") {
 }
 
 TEST_CASE("Spreading keeps the mass and spreads it evenly", "[drift]") {
-  mcmc::CellMap map = mcmc::grid_over(320, 240);
+  mcmc::CellMap map = mcmc::make_cell_grid(320, 240);
   const auto columns = static_cast<std::size_t>(map.columns);
   for (const double sigma : {0.5, 1.0, 2.0, 5.0, 16.0}) {
     for (const Point p : {Point{160, 120}, Point{0, 0}, Point{319, 100}, Point{20, 239}}) {
       auto one = map;
       one.values[one.index(p)] = 3;
-      const auto out = mcmc::spread(one, sigma);
+      const auto out = mcmc::spread_over_cells(one, sigma);
       CHECK_THAT(total(out), Catch::Matchers::WithinRel(3.0, 1e-12));
       for (const double value : out) CHECK(value >= 0);
       CHECK(out[one.index(p)] == *std::max_element(out.begin(), out.end()));
@@ -119,7 +119,7 @@ TEST_CASE("Spreading keeps the mass and spreads it evenly", "[drift]") {
   // In the middle it is a Gaussian: its second moment is sigma².
   auto one = map;
   one.values[one.index({160, 120})] = 1;
-  const auto out = mcmc::spread(one, 1.5);
+  const auto out = mcmc::spread_over_cells(one, 1.5);
   double mean_x = 0, mean_y = 0, xx = 0, yy = 0;
   for (std::size_t c = 0; c < out.size(); ++c) {
     const double x = double(c % columns), y = double(c / columns);
@@ -130,10 +130,10 @@ TEST_CASE("Spreading keeps the mass and spreads it evenly", "[drift]") {
   CHECK_THAT(xx - mean_x * mean_x, Catch::Matchers::WithinRel(2.25, 0.03));
   CHECK_THAT(yy - mean_y * mean_y, Catch::Matchers::WithinRel(2.25, 0.03));
   // No width, no spread; and it is linear.
-  CHECK(mcmc::spread(one, 0) == one.values);
+  CHECK(mcmc::spread_over_cells(one, 0) == one.values);
   auto twice = one;
   for (double& value : twice.values) value *= 2;
-  const auto doubled = mcmc::spread(twice, 1.5);
+  const auto doubled = mcmc::spread_over_cells(twice, 1.5);
   for (std::size_t c = 0; c < out.size(); ++c)
     CHECK_THAT(doubled[c], Catch::Matchers::WithinAbs(2 * out[c], 1e-12));
 }

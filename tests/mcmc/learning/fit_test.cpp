@@ -23,7 +23,7 @@ test::Scene one_stroke(int frames) {
   test::Scene scene;
   scene.width = 200, scene.height = 120, scene.frames = frames;
   scene.strokes = {{{40, 60}, 0.1, 100, 0.004}};
-  scene.sway = {1.5, -0.6, 0.2, 30};
+  scene.displacement = {1.5, -0.6, 0.2, 30};
   scene.gain = {0.7, 0, 0.05, 30};
   return scene;
 }
@@ -53,7 +53,7 @@ TEST_CASE("A clip without a stroke gives a model of nothing", "[fit]") {
     CHECK(!result.notes.empty());
     CHECK(result.model.exemplars.empty());
     CHECK(result.model.frames == static_cast<int>(frames));
-    for (const auto& graph : mcmc::synthesize(result.model, 20, 1).motion.sketch.frames) CHECK(graph.empty());
+    for (const auto& graph : mcmc::synthesize(result.model, 20, 1).sketch.frames) CHECK(graph.empty());
   }
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("One stroke makes a model that keeps it", "[fit]") {
   CHECK(model.height == 120);
   CHECK(model.fps == 25);
   CHECK(graph::components(model.first).count == 1);
-  // The rest shape lies along the curve at rest, whatever frame it was taken from: sways are of SD 0.7 px, of
+  // The rest shape lies along the curve at rest, whatever frame it was taken from: displacements are of SD 0.7 px, of
   // which the mean over 120 frames does not know 0.2.
   const auto& stroke = scene.strokes[0];
   for (const auto& vertex : model.first.vertices()) {
@@ -85,7 +85,7 @@ TEST_CASE("One stroke makes a model that keeps it", "[fit]") {
       nearest = std::min(nearest, graph::distance(stroke.at(s), vertex.patch.position));
     CHECK(nearest < 0.8);
   }
-  for (const auto& graph : mcmc::synthesize(model, 100, 3).motion.sketch.frames)
+  for (const auto& graph : mcmc::synthesize(model, 100, 3).sketch.frames)
     CHECK(graph::components(graph).count == 1);
 }
 
@@ -93,14 +93,14 @@ TEST_CASE("Two frames make a model that says what it does not know", "[fit]") {
   test::Scene scene;
   scene.frames = 2;
   scene.strokes = test::scattered(4, 3, scene.width, scene.height, 50);
-  scene.sway = {1.5, -0.6, 0.2, 30};
+  scene.displacement = {1.5, -0.6, 0.2, 30};
   const auto result = mcmc::fit(test::make(scene, 4).motion);
   check_sound(result);
   // Sway, contrast and rates.
   CHECK(result.notes.size() >= 3);
-  CHECK(result.model.sway == mcmc::Autoregression{});
+  CHECK(result.model.displacement == mcmc::Autoregression{});
   CHECK(result.model.contrast == mcmc::Autoregression{});
-  const auto clip = mcmc::synthesize(result.model, 30, 1).motion;
+  const auto clip = mcmc::synthesize(result.model, 30, 1);
   CHECK(graph::components(clip.sketch.frames[0]).count == 12);
   CHECK(graph::components(clip.sketch.frames[29]).count == 12);
 }
@@ -109,7 +109,7 @@ TEST_CASE("The laws of sway and contrast of a made scene are learned", "[fit]") 
   test::Scene scene;
   scene.frames = 300;
   scene.strokes = test::scattered(6, 4, scene.width, scene.height, 50);
-  scene.sway = {1.5, -0.6, 0.25, 25};
+  scene.displacement = {1.5, -0.6, 0.25, 25};
   scene.gain = {1.2, -0.4, 0.06, 20};
   const auto result = mcmc::fit(test::make(scene, 5).motion);
   check_sound(result);
@@ -119,7 +119,7 @@ TEST_CASE("The laws of sway and contrast of a made scene are learned", "[fit]") 
     CHECK_THAT(mcmc::stationary_deviation(found), Catch::Matchers::WithinRel(law.deviation(), 0.1));
     CHECK_THAT(found.range, Catch::Matchers::WithinRel(law.range, 0.2));
   };
-  close(result.model.sway, scene.sway);
+  close(result.model.displacement, scene.displacement);
   close(result.model.contrast, scene.gain);
   // Nobody drifts and nobody changes.
   for (std::size_t c = 0; c < result.model.drift_x.values.size(); ++c)
@@ -127,11 +127,11 @@ TEST_CASE("The laws of sway and contrast of a made scene are learned", "[fit]") 
   CHECK(result.counts.events == std::array<double, 6>{});
 }
 
-TEST_CASE("The same clip gives the same model and a cancelled fit says so", "[fit]") {
+TEST_CASE("The same clip gives the same model and a cancelled fit throws", "[fit]") {
   test::Scene scene;
   scene.frames = 60;
   scene.strokes = test::living(0.4, 0.05, scene.frames, scene.width, scene.height, 6);
-  scene.sway = {1.5, -0.6, 0.2, 30};
+  scene.displacement = {1.5, -0.6, 0.2, 30};
   const auto motion = test::make(scene, 7).motion;
   const auto one = mcmc::fit(motion, {9}), again = mcmc::fit(motion, {9});
   CHECK(one.model == again.model);
@@ -149,7 +149,7 @@ test::Scene living_scene() {
   test::Scene scene;
   scene.frames = 60;
   scene.strokes = test::living(0.6, 0.04, scene.frames, scene.width, scene.height, 10);
-  scene.sway = {1.5, -0.6, 0.25, 30};
+  scene.displacement = {1.5, -0.6, 0.25, 30};
   return scene;
 }
 
@@ -164,11 +164,11 @@ TEST_CASE("A clip sampled once is a sample of one", "[fit]") {
   // The same sample twice tells the same.
   const auto twice = mcmc::fit(std::vector{motion, motion});
   check_sound(twice);
-  CHECK_THAT(twice.model.sway.a1, Catch::Matchers::WithinRel(alone.model.sway.a1, 0.01));
-  CHECK_THAT(twice.model.sway.a2, Catch::Matchers::WithinRel(alone.model.sway.a2, 0.02));
+  CHECK_THAT(twice.model.displacement.a1, Catch::Matchers::WithinRel(alone.model.displacement.a1, 0.01));
+  CHECK_THAT(twice.model.displacement.a2, Catch::Matchers::WithinRel(alone.model.displacement.a2, 0.02));
   CHECK(twice.counts.events == alone.counts.events);
-  for (std::size_t size = 0; size < mcmc::kSizes; ++size) {
-    CHECK(twice.counts.death[size].happened == alone.counts.death[size].happened);
+  for (std::size_t size = 0; size < mcmc::kSizeClasses; ++size) {
+    CHECK(twice.counts.death[size].events == alone.counts.death[size].events);
     CHECK(twice.death_by_size[size].high == alone.death_by_size[size].high);
   }
   CHECK(twice.model.exemplars == alone.model.exemplars);
@@ -193,14 +193,14 @@ TEST_CASE("Over several samples counts are averaged and the last gives the strok
     const double x = a.counts.events[type], y = b.counts.events[type];
     CHECK(both.counts.events[type] == (x + y) / 2);
     CHECK(both.counts.events_variance[type] == (x - y) * (x - y) / 2);
-    CHECK(both.a_frame[type].low <= both.a_frame[type].mean);
-    CHECK(both.a_frame[type].mean < both.a_frame[type].high);
+    CHECK(both.events_per_frame[type].low <= both.events_per_frame[type].mean);
+    CHECK(both.events_per_frame[type].mean < both.events_per_frame[type].high);
   }
   REQUIRE(a.counts.events[0] > b.counts.events[0]);
-  for (std::size_t size = 0; size < mcmc::kSizes; ++size)
+  for (std::size_t size = 0; size < mcmc::kSizeClasses; ++size)
     CHECK_THAT(
-        both.counts.death[size].could,
-        Catch::Matchers::WithinRel((a.counts.death[size].could + b.counts.death[size].could) / 2, 1e-12));
+        both.counts.death[size].exposure,
+        Catch::Matchers::WithinRel((a.counts.death[size].exposure + b.counts.death[size].exposure) / 2, 1e-12));
   // Rests differ by the drift alone, which is the mean of both.
   REQUIRE(both.model.exemplars.size() == b.model.exemplars.size());
   for (std::size_t i = 0; i < b.model.exemplars.size(); ++i)
@@ -208,9 +208,9 @@ TEST_CASE("Over several samples counts are averaged and the last gives the strok
   REQUIRE(both.model.first.size() == b.model.first.size());
   for (std::size_t v = 0; v < b.model.first.size(); ++v)
     CHECK(both.model.first.patch(v).contrast == b.model.first.patch(v).contrast);
-  const auto [low, high] = std::minmax(a.model.sway.a1, b.model.sway.a1);
-  CHECK(both.model.sway.a1 > low - 0.03);
-  CHECK(both.model.sway.a1 < high + 0.03);
+  const auto [low, high] = std::minmax(a.model.displacement.a1, b.model.displacement.a1);
+  CHECK(both.model.displacement.a1 > low - 0.03);
+  CHECK(both.model.displacement.a1 < high + 0.03);
 }
 
 TEST_CASE("Samples of no clip or of unlike clips are refused", "[fit]") {

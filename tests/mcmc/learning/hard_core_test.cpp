@@ -54,7 +54,7 @@ TEST_CASE("How far strokes keep apart is read off, each kind of pair by itself",
   std::vector<graph::AttributeGraph> frames;
   for (int t = 0; t < 20; ++t) frames.push_back(folds(24, 4, rng));
   const auto motion = clip_of(std::move(frames));
-  const auto found = mcmc::estimate_exclusion(std::span(&motion, 1));
+  const auto found = mcmc::estimate_hard_core(std::span(&motion, 1));
   CHECK(found.alike == 12);  // as far as it looks
   CHECK_THAT(found.lines, WithinAbs(4, 0.51));
   CHECK_THAT(found.mixed, WithinAbs(4, 0.51));
@@ -73,7 +73,7 @@ TEST_CASE("Strokes that lie anywhere keep no distance", "[exclusion]") {
     frames.push_back(frame.graph());
   }
   const auto motion = clip_of(std::move(frames));
-  const auto found = mcmc::estimate_exclusion(std::span(&motion, 1));
+  const auto found = mcmc::estimate_hard_core(std::span(&motion, 1));
   CHECK(found.alike <= 1);
   CHECK(found.lines == 0);  // there are no valleys
   CHECK(found.mixed == 0);
@@ -87,30 +87,30 @@ TEST_CASE("What comes too near makes way, and what goes on beyond an end does no
     frame.line(test::segment({40, 104}, {140, 104}, 21));
     model.first = frame.graph();
     SECTION("of the same kind") {
-      model.exclusion.alike = 8;
-      const auto motion = mcmc::synthesize(model, 12, 1).motion;
+      model.hard_core.alike = 8;
+      const auto motion = mcmc::synthesize(model, 12, 1);
       CHECK_THAT(nearest(motion.sketch.frames.back()), WithinAbs(8, 0.1));
     }
     SECTION("of another kind") {
-      model.exclusion.lines = 8;
-      const auto motion = mcmc::synthesize(model, 12, 1).motion;
+      model.hard_core.lines = 8;
+      const auto motion = mcmc::synthesize(model, 12, 1);
       CHECK(nearest(motion.sketch.frames.back()) == 4);
     }
   }
   SECTION("a line behind its end") {
     frame.line(test::segment({144, 100}, {240, 100}, 20));
     model.first = frame.graph();
-    model.exclusion.alike = 8;
-    const auto motion = mcmc::synthesize(model, 12, 1).motion;
+    model.hard_core.alike = 8;
+    const auto motion = mcmc::synthesize(model, 12, 1);
     CHECK(nearest(motion.sketch.frames.back()) == 4);
   }
 }
 
 TEST_CASE("Strokes are born and sway as far apart as they are to be", "[exclusion]") {
   auto model = test::coming_and_going(9, 8, 0.25, 0.03);
-  model.sway = {0.97, 0, 0, 0.8, 20, 0};
+  model.displacement = {0.97, 0, 0, 0.8, 20, 0};
   const auto near = [&] {
-    const auto motion = mcmc::synthesize(model, 200, 2).motion;
+    const auto motion = mcmc::synthesize(model, 200, 2);
     int all = 0, too_near = 0;
     for (std::size_t t = 100; t < 200; t += 10) {
       const auto& graph = motion.sketch.frames[t];
@@ -126,7 +126,7 @@ TEST_CASE("Strokes are born and sway as far apart as they are to be", "[exclusio
     return double(too_near) / all;
   };
   const double without = near();
-  model.exclusion.alike = 8;
+  model.hard_core.alike = 8;
   const double with = near();
   CAPTURE(without, with);
   CHECK(without > 0.015);

@@ -21,14 +21,14 @@ using graph::Point;
 using mcmc::Autoregression;
 using mcmc::Moments;
 using mcmc::Series;
-using mcmc::detail::Lineage;
+using mcmc::detail::CurveTrack;
 
 namespace {
 
-// Straight strokes that lie still, a lineage at every patch; what moves is in the series alone.
+// Straight strokes that lie still, a track at every patch; what moves is in the series alone.
 struct Still {
   graph::MotionGraph motion;
-  std::vector<Lineage> lineages;
+  std::vector<CurveTrack> tracks;
   std::vector<std::vector<double>> along;  // of each stroke, px
 };
 
@@ -51,9 +51,9 @@ Still still(int strokes, int patches, int frames, std::uint64_t seed) {
   for (int t = 0; t < frames; ++t) result.motion.sketch.append(graph);
   result.motion.links.resize(static_cast<std::size_t>(frames));
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
-    Lineage lineage;
-    for (int t = 0; t < frames; ++t) lineage.samples.push_back({graph.patch(v).position, {0, 1}, 0, 0, v});
-    result.lineages.push_back(std::move(lineage));
+    CurveTrack track;
+    for (int t = 0; t < frames; ++t) track.samples.push_back({graph.patch(v).position, {0, 1}, 0, 0, v});
+    result.tracks.push_back(std::move(track));
   }
   return result;
 }
@@ -124,9 +124,9 @@ TEST_CASE("The law of a simulated motion is recovered", "[moments]") {
   constexpr int frames = 1200;
   const auto scene = still(12, 12, frames, 1);
   const auto series = simulate(scene, truth, frames, 2);
-  const auto seen = mcmc::observe(scene.motion, scene.lineages, series, true);
+  const auto seen = mcmc::collect_observations(scene.motion, scene.tracks, series, true);
   CHECK(seen.moments.windows == 12 * 12 * (frames - 4));
-  const auto found = mcmc::estimate(seen, "sway");
+  const auto found = mcmc::estimate_motion(seen, "sway");
   CHECK(found.notes.empty());
   CAPTURE(truth.a1, truth.a2, found.motion.a1, found.motion.a2, found.motion.coupling);
   // Some 36 stretches that know nothing of each other, 1200 frames: errors of about 1/√43200 over the share
@@ -145,7 +145,7 @@ TEST_CASE("Of a motion that forgets one of its roots at once the other is recove
   constexpr int frames = 1200;
   const auto scene = still(12, 12, frames, 17);
   const auto series = simulate(scene, truth, frames, 18);
-  const auto found = mcmc::estimate(mcmc::observe(scene.motion, scene.lineages, series, true), "sway");
+  const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
   CHECK(found.notes.empty());
   CHECK_THAT(mcmc::spectral_radius(found.motion), near((0.8 + std::sqrt(0.64 + 0.4)) / 2, 0.02));
   CHECK_THAT(mcmc::stationary_deviation(found.motion), about(deviation(series), 0.05));
@@ -157,7 +157,7 @@ TEST_CASE("What the sketch adds to each frame alone is told from the motion", "[
   constexpr int frames = 1500;
   const auto scene = still(12, 12, frames, 3);
   const auto series = simulate(scene, truth, frames, 4);
-  const auto found = mcmc::estimate(mcmc::observe(scene.motion, scene.lineages, series, true), "sway");
+  const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
   CHECK(found.notes.empty());
   constexpr double margin = 0.08;
   // Plain least squares is off by more than what is allowed here.
@@ -176,7 +176,7 @@ TEST_CASE("A coupling of neighbours is recovered", "[moments]") {
   constexpr int frames = 1500;
   const auto scene = still(12, 12, frames, 5);
   const auto series = simulate(scene, truth, frames, 6);
-  const auto found = mcmc::estimate(mcmc::observe(scene.motion, scene.lineages, series, true), "sway");
+  const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
   CHECK(found.notes.empty());
   CHECK_THAT(found.motion.a1, near(truth.a1, 0.05));
   CHECK_THAT(found.motion.a2, near(truth.a2, 0.05));
@@ -195,7 +195,7 @@ TEST_CASE("A motion that grows is drawn back and said to be", "[moments]") {
   core::Rng rng(1);
   for (auto& d : series)
     for (double& value : d) value += 0.01 * rng.normal();
-  const auto found = mcmc::estimate(mcmc::observe(scene.motion, scene.lineages, series, true), "sway");
+  const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
   REQUIRE(found.notes.size() == 1);
   CHECK(test::contains(found.notes[0], "sway"));
   CHECK(test::contains(found.notes[0], "grows"));
@@ -208,23 +208,23 @@ TEST_CASE("Too little and nothing that moves both stand still with a note", "[mo
   SECTION("too few windows") {
     const auto scene = still(1, 3, 20, 9);
     const auto series = simulate(scene, {0.5, 0, 0, 1, 0, 0}, 20, 10);
-    const auto seen = mcmc::observe(scene.motion, scene.lineages, series, true);
+    const auto seen = mcmc::collect_observations(scene.motion, scene.tracks, series, true);
     CHECK(seen.moments.windows == 3 * 16);
-    const auto found = mcmc::estimate(seen, "contrast");
+    const auto found = mcmc::estimate_motion(seen, "contrast");
     CHECK(found.motion == Autoregression{});
     REQUIRE(found.notes.size() == 1);
     CHECK(test::contains(found.notes[0], "contrast"));
     CHECK(test::contains(found.notes[0], "54"));
   }
   SECTION("none") {
-    const auto found = mcmc::estimate(mcmc::observe({}, {}, {}, true), "sway");
+    const auto found = mcmc::estimate_motion(mcmc::collect_observations({}, {}, {}, true), "sway");
     CHECK(found.motion == Autoregression{});
     CHECK(found.notes.size() == 1);
   }
   SECTION("constant") {
     const auto scene = still(4, 10, 60, 11);
     const Series series(40, std::vector<double>(60, 3.25));
-    const auto found = mcmc::estimate(mcmc::observe(scene.motion, scene.lineages, series, true), "sway");
+    const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
     CHECK(found.motion == Autoregression{});
     REQUIRE(found.notes.size() == 1);
     CHECK(test::contains(found.notes[0], "nothing moves"));
@@ -234,7 +234,7 @@ TEST_CASE("Too little and nothing that moves both stand still with a note", "[mo
 TEST_CASE("Moments of a hand-made series", "[moments]") {
   auto scene = still(1, 1, 13, 12);
   const Series series{{1, -1, 2, -2, 3, -3, 0, 0, 0, 0, 0, 0, 0}};  // of mean 0
-  const auto seen = mcmc::observe(scene.motion, scene.lineages, series, true);
+  const auto seen = mcmc::collect_observations(scene.motion, scene.tracks, series, true);
   const auto& sums = seen.moments;
   CHECK(sums.windows == 9);
   CHECK(sums.own(0, 0) == 9 + 9);                  // newest: 3, −3, 0 …
@@ -244,11 +244,11 @@ TEST_CASE("Moments of a hand-made series", "[moments]") {
   CHECK(sums.own.bottomRows(5).norm() == 0);       // no neighbours
   REQUIRE(seen.paths.size() == 1);
   CHECK(seen.paths[0].own == series[0]);
-  CHECK(seen.paths[0].around == series[0]);
-  // A lineage of 11 frames tells of steps but of no rest, one of 5 of nothing.
+  CHECK(seen.paths[0].neighbour_mean == series[0]);
+  // A track of 11 frames tells of steps but of no rest, one of 5 of nothing.
   for (const std::size_t frames : {11, 6, 5}) {
-    scene.lineages[0].samples.resize(frames);
-    const auto fewer = mcmc::observe(scene.motion, scene.lineages, {std::vector<double>(frames)}, true);
+    scene.tracks[0].samples.resize(frames);
+    const auto fewer = mcmc::collect_observations(scene.motion, scene.tracks, {std::vector<double>(frames)}, true);
     CHECK(fewer.moments.windows == 0);
     CHECK(fewer.paths.size() == (frames > 5 ? 1 : 0));
   }
@@ -260,15 +260,15 @@ TEST_CASE("Moments of two clips add and do not care for the sense of normals", "
   auto both = still(4, 8, frames, 13);
   const auto series = simulate(both, law, frames, 14);
   const auto half = [&](std::size_t from) {
-    const std::vector<Lineage> lineages(both.lineages.begin() + static_cast<long>(from),
-                                        both.lineages.begin() + static_cast<long>(from) + 16);
+    const std::vector<CurveTrack> track_curves(both.tracks.begin() + static_cast<long>(from),
+                                        both.tracks.begin() + static_cast<long>(from) + 16);
     const Series part(series.begin() + static_cast<long>(from),
                       series.begin() + static_cast<long>(from) + 16);
-    return mcmc::observe(both.motion, lineages, part, true);
+    return mcmc::collect_observations(both.motion, tracks, part, true);
   };
   auto sum = half(0);
   sum += half(16);
-  const auto all = mcmc::observe(both.motion, both.lineages, series, true).moments;
+  const auto all = mcmc::collect_observations(both.motion, both.tracks, series, true).moments;
   const auto same = [](const Moments& a, const Moments& b) {
     CHECK(a.windows == b.windows);
     CHECK((a.own - b.own).norm() < 1e-9 * b.own.norm());
@@ -277,7 +277,7 @@ TEST_CASE("Moments of two clips add and do not care for the sense of normals", "
   };
   CHECK(sum.paths.size() == 32);
   same(sum.moments, all);
-  // Four strokes of 8 lineages: 28 pairs each in every frame, those nearer than 40 px.
+  // Four strokes of 8 tracks: 28 pairs each in every frame, those nearer than 40 px.
   double pairs = 0;
   for (const double n : all.pairs) pairs += n;
   CHECK(pairs <= 4 * 28 * frames);
@@ -286,13 +286,13 @@ TEST_CASE("Moments of two clips add and do not care for the sense of normals", "
   auto turned = both;
   auto signs = series;
   for (std::size_t i = 0; i < signs.size(); i += 3) {
-    for (auto& sample : turned.lineages[i].samples) sample.normal = sample.normal * -1;
+    for (auto& sample : turned.tracks[i].samples) sample.normal = sample.normal * -1;
     for (double& value : signs[i]) value *= -1;
   }
-  // ψψᵀ of a lineage stays when all of it changes sign.
-  same(mcmc::observe(turned.motion, turned.lineages, signs, true).moments, all);
+  // ψψᵀ of a track stays when all of it changes sign.
+  same(mcmc::collect_observations(turned.motion, turned.tracks, signs, true).moments, all);
   // Of what has no side (contrast), the sense of normals is nothing.
-  same(mcmc::observe(turned.motion, turned.lineages, series, false).moments, all);
+  same(mcmc::collect_observations(turned.motion, turned.tracks, series, false).moments, all);
 }
 
 TEST_CASE("The spectral radius is the largest eigenvalue on a ring", "[moments]") {

@@ -66,12 +66,12 @@ TEST_CASE("A stroke's middle is one of its patches", "[rates]") {
   frame.line(test::segment({0, 0}, {40, 0}, 9));
   frame.line(test::segment({100, 100}, {100, 150}, 11));
   const auto graph = frame.graph();
-  const auto strokes = mcmc::strokes(graph::components(graph));
+  const auto strokes = mcmc::vertices_by_stroke(graph::components(graph));
   REQUIRE(strokes.size() == 2);
   CHECK(strokes[0].size() == 9);
   CHECK(strokes[1].front() == 9);
-  CHECK(mcmc::middle(graph, strokes[0]) == Point{20, 0});
-  CHECK(mcmc::middle(graph, strokes[1]) == Point{100, 125});
+  CHECK(mcmc::stroke_middle(graph, strokes[0]) == Point{20, 0});
+  CHECK(mcmc::stroke_middle(graph, strokes[1]) == Point{100, 125});
 }
 
 TEST_CASE("Births and deaths are counted by place and size, and what could have died", "[rates]") {
@@ -88,11 +88,11 @@ TEST_CASE("Births and deaths are counted by place and size, and what could have 
   CHECK(counts.gaps == 2);
   CHECK(counts.events == std::array<double, 6>{1, 1, 0, 0, 0, 0});
   // In the last frame nothing can happen any more.
-  CHECK(counts.death[2].could == 2);
-  CHECK(counts.death[2].happened == 0);
-  CHECK(counts.death[1].could == 1);
-  CHECK(counts.death[1].happened == 1);
-  for (const std::size_t other : {0, 3, 4, 5, 6}) CHECK(counts.death[other].could == 0);
+  CHECK(counts.death[2].exposure == 2);
+  CHECK(counts.death[2].events == 0);
+  CHECK(counts.death[1].exposure == 1);
+  CHECK(counts.death[1].events == 1);
+  for (const std::size_t other : {0, 3, 4, 5, 6}) CHECK(counts.death[other].exposure == 0);
   REQUIRE(counts.births.size() == 2);
   CHECK(total(counts.births[0]) == 0);
   CHECK(total(counts.births[1]) == 1);
@@ -100,9 +100,9 @@ TEST_CASE("Births and deaths are counted by place and size, and what could have 
   CHECK(counts.deaths[0].at({200, 40}) == 1);
   CHECK(total(counts.deaths[0]) + total(counts.deaths[1]) == 1);
   // A stroke of 9 patches is free to split at its middle patch alone.
-  CHECK(counts.split.could == 2);
-  CHECK(counts.disconnect.could == 0);
-  CHECK(counts.merge.could + counts.connect.could == 0);
+  CHECK(counts.split.exposure == 2);
+  CHECK(counts.disconnect.exposure == 0);
+  CHECK(counts.merge.exposure + counts.connect.exposure == 0);
 }
 
 TEST_CASE("A split and a merge are counted with their gaps", "[rates]") {
@@ -117,16 +117,16 @@ TEST_CASE("A split and a merge are counted with their gaps", "[rates]") {
   const auto counts = counts_of(test::motion({whole.graph(), pieces.graph(), pieces.graph(), whole.graph()},
                                              {apart, same(0, 0, 19), together}));
   CHECK(counts.events == std::array<double, 6>{0, 0, 1, 1, 0, 0});
-  CHECK(counts.split.happened == 1);
-  CHECK(counts.merge.happened == 1);
+  CHECK(counts.split.events == 1);
+  CHECK(counts.merge.events == 1);
   // Whole: patches 4 … 16; pieces of 9 and 10 patches: one and two; in two of the three frames they count.
-  CHECK(counts.split.could == 13 + 2 * 3);
-  CHECK(counts.merge.could == 2);
+  CHECK(counts.split.exposure == 13 + 2 * 3);
+  CHECK(counts.merge.exposure == 2);
   CHECK(counts.split_gap == 15);
   CHECK(counts.reach == 15);
-  CHECK(total(counts.partings[0]) == 1);
-  CHECK(counts.partings[0].at({67, 40}) == 1);
-  CHECK(total(counts.partings[1]) + total(counts.partings[2]) == 0);
+  CHECK(total(counts.separations[0]) == 1);
+  CHECK(counts.separations[0].at({67, 40}) == 1);
+  CHECK(total(counts.separations[1]) + total(counts.separations[2]) == 0);
 }
 
 TEST_CASE("A connect and a disconnect are counted with their sites", "[rates]") {
@@ -146,13 +146,13 @@ TEST_CASE("A connect and a disconnect are counted with their sites", "[rates]") 
       counts_of(test::motion({frame(false), frame(true), frame(false)}, {connect, disconnect}));
   CHECK(counts.events[event(graph::EventType::connect)] == 1);
   CHECK(counts.events[event(graph::EventType::disconnect)] == 1);
-  CHECK(counts.connect.happened == 1);
-  CHECK(counts.connect.could == 1);
-  CHECK(counts.disconnect.happened == 1);
-  CHECK(counts.disconnect.could == 3);  // three arms
+  CHECK(counts.connect.events == 1);
+  CHECK(counts.connect.exposure == 1);
+  CHECK(counts.disconnect.events == 1);
+  CHECK(counts.disconnect.exposure == 3);  // three arms
   CHECK(counts.disconnect_gap == 15);
   CHECK(counts.reach == 15);
-  CHECK(total(counts.partings[1]) == 1);
+  CHECK(total(counts.separations[1]) == 1);
 }
 
 TEST_CASE("A known death rate and birth density are recovered", "[rates]") {
@@ -168,10 +168,10 @@ TEST_CASE("A known death rate and birth density are recovered", "[rates]") {
   const double seen = births * 299, error = 4 * std::sqrt(seen) / 299;
   CHECK_THAT(births_a_frame(found.rates.birth), Catch::Matchers::WithinAbs(births, error));
   for (const std::size_t size : {1, 2}) {  // of 30 to 70 px: 6 to 15 patches
-    const auto& tally = counts.death[size];
-    REQUIRE(tally.could > 100);
-    const double expected = death * tally.could;
-    CHECK_THAT(found.rates.death_by_size[size] * tally.could,
+    const auto& count = counts.death[size];
+    REQUIRE(count.exposure > 100);
+    const double expected = death * count.exposure;
+    CHECK_THAT(found.rates.death_by_size[size] * count.exposure,
                Catch::Matchers::WithinAbs(expected, 4 * std::sqrt(expected)));
   }
   // Nothing else happened, and nothing else is said to be likely.
@@ -243,7 +243,7 @@ TEST_CASE("Nothing happened: rates of zero and a note", "[rates]") {
       test::motion({frame.graph(), frame.graph(), frame.graph()}, {same(0, 0, 21), same(0, 0, 21)})));
   CHECK(found.notes.size() == 1);
   CHECK(births_a_frame(found.rates.birth) == 0);
-  for (const auto& interval : found.a_frame) {
+  for (const auto& interval : found.events_per_frame) {
     CHECK(interval.low == 0);
     CHECK(interval.mean == 0);
     CHECK_THAT(interval.high, Catch::Matchers::WithinRel(1.92 / 2, 0.01));  // half of χ²'s quantile, 2 gaps
@@ -251,7 +251,7 @@ TEST_CASE("Nothing happened: rates of zero and a note", "[rates]") {
   for (const double rate : found.rates.death_by_size) CHECK(rate == 0);
   CHECK(found.rates.split == 0);
   for (const double value : found.rates.death.values) CHECK(std::isfinite(value));
-  for (const double value : found.rates.parting.values) CHECK(std::isfinite(value));
+  for (const double value : found.rates.separation.values) CHECK(std::isfinite(value));
 }
 
 namespace {
@@ -278,9 +278,9 @@ double gamma_below(double x, double shape, double rate) {
 mcmc::OperatorCounts blank(std::size_t gaps) {
   mcmc::OperatorCounts counts;
   counts.gaps = double(gaps);
-  counts.strokes = counts.partable = mcmc::grid_over(64, 48);
-  counts.births.assign(gaps, counts.strokes);
-  counts.deaths = counts.partings = counts.births;
+  counts.expected_deaths = counts.expected_separations = mcmc::make_cell_grid(64, 48);
+  counts.births.assign(gaps, counts.expected_deaths);
+  counts.deaths = counts.separations = counts.births;
   return counts;
 }
 
@@ -307,7 +307,7 @@ TEST_CASE("Intervals hold the true rate nine times in ten", "[rates]") {
     for (int i = 0; i < trials; ++i) {
       auto counts = blank(99);
       counts.events[event(graph::EventType::merge)] = poisson(rng, expected);
-      const auto interval = mcmc::estimate_rates(counts).a_frame[event(graph::EventType::merge)];
+      const auto interval = mcmc::estimate_rates(counts).events_per_frame[event(graph::EventType::merge)];
       held += interval.low <= expected / 99 && expected / 99 <= interval.high;
     }
     // Counts are whole numbers: the share swings about 0.9 as the mean changes, most where it is small.
@@ -318,22 +318,22 @@ TEST_CASE("Intervals hold the true rate nine times in ten", "[rates]") {
 
 TEST_CASE("Intervals of deaths by size hold the true rates", "[rates]") {
   constexpr int trials = 2000;
-  constexpr std::array<double, mcmc::kSizes> true_rate{0.2, 0.1, 0.05, 0.03, 0.03, 0.02, 0.02},
+  constexpr std::array<double, mcmc::kSizeClasses> true_rate{0.2, 0.1, 0.05, 0.03, 0.03, 0.02, 0.02},
       could{300, 400, 500, 600, 300, 200, 0};
-  std::array<int, mcmc::kSizes> held{};
+  std::array<int, mcmc::kSizeClasses> held{};
   core::Rng rng(32);
   for (int i = 0; i < trials; ++i) {
     auto counts = blank(9);
-    for (std::size_t s = 0; s < mcmc::kSizes; ++s)
+    for (std::size_t s = 0; s < mcmc::kSizeClasses; ++s)
       counts.death[s] = {double(poisson(rng, true_rate[s] * could[s])), could[s]};
     const auto found = mcmc::estimate_rates(counts);
-    for (std::size_t s = 0; s < mcmc::kSizes; ++s) {
+    for (std::size_t s = 0; s < mcmc::kSizeClasses; ++s) {
       const auto& interval = found.death_by_size[s];
       CHECK_THAT(interval.mean, Catch::Matchers::WithinRel(found.rates.death_by_size[s], 1e-9));
       held[s] += interval.low <= true_rate[s] && true_rate[s] <= interval.high;
     }
   }
-  for (std::size_t s = 0; s < mcmc::kSizes; ++s) {
+  for (std::size_t s = 0; s < mcmc::kSizeClasses; ++s) {
     CAPTURE(s, held[s] / double(trials));
     if (could[s] > 0) CHECK_THAT(held[s] / double(trials), Catch::Matchers::WithinAbs(0.9, 0.07));
   }
@@ -348,20 +348,20 @@ TEST_CASE("What samples disagree on makes intervals wider", "[rates]") {
   samples[0].births[3].values[5] = 2;
   samples[1].split = {3, 90};
   samples[0].reach = 30, samples[1].reach = 20;
-  const auto both = mcmc::mean(samples);
+  const auto both = mcmc::mean_counts(samples);
   CHECK(both.events[0] == 30);
   CHECK(both.events_variance[0] == 200);
-  CHECK(both.death[2].happened == 4);
-  CHECK(both.death[2].could == 120);
+  CHECK(both.death[2].events == 4);
+  CHECK(both.death[2].exposure == 120);
   CHECK(both.death[2].variance == 0);
   CHECK(both.births[3].values[5] == 1);
-  CHECK(both.split.happened == 1.5);
+  CHECK(both.split.events == 1.5);
   CHECK(both.split.variance == 4.5);
   CHECK(both.reach == 25);
   CHECK(both.gaps == 50);
   auto agreed = both;
   agreed.events_variance[0] = 0;
-  const auto wide = mcmc::estimate_rates(both).a_frame[0], narrow = mcmc::estimate_rates(agreed).a_frame[0];
+  const auto wide = mcmc::estimate_rates(both).events_per_frame[0], narrow = mcmc::estimate_rates(agreed).events_per_frame[0];
   CHECK(wide.mean == narrow.mean);
   CHECK(wide.mean == 0.6);
   // √(30.5 + 200) against √30.5.
@@ -375,17 +375,17 @@ TEST_CASE("The mean of one sample is itself and samples have to be alike", "[rat
   scene.strokes = test::living(1, 0.1, scene.frames, scene.width, scene.height, 33);
   const auto motion = test::make(scene, 34).motion;
   const auto one = mcmc::count_operators(motion, graph::stroke_events(motion));
-  const auto same_again = mcmc::mean(std::vector{one, one, one, one});
+  const auto same_again = mcmc::mean_counts(std::vector{one, one, one, one});
   const auto a = mcmc::estimate_rates(one), b = mcmc::estimate_rates(same_again);
   CHECK(a.rates.birth == b.rates.birth);
   CHECK(a.rates.death == b.rates.death);
   CHECK(a.rates.death_by_size == b.rates.death_by_size);
   CHECK(a.rates.reach == b.rates.reach);
   CHECK(same_again.events == one.events);
-  for (std::size_t type = 0; type < 6; ++type) CHECK(a.a_frame[type].high == b.a_frame[type].high);
-  CHECK_THROWS_AS(mcmc::mean({}), core::InputError);
+  for (std::size_t type = 0; type < 6; ++type) CHECK(a.events_per_frame[type].high == b.events_per_frame[type].high);
+  CHECK_THROWS_AS(mcmc::mean_counts({}), core::InputError);
   const std::vector unlike{blank(9), blank(10)};
-  const auto message = test::message_of<core::InputError>([&] { (void)mcmc::mean(unlike); });
+  const auto message = test::message_of<core::InputError>([&] { (void)mcmc::mean_counts(unlike); });
   CHECK(test::contains(message, "sample 1"));
   CHECK(test::contains(message, "11 frames"));
 }

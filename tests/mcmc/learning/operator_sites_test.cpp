@@ -11,14 +11,14 @@
 #include "tests/support/graphs.hpp"
 
 using namespace emberfold;
-using Pairs = std::vector<mcmc::Sites::Pair>;
+using Pairs = std::vector<mcmc::OperatorSites::Pair>;
 using Vertices = std::vector<std::uint32_t>;
 
 namespace {
 
-mcmc::Sites sites(const test::Frame& frame, double reach = 24) {
+mcmc::OperatorSites find_sites(const test::Frame& frame, double reach = 24) {
   const auto graph = frame.graph();
-  return mcmc::sites(graph, graph::components(graph), reach);
+  return mcmc::find_sites(graph, graph::components(graph), reach);
 }
 
 }  // namespace
@@ -27,14 +27,14 @@ TEST_CASE("A straight stroke can split where both pieces are strokes", "[sites]"
   for (const int patches : {1, 2, 5, 8, 9, 10, 14}) {
     test::Frame frame;
     frame.line(test::segment({20, 20}, {20 + 5.0 * (patches - 1), 20}, patches));
-    const auto found = sites(frame);
+    const auto found = find_sites(frame);
     // What goes leaves pieces of 4 patches or more on both sides: 4, 5, … , n − 5.
     Vertices inner;
     for (int v = 4; v <= patches - 5; ++v) inner.push_back(static_cast<std::uint32_t>(v));
-    CHECK(found.inner == inner);
-    CHECK(found.arms.empty());
-    CHECK(found.facing.empty());
-    CHECK(found.beside.empty());
+    CHECK(found.split_sites == inner);
+    CHECK(found.disconnect_sites.empty());
+    CHECK(found.merge_sites.empty());
+    CHECK(found.connect_sites.empty());
   }
 }
 
@@ -46,13 +46,13 @@ TEST_CASE("A ring can split everywhere", "[sites]") {
         {100 + 40 * std::cos(k * std::numbers::pi / 25), 100 + 40 * std::sin(k * std::numbers::pi / 25)});
   frame.line(points);
   frame.edge(0, 49);
-  const auto found = sites(frame);
+  const auto found = find_sites(frame);
   // Its first patch is where the curve begins and ends.
-  REQUIRE(found.inner.size() >= 49);
+  REQUIRE(found.split_sites.size() >= 49);
   Vertices expected;
-  for (std::uint32_t v = found.inner.front(); v < 50; ++v) expected.push_back(v);
-  CHECK(found.inner == expected);
-  CHECK(found.arms.empty());
+  for (std::uint32_t v = found.split_sites.front(); v < 50; ++v) expected.push_back(v);
+  CHECK(found.split_sites == expected);
+  CHECK(found.disconnect_sites.empty());
 }
 
 TEST_CASE("A T can come apart at each arm that is long enough", "[sites]") {
@@ -61,19 +61,19 @@ TEST_CASE("A T can come apart at each arm that is long enough", "[sites]") {
   frame.line(test::segment({30, 55}, {30, 80}, 6));  // 13 … 18
   frame.edge(6, 13);
   SECTION("all arms") {
-    const auto found = sites(frame);
-    CHECK(found.arms == Pairs{{6, 5}, {6, 7}, {6, 13}});
+    const auto found = find_sites(frame);
+    CHECK(found.disconnect_sites == Pairs{{6, 5}, {6, 7}, {6, 13}});
     // Towards the junction a piece may be as short as it likes: it stays with the others.
-    CHECK(found.inner == Vertices{4, 5, 7, 8, 13, 14});
+    CHECK(found.split_sites == Vertices{4, 5, 7, 8, 13, 14});
   }
   SECTION("one arm of fewer patches than a stroke") {
     test::Frame other;
     other.line(test::segment({0, 50}, {60, 50}, 13));
     other.line(test::segment({30, 55}, {30, 65}, 3));
     other.edge(6, 13);
-    const auto found = sites(other);
-    CHECK(found.arms == Pairs{{6, 5}, {6, 7}});
-    CHECK(found.inner == Vertices{4, 5, 7, 8});
+    const auto found = find_sites(other);
+    CHECK(found.disconnect_sites == Pairs{{6, 5}, {6, 7}});
+    CHECK(found.split_sites == Vertices{4, 5, 7, 8});
   }
 }
 
@@ -82,16 +82,16 @@ TEST_CASE("A corner can come apart on both sides and is no place to split", "[si
   auto points = test::segment({20, 20}, {50, 20}, 7);
   for (const auto p : test::segment({50, 25}, {50, 50}, 6)) points.push_back(p);
   frame.line(points);  // the corner is 6 of 0 … 12
-  const auto found = sites(frame);
-  CHECK(found.arms == Pairs{{6, 5}, {6, 7}});
-  CHECK(found.inner.empty());  // with the corner so near, it would be read as a disconnect
+  const auto found = find_sites(frame);
+  CHECK(found.disconnect_sites == Pairs{{6, 5}, {6, 7}});
+  CHECK(found.split_sites.empty());  // with the corner so near, it would be read as a disconnect
   SECTION("near a free end it cannot") {
     test::Frame hook;
     auto bent = test::segment({20, 20}, {60, 20}, 9);
     bent.insert(bent.end(), {{60, 25}, {60, 30}});
     hook.line(bent);  // the corner is 8 of 0 … 10
-    CHECK(sites(hook).arms.empty());
-    CHECK(sites(hook).inner == Vertices{4});
+    CHECK(find_sites(hook).disconnect_sites.empty());
+    CHECK(find_sites(hook).split_sites == Vertices{4});
   }
 }
 
@@ -103,9 +103,9 @@ TEST_CASE("A turn of less than 30 degrees is no corner and one of more is", "[si
     for (int k = 1; k <= 6; ++k)
       points.push_back(graph::Point{50, 20} + graph::Point{std::cos(angle), std::sin(angle)} * (5.0 * k));
     frame.line(points);
-    const auto inner = sites(frame).inner;
+    const auto inner = find_sites(frame).split_sites;
     CHECK(std::ranges::count(inner, 6U) == (is_corner ? 0 : 1));
-    CHECK(sites(frame).arms.size() == (is_corner ? 2 : 0));
+    CHECK(find_sites(frame).disconnect_sites.size() == (is_corner ? 2 : 0));
   }
 }
 
@@ -116,7 +116,7 @@ TEST_CASE("A curve without a patch where it can split is read as split", "[sites
     test::Frame frame;
     frame.line(points);
     const auto whole = frame.graph();
-    const auto inner = sites(frame).inner;
+    const auto inner = find_sites(frame).split_sites;
     REQUIRE(inner.size() >= 3);
     for (const auto v : inner) {
       std::vector<graph::Vertex> vertices;
@@ -142,32 +142,32 @@ TEST_CASE("Two ends in line can merge and in no line connect", "[sites]") {
   frame.line(test::segment({20, 20}, {60, 20}, 9));  // 0 … 8
   SECTION("in line") {
     frame.line(test::segment({75, 20}, {115, 20}, 9));
-    const auto found = sites(frame);
-    CHECK(found.facing == Pairs{{8, 9}});
-    CHECK(found.beside.empty());
+    const auto found = find_sites(frame);
+    CHECK(found.merge_sites == Pairs{{8, 9}});
+    CHECK(found.connect_sites.empty());
   }
   SECTION("in line, but out of reach") {
     frame.line(test::segment({75, 20}, {115, 20}, 9));
-    CHECK(sites(frame, 14.9).facing.empty());
-    CHECK(sites(frame, 15.1).facing.size() == 1);
+    CHECK(find_sites(frame, 14.9).merge_sites.empty());
+    CHECK(find_sites(frame, 15.1).merge_sites.size() == 1);
   }
   SECTION("in line, of other sign") {
     frame.line(test::segment({75, 20}, {115, 20}, 9), -40);
-    const auto found = sites(frame);
-    CHECK(found.facing.empty());
-    CHECK(found.beside.empty());
+    const auto found = find_sites(frame);
+    CHECK(found.merge_sites.empty());
+    CHECK(found.connect_sites.empty());
   }
   SECTION("shifted aside by more than a turn of 30 degrees") {
     frame.line(test::segment({70, 32}, {110, 32}, 9));  // 50 degrees
-    const auto found = sites(frame);
-    CHECK(found.facing.empty());
+    const auto found = find_sites(frame);
+    CHECK(found.merge_sites.empty());
     // Each end to the other's: one site for two strokes.
-    CHECK(found.beside == Pairs{{8, 9}});
+    CHECK(found.connect_sites == Pairs{{8, 9}});
   }
   SECTION("at right angles") {
     frame.line(test::segment({70, 20}, {70, 60}, 9));
-    CHECK(sites(frame).facing.empty());
-    CHECK(sites(frame).beside == Pairs{{8, 9}});
+    CHECK(find_sites(frame).merge_sites.empty());
+    CHECK(find_sites(frame).connect_sites == Pairs{{8, 9}});
   }
 }
 
@@ -175,10 +175,10 @@ TEST_CASE("An end beside a line can connect with its nearest patch", "[sites]") 
   test::Frame frame;
   frame.line(test::segment({20, 50}, {100, 50}, 17));  // 0 … 16; 8 at x = 60
   frame.line(test::segment({61, 60}, {61, 90}, 7));    // 17 … 23
-  const auto found = sites(frame);
-  CHECK(found.beside == Pairs{{17, 8}});
-  CHECK(found.facing.empty());
-  CHECK(sites(frame, 8).beside.empty());
+  const auto found = find_sites(frame);
+  CHECK(found.connect_sites == Pairs{{17, 8}});
+  CHECK(found.merge_sites.empty());
+  CHECK(find_sites(frame, 8).connect_sites.empty());
 }
 
 TEST_CASE("Two strokes are one site, where they come nearest and in line first", "[sites]") {
@@ -190,9 +190,9 @@ TEST_CASE("Two strokes are one site, where they come nearest and in line first",
   for (const auto p : test::segment({120, 25}, {120, 35}, 3)) points.push_back(p);
   for (const auto p : test::segment({115, 35}, {60, 30}, 12)) points.push_back(p);
   frame.line(points);
-  const auto found = sites(frame);
-  CHECK(found.facing == Pairs{{8, 9}});
-  CHECK(found.beside.empty());
+  const auto found = find_sites(frame);
+  CHECK(found.merge_sites == Pairs{{8, 9}});
+  CHECK(found.connect_sites.empty());
 }
 
 TEST_CASE("Three ends about a place are three sites of pairs", "[sites]") {
@@ -202,18 +202,18 @@ TEST_CASE("Three ends about a place are three sites of pairs", "[sites]") {
     const graph::Point out{std::cos(angle), std::sin(angle)};
     frame.line(test::segment(graph::Point{100, 100} + out * 6, graph::Point{100, 100} + out * 46, 9));
   }
-  const auto found = sites(frame);
+  const auto found = find_sites(frame);
   // Between the first and the last the line turns by 10 degrees, else by 45 and 35.
-  CHECK(found.facing == Pairs{{0, 18}});
-  CHECK(found.beside == Pairs{{0, 9}, {9, 18}});
+  CHECK(found.merge_sites == Pairs{{0, 18}});
+  CHECK(found.connect_sites == Pairs{{0, 9}, {9, 18}});
 }
 
 TEST_CASE("A stroke alone, a patch alone and nothing have no sites between", "[sites]") {
   test::Frame frame;
-  CHECK(sites(frame).inner.empty());
+  CHECK(find_sites(frame).split_sites.empty());
   frame.line({{50, 50}});
   // A patch has no end that points anywhere; another's end can reach it.
   frame.line(test::segment({56, 50}, {96, 50}, 9));  // 1 … 9
-  CHECK(sites(frame).facing.empty());
-  CHECK(sites(frame).beside == Pairs{{1, 0}});
+  CHECK(find_sites(frame).merge_sites.empty());
+  CHECK(find_sites(frame).connect_sites == Pairs{{1, 0}});
 }

@@ -32,10 +32,10 @@ mcmc::MotionModel uniting_and_parting() {
   return model;
 }
 
-mcmc::Circumstances found_in(const mcmc::MotionModel& model, int frames) {
-  const auto motion = mcmc::synthesize(model, frames, 5).motion;
+mcmc::RateModifiers found_in(const mcmc::MotionModel& model, int frames) {
+  const auto motion = mcmc::synthesize(model, frames, 5);
   const std::vector<std::vector<graph::Event>> events{graph::stroke_events(motion)};
-  return mcmc::estimate_circumstances(std::span(&motion, 1), events, model.rates);
+  return mcmc::estimate_rate_modifiers(std::span(&motion, 1), events, model.rates);
 }
 
 }  // namespace
@@ -43,8 +43,8 @@ mcmc::Circumstances found_in(const mcmc::MotionModel& model, int frames) {
 TEST_CASE("How long ago and how wide have classes", "[circumstances]") {
   const std::vector<std::pair<double, std::size_t>> times{{0, 0},    {3.9, 0}, {4, 1},  {6, 2},  {9, 3},
                                                           {15.9, 3}, {16, 4},  {32, 5}, {1e9, 5}};
-  for (const auto& [frames, expected] : times) CHECK(mcmc::since_class(frames) == expected);
-  CHECK(mcmc::since_class(std::numeric_limits<double>::infinity()) == 5);
+  for (const auto& [frames, expected] : times) CHECK(mcmc::elapsed_class(frames) == expected);
+  CHECK(mcmc::elapsed_class(std::numeric_limits<double>::infinity()) == 5);
   const std::vector<std::pair<double, std::size_t>> gaps{{0, 0}, {5, 1}, {9.9, 2}, {13, 3}, {14, 4}, {20, 5}};
   for (const auto& [px, expected] : gaps) CHECK(mcmc::gap_class(px) == expected);
   const std::vector<std::pair<double, std::size_t>> turns{{0, 0},  {29, 0}, {31, 1},
@@ -54,11 +54,11 @@ TEST_CASE("How long ago and how wide have classes", "[circumstances]") {
 }
 
 TEST_CASE("The latest happening near a place counts", "[circumstances]") {
-  const std::vector<mcmc::Happening> all{{{50, 50}, 3}, {{60, 50}, 7}, {{200, 50}, 9}, {{55, 60}, 40}};
-  CHECK(mcmc::since(std::span(all).first(3), {50, 50}, 10) == 3);
-  CHECK(mcmc::since(std::span(all).first(3), {38, 50}, 10) == 7);  // 22 px from the second
-  CHECK(mcmc::since(all, {50, 50}, 10) == 0);                      // what is still to come
-  CHECK(std::isinf(mcmc::since(all, {120, 150}, 10)));
+  const std::vector<mcmc::PastEvent> all{{{50, 50}, 3}, {{60, 50}, 7}, {{200, 50}, 9}, {{55, 60}, 40}};
+  CHECK(mcmc::frames_since(std::span(all).first(3), {50, 50}, 10) == 3);
+  CHECK(mcmc::frames_since(std::span(all).first(3), {38, 50}, 10) == 7);  // 22 px from the second
+  CHECK(mcmc::frames_since(all, {50, 50}, 10) == 0);                      // what is still to come
+  CHECK(std::isinf(mcmc::frames_since(all, {120, 150}, 10)));
 }
 
 TEST_CASE("Deaths by age are found as they were made", "[circumstances]") {
@@ -69,7 +69,7 @@ TEST_CASE("Deaths by age are found as they were made", "[circumstances]") {
     for (const std::size_t age : {2, 3, 4}) CHECK_THAT(found.death[age], WithinRel(found.death[1], 0.25));
   }
   SECTION("none of the young, many of the middle") {
-    model.rates.circumstances.death = {0, 0, 3, 1, 0.5, 0.5};
+    model.rates.modifiers.death = {0, 0, 3, 1, 0.5, 0.5};
     const auto found = found_in(model, 400).death;
     CHECK(found[0] < 0.1);
     CHECK(found[1] < 0.1);
@@ -80,21 +80,21 @@ TEST_CASE("Deaths by age are found as they were made", "[circumstances]") {
 
 TEST_CASE("Partings after unions and unions after partings are found as they were made", "[circumstances]") {
   auto model = uniting_and_parting();
-  model.rates.circumstances.parting = {4, 4, 4, 4, 1, 1};
-  model.rates.circumstances.uniting = {0.2, 0.2, 0.2, 1, 1, 1};
+  model.rates.modifiers.separation = {4, 4, 4, 4, 1, 1};
+  model.rates.modifiers.unification = {0.2, 0.2, 0.2, 1, 1, 1};
   const auto found = found_in(model, 1500);
-  for (const std::size_t soon : {0, 1, 2, 3}) CHECK(found.parting[soon] > 2);
-  CHECK_THAT(found.parting[5], WithinRel(1, 0.3));
-  for (const std::size_t soon : {0, 1, 2}) CHECK(found.uniting[soon] < 0.5);
-  CHECK_THAT(found.uniting[5], WithinRel(1, 0.35));
+  for (const std::size_t soon : {0, 1, 2, 3}) CHECK(found.separation[soon] > 2);
+  CHECK_THAT(found.separation[5], WithinRel(1, 0.3));
+  for (const std::size_t soon : {0, 1, 2}) CHECK(found.unification[soon] < 0.5);
+  CHECK_THAT(found.unification[5], WithinRel(1, 0.35));
 }
 
 TEST_CASE("Gaps are bridged by their width", "[circumstances]") {
   auto model = uniting_and_parting();
   model.rates.split_gap = 5;
-  model.rates.circumstances.bridging = {1, 1, 1, 1, 0, 1};  // not the 15 px of the beginning
-  const auto motion = mcmc::synthesize(model, 200, 5).motion;
-  // Only what has come apart unites: never more unions than partings before.
+  model.rates.modifiers.bridging = {1, 1, 1, 1, 0, 1};  // not the 15 px of the beginning
+  const auto motion = mcmc::synthesize(model, 200, 5);
+  // Only what has come apart unites: never more unions than separations before.
   int apart = 0;
   for (const auto& event : graph::stroke_events(motion)) {
     apart += event.type == graph::EventType::split ? 1 : event.type == graph::EventType::merge ? -1 : 0;
@@ -130,7 +130,7 @@ TEST_CASE("Strokes connect by how far they have to turn and that is found again"
     for (const std::size_t turn : {0, 1, 2}) CHECK_THAT(found[turn], WithinRel(1, 0.35));
   }
   SECTION("only those that end towards the other") {
-    model.rates.circumstances.turning = {1, 0, 0, 0};
+    model.rates.modifiers.turning = {1, 0, 0, 0};
     const auto found = found_in(model, 1000).turning;
     CHECK(found[0] > 0.6);
     CHECK(found[1] < 0.1);
@@ -140,9 +140,9 @@ TEST_CASE("Strokes connect by how far they have to turn and that is found again"
 
 TEST_CASE("At twice the speed what depends on time does so twice as soon", "[circumstances]") {
   auto model = test::coming_and_going(5, 10, 0.1, 0.06);
-  model.rates.circumstances.death = {0, 0, 0, 1, 1, 1};
+  model.rates.modifiers.death = {0, 0, 0, 1, 1, 1};
   const auto youngest = [](const mcmc::MotionModel& m) {
-    const auto motion = mcmc::synthesize(m, 150, 2).motion;
+    const auto motion = mcmc::synthesize(m, 150, 2);
     std::map<graph::SubgraphId, int> born;
     int least = 1000;
     for (const auto& event : graph::stroke_events(motion)) {
@@ -154,6 +154,6 @@ TEST_CASE("At twice the speed what depends on time does so twice as soon", "[cir
     return least;
   };
   CHECK(youngest(model) == 9);
-  model.rates.circumstances.pace = 2;
+  model.rates.modifiers.pace = 2;
   CHECK(youngest(model) == 5);
 }

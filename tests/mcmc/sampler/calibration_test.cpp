@@ -40,7 +40,7 @@ void observe(HiddenGraph& g, core::Rng& rng) {
   for (Index i = 0; i < g.size(); ++i) {
     g.set_evidence(i, 200);  // the patches themselves are not in doubt
     std::vector<Index> near;
-    for (const auto& beside : g.beside(i))
+    for (const auto& beside : g.neighbours(i))
       if (i < beside.node) near.push_back(beside.node);
     for (const Index j : near)
       g.set_edge_evidence(i, j, 2 * kMean * ((g[i].edges.has(j) ? kMean : -kMean) + rng.normal()));
@@ -50,9 +50,9 @@ void observe(HiddenGraph& g, core::Rng& rng) {
 /// All patches, nothing of what ties them.
 HiddenGraph bare(HiddenGraph g) {
   for (Index i = 0; i < g.size(); ++i) {
-    while (g[i].edges.size() > 0) g.cut(i, *g[i].edges.begin());
+    while (g[i].edges.size() > 0) g.remove_edge(i, *g[i].edges.begin());
     while (g[i].next.size() > 0) g.unlink(i, *g[i].next.begin());
-    g.set_sway(i, 0);
+    g.set_displacement(i, 0);
   }
   return g;
 }
@@ -74,7 +74,7 @@ struct Said {
 std::vector<Said> judged(std::uint32_t number, int burn_in, int samples) {
   core::Rng rng(61, {number, 0, 0});
   const auto theta = test::lively_theta();
-  HiddenGraph truth = mcmc::draw_forward(theta, kSide, kSide, kFrames, test::kLivelyGates, rng);
+  HiddenGraph truth = mcmc::simulate_prior(theta, kSide, kSide, kFrames, test::kLivelyGates, rng);
   if (beyond(truth)) return {};
   observe(truth, rng);
   std::map<Key, Said> all;

@@ -21,16 +21,16 @@ using Catch::Matchers::WithinRel;
 using mcmc::HiddenGraph;
 using mcmc::Index;
 
-HiddenGraph drawn(const mcmc::Theta& theta, int side, int frames, std::uint32_t number) {
+HiddenGraph drawn(const mcmc::SamplerParameters& theta, int side, int frames, std::uint32_t number) {
   core::Rng rng(11, {number, 0, 0});
-  return mcmc::draw_forward(theta, side, side, frames, test::kLivelyGates, rng);
+  return mcmc::simulate_prior(theta, side, side, frames, test::kLivelyGates, rng);
 }
 
-/// A θ under which strokes live long and sway much, so that it can be learned from them.
-mcmc::Theta lasting_theta() {
+/// A θ under which strokes live long and displacement much, so that it can be learned from them.
+mcmc::SamplerParameters lasting_theta() {
   auto theta = test::lively_theta();
   for (auto& chances : theta.outcome) chances = {0.04, 0.94, 0.01, 0.01};
-  theta.sway = {1.5, -0.8, 0.1, 0.4, 0, 0};
+  theta.displacement = {1.5, -0.8, 0.1, 0.4, 0, 0};
   theta.across = 0.2;
   theta.birth = {0.0012, 0.0001};
   theta.growth = {0.02, 0.01, 0.01, 0.6};
@@ -42,7 +42,7 @@ std::vector<graph::MotionGraph> swaying_starts() {
   test::Scene scene;
   scene.strokes = test::scattered(3, 3, 160, 120, 30);
   scene.width = 160, scene.height = 120, scene.frames = 14;
-  scene.sway = {1.5, -0.8, 0.3, 30};
+  scene.displacement = {1.5, -0.8, 0.3, 30};
   auto motion = test::make(scene, 5).motion;
   return {motion, motion};
 }
@@ -51,23 +51,23 @@ std::vector<graph::MotionGraph> swaying_starts() {
 
 TEST_CASE("Sways of a course have the Gaussian that the density gives them", "[mcmc][chain]") {
   auto theta = test::lively_theta();
-  theta.sway.coupling = 0.2;
+  theta.displacement.coupling = 0.2;
   const mcmc::Density density(theta);
   for (std::uint32_t number = 0; number < 10; ++number) {
     auto g = drawn(theta, 40, 5, number);
-    for (const auto& course : mcmc::courses(g)) {
-      const auto given = mcmc::sway_given_rest(g, density, course);
+    for (const auto& course : mcmc::find_paths(g)) {
+      const auto given = mcmc::displacement_given_rest(g, density, course);
       const std::size_t n = course.size();
-      for (std::size_t i = 0; i < n; ++i) g.set_sway(course[i], given.mean[i]);
+      for (std::size_t i = 0; i < n; ++i) g.set_displacement(course[i], given.mean[i]);
       const double top = density.total(g);
       for (std::size_t i = 0; i < n; ++i) {
         // A quadratic: its second differences are exact, and are the precision L Lᵀ.
         const double step = 0.5;
-        g.set_sway(course[i], given.mean[i] + step);
+        g.set_displacement(course[i], given.mean[i] + step);
         const double up = density.total(g);
-        g.set_sway(course[i], given.mean[i] - step);
+        g.set_displacement(course[i], given.mean[i] - step);
         const double down = density.total(g);
-        g.set_sway(course[i], given.mean[i]);
+        g.set_displacement(course[i], given.mean[i]);
         double precision = 0;
         for (const double l : given.factor[i]) precision += l * l;
         CHECK_THAT(up, WithinAbs(down, 1e-6));
@@ -80,12 +80,12 @@ TEST_CASE("Sways of a course have the Gaussian that the density gives them", "[m
 TEST_CASE("Every node that is on lies in one course", "[mcmc][chain]") {
   const auto g = drawn(test::lively_theta(), 50, 6, 3);
   std::vector<int> seen(g.size());
-  for (const auto& course : mcmc::courses(g))
+  for (const auto& course : mcmc::find_paths(g))
     for (std::size_t k = 0; k < course.size(); ++k) {
       ++seen[course[k]];
       CHECK(g[course[k]].frame == g[course[0]].frame + static_cast<int>(k));
     }
-  for (Index i = 0; i < g.size(); ++i) CHECK(seen[i] == (g[i].on ? 1 : 0));
+  for (Index i = 0; i < g.size(); ++i) CHECK(seen[i] == (g[i].active ? 1 : 0));
 }
 
 TEST_CASE("A chain keeps its density by the moves' gains, whatever the threads", "[mcmc][chain]") {
@@ -97,10 +97,10 @@ TEST_CASE("A chain keeps its density by the moves' gains, whatever the threads",
     mcmc::Chain chain(start, theta, 3, 0);
     for (int n = 0; n < 10; ++n) {
       chain.log_density();  // from here on it is kept up
-      REQUIRE(chain.move(20, {}) == core::Status::done);
+      chain.move(20, {});
       const double whole = mcmc::Density(theta).total(chain.state());
       CHECK_THAT(chain.log_density(), WithinAbs(whole, 1e-9 * (1 + std::abs(whole))));
-      chain.redraw_sways();
+      chain.redraw_displacements();
     }
     hashes[k] = chain.state().hash();
   }
@@ -114,19 +114,19 @@ TEST_CASE("A chain keeps its density by the moves' gains, whatever the threads",
 TEST_CASE("Theta is learned from what was drawn by it", "[mcmc][chain]") {
   const auto truth = lasting_theta();
   auto prior = truth;
-  prior.sway = {1.0, -0.3, 0, 0.5, 0, 0};
-  mcmc::Tallies sums;
+  prior.displacement = {1.0, -0.3, 0, 0.5, 0, 0};
+  mcmc::SufficientStatistics sums;
   const int clips = 40;
   const double area = 80 * 80;
   for (std::uint32_t n = 0; n < clips; ++n) {
     auto g = drawn(truth, 80, 24, n);
-    sums.blend(mcmc::tally(g, mcmc::Density(truth)), 1.0 / (n + 1));
+    sums.blend(mcmc::sufficient_statistics(g, mcmc::Density(truth)), 1.0 / (n + 1));
   }
-  const auto found = mcmc::most_likely(sums, prior, area);
-  CHECK_THAT(found.sway.a1, WithinRel(truth.sway.a1, 0.05));
-  CHECK_THAT(found.sway.a2, WithinRel(truth.sway.a2, 0.05));
-  CHECK_THAT(found.sway.coupling, WithinAbs(truth.sway.coupling, 0.03));
-  CHECK_THAT(found.sway.noise, WithinRel(truth.sway.noise, 0.05));
+  const auto found = mcmc::most_likely_parameters(sums, prior, area);
+  CHECK_THAT(found.displacement.a1, WithinRel(truth.displacement.a1, 0.05));
+  CHECK_THAT(found.displacement.a2, WithinRel(truth.displacement.a2, 0.05));
+  CHECK_THAT(found.displacement.coupling, WithinAbs(truth.displacement.coupling, 0.03));
+  CHECK_THAT(found.displacement.noise, WithinRel(truth.displacement.noise, 0.05));
   CHECK_THAT(found.across, WithinRel(truth.across, 0.05));
   CHECK_THAT(found.along, WithinRel(truth.along, 0.05));
   CHECK_THAT(found.turn, WithinRel(truth.turn, 0.05));
@@ -136,7 +136,7 @@ TEST_CASE("Theta is learned from what was drawn by it", "[mcmc][chain]") {
     return (estimate - rate) / std::sqrt(rate * (1 - rate) / (occasions * clips));
   };
   for (const std::size_t c :
-       {mcmc::config(2, false, 1), mcmc::config(1, false, 1), mcmc::config(1, false, 0)}) {
+       {mcmc::outcome_context(2, false, 1), mcmc::outcome_context(1, false, 1), mcmc::outcome_context(1, false, 0)}) {
     double occasions = 0;
     for (const double n : sums.outcome[c]) occasions += n;
     INFO("configuration " << c << ", occasions " << occasions);
@@ -157,8 +157,7 @@ TEST_CASE("infer samples every chain and tells of it", "[mcmc][chain]") {
   const auto learned = mcmc::fit(starts[0], fit_options).model;
   mcmc::InferOptions options;
   options.burn_in = 4, options.sweeps = 6, options.samples = 3, options.proposals = 4;
-  const auto result = mcmc::infer(starts, learned, mcmc::NotedEvidence{}, options, 9);
-  CHECK(result.status == core::Status::done);
+  const auto result = mcmc::infer(starts, learned, mcmc::SketchEvidence{}, options, 9);
   CHECK(result.chains == 2);
   CHECK(result.samples.size() == 6);
   for (const auto& sample : result.samples) graph::validate(sample);
@@ -171,16 +170,16 @@ TEST_CASE("infer samples every chain and tells of it", "[mcmc][chain]") {
   CHECK(evaluated == result.proposals);
   CHECK(evaluated > 1000);
   const core::ThreadLimit limit(2);
-  const auto again = mcmc::infer(starts, learned, mcmc::NotedEvidence{}, options, 9);
+  const auto again = mcmc::infer(starts, learned, mcmc::SketchEvidence{}, options, 9);
   CHECK(again.samples == result.samples);
-  options.rungs = 2;
-  CHECK(mcmc::infer(starts, learned, mcmc::NotedEvidence{}, options, 9).samples.size() == 6);
+  options.tempering_levels = 2;
+  CHECK(mcmc::infer(starts, learned, mcmc::SketchEvidence{}, options, 9).samples.size() == 6);
 }
 
 TEST_CASE("infer refuses what it cannot do", "[mcmc][chain]") {
   const auto starts = swaying_starts();
   const mcmc::MotionModel learned = mcmc::fit(starts[0], {1, false}).model;
-  const mcmc::NotedEvidence evidence;
+  const mcmc::SketchEvidence evidence;
   CHECK_THROWS_AS(mcmc::infer({}, learned, evidence, {}, 1), core::InputError);
   auto other = starts;
   other[1].sketch.width = 10;
@@ -194,5 +193,5 @@ TEST_CASE("infer refuses what it cannot do", "[mcmc][chain]") {
   refuse([](auto& o) { o.burn_in = 0; });
   refuse([](auto& o) { o.samples = o.sweeps + 1; });
   refuse([](auto& o) { o.proposals = std::nan(""); });
-  refuse([](auto& o) { o.rungs = 17; });
+  refuse([](auto& o) { o.tempering_levels = 17; });
 }

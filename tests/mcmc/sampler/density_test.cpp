@@ -24,11 +24,11 @@ TEST_CASE("An empty state has the chance that nothing begins", "[mcmc][density]"
 }
 
 TEST_CASE("A stroke begins sways in its stationary law and dies", "[mcmc][density]") {
-  const Theta t = theta();
+  const SamplerParameters t = theta();
   HiddenGraph g(60, 40, 2, {12, 12, 0});
   const Index v = shown(g, 0, patch(30, 20, 0.3, -25));
-  g.set_sway(v, 0.7);
-  g.set_place(v, 0.4, mcmc::kPlaces / 2, {});
+  g.set_displacement(v, 0.7);
+  g.set_map_values(v, 0.4, mcmc::kPlaces / 2, {});
   g.set_evidence(v, 3.5);
   const double expected = empty_frames(t, 2400, 2) + std::log(begun(t, 0, 25, 1)) + 0.4 - t.first_growth / 2 +
                           std::log(normal(0.7, std::sqrt(stationary(t)))) +
@@ -38,7 +38,7 @@ TEST_CASE("A stroke begins sways in its stationary law and dies", "[mcmc][densit
   // In the last frame nobody asks what becomes of it.
   HiddenGraph late(60, 40, 2, {12, 12, 0});
   const Index w = shown(late, 1, patch(30, 20, 0.3, -25));
-  late.set_sway(w, 0.7);
+  late.set_displacement(w, 0.7);
   CHECK_THAT(Density(t).total(late),
              WithinAbs(empty_frames(t, 2400, 2) + std::log(begun(t, 1, 25, 1)) - t.growth[3] / 2 +
                            std::log(normal(0.7, std::sqrt(stationary(t)))),
@@ -46,14 +46,14 @@ TEST_CASE("A stroke begins sways in its stationary law and dies", "[mcmc][densit
 }
 
 TEST_CASE("What grows may have come in several ways", "[mcmc][density]") {
-  const Theta t = theta();
+  const SamplerParameters t = theta();
   HiddenGraph g(60, 40, 1, {12, 12, 0});
   const Index a = shown(g, 0, patch(20, 20, 0.1)), b = shown(g, 0, patch(25, 21, 0.3));
   const Index c = shown(g, 0, patch(22, 25, 0.1));
-  g.join(a, b), g.join(b, c);
+  g.add_edge(a, b), g.add_edge(b, c);
   // In order a, b, c (by 0.8 x + 0.6 y): b may have grown from a, c from b but not from a.
-  REQUIRE(g.before(a, b));
-  REQUIRE(g.before(b, c));
+  REQUIRE(g.precedes(a, b));
+  REQUIRE(g.precedes(b, c));
   const auto lies = [](double dx, double dy, double direction) {
     return std::pair{dx * std::cos(direction) + dy * std::sin(direction),
                      -dx * std::sin(direction) + dy * std::cos(direction)};
@@ -71,7 +71,7 @@ TEST_CASE("What grows may have come in several ways", "[mcmc][density]") {
   CHECK_THAT(Density(t).total(g), WithinAbs(expected, kTight));
 
   // With all three joined, c may have grown from either and the other edge closed.
-  g.join(a, c);
+  g.add_edge(a, c);
   const auto [ac_along, ac_side] = lies(2, 5, 0.1);
   const double close = t.close[0][1];
   const double from_both =
@@ -88,19 +88,19 @@ TEST_CASE("What grows may have come in several ways", "[mcmc][density]") {
 }
 
 TEST_CASE("A patch of another kind grows seldom", "[mcmc][density]") {
-  const Theta t = theta();
+  const SamplerParameters t = theta();
   HiddenGraph g(60, 40, 1, {12, 12, 0});
   const Index a = shown(g, 0, patch(20, 20, 0)), b = shown(g, 0, patch(25, 20, 0, -20));
-  g.join(a, b);
+  g.add_edge(a, b);
   const double grows = t.first_growth * grown(t, 5, 0, 0) / (1 - t.other_kind) * t.other_kind / 2;
-  CHECK_THAT(Density(t).of_arrival(g, b), WithinAbs(std::log(grows + begun(t, 0, 20, 1) * t.close[0][0]) +
+  CHECK_THAT(Density(t).log_birth_or_survival(g, b), WithinAbs(std::log(grows + begun(t, 0, 20, 1) * t.close[0][0]) +
                                                         std::log(normal(0, std::sqrt(stationary(t)))),
                                                     kTight));
 }
 
 TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]") {
-  const Theta t = theta();
-  const auto& m = t.sway;
+  const SamplerParameters t = theta();
+  const auto& m = t.displacement;
   HiddenGraph g(80, 80, 3, {12, 12, 0});
   const double direction = 0.3;
   const graph::Point along{std::cos(direction), std::sin(direction)}, across{-along.y, along.x};
@@ -112,56 +112,56 @@ TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]"
   const graph::Point first{40, 40}, second = first + drift + along * 0.8 + across * 0.5;
   const graph::Point third = second + drift * 2 + along * -0.3 + across * 0.9;
   const Index u = shown(g, 0, at(first, direction, 20)), v = shown(g, 1, at(second, direction, 24));
-  // The third patch's direction is reversed: its sway is in the other sense.
-  const Index w = shown(g, 2, at(third, direction + std::numbers::pi + 0.25, 24));
-  g.set_sway(u, 0.6), g.set_sway(v, 1.1), g.set_sway(w, -0.9);
-  g.set_place(u, 0, 4, drift), g.set_place(v, 0, 4, drift * 2);
+  // The third patch's direction is reversed: its displacement is in the other sense.
+  const Index w = shown(g, 2, at(third, direction + kPi + 0.25, 24));
+  g.set_displacement(u, 0.6), g.set_displacement(v, 1.1), g.set_displacement(w, -0.9);
+  g.set_map_values(u, 0, 4, drift), g.set_map_values(v, 0, 4, drift * 2);
   g.link(u, v), g.link(v, w);
   const Density density(t);
   const double var = stationary(t), rho = m.a1 / (1 - m.a2);
-  // Without a grandparent the sway goes on as its stationary law has it at lag one.
-  CHECK_THAT(density.of_sway(g, v),
+  // Without a grandparent the displacement goes on as its stationary law has it at lag one.
+  CHECK_THAT(density.log_displacement(g, v),
              WithinAbs(std::log(normal(1.1 - rho * 0.6, std::sqrt(var * (1 - rho * rho)))) +
                            std::log(normal(0.5 - (1.1 - 0.6), t.across)),
                        kTight));
-  CHECK_THAT(density.of_arrival(g, v) - density.of_sway(g, v),
+  CHECK_THAT(density.log_birth_or_survival(g, v) - density.log_displacement(g, v),
              WithinAbs(std::log(normal(0.8, t.along) * erring(turned, 0, t.turn) *
                                 erring(normal, log_contrast(24) - log_contrast(20), t.flicker)),
                        kTight));
   const double mean = m.a1 * 1.1 + m.a2 * 0.6;
   CHECK_THAT(
-      density.of_arrival(g, w),
+      density.log_birth_or_survival(g, w),
       WithinAbs(std::log(normal(0.9 - mean, m.noise) * normal(0.9 - (0.9 - 1.1), t.across) *
                          normal(-0.3, t.along) * erring(turned, 0.25, t.turn) * erring(normal, 0, t.flicker)),
                 kTight));
   // A neighbour of the one before draws it along, here one whose normal points to the other side.
-  const Index x = shown(g, 1, at(second + along * 5, direction - std::numbers::pi, 24));
-  g.set_sway(x, 0.2);
-  g.join(v, x);
+  const Index x = shown(g, 1, at(second + along * 5, direction - kPi, 24));
+  g.set_displacement(x, 0.2);
+  g.add_edge(v, x);
   const double drawn = mean + m.coupling * (-0.2 - 1.1);
-  CHECK_THAT(density.of_sway(g, w),
+  CHECK_THAT(density.log_displacement(g, w),
              WithinAbs(std::log(normal(0.9 - drawn, m.noise) * normal(0.9 - (0.9 - 1.1), t.across)), kTight));
 }
 
 TEST_CASE("Edges between patches that go on are kept or made", "[mcmc][density]") {
-  const Theta t = theta();
+  const SamplerParameters t = theta();
   const Density density(t);
   HiddenGraph g(80, 80, 2, {12, 12, 0});
   test::row(g, 0, 3, 40, 40, false), test::row(g, 1, 3, 40, 40, false);
   for (Index i = 0; i < 3; ++i) g.link(i, i + 3);
-  g.join(0, 1), g.join(3, 4);
+  g.add_edge(0, 1), g.add_edge(3, 4);
   const auto of = [&](Index a, Index b) {
-    const auto near = std::ranges::find(g.beside(a), b, &mcmc::Beside::node);
-    return density.of_pair(g, a, *near);
+    const auto near = std::ranges::find(g.neighbours(a), b, &mcmc::NeighbourCandidate::node);
+    return density.log_edge(g, a, *near);
   };
   CHECK_THAT(of(3, 4), WithinAbs(std::log(t.join[2][0]), kTight));
   CHECK_THAT(of(4, 5), WithinAbs(std::log(1 - t.join[0][0]), kTight));
   CHECK_THAT(of(3, 5), WithinAbs(std::log(1 - t.join[0][4]), kTight));
-  g.join(1, 2);  // and 0 and 2 now have a neighbour in common
+  g.add_edge(1, 2);  // and 0 and 2 now have a neighbour in common
   CHECK_THAT(of(4, 5), WithinAbs(std::log(1 - t.join[2][0]), kTight));
   CHECK_THAT(of(3, 5), WithinAbs(std::log(1 - t.join[1][4]), kTight));
-  g.cut(1, 2);
-  g.cut(3, 4), g.join(3, 5);
+  g.remove_edge(1, 2);
+  g.remove_edge(3, 4), g.add_edge(3, 5);
   CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.join[2][0]), kTight));
   CHECK_THAT(of(3, 5), WithinAbs(std::log(t.join[0][4]), kTight));
   // In a first frame, and with one that is new, pairs say nothing: those are closed, not kept.
@@ -170,21 +170,21 @@ TEST_CASE("Edges between patches that go on are kept or made", "[mcmc][density]"
   CHECK(of(3, 4) == 0);
   // What one patch became is as good as joined.
   g.link(0, 4);
-  CHECK(mcmc::were(g, 3, 4) == mcmc::Were::joined);
+  CHECK(mcmc::previous_adjacency(g, 3, 4) == mcmc::PreviousAdjacency::joined);
   CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.join[2][0]), kTight));
 }
 
 TEST_CASE("A patch that goes on grows by the degree it had", "[mcmc][density]") {
-  const Theta t = theta();
+  const SamplerParameters t = theta();
   const Density density(t);
   HiddenGraph g(80, 80, 2, {5.5, 12, 0});
   const Index v = shown(g, 0, patch(40, 40)), w = shown(g, 1, patch(40, 40));
-  CHECK_THAT(density.of_presence(g, w), WithinAbs(-t.growth[3] / 2, kTight));
+  CHECK_THAT(density.log_presence(g, w), WithinAbs(-t.growth[3] / 2, kTight));
   g.link(v, w);
   const std::array<double, 4> by_degree = {t.growth[0], t.growth[0], t.growth[1], t.growth[2]};
   for (std::size_t degree = 0; degree < 4; ++degree) {
-    CHECK_THAT(density.of_presence(g, w), WithinAbs(-by_degree[degree], kTight));
+    CHECK_THAT(density.log_presence(g, w), WithinAbs(-by_degree[degree], kTight));
     const double a = 2 * static_cast<double>(degree);
-    g.join(v, shown(g, 0, patch(40 + 5 * std::cos(a), 40 + 5 * std::sin(a))));
+    g.add_edge(v, shown(g, 0, patch(40 + 5 * std::cos(a), 40 + 5 * std::sin(a))));
   }
 }

@@ -17,12 +17,12 @@
 
 namespace emberfold::test {
 
-using mcmc::Theta;
+using mcmc::SamplerParameters;
 
 /// The first `below` is told, the others are drawn.
-class FirstCoin final : public mcmc::Draws {
+class FirstCoin final : public mcmc::ChoiceSource {
  public:
-  FirstCoin(bool side, mcmc::Draws& others) : side_(side), others_(others) {}
+  FirstCoin(bool side, mcmc::ChoiceSource& others) : side_(side), others_(others) {}
   std::size_t below(std::size_t count) override {
     return std::exchange(first_, false) ? std::size_t{side_} : others_.below(count);
   }
@@ -31,7 +31,7 @@ class FirstCoin final : public mcmc::Draws {
 
  private:
   bool side_, first_ = true;
-  mcmc::Draws& others_;
+  mcmc::ChoiceSource& others_;
 };
 
 /// A patch, and how far from it others like it may lie, px.
@@ -107,7 +107,7 @@ class Broad {
 inline void place(HiddenGraph& g, Index i) {
   const auto p = g[i].patch.position;
   if (!(p.x >= 0 && p.y >= 0 && p.x <= g.width() && p.y <= g.height()))
-    g.set_place(i, -std::numeric_limits<double>::infinity(), mcmc::kPlaces / 2, {});
+    g.set_map_values(i, -std::numeric_limits<double>::infinity(), mcmc::kPlaces / 2, {});
 }
 
 /// The state without what is off.
@@ -115,15 +115,15 @@ inline HiddenGraph compacted(const HiddenGraph& g, const mcmc::Gates& gates) {
   HiddenGraph result(g.width(), g.height(), g.frames(), gates);
   std::vector<Index> now(g.size(), mcmc::kNone);
   for (Index i = 0; i < g.size(); ++i) {
-    if (!g[i].on) continue;
+    if (!g[i].active) continue;
     now[i] = shown(result, g[i].frame, g[i].patch);
     place(result, now[i]);
-    result.set_sway(now[i], g[i].sway);
+    result.set_displacement(now[i], g[i].displacement);
   }
   for (Index i = 0; i < g.size(); ++i) {
-    if (!g[i].on) continue;
+    if (!g[i].active) continue;
     for (const Index j : g[i].edges)
-      if (i < j) result.join(now[i], now[j]);
+      if (i < j) result.add_edge(now[i], now[j]);
     for (const Index j : g[i].next) {
       result.allow_link(now[i], now[j]);
       result.link(now[i], now[j]);
@@ -135,16 +135,16 @@ inline HiddenGraph compacted(const HiddenGraph& g, const mcmc::Gates& gates) {
 /// Every patch is on; frames are square. Each step is reversible, and so is a step drawn at random.
 class FreeChain {
  public:
-  FreeChain(HiddenGraph start, const Theta& theta, const mcmc::Gates& gates, const core::Rng& rng)
+  FreeChain(HiddenGraph start, const SamplerParameters& theta, const mcmc::Gates& gates, const core::Rng& rng)
       : g_(std::move(start)), density_(theta), gates_(gates), rng_(rng), draws_(fork()) {
-    scratch_.fit(20000);
+    cache_.resize(20000);
   }
   FreeChain(const FreeChain&) = delete;
   FreeChain& operator=(const FreeChain&) = delete;
 
   [[nodiscard]] const HiddenGraph& state() const { return g_; }
   [[nodiscard]] const mcmc::Density& density() const { return density_; }
-  void set_theta(const Theta& theta) { density_ = mcmc::Density(theta); }
+  void set_theta(const SamplerParameters& theta) { density_ = mcmc::Density(theta); }
   core::Rng& rng() { return rng_; }
 
   /// A move of moves(); where it adds or takes out patches, of any patch.
@@ -155,14 +155,14 @@ class FreeChain {
       rng_.below(2) == 1 ? more(move, frame) : fewer(move, frame);
       return;
     }
-    if (const auto ratio = move.propose(edit_, draws_, frame)) accept(*ratio);
+    if (const auto ratio = move.propose(change_, draws_, frame)) accept(*ratio);
   }
-  void move_sway() {
+  void move_displacement() {
     const int frame = static_cast<int>(rng_.below(static_cast<std::uint32_t>(g_.frames())));
-    const auto on = g_.on(frame);
+    const auto on = g_.active(frame);
     if (on.empty()) return;
     const Index i = on[rng_.below(static_cast<std::uint32_t>(on.size()))];
-    edit_.set_sway(i, g_[i].sway + 0.6 * rng_.normal());
+    change_.set_displacement(i, g_[i].displacement + 0.6 * rng_.normal());
     accept(0);
   }
   /// Any of them; `patches`: also those that add patches or take them out.
@@ -172,7 +172,7 @@ class FreeChain {
     const auto which = rng_.below(patches ? 20 : 8);
     if (which >= 16) return step(move_named("split, merge"));
     if (which >= 8) return step(move_named("add, delete"));
-    if (which == 7) return move_sway();
+    if (which == 7) return move_displacement();
     std::array<const mcmc::Move*, 7> ties{};
     std::size_t n = 0;
     for (const auto& move : all)
@@ -184,15 +184,15 @@ class FreeChain {
  private:
   core::Rng fork() { return core::Rng(std::uint64_t{rng_.bits()} << 32U | rng_.bits(), {1, 2, 3}); }
   bool accept(double ratio) {
-    const bool yes = std::log1p(-rng_.uniform()) < edit_.gain() + ratio;
-    yes ? edit_.keep() : edit_.undo();
+    const bool yes = std::log1p(-rng_.uniform()) < change_.gain() + ratio;
+    yes ? change_.commit() : change_.rollback();
     accepted_ += yes;
     return yes;
   }
   [[nodiscard]] Broad broad(int frame) const {
     std::vector<Like> models;
     for (int t = std::max(0, frame - 1); t <= std::min(frame + 1, g_.frames() - 1); ++t)
-      for (const Index i : g_.on(t)) models.push_back({g_[i].patch, t == frame ? 3.5 : 2});
+      for (const Index i : g_.active(t)) models.push_back({g_[i].patch, t == frame ? 3.5 : 2});
     return {static_cast<double>(g_.width()), std::move(models)};
   }
   void more(const mcmc::Move& move, int frame) {
@@ -200,14 +200,14 @@ class FreeChain {
     const auto patch = any.draw(rng_);
     place(g_, g_.add_candidate(frame, patch));
     FirstCoin draws(true, draws_);
-    const auto ratio = move.propose(edit_, draws, frame);
+    const auto ratio = move.propose(change_, draws, frame);
     if (!ratio || !accept(*ratio - any.log_density(patch))) g_.drop_newest_candidate();
   }
   void fewer(const mcmc::Move& move, int frame) {
     FirstCoin draws(false, draws_);
-    const auto ratio = move.propose(edit_, draws, frame);
+    const auto ratio = move.propose(change_, draws, frame);
     if (!ratio) return;
-    const Index gone = g_.off(frame)[0];
+    const Index gone = g_.inactive(frame)[0];
     if (accept(*ratio + broad(frame).log_density(g_[gone].patch))) g_ = compacted(g_, gates_);
   }
 
@@ -215,9 +215,9 @@ class FreeChain {
   mcmc::Density density_;
   mcmc::Gates gates_;
   core::Rng rng_;
-  mcmc::RandomDraws draws_;
-  mcmc::Scratch scratch_;
-  mcmc::Edit edit_{g_, density_, scratch_};
+  mcmc::RandomChoices draws_;
+  mcmc::FactorCache cache_;
+  mcmc::StateChange change_{g_, density_, cache_};
   std::size_t accepted_ = 0;
 };
 
@@ -231,13 +231,13 @@ struct Statistic {
 inline std::vector<Statistic> statistics(const HiddenGraph& g) {
   std::vector<Statistic> all;
   for (int t = 0; t < g.frames(); ++t) {
-    double edges = 0, newborns = 0, sway = 0, joined = 0, links = 0, splits = 0, merges = 0, deaths = 0,
+    double edges = 0, newborns = 0, displacement = 0, joined = 0, links = 0, splits = 0, merges = 0, deaths = 0,
            along = 0, across = 0;
-    for (const Index i : g.on(t)) {
+    for (const Index i : g.active(t)) {
       const auto& node = g[i];
       edges += static_cast<double>(node.edges.size()) / 2;
       joined += node.edges.size() > 1;
-      sway += node.sway * node.sway;
+      displacement += node.displacement * node.displacement;
       if (t > 0 && !node.prev.empty()) {
         const auto& past = g[mcmc::parent(g, i)];
         const auto moved = node.patch.position - past.patch.position;
@@ -254,9 +254,9 @@ inline std::vector<Statistic> statistics(const HiddenGraph& g) {
     const auto add = [&](const char* name, double value) {
       all.push_back({name + (" in frame " + std::to_string(t)), value});
     };
-    const auto nodes = static_cast<double>(g.on(t).size());
+    const auto nodes = static_cast<double>(g.active(t).size());
     add("nodes", nodes), add("nodes squared", nodes * nodes), add("edges", edges), add("inner nodes", joined);
-    add("sway squared", sway);
+    add("sway squared", displacement);
     if (t > 0) add("newborns", newborns), add("along squared", along), add("across squared", across);
     if (t + 1 < g.frames()) {
       add("links", links), add("splits", splits), add("merges", merges), add("deaths", deaths);

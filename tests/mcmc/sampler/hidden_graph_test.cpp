@@ -31,17 +31,17 @@ std::vector<std::uint64_t> image(const HiddenGraph& g) {
     all.push_back(list.size());
     all.insert(all.end(), list.begin(), list.end());
   };
-  for (int t = 0; t < g.frames(); ++t) add(g.on(t)), add(g.off(t));
+  for (int t = 0; t < g.frames(); ++t) add(g.active(t)), add(g.inactive(t));
   for (Index i = 0; i < g.size(); ++i) {
     const auto& node = g[i];
-    all.push_back(node.on);
+    all.push_back(node.active);
     all.push_back(node.overlapped);
-    all.push_back(std::bit_cast<std::uint64_t>(node.sway));
+    all.push_back(std::bit_cast<std::uint64_t>(node.displacement));
     add(node.edges), add(node.next), add(node.prev);
-    all.push_back(g.beside(i).size());
-    for (const auto& near : g.beside(i)) all.push_back(near.node), all.push_back(near.closeness);
-    for (const Index to : g.ahead(i)) all.push_back(to);
-    add(g.behind(i));
+    all.push_back(g.neighbours(i).size());
+    for (const auto& near : g.neighbours(i)) all.push_back(near.node), all.push_back(near.closeness);
+    for (const Index to : g.candidates_after(i)) all.push_back(to);
+    add(g.candidates_before(i));
   }
   return all;
 }
@@ -67,23 +67,23 @@ std::function<void()> operate(HiddenGraph& g, core::Rng& rng) {
   const Index i = any(g.size());
   switch (rng.below(6)) {
     case 0:
-      if (!g.can_put(i)) return {};
-      return [&g, i, at = g.off_place(i), done = (g.put(i), true)] { g.undo_put(i, at); };
+      if (!g.can_activate(i)) return {};
+      return [&g, i, at = g.inactive_place(i), done = (g.activate(i), true)] { g.undo_activate(i, at); };
     case 1:
-      if (!g[i].on || !g[i].edges.empty() || !g[i].next.empty() || !g[i].prev.empty()) return {};
-      return [&g, i, at = g.take(i)] { g.undo_take(i, at); };
+      if (!g[i].active || !g[i].edges.empty() || !g[i].next.empty() || !g[i].prev.empty()) return {};
+      return [&g, i, at = g.deactivate(i)] { g.undo_deactivate(i, at); };
     case 2:
-      for (const auto& near : g.beside(i))
-        if (rng.below(2) == 0 && g.can_join(i, near.node))
-          return [&g, i, j = near.node, done = (g.join(i, near.node), true)] { g.cut(i, j); };
+      for (const auto& near : g.neighbours(i))
+        if (rng.below(2) == 0 && g.can_add_edge(i, near.node))
+          return [&g, i, j = near.node, done = (g.add_edge(i, near.node), true)] { g.remove_edge(i, j); };
       return {};
     case 3: {
       if (g[i].edges.empty()) return {};
       const Index j = g[i].edges[any(g[i].edges.size())];
-      return [&g, i, j, at = g.cut(i, j)] { g.undo_cut(i, j, at); };
+      return [&g, i, j, at = g.remove_edge(i, j)] { g.undo_remove_edge(i, j, at); };
     }
     case 4:
-      for (const Index to : g.ahead(i))
+      for (const Index to : g.candidates_after(i))
         if (const Index w = to; rng.below(2) == 0 && g.can_link(i, w))
           return [&g, i, w, done = (g.link(i, w), true)] { g.unlink(i, w); };
       return {};
@@ -138,13 +138,13 @@ TEST_CASE("Equal states are equal whatever the order in which they came about", 
     HiddenGraph g(60, 60, 2, {12, 12, 0});
     for (int k = 0; k < 3; ++k) g.add_candidate(0, patch(20 + 4 * k, 20));
     for (int k = 0; k < 3; ++k) g.add_candidate(1, patch(20 + 4 * k, 21));
-    for (int k = 0; k < 6; ++k) g.put(static_cast<Index>(other_way ? 5 - k : k));
+    for (int k = 0; k < 6; ++k) g.activate(static_cast<Index>(other_way ? 5 - k : k));
     if (other_way) {
-      g.join(2, 1), g.join(0, 1), g.link(1, 5), g.link(1, 4), g.link(0, 3);
+      g.add_edge(2, 1), g.add_edge(0, 1), g.link(1, 5), g.link(1, 4), g.link(0, 3);
     } else {
-      g.join(0, 1), g.join(1, 2), g.link(0, 3), g.link(1, 4), g.link(1, 5);
+      g.add_edge(0, 1), g.add_edge(1, 2), g.link(0, 3), g.link(1, 4), g.link(1, 5);
     }
-    g.set_sway(4, 0.25);
+    g.set_displacement(4, 0.25);
     return g;
   };
   const auto a = make(false), b = make(true);
@@ -152,15 +152,15 @@ TEST_CASE("Equal states are equal whatever the order in which they came about", 
   CHECK(a.hash() == b.hash());
   for (const int change : {0, 1, 2, 3}) {
     auto c = b;
-    if (change == 0) c.cut(0, 1);
+    if (change == 0) c.remove_edge(0, 1);
     if (change == 1) c.unlink(1, 4);
-    if (change == 2) c.set_sway(4, 0.5);
-    if (change == 3) c.unlink(0, 3), c.take(3);
+    if (change == 2) c.set_displacement(4, 0.5);
+    if (change == 3) c.unlink(0, 3), c.deactivate(3);
     CHECK(!(c == a));
     CHECK(c.hash() != a.hash());
   }
   auto c = b;
-  c.set_sway(4, -0.0), c.set_sway(4, 0.25), c.set_sway(3, -0.0);
+  c.set_displacement(4, -0.0), c.set_displacement(4, 0.25), c.set_displacement(3, -0.0);
   CHECK(c.hash() == a.hash());
 }
 
@@ -177,19 +177,19 @@ TEST_CASE("What lies near is what brute force finds", "[mcmc][hidden_graph]") {
         if (g[j].frame == g[i].frame - 1) behind.insert(j);
       }
       std::set<Index> found;
-      for (const auto& near : g.beside(i)) {
+      for (const auto& near : g.neighbours(i)) {
         found.insert(near.node);
-        const auto& back = g.beside(near.node);
-        const auto mirror = std::ranges::find(back, i, &mcmc::Beside::node);
+        const auto& back = g.neighbours(near.node);
+        const auto mirror = std::ranges::find(back, i, &mcmc::NeighbourCandidate::node);
         REQUIRE(mirror != back.end());
         CHECK(mirror->closeness == near.closeness);
       }
       CHECK(found == beside);
-      CHECK(found.size() == g.beside(i).size());
+      CHECK(found.size() == g.neighbours(i).size());
       std::set<Index> reached;
-      for (const Index to : g.ahead(i)) reached.insert(to);
+      for (const Index to : g.candidates_after(i)) reached.insert(to);
       CHECK(reached == ahead);
-      CHECK(std::set<Index>(g.behind(i).begin(), g.behind(i).end()) == behind);
+      CHECK(std::set<Index>(g.candidates_before(i).begin(), g.candidates_before(i).end()) == behind);
     }
   }
 }
@@ -199,7 +199,7 @@ TEST_CASE("Closeness tells how far and whether in line", "[mcmc][hidden_graph]")
     HiddenGraph g(60, 60, 1, {12, 12, 0});
     g.add_candidate(0, patch(20, 20, 0));
     g.add_candidate(0, patch(20 + x, 20 + y, theta));
-    return int{g.beside(0)[0].closeness};
+    return int{g.neighbours(0)[0].closeness};
   };
   CHECK(of(6.9, 0, 0.4) == 0);
   CHECK(of(-6.9, 0, 0.4 + std::numbers::pi) == 0);
@@ -221,7 +221,7 @@ TEST_CASE("The newest candidate is taken back without a trace", "[mcmc][hidden_g
     for (int t = 0; t < 3; ++t) {
       const Index i = g.add_candidate(t, patch(20 + 3 * round, 20, 0.4));
       CHECK(i + 1 == g.size());
-      if (g.can_put(i) && round == 2) g.put(i), g.take(i);
+      if (g.can_activate(i) && round == 2) g.activate(i), g.deactivate(i);
       g.drop_newest_candidate();
       REQUIRE(image(g) == was);
     }
@@ -238,12 +238,12 @@ TEST_CASE("Overlaps are counted among patches of one kind that are on", "[mcmc][
       for (Index i = 0; i < g.size(); ++i) {
         int count = 0;
         for (Index j = 0; j < g.size(); ++j)
-          count += i != j && g[j].on && g[i].frame == g[j].frame && g[i].kind == g[j].kind &&
+          count += i != j && g[j].active && g[i].frame == g[j].frame && g[i].kind == g[j].kind &&
                    graph::distance(g[i].patch.position, g[j].patch.position) < 5;
         CHECK(int{g[i].overlapped} == count);
-        CHECK(g.can_put(i) == (!g[i].on && count == 0));
-        if (g[i].on) CHECK(count == 0);
-        refused += !g[i].on && count > 0;
+        CHECK(g.can_activate(i) == (!g[i].active && count == 0));
+        if (g[i].active) CHECK(count == 0);
+        refused += !g[i].active && count > 0;
       }
     }
     CHECK(refused > 0);
@@ -285,10 +285,10 @@ TEST_CASE("No patch takes more edges or links than there is room for", "[mcmc][h
     const double a = 0.3 * k;
     const Index x = shown(g, 0, patch(30 + 6 * std::cos(a), 30 + 6 * std::sin(a)));
     const Index y = shown(g, 1, patch(30 + 6 * std::cos(a), 30 + 6 * std::sin(a)));
-    CHECK(g.can_join(v, x) == (k < static_cast<int>(mcmc::kMostEdges)));
-    CHECK(g.can_join(x, v) == g.can_join(v, x));
+    CHECK(g.can_add_edge(v, x) == (k < static_cast<int>(mcmc::kMostEdges)));
+    CHECK(g.can_add_edge(x, v) == g.can_add_edge(v, x));
     CHECK(g.can_link(v, y) == (k < static_cast<int>(mcmc::kMostLinks)));
-    if (g.can_join(v, x)) g.join(v, x);
+    if (g.can_add_edge(v, x)) g.add_edge(v, x);
     if (g.can_link(v, y)) g.link(v, y);
   }
   CHECK(g[v].edges.size() == mcmc::kMostEdges);
@@ -299,7 +299,7 @@ TEST_CASE("A matched clip becomes a state and again the same clip", "[mcmc][hidd
   test::Scene scene;
   scene.width = 160, scene.height = 120, scene.frames = 8;
   scene.strokes = test::living(1, 0.1, 8, 160, 120, 4);
-  scene.sway = {1.5, -0.7, 0.4, 30};
+  scene.displacement = {1.5, -0.7, 0.4, 30};
   const auto motion = test::make(scene, 5).motion;
   const auto state = mcmc::hidden_graph(motion, {}, {});
   CHECK(mcmc::motion_graph(state, motion.sketch.fps) == motion);
@@ -336,13 +336,13 @@ TEST_CASE("Candidates of other sketches are off and lie clear of those before", 
       }
     }
     std::size_t found = 0;
-    for (const Index i : state.off(static_cast<int>(t)))
+    for (const Index i : state.inactive(static_cast<int>(t)))
       found += std::ranges::find(kept, state[i].patch.position) != kept.end();
-    CHECK(found == state.off(static_cast<int>(t)).size());
+    CHECK(found == state.inactive(static_cast<int>(t)).size());
   }
   CHECK(expected_off > 50);
   std::size_t off = 0;
-  for (int t = 0; t < state.frames(); ++t) off += state.off(t).size();
+  for (int t = 0; t < state.frames(); ++t) off += state.inactive(t).size();
   CHECK(off == expected_off);
 }
 
@@ -351,7 +351,7 @@ TEST_CASE("Edges and links beyond the gates stay where the start has them", "[mc
                             .height = 120,
                             .frames = 4,
                             .strokes = test::scattered(2, 2, 160, 120, 40),
-                            .sway = {1.5, -0.7, 0.4, 30},
+                            .displacement = {1.5, -0.7, 0.4, 30},
                             .gain = {},
                             .drift =
                                 [](graph::Point) {

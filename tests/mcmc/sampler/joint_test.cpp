@@ -15,9 +15,7 @@ using namespace emberfold;
 using mcmc::Density;
 using mcmc::HiddenGraph;
 using mcmc::Index;
-using mcmc::Theta;
-using test::Mean;
-using test::Statistic;
+using mcmc::SamplerParameters;
 
 namespace {
 
@@ -63,10 +61,10 @@ Shares dirichlet(core::Rng& rng, const Shares& counts) {
 /// becomes of a patch is drawn as whether it merges, if it can, and what else it does if not.
 struct Rates {
   std::array<Rate, 2> birth;
-  std::array<Rate, mcmc::kGrowers> growth;
+  std::array<Rate, mcmc::kParentClasses> growth;
   Rate first_growth;
-  std::array<Beta, mcmc::kConfigs> merge;
-  std::array<Shares, mcmc::kConfigs> otherwise{};
+  std::array<Beta, mcmc::kOutcomeContexts> merge;
+  std::array<Shares, mcmc::kOutcomeContexts> otherwise{};
   Beta split_more{2, 18}, other_kind{2, 30};
   Shares kinds{10, 6, 4};
   std::array<std::array<Beta, mcmc::kCloseness>, 3> join;  ///< [were]
@@ -83,14 +81,14 @@ struct Rates {
     close[0].fill({2, 14}), close[1].fill({2, 12});
   }
 
-  Theta draw(core::Rng& rng) const {
-    Theta t = test::lively_theta();
+  SamplerParameters draw(core::Rng& rng) const {
+    SamplerParameters t = test::lively_theta();
     t.along = 2, t.across = 1.5, t.turn = 0.4, t.flicker = 0.3;
     t.step_sd = 1, t.side_sd = 1.2, t.bend_sd = 0.4, t.grown_contrast_sd = 0.3;
     for (std::size_t e = 0; e < 2; ++e) t.birth[e] = birth[e].draw(rng);
-    for (std::size_t k = 0; k < mcmc::kGrowers; ++k) t.growth[k] = growth[k].draw(rng);
+    for (std::size_t k = 0; k < mcmc::kParentClasses; ++k) t.growth[k] = growth[k].draw(rng);
     t.first_growth = first_growth.draw(rng);
-    for (std::size_t c = 0; c < mcmc::kConfigs; ++c) {
+    for (std::size_t c = 0; c < mcmc::kOutcomeContexts; ++c) {
       const double m = merge[c].draw(rng);
       const Shares rest = dirichlet(rng, otherwise[c]);
       t.outcome[c] = {(1 - m) * rest[0], (1 - m) * rest[1], (1 - m) * rest[2], m};
@@ -105,13 +103,13 @@ struct Rates {
   }
 
   /// Up to a constant, in the rates as they are drawn.
-  [[nodiscard]] double log_density(const Theta& t) const {
+  [[nodiscard]] double log_density(const SamplerParameters& t) const {
     double sum = first_growth.log_density(t.first_growth) + split_more.log_density(t.split_more) +
                  other_kind.log_density(t.other_kind);
     for (std::size_t e = 0; e < 2; ++e) sum += birth[e].log_density(t.birth[e]);
-    for (std::size_t k = 0; k < mcmc::kGrowers; ++k) sum += growth[k].log_density(t.growth[k]);
+    for (std::size_t k = 0; k < mcmc::kParentClasses; ++k) sum += growth[k].log_density(t.growth[k]);
     for (std::size_t k = 0; k < 3; ++k) sum += (kinds[k] - 1) * std::log(t.kinds[k]);
-    for (std::size_t c = 0; c < mcmc::kConfigs; ++c) {
+    for (std::size_t c = 0; c < mcmc::kOutcomeContexts; ++c) {
       sum += merge[c].log_density(t.outcome[c][3]);
       for (std::size_t k = 0; k < 3; ++k)
         sum += (otherwise[c][k] - 1) * std::log(t.outcome[c][k] / (1 - t.outcome[c][3]));
@@ -128,7 +126,7 @@ struct Rates {
     const double area = double(g.width()) * g.height();
     for (int t = 0; t < g.frames(); ++t) {
       birth[t == 0 ? 0 : 1].exposure += area;
-      for (const Index i : g.on(t)) {
+      for (const Index i : g.active(t)) {
         g[i].prev.empty() ? learn_new(g, i, density, rng) : learn_survivor(g, i);
         if (t + 1 < g.frames()) learn_outcome(g, i);
       }
@@ -137,7 +135,7 @@ struct Rates {
 
  private:
   Rate& growing(const HiddenGraph& g, int frame, Index from) {
-    return frame == 0 ? first_growth : growth[mcmc::grower(g, from)];
+    return frame == 0 ? first_growth : growth[mcmc::parent_class(g, from)];
   }
   void learn_new(const HiddenGraph& g, Index w, const Density& density, core::Rng& rng) {
     const auto& node = g[w];
@@ -154,24 +152,24 @@ struct Rates {
       growing(g, node.frame, from).count += 1;
       (g[from].kind == node.kind ? other_kind.no : other_kind.yes) += 1;
     }
-    for (const auto& near : g.beside(w)) {
+    for (const auto& near : g.neighbours(w)) {
       const auto& other = g[near.node];
-      if (!other.on || near.node == from || (other.prev.empty() && !g.before(near.node, w))) continue;
+      if (!other.active || near.node == from || (other.prev.empty() && !g.precedes(near.node, w))) continue;
       Beta& closes = close[node.frame == 0 ? 0 : 1][near.closeness];
       (node.edges.has(near.node) ? closes.yes : closes.no) += 1;
     }
   }
   void learn_survivor(const HiddenGraph& g, Index w) {
-    growth[mcmc::grower(g, w)].exposure += 1;
-    for (const auto& near : g.beside(w)) {
-      if (near.node < w || !g[near.node].on || g[near.node].prev.empty()) continue;
-      Beta& chance = join[static_cast<std::size_t>(mcmc::were(g, w, near.node))][near.closeness];
+    growth[mcmc::parent_class(g, w)].exposure += 1;
+    for (const auto& near : g.neighbours(w)) {
+      if (near.node < w || !g[near.node].active || g[near.node].prev.empty()) continue;
+      Beta& chance = join[static_cast<std::size_t>(mcmc::previous_adjacency(g, w, near.node))][near.closeness];
       (g[w].edges.has(near.node) ? chance.yes : chance.no) += 1;
     }
   }
   void learn_outcome(const HiddenGraph& g, Index v) {
     const auto what = outcome(g, v);
-    const std::size_t c = mcmc::config_of(g, v);
+    const std::size_t c = mcmc::outcome_context_of(g, v);
     if (mcmc::merge_targets(g, v) > 0) (what == mcmc::Outcome::merge ? merge[c].yes : merge[c].no) += 1;
     if (what != mcmc::Outcome::merge) otherwise[c][static_cast<std::size_t>(what)] += 1;
     if (what == mcmc::Outcome::split) {
@@ -182,10 +180,10 @@ struct Rates {
 };
 
 /// Rates given the state, the ones before being `density`'s. Reversible.
-Theta draw_rates(const HiddenGraph& g, const Density& density, core::Rng& rng) {
+SamplerParameters draw_rates(const HiddenGraph& g, const Density& density, core::Rng& rng) {
   Rates rates;
   rates.learn(g, density, rng);
-  Theta drawn = rates.draw(rng);
+  SamplerParameters drawn = rates.draw(rng);
   // Numbers of parts are geometric but end at kMostLinks, for which there is no conjugate prior.
   const double was = density.theta().split_more, splits = rates.split_more.no - Rates().split_more.no;
   const auto log_none_cut = [](double more) { return std::log1p(-std::pow(more, mcmc::kMostLinks - 1)); };
@@ -194,7 +192,7 @@ Theta draw_rates(const HiddenGraph& g, const Density& density, core::Rng& rng) {
   return drawn;
 }
 
-std::vector<Statistic> of_rates(const Theta& t) {
+std::vector<Statistic> of_rates(const SamplerParameters& t) {
   double death = 0, merge = 0, split = 0;
   for (const auto& row : t.outcome) death += row[0], merge += row[3], split += row[2];
   return {{"birth 0", t.birth[0]},
@@ -226,8 +224,8 @@ std::vector<Statistic> of_both(const HiddenGraph& g, const Density& density) {
   return all;
 }
 
-HiddenGraph forward(const Theta& theta, core::Rng& rng) {
-  return draw_forward(theta, kSize, kSize, kFrames, kGates, rng);
+HiddenGraph forward(const SamplerParameters& theta, core::Rng& rng) {
+  return simulate_prior(theta, kSize, kSize, kFrames, kGates, rng);
 }
 
 /// Pairs of states and rates: after each `moves` moves new rates, many short chains, each from a pair drawn
@@ -237,7 +235,7 @@ void check_joint(std::uint32_t chains, int rounds, int moves) {
   std::vector<std::string> names;
   for (std::uint32_t n = 0; n < chains; ++n) {
     core::Rng rng(41, {n, 0, 0});
-    const Theta theta = Rates().draw(rng);
+    const SamplerParameters theta = Rates().draw(rng);
     const HiddenGraph drawn = forward(theta, rng);
     REQUIRE(std::isfinite(Density(theta).total(drawn)));
     test::FreeChain chain(drawn, theta, kGates, core::Rng(42, {n, 0, 0}));
@@ -263,19 +261,19 @@ void check_joint(std::uint32_t chains, int rounds, int moves) {
   }
 }
 
-/// Of what is ranked: patches are seen; links, edges, sways and rates are not.
+/// Of what is ranked: patches are seen; links, edges, displacements and rates are not.
 std::vector<Statistic> ranked(const HiddenGraph& g, const Density& density) {
-  double links = 0, edges = 0, sway = 0, parts = 0, deaths = 0;
+  double links = 0, edges = 0, displacement = 0, parts = 0, deaths = 0;
   for (Index i = 0; i < g.size(); ++i) {
     links += static_cast<double>(g[i].next.size());
     edges += static_cast<double>(g[i].edges.size());
-    sway += g[i].sway * g[i].sway;
+    displacement += g[i].displacement * g[i].displacement;
     if (g[i].frame + 1 == g.frames()) continue;
     parts += outcome(g, i) == mcmc::Outcome::split || outcome(g, i) == mcmc::Outcome::merge;
     deaths += outcome(g, i) == mcmc::Outcome::death;
   }
   auto all = of_rates(density.theta());
-  all.push_back({"links", links}), all.push_back({"edges", edges}), all.push_back({"sway", sway});
+  all.push_back({"links", links}), all.push_back({"edges", edges}), all.push_back({"sway", displacement});
   all.push_back({"splits and merges", parts}), all.push_back({"deaths", deaths});
   all.push_back({"log joint", density.total(g) + Rates().log_density(density.theta())});
   return all;
@@ -289,7 +287,7 @@ void check_ranks(std::uint32_t data_sets, int steps) {
   std::vector<std::string> names;
   for (std::uint32_t n = 0; n < data_sets; ++n) {
     core::Rng rng(43, {n, 0, 0});
-    const Theta truth = Rates().draw(rng);
+    const SamplerParameters truth = Rates().draw(rng);
     const HiddenGraph drawn = forward(truth, rng);
     const auto of_truth = ranked(drawn, Density(truth));
     counts.resize(of_truth.size(), std::vector<std::size_t>(kBins)), names.resize(of_truth.size());

@@ -20,7 +20,7 @@ std::vector<graph::MotionGraph> two_starts() {
   test::Scene scene;
   scene.width = 160, scene.height = 120, scene.frames = 16;
   scene.strokes = test::living(0.6, 0.05, scene.frames, scene.width, scene.height, 3);
-  scene.sway = {1.5, -0.8, 0.3, 30};
+  scene.displacement = {1.5, -0.8, 0.3, 30};
   scene.jitter = 0.3;
   const auto sketch = test::make(scene, 4).motion.sketch;
   return {graph::match(sketch, {}), graph::reverse_time(graph::match(graph::reverse_time(sketch), {}))};

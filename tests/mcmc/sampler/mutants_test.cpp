@@ -12,8 +12,8 @@
 
 using namespace emberfold;
 using mcmc::CheckedMove;
-using mcmc::Draws;
-using mcmc::Edit;
+using mcmc::ChoiceSource;
+using mcmc::StateChange;
 using mcmc::HiddenGraph;
 using mcmc::Index;
 using test::patch;
@@ -26,11 +26,11 @@ using Fault = std::function<double(const HiddenGraph& was, const HiddenGraph& is
 
 CheckedMove with_fault(std::string_view name, Fault fault) {
   return [right = test::checked(test::move_named(name)), fault = std::move(fault)](
-             Edit& edit, Draws& draws, int frame) -> std::optional<double> {
-    const HiddenGraph was = edit.state();
-    const auto ratio = right(edit, draws, frame);
-    if (!ratio || was == edit.state()) return ratio;
-    return *ratio + fault(was, edit.state(), frame);
+             StateChange& change, ChoiceSource& draws, int frame) -> std::optional<double> {
+    const HiddenGraph was = change.state();
+    const auto ratio = right(change, draws, frame);
+    if (!ratio || was == change.state()) return ratio;
+    return *ratio + fault(was, change.state(), frame);
   };
 }
 
@@ -61,24 +61,24 @@ Tie new_link(const HiddenGraph& less, const HiddenGraph& more) {
 }
 std::size_t count_on(const HiddenGraph& g) {
   std::size_t count = 0;
-  for (int t = 0; t < g.frames(); ++t) count += g.on(t).size();
+  for (int t = 0; t < g.frames(); ++t) count += g.active(t).size();
   return count;
 }
 std::size_t joinable(const HiddenGraph& g, Index a) {
   return static_cast<std::size_t>(
-      std::ranges::count_if(g.beside(a), [&](const auto& b) { return g.can_join(a, b.node); }));
+      std::ranges::count_if(g.neighbours(a), [&](const auto& b) { return g.can_add_edge(a, b.node); }));
 }
 std::size_t linkable(const HiddenGraph& g, Index v) {
   return static_cast<std::size_t>(
-      std::ranges::count_if(g.ahead(v), [&](Index to) { return g.can_link(v, to); }));
+      std::ranges::count_if(g.candidates_after(v), [&](Index to) { return g.can_link(v, to); }));
 }
 
 /// How many edges, and pasts, the patch that one state has more could get from the one it is beside.
 std::size_t shares(const HiddenGraph& one, const HiddenGraph& two) {
   Index i = 0;
-  while (one[i].on || !two[i].on) ++i;
+  while (one[i].active || !two[i].active) ++i;
   const auto gated = [&](Index a, Index b) {
-    return std::ranges::any_of(one.beside(a), [&](const auto& near) { return near.node == b; });
+    return std::ranges::any_of(one.neighbours(a), [&](const auto& near) { return near.node == b; });
   };
   for (const Index v : two[i].edges) {
     const bool whole = std::ranges::all_of(
@@ -99,7 +99,7 @@ HiddenGraph rows() {
   HiddenGraph g(60, 60, 2, {8, 12, 0});
   const Index v = shown(g, 1, patch(30, 30));
   for (const auto& [x, y] : {std::pair{35.0, 30.0}, {25.0, 30.0}, {30.0, 35.0}, {30.0, 25.0}})
-    g.join(v, shown(g, 1, patch(x, y, 0.1, -20)));
+    g.add_edge(v, shown(g, 1, patch(x, y, 0.1, -20)));
   g.link(shown(g, 0, patch(30, 31)), v);
   g.add_candidate(1, patch(31, 31, 0.3));
   g.add_candidate(1, patch(28, 31, 0.2));
@@ -194,7 +194,7 @@ TEST_CASE("The checker catches births and deaths that count in the old state", "
   require_caught(pairs(), "add, delete", [](const HiddenGraph& was, const HiddenGraph& is, int frame) {
     const bool add = count_on(is) > count_on(was);
     const auto back = [&](const HiddenGraph& g) {
-      return -log_count(add ? g.on(frame).size() : g.off(frame).size());
+      return -log_count(add ? g.active(frame).size() : g.inactive(frame).size());
     };
     return back(was) - back(is);
   });
@@ -204,8 +204,8 @@ TEST_CASE("The checker catches births and deaths that leave their chances out", 
   const mcmc::Density density(test::even_theta());
   const auto right = test::checked(test::move_named("add, delete"));
   REQUIRE(check_ratios(pairs(), density, {right}).worst_ratio <= 1e-10);
-  const CheckedMove wrong = [&](Edit& edit, Draws& draws, int frame) -> std::optional<double> {
-    if (!right(edit, draws, frame)) return std::nullopt;
+  const CheckedMove wrong = [&](StateChange& change, ChoiceSource& draws, int frame) -> std::optional<double> {
+    if (!right(change, draws, frame)) return std::nullopt;
     return 0;
   };
   const auto caught = check_ratios(pairs(), density, {wrong});
@@ -217,10 +217,10 @@ TEST_CASE("The checker catches births and deaths that leave their chances out", 
 TEST_CASE("The checker catches a way there that has no way back", "[mcmc][mutants]") {
   const mcmc::Density density(test::even_theta());
   const auto right = test::checked(test::move_named("add, delete"));
-  const CheckedMove only_add = [&](Edit& edit, Draws& draws, int frame) -> std::optional<double> {
-    const std::size_t count = edit.state().on(frame).size();
-    const auto ratio = right(edit, draws, frame);
-    if (ratio && edit.state().on(frame).size() > count) return ratio;
+  const CheckedMove only_add = [&](StateChange& change, ChoiceSource& draws, int frame) -> std::optional<double> {
+    const std::size_t count = change.state().active(frame).size();
+    const auto ratio = right(change, draws, frame);
+    if (ratio && change.state().active(frame).size() > count) return ratio;
     return std::nullopt;
   };
   // The checker's draws undo what a move leaves behind.

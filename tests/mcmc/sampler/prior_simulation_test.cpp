@@ -15,76 +15,74 @@ using namespace emberfold;
 using mcmc::Density;
 using mcmc::HiddenGraph;
 using mcmc::Index;
-using mcmc::Theta;
-using test::kLivelyGates;
-using test::Mean;
+using mcmc::SamplerParameters;
 
 namespace {
 
 struct Change {
   const char* name;
-  std::function<void(Theta&)> apply;
+  std::function<void(SamplerParameters&)> apply;
 };
 const std::vector<Change>& changes() {
   static const std::vector<Change> all = {
-      {"birth in frame 0", [](Theta& t) { t.birth[0] *= 1.15; }},
-      {"birth", [](Theta& t) { t.birth[1] *= 1.15; }},
-      {"growth of ends", [](Theta& t) { t.growth[0] *= 1.3; }},
-      {"growth inside", [](Theta& t) { t.growth[1] *= 1.4; }},
-      {"growth of junctions", [](Theta& t) { t.growth[2] *= 1.4; }},
-      {"growth of what is new", [](Theta& t) { t.growth[3] *= 1.2; }},
-      {"growth in frame 0", [](Theta& t) { t.first_growth *= 1.15; }},
+      {"birth in frame 0", [](SamplerParameters& t) { t.birth[0] *= 1.15; }},
+      {"birth", [](SamplerParameters& t) { t.birth[1] *= 1.15; }},
+      {"growth of ends", [](SamplerParameters& t) { t.growth[0] *= 1.3; }},
+      {"growth inside", [](SamplerParameters& t) { t.growth[1] *= 1.4; }},
+      {"growth of junctions", [](SamplerParameters& t) { t.growth[2] *= 1.4; }},
+      {"growth of what is new", [](SamplerParameters& t) { t.growth[3] *= 1.2; }},
+      {"growth in frame 0", [](SamplerParameters& t) { t.first_growth *= 1.15; }},
       {"death",
-       [](Theta& t) {
+       [](SamplerParameters& t) {
          for (auto& c : t.outcome) c[0] += 0.03, c[1] -= 0.03;
        }},
       {"death where neighbours died",
-       [](Theta& t) {
-         for (std::size_t c = 2; c < mcmc::kConfigs; c += 3) t.outcome[c][0] += 0.1, t.outcome[c][1] -= 0.1;
+       [](SamplerParameters& t) {
+         for (std::size_t c = 2; c < mcmc::kOutcomeContexts; c += 3) t.outcome[c][0] += 0.1, t.outcome[c][1] -= 0.1;
        }},
       {"splits",
-       [](Theta& t) {
+       [](SamplerParameters& t) {
          for (auto& c : t.outcome) c[2] += 0.03, c[1] -= 0.03;
        }},
       {"merges",
-       [](Theta& t) {
+       [](SamplerParameters& t) {
          for (auto& c : t.outcome) c[3] += 0.03, c[1] -= 0.03;
        }},
-      {"further parts", [](Theta& t) { t.split_more += 0.05; }},
+      {"further parts", [](SamplerParameters& t) { t.split_more += 0.05; }},
       {"keep",
-       [](Theta& t) {
+       [](SamplerParameters& t) {
          for (double& p : t.join[2]) p -= 0.02;
        }},
       {"connect",
-       [](Theta& t) {
+       [](SamplerParameters& t) {
          for (double& p : t.join[0]) p += 0.03;
        }},
       {"close in frame 0",
-       [](Theta& t) {
+       [](SamplerParameters& t) {
          for (double& p : t.close[0]) p += 0.05;
        }},
       {"close",
-       [](Theta& t) {
+       [](SamplerParameters& t) {
          for (double& p : t.close[1]) p += 0.06;
        }},
-      {"along", [](Theta& t) { t.along *= 1.05; }},
-      {"across", [](Theta& t) { t.across *= 1.05; }},
-      {"turn", [](Theta& t) { t.turn *= 1.06; }},
-      {"flicker", [](Theta& t) { t.flicker *= 1.06; }},
-      {"spread of parts", [](Theta& t) { t.split_spread *= 1.06; }},
-      {"a1", [](Theta& t) { t.sway.a1 += 0.03; }},
-      {"a2", [](Theta& t) { t.sway.a2 += 0.03; }},
-      {"noise", [](Theta& t) { t.sway.noise *= 1.03; }},
-      {"coupling", [](Theta& t) { t.sway.coupling += 0.05; }},
-      {"step", [](Theta& t) { t.step += 0.1; }},
-      {"spread of steps", [](Theta& t) { t.step_sd *= 1.1, t.side_sd *= 1.1, t.bend_sd *= 1.1; }},
-      {"branches", [](Theta& t) { t.branch += 0.05; }},
-      {"contrast", [](Theta& t) { t.new_contrast += 0.02, t.grown_contrast_sd *= 1.1; }},
+      {"along", [](SamplerParameters& t) { t.along *= 1.05; }},
+      {"across", [](SamplerParameters& t) { t.across *= 1.05; }},
+      {"turn", [](SamplerParameters& t) { t.turn *= 1.06; }},
+      {"flicker", [](SamplerParameters& t) { t.flicker *= 1.06; }},
+      {"spread of parts", [](SamplerParameters& t) { t.split_spread *= 1.06; }},
+      {"a1", [](SamplerParameters& t) { t.displacement.a1 += 0.03; }},
+      {"a2", [](SamplerParameters& t) { t.displacement.a2 += 0.03; }},
+      {"noise", [](SamplerParameters& t) { t.displacement.noise *= 1.03; }},
+      {"coupling", [](SamplerParameters& t) { t.displacement.coupling += 0.05; }},
+      {"step", [](SamplerParameters& t) { t.step += 0.1; }},
+      {"spread of steps", [](SamplerParameters& t) { t.step_sd *= 1.1, t.side_sd *= 1.1, t.bend_sd *= 1.1; }},
+      {"branches", [](SamplerParameters& t) { t.branch += 0.05; }},
+      {"contrast", [](SamplerParameters& t) { t.new_contrast += 0.02, t.grown_contrast_sd *= 1.1; }},
       {"kinds",
-       [](Theta& t) {
+       [](SamplerParameters& t) {
          t.kinds = {0.45, 0.3, 0.25};
        }},
-      {"other kinds", [](Theta& t) { t.other_kind = 0.08; }}};
+      {"other kinds", [](SamplerParameters& t) { t.other_kind = 0.08; }}};
   return all;
 }
 
@@ -97,11 +95,11 @@ bool crowded(const HiddenGraph& g) {
 /// E[π′(x)/π(x)] = 1 over draws x from π, whatever π′: where a factor were not normalised, or the draws not
 /// from it, it would not be.
 void check_normalised(std::uint32_t draws) {
-  const Theta theta = test::lively_theta();
+  const SamplerParameters theta = test::lively_theta();
   const Density density(theta);
   std::vector<Density> changed;
   for (const Change& change : changes()) {
-    Theta t = theta;
+    SamplerParameters t = theta;
     change.apply(t);
     changed.emplace_back(t);
   }
@@ -109,17 +107,17 @@ void check_normalised(std::uint32_t draws) {
   std::map<mcmc::Outcome, int> seen;
   for (std::uint32_t n = 0; n < draws; ++n) {
     core::Rng rng(7, {n, 0, 0});
-    const auto g = draw_forward(theta, 50, 50, 3, kLivelyGates, rng);
+    const auto g = simulate_prior(theta, 50, 50, 3, kLivelyGates, rng);
     const double log_density = density.total(g);
     // In a hundred thousand draws one is so crowded that an edge finds no room any more.
     if (!std::isfinite(log_density)) REQUIRE(crowded(g));
     for (std::size_t k = 0; k < changed.size(); ++k)
       ratios[k].push_back(std::isfinite(log_density) ? std::exp(changed[k].total(g) - log_density) : 1);
     for (const int t : {0, 1})
-      for (const Index i : g.on(t)) ++seen[outcome(g, i)];
+      for (const Index i : g.active(t)) ++seen[outcome(g, i)];
   }
   for (const auto what :
-       {mcmc::Outcome::death, mcmc::Outcome::going_on, mcmc::Outcome::split, mcmc::Outcome::merge})
+       {mcmc::Outcome::death, mcmc::Outcome::survival, mcmc::Outcome::split, mcmc::Outcome::merge})
     CHECK(seen[what] > 50);
   for (std::size_t k = 0; k < changed.size(); ++k) {
     const Mean mean = test::mean_of(ratios[k]);
@@ -131,26 +129,26 @@ void check_normalised(std::uint32_t draws) {
 
 constexpr int kSize = 30, kFrames = 3;
 constexpr mcmc::Gates kFreeGates{14, 16, 0};
-Theta small_theta() {
-  Theta t = test::lively_theta();
+SamplerParameters small_theta() {
+  SamplerParameters t = test::lively_theta();
   t.birth = {0.002, 0.0006};
   t.growth = {0.12, 0.06, 0.1, 0.6};
   t.first_growth = 0.7;
   // Spread wide, so that a chain finds its way.
   t.along = 2, t.across = 1.5, t.turn = 0.4, t.flicker = 0.3;
   t.step_sd = 1, t.side_sd = 1.2, t.bend_sd = 0.4, t.grown_contrast_sd = 0.3;
-  t.sway.noise = 0.5;
+  t.displacement.noise = 0.5;
   for (std::size_t k = 0; k < mcmc::kCloseness; ++k) t.join[1][k] = t.join[0][k] + 0.02;
   return t;
 }
-HiddenGraph forward(const Theta& theta, std::uint32_t purpose, std::uint32_t number) {
+HiddenGraph forward(const SamplerParameters& theta, std::uint32_t purpose, std::uint32_t number) {
   core::Rng rng(31, {purpose, number, 0});
-  return draw_forward(theta, kSize, kSize, kFrames, kFreeGates, rng);
+  return simulate_prior(theta, kSize, kSize, kFrames, kFreeGates, rng);
 }
 
 /// A chain of so many moves against so many draws.
 void check_prior(int moves, std::uint32_t draws) {
-  const Theta theta = small_theta();
+  const SamplerParameters theta = small_theta();
   std::vector<std::vector<double>> drawn, chained;
   std::vector<std::string> names;
   const auto note = [&](const HiddenGraph& g, auto& into) {
@@ -179,7 +177,7 @@ void check_prior(int moves, std::uint32_t draws) {
 /// States drawn from the density, each moved by one kind of move alone: their law stays.
 void check_kept(const char* name, const std::function<void(test::FreeChain&)>& step, std::uint32_t draws,
                 bool seldom = false, int steps = 30) {
-  const Theta theta = small_theta();
+  const SamplerParameters theta = small_theta();
   std::vector<std::vector<double>> change;
   std::vector<std::string> names;
   std::size_t accepted = 0;
@@ -210,9 +208,9 @@ void check_each_kept(std::uint32_t draws) {
   for (const auto& move : mcmc::moves())
     check_kept(
         move.name.data(), [&](test::FreeChain& chain) { chain.step(move); }, draws,
-        move.propose == mcmc::hand_over);
+        move.propose == mcmc::relink_stroke);
   check_kept(
-      "sway", [](test::FreeChain& chain) { chain.move_sway(); }, draws);
+      "sway", [](test::FreeChain& chain) { chain.move_displacement(); }, draws);
 }
 
 }  // namespace
@@ -250,10 +248,10 @@ TEST_CASE("Forward draws are what the seed says and all of it is on", "[mcmc][fo
   CHECK(a == b);
   CHECK(a.hash() == b.hash());
   CHECK(a.hash() != c.hash());
-  for (int t = 0; t < kFrames; ++t) CHECK(a.off(t).empty());
+  for (int t = 0; t < kFrames; ++t) CHECK(a.inactive(t).empty());
   core::Rng rng(1, {0, 0, 0});
-  REQUIRE_THROWS_AS(draw_forward(small_theta(), 30, 30, 0, kFreeGates, rng), core::InputError);
-  Theta wrong = small_theta();
+  REQUIRE_THROWS_AS(simulate_prior(small_theta(), 30, 30, 0, kFreeGates, rng), core::InputError);
+  SamplerParameters wrong = small_theta();
   wrong.birth[0] = -1;
-  REQUIRE_THROWS_AS(draw_forward(wrong, 30, 30, 2, kFreeGates, rng), core::InputError);
+  REQUIRE_THROWS_AS(simulate_prior(wrong, 30, 30, 2, kFreeGates, rng), core::InputError);
 }

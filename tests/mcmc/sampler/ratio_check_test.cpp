@@ -61,7 +61,7 @@ HiddenGraph fan() {
   const Index past = shown(g, 0, patch(30, 31));
   const Index v = shown(g, 1, patch(30, 30));
   for (const auto& [x, y] : {std::pair{35.0, 30.0}, {25.0, 30.0}, {30.0, 35.0}, {30.0, 25.0}})
-    g.join(v, shown(g, 1, patch(x, y, 0.1, -20)));
+    g.add_edge(v, shown(g, 1, patch(x, y, 0.1, -20)));
   g.add_candidate(1, patch(31, 31, 0.3));
   g.add_candidate(1, patch(28, 31, 0.2));
   g.link(past, v);
@@ -93,7 +93,7 @@ HiddenGraph rings() {
     std::vector<Index> ring;
     for (const auto& [x, y] : {std::pair{20.0, 20.0}, {25.0, 20.0}, {25.0, 25.0}, {20.0, 25.0}})
       ring.push_back(shown(g, t, patch(x + t, y)));
-    for (std::size_t k = 0; k < 4; ++k) g.join(ring[k], ring[(k + 1) % 4]);
+    for (std::size_t k = 0; k < 4; ++k) g.add_edge(ring[k], ring[(k + 1) % 4]);
   }
   test::furnish(g);
   return g;
@@ -157,18 +157,18 @@ void require_right_together(const HiddenGraph& start, const Density& density,
 HiddenGraph stirred(HiddenGraph g, const Density& density, const std::vector<CheckedMove>& moves,
                     std::uint32_t number, int times) {
   core::Rng rng(5, {number, 0, 0});
-  mcmc::Scratch scratch;
-  scratch.fit(g.size());
-  mcmc::Edit edit(g, density, scratch);
-  mcmc::RandomDraws draws(rng);
+  mcmc::FactorCache cache;
+  cache.resize(g.size());
+  mcmc::StateChange change(g, density, cache);
+  mcmc::RandomChoices draws(rng);
   for (int n = 0; n < times; ++n) {
     const int frame = static_cast<int>(draws.below(static_cast<std::size_t>(g.frames())));
-    const auto ratio = moves[draws.below(moves.size())](edit, draws, frame);
-    if (ratio && std::isfinite(edit.gain())) edit.keep();
-    edit.undo();
+    const auto ratio = moves[draws.below(moves.size())](change, draws, frame);
+    if (ratio && std::isfinite(change.gain())) change.commit();
+    change.rollback();
   }
   for (int t = 0; t < g.frames(); ++t)
-    for (const Index i : g.on(t)) g.set_sway(i, 0);  // as the checker's draws have it
+    for (const Index i : g.active(t)) g.set_displacement(i, 0);  // as the checker's draws have it
   return g;
 }
 
@@ -239,12 +239,12 @@ TEST_CASE("The models put every move to use", "[mcmc][ratios]") {
   for (const auto& move : mcmc::moves()) {
     if (std::ranges::find(kAllButLinks, move.name) != kAllButLinks.end()) continue;
     Use& use = uses[move.name];
-    counting.push_back([&use, inner = test::checked(move)](mcmc::Edit& edit, mcmc::Draws& draws, int frame) {
-      const HiddenGraph was = edit.state();
-      const auto ratio = inner(edit, draws, frame);
-      if (ratio && !(was == edit.state())) {
+    counting.push_back([&use, inner = test::checked(move)](mcmc::StateChange& change, mcmc::ChoiceSource& draws, int frame) {
+      const HiddenGraph was = change.state();
+      const auto ratio = inner(change, draws, frame);
+      if (ratio && !(was == change.state())) {
         ++use.times;
-        use.most_links = std::max(use.most_links, links_changed(was, edit.state()));
+        use.most_links = std::max(use.most_links, links_changed(was, change.state()));
       }
       return ratio;
     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moves there and back between states of patches anywhere that sway.
+// Moves there and back between states of patches anywhere that displacement.
 #include <cmath>
 #include <map>
 
@@ -8,7 +8,7 @@
 
 using namespace emberfold;
 using mcmc::Density;
-using mcmc::Edit;
+using mcmc::StateChange;
 using mcmc::HiddenGraph;
 using mcmc::Index;
 using mcmc::Move;
@@ -21,30 +21,30 @@ struct Ways {
   std::vector<double> claimed;  ///< ratios, of each
 };
 
-/// All draws of the move that lead from one state to the other, each normal draw being `sway`.
-Ways ways(HiddenGraph g, const Density& density, const Move& move, int frame, double sway,
+/// All draws of the move that lead from one state to the other, each normal draw being `displacement`.
+Ways ways(HiddenGraph g, const Density& density, const Move& move, int frame, double displacement,
           const HiddenGraph& to) {
-  mcmc::Scratch scratch;
-  scratch.fit(g.size());
-  Edit edit(g, density, scratch);
-  AllDraws draws(sway);
+  mcmc::FactorCache cache;
+  cache.resize(g.size());
+  StateChange change(g, density, cache);
+  AllDraws draws(displacement);
   Ways result;
   const auto goal = to.hash();
   do {
-    const auto ratio = move.propose(edit, draws, frame);
+    const auto ratio = move.propose(change, draws, frame);
     if (ratio && g.hash() == goal && g == to) {
       result.chance += draws.chance();
       result.claimed.push_back(*ratio);
     }
-    edit.undo();
+    change.rollback();
   } while (draws.advance());
   return result;
 }
 
-/// The sway of the patch that one of the states has and the other has not; 0 where there is none.
+/// The displacement of the patch that one of the states has and the other has not; 0 where there is none.
 double new_sway(const HiddenGraph& a, const HiddenGraph& b) {
   for (Index i = 0; i < a.size(); ++i)
-    if (a[i].on != b[i].on) return a[i].on ? a[i].sway : b[i].sway;
+    if (a[i].active != b[i].active) return a[i].active ? a[i].displacement : b[i].displacement;
   return 0;
 }
 
@@ -53,10 +53,10 @@ void there_and_back(HiddenGraph g, std::uint32_t number, int times, bool strokes
                     std::map<std::string_view, int>& seen) {
   const Density density(test::lively_theta());
   core::Rng rng(17, {number, 0, 0});
-  mcmc::Scratch scratch;
-  scratch.fit(g.size());
-  Edit edit(g, density, scratch);
-  mcmc::RandomDraws draws(rng);
+  mcmc::FactorCache cache;
+  cache.resize(g.size());
+  StateChange change(g, density, cache);
+  mcmc::RandomChoices draws(rng);
   for (int n = 0; n < times; ++n) {
     // Strokes are left whole, and are tied more often than elsewhere: there must be some to hand over.
     const auto all = strokes ? mcmc::moves().last(3) : mcmc::moves();
@@ -64,15 +64,15 @@ void there_and_back(HiddenGraph g, std::uint32_t number, int times, bool strokes
     const int frame =
         static_cast<int>(draws.below(static_cast<std::size_t>(g.frames() - move.between_frames)));
     const HiddenGraph was = g;
-    const auto ratio = move.propose(edit, draws, frame);
-    if (!ratio || !std::isfinite(edit.gain()) || was == g) {
-      edit.undo();
+    const auto ratio = move.propose(change, draws, frame);
+    if (!ratio || !std::isfinite(change.gain()) || was == g) {
+      change.rollback();
       continue;
     }
-    edit.keep();
-    const double sway = new_sway(was, g);
-    const Ways there = ways(was, density, move, frame, sway, g);
-    const Ways back = ways(g, density, move, frame, sway, was);
+    change.commit();
+    const double displacement = new_sway(was, g);
+    const Ways there = ways(was, density, move, frame, displacement, g);
+    const Ways back = ways(g, density, move, frame, displacement, was);
     INFO(move.name << " in state " << number << " after " << n);
     REQUIRE(!there.claimed.empty());
     REQUIRE(!back.claimed.empty());
@@ -89,7 +89,7 @@ HiddenGraph heirs(std::uint32_t number) {
   core::Rng rng(18, {number, 0, 0});
   HiddenGraph g(60, 60, 2, {6, 12, 0});
   test::row(g, 0, 3, 20, 20), test::row(g, 0, 3, 20, 27), test::row(g, 1, 3, 20, 23);
-  for (Index i = 0; i < g.size(); ++i) g.set_sway(i, rng.normal());
+  for (Index i = 0; i < g.size(); ++i) g.set_displacement(i, rng.normal());
   test::furnish(g);
   return g;
 }

@@ -34,9 +34,9 @@ inline graph::Patch step_patch(double x, double y, double theta = 0.1, double co
 }
 
 /// Every chance another, and none so small that a state has no weight.
-inline mcmc::Theta even_theta() {
-  auto theta = mcmc::usual_theta(3, 3600);
-  for (std::size_t c = 0; c < mcmc::kConfigs; ++c) {
+inline mcmc::SamplerParameters even_theta() {
+  auto theta = mcmc::usual_parameters(3, 3600);
+  for (std::size_t c = 0; c < mcmc::kOutcomeContexts; ++c) {
     const double shift = 0.01 * static_cast<double>(c);
     theta.outcome[c] = {0.2 + shift, 0.6 - shift, 0.12, 0.08};
   }
@@ -50,14 +50,14 @@ inline mcmc::Theta even_theta() {
   theta.first_growth = 1.3;
   theta.along = 4, theta.across = 3, theta.turn = 0.4, theta.flicker = 0.5;
   theta.step_sd = 3, theta.side_sd = 2, theta.bend_sd = 0.5;
-  theta.sway = {1.2, -0.5, 0.1, 0.8, 0, 0};
+  theta.displacement = {1.2, -0.5, 0.1, 0.8, 0, 0};
   return theta;
 }
 
 /// As the one before, but its draws end and stay within gates of 12 px: for forward simulation.
-inline mcmc::Theta lively_theta() {
-  auto theta = mcmc::usual_theta(5, 2500);
-  for (std::size_t c = 0; c < mcmc::kConfigs; ++c) {
+inline mcmc::SamplerParameters lively_theta() {
+  auto theta = mcmc::usual_parameters(5, 2500);
+  for (std::size_t c = 0; c < mcmc::kOutcomeContexts; ++c) {
     const double death = 0.15 + 0.01 * static_cast<double>(c % 7);
     theta.outcome[c] = {death, 1 - death - 0.1 - 0.08, 0.1, 0.08};
   }
@@ -66,7 +66,7 @@ inline mcmc::Theta lively_theta() {
   theta.birth = {0.0012, 0.0006};
   theta.growth = {0.2, 0.1, 0.15, 0.9};
   theta.first_growth = 1;
-  theta.sway = {1.2, -0.5, 0.1, 0.3, 0, 0};
+  theta.displacement = {1.2, -0.5, 0.1, 0.3, 0, 0};
   theta.new_contrast_sd = 0.2;
   theta.kinds = {0.5, 0.3, 0.2};
   theta.other_kind = 0.05;
@@ -83,13 +83,13 @@ constexpr mcmc::Gates kLivelyGates{10, 12, 0};
 inline void furnish(HiddenGraph& g) {
   for (Index i = 0; i < g.size(); ++i) {
     g.set_evidence(i, 1.5 + 0.3 * i);
-    g.set_place(i, 0.1 * i, static_cast<std::uint8_t>((2 * i) % mcmc::kPlaces), {0.1 * (i % 3), 0.2});
+    g.set_map_values(i, 0.1 * i, static_cast<std::uint8_t>((2 * i) % mcmc::kPlaces), {0.1 * (i % 3), 0.2});
   }
 }
 
 inline Index shown(HiddenGraph& g, int frame, const graph::Patch& p) {
   const Index i = g.add_candidate(frame, p);
-  g.put(i);
+  g.activate(i);
   return i;
 }
 
@@ -98,14 +98,14 @@ inline Index row(HiddenGraph& g, int frame, int count, double x, double y, bool 
   const auto first = static_cast<Index>(g.size());
   for (int k = 0; k < count; ++k) {
     const Index i = shown(g, frame, patch(x + 5 * k, y));
-    if (joined && k > 0) g.join(i - 1, i);
+    if (joined && k > 0) g.add_edge(i - 1, i);
   }
   return first;
 }
 
 /// The chance that a test calls the draws of: `normal` always gives the same number; the others go every way
 /// in turn.
-class AllDraws final : public mcmc::Draws {
+class AllDraws final : public mcmc::ChoiceSource {
  public:
   explicit AllDraws(double normal) : normal_(normal) {}
   std::size_t below(std::size_t count) override {
@@ -142,9 +142,9 @@ class AllDraws final : public mcmc::Draws {
 
 /// A move of moves(), as the checker takes it.
 inline mcmc::CheckedMove checked(const mcmc::Move& move) {
-  return [&move](mcmc::Edit& edit, mcmc::Draws& draws, int frame) -> std::optional<double> {
-    if (move.between_frames && frame + 1 >= edit.state().frames()) return std::nullopt;
-    return move.propose(edit, draws, frame);
+  return [&move](mcmc::StateChange& change, mcmc::ChoiceSource& draws, int frame) -> std::optional<double> {
+    if (move.between_frames && frame + 1 >= change.state().frames()) return std::nullopt;
+    return move.propose(change, draws, frame);
   };
 }
 inline const mcmc::Move& move_named(std::string_view name) {
@@ -160,11 +160,11 @@ inline HiddenGraph drawn_state(std::uint32_t number, int frames = 3, double size
   auto gates = kLivelyGates;
   gates.overlap = overlap;
   const int side = static_cast<int>(size);
-  auto g = mcmc::draw_forward(lively_theta(), side, side, frames, gates, rng);
+  auto g = mcmc::simulate_prior(lively_theta(), side, side, frames, gates, rng);
   for (int k = 0; k < candidates; ++k) {
     const int frame = static_cast<int>(rng.below(static_cast<std::uint32_t>(frames)));
     graph::Point at{rng.uniform(0, size), rng.uniform(0, size)};
-    const auto on = g.on(frame);
+    const auto on = g.active(frame);
     double contrast = rng.uniform(15, 25) * (rng.below(4) == 0 ? -1 : 1);
     if (!on.empty() && rng.below(4) > 0) {
       const auto& near = g[on[rng.below(static_cast<std::uint32_t>(on.size()))]].patch;
@@ -176,8 +176,8 @@ inline HiddenGraph drawn_state(std::uint32_t number, int frames = 3, double size
   furnish(g);
   // Where some lie nothing begins: they must have grown.
   for (int t = 0; t < frames; ++t)
-    for (const Index i : g.off(t))
-      if (i % 3 == 0) g.set_place(i, -std::numeric_limits<double>::infinity(), g[i].place, g[i].drift);
+    for (const Index i : g.inactive(t))
+      if (i % 3 == 0) g.set_map_values(i, -std::numeric_limits<double>::infinity(), g[i].place, g[i].drift);
   return g;
 }
 

@@ -8,7 +8,7 @@
 #include "core/error.hpp"
 #include "graph/events/events.hpp"
 #include "mcmc/learning/fit.hpp"
-#include "mcmc/simulation/event_census.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/motion_models.hpp"
@@ -32,7 +32,7 @@ mcmc::MotionModel make_lively(double split, double merge, double connect, double
   model.rates.death_by_size.fill(0.04);
   model.rates.split = split, model.rates.merge = merge, model.rates.connect = connect;
   model.rates.disconnect = disconnect;
-  model.sway = {1.4, -0.5, 0.05, 0.3, 20, 0};
+  model.displacement = {1.4, -0.5, 0.05, 0.3, 20, 0};
   model.contrast = {0.8, 0.1, 0, 0.03, 20, 0};
   for (double& value : model.density.values) value = 0.6;
   model.first = model.exemplars[0].graph;
@@ -47,9 +47,9 @@ mcmc::MotionModel lively() {
 }
 
 // Events a frame in a long clip.
-mcmc::Census seen(const mcmc::MotionModel& model, int frames = 1200) {
+mcmc::EventStatistics seen(const mcmc::MotionModel& model, int frames = 1200) {
   mcmc::Synthesis synthesis(model, 99);
-  mcmc::Census mean;
+  mcmc::EventStatistics mean;
   (void)synthesis.next();
   for (int t = 0; t < frames; ++t) {
     const auto graph = synthesis.next();
@@ -60,8 +60,8 @@ mcmc::Census seen(const mcmc::MotionModel& model, int frames = 1200) {
   return mean;
 }
 
-double of(const mcmc::Census& census, EventType type) {
-  return census.events[static_cast<std::size_t>(type)];
+double of(const mcmc::EventStatistics& statistics, EventType type) {
+  return statistics.events[static_cast<std::size_t>(type)];
 }
 
 // Four SD of a Poisson count in so many frames, and what settling may be off by.
@@ -104,7 +104,7 @@ TEST_CASE("Edits out of range are refused by name", "[edit_motion]") {
 
 TEST_CASE("A law at twice the speed is that of every other frame", "[edit_motion]") {
   const mcmc::Autoregression slow{1.6, -0.68, 0, 0.3, 12, 0.1};  // complex poles
-  const auto fast = mcmc::at_speed(slow, 2);
+  const auto fast = mcmc::change_speed(slow, 2);
   const std::complex<double> pole =
       (slow.a1 + std::sqrt(std::complex<double>(slow.a1 * slow.a1 + 4 * slow.a2))) / 2.0;
   CHECK_THAT(fast.a1, Catch::Matchers::WithinAbs(2 * (pole * pole).real(), 1e-12));
@@ -112,7 +112,7 @@ TEST_CASE("A law at twice the speed is that of every other frame", "[edit_motion
   CHECK_THAT(mcmc::stationary_deviation(fast),
              Catch::Matchers::WithinRel(mcmc::stationary_deviation(slow), 1e-9));
   // There and back again.
-  const auto back = mcmc::at_speed(mcmc::at_speed(slow, 0.5), 2);
+  const auto back = mcmc::change_speed(mcmc::change_speed(slow, 0.5), 2);
   CHECK_THAT(back.a1, Catch::Matchers::WithinAbs(slow.a1, 1e-9));
   CHECK_THAT(back.a2, Catch::Matchers::WithinAbs(slow.a2, 1e-9));
   CHECK_THAT(back.noise, Catch::Matchers::WithinRel(slow.noise, 1e-9));
@@ -121,7 +121,7 @@ TEST_CASE("A law at twice the speed is that of every other frame", "[edit_motion
        {slow, mcmc::Autoregression{0.3, 0.2, 0.1, 1, 0, 0}, mcmc::Autoregression{-0.4, 0.3, 0, 1, 5, 0},
         mcmc::Autoregression{1.98, -0.985, 0.01, 0.1, 30, 0}})
     for (const double factor : {0.1, 0.5, 1.7, 10.0}) {
-      const auto other = mcmc::at_speed(law, factor);
+      const auto other = mcmc::change_speed(law, factor);
       CAPTURE(law.a1, law.a2, law.coupling, factor);
       CHECK(mcmc::spectral_radius(other) < 1);
       CHECK_THAT(mcmc::stationary_deviation(other),
@@ -134,11 +134,11 @@ TEST_CASE("Intensity scales how far strokes sway and nothing else", "[edit_motio
   MotionEdit edit;
   edit.intensity = 2.5, edit.flicker = 0.5;
   const auto edited = mcmc::edit_motion(model, edit).model;
-  CHECK_THAT(mcmc::stationary_deviation(edited.sway),
-             Catch::Matchers::WithinRel(2.5 * mcmc::stationary_deviation(model.sway), 1e-12));
+  CHECK_THAT(mcmc::stationary_deviation(edited.displacement),
+             Catch::Matchers::WithinRel(2.5 * mcmc::stationary_deviation(model.displacement), 1e-12));
   CHECK_THAT(mcmc::stationary_deviation(edited.contrast),
              Catch::Matchers::WithinRel(0.5 * mcmc::stationary_deviation(model.contrast), 1e-12));
-  model.sway.noise = edited.sway.noise, model.contrast.noise = edited.contrast.noise;
+  model.displacement.noise = edited.displacement.noise, model.contrast.noise = edited.contrast.noise;
   CHECK(edited == model);
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("Strokes are born where the map is painted", "[edit_motion]") {
     for (int column = 12; column < 18; ++column)
       edit.birth_map->values[static_cast<std::size_t>(row * edit.birth_map->columns + column)] = 1;
   const auto edited = mcmc::edit_motion(model, edit).model;
-  const auto motion = mcmc::synthesize(edited, 300, 3).motion;
+  const auto motion = mcmc::synthesize(edited, 300, 3);
   int births = 0, inside = 0;
   for (const auto& event : graph::stroke_events(motion)) {
     if (event.type != EventType::birth) continue;

@@ -29,7 +29,7 @@ struct Clip {
   std::vector<Tally> tallies;
 };
 Clip clip(const mcmc::MotionModel& model, int frames, std::uint64_t seed = 1) {
-  Clip result{mcmc::synthesize(model, frames, seed).motion, {}};
+  Clip result{mcmc::synthesize(model, frames, seed), {}};
   mcmc::Synthesis synthesis(model, seed);
   for (int t = 0; t < frames; ++t) {
     (void)synthesis.next();
@@ -63,7 +63,7 @@ void check_agreement(const Clip& clip, EventType type, bool later, int least) {
   CHECK(all >= least);
 }
 
-std::size_t strokes(const graph::AttributeGraph& graph) {
+std::size_t vertices_by_stroke(const graph::AttributeGraph& graph) {
   return graph::components(graph).count;
 }
 
@@ -149,12 +149,12 @@ TEST_CASE("At a rate of one a stroke splits once and leaves a gap of that width"
     model.rates.split = 1;
     model.rates.split_gap = gap;
     // A place in the middle, where both sides are long.
-    for (double& value : model.rates.parting.values) value = 0;
-    model.rates.parting.values[model.rates.parting.index({120, 20})] = 1;
+    for (double& value : model.rates.separation.values) value = 0;
+    model.rates.separation.values[model.rates.separation.index({120, 20})] = 1;
     const auto found = clip(model, 3);
     CHECK(found.tallies[1] == Tally{0, 0, 1, 0, 0, 0});
     const auto& after = found.motion.sketch.frames[2];
-    CHECK(strokes(after) == 2);
+    CHECK(vertices_by_stroke(after) == 2);
     std::vector<double> ends;
     for (std::size_t v = 0; v < after.size(); ++v)
       if (after.degree(v) == 1) ends.push_back(after.patch(v).position.x);
@@ -178,9 +178,9 @@ TEST_CASE("At a rate of one ends in line merge and ends beside a line connect", 
   const auto found = clip(model, 3);
   const auto type = in_line ? EventType::merge : EventType::connect;
   CHECK(found.tallies[1][number(type)] == 1);
-  CHECK(strokes(found.motion.sketch.frames[0]) == 2);
+  CHECK(vertices_by_stroke(found.motion.sketch.frames[0]) == 2);
   const auto& joined = found.motion.sketch.frames[1];
-  CHECK(strokes(joined) == 1);
+  CHECK(vertices_by_stroke(joined) == 1);
   // 20 px, a patch every 5 px: three, of contrasts between.
   REQUIRE(joined.size() == frame.vertices.size() + 3);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -201,7 +201,7 @@ TEST_CASE("At a rate of one ends in line merge and ends beside a line connect", 
   check_agreement(found, type, false, 1);
   // Beyond their reach they do not.
   model.rates.reach = 19;
-  CHECK(strokes(clip(model, 3).motion.sketch.frames[2]) == 2);
+  CHECK(vertices_by_stroke(clip(model, 3).motion.sketch.frames[2]) == 2);
 }
 
 TEST_CASE("A bridge leaves as the stroke ends and sways as its ends do", "[operators]") {
@@ -211,12 +211,12 @@ TEST_CASE("A bridge leaves as the stroke ends and sways as its ends do", "[opera
       test::segment({20, 72}, {200, 92}, 37));  // the nearest patch lies aside of where the other points
   auto model = showing(frame);
   model.rates.connect = 1;
-  model.sway = {0.9, 0, 0, 0.5, 20, 0};
-  for (double& share : model.sway_share.values) share = 0.01;
+  model.displacement = {0.9, 0, 0, 0.5, 20, 0};
+  for (double& share : model.displacement_scale.values) share = 0.01;
   const auto joined = clip(model, 2).motion.sketch.frames[1];
-  REQUIRE(strokes(joined) == 1);
+  REQUIRE(vertices_by_stroke(joined) == 1);
   REQUIRE(joined.size() >= frame.vertices.size() + 2);
-  // Nothing turns sharply on the way, and what joins what hardly sways hardly sways.
+  // Nothing turns sharply on the way, and what joins what hardly displacements hardly displacements.
   for (auto v = static_cast<std::uint32_t>(frame.vertices.size()); v + 1 < joined.size(); ++v) {
     REQUIRE(joined.degree(v) == 2);
     const auto sides = joined.neighbours(v);
@@ -348,8 +348,8 @@ TEST_CASE("A stroke that drifts out of the frame goes and does not come back", "
   std::size_t before = 12;
   for (std::size_t t = 0; t < 80; ++t) {
     const auto& graph = found.motion.sketch.frames[t];
-    CHECK(strokes(graph) <= before);
-    before = strokes(graph);
+    CHECK(vertices_by_stroke(graph) <= before);
+    before = vertices_by_stroke(graph);
     counts.insert(before);
     // All of a stroke as long as any of it is in the frame, which it is for 90 px.
     CHECK(graph.size() == 19 * before);

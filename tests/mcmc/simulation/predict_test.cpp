@@ -15,13 +15,13 @@ test::Scene swaying(int frames) {
   test::Scene scene;
   scene.frames = frames;
   scene.strokes = test::scattered(5, 3, scene.width, scene.height, 60);
-  scene.sway = {1.7, -0.8, 0.25, 60};
+  scene.displacement = {1.7, -0.8, 0.25, 60};
   return scene;
 }
 
 mcmc::MotionModel model_of(const test::Scene& scene) {
   auto model = test::empty_model();
-  model.sway = {scene.sway.a1, scene.sway.a2, 0, scene.sway.noise, scene.sway.range, 0};
+  model.displacement = {scene.displacement.a1, scene.displacement.a2, 0, scene.displacement.noise, scene.displacement.range, 0};
   return model;
 }
 
@@ -43,7 +43,7 @@ Errors errors(const test::Scene& scene, const test::Made& truth,
       const auto& stroke = scene.strokes[i];
       if (s < 10 || s > stroke.length - 10) continue;
       const Point moved = scene.drift ? scene.drift(stroke.start) * double(t) : Point{};
-      const Point at = stroke.at(s) + stroke.normal(s) * truth.sway[i].at(s, t) + moved;
+      const Point at = stroke.at(s) + stroke.normal(s) * truth.displacement[i].at(s, t) + moved;
       const Point before = truth.motion.sketch.frames[static_cast<std::size_t>(t) - 1].patch(v).position;
       sums.predicted += std::pow(graph::dot(graph.patch(v).position - at, stroke.normal(s)), 2);
       sums.still += std::pow(graph::dot(before - at, stroke.normal(s)), 2);
@@ -64,15 +64,15 @@ TEST_CASE("A prediction is nearly as good as the noise lets it be", "[predict]")
   const auto [error, still] = errors(scene, truth, predicted, 30);
   // Who knows the law, the rest and the past exactly is off by the noise; standing still by
   // √(2 − 2 a1/(1 − a2)) deviations.
-  CHECK(still > 1.5 * scene.sway.noise);
-  CHECK(error > 0.9 * scene.sway.noise);
-  CHECK(error < 1.25 * scene.sway.noise);
+  CHECK(still > 1.5 * scene.displacement.noise);
+  CHECK(error > 0.9 * scene.displacement.noise);
+  CHECK(error < 1.25 * scene.displacement.noise);
   CHECK(error < 0.75 * still);
 }
 
 TEST_CASE("A drift is part of a prediction", "[predict]") {
   auto scene = swaying(60);
-  scene.sway.noise = 0.1;
+  scene.displacement.noise = 0.1;
   scene.drift = [](Point) { return Point{0.5, 0.4}; };
   const auto truth = test::make(scene, 32);
   auto model = model_of(scene);
@@ -80,7 +80,7 @@ TEST_CASE("A drift is part of a prediction", "[predict]") {
   for (double& value : model.drift_x.values) value = 0.5;
   for (double& value : model.drift_y.values) value = 0.4;
   const auto with = errors(scene, truth, mcmc::predict(model, truth.motion), 20);
-  CHECK(with.predicted < 1.35 * scene.sway.noise);
+  CHECK(with.predicted < 1.35 * scene.displacement.noise);
   CHECK(with.predicted < without.predicted);
 }
 
@@ -130,12 +130,12 @@ TEST_CASE("Predicting nothing and with a model that is none", "[predict]") {
   for (const auto& graph : mcmc::predict(model, empty)) CHECK(graph.empty());
   // What stands still is predicted where it is.
   auto scene = swaying(5);
-  scene.sway = {}, scene.resampled = false;
+  scene.displacement = {}, scene.resampled = false;
   const auto truth = test::make(scene, 35);
   const auto predicted = mcmc::predict(model, truth.motion);
   for (std::size_t v = 0; v < predicted[4].size(); ++v)
     CHECK(graph::distance(predicted[4].patch(v).position, truth.motion.sketch.frames[3].patch(v).position) <
           1e-6);
-  model.sway.a1 = 2;
+  model.displacement.a1 = 2;
   CHECK_THROWS_AS(mcmc::predict(model, truth.motion), core::InputError);
 }

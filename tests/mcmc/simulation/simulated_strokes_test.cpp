@@ -9,18 +9,18 @@
 
 using namespace emberfold;
 using graph::Point;
-using mcmc::detail::Particle;
-using mcmc::detail::Particles;
+using mcmc::detail::SimulatedPatch;
+using mcmc::detail::SimulatedStrokes;
 using mcmc::detail::Purpose;
 
 namespace {
 
 // Strokes through the given places.
-Particles particles(const std::vector<std::vector<Point>>& strokes) {
-  Particles result;
+SimulatedStrokes particles(const std::vector<std::vector<Point>>& strokes) {
+  SimulatedStrokes result;
   for (const auto& points : strokes)
     for (std::size_t k = 0; k < points.size(); ++k) {
-      Particle particle;
+      SimulatedPatch particle;
       particle.rest = test::vertex(0, points[k].x, points[k].y).patch;
       const auto index = result.add(particle);
       if (k > 0) result.edges.emplace_back(index - 1, index);
@@ -31,7 +31,7 @@ Particles particles(const std::vector<std::vector<Point>>& strokes) {
 // Nothing is remembered: the displacement is the noise itself.
 mcmc::MotionModel noise_alone(double range, double gain_range) {
   auto model = test::empty_model();
-  model.sway = {0, 0, 0, 1, range, 0};
+  model.displacement = {0, 0, 0, 1, range, 0};
   model.contrast = {0, 0, 0, 1, gain_range, 0};
   return model;
 }
@@ -61,7 +61,7 @@ TEST_CASE("The noise has variance 1 and correlates along a stroke as it should",
   constexpr int n = 8000;
   std::vector<std::array<std::array<double, 3>, 3>> draws;  // x, y, gain of three patches
   for (int step = 0; step < n; ++step) {
-    sway(p, model, 42, Purpose::motion, static_cast<std::uint32_t>(step));
+    displacement(p, model, 42, Purpose::motion, static_cast<std::uint32_t>(step));
     draws.emplace_back();
     for (std::size_t i = 0; i < 3; ++i)
       draws.back()[i] = {p.list[i].offset.x, p.list[i].offset.y, p.list[i].gain};
@@ -93,7 +93,7 @@ TEST_CASE("Noise without a range is each patch's own and sway and contrast know 
   constexpr int n = 8000;
   double between = 0, own = 0, crossed = 0, power = 0;
   for (int step = 0; step < n; ++step) {
-    sway(p, noise_alone(range, gain_range), 43, Purpose::motion, static_cast<std::uint32_t>(step));
+    displacement(p, noise_alone(range, gain_range), 43, Purpose::motion, static_cast<std::uint32_t>(step));
     const auto &a = p.list[0], &b = p.list[1];
     between += (range > 0 ? a.gain * b.gain : a.offset.x * b.offset.x) / n;
     own += a.offset.x * a.gain / n, crossed += a.offset.y * a.gain / n, power += a.gain * a.gain / n;
@@ -113,9 +113,9 @@ TEST_CASE("Strokes near each other sway alike and far apart on their own and so 
   double near = 0, far = 0, seeds = 0, purposes = 0;
   for (int step = 0; step < n; ++step) {
     const auto number = static_cast<std::uint32_t>(step);
-    sway(p, model, 1, Purpose::motion, number);
-    sway(other, model, 2, Purpose::motion, number);
-    sway(start, model, 1, Purpose::start, number);
+    displacement(p, model, 1, Purpose::motion, number);
+    displacement(other, model, 2, Purpose::motion, number);
+    displacement(start, model, 1, Purpose::start, number);
     near += p.list[0].offset.x * p.list[2].offset.x / n;
     far += p.list[0].offset.x * p.list[4].offset.x / n;
     seeds += p.list[0].offset.x * other.list[0].offset.x / n;
@@ -131,7 +131,7 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
   const test::Law law =
       GENERATE(test::Law{1.6, -0.7, 0.3, 15}, test::Law{0.9, 0, 0.5, 0}, test::Law{0.2, -0.5, 2, 40});
   auto model = test::empty_model();
-  model.sway = {law.a1, law.a2, 0, law.noise, law.range, 0};
+  model.displacement = {law.a1, law.a2, 0, law.noise, law.range, 0};
   model.contrast = {0.5, 0.2, 0, 0.1, law.range, 0};
   std::vector<std::vector<Point>> strokes;
   for (int i = 0; i < 6000; ++i) {  // so far from each other that they know nothing of each other
@@ -155,15 +155,15 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
     CHECK_THAT(gain, Catch::Matchers::WithinRel(gains * gains, five_sigma(1, 6000)));
   };
   check();
-  for (std::uint32_t step = 0; step < 25; ++step) sway(p, model, 7, Purpose::motion, step);
+  for (std::uint32_t step = 0; step < 25; ++step) displacement(p, model, 7, Purpose::motion, step);
   check();
 }
 
 TEST_CASE("What appears beside others sways as they do", "[particles]") {
   auto model = test::empty_model(2000, 2000);
-  model.sway = {1.6, -0.7, 0, 0.3, 20, 0};
+  model.displacement = {1.6, -0.7, 0, 0.3, 20, 0};
   model.contrast = {0.5, 0.2, 0, 0.1, 20, 0};
-  const double variance = std::pow(stationary_deviation(model.sway), 2);
+  const double variance = std::pow(stationary_deviation(model.displacement), 2);
   constexpr int n = 3000;
   double at_once = 0, near = 0, far = 0, power = 0;
   for (int i = 0; i < n; ++i) {
@@ -172,7 +172,7 @@ TEST_CASE("What appears beside others sways as they do", "[particles]") {
     settle(p, model, seed);
     for (const Point place : {Point{500, 500}, {500, 520}, {900, 900}}) {
       auto both = p;
-      add_settled(both, test::straight(1), place, 0, model, seed);
+      add_stationary(both, test::straight(1), place, 0, model, seed);
       const auto &old = both.list[0], &fresh = both.list[1];
       if (place.x > 600) {
         far += old.offset.x * fresh.offset.x / n;
@@ -191,12 +191,12 @@ TEST_CASE("What appears beside others sways as they do", "[particles]") {
 
 TEST_CASE("A motion without noise decays as its law says, each coordinate and the contrast", "[particles]") {
   auto model = test::empty_model();
-  model.sway = {1.2, -0.4, 0.25, 0, 0, 0};
+  model.displacement = {1.2, -0.4, 0.25, 0, 0, 0};
   model.contrast = {0.5, 0.1, 0, 0, 0, 0};
   auto p = particles({{{0, 0}, {5, 0}, {10, 0}}});
   p.list[0].offset = {1, 0}, p.list[1].offset = {0, 2}, p.list[1].offset_before = {4, 0};
   p.list[2].gain = 1, p.list[2].gain_before = 2;
-  sway(p, model, 1, Purpose::motion, 1);
+  displacement(p, model, 1, Purpose::motion, 1);
   // 0: 1.2·(1, 0) + 0.25·((0, 2) − (1, 0)); 1: 1.2·(0, 2) − 0.4·(4, 0) + 0.25·((0.5, 0) − (0, 2)).
   CHECK_THAT(p.list[0].offset.x, Catch::Matchers::WithinAbs(0.95, 1e-12));
   CHECK_THAT(p.list[0].offset.y, Catch::Matchers::WithinAbs(0.5, 1e-12));
@@ -217,7 +217,7 @@ TEST_CASE("A patch brought to some of its contrast keeps its surroundings", "[pa
   auto& step = p.list[1].rest;
   step.width = 0, step.type = graph::PatchType::step;
   step.left = {10, 20, 30}, step.right = {110, 100, 90}, step.middle = {60, 60, 60}, step.contrast = 80;
-  const auto shown = [&](std::size_t i) { return appearance(p, model).patch(i); };
+  const auto shown = [&](std::size_t i) { return drawn_graph(p, model).patch(i); };
   const auto full_line = shown(0), full_step = shown(1);
   CHECK(full_line.left == line.left);
   CHECK(full_line.middle == line.middle);
@@ -249,7 +249,7 @@ TEST_CASE("A patch brought to some of its contrast keeps its surroundings", "[pa
                                             {50, 100, 1.0},
                                             {0, 0, 0.1},
                                             {0, 1, 0.25}}) {
-    for (auto& particle : p.list) particle.age = age, particle.leaving = leaving;
+    for (auto& particle : p.list) particle.age = age, particle.frames_left = leaving;
     check(share);
   }
 }
@@ -261,7 +261,7 @@ TEST_CASE("Directions turn with the stroke and types follow from degrees", "[par
     const double s = 5 * double(i), angle = std::numbers::pi / 6;
     p.list[i].offset = Point{std::cos(angle), std::sin(angle)} * s - Point{s, 0};
   }
-  auto graph = mcmc::detail::shape(p);
+  auto graph = mcmc::detail::stroke_graph(p);
   for (std::size_t i = 0; i < 4; ++i) {
     CHECK_THAT(graph.patch(i).theta, Catch::Matchers::WithinAbs(std::numbers::pi / 6, 1e-12));
     CHECK(graph.patch(i).position == p.list[i].position());
@@ -269,30 +269,30 @@ TEST_CASE("Directions turn with the stroke and types follow from degrees", "[par
   }
   CHECK(graph.patch(4).theta == 0);
   p.edges.emplace_back(1, 4);
-  graph = mcmc::detail::shape(p);
+  graph = mcmc::detail::stroke_graph(p);
   CHECK(graph.patch(1).type == graph::PatchType::y_junction);
   CHECK(graph.patch(4).type == graph::PatchType::terminator);
 }
 
 TEST_CASE("What is removed takes its edges along and leaves the others", "[particles]") {
   auto p = particles({{{0, 0}, {5, 0}, {10, 0}, {15, 0}, {20, 0}}});
-  mcmc::detail::remove(p, {true, false, false, true, false});
+  mcmc::detail::remove_patches(p, {true, false, false, true, false});
   CHECK(p.ids == std::vector<std::uint32_t>{1, 2, 4});
   REQUIRE(p.edges.size() == 1);
   CHECK(p.edges[0] == std::pair{0U, 1U});
   CHECK(p.list[2].rest.position == Point{20, 0});
-  p.add(Particle{});
+  p.add(SimulatedPatch{});
   CHECK(p.ids.back() == 5);
 }
 
 TEST_CASE("A place's share of the sway scales what is seen of it", "[particles]") {
   auto model = test::empty_model();
-  model.sway = {0.5, 0, 0, 1, 15, 0};
-  for (std::size_t c = 0; c < model.sway_share.values.size(); ++c)
-    model.sway_share.values[c] = c % std::size_t(model.sway_share.columns) < 10 ? 0.0 : 2.0;
-  Particles p;
-  add_settled(p, test::straight(5), {40, 100}, 3, model, 1);
-  add_settled(p, test::straight(5), {280, 100}, 3, model, 1);
+  model.displacement = {0.5, 0, 0, 1, 15, 0};
+  for (std::size_t c = 0; c < model.displacement_scale.values.size(); ++c)
+    model.displacement_scale.values[c] = c % std::size_t(model.displacement_scale.columns) < 10 ? 0.0 : 2.0;
+  SimulatedStrokes p;
+  add_stationary(p, test::straight(5), {40, 100}, 3, model, 1);
+  add_stationary(p, test::straight(5), {280, 100}, 3, model, 1);
   REQUIRE(p.list.size() == 10);
   for (std::size_t i = 0; i < 10; ++i) {
     const Point off = p.list[i].position() - p.list[i].rest.position;

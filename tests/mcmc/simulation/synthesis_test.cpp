@@ -15,12 +15,12 @@ using namespace emberfold;
 
 namespace {
 
-// About ten strokes that sway, come and go.
+// About ten strokes that displacement, come and go.
 test::Scene scene_of_life(int frames) {
   test::Scene scene;
   scene.frames = frames;
   scene.strokes = test::living(0.3, 0.03, frames, scene.width, scene.height, 51);
-  scene.sway = {1.5, -0.6, 0.25, 30};
+  scene.displacement = {1.5, -0.6, 0.25, 30};
   scene.gain = {1.3, -0.5, 0.05, 30};
   return scene;
 }
@@ -75,7 +75,7 @@ double trend(const std::vector<double>& values, std::size_t blocks) {
 TEST_CASE("A synthesized clip stays as the learned one was for a thousand frames", "[synthesis][slow]") {
   const auto data = test::make(scene_of_life(400), 52).motion;
   const auto fitted = mcmc::fit(data);
-  const auto clip = mcmc::synthesize(fitted.model, 1000, 53).motion;
+  const auto clip = mcmc::synthesize(fitted.model, 1000, 53);
   REQUIRE(clip.sketch.frames.size() == 1000);
   const Series was = series(data), is = series(clip);
   const auto check = [](const std::string& what, const std::vector<double>& data_values,
@@ -127,7 +127,7 @@ TEST_CASE("Neither strokes nor contrast nor events drift in five thousand frames
     for (std::size_t i = 0; i < 6; ++i) events[i].push_back(synthesis.operators()[i]);
     unseen += static_cast<int>(std::ranges::count(seen, false));
   }
-  // What has left sways on where it is for a frame at most.
+  // What has left displacements on where it is for a frame at most.
   CHECK(unseen <= frames / 100);
   CHECK(std::abs(trend(strokes, 10)) < 4);
   CHECK(std::abs(trend(contrast, 10)) < 4);
@@ -143,11 +143,11 @@ TEST_CASE("A model that was drawn from is learned again", "[synthesis][slow]") {
   test::Scene scene = scene_of_life(300);
   scene.strokes = test::scattered(6, 4, scene.width, scene.height, 50);
   const auto model = mcmc::fit(test::make(scene, 54).motion).model;
-  const auto again = mcmc::fit(mcmc::synthesize(model, 400, 55).motion).model;
-  CHECK_THAT(again.sway.a1, Catch::Matchers::WithinRel(model.sway.a1, 0.1));
-  CHECK_THAT(again.sway.a2, Catch::Matchers::WithinRel(model.sway.a2, 0.1));
-  CHECK_THAT(mcmc::stationary_deviation(again.sway),
-             Catch::Matchers::WithinRel(mcmc::stationary_deviation(model.sway), 0.1));
+  const auto again = mcmc::fit(mcmc::synthesize(model, 400, 55)).model;
+  CHECK_THAT(again.displacement.a1, Catch::Matchers::WithinRel(model.displacement.a1, 0.1));
+  CHECK_THAT(again.displacement.a2, Catch::Matchers::WithinRel(model.displacement.a2, 0.1));
+  CHECK_THAT(mcmc::stationary_deviation(again.displacement),
+             Catch::Matchers::WithinRel(mcmc::stationary_deviation(model.displacement), 0.1));
   CHECK_THAT(again.contrast.a1, Catch::Matchers::WithinRel(model.contrast.a1, 0.1));
   CHECK_THAT(again.contrast.a2, Catch::Matchers::WithinRel(model.contrast.a2, 0.1));
   CHECK_THAT(mcmc::stationary_deviation(again.contrast),
@@ -156,17 +156,16 @@ TEST_CASE("A model that was drawn from is learned again", "[synthesis][slow]") {
 
 TEST_CASE("The same seed gives the same graphs, another others, and a longer clip goes on", "[synthesis]") {
   auto model = mcmc::fit(test::make(scene_of_life(60), 56).motion).model;
-  const auto clip = mcmc::synthesize(model, 60, 7).motion;
-  CHECK(mcmc::synthesize(model, 60, 7).motion == clip);
+  const auto clip = mcmc::synthesize(model, 60, 7);
+  CHECK(mcmc::synthesize(model, 60, 7) == clip);
   // All begin as the source did; from the next frame on they differ.
-  const auto other = mcmc::synthesize(model, 2, 8).motion;
+  const auto other = mcmc::synthesize(model, 2, 8);
   CHECK(other.sketch.frames[0] == clip.sketch.frames[0]);
   CHECK(other.sketch.frames[1] != clip.sketch.frames[1]);
-  CHECK(mcmc::synthesize(model, 2, (std::uint64_t{1} << 32) + 7).motion.sketch.frames[1] !=
-        clip.sketch.frames[1]);
-  CHECK(mcmc::synthesize(model, 1, 8, {}, mcmc::Start::stationary).motion.sketch.frames[0] !=
-        mcmc::synthesize(model, 1, 7, {}, mcmc::Start::stationary).motion.sketch.frames[0]);
-  auto beginning = mcmc::synthesize(model, 90, 7).motion;
+  CHECK(mcmc::synthesize(model, 2, (std::uint64_t{1} << 32) + 7).sketch.frames[1] != clip.sketch.frames[1]);
+  CHECK(mcmc::synthesize(model, 1, 8, {}, mcmc::Start::stationary).sketch.frames[0] !=
+        mcmc::synthesize(model, 1, 7, {}, mcmc::Start::stationary).sketch.frames[0]);
+  auto beginning = mcmc::synthesize(model, 90, 7);
   beginning.sketch.frames.resize(60), beginning.links.resize(60);
   CHECK(beginning == clip);
   // Frame by frame it is the same, with ids that stay.
@@ -190,8 +189,7 @@ TEST_CASE("The same seed gives the same graphs, another others, and a longer cli
 
 TEST_CASE("A synthesized clip is a valid motion graph", "[synthesis]") {
   const auto model = mcmc::fit(test::make(scene_of_life(80), 57).motion).model;
-  const auto result = mcmc::synthesize(model, 100, 1);
-  const auto& motion = result.motion;
+  const auto motion = mcmc::synthesize(model, 100, 1);
   CHECK(motion.sketch.width == model.width);
   CHECK(motion.sketch.height == model.height);
   CHECK(motion.sketch.fps == model.fps);
@@ -214,7 +212,7 @@ TEST_CASE("A synthesized clip is a valid motion graph", "[synthesis]") {
 TEST_CASE("Bad calls of the synthesis are refused", "[synthesis]") {
   auto model = test::empty_model();
   for (const int frames : {0, -5}) CHECK_THROWS_AS(mcmc::synthesize(model, frames, 1), core::InputError);
-  model.sway.a1 = 1.5;
+  model.displacement.a1 = 1.5;
   CHECK_THROWS_AS(mcmc::synthesize(model, 5, 1), core::InputError);
   CHECK_THROWS_AS(mcmc::Synthesis(model, 1), core::InputError);
 }

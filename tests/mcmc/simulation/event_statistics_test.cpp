@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mcmc/simulation/event_census.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
 
 #include "core/error.hpp"
-#include "mcmc/simulation/rate_balancing.hpp"
+#include "mcmc/simulation/rate_calibration.hpp"
 #include "mcmc/simulation/simulation_step.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "tests/support/catch.hpp"
@@ -22,30 +22,30 @@ TEST_CASE("A census counts what frames show", "[census]") {
   motion.sketch.append(two.graph());
   motion.links.resize(2);
   const std::array<graph::Event, 1> events{graph::Event{}};
-  const auto found = mcmc::census(motion, events);
+  const auto found = mcmc::event_statistics(motion, events);
   CHECK(found.patches == 10.5);
-  CHECK(found.strokes == std::array<double, mcmc::kSizes>{0.5, 0, 1, 0, 0, 0, 0});
+  CHECK(found.strokes == std::array<double, mcmc::kSizeClasses>{0.5, 0, 1, 0, 0, 0, 0});
   CHECK(found.events[static_cast<std::size_t>(events[0].type)] == 1);
   motion.sketch.frames.pop_back();
-  CHECK_THROWS_AS(mcmc::census(motion, {}), core::InputError);
+  CHECK_THROWS_AS(mcmc::event_statistics(motion, {}), core::InputError);
 }
 
 TEST_CASE("Reconciled events make as many strokes as they take", "[census]") {
-  mcmc::Census census;
-  census.events = {2.2, 2.6, 0.2, 0.1, 0.4, 0.5};
-  const auto was = census.events;
-  reconcile(census);
-  const auto& e = census.events;
+  mcmc::EventStatistics statistics;
+  statistics.events = {2.2, 2.6, 0.2, 0.1, 0.4, 0.5};
+  const auto was = statistics.events;
+  reconcile_event_rates(statistics);
+  const auto& e = statistics.events;
   CHECK_THAT(e[0] + e[2] + e[5] - e[1] - e[3] - e[4], WithinAbs(0, 1e-12));
   // To first order by the same share each, up or down.
   const double share = e[0] / was[0] - 1;
   CHECK(share > 0);
   for (const std::size_t i : {2, 5}) CHECK_THAT(e[i] / was[i] - 1, WithinAbs(share, 1e-12));
   for (const std::size_t i : {1, 3, 4}) CHECK_THAT(e[i] / was[i] - 1, WithinAbs(-share, 1e-12));
-  reconcile(census);
-  for (std::size_t i = 0; i < 6; ++i) CHECK_THAT(census.events[i], WithinAbs(e[i], 1e-12));
-  mcmc::Census none;
-  reconcile(none);
+  reconcile_event_rates(statistics);
+  for (std::size_t i = 0; i < 6; ++i) CHECK_THAT(statistics.events[i], WithinAbs(e[i], 1e-12));
+  mcmc::EventStatistics none;
+  reconcile_event_rates(none);
   CHECK(none.events == std::array<double, 6>{});
 }
 
@@ -58,14 +58,14 @@ TEST_CASE("A model can be balanced to what is wanted", "[census]") {
   for (double& value : model.rates.birth.values) value = 0.3 / (320 * 240);
   model.rates.death_by_size.fill(0.1);
   for (double& value : model.density.values) value = 0.6;
-  mcmc::Census wanted;
+  mcmc::EventStatistics wanted;
   wanted.strokes = {0, 12, 8, 0, 0, 0, 0};
   wanted.events = {0.7, 0.9, 0, 0, 0, 0};
   wanted.patches = 12 * 6 + 8 * 12;
-  mcmc::balance(model, wanted, 3, {});
-  auto particles = mcmc::detail::begin(model, 4);
-  (void)mcmc::detail::simulate(particles, model, 4, 1, 200);
-  const auto found = mcmc::detail::simulate(particles, model, 4, 201, 2000);
+  mcmc::calibrate_rates(model, wanted, 3, {});
+  auto particles = mcmc::detail::initial_strokes(model, 4);
+  (void)mcmc::detail::simulate_statistics(particles, model, 4, 1, 200);
+  const auto found = mcmc::detail::simulate_statistics(particles, model, 4, 201, 2000);
   CHECK_THAT(found.events[0], WithinAbs(0.8, 0.12));  // births and deaths are reconciled
   CHECK_THAT(found.events[1], WithinAbs(0.8, 0.12));
   CHECK_THAT(found.strokes[1], WithinAbs(12, 2.5));
@@ -77,8 +77,8 @@ TEST_CASE("A clip begins as it was seen or as it usually is", "[synthesis]") {
   test::Frame frame;
   frame.line(test::segment({100, 100}, {140, 100}, 9));
   model.first = frame.graph();
-  model.sway = {1.2, -0.4, 0, 0, 0, 0};
-  model.first_swing.assign(9, {{3, 0}, {1, 0}, 0.5, 0.25});
+  model.displacement = {1.2, -0.4, 0, 0, 0, 0};
+  model.first_motion.assign(9, {{3, 0}, {1, 0}, 0.5, 0.25});
   model.contrast = {0.6, 0.2, 0, 0, 0, 0};
   SECTION("data: both frames go into the next one") {
     mcmc::Synthesis synthesis(model, 1);

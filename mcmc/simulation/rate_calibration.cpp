@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mcmc/simulation/rate_balancing.hpp"
+#include "mcmc/simulation/rate_calibration.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace emberfold::mcmc {
 
 namespace {
 
-using Sizes = std::array<double, kSizes>;
+using Sizes = std::array<double, kSizeClasses>;
 
 constexpr int rounds = 60;
 
@@ -80,32 +80,33 @@ void set_births(MotionModel& model, const Sizes& births, const Sizes& otherwise)
   for (double& value : map.values) value *= all / mass;
   const Sizes& shares = all > 0 ? births : otherwise;
   const double whole = std::max(sum(shares), 1e-300);
-  for (std::size_t s = 0; s < kSizes; ++s) model.rates.birth_by_size[s] = shares[s] / whole;
+  for (std::size_t s = 0; s < kSizeClasses; ++s) model.rates.birth_by_size[s] = shares[s] / whole;
 }
 
-void balance(MotionModel& model, Census wanted, std::uint64_t seed, const core::Context& context) {
-  reconcile(wanted);
+void calibrate_rates(MotionModel& model, EventStatistics wanted, std::uint64_t seed, const core::Context& context) {
+  reconcile_event_rates(wanted);
   Sizes births = births_by_size(model);
   if (sum(births) <= 0) return;
   auto& rates = model.rates;
   Controls controls(births, rates);
-  const int frames = detail::frames_a_round(model, rounds);
-  auto particles = detail::begin(model, seed);
-  for (int round = 0; round < rounds && !context.cancelled(); ++round) {
+  const int frames = detail::frames_per_round(model, rounds);
+  auto strokes = detail::initial_strokes(model, seed);
+  for (int round = 0; round < rounds; ++round) {
+    context.check();
     const auto first = static_cast<std::uint32_t>(1 + round * frames);
-    const Census shown = detail::simulate(particles, model, seed, first, frames);
+    const EventStatistics seen = detail::simulate_statistics(strokes, model, seed, first, frames);
     const double step = 0.4 / (1 + 0.05 * round);
     const auto keep_frequency = [&](graph::EventType type, double& rate) {
       const auto i = static_cast<std::size_t>(type);
-      correct(rate, wanted.events[i], shown.events[i], 1.0 / frames, step);
+      correct(rate, wanted.events[i], seen.events[i], 1.0 / frames, step);
     };
     // Of a size too few are there: more are born, and fewer die. As strokes grow together and fall into
     // pieces, the patches of all together count, too.
-    for (std::size_t s = 0; s < kSizes; ++s) {
-      correct(births[s], wanted.strokes[s], shown.strokes[s], 0.5, step);
-      correct(births[s], wanted.patches, shown.patches, 5, step);
+    for (std::size_t s = 0; s < kSizeClasses; ++s) {
+      correct(births[s], wanted.strokes[s], seen.strokes[s], 0.5, step);
+      correct(births[s], wanted.patches, seen.patches, 5, step);
       keep_frequency(graph::EventType::birth, births[s]);
-      correct(rates.death_by_size[s], wanted.strokes[s], shown.strokes[s], 0.5, -step);
+      correct(rates.death_by_size[s], wanted.strokes[s], seen.strokes[s], 0.5, -step);
       keep_frequency(graph::EventType::death, rates.death_by_size[s]);
     }
     keep_frequency(graph::EventType::split, rates.split);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mcmc/simulation/event_census.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
 
 #include <algorithm>
 
@@ -16,53 +16,53 @@ constexpr double most_patches = 8e5;  // in all frames that are simulated
 // Births, deaths, splits, merges, connects, disconnects: how many strokes more.
 constexpr std::array<double, 6> gained = {1, -1, 1, -1, -1, 1};
 
-void count_strokes(const graph::AttributeGraph& graph, double share, Census& census) {
-  census.patches += share * static_cast<double>(graph.size());
-  for (const auto& stroke : strokes(graph::components(graph)))
-    census.strokes[size_class(stroke.size())] += share;
+void count_strokes(const graph::AttributeGraph& graph, double share, EventStatistics& statistics) {
+  statistics.patches += share * static_cast<double>(graph.size());
+  for (const auto& stroke : vertices_by_stroke(graph::components(graph)))
+    statistics.strokes[size_class(stroke.size())] += share;
 }
 
 }  // namespace
 
-Census census(const graph::MotionGraph& motion, std::span<const graph::Event> events) {
+EventStatistics event_statistics(const graph::MotionGraph& motion, std::span<const graph::Event> events) {
   const auto& frames = motion.sketch.frames;
   if (frames.size() < 2)
     throw core::InputError("a census takes a clip of two frames or more; here are " +
                            std::to_string(frames.size()));
-  Census result;
+  EventStatistics result;
   for (const auto& graph : frames) count_strokes(graph, 1 / static_cast<double>(frames.size()), result);
   for (const auto& event : events)
     result.events[static_cast<std::size_t>(event.type)] += 1 / (static_cast<double>(frames.size()) - 1);
   return result;
 }
 
-Census census(const OperatorCounts& counts, double patches) {
-  Census result;
-  for (std::size_t s = 0; s < kSizes; ++s) result.strokes[s] = counts.death[s].could / counts.gaps;
+EventStatistics event_statistics(const OperatorCounts& counts, double patches) {
+  EventStatistics result;
+  for (std::size_t s = 0; s < kSizeClasses; ++s) result.strokes[s] = counts.death[s].exposure / counts.gaps;
   for (std::size_t i = 0; i < counts.events.size(); ++i) result.events[i] = counts.events[i] / counts.gaps;
   result.patches = patches;
   return result;
 }
 
-void reconcile(Census& census) {
+void reconcile_event_rates(EventStatistics& statistics) {
   double more = 0, all = 0;
   for (std::size_t i = 0; i < gained.size(); ++i)
-    more += gained[i] * census.events[i], all += census.events[i];
+    more += gained[i] * statistics.events[i], all += statistics.events[i];
   if (all <= 0) return;
-  for (std::size_t i = 0; i < gained.size(); ++i) census.events[i] *= 1 - gained[i] * more / all;
+  for (std::size_t i = 0; i < gained.size(); ++i) statistics.events[i] *= 1 - gained[i] * more / all;
 }
 
 namespace detail {
 
-Census simulate(Particles& particles, const MotionModel& model, std::uint64_t seed, std::uint32_t first,
+EventStatistics simulate_statistics(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed, std::uint32_t first,
                 int frames, CellMap* where) {
-  Census result;
+  EventStatistics result;
   LinkedFrames linked;
   linked.motion.sketch.width = model.width, linked.motion.sketch.height = model.height;
-  linked.append(shape(particles));
+  linked.append(stroke_graph(strokes));
   for (int t = 0; t < frames; ++t) {
-    (void)advance(particles, model, seed, first + static_cast<std::uint32_t>(t));
-    linked.append(shape(particles));
+    (void)advance_frame(strokes, model, seed, first + static_cast<std::uint32_t>(t));
+    linked.append(stroke_graph(strokes));
     count_strokes(linked.last, 1.0 / frames, result);
     if (!where) continue;
     for (const auto& vertex : linked.last.vertices())
@@ -73,7 +73,7 @@ Census simulate(Particles& particles, const MotionModel& model, std::uint64_t se
   return result;
 }
 
-int frames_a_round(const MotionModel& model, int rounds) {
+int frames_per_round(const MotionModel& model, int rounds) {
   const double patches = std::max(1.0, static_cast<double>(model.first.size()));
   return std::clamp(static_cast<int>(most_patches / rounds / patches), 4, 60);
 }
