@@ -50,14 +50,14 @@ std::vector<mcmc::EventStatistics> calibrate(mcmc::FitResult& fitted, const mcmc
   mcmc::MotionModel& model = fitted.model;
   if (source.patches <= 0 || model.exemplars.empty()) return found;
   mcmc::EventStatistics wanted = fitted.observed, usual = source;
-  reconcile(wanted), reconcile(usual);
+  reconcile_event_rates(wanted), reconcile_event_rates(usual);
   const int frames = std::clamp(model.frames, 2, kMostFrames);
   const double one = 1.0 / frames;
   for (int round = 0; round < options.calibrate; ++round) {
     context.report("calibrate", double(round) / options.calibrate);
     found.push_back(seen_when_drawn(model, how, frames, seed + static_cast<std::uint64_t>(round), context));
     mcmc::EventStatistics seen = found.back();
-    reconcile(seen);
+    reconcile_event_rates(seen);
     const double step = 1.0 / (1 + round);
     for (std::size_t i = 0; i < wanted.events.size(); ++i)
       correct(wanted.events[i], usual.events[i], seen.events[i], one, step);

@@ -30,10 +30,6 @@ struct FitResult {
   std::array<RateInterval, kSizeClasses> death_by_size{};  ///< RateEstimate::death_by_size, uncalibrated
   /// One line for each number that was not taken as measured: an unstable fit, too little data.
   std::vector<std::string> notes;
-};             ///< RateEstimate::a_frame: before balance
-  std::array<RateInterval, kSizeClasses> death_by_size{};  ///< likewise
-  std::vector<std::string>
-      notes;  ///< a line for everything that was not taken as measured: an unstable fit, too little data
 };
 
 /// Learns Θ from samples of the posterior of one clip's matched graph.

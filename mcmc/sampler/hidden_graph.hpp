@@ -72,7 +72,7 @@ struct TransitionOffset {
   double turn = 0;               ///< rad, undirected, −π/2…π/2
   double flicker = 0;            ///< of the logarithm of the contrast
   double sense = 1;              ///< −1 where their normals point to opposite sides
-  double look = 0;               ///< what a Density keeps here (Density::prepare)
+  double log_appearance = 0;     ///< stored by Density::prepare
 };
 
 /// What a patch shows that its successor must show too.

@@ -91,7 +91,7 @@ std::map<std::size_t, Reached> follow(States& states, std::size_t from, const De
   HiddenGraph g = states.list[from];
   const std::uint64_t hash = g.hash();
   FactorCache cache;
-  cache.fit(g.size());
+  cache.resize(g.size());
   StateChange change(g, density, cache);
   EveryDraw draws;
   do {

@@ -74,7 +74,7 @@ struct Showing {
 };
 
 double level_at(const cv::Mat1f& frame, Point p) {
-  return core::between_pixels(frame, p.x, p.y);
+  return core::sample_bilinear(frame, p.x, p.y);
 }
 
 // What noise and texture make of a contrast from one point to the next.

@@ -45,7 +45,7 @@ bool on(const Patch& patch, Point place) {
 }
 
 double level_at(const cv::Mat1f& luma, Point p) {
-  return core::between_pixels(luma, p.x, p.y);
+  return core::sample_bilinear(luma, p.x, p.y);
 }
 
 /// Where a patch's sides are looked at: what lies there is left and right, almost.

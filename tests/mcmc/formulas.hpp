@@ -33,7 +33,7 @@ inline double stationary(const SamplerParameters& t) {
   return t.displacement.noise * t.displacement.noise / (1 - t.displacement.a1 * rho1 - t.displacement.a2 * rho2);
 }
 inline double begun(const SamplerParameters& t, int frame, double contrast, std::size_t kind) {
-  return t.birth[frame == 0 ? 0 : 1] / (2 * kPi) *
+  return t.birth[frame == 0 ? 0 : 1] / (2 * std::numbers::pi) *
          normal(log_contrast(contrast) - t.new_contrast, t.new_contrast_sd) * t.kinds[kind];
 }
 /// Of what lies `along` and `side` of where it grows from, turned by `turn`, of the same kind and contrast.

@@ -5,7 +5,7 @@
 #include "tests/apps/commands/command_check.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace fs = std::filesystem;
 

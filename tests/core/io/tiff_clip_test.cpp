@@ -11,9 +11,10 @@
 #include "core/io/tiff_pages.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using namespace emberfold::tests;
+using namespace emberfold::test;
 
 namespace fs = std::filesystem;
 

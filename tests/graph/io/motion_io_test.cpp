@@ -12,7 +12,7 @@
 #include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using test::has;
+using test::contains;
 
 namespace {
 
@@ -105,7 +105,7 @@ TEST_CASE("A grey level is one number, a colour three, and both are read", "[gra
   const auto& patch = motion.sketch.frames[0].patch(0);
   CHECK(patch.left == graph::Level{100, 100, 100});
   CHECK(patch.middle == graph::Level{130, 131, 132});
-  CHECK(has(written(motion), R"("left":100,"middle":[130,131,132],"right":100})"));
+  CHECK(contains(written(motion), R"("left":100,"middle":[130,131,132],"right":100})"));
   CHECK(motion.links[1] == std::vector<graph::Link>{{{0}, {2}}, {{1}, {3}}});
 }
 
@@ -116,8 +116,8 @@ TEST_CASE("A double ridge tells its hollow, what is between, and nobody else doe
   CHECK(motion.sketch.frames[0].patch(0).between == graph::Level{7, 8, 9});
   CHECK(motion.sketch.frames[0].patch(1).hollow == 0);
   CHECK(written(motion) == written(read(written(motion))));
-  CHECK(has(written(motion), hollow + "[7,8,9]}"));
-  CHECK_FALSE(has(written(read(good())), "hollow"));
+  CHECK(contains(written(motion), hollow + "[7,8,9]}"));
+  CHECK_FALSE(contains(written(read(good())), "hollow"));
   const std::vector<std::pair<std::string, std::string>> cases = {
       {R"("right":100,"hollow":1})", "\"between\" is missing"},
       {R"("right":100,"hollow":-1,"between":5})", "\"hollow\" is -1, allowed is 0 to 1000000"},
@@ -128,8 +128,8 @@ TEST_CASE("A double ridge tells its hollow, what is between, and nobody else doe
   for (const auto& [with, cause] : cases) {
     const auto message = refusal(replaced(good(), right, with));
     CAPTURE(message);
-    CHECK(has(message, cause));
-    CHECK(has(message, "line 2"));
+    CHECK(contains(message, cause));
+    CHECK(contains(message, "line 2"));
   }
 }
 
@@ -224,14 +224,14 @@ TEST_CASE("Every bad motion file is refused with name, line and cause", "[graph]
   for (const Case& c : cases) {
     const std::string message = refusal(replaced(good(), c.what, c.with));
     CAPTURE(c.what, c.with, message);
-    CHECK(has(message, "m.jsonl: " + c.line + ": "));
-    CHECK(has(message, c.cause));
+    CHECK(contains(message, "m.jsonl: " + c.line + ": "));
+    CHECK(contains(message, c.cause));
     CHECK(message.find('\n') == std::string::npos);
     CHECK(message.size() < 250);
   }
-  CHECK(has(refusal(""), "m.jsonl: line 1: the file is empty"));
+  CHECK(contains(refusal(""), "m.jsonl: line 1: the file is empty"));
   const std::string low = replaced(replaced(good(), R"({"id":2,)", R"({"id":1,)"), "[[2,3]]", "[[1,3]]");
-  CHECK(has(refusal(low), "line 3: vertex 1 is not above the ids of the frames before, 1"));
+  CHECK(contains(refusal(low), "line 3: vertex 1 is not above the ids of the frames before, 1"));
 }
 
 TEST_CASE("A motion file cut off anywhere is refused", "[graph][io]") {
@@ -239,41 +239,41 @@ TEST_CASE("A motion file cut off anywhere is refused", "[graph][io]") {
   for (std::size_t length = 0; length + 1 < text.size(); ++length) {
     const std::string message = refusal(text.substr(0, length));
     CAPTURE(length, message);
-    CHECK(has(message, "m.jsonl: line "));
+    CHECK(contains(message, "m.jsonl: line "));
   }
-  CHECK(has(refusal(text.substr(0, text.size() - 9)), "line 3: no valid JSON at column"));
-  CHECK(has(refusal(text.substr(0, text.size() - 9)), "the file is cut off there"));
+  CHECK(contains(refusal(text.substr(0, text.size() - 9)), "line 3: no valid JSON at column"));
+  CHECK(contains(refusal(text.substr(0, text.size() - 9)), "the file is cut off there"));
 }
 
 TEST_CASE("Deep nesting is refused or passed over, never followed", "[graph][io]") {
   const std::string deep(200000, '['), shut(200000, ']');
-  CHECK(has(refusal(deep + "\n"), "line 1: "));
-  CHECK(has(refusal("{\"format\":" + deep.substr(0, 100) + shut.substr(0, 100) + "}\n"), "nested more than"));
-  CHECK(has(refusal(kHeader + deep + "\n"), "line 2: must be an object, is a list"));
-  CHECK(has(refusal(kHeader + "{\"frame\":0,\"note\":" + deep + "\n"), "line 2: no valid JSON"));
+  CHECK(contains(refusal(deep + "\n"), "line 1: "));
+  CHECK(contains(refusal("{\"format\":" + deep.substr(0, 100) + shut.substr(0, 100) + "}\n"), "nested more than"));
+  CHECK(contains(refusal(kHeader + deep + "\n"), "line 2: must be an object, is a list"));
+  CHECK(contains(refusal(kHeader + "{\"frame\":0,\"note\":" + deep + "\n"), "line 2: no valid JSON"));
   CHECK(read(replaced(good(), R"("frame":1,)", R"("frame":1,"note":)" + deep + shut + ",")) == read(good()));
   std::istringstream events("{\"events\":" + deep + shut + "}");
-  CHECK(has(test::message_of<core::IoError>([&] { graph::read_events(events, "e.json"); }),
+  CHECK(contains(test::message_of<core::IoError>([&] { graph::read_events(events, "e.json"); }),
             "nested more than"));
 }
 
 TEST_CASE("A header line without end is given up on", "[graph][io]") {
-  CHECK(has(refusal(std::string(1 << 17, ' ')), "line 1: longer than 64 KiB"));
+  CHECK(contains(refusal(std::string(1 << 17, ' ')), "line 1: longer than 64 KiB"));
 }
 
 TEST_CASE("Writers refuse what readers would, and say so where the stream fails", "[graph][io]") {
   graph::MotionGraph motion = test::random_motion(3, 3, 5);
   const auto complaint = [&] { return test::message_of<core::InputError>([&] { written(motion); }); };
   motion.sketch.width = 0;
-  CHECK(has(complaint(), "0 x 240"));
+  CHECK(contains(complaint(), "0 x 240"));
   motion.sketch.width = 320;
   motion.sketch.fps = std::nan("");
-  CHECK(has(complaint(), "fps"));
+  CHECK(contains(complaint(), "fps"));
   motion.sketch.fps = 25;
   auto far = test::vertex(0, 2e6, 0);
   motion.sketch.frames = {graph::AttributeGraph({far}, {})};
   motion.links.resize(1);
-  CHECK(has(complaint(), "vertex 0: \"x\" is 2e+06"));
+  CHECK(contains(complaint(), "vertex 0: \"x\" is 2e+06"));
   motion.sketch.frames.clear();
   motion.links.clear();
   std::ostringstream broken;
@@ -341,8 +341,8 @@ TEST_CASE("Every bad events file is refused with name and cause", "[graph][io]")
   for (const auto& [text, cause] : cases) {
     const std::string message = message_for(text);
     CAPTURE(text, message);
-    CHECK(has(message, "e.json: "));
-    CHECK(has(message, cause));
+    CHECK(contains(message, "e.json: "));
+    CHECK(contains(message, cause));
     CHECK(message.find('\n') == std::string::npos);
   }
 }
@@ -353,7 +353,7 @@ TEST_CASE("Events and trajectories have their tables", "[graph][io]") {
   CHECK(events.str() == "frame,type,x,y,probability,before,after\n2,split,1.25,3,0.5,4,5;6\n");
   std::ostringstream table;
   graph::write_trajectories(table, read(good()));
-  CHECK(has(table.str(),
+  CHECK(contains(table.str(),
             "trajectory,frame,vertex,stroke,x,y,theta,width,blur,contrast\n"
             "0,0,0,1,1.5,2,0.5,2,1,30\n0,1,2,1,1.5,2,0.5,2,1,30\n1,0,1,1"));
 }

@@ -260,7 +260,7 @@ TEST_CASE("Moments of two clips add and do not care for the sense of normals", "
   auto both = still(4, 8, frames, 13);
   const auto series = simulate(both, law, frames, 14);
   const auto half = [&](std::size_t from) {
-    const std::vector<CurveTrack> track_curves(both.tracks.begin() + static_cast<long>(from),
+    const std::vector<CurveTrack> tracks(both.tracks.begin() + static_cast<long>(from),
                                         both.tracks.begin() + static_cast<long>(from) + 16);
     const Series part(series.begin() + static_cast<long>(from),
                       series.begin() + static_cast<long>(from) + 16);

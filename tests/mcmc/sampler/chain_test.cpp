@@ -145,7 +145,7 @@ TEST_CASE("Theta is learned from what was drawn by it", "[mcmc][chain]") {
     CHECK(std::abs(z(found.outcome[c][2], truth.outcome[c][2], occasions)) < 4.5);
   }
   const auto& kept = sums.join[2][0];
-  CHECK(std::abs(z(found.join[2][0], truth.join[2][0], kept.could)) < 4.5);
+  CHECK(std::abs(z(found.join[2][0], truth.join[2][0], kept.exposure)) < 4.5);
   CHECK_THAT(found.birth[0], WithinRel(truth.birth[0], 0.15));
   CHECK_THAT(found.birth[1], WithinRel(truth.birth[1], 0.15));
 }
@@ -153,7 +153,7 @@ TEST_CASE("Theta is learned from what was drawn by it", "[mcmc][chain]") {
 TEST_CASE("infer samples every chain and tells of it", "[mcmc][chain]") {
   const auto starts = swaying_starts();
   mcmc::FitOptions fit_options;
-  fit_options.balance = false;
+  fit_options.calibrate = false;
   const auto learned = mcmc::fit(starts[0], fit_options).model;
   mcmc::InferOptions options;
   options.burn_in = 4, options.sweeps = 6, options.samples = 3, options.proposals = 4;

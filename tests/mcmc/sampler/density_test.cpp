@@ -113,7 +113,7 @@ TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]"
   const graph::Point third = second + drift * 2 + along * -0.3 + across * 0.9;
   const Index u = shown(g, 0, at(first, direction, 20)), v = shown(g, 1, at(second, direction, 24));
   // The third patch's direction is reversed: its displacement is in the other sense.
-  const Index w = shown(g, 2, at(third, direction + kPi + 0.25, 24));
+  const Index w = shown(g, 2, at(third, direction + std::numbers::pi + 0.25, 24));
   g.set_displacement(u, 0.6), g.set_displacement(v, 1.1), g.set_displacement(w, -0.9);
   g.set_map_values(u, 0, 4, drift), g.set_map_values(v, 0, 4, drift * 2);
   g.link(u, v), g.link(v, w);
@@ -135,7 +135,7 @@ TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]"
                          normal(-0.3, t.along) * erring(turned, 0.25, t.turn) * erring(normal, 0, t.flicker)),
                 kTight));
   // A neighbour of the one before draws it along, here one whose normal points to the other side.
-  const Index x = shown(g, 1, at(second + along * 5, direction - kPi, 24));
+  const Index x = shown(g, 1, at(second + along * 5, direction - std::numbers::pi, 24));
   g.set_displacement(x, 0.2);
   g.add_edge(v, x);
   const double drawn = mean + m.coupling * (-0.2 - 1.1);

@@ -192,7 +192,7 @@ SamplerParameters draw_rates(const HiddenGraph& g, const Density& density, core:
   return drawn;
 }
 
-std::vector<Statistic> of_rates(const SamplerParameters& t) {
+std::vector<test::Statistic> of_rates(const SamplerParameters& t) {
   double death = 0, merge = 0, split = 0;
   for (const auto& row : t.outcome) death += row[0], merge += row[3], split += row[2];
   return {{"birth 0", t.birth[0]},
@@ -214,7 +214,7 @@ std::vector<Statistic> of_rates(const SamplerParameters& t) {
           {"close 0", t.close[0][0]},
           {"close", t.close[1][1]}};
 }
-std::vector<Statistic> of_both(const HiddenGraph& g, const Density& density) {
+std::vector<test::Statistic> of_both(const HiddenGraph& g, const Density& density) {
   auto all = test::statistics(g);
   for (const auto& [name, value] : of_rates(density.theta())) {
     all.push_back({name, value});
@@ -254,7 +254,7 @@ void check_joint(std::uint32_t chains, int rounds, int moves) {
   }
   CHECK(names.size() >= 40);
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const Mean mean = test::mean_of(change[k]);
+    const test::Mean mean = test::mean_of(change[k]);
     INFO(names[k] << " changes by " << mean.value << " +- " << mean.error);
     CHECK(mean.error > 0);
     CHECK(std::abs(test::z_score(mean, {0, 0})) < 4.5);
@@ -262,7 +262,7 @@ void check_joint(std::uint32_t chains, int rounds, int moves) {
 }
 
 /// Of what is ranked: patches are seen; links, edges, displacements and rates are not.
-std::vector<Statistic> ranked(const HiddenGraph& g, const Density& density) {
+std::vector<test::Statistic> ranked(const HiddenGraph& g, const Density& density) {
   double links = 0, edges = 0, displacement = 0, parts = 0, deaths = 0;
   for (Index i = 0; i < g.size(); ++i) {
     links += static_cast<double>(g[i].next.size());

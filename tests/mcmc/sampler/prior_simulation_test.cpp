@@ -107,20 +107,20 @@ void check_normalised(std::uint32_t draws) {
   std::map<mcmc::Outcome, int> seen;
   for (std::uint32_t n = 0; n < draws; ++n) {
     core::Rng rng(7, {n, 0, 0});
-    const auto g = simulate_prior(theta, 50, 50, 3, kLivelyGates, rng);
+    const auto g = simulate_prior(theta, 50, 50, 3, test::kLivelyGates, rng);
     const double log_density = density.total(g);
     // In a hundred thousand draws one is so crowded that an edge finds no room any more.
     if (!std::isfinite(log_density)) REQUIRE(crowded(g));
     for (std::size_t k = 0; k < changed.size(); ++k)
       ratios[k].push_back(std::isfinite(log_density) ? std::exp(changed[k].total(g) - log_density) : 1);
     for (const int t : {0, 1})
-      for (const Index i : g.active(t)) ++seen[outcome(g, i)];
+      for (const Index i : g.active(t)) ++seen[mcmc::outcome(g, i)];
   }
   for (const auto what :
        {mcmc::Outcome::death, mcmc::Outcome::survival, mcmc::Outcome::split, mcmc::Outcome::merge})
     CHECK(seen[what] > 50);
   for (std::size_t k = 0; k < changed.size(); ++k) {
-    const Mean mean = test::mean_of(ratios[k]);
+    const test::Mean mean = test::mean_of(ratios[k]);
     INFO(changes()[k].name << ": " << mean.value << " +- " << mean.error);
     CHECK(mean.error > 0);
     CHECK(std::abs(test::z_score(mean, {1, 0})) < 4.5);
@@ -167,7 +167,7 @@ void check_prior(int moves, std::uint32_t draws) {
   }
   CHECK(static_cast<double>(chain.accepted()) > 0.05 * moves);
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const Mean a = test::mean_of(drawn[k]), b = test::mean_of_chain(chained[k]);
+    const test::Mean a = test::mean_of(drawn[k]), b = test::mean_of_chain(chained[k]);
     INFO(names[k] << ": " << a.value << " +- " << a.error << " drawn, " << b.value << " +- " << b.error
                   << " in the chain, z = " << test::z_score(a, b));
     CHECK(std::abs(test::z_score(a, b)) < 5);
@@ -199,7 +199,7 @@ void check_kept(const char* name, const std::function<void(test::FreeChain&)>& s
   INFO(name << ", " << accepted << " accepted");
   if (!seldom) CHECK(accepted > 20);
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const Mean mean = test::mean_of(change[k]);
+    const test::Mean mean = test::mean_of(change[k]);
     INFO(names[k] << " changes by " << mean.value << " +- " << mean.error);
     if (mean.error > 0) CHECK(std::abs(test::z_score(mean, {0, 0})) < 4.5);
   }

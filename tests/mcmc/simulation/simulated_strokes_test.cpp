@@ -61,7 +61,7 @@ TEST_CASE("The noise has variance 1 and correlates along a stroke as it should",
   constexpr int n = 8000;
   std::vector<std::array<std::array<double, 3>, 3>> draws;  // x, y, gain of three patches
   for (int step = 0; step < n; ++step) {
-    displacement(p, model, 42, Purpose::motion, static_cast<std::uint32_t>(step));
+    step_motion(p, model, 42, Purpose::motion, static_cast<std::uint32_t>(step));
     draws.emplace_back();
     for (std::size_t i = 0; i < 3; ++i)
       draws.back()[i] = {p.list[i].offset.x, p.list[i].offset.y, p.list[i].gain};
@@ -93,7 +93,7 @@ TEST_CASE("Noise without a range is each patch's own and sway and contrast know 
   constexpr int n = 8000;
   double between = 0, own = 0, crossed = 0, power = 0;
   for (int step = 0; step < n; ++step) {
-    displacement(p, noise_alone(range, gain_range), 43, Purpose::motion, static_cast<std::uint32_t>(step));
+    step_motion(p, noise_alone(range, gain_range), 43, Purpose::motion, static_cast<std::uint32_t>(step));
     const auto &a = p.list[0], &b = p.list[1];
     between += (range > 0 ? a.gain * b.gain : a.offset.x * b.offset.x) / n;
     own += a.offset.x * a.gain / n, crossed += a.offset.y * a.gain / n, power += a.gain * a.gain / n;
@@ -113,9 +113,9 @@ TEST_CASE("Strokes near each other sway alike and far apart on their own and so 
   double near = 0, far = 0, seeds = 0, purposes = 0;
   for (int step = 0; step < n; ++step) {
     const auto number = static_cast<std::uint32_t>(step);
-    displacement(p, model, 1, Purpose::motion, number);
-    displacement(other, model, 2, Purpose::motion, number);
-    displacement(start, model, 1, Purpose::start, number);
+    step_motion(p, model, 1, Purpose::motion, number);
+    step_motion(other, model, 2, Purpose::motion, number);
+    step_motion(start, model, 1, Purpose::start, number);
     near += p.list[0].offset.x * p.list[2].offset.x / n;
     far += p.list[0].offset.x * p.list[4].offset.x / n;
     seeds += p.list[0].offset.x * other.list[0].offset.x / n;
@@ -139,7 +139,7 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
     strokes.push_back({at, at + Point{5, 0}});
   }
   auto p = particles(strokes);
-  settle(p, model, 7);
+  draw_stationary_motion(p, model, 7);
   const auto check = [&] {
     double now = 0, before = 0, both = 0, gain = 0;
     for (std::size_t i = 0; i < p.list.size(); i += 2) {  // of each stroke one
@@ -155,7 +155,7 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
     CHECK_THAT(gain, Catch::Matchers::WithinRel(gains * gains, five_sigma(1, 6000)));
   };
   check();
-  for (std::uint32_t step = 0; step < 25; ++step) displacement(p, model, 7, Purpose::motion, step);
+  for (std::uint32_t step = 0; step < 25; ++step) step_motion(p, model, 7, Purpose::motion, step);
   check();
 }
 
@@ -169,7 +169,7 @@ TEST_CASE("What appears beside others sways as they do", "[particles]") {
   for (int i = 0; i < n; ++i) {
     auto p = particles({{{500, 500}}});
     const auto seed = static_cast<std::uint64_t>(i);
-    settle(p, model, seed);
+    draw_stationary_motion(p, model, seed);
     for (const Point place : {Point{500, 500}, {500, 520}, {900, 900}}) {
       auto both = p;
       add_stationary(both, test::straight(1), place, 0, model, seed);
@@ -196,7 +196,7 @@ TEST_CASE("A motion without noise decays as its law says, each coordinate and th
   auto p = particles({{{0, 0}, {5, 0}, {10, 0}}});
   p.list[0].offset = {1, 0}, p.list[1].offset = {0, 2}, p.list[1].offset_before = {4, 0};
   p.list[2].gain = 1, p.list[2].gain_before = 2;
-  displacement(p, model, 1, Purpose::motion, 1);
+  step_motion(p, model, 1, Purpose::motion, 1);
   // 0: 1.2·(1, 0) + 0.25·((0, 2) − (1, 0)); 1: 1.2·(0, 2) − 0.4·(4, 0) + 0.25·((0.5, 0) − (0, 2)).
   CHECK_THAT(p.list[0].offset.x, Catch::Matchers::WithinAbs(0.95, 1e-12));
   CHECK_THAT(p.list[0].offset.y, Catch::Matchers::WithinAbs(0.5, 1e-12));
