@@ -38,7 +38,7 @@ mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const Read
   FrameSynthesis drawn(mcmc::Synthesis(model, seed, mcmc::Start::stationary), how.look);
   ClipStrokes strokes(how.look.size, model.fps, how.sketch, how.match);
   for (int done = 0; done < frames; done += kAtOnce)
-    strokes.add(levels_of(drawn.next(std::min(kAtOnce, frames - done), context)), context);
+    strokes.add(bytes_to_levels(drawn.next(std::min(kAtOnce, frames - done), context)), context);
   const auto motion = strokes.motion(context.with_progress({}));
   return mcmc::event_statistics(motion, graph::stroke_events(motion));
 }

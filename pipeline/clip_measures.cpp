@@ -13,35 +13,39 @@
 
 namespace emberfold::pipeline {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
 
-constexpr int kMostLags = 16, kMostCloseFrames = 50, kFlowStride = 3;
+// The lengths below were chosen for clips of some tens to some hundreds of frames.
+constexpr int kMostLags = 16;            // frames
+constexpr int kMostCloseFrames = 50;     // whose optical flow and crease sharpness are measured
+constexpr int kFlowStride = 3;           // px between the vectors of a flow that are counted
+constexpr double kMostPixels = 1 << 18;  // that a spectrum in time is taken at
+// References below these count as these, so that clips of nothing do not divide by 0.
+constexpr double kLeastLevels = 0.5;      // grey levels, of SI and TI
+constexpr double kLeastSharpness = 1e-3;  // 1/px
 
-int thinning_of(cv::Size size) {
-  constexpr double kMostPixels = 1 << 18;
+int sampling_stride(cv::Size size) {
   return static_cast<int>(std::ceil(std::sqrt(static_cast<double>(size.width) * size.height / kMostPixels)));
 }
 
-cv::Size thinned(cv::Size size, int stride) {
+cv::Size sampled_size(cv::Size size, int stride) {
   return {(size.width + stride - 1) / stride, (size.height + stride - 1) / stride};
 }
 
-cv::Mat thinned(const cv::Mat& luma, int stride) {
+cv::Mat sample_pixels(const cv::Mat& luma, int stride) {
   if (stride == 1) return luma;
-  cv::Mat out(thinned(luma.size(), stride), CV_32F);
+  cv::Mat out(sampled_size(luma.size(), stride), CV_32F);
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) out.at<float>(y, x) = luma.at<float>(y * stride, x * stride);
   return out;
 }
 
-// By what share a figure differs from the reference's, which is never taken for less than `least`.
-double relative(double value, double reference, double least) {
+// Returns by what share a value differs from the reference, which counts as `least` where it is smaller.
+double relative_difference(double value, double reference, double least) {
   return std::abs(value - reference) / std::max(reference, least);
 }
 
-constexpr std::array<Measure, 8> kMeasures{{
+constexpr std::array<MeasureDescription, 8> kMeasures{{
     {"temporal_db", "Spectrum in time", "dB", "how far the power at each frequency in time lies apart"},
     {"radial_db", "Spectrum in space", "dB", "the same of frequencies in space, whatever their direction"},
     {"autocorrelation", "Autocorrelation", "", "how alike frames up to 16 apart are, RMS difference"},
@@ -54,9 +58,15 @@ constexpr std::array<Measure, 8> kMeasures{{
     {"ti", "Temporal information", "share", "P.910 TI, mean of all frames, relative to the source's"},
 }};
 
+std::vector<double> to_decibels(const Eigen::VectorXd& power) {
+  std::vector<double> out;
+  for (const double p : power) out.push_back(10 * std::log10(p + dytex::kRounding));
+  return out;
+}
+
 }  // namespace
 
-struct ClipMeasures::Frame {
+struct ClipMeasures::FrameMeasures {
   Eigen::VectorXd radial;
   double si = 0, ti = 0;
   dytex::Sharpness sharpness;
@@ -75,27 +85,28 @@ MeasureScale measure_scale(std::int64_t frames, cv::Size size) {
   return scale;
 }
 
-std::vector<cv::Mat> levels_of(std::span<const cv::Mat> bytes) {
+std::vector<cv::Mat> bytes_to_levels(std::span<const cv::Mat> bytes) {
   std::vector<cv::Mat> levels(bytes.size());
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i].convertTo(levels[i], CV_32F);
   return levels;
 }
 
-std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels) {
+std::vector<cv::Mat> levels_to_luma(std::span<const cv::Mat> levels) {
   std::vector<cv::Mat> luma;
   for (const auto& one : levels) luma.push_back(core::luma(one));
   return luma;
 }
 
 ClipMeasures::ClipMeasures(cv::Size size, const MeasureScale& scale, int frames)
-    : thinning_(thinning_of(size)),
+    : stride_(sampling_stride(size)),
       every_(std::max(1, frames / kMostCloseFrames)),
       rings_(scale.rings),
-      time_(thinned(size, thinning_), scale.segment),
-      memory_(thinned(size, thinning_), scale.lags) {}
+      time_(sampled_size(size, stride_), scale.segment),
+      memory_(sampled_size(size, stride_), scale.lags) {}
 
-ClipMeasures::Frame ClipMeasures::measure(const cv::Mat& luma, const cv::Mat& before, bool closely) const {
-  Frame made;
+ClipMeasures::FrameMeasures ClipMeasures::measure(const cv::Mat& luma, const cv::Mat& before,
+                                                  bool closely) const {
+  FrameMeasures made;
   made.radial = dytex::radial_spectrum(luma, rings_);
   made.si = dytex::spatial_information(luma);
   if (closely) made.sharpness = dytex::crease_sharpness(luma);
@@ -106,7 +117,7 @@ ClipMeasures::Frame ClipMeasures::measure(const cv::Mat& luma, const cv::Mat& be
 }
 
 void ClipMeasures::add(std::span<const cv::Mat> luma, const core::Context& context) {
-  std::vector<Frame> each(luma.size());
+  std::vector<FrameMeasures> each(luma.size());
   core::parallel_for(luma.size(), context, [&](std::size_t i) {
     const bool closely = (frames_ + static_cast<int>(i)) % every_ == 0;
     each[i] = measure(luma[i], i == 0 ? last_ : luma[i - 1], closely || frames_ + static_cast<int>(i) == 1);
@@ -121,9 +132,9 @@ void ClipMeasures::add(std::span<const cv::Mat> luma, const core::Context& conte
       gradient_.add(frame.sharpness.gradient);
     }
     if (!frame.flow.empty()) flow_.add(frame.flow, kFlowStride);
-    const cv::Mat thin = thinned(luma[i], thinning_);
-    time_.add(thin);
-    memory_.add(thin);
+    const cv::Mat sampled = sample_pixels(luma[i], stride_);
+    time_.add(sampled);
+    memory_.add(sampled);
     patterns_.add(luma[i]);
   }
   if (!luma.empty()) last_ = luma.back();
@@ -141,39 +152,31 @@ void SourceMeasures::add(std::span<const cv::Mat> luma, const core::Context& con
   added += count;
 }
 
-std::span<const Measure> pixel_measures() {
+PixelFigures ClipMeasures::figures() const {
+  return {sharpness_.mean(), gradient_.mean(), si_.largest, si_.mean(), ti_.largest, ti_.mean()};
+}
+
+MeasureCurves ClipMeasures::curves() const {
+  const Eigen::VectorXd correlation = autocorrelation();
+  return {to_decibels(temporal()), to_decibels(radial()), {correlation.begin(), correlation.end()}};
+}
+
+std::span<const MeasureDescription> pixel_measures() {
   return kMeasures;
 }
 
-Json pixel_distances(const ClipMeasures& a, const ClipMeasures& b) {
-  constexpr double kLeastLevels = 0.5, kLeastSharpness = 1e-3;
-  return {
-      {"temporal_db", rounded(dytex::log_spectral_distance(a.temporal(), b.temporal()))},
-      {"radial_db", rounded(dytex::log_spectral_distance(a.radial(), b.radial()))},
-      {"autocorrelation", rounded(dytex::autocorrelation_distance(a.autocorrelation(), b.autocorrelation()))},
-      {"patterns", rounded(dytex::chi_square_distance(a.patterns(), b.patterns()))},
-      {"flow_px", rounded(dytex::flow_distance(a.flow(), b.flow()))},
-      {"crease_sharpness", rounded(relative(a.crease_sharpness(), b.crease_sharpness(), kLeastSharpness))},
-      {"si", rounded(relative(a.mean_si(), b.mean_si(), kLeastLevels))},
-      {"ti", rounded(relative(a.mean_ti(), b.mean_ti(), kLeastLevels))},
-  };
-}
-
-Json pixel_figures(const ClipMeasures& clip) {
-  return {{"crease_sharpness", rounded(clip.crease_sharpness())},
-          {"crease_gradient", rounded(clip.crease_gradient())},
-          {"si", {{"most", rounded(clip.si())}, {"mean", rounded(clip.mean_si())}}},
-          {"ti", {{"most", rounded(clip.ti())}, {"mean", rounded(clip.mean_ti())}}}};
-}
-
-Json decibels_json(const Eigen::VectorXd& power) {
-  Json out = Json::array();
-  for (const double p : power) out.push_back(rounded(10 * std::log10(p + dytex::kRounding)));
+PixelDistances pixel_distances(const ClipMeasures& clip, const ClipMeasures& reference) {
+  const PixelFigures own = clip.figures(), wanted = reference.figures();
+  PixelDistances out;
+  out.temporal_db = dytex::log_spectral_distance(clip.temporal(), reference.temporal());
+  out.radial_db = dytex::log_spectral_distance(clip.radial(), reference.radial());
+  out.autocorrelation = dytex::autocorrelation_distance(clip.autocorrelation(), reference.autocorrelation());
+  out.patterns = dytex::chi_square_distance(clip.patterns(), reference.patterns());
+  out.flow_px = dytex::flow_distance(clip.flow(), reference.flow());
+  out.crease_sharpness = relative_difference(own.crease_sharpness, wanted.crease_sharpness, kLeastSharpness);
+  out.si = relative_difference(own.mean_si, wanted.mean_si, kLeastLevels);
+  out.ti = relative_difference(own.mean_ti, wanted.mean_ti, kLeastLevels);
   return out;
-}
-
-double rounded(double value) {
-  return std::round(value * 1000) / 1000;
 }
 
 }  // namespace emberfold::pipeline

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include <algorithm>
+#include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
@@ -17,29 +16,61 @@
 
 namespace emberfold::pipeline {
 
-/// What is to be measured alike in clips that are held against each other.
+/// Holds the lengths of the measured curves, which have to agree in clips that are compared.
 struct MeasureScale {
-  int segment = 4;  ///< frames, of the spectrum in time
-  int lags = 1;     ///< frames, of the autocorrelation
-  int rings = 1;    ///< of the spectrum in space
+  int segment = 4;  ///< frames in a segment of the spectrum in time
+  int lags = 1;     ///< frames, the longest lag of the autocorrelation
+  int rings = 1;    ///< rings of the spectrum in space
 };
-/// For clips of at least so many frames, of at least these sizes.
+/// Returns the scale for clips of at least `frames` frames and at least this size.
 MeasureScale measure_scale(std::int64_t frames, cv::Size size);
 
-/// Drawn frames, CV_8U, as levels, CV_32F.
-std::vector<cv::Mat> levels_of(std::span<const cv::Mat> bytes);
-/// Of each frame; levels are CV_32F, 1 or 3 channels.
-std::vector<cv::Mat> luma_of(std::span<const cv::Mat> levels);
+/// Returns CV_8U frames as levels, CV_32F.
+std::vector<cv::Mat> bytes_to_levels(std::span<const cv::Mat> bytes);
+/// Returns the luma of frames of levels (CV_32F, 1 or 3 channels).
+std::vector<cv::Mat> levels_to_luma(std::span<const cv::Mat> levels);
 
-/// All that is measured of the pixels of a clip, gathered frame by frame. Of frames above 2^18 pixels the
-/// spectrum in time and the autocorrelation are taken at every second, third … pixel each way, which bounds
-/// the memory and not the truth. Of optical flow and crease sharpness at most some fifty frames are taken
-/// where `frames` tells how many there will be.
+/// Holds what is measured of the pixels of one clip as single numbers.
+struct PixelFigures {
+  double crease_sharpness = 0;  ///< 1/px, mean over frames
+  double crease_gradient = 0;   ///< levels/px, mean over frames
+  double si = 0, mean_si = 0;   ///< ITU-T P.910 SI: the largest of all frames (as P.910 asks), and the mean
+  double ti = 0, mean_ti = 0;   ///< ITU-T P.910 TI, likewise
+
+  bool operator==(const PixelFigures&) const = default;
+};
+
+/// Holds the curves of a clip that its distances are taken between.
+struct MeasureCurves {
+  std::vector<double> temporal_db;  ///< power, dB, at k / segment cycles a frame, k = 1 … segment / 2
+  std::vector<double> radial_db;  ///< power, dB, in ring i = 1 … rings, up to i / (2 rings) cycles a pixel
+  std::vector<double> autocorrelation;  ///< at lags of 1 … `lags` frames
+
+  bool operator==(const MeasureCurves&) const = default;
+};
+
+/// Holds how far the pixels of a clip lie from those of a reference, each 0 for equal clips.
+struct PixelDistances {
+  double temporal_db = 0;       ///< dB, between the spectra in time
+  double radial_db = 0;         ///< dB, between the spectra in space
+  double autocorrelation = 0;   ///< RMS difference of the autocorrelations
+  double patterns = 0;          ///< chi-square distance of the binary patterns (LBP-TOP), 0…1
+  double flow_px = 0;           ///< px a frame, Wasserstein distance of the optical flows
+  double crease_sharpness = 0;  ///< share of the reference's: 0.1 is a tenth more or less
+  double si = 0;                ///< share of the reference's mean SI
+  double ti = 0;                ///< share of the reference's mean TI
+
+  bool operator==(const PixelDistances&) const = default;
+};
+
+/// Gathers all pixel measures of a clip, frame by frame. Frames above 2^18 pixels give the spectrum in time
+/// and the autocorrelation at every second, third … pixel each way, which bounds the memory. Optical flow and
+/// crease sharpness are measured at some fifty frames at most, spread over the `frames` that are announced.
 class ClipMeasures {
  public:
   ClipMeasures(cv::Size size, const MeasureScale& scale, int frames);
 
-  /// The next frames' luma, CV_32F. Throws core::Cancelled.
+  /// Adds the next frames' luma, CV_32F. Throws core::Cancelled.
   void add(std::span<const cv::Mat> luma, const core::Context& context);
 
   [[nodiscard]] Eigen::VectorXd temporal() const { return time_.power(); }
@@ -47,62 +78,47 @@ class ClipMeasures {
   [[nodiscard]] Eigen::VectorXd autocorrelation() const { return memory_.values(); }
   [[nodiscard]] const dytex::BinaryPatterns& patterns() const { return patterns_; }
   [[nodiscard]] const dytex::FlowHistograms& flow() const { return flow_; }
-  [[nodiscard]] double crease_sharpness() const { return sharpness_.mean(); }  ///< 1/px
-  [[nodiscard]] double crease_gradient() const { return gradient_.mean(); }    ///< levels/px
-  /// ITU-T P.910: the largest of a clip; and its mean, which one odd frame does not make.
-  [[nodiscard]] double si() const { return si_.most; }
-  [[nodiscard]] double ti() const { return ti_.most; }
-  [[nodiscard]] double mean_si() const { return si_.mean(); }
-  [[nodiscard]] double mean_ti() const { return ti_.mean(); }
+  [[nodiscard]] PixelFigures figures() const;
+  [[nodiscard]] MeasureCurves curves() const;
 
  private:
-  struct Figure {
-    double sum = 0, most = 0;
+  struct RunningMean {
+    double sum = 0, largest = 0;
     int count = 0;
-    void add(double value) { sum += value, most = std::max(most, value), ++count; }
+    void add(double value) { sum += value, largest = std::max(largest, value), ++count; }
     [[nodiscard]] double mean() const { return count > 0 ? sum / count : 0; }
   };
-  struct Frame;
-  [[nodiscard]] Frame measure(const cv::Mat& luma, const cv::Mat& before, bool closely) const;
+  struct FrameMeasures;
+  [[nodiscard]] FrameMeasures measure(const cv::Mat& luma, const cv::Mat& before, bool closely) const;
 
-  int thinning_, every_, rings_, frames_ = 0;
+  int stride_, every_, rings_, frames_ = 0;
   dytex::TemporalSpectrum time_;
   dytex::Autocorrelation memory_;
   dytex::BinaryPatterns patterns_;
   dytex::FlowHistograms flow_;
   Eigen::VectorXd space_;
-  Figure sharpness_, gradient_, si_, ti_;
+  RunningMean sharpness_, gradient_, si_, ti_;
   cv::Mat last_;
 };
 
-/// A source's measures, and those of its first and second half, which are the noise floor.
+/// Gathers the measures of a clip and those of its first and second half, whose distance is the noise floor.
 struct SourceMeasures {
   ClipMeasures all, first, second;
   int frames = 0, added = 0;
 
   SourceMeasures(cv::Size size, const MeasureScale& scale, int frame_count);
-  /// The next frames' luma. Throws core::Cancelled.
+  /// Adds the next frames' luma. Throws core::Cancelled.
   void add(std::span<const cv::Mat> luma, const core::Context& context);
 };
 
-/// A measure of how far a clip lies from another.
-struct Measure {
+/// Describes a distance to a reader; `key` is its name in measures.json.
+struct MeasureDescription {
   const char *key, *name, *unit, *about;
 };
-/// In the order in which they are told.
-std::span<const Measure> pixel_measures();
+/// Returns the distances of PixelDistances, in the order of its fields.
+std::span<const MeasureDescription> pixel_measures();
 
-/// {key: distance of `a` from the reference `b`} for every pixel measure. Sharpness, SI and TI are told
-/// relative to the reference's: 0.1 is a tenth more or less.
-nlohmann::ordered_json pixel_distances(const ClipMeasures& a, const ClipMeasures& b);
-
-/// The figures that a clip has for itself.
-nlohmann::ordered_json pixel_figures(const ClipMeasures& clip);
-
-/// 10 log₁₀ of power above the floor, rounded: a curve to draw.
-nlohmann::ordered_json decibels_json(const Eigen::VectorXd& power);
-
-/// To three digits behind the point.
-double rounded(double value);
+/// Measures how far a clip lies from a reference that was gathered on the same scale.
+PixelDistances pixel_distances(const ClipMeasures& clip, const ClipMeasures& reference);
 
 }  // namespace emberfold::pipeline

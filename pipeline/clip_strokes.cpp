@@ -11,36 +11,23 @@
 
 namespace emberfold::pipeline {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
 
-constexpr std::array<Measure, 3> kMeasures{{
+constexpr std::array<MeasureDescription, 3> kMeasures{{
     {"stroke_events", "Event rates", "ln ratio",
      "births, deaths, splits, merges, connects, disconnects a frame; 0.7 is twice or half as often"},
     {"stroke_lifetime", "Stroke lifetime", "ln ratio", "frames that a stroke lives between two events"},
     {"stroke_length", "Stroke length", "ln ratio", "px of curve in a stroke"},
 }};
 
-constexpr std::array<graph::EventType, 6> kTypes{graph::EventType::birth,   graph::EventType::death,
-                                                 graph::EventType::split,   graph::EventType::merge,
-                                                 graph::EventType::connect, graph::EventType::disconnect};
+constexpr double kHalfEvent = 0.5;  // added to counts, so that a class without an event has a logarithm
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(std::round(value * 1e5) / 1e5) : Json(nullptr);
-}
-
-Json interval_json(const mcmc::RateInterval& interval) {
-  if (!(interval.mean > 0)) return nullptr;
-  return {{"mean", number(interval.mean)}, {"low", number(interval.low)}, {"high", number(interval.high)}};
-}
-
-bool within(double value, const mcmc::RateInterval& interval) {
+bool lies_inside(double value, const mcmc::RateInterval& interval) {
   return interval.low <= value && value <= interval.high;
 }
 
-Json log_ratio(double a, double b) {
-  return a > 0 && b > 0 ? Json(rounded(std::abs(std::log(a / b)))) : Json(nullptr);
+std::optional<double> log_ratio(double a, double b) {
+  return a > 0 && b > 0 ? std::optional(std::abs(std::log(a / b))) : std::nullopt;
 }
 
 }  // namespace
@@ -78,55 +65,38 @@ mcmc::StrokeSeries stroke_series(graph::SketchSequence sketch, const graph::Matc
 }
 
 mcmc::StrokeSeries select_frames(const mcmc::StrokeSeries& series, int first, int last) {
-  const auto cut = [](const std::vector<double>& values, int from, int to) {
+  const auto slice = [](const std::vector<double>& values, int from, int to) {
     return std::vector<double>(values.begin() + from, values.begin() + to);
   };
   mcmc::StrokeSeries out;
   for (std::size_t type = 0; type < out.events.size(); ++type)
-    out.events[type] = cut(series.events[type], first, last - 1);
-  out.strokes = cut(series.strokes, first, last);
-  out.ended = cut(series.ended, first, last);
-  out.length = cut(series.length, first, last);
+    out.events[type] = slice(series.events[type], first, last - 1);
+  out.strokes = slice(series.strokes, first, last);
+  out.ended = slice(series.ended, first, last);
+  out.length = slice(series.length, first, last);
   return out;
 }
 
-Json strokes_json(const mcmc::StrokeStatistics& strokes) {
-  Json events = Json::object();
-  for (const auto type : kTypes) {
-    const auto i = static_cast<std::size_t>(type);
-    const auto& rate = strokes.events_a_frame[i];
-    events[std::string(graph::name(type))] = {{"count", strokes.happened[i]},
-                                              {"a_frame", number(rate.mean)},
-                                              {"low", number(rate.low)},
-                                              {"high", number(rate.high)}};
-  }
-  return {{"frames", strokes.frames},
-          {"strokes_a_frame", rounded(strokes.strokes_a_frame)},
-          {"events", std::move(events)},
-          {"lifetime", interval_json(strokes.lifetime)},
-          {"length", interval_json(strokes.length)}};
-}
-
-std::span<const Measure> stroke_measures() {
+std::span<const MeasureDescription> stroke_measures() {
   return kMeasures;
 }
 
-Json stroke_distances(const mcmc::StrokeStatistics& a, const mcmc::StrokeStatistics& b) {
+StrokeDistances stroke_distances(const mcmc::StrokeStatistics& clip,
+                                 const mcmc::StrokeStatistics& reference) {
+  StrokeDistances out;
   double squares = 0;
-  Json inside = Json::object();
-  for (const auto type : kTypes) {
-    const auto i = static_cast<std::size_t>(type);
-    const double ratio =
-        std::log((a.happened[i] + 0.5) / (a.frames - 1)) - std::log((b.happened[i] + 0.5) / (b.frames - 1));
+  for (std::size_t type = 0; type < out.rate_inside.size(); ++type) {
+    const double ratio = std::log((clip.happened[type] + kHalfEvent) / (clip.frames - 1)) -
+                         std::log((reference.happened[type] + kHalfEvent) / (reference.frames - 1));
     squares += ratio * ratio;
-    inside[std::string(graph::name(type))] = within(a.events_a_frame[i].mean, b.events_a_frame[i]);
+    out.rate_inside[type] = lies_inside(clip.events_a_frame[type].mean, reference.events_a_frame[type]);
   }
-  inside["lifetime"] = within(a.lifetime.mean, b.lifetime);
-  inside["length"] = within(a.length.mean, b.length);
-  return {{"stroke_events", rounded(std::sqrt(squares / 6))},
-          {"stroke_lifetime", log_ratio(a.lifetime.mean, b.lifetime.mean)},
-          {"stroke_length", log_ratio(a.length.mean, b.length.mean)},
-          {"inside", std::move(inside)}};
+  out.event_rates = std::sqrt(squares / 6);
+  out.lifetime = log_ratio(clip.lifetime.mean, reference.lifetime.mean);
+  out.length = log_ratio(clip.length.mean, reference.length.mean);
+  out.lifetime_inside = lies_inside(clip.lifetime.mean, reference.lifetime);
+  out.length_inside = lies_inside(clip.length.mean, reference.length);
+  return out;
 }
 
 }  // namespace emberfold::pipeline

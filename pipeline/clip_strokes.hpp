@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 
-#include <nlohmann/json.hpp>
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
@@ -15,17 +16,18 @@
 
 namespace emberfold::pipeline {
 
-/// Finds the strokes of a clip that comes frame by frame, as `emberfold analyze --bottom-up` does.
+/// Sketches a clip that comes frame by frame and matches its strokes, as `emberfold analyze --bottom-up`
+/// does.
 class ClipStrokes {
  public:
   ClipStrokes(cv::Size size, double fps, const sketch::ExtractOptions& sketch,
               const graph::MatchOptions& match);
 
-  /// The next frames' levels, CV_32F, 1 or 3 channels. Throws core::Cancelled.
+  /// Sketches the next frames' levels, CV_32F, 1 or 3 channels. Throws core::Cancelled.
   void add(std::span<const cv::Mat> levels, const core::Context& context);
-  /// All frames so far, matched bottom up. Throws core::Cancelled.
+  /// Matches all frames so far bottom up. Throws core::Cancelled.
   [[nodiscard]] graph::MotionGraph motion(const core::Context& context) const;
-  /// What happened in them. Throws core::Cancelled.
+  /// Matches all frames so far and counts what happens to their strokes. Throws core::Cancelled.
   [[nodiscard]] mcmc::StrokeSeries series(const core::Context& context) const;
 
  private:
@@ -34,26 +36,32 @@ class ClipStrokes {
   graph::SketchSequence sketch_;
 };
 
-/// The same of frames that are sketched already. Throws core::Cancelled.
+/// Matches the strokes of frames that are sketched already. Throws core::Cancelled.
 graph::MotionGraph match_strokes(graph::SketchSequence sketch, const graph::MatchOptions& match,
                                  const core::Context& context);
+/// Matches them and counts what happens to their strokes. Throws core::Cancelled.
 mcmc::StrokeSeries stroke_series(graph::SketchSequence sketch, const graph::MatchOptions& match,
                                  const core::Context& context);
 
-/// Frames first … last − 1 of a series.
+/// Returns frames first … last − 1 of a series.
 mcmc::StrokeSeries select_frames(const mcmc::StrokeSeries& series, int first, int last);
 
-/// {"frames", "strokes_a_frame", "events": {class: {"count", "a_frame", "low", "high"}}, "lifetime",
-/// "length": {"mean", "low", "high"}}; what is not known is null.
-nlohmann::ordered_json strokes_json(const mcmc::StrokeStatistics& strokes);
+/// Holds how far the strokes of a clip lie from those of a reference.
+struct StrokeDistances {
+  /// RMS over the six classes of ln (rate / reference's rate), half an event added to each count.
+  double event_rates = 0;
+  std::optional<double> lifetime, length;  ///< |ln (mean / reference's mean)|; none where either has none
+  /// Whether the clip's mean lies in the 95 % interval of the reference's; of rates by graph::EventType.
+  std::array<bool, 6> rate_inside{};
+  bool lifetime_inside = false, length_inside = false;
 
-/// The stroke measures, as pixel_measures().
-std::span<const Measure> stroke_measures();
+  bool operator==(const StrokeDistances&) const = default;
+};
 
-/// {key: distance} for every stroke measure: "stroke_events" is the RMS over the six classes of ln of the
-/// ratio of rates, half an event added to each count; "stroke_lifetime" and "stroke_length" |ln ratio|, null
-/// where either has none. {"inside"}: by event class and for both means, whether `a`'s lies in the 95 % of
-/// the reference `b`'s.
-nlohmann::ordered_json stroke_distances(const mcmc::StrokeStatistics& a, const mcmc::StrokeStatistics& b);
+/// Returns "stroke_events", "stroke_lifetime" and "stroke_length", the distances of StrokeDistances.
+std::span<const MeasureDescription> stroke_measures();
+
+/// Measures how far the strokes of a clip lie from those of a reference. Both have at least two frames.
+StrokeDistances stroke_distances(const mcmc::StrokeStatistics& clip, const mcmc::StrokeStatistics& reference);
 
 }  // namespace emberfold::pipeline

@@ -1,21 +1,145 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/compare.hpp"
 
+#include <algorithm>
+#include <array>
 #include <string>
 
-#include "core/error.hpp"
+#include <opencv2/core.hpp>
+
+#include "core/text/check_range.hpp"
+#include "dytex/measures/sharpness_si_ti.hpp"
 
 namespace emberfold::pipeline {
 
+namespace {
+
+constexpr int kBatch = 16;              // frames of each clip that are held at once
+constexpr int kMostSteps = 64;          // frames ahead
+constexpr int kMostFrames = 1'000'000;  // of a synthesized clip
+
+int count_frames(core::FrameSource& source, int clip, const core::Context& context) {
+  source.rewind();
+  int frames = 0;
+  while (!source.next().empty()) {
+    ++frames;
+    context.check();
+  }
+  if (frames < kFewestFrames) throw ShortClipError(clip, frames);
+  return frames;
+}
+
+// Returns why there is no PSNR between two clips; nothing where there is.
+std::string why_no_psnr(const core::ClipInfo& a, int frames_a, const core::ClipInfo& b, int frames_b) {
+  if (a.width != b.width || a.height != b.height) return "the sizes differ";
+  if (a.channels != b.channels) return "one is grey, the other in colour";
+  return frames_a != frames_b ? "the lengths differ" : "";
+}
+
+struct ClipPair {
+  core::FrameSource &a, &b;
+  int frames_a = 0, frames_b = 0;
+  SourceMeasures measures_a;
+  ClipMeasures measures_b;
+  ClipStrokes strokes_a, strokes_b;
+  double square_error = 0, similarity = 0;  // sums over frames
+};
+
+void pass_on(const CompareObserver& observer, int first, std::span<const cv::Mat> a,
+             std::span<const cv::Mat> b) {
+  if (!observer.take) return;
+  std::array<std::vector<cv::Mat>, 2> clips;
+  for (const auto& levels : a) clips[0].push_back(core::to_bytes(levels));
+  for (const auto& levels : b) clips[1].push_back(core::to_bytes(levels));
+  observer.take(first, clips);
+}
+
+void measure_pair(ClipPair& pair, bool with_psnr, bool with_strokes, const core::Context& context,
+                  const CompareObserver& observer) {
+  const int most = std::max(pair.frames_a, pair.frames_b);
+  pair.a.rewind(), pair.b.rewind();
+  for (int t = 0; t < most; t += kBatch) {
+    context.report("compare", double(t) / most);
+    const auto a = next_levels(pair.a, kBatch, context), b = next_levels(pair.b, kBatch, context);
+    pair.measures_a.add(levels_to_luma(a), context);
+    pair.measures_b.add(levels_to_luma(b), context);
+    if (with_strokes) {
+      pair.strokes_a.add(a, context);
+      pair.strokes_b.add(b, context);
+    }
+    for (std::size_t i = 0; with_psnr && i < std::min(a.size(), b.size()); ++i) {
+      pair.square_error += dytex::mean_square_error(a[i], b[i]);
+      pair.similarity += dytex::structural_similarity(core::luma(a[i]), core::luma(b[i]));
+    }
+    pass_on(observer, t, a, b);
+  }
+}
+
+}  // namespace
+
 void CompareOptions::validate() const {
-  if (!(learn_share > 0) || learn_share > 1)
-    throw core::InputError("CompareOptions.learn_share is " + std::to_string(learn_share) +
-                           "; allowed is above 0, up to 1");
-  if (steps < 1 || steps > 64)
-    throw core::InputError("CompareOptions.steps is " + std::to_string(steps) + "; allowed is 1 to 64");
-  if (frames != 0 && (frames < kFewestFrames || frames > 1000000))
+  core::check_above("CompareOptions.learn_share", learn_share, 0, 1);
+  core::check_range("CompareOptions.steps", steps, 1, kMostSteps);
+  if (frames != 0 && (frames < kFewestFrames || frames > kMostFrames))
     throw core::InputError("CompareOptions.frames is " + std::to_string(frames) + "; allowed is " +
-                           std::to_string(kFewestFrames) + " to 1000000, or 0 for as many as the source has");
+                           std::to_string(kFewestFrames) + " to " + std::to_string(kMostFrames) +
+                           ", or 0 for as many as the source has");
+}
+
+ShortClipError::ShortClipError(int which, int count)
+    : core::InputError(short_clip_text(which == 0 ? "the clip" : "the other clip", count)),
+      clip(which),
+      frames(count) {}
+
+std::string short_clip_text(const std::string& name, int frames) {
+  if (frames <= 0) return name + " holds no frame";
+  return name + " holds " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
+         "; a comparison needs at least " + std::to_string(kFewestFrames);
+}
+
+ClipComparison compare(core::FrameSource& a, core::FrameSource& b, const CompareOptions& options,
+                       const core::Context& context, const CompareObserver& observer) {
+  options.validate();
+  ClipComparison out;
+  out.frames_a = count_frames(a, 0, context);
+  out.frames_b = count_frames(b, 1, context);
+  const core::ClipInfo &info_a = a.info(), &info_b = b.info();
+  const cv::Size size_a(info_a.width, info_a.height), size_b(info_b.width, info_b.height);
+  out.scale = measure_scale(std::min(out.frames_a / 2, out.frames_b), size_a);
+  out.scale.rings = std::min(out.scale.rings, dytex::ring_count(size_b));
+  ClipPair pair{a,
+                b,
+                out.frames_a,
+                out.frames_b,
+                SourceMeasures(size_a, out.scale, out.frames_a),
+                ClipMeasures(size_b, out.scale, out.frames_b),
+                ClipStrokes(size_a, info_a.fps, options.sketch, options.match),
+                ClipStrokes(size_b, info_b.fps, options.sketch, options.match)};
+  out.no_psnr_reason = why_no_psnr(info_a, out.frames_a, info_b, out.frames_b);
+  const bool with_psnr = out.no_psnr_reason.empty();
+  if (observer.begin) {
+    const std::array<ObservedClip, 2> clips{
+        {{"a", "the first clip", info_a, out.frames_a}, {"b", "the other clip", info_b, out.frames_b}}};
+    observer.begin(clips);
+  }
+  measure_pair(pair, with_psnr, options.strokes, context, observer);
+
+  std::optional<mcmc::StrokeSeries> series;
+  OptionalStrokes strokes_a, strokes_b;
+  if (options.strokes) {
+    series = pair.strokes_a.series(context);
+    strokes_a = mcmc::stroke_statistics(*series);
+    strokes_b = mcmc::stroke_statistics(pair.strokes_b.series(context));
+  }
+  out.a = clip_profile(pair.measures_a.all, strokes_a);
+  out.b = clip_profile(pair.measures_b, strokes_b);
+  out.distances = clip_distances(pair.measures_b, strokes_b, pair.measures_a.all, strokes_a);
+  out.noise_floor = noise_floor(pair.measures_a, series ? &*series : nullptr);
+  if (with_psnr) {
+    out.psnr = dytex::psnr(pair.square_error / out.frames_a);
+    out.ssim = pair.similarity / out.frames_a;
+  }
+  return out;
 }
 
 }  // namespace emberfold::pipeline

@@ -1,9 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "core/error.hpp"
 #include "dytex/learn.hpp"
 #include "graph/matching/match.hpp"
 #include "mcmc/model/motion_model.hpp"
+#include "pipeline/clip_profile.hpp"
+#include "pipeline/comparison_curve.hpp"
+#include "pipeline/prediction.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/inpainting/fill.hpp"
@@ -11,7 +26,7 @@
 
 namespace emberfold::pipeline {
 
-/// The fewest frames that a comparison takes.
+/// The fewest frames of a clip that is compared.
 constexpr int kFewestFrames = 8;
 
 struct CompareOptions {
@@ -20,24 +35,104 @@ struct CompareOptions {
   sketch::FillOptions fill;
   dytex::LearnOptions learn;  ///< at most a third of the frames as components: more fit a short clip's chance
   double learn_share = 0.5;   ///< of the clip, from its beginning, that models learn from; (0, 1]
-  int steps = 8;              ///< frames that are foretold at most, 1 … 64
+  int steps = 8;              ///< frames ahead that are predicted at most, 1 … 64
   int frames = 0;             ///< of each synthesized clip; 0: as many as the source has
   bool hybrid = true;         ///< compare the hybrid of motion model and dynamic texture, too
   bool star = true;           ///< and spatio-temporal auto-regression
   bool curve = false;         ///< quality against model size, too
-  bool strokes = true;        ///< find strokes in the synthesized clips and measure them
+  bool strokes = true;        ///< find strokes in the clips and measure them
 
-  /// InputError naming the field, its value and what is allowed.
+  /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };
 
-/// What the caller has already made of the whole clip; what is null is made here.
+/// Holds what the caller has already made of the whole clip; what is null is made by the comparison.
 struct KnownModels {
   const SketchedClip* sketched = nullptr;  ///< as extracted: match() steadies a sketch with frames to come
-  /// Models of the whole clip, drawn from instead of those of its first part.
+  /// Models of the whole clip. Clips are drawn from them instead of from those of the clip's first part.
   const mcmc::MotionModel* motion_model = nullptr;
-  const sketch::Sharpening* sharpening = nullptr;  ///< with motion_model
+  const sketch::Sharpening* sharpening = nullptr;  ///< of motion_model; null: none
   const dytex::LinearDynamicTexture* texture = nullptr;
 };
+
+/// Is thrown for a clip with fewer than kFewestFrames frames.
+class ShortClipError : public core::InputError {
+ public:
+  ShortClipError(int clip, int frames);
+
+  int clip;    ///< its place among the arguments, from 0
+  int frames;  ///< that it has
+};
+/// Returns "<name> holds 7 frames; a comparison needs at least 8".
+std::string short_clip_text(const std::string& name, int frames);
+
+/// Names a clip of a comparison to its observer.
+struct ObservedClip {
+  std::string key;    ///< "a" and "b"; "source" and the key of each model
+  std::string label;  ///< to read
+  core::ClipInfo info;
+  int frames = 0;
+};
+
+/// Receives the frames of all clips while they are compared, to write or to show them. Either may be empty.
+/// Both are called on the thread of the caller; what they throw ends the comparison.
+struct CompareObserver {
+  /// Called once, before the first frame.
+  std::function<void(std::span<const ObservedClip> clips)> begin;
+  /// Called with the next frames (CV_8U) of each clip, from frame `first` on; fewer or none where it has
+  /// ended.
+  std::function<void(int first, std::span<const std::vector<cv::Mat>> clips)> take;
+};
+
+/// Holds how two clips compare.
+struct ClipComparison {
+  MeasureScale scale;
+  int frames_a = 0, frames_b = 0;
+  ClipProfile a, b;
+  ClipDistances distances;           ///< of b from a
+  ClipDistances noise_floor;         ///< of a's first half from its second
+  std::optional<double> psnr, ssim;  ///< of all frames: dB, at most 100; −1…1, of luma
+  std::string no_psnr_reason;        ///< in words, where there are neither
+};
+
+/// Measures how far clip `b` lies from clip `a`: by the pixels' spectra, flow, patterns and sharpness, and by
+/// their strokes. Distances are to be read beside the noise floor, that of a's own halves. PSNR and SSIM are
+/// measured where sizes, channels and lengths agree. Reads both clips twice and keeps a batch of frames. The
+/// result is the same at any number of threads. Throws ShortClipError, InputError for options out of range,
+/// core::Cancelled. Example:
+///     const auto found = pipeline::compare(*clip, *other);
+///     std::cout << found.distances.pixels.temporal_db << " dB, floor " <<
+///     found.noise_floor.pixels.temporal_db;
+ClipComparison compare(core::FrameSource& a, core::FrameSource& b, const CompareOptions& options = {},
+                       const core::Context& context = {}, const CompareObserver& observer = {});
+
+/// Holds a model of a comparison and the clip that was drawn from it.
+struct ModelResult {
+  std::string key, label;  ///< key: "motion_model", "hybrid", "linear_dynamic_texture" or "star"
+  double parameters = 0;   ///< numbers that it takes to draw from the model
+  ClipProfile drawn;
+  ClipDistances distances;  ///< of the drawn clip from the source
+};
+
+/// Holds how models of a clip compare with it.
+struct ModelComparison {
+  MeasureScale scale;
+  int frames = 0, learned_frames = 0;  ///< of the clip; of its first part, which models learned from
+  int drawn_frames = 0;                ///< of each model's clip
+  ClipProfile source;
+  ClipDistances noise_floor;                     ///< of the source's first half from its second
+  std::vector<ModelResult> models;               ///< those that this clip yields
+  std::optional<PredictionMeasures> prediction;  ///< none where nothing was left to predict
+  std::optional<SizeCurve> size_curve;           ///< with CompareOptions::curve
+};
+
+/// Learns models of a clip from its first part and measures how well they predict the rest, how well they
+/// show a frame that they are given, and how far a new clip drawn from each lies from the source. A model
+/// that cannot be learned from this clip is left out, with a warning. Keeps a batch of frames and all graphs.
+/// The result is the same at any number of threads. Throws ShortClipError, InputError for options out of
+/// range, core::IoError where the clip changes while it is read, core::Cancelled.
+ModelComparison compare_models(core::FrameSource& source, const CompareOptions& options = {},
+                               const KnownModels& known = {}, std::uint64_t seed = 1,
+                               const core::Context& context = {}, const CompareObserver& observer = {});
 
 }  // namespace emberfold::pipeline

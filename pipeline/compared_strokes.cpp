@@ -24,20 +24,20 @@
 
 namespace emberfold::pipeline {
 
-struct Strokes {
+struct StrokeModel {
   mcmc::MotionModel model, drawn;                           // learned; drawn from
   sketch::Background ground, drawn_ground;                  // likewise
   std::vector<graph::AttributeGraph> sketches;              // of every frame
-  std::map<int, std::vector<graph::AttributeGraph>> ahead;  // by steps: of every frame, foretold
+  std::map<int, std::vector<graph::AttributeGraph>> ahead;  // by steps: of every frame, forepredicted
   sketch::FillOptions fill;
   core::ClipInfo info;
   float level = 0;                // of a drawn frame with nothing in it
   sketch::Sharpening sharpening;  // of drawn clips
 
   // The graph expected `steps` frames on; of 0 the frame's own.
-  [[nodiscard]] const graph::AttributeGraph& graph(const Moment& moment, int steps) const {
+  [[nodiscard]] const graph::AttributeGraph& graph(const PastFrames& past, int steps) const {
     const auto& all = steps == 0 ? sketches : ahead.at(steps);
-    return all[static_cast<std::size_t>(moment.frame + steps)];
+    return all[static_cast<std::size_t>(past.frame + steps)];
   }
   [[nodiscard]] sketch::RenderOptions look(float empty_level, const sketch::Background& around) const {
     return {{info.width, info.height}, info.channels, empty_level, fill, around};
@@ -56,10 +56,10 @@ graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int coun
   return first;
 }
 
-cv::Mat draw_strokes(const Strokes& strokes, const Moment& moment, int steps) {
+cv::Mat draw_strokes(const StrokeModel& strokes, const PastFrames& past, int steps) {
   // Where there is no stroke, the mean level of the newest frame is what is known.
-  const auto level = static_cast<float>(cv::mean(core::luma(moment.past.back()))[0]);
-  return sketch::render_frame(strokes.graph(moment, steps), strokes.look(level, strokes.ground));
+  const auto level = static_cast<float>(cv::mean(core::luma(past.levels.back()))[0]);
+  return sketch::render_frame(strokes.graph(past, steps), strokes.look(level, strokes.ground));
 }
 
 float mean_level(core::FrameSource& source) {
@@ -82,18 +82,18 @@ Eigen::VectorXd state_between(const dytex::LinearDynamicTexture& texture, const 
   return dytex::expected_state(texture, state);
 }
 
-// The frames so many steps (ascending; 0: itself) after a moment.
-std::vector<cv::Mat> draw_hybrid(const Strokes& strokes, const dytex::LinearDynamicTexture& texture,
-                                 const Moment& moment, std::span<const int> steps) {
-  const auto& levels = moment.past.back();
+// Draws the frames so many steps (ascending; 0: itself) after the newest one.
+std::vector<cv::Mat> draw_hybrid(const StrokeModel& strokes, const dytex::LinearDynamicTexture& texture,
+                                 const PastFrames& past, std::span<const int> steps) {
+  const auto& levels = past.levels.back();
   const auto level = static_cast<float>(cv::mean(core::luma(levels))[0]);
-  Eigen::VectorXd state = state_between(texture, levels, strokes.graph(moment, 0));
+  Eigen::VectorXd state = state_between(texture, levels, strokes.graph(past, 0));
   std::vector<cv::Mat> drawn;
   for (int i = 0; drawn.size() < steps.size(); ++i) {
     if (i > 0) state = texture.A * state;
     if (i == steps[drawn.size()])
       drawn.push_back(sketch::render_frame(
-          {strokes.graph(moment, i), core::to_bytes(dytex::draw(texture, state))}, strokes.look(level, {})));
+          {strokes.graph(past, i), core::to_bytes(dytex::draw(texture, state))}, strokes.look(level, {})));
   }
   return drawn;
 }
@@ -105,14 +105,14 @@ double ground_numbers(const sketch::Background& ground) {
 }
 
 /// What was fitted is made ready to be drawn from, as `analyze` does: sharpening, then rates.
-void prepare_drawing(Strokes& strokes, mcmc::FitResult& fitted, const graph::MotionGraph& motion,
-                     const ModelInput& input) {
+void prepare_drawing(StrokeModel& strokes, mcmc::FitResult& fitted, const graph::MotionGraph& motion,
+                     const TrainingInput& input) {
   const core::Context& context = input.context;
   const std::uint64_t seed = input.seed;
-  core::ClipRange part(input.source, 0, input.first);
-  const double wanted =
-      sketch::measure_clip_flank_gradient(part, first_frames(input.sketched.sketch, input.first), context)
-          .mean();
+  core::ClipRange learned_part(input.source, 0, input.learned_frames);
+  const double wanted = sketch::measure_clip_flank_gradient(
+                            learned_part, first_frames(input.sketched.sketch, input.learned_frames), context)
+                            .mean();
   strokes.sharpening = fit_sharpening(fitted.model, strokes.drawn_ground, wanted, seed, context);
   calibrate(fitted, mcmc::event_statistics(motion, graph::stroke_events(motion)),
             {input.options.sketch, input.options.match, strokes.drawn_look()}, CalibrateOptions{}, seed,
@@ -122,15 +122,15 @@ void prepare_drawing(Strokes& strokes, mcmc::FitResult& fitted, const graph::Mot
 
 }  // namespace
 
-std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const KnownModels& known) {
+std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, const KnownModels& known) {
   const auto& [sketch, grounds] = input.sketched;
   const core::Context& context = input.context;
-  Strokes strokes;
+  StrokeModel strokes;
   strokes.fill = input.options.fill, strokes.info = input.source.info();
   strokes.ground =
-      sketch::estimate_background(std::span(grounds).first(static_cast<std::size_t>(input.first)));
-  core::ClipRange part(input.source, 0, input.first);
-  strokes.ground.static_pixels = sketch::find_static_pixels(part, context);
+      sketch::estimate_background(std::span(grounds).first(static_cast<std::size_t>(input.learned_frames)));
+  core::ClipRange learned_part(input.source, 0, input.learned_frames);
+  strokes.ground.static_pixels = sketch::find_static_pixels(learned_part, context);
   strokes.drawn_ground = strokes.ground;
   if (known.motion_model != nullptr) {
     strokes.drawn_ground = sketch::estimate_background(grounds);
@@ -142,70 +142,73 @@ std::shared_ptr<const Strokes> learn_strokes(const ModelInput& input, const Know
     mcmc::FitOptions options;
     options.seed = input.seed;
     options.calibrate = known.motion_model == nullptr;  // it serves drawing alone
-    const auto motion = match_strokes(first_frames(sketch, input.first), input.options.match, context);
+    const auto motion =
+        match_strokes(first_frames(sketch, input.learned_frames), input.options.match, context);
     auto fitted = mcmc::fit(motion, options, context);
     for (const auto& note : fitted.notes) context.warn("motion model: " + note);
     strokes.model = fitted.model;
     if (known.motion_model != nullptr)
-      strokes.drawn = *known.motion_model, strokes.sharpening = *known.sharpening;
+      strokes.drawn = *known.motion_model,
+      strokes.sharpening = known.sharpening != nullptr ? *known.sharpening : sketch::Sharpening{};
     else
       prepare_drawing(strokes, fitted, motion, input);
   } catch (const core::InputError& error) {
     context.warn(std::string("no motion model: ") + error.what());
     return nullptr;
   }
-  if (input.first < input.frames) {
-    // Steadying takes back what later frames show to be flicker; whoever foretells cannot know them.
+  if (input.learned_frames < input.frames) {
+    // Flicker removal looks at later frames, which a prediction must not know.
     auto causal = input.options.match;
     causal.flicker = 0;
     const auto motion = match_strokes(sketch, causal, context);
     for (const int step : input.steps) strokes.ahead[step] = mcmc::predict(strokes.model, motion, step);
   }
-  return std::make_shared<const Strokes>(std::move(strokes));
+  return std::make_shared<const StrokeModel>(std::move(strokes));
 }
 
-ComparedModel sketch_model(const std::shared_ptr<const Strokes>& strokes, std::uint64_t seed,
+ComparedModel sketch_model(const std::shared_ptr<const StrokeModel>& strokes, std::uint64_t seed,
                            const core::Context& context) {
-  ComparedModel model{"motion_model", "motion model", "synthesized_motion.avi"};
+  ComparedModel model{"motion_model", "motion model"};
   model.parameters = parameter_count(strokes->model) + ground_numbers(strokes->ground);
-  model.draw = [strokes, seed, context]() -> ComparedModel::Frames {
+  model.begin_clip = [strokes, seed, context]() -> ComparedModel::NextFrames {
     const auto frames =
         std::make_shared<FrameSynthesis>(mcmc::Synthesis(strokes->drawn, seed), strokes->drawn_look());
     return [frames, context](int count) { return frames->next(count, context); };
   };
-  model.foretell = [strokes](const Moment& moment, std::span<const int> steps) {
-    std::vector<cv::Mat> told;
-    for (const int step : steps) told.push_back(draw_strokes(*strokes, moment, step));
-    return told;
+  model.predict = [strokes](const PastFrames& past, std::span<const int> steps) {
+    std::vector<cv::Mat> predicted;
+    for (const int step : steps) predicted.push_back(draw_strokes(*strokes, past, step));
+    return predicted;
   };
-  model.reconstruct = [strokes](const Moment& moment) { return draw_strokes(*strokes, moment, 0); };
+  model.reconstruct = [strokes](const PastFrames& past) { return draw_strokes(*strokes, past, 0); };
   return model;
 }
 
-std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const Strokes>& strokes,
-                                          const ModelInput& input) {
+std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const StrokeModel>& strokes,
+                                          const TrainingInput& input) {
   const core::Context& context = input.context;
-  core::ClipRange part(input.source, 0, input.first);
-  auto learned = attempt("no hybrid", input.context, [&] {
+  core::ClipRange learned_part(input.source, 0, input.learned_frames);
+  auto learned = learn_or_warn("no hybrid", input.context, [&] {
     return learn_background_texture(
-        part, std::span(strokes->sketches).first(static_cast<std::size_t>(input.first)), {}, context);
+        learned_part, std::span(strokes->sketches).first(static_cast<std::size_t>(input.learned_frames)), {},
+        context);
   });
   if (!learned) return std::nullopt;
   for (const auto& note : learned->notes) input.context.warn("hybrid: " + note);
   const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(learned->texture));
-  ComparedModel model{"hybrid", "hybrid", "synthesized_hybrid.avi"};
+  ComparedModel model{"hybrid", "hybrid"};
   model.parameters = parameter_count(strokes->model) + parameter_count(*texture);
-  model.draw = [strokes, texture, seed = input.seed, context]() -> ComparedModel::Frames {
+  model.begin_clip = [strokes, texture, seed = input.seed, context]() -> ComparedModel::NextFrames {
     const auto frames =
         std::make_shared<FrameSynthesis>(hybrid_frames(strokes->drawn, texture, strokes->drawn_look(), seed));
     return [frames, context](int count) { return frames->next(count, context); };
   };
-  model.foretell = [strokes, texture](const Moment& moment, std::span<const int> steps) {
-    return draw_hybrid(*strokes, *texture, moment, steps);
+  model.predict = [strokes, texture](const PastFrames& past, std::span<const int> steps) {
+    return draw_hybrid(*strokes, *texture, past, steps);
   };
-  model.reconstruct = [strokes, texture](const Moment& moment) {
+  model.reconstruct = [strokes, texture](const PastFrames& past) {
     const int itself = 0;
-    return draw_hybrid(*strokes, *texture, moment, std::span(&itself, 1)).front();
+    return draw_hybrid(*strokes, *texture, past, std::span(&itself, 1)).front();
   };
   return model;
 }

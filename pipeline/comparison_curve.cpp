@@ -3,25 +3,21 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <vector>
 
 #include "dytex/baselines/star.hpp"
-#include "pipeline/prediction.hpp"
+#include "pipeline/compared_models.hpp"
 
 namespace emberfold::pipeline {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
 
-constexpr int kMostFrames = 128, kBatch = 16;
+constexpr int kMostFrames = 128;      // of a drawn clip that is measured
+constexpr int kBatch = 16;            // frames that are held at once
 constexpr double kMostSpacing = 100;  // px, that a sketch takes
-
-struct Sized {
-  ComparedModel model;
-  std::string what;
-};
+constexpr double kEqual = 1000;       // qualities that agree in so many parts of a dB count as equal
 
 std::string reduced_text(double scale) {
   return scale < 1 ? ", frames reduced to 1/" + std::to_string(static_cast<int>(1 / scale)) : "";
@@ -33,64 +29,64 @@ std::string pixels_text(double length) {
   return text.data();
 }
 
-ClipMeasures measure_drawn(const ComparedModel& model, const ModelInput& input, const MeasureScale& scale) {
+ClipMeasures measure_drawn(const ComparedModel& model, const TrainingInput& input,
+                           const MeasureScale& scale) {
   const auto& info = input.source.info();
   const int frames = std::max(std::min(input.frames, kMostFrames), 2 * std::max(scale.segment, scale.lags));
   ClipMeasures measures({info.width, info.height}, scale, frames);
-  const auto draw = model.draw();
+  const auto draw_next = model.begin_clip();
   for (int t = 0; t < frames; t += kBatch) {
-    measures.add(luma_of(levels_of(draw(std::min(kBatch, frames - t)))), input.context);
+    measures.add(levels_to_luma(bytes_to_levels(draw_next(std::min(kBatch, frames - t)))), input.context);
     input.context.check();
   }
   return measures;
 }
 
-Json point_json(const Sized& sized, const ModelInput& input, const ClipMeasures& source,
-                const MeasureScale& scale) {
-  Json point = {{"model", sized.model.key}, {"label", sized.model.label},
-                {"what", sized.what},       {"parameters", sized.model.parameters},
-                {"psnr", nullptr},          {"ssim", nullptr}};
-  if (input.first < input.frames) {
+SizeCurvePoint measure_point(const ComparedModel& model, const std::string& size_text,
+                             const TrainingInput& input, const ClipMeasures& source,
+                             const MeasureScale& scale) {
+  SizeCurvePoint point{model.key, model.label, size_text, model.parameters, {}, {}};
+  if (input.learned_frames < input.frames) {
     const int next = 1;
-    const auto told = measure_prediction(input.source, input.first, input.frames, std::span(&next, 1),
-                                         std::span(&sized.model, 1), input.context);
-    const auto& method = told.prediction["methods"][sized.model.key];
-    point["psnr"] = method["psnr"], point["ssim"] = method["ssim"];
+    const auto predicted = measure_prediction(input.source, input.learned_frames, input.frames,
+                                              std::span(&next, 1), std::span(&model, 1), input.context);
+    point.next_frame = predicted.methods.back().by_step.front();
   }
-  point.update(pixel_distances(measure_drawn(sized.model, input, scale), source));
+  point.distances = pixel_distances(measure_drawn(model, input, scale), source);
   return point;
 }
 
-// The texture no larger than the motion model that foretells best (or, with nothing held out, draws the
-// nearest spectrum in time).
-Json equal_json(const Json& points) {
-  const Json* strokes = nullptr;
-  const Json* best = nullptr;
-  for (const auto& point : points)
-    if (point["model"] == "motion_model" && strokes == nullptr) strokes = &point;
-  if (strokes == nullptr) return nullptr;
-  const auto better = [](const Json& a, const Json& b) {
-    return a["psnr"].is_number() ? a["psnr"] > b["psnr"] : a["temporal_db"] < b["temporal_db"];
-  };
-  for (const auto& point : points)
-    if (point["model"] == "linear_dynamic_texture" && point["parameters"] <= (*strokes)["parameters"] &&
-        (best == nullptr || better(point, *best)))
-      best = &point;
-  return {{"parameters", (*strokes)["parameters"]},
-          {"motion_model", *strokes},
-          {"linear_dynamic_texture", best == nullptr ? Json(nullptr) : *best}};
+// Whether `a` predicts better than `b` or, with nothing held out, draws the nearer spectrum in time.
+bool is_better(const SizeCurvePoint& a, const SizeCurvePoint& b) {
+  const auto steps = [](double value) { return std::round(value * kEqual); };
+  return a.next_frame && b.next_frame ? steps(a.next_frame->psnr) > steps(b.next_frame->psnr)
+                                      : steps(a.distances.temporal_db) < steps(b.distances.temporal_db);
+}
+
+void find_equals(SizeCurve& curve) {
+  const auto& points = curve.points;
+  const auto strokes = std::ranges::find(points, "motion_model", &SizeCurvePoint::model);
+  if (strokes == points.end()) return;
+  curve.motion_model = static_cast<std::size_t>(strokes - points.begin());
+  auto& best = curve.equal_texture;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i].model == "linear_dynamic_texture" && points[i].parameters <= strokes->parameters &&
+        (!best || is_better(points[i], points[*best])))
+      best = i;
 }
 
 }  // namespace
 
-Json size_curve(const ModelInput& input, const ClipMeasures& source, const MeasureScale& scale) {
-  Json points = Json::array();
+SizeCurve measure_size_curve(const TrainingInput& input, const ClipMeasures& source,
+                             const MeasureScale& scale) {
+  SizeCurve curve;
   const int one = 1;
   const auto next_only = [&](const SketchedClip& sketched, const CompareOptions& options) {
-    return ModelInput{input.source, input.frames, input.first, std::span(&one, 1),
-                      sketched,     options,      input.seed,  input.context};
+    return TrainingInput{input.source, input.frames, input.learned_frames, std::span(&one, 1),
+                         sketched,     options,      input.seed,           input.context};
   };
-  const auto add = [&](std::optional<ComparedModel> model, const std::string& what, const ModelInput& from) {
+  const auto add = [&](std::optional<ComparedModel> model, const std::string& what,
+                       const TrainingInput& from) {
     if (model) points.push_back(point_json({std::move(*model), what}, from, source, scale));
     input.context.check();
   };
@@ -107,7 +103,8 @@ Json size_curve(const ModelInput& input, const ClipMeasures& source, const Measu
   }
   const auto from = next_only(input.sketched, input.options);
   for (const double reduced : {0.125, 0.25, 0.5, 1.0})
-    for (int n = 1; n <= std::min(input.options.learn.components, std::max(1, input.first / 3)); n *= 2) {
+    for (int n = 1; n <= std::min(input.options.learn.components, std::max(1, input.learned_frames / 3));
+         n *= 2) {
       const auto& info = input.source.info();
       if (std::min(info.width, info.height) * reduced < 2) continue;
       add(texture_model(from, {}, n, reduced),
@@ -115,7 +112,8 @@ Json size_curve(const ModelInput& input, const ClipMeasures& source, const Measu
     }
   for (const int reach : {1, 2, 3})
     add(star_model(from, reach), "neighbours up to " + std::to_string(reach) + " px away", from);
-  return {{"points", points}, {"equal", equal_json(points)}};
+  find_equals(curve);
+  return curve;
 }
 
 }  // namespace emberfold::pipeline

@@ -1,22 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "pipeline/clip_measures.hpp"
-#include "pipeline/compared_models.hpp"
+#include "pipeline/prediction.hpp"
 
 namespace emberfold::pipeline {
 
-/// Quality against the number of parameters: every kind of model learned in several sizes from the same
-/// first part. The motion model with patches 1, 2 and 4 times as far apart as `sketch.spacing` tells, which
-/// leaves the strokes and halves the numbers that describe them; the linear dynamic texture with 1, 2, 4 …
-/// components of whole frames and of frames reduced to a half, a quarter, an eighth each way (which is how it
-/// gets as small as the others); STAR with neighbours up to 1, 2, 3 px away.
-/// {"points": [{"model", "label", "what", "parameters", "psnr", "ssim" (of the next frame, held out; null
-/// without such), "temporal_db", …: the pixel measures of a drawn clip of at most 128 frames}], "equal": for
-/// the motion model's size the best linear dynamic texture that is no larger}. Throws core::Cancelled.
-nlohmann::ordered_json size_curve(const ModelInput& input, const ClipMeasures& source,
-                                  const MeasureScale& scale);
+struct TrainingInput;
+
+/// Holds the quality of one model of one size.
+struct SizeCurvePoint {
+  std::string model, label;  ///< the kind's key; to read
+  std::string size_text;     ///< "4 components", "a patch every 10 px"
+  double parameters = 0;
+  std::optional<FrameQuality> next_frame;  ///< held out; none where the model learned from all frames
+  PixelDistances distances;                ///< of a drawn clip, at most 128 frames, from the source
+};
+
+/// Holds the quality of models against the number of their parameters.
+struct SizeCurve {
+  std::vector<SizeCurvePoint> points;
+  std::optional<std::size_t> motion_model;   ///< the point of the motion model in its usual size
+  std::optional<std::size_t> equal_texture;  ///< the best linear dynamic texture that is no larger
+};
+
+/// Measures quality against the number of parameters: each kind of model in several sizes, learned alike. The
+/// motion model has patches 1, 2 and 4 times as far apart as `sketch.spacing`, which leaves the strokes and
+/// halves the numbers that describe them. The linear dynamic texture has 1, 2, 4 … components, of whole
+/// frames and of frames reduced to a half, a quarter and an eighth each way, which makes it as small as the
+/// others. STAR has neighbours up to 1, 2, 3 px away. Throws core::Cancelled.
+SizeCurve measure_size_curve(const TrainingInput& input, const ClipMeasures& source,
+                             const MeasureScale& scale);
 
 }  // namespace emberfold::pipeline

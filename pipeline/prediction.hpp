@@ -1,30 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "core/clip.hpp"
-#include "pipeline/compared_models.hpp"
+#include "core/context.hpp"
 
 namespace emberfold::pipeline {
 
-/// 1, 2, 4 … and `most` itself.
+struct ComparedModel;
+
+/// Holds how near made frames come to true ones.
+struct FrameQuality {
+  double psnr = 0;  ///< dB, of the mean square error over all frames, pixels and channels; at most 100
+  double ssim = 0;  ///< of luma, mean over frames
+
+  bool operator==(const FrameQuality&) const = default;
+};
+
+/// Holds how well one method predicts.
+struct MethodPrediction {
+  std::string key;                                   ///< a model's, "frame_before" or "mean_image"
+  std::vector<std::optional<FrameQuality>> by_step;  ///< none where the clip has no frame so many steps on
+  std::vector<double> next_frame_psnr;               ///< dB, one step ahead, by start
+  std::optional<FrameQuality> reconstruction;        ///< of a frame that a model is given
+};
+
+/// Holds how well frames are predicted from those before them.
+struct PredictionMeasures {
+  int first_frame = 0;     ///< the first that is predicted
+  int starts = 0;          ///< frames that were predicted from
+  std::vector<int> steps;  ///< frames ahead, ascending
+  std::vector<MethodPrediction> methods;
+};
+
+/// Returns 1, 2, 4 … and `most` itself.
 std::vector<int> prediction_steps(int most);
 
-/// How near what is foretold comes to the frames first … frames − 1, and what models show to what they are
-/// given. From at most 32 moments, evenly spread, all steps are foretold by every model and two that need
-/// none: the frame before shown again ("frame_before"), and the mean image of the frames before `first`
-/// ("mean_image"). {"first_frame", "moments", "steps", "methods": {key: {"psnr", "ssim", "by_step": {"psnr",
-/// "ssim"}}}, "per_frame": {key: psnr of one step}}: PSNR is that of the mean square error over all moments,
-/// pixels and channels, of frames as 8 bits show them, SSIM the mean over moments, of luma. With them
-/// "reconstruction": {key: {"psnr", "ssim"}}. Holds a batch of frames. Throws core::Cancelled.
-struct Prediction {
-  nlohmann::ordered_json prediction, reconstruction;
-};
-Prediction measure_prediction(core::FrameSource& source, int first, int frames, std::span<const int> steps,
-                              std::span<const ComparedModel> models, const core::Context& context);
+/// Measures how well frames first … frames − 1 are predicted, and how well models show a frame they are
+/// given. From at most 32 starts, evenly spread, every model predicts all steps, and so do two methods
+/// without a model: the frame before shown again ("frame_before"), and the mean image of the frames before
+/// `first`
+/// ("mean_image"). Frames are compared as 8 bits show them. Holds a batch of frames. Throws core::Cancelled.
+PredictionMeasures measure_prediction(core::FrameSource& source, int first, int frames,
+                                      std::span<const int> steps, std::span<const ComparedModel> models,
+                                      const core::Context& context);
 
 }  // namespace emberfold::pipeline

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "core/clip.hpp"
@@ -23,6 +21,7 @@ sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGra
 
 sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat& levels, double share) {
   const auto pixels = static_cast<double>(levels.total());
+  // The small number keeps a share of whole pixels whole.
   const double room = std::floor(share * pixels + 1e-9) - cv::countNonZero(patches.mask);
   if (room < 1) return patches;
   // Half a pixel more, so that rounding does not take one away.
@@ -37,29 +36,19 @@ Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& g
   return reconstruct(levels, draw_patches(levels, graph, drawing), ground);
 }
 
-Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& held,
+Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& drawn,
                            const sketch::NonsketchableFillOptions& ground, const core::Context& context) {
-  const auto drawn = sketch::fill_nonsketchable(levels, held, ground, context);
+  const auto filled = sketch::fill_nonsketchable(levels, drawn, ground, context);
   Reconstruction result;
-  result.share = held.share();
-  result.converged = drawn.converged;
-  result.regions = drawn.regions;
-  result.histogram_distance = drawn.histogram_distance;
-  result.bytes = core::to_bytes(drawn.levels);
+  result.share = drawn.share();
+  result.converged = filled.converged;
+  result.regions = filled.regions;
+  result.histogram_distance = filled.histogram_distance;
+  result.bytes = core::to_bytes(filled.levels);
   cv::Mat shown;
   result.bytes.convertTo(shown, CV_32F);
   result.psnr = dytex::psnr(dytex::mean_square_error(shown, levels));
   return result;
-}
-
-nlohmann::ordered_json spread_json(std::span<const double> values) {
-  if (values.empty()) return nullptr;
-  const auto [low, high] = std::ranges::minmax_element(values);
-  const auto rounded = [](double v) { return std::round(v * 1000) / 1000; };
-  return {{"mean", rounded(std::accumulate(values.begin(), values.end(), 0.0) / double(values.size()))},
-          {"min", rounded(*low)},
-          {"max", rounded(*high)},
-          {"frames", values.size()}};
 }
 
 }  // namespace emberfold::pipeline

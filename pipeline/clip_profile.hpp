@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "mcmc/learning/stroke_statistics.hpp"
+#include "pipeline/clip_measures.hpp"
+#include "pipeline/clip_strokes.hpp"
+
+namespace emberfold::pipeline {
+
+/// Holds what one clip is like.
+struct ClipProfile {
+  PixelFigures pixels;
+  MeasureCurves curves;
+  std::optional<mcmc::StrokeStatistics> strokes;  ///< none where strokes were not sought
+};
+
+/// Holds how far a clip lies from a reference.
+struct ClipDistances {
+  PixelDistances pixels;
+  std::optional<StrokeDistances> strokes;  ///< none where strokes were not sought
+
+  bool operator==(const ClipDistances&) const = default;
+};
+
+using OptionalStrokes = std::optional<mcmc::StrokeStatistics>;
+
+/// Returns the profile of a clip that was gathered.
+ClipProfile clip_profile(const ClipMeasures& pixels, const OptionalStrokes& strokes);
+
+/// Measures how far a clip lies from a reference; strokes where those of both are known.
+ClipDistances clip_distances(const ClipMeasures& pixels, const OptionalStrokes& strokes,
+                             const ClipMeasures& reference, const OptionalStrokes& reference_strokes);
+
+/// Measures how far a source's first half lies from its second. `strokes`: of all its frames, or null.
+ClipDistances noise_floor(const SourceMeasures& source, const mcmc::StrokeSeries* strokes);
+
+/// Reads a source's next frames as levels, at most so many. Throws core::Cancelled.
+std::vector<cv::Mat> next_levels(core::FrameSource& source, int most, const core::Context& context);
+
+}  // namespace emberfold::pipeline
