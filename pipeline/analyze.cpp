@@ -115,8 +115,8 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   model.background.static_pixels = sketch::find_static_pixels(source, context);
   const double gradient = sketch::measure_clip_flank_gradient(source, sketch, context).mean();
   model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
-  const auto look =
-      sketch::apply_sharpening(render_options(fitted.model, model.background, options.fill), model.sharpening);
+  const auto look = sketch::apply_sharpening(render_options(fitted.model, model.background, options.fill),
+                                             model.sharpening);
   analysis.calibration = calibrate_rates(sketches, look, options, analysis, fitted, clock, context);
   analysis.rates = fitted.events_per_frame;
   model.motion = std::move(fitted.model);

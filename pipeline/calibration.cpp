@@ -33,8 +33,8 @@ void CalibrateOptions::validate() const {
                            ", must be in 0…20");
 }
 
-mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
-                             std::uint64_t seed, const core::Context& context) {
+mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how,
+                                      int frames, std::uint64_t seed, const core::Context& context) {
   FrameSynthesis drawn(mcmc::Synthesis(model, seed, mcmc::Start::stationary), how.look);
   ClipStrokes strokes(how.look.size, model.fps, how.sketch, how.match);
   for (int done = 0; done < frames; done += kAtOnce)
@@ -44,8 +44,8 @@ mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const Read
 }
 
 std::vector<mcmc::EventStatistics> calibrate(mcmc::FitResult& fitted, const mcmc::EventStatistics& source,
-                                    const ReadingAndDrawing& how, const CalibrateOptions& options,
-                                    std::uint64_t seed, const core::Context& context) {
+                                             const ReadingAndDrawing& how, const CalibrateOptions& options,
+                                             std::uint64_t seed, const core::Context& context) {
   std::vector<mcmc::EventStatistics> found;
   mcmc::MotionModel& model = fitted.model;
   if (source.patches <= 0 || model.exemplars.empty()) return found;

@@ -28,8 +28,8 @@ struct ReadingAndDrawing {
 
 /// What a clip drawn from the model shows to whoever analyses it, bottom-up: `frames` ≥ 2 frames from its
 /// stationary state are drawn, sketched and matched. Throws core::Cancelled.
-mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how, int frames,
-                             std::uint64_t seed, const core::Context& context);
+mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how,
+                                      int frames, std::uint64_t seed, const core::Context& context);
 
 /// Corrects the rates of a learned model until clips drawn from it show to a bottom-up analysis what the clip
 /// itself, `source`, showed to one: a detector misses some of what happens in graphs and makes up other
@@ -39,7 +39,7 @@ mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const Read
 /// there are and how large is left alone: what is not seen of them lies under others, and more would hide
 /// more. Returns what each round saw before its correction. Throws core::Cancelled.
 std::vector<mcmc::EventStatistics> calibrate(mcmc::FitResult& fitted, const mcmc::EventStatistics& source,
-                                    const ReadingAndDrawing& how, const CalibrateOptions& options,
-                                    std::uint64_t seed, const core::Context& context);
+                                             const ReadingAndDrawing& how, const CalibrateOptions& options,
+                                             std::uint64_t seed, const core::Context& context);
 
 }  // namespace emberfold::pipeline

@@ -21,8 +21,8 @@ void check(const ClipModel& model, const ClipSynthesisOptions& options) {
 }
 
 FrameSynthesis begin(const std::shared_ptr<const ClipModel>& model, const ClipSynthesisOptions& options) {
-  auto look =
-      sketch::apply_sharpening(render_options(model->motion, model->background, options.fill), model->sharpening);
+  auto look = sketch::apply_sharpening(render_options(model->motion, model->background, options.fill),
+                                       model->sharpening);
   if (options.between == ModelFill::dytex) {
     const std::shared_ptr<const dytex::LinearDynamicTexture> texture(model, &*model->texture);
     return hybrid_frames(model->motion, texture, std::move(look), options.seed, options.start);

@@ -8,7 +8,9 @@
 #include <opencv2/core.hpp>
 
 #include "core/text/check_range.hpp"
-#include "dytex/measures/sharpness_si_ti.hpp"
+#include "dytex/measures/psnr.hpp"
+#include "dytex/measures/spectra.hpp"
+#include "dytex/measures/ssim.hpp"
 
 namespace emberfold::pipeline {
 

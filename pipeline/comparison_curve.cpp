@@ -85,9 +85,9 @@ SizeCurve measure_size_curve(const TrainingInput& input, const ClipMeasures& sou
     return TrainingInput{input.source, input.frames, input.learned_frames, std::span(&one, 1),
                          sketched,     options,      input.seed,           input.context};
   };
-  const auto add = [&](std::optional<ComparedModel> model, const std::string& what,
+  const auto add = [&](const std::optional<ComparedModel>& model, const std::string& size_text,
                        const TrainingInput& from) {
-    if (model) points.push_back(point_json({std::move(*model), what}, from, source, scale));
+    if (model) curve.points.push_back(measure_point(*model, size_text, from, source, scale));
     input.context.check();
   };
   for (const int factor : {1, 2, 4}) {

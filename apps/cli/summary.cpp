@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/cli/summary.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
+#include <numeric>
+
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 
@@ -53,6 +58,16 @@ std::string score_table(const graph::Score& score) {
   table("four", score.four);
   table("six", score.six);
   return out;
+}
+
+Json spread_json(std::span<const double> values) {
+  if (values.empty()) return nullptr;
+  const auto [low, high] = std::ranges::minmax_element(values);
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return {{"mean", core::round_to(sum / static_cast<double>(values.size()), 3)},
+          {"min", core::round_to(*low, 3)},
+          {"max", core::round_to(*high, 3)},
+          {"frames", values.size()}};
 }
 
 std::string json_text(const Json& value) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -34,6 +35,9 @@ nlohmann::ordered_json score_json(const graph::Score& score);
 
 /// Returns the score as a table for each of the two sets of classes.
 std::string score_table(const graph::Score& score);
+
+/// Returns {"mean", "min", "max", "frames"}, null where there is no value.
+nlohmann::ordered_json spread_json(std::span<const double> values);
 
 /// Writes indented JSON with a newline at the end. Bytes that are no UTF-8 are replaced.
 std::string json_text(const nlohmann::ordered_json& value);

@@ -63,12 +63,12 @@ Json sketch_json(const Json& per_frame, const Pictures& pictures) {
   };
   std::size_t patches = 0;
   for (const auto& value : per_frame["patches"]) patches += value.get<std::size_t>();
-  const Json share = pipeline::spread_json(pictures.share);
+  const Json share = spread_json(pictures.share);
   return {{"patches", patches},
           {"patches_per_frame", mean(per_frame["patches"])},
           {"strokes_per_frame", mean(per_frame["strokes"])},
           {"sketchable_share", share.is_null() ? Json(0) : share["mean"]},
-          {"psnr", pipeline::spread_json(pictures.psnr)},
+          {"psnr", spread_json(pictures.psnr)},
           {"coding_gain", gain_json(pictures.gains)}};
 }
 

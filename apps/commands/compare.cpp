@@ -9,6 +9,7 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/comparison/comparison.hpp"
+#include "apps/comparison/comparison_table.hpp"
 #include "apps/report/comparison_report.hpp"
 
 namespace emberfold::apps {

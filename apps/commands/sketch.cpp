@@ -106,21 +106,21 @@ Json summarise(const Sketch& asked, const SketchRequest& request, const io::Read
   const auto& figures = run.figures;
   summary["clip"] = clip_json(asked.reading.clip, info, static_cast<int>(run.sketch.frames.size()));
   summary["options"] = asked_json(asked, request, read);
-  summary["sketch"] = {{"patches_per_frame", pipeline::spread_json(figures.patches)},
-                       {"sketchable_share", pipeline::spread_json(figures.patch_share)},
-                       {"anchor_share", pipeline::spread_json(figures.anchor_share)},
+  summary["sketch"] = {{"patches_per_frame", spread_json(figures.patches)},
+                       {"sketchable_share", spread_json(figures.patch_share)},
+                       {"anchor_share", spread_json(figures.anchor_share)},
                        {"fill", asked.fill},
-                       {"psnr", pipeline::spread_json(figures.psnr)}};
+                       {"psnr", spread_json(figures.psnr)}};
   summary["per_frame"] = {{"patches", figures.patches},
                           {"sketchable_share", figures.patch_share},
                           {"anchor_share", figures.anchor_share},
                           {"psnr", figures.psnr}};
   if (request.ground.kind != sketch::FillMethod::diffusion) {
-    summary["sketch"]["regions"] = pipeline::spread_json(figures.regions);
+    summary["sketch"]["regions"] = spread_json(figures.regions);
     summary["per_frame"]["regions"] = figures.regions;
   }
   if (request.ground.kind == sketch::FillMethod::julesz) {
-    summary["sketch"]["histogram_distance"] = pipeline::spread_json(figures.histogram_distance);
+    summary["sketch"]["histogram_distance"] = spread_json(figures.histogram_distance);
     summary["per_frame"]["histogram_distance"] = figures.histogram_distance;
   }
   summary["warnings"] = session.warnings;

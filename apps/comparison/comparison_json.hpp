@@ -1,58 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "apps/cli/command.hpp"
-#include "core/clip.hpp"
 #include "core/io/staged_output.hpp"
-#include "mcmc/learning/stroke_statistics.hpp"
-#include "pipeline/clip_measures.hpp"
+#include "pipeline/compare.hpp"
 
-// The parts of measures.json that both kinds of comparison share.
+// The parts of measures.json ("emberfold.measures", version 2).
 namespace emberfold::apps {
 
-using NamedMeasures = std::vector<std::pair<std::string, const pipeline::ClipMeasures*>>;
-
+/// Begins measures.json: its format and the lengths of its curves.
 nlohmann::ordered_json begin_measures(const pipeline::MeasureScale& scale);
-/// The curves behind the distances: spectra, dB, and their frequencies (cycles a frame, and cycles a pixel of
-/// each ring's outer edge), and autocorrelations by lag.
-nlohmann::ordered_json curves_json(const NamedMeasures& clips, const pipeline::MeasureScale& scale);
-/// core::IoError for a clip with too few frames to compare.
-void need_frames(const std::string& clip, std::int64_t frames);
+
+using NamedCurves = std::vector<std::pair<std::string, const pipeline::MeasureCurves*>>;
+
+/// Lists the curves of clips by name: spectra, dB, with their frequencies (cycles a frame, and cycles a pixel
+/// of each ring's outer edge), and autocorrelations by lag.
+nlohmann::ordered_json curves_json(const NamedCurves& clips, const pipeline::MeasureScale& scale);
+
+/// Describes one clip: {"figures", "strokes"}, these where they were sought.
+nlohmann::ordered_json profile_json(const pipeline::ClipProfile& profile);
+
+/// Lists distances by the keys of all_measures(), and "inside": which figures of strokes lie in the
+/// reference's intervals.
+nlohmann::ordered_json distances_json(const pipeline::ClipDistances& distances);
+
+/// Lists how well each method predicts, by steps and by frames.
+nlohmann::ordered_json prediction_json(const pipeline::PredictionMeasures& prediction);
+
+/// Lists how well each model shows a frame that it is given.
+nlohmann::ordered_json reconstruction_json(const pipeline::PredictionMeasures& prediction);
+
+/// Lists quality against size: {"points", "equal"}.
+nlohmann::ordered_json size_curve_json(const pipeline::SizeCurve& curve);
+
 void write_measures(const nlohmann::ordered_json& measures, io::OutputFolder& output);
 
-/// What a clip is like: {"figures", "strokes"}, these where they were sought.
-nlohmann::ordered_json own_json(const pipeline::ClipMeasures& clip,
-                                const std::optional<mcmc::StrokeStatistics>& strokes);
-/// Its distances from a source, too; of strokes where those of both are known.
-nlohmann::ordered_json held_json(const pipeline::ClipMeasures& clip,
-                                 const std::optional<mcmc::StrokeStatistics>& strokes,
-                                 const pipeline::ClipMeasures& source,
-                                 const std::optional<mcmc::StrokeStatistics>& of_source);
-/// How far a source's halves lie apart. `strokes`: of all its frames; null where they were not sought.
-nlohmann::ordered_json noise_floor_json(const pipeline::SourceMeasures& source,
-                                        const mcmc::StrokeSeries* strokes);
+/// Returns all measures in the order of tables and reports: of pixels, then of strokes.
+std::vector<pipeline::MeasureDescription> all_measures();
 
-/// A source's next frames as levels, at most so many. Throws core::Cancelled.
-std::vector<cv::Mat> next_levels(core::FrameSource& source, int most, const Session& session);
-
-/// All measures in the order in which they are told: of pixels, then of strokes.
-std::vector<pipeline::Measure> all_measures();
-
-/// Key and label of what may stand in a table beside the source: models, another clip, the noise floor.
-struct Held {
+/// Names a column of a table of distances: a model, another clip, or the noise floor.
+struct DistanceColumn {
   std::string key, label;
 };
-/// Those that `measures` has distances of, in order.
-std::vector<Held> held_clips(const nlohmann::ordered_json& measures);
-/// The distances of one of them; null where there are none.
+/// Returns the columns that `measures` has distances for, in order.
+std::vector<DistanceColumn> distance_columns(const nlohmann::ordered_json& measures);
+/// Returns the distances of one column; null where there are none.
 const nlohmann::ordered_json& distances_of(const nlohmann::ordered_json& measures, const std::string& key);
 
 }  // namespace emberfold::apps

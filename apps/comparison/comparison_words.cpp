@@ -53,7 +53,8 @@ struct Standing {
 };
 
 // `others`: that there are other models to be nearer than.
-std::string model_words(const Held& model, const Standing& standing, std::size_t measures, bool others) {
+std::string model_words(const DistanceColumn& model, const Standing& standing, std::size_t measures,
+                        bool others) {
   const std::string name = "The " + model.label;
   std::string out;
   const bool equal = standing.equal.size() == measures;
@@ -88,23 +89,23 @@ std::vector<std::string> hybrid_words(const Json& measures) {
 }
 
 std::vector<std::string> synthesis_words(const Json& measures) {
-  auto held = held_clips(measures);
-  std::erase_if(held, [](const Held& one) { return one.key == "noise_floor"; });
+  auto columns = distance_columns(measures);
+  std::erase_if(columns, [](const DistanceColumn& one) { return one.key == "noise_floor"; });
   const auto& floor = distances_of(measures, "noise_floor");
-  std::vector<Standing> standings(held.size());
+  std::vector<Standing> standings(columns.size());
   std::size_t told = 0;
   for (const auto& measure : all_measures()) {
     const auto least = value_of(floor, measure.key);
     std::vector<std::optional<double>> values;
     double best = std::numeric_limits<double>::infinity(), worst = -1;
-    for (const auto& one : held) {
+    for (const auto& one : columns) {
       values.push_back(value_of(distances_of(measures, one.key), measure.key));
       if (values.back()) best = std::min(best, *values.back()), worst = std::max(worst, *values.back());
     }
     if (worst < 0) continue;
     ++told;
     const auto name = small_letters(measure.name);
-    for (std::size_t i = 0; i < held.size(); ++i) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
       if (!values[i]) continue;
       if (*values[i] <= best && best < worst) standings[i].nearest.push_back(name);
       // Nobody loses who is as near as can be asked for.
@@ -120,8 +121,8 @@ std::vector<std::string> synthesis_words(const Json& measures) {
     words.push_back("The source changes its character: the spectra in time of its own halves lie " +
                     number(*apart, 1) +
                     " dB apart. To lie no farther from it than such a noise floor says little.");
-  for (std::size_t i = 0; i < held.size() && told > 0; ++i)
-    words.push_back(model_words(held[i], standings[i], told, held.size() > 1));
+  for (std::size_t i = 0; i < columns.size() && told > 0; ++i)
+    words.push_back(model_words(columns[i], standings[i], told, columns.size() > 1));
   return words;
 }
 
@@ -183,7 +184,7 @@ std::vector<std::string> stroke_words(const Json& measures) {
   const auto& source = distances_of(measures, "source");
   if (source.contains("strokes") && source["strokes"]["strokes_a_frame"] == 0)
     return {"No stroke is found in " + of + "."};
-  for (const auto& one : held_clips(measures)) {
+  for (const auto& one : distance_columns(measures)) {
     const auto& distances = distances_of(measures, one.key);
     if (one.key == "noise_floor" || !distances.contains("inside")) continue;
     const auto& inside = distances["inside"];

@@ -100,9 +100,9 @@ int best_of(const std::vector<std::optional<double>>& values, bool more_is_bette
 
 constexpr const char* sizes_name = "Size<small>how many numbers it takes to draw from the model</small>";
 
-std::vector<std::string> size_cells(const Json& measures, const std::vector<Held>& held) {
+std::vector<std::string> size_cells(const Json& measures, const std::vector<DistanceColumn>& columns) {
   std::vector<std::string> cells;
-  for (const auto& one : held) {
+  for (const auto& one : columns) {
     cells.emplace_back("–");
     for (const auto& model : measures["models"])
       if (model["key"] == one.key) cells.back() = text_of(model["parameters"], 0);
@@ -116,15 +116,15 @@ std::string source_of(const Json& measures) {
 
 std::string distances_table(const Json& measures) {
   Table table;
-  const auto held = held_clips(measures);
+  const auto columns = distance_columns(measures);
   std::vector<std::string> head{"how far from " + source_of(measures)};
-  for (const auto& one : held) head.push_back(escape_html(one.label));
+  for (const auto& one : columns) head.push_back(escape_html(one.label));
   table.head(head);
   for (const auto& measure : all_measures()) {
     std::vector<std::string> cells;
     std::vector<std::optional<double>> values;
     int floor = -1;
-    for (const auto& one : held) {
+    for (const auto& one : columns) {
       const auto& value = at(distances_of(measures, one.key), {measure.key});
       const bool is_floor = one.key == "noise_floor";
       if (is_floor) floor = static_cast<int>(cells.size());
@@ -137,7 +137,7 @@ std::string distances_table(const Json& measures) {
                   "</small>",
               cells, best_of(values, false), floor);
   }
-  if (measures.contains("models")) table.row(sizes_name, size_cells(measures, held));
+  if (measures.contains("models")) table.row(sizes_name, size_cells(measures, columns));
   return table.html();
 }
 
@@ -186,7 +186,7 @@ std::string strokes_table(const Json& measures) {
   if (source.is_null()) return {};
   std::vector<std::string> head{"mean (95 % interval)", source_of(measures)};
   std::vector<const Json*> clips{&source}, inside{nullptr};
-  for (const auto& one : held_clips(measures)) {
+  for (const auto& one : distance_columns(measures)) {
     const auto& distances = distances_of(measures, one.key);
     if (!distances.contains("strokes")) continue;
     head.push_back(escape_html(one.label));

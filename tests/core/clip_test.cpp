@@ -3,7 +3,9 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/clip/clip_range.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/clip_fixture.hpp"
 
 using namespace emberfold;
 using Catch::Matchers::WithinAbs;
@@ -118,4 +120,19 @@ TEST_CASE("read_all takes what is left and counts it", "[core][clip]") {
   CHECK(rest.info.frames == 2);
   CHECK(equal(rest.frames[0], clip.frames[1]));
   CHECK(core::read_all(source).frames.empty());
+}
+
+TEST_CASE("A part of a clip is its frames and can be read again") {
+  core::Clip clip;
+  clip.info.width = 5, clip.info.height = 4, clip.info.depth = CV_8U;
+  for (std::uint64_t t = 0; t < 9; ++t) clip.frames.push_back(test::noise_frame({5, 4}, CV_8UC1, t));
+  core::ClipSource source(clip);
+  core::ClipRange part(source, 2, 6);
+  for (int round = 0; round < 2; ++round) {
+    const auto read = core::read_all(part);
+    REQUIRE(read.frames.size() == 4);
+    for (std::size_t t = 0; t < 4; ++t) CHECK(test::same_pixels(read.frames[t], clip.frames[t + 2]));
+    part.rewind();
+  }
+  CHECK(part.info().frames == 4);
 }

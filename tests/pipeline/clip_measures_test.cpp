@@ -3,15 +3,18 @@
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
+#include <string>
 
-#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/rng.hpp"
 #include "dytex/measures/optical_flow.hpp"
+#include "dytex/measures/spectra.hpp"
 #include "pipeline/clip_strokes.hpp"
 #include "tests/dytex/baselines/made_waves.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/clip_fixture.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;
@@ -19,7 +22,8 @@ using Catch::Matchers::WithinAbs;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Distances = pipeline::PixelDistances;
+using Field = double Distances::*;
 
 constexpr int kFrames = 192;
 
@@ -50,6 +54,22 @@ cv::Mat seamed(const core::Clip& clip, std::size_t t) {
   return out;
 }
 
+core::Clip noise_clip(cv::Size size, int frames, std::uint64_t seed, std::uint32_t limit = 256) {
+  core::Clip clip;
+  clip.info.width = size.width, clip.info.height = size.height, clip.info.depth = CV_8U;
+  for (int t = 0; t < frames; ++t)
+    clip.frames.push_back(noise_frame(size, CV_8UC1, seed * 1000 + static_cast<std::uint64_t>(t), limit));
+  return clip;
+}
+
+std::string text(const Distances& d) {
+  std::ostringstream out;
+  for (const double value :
+       {d.temporal_db, d.radial_db, d.autocorrelation, d.patterns, d.flow_px, d.crease_sharpness, d.si, d.ti})
+    out << value << ' ';
+  return out.str();
+}
+
 }  // namespace
 
 TEST_CASE("each fault of a texture shows in its own measures and another sample in none") {
@@ -59,73 +79,83 @@ TEST_CASE("each fault of a texture shows in its own measures and another sample 
     return pipeline::pixel_distances(measures_of(clip), truth);
   };
   const auto sample = distance(waves(kFrames, 12));
-  INFO("another sample: " << sample.dump());
-  const auto far = [&](const Json& found, const char* key, double times) {
+  INFO("another sample: " << text(sample));
+  const auto far = [&](const Distances& found, Field field, double times) {
     // 0.02: where the sample is as good as the source
-    return found[key].get<double>() > times * std::max(0.02, sample[key].get<double>());
+    return found.*field > times * std::max(0.02, sample.*field);
   };
-  const auto near = [&](const Json& found, const char* key) {
-    return found[key].get<double>() < 2 * std::max(0.02, sample[key].get<double>());
+  const auto near = [&](const Distances& found, Field field) {
+    return found.*field < 2 * std::max(0.02, sample.*field);
   };
-  CHECK(sample["temporal_db"] < 1.5);
-  CHECK(sample["radial_db"] < 1.5);
-  for (const char* key : {"autocorrelation", "patterns", "crease_sharpness", "si", "ti"})
-    CHECK(sample[key] < 0.06);
-  CHECK(sample["flow_px"] < 0.3);
+  CHECK(sample.temporal_db < 1.5);
+  CHECK(sample.radial_db < 1.5);
+  for (const Field field : {&Distances::autocorrelation, &Distances::patterns, &Distances::crease_sharpness,
+                            &Distances::si, &Distances::ti})
+    CHECK(sample.*field < 0.06);
+  CHECK(sample.flow_px < 0.3);
 
   cv::Mat mean(64, 64, CV_32F, cv::Scalar(0));
   for (const auto& frame : source.frames) mean += frame / kFrames;
   const auto mean_image = distance(changed(source, [&](std::size_t) { return mean; }));
-  INFO("mean image: " << mean_image.dump());
-  for (const char* key : {"temporal_db", "radial_db", "autocorrelation", "patterns", "si", "ti"})
-    CHECK(far(mean_image, key, 5));
+  INFO("mean image: " << text(mean_image));
+  for (const Field field : {&Distances::temporal_db, &Distances::radial_db, &Distances::autocorrelation,
+                            &Distances::patterns, &Distances::si, &Distances::ti})
+    CHECK(far(mean_image, field, 5));
 
   const auto frozen = distance(changed(source, [&](std::size_t) { return source.frames[40]; }));
-  INFO("frozen: " << frozen.dump());
-  for (const char* key : {"temporal_db", "autocorrelation", "patterns", "ti"}) CHECK(far(frozen, key, 5));
-  CHECK(frozen["radial_db"] < mean_image["radial_db"]);
-  CHECK(frozen["crease_sharpness"] < 0.2);
+  INFO("frozen: " << text(frozen));
+  for (const Field field :
+       {&Distances::temporal_db, &Distances::autocorrelation, &Distances::patterns, &Distances::ti})
+    CHECK(far(frozen, field, 5));
+  CHECK(frozen.radial_db < mean_image.radial_db);
+  CHECK(frozen.crease_sharpness < 0.2);
 
   const auto mixed = distance(shuffled(source));
-  INFO("shuffled: " << mixed.dump());
-  for (const char* key : {"temporal_db", "autocorrelation", "patterns", "ti"}) CHECK(far(mixed, key, 3));
-  CHECK(mixed["radial_db"] < 0.01);
-  CHECK(mixed["si"] < 0.01);
+  INFO("shuffled: " << text(mixed));
+  for (const Field field :
+       {&Distances::temporal_db, &Distances::autocorrelation, &Distances::patterns, &Distances::ti})
+    CHECK(far(mixed, field, 3));
+  CHECK(mixed.radial_db < 0.01);
+  CHECK(mixed.si < 0.01);
 
   const auto longer = waves(2 * kFrames, 12);
   const auto fast = distance(changed(source, [&](std::size_t t) { return longer.frames[2 * t]; }));
-  INFO("double speed: " << fast.dump());
-  for (const char* key : {"temporal_db", "autocorrelation", "patterns", "flow_px", "ti"})
-    CHECK(far(fast, key, 2));
-  CHECK(near(fast, "radial_db"));
-  CHECK(near(fast, "si"));
+  INFO("double speed: " << text(fast));
+  for (const Field field : {&Distances::temporal_db, &Distances::autocorrelation, &Distances::patterns,
+                            &Distances::flow_px, &Distances::ti})
+    CHECK(far(fast, field, 2));
+  CHECK(near(fast, &Distances::radial_db));
+  CHECK(near(fast, &Distances::si));
 
   const auto back =
       distance(changed(source, [&](std::size_t t) { return source.frames[source.frames.size() - 1 - t]; }));
-  INFO("reversed: " << back.dump());
-  for (const char* key : {"temporal_db", "radial_db", "autocorrelation", "si", "ti"}) CHECK(near(back, key));
-  for (const char* key : {"patterns", "flow_px"}) CHECK(far(back, key, 4));
+  INFO("reversed: " << text(back));
+  for (const Field field : {&Distances::temporal_db, &Distances::radial_db, &Distances::autocorrelation,
+                            &Distances::si, &Distances::ti})
+    CHECK(near(back, field));
+  for (const Field field : {&Distances::patterns, &Distances::flow_px}) CHECK(far(back, field, 4));
 
   const auto blurred = distance(changed(source, [&](std::size_t t) {
     cv::Mat out;
     cv::GaussianBlur(source.frames[t], out, {}, 2);
     return out;
   }));
-  INFO("blurred: " << blurred.dump());
-  for (const char* key : {"radial_db", "crease_sharpness", "si"}) CHECK(far(blurred, key, 3));
-  CHECK(far(blurred, "temporal_db", 1.5));
+  INFO("blurred: " << text(blurred));
+  for (const Field field : {&Distances::radial_db, &Distances::crease_sharpness, &Distances::si})
+    CHECK(far(blurred, field, 3));
+  CHECK(far(blurred, &Distances::temporal_db, 1.5));
 
   const auto blocks = distance(changed(source, [&](std::size_t t) { return seamed(source, t); }));
-  INFO("seamed: " << blocks.dump());
-  CHECK(far(blocks, "radial_db", 5));
-  CHECK(blocks["temporal_db"] < 1);
-  CHECK(near(blocks, "autocorrelation"));
+  INFO("seamed: " << text(blocks));
+  CHECK(far(blocks, &Distances::radial_db, 5));
+  CHECK(blocks.temporal_db < 1);
+  CHECK(near(blocks, &Distances::autocorrelation));
 
   const auto loop = distance(changed(source, [&](std::size_t t) { return source.frames[t % 40]; }));
-  INFO("looped: " << loop.dump());
-  CHECK(loop["temporal_db"] > sample["temporal_db"]);
-  CHECK(loop["radial_db"] < frozen["radial_db"]);
-  CHECK(loop["temporal_db"] < frozen["temporal_db"]);
+  INFO("looped: " << text(loop));
+  CHECK(loop.temporal_db > sample.temporal_db);
+  CHECK(loop.radial_db < frozen.radial_db);
+  CHECK(loop.temporal_db < frozen.temporal_db);
 }
 
 TEST_CASE("optical flow sees where a texture goes") {
@@ -158,9 +188,41 @@ TEST_CASE("stroke distances are ratios and say what lies in the source's interva
   }
   a.lifetime = {20, 15, 30}, b.lifetime = {10, 8, 12};
   const auto found = pipeline::stroke_distances(a, b);
-  CHECK_THAT(found["stroke_events"].get<double>(), WithinAbs(0, 1e-9));
-  CHECK_THAT(found["stroke_lifetime"].get<double>(), WithinAbs(std::log(2.0), 1e-3));
-  CHECK(found["stroke_length"].is_null());
-  CHECK(found["inside"]["birth"] == true);
-  CHECK(found["inside"]["lifetime"] == false);
+  CHECK_THAT(found.event_rates, WithinAbs(0, 1e-9));
+  CHECK_THAT(found.lifetime.value(), WithinAbs(std::log(2.0), 1e-3));
+  CHECK(!found.length);
+  CHECK(found.rate_inside[static_cast<std::size_t>(graph::EventType::birth)]);
+  CHECK(!found.lifetime_inside);
+}
+
+TEST_CASE("A clip's measures are the same however its frames come") {
+  const auto clip = noise_clip({40, 30}, 24, 3);
+  core::ClipSource source(clip);
+  const pipeline::MeasureScale scale{8, 4, 15};
+  pipeline::ClipMeasures measures({40, 30}, scale, 24), at_once({40, 30}, scale, 24);
+  std::vector<cv::Mat> luma;
+  for (const auto& frame : clip.frames) luma.push_back(core::luma(frame, clip.info));
+  measures.add(std::span(luma).first(5), {});
+  measures.add(std::span(luma).subspan(5), {});
+  at_once.add(luma, {});
+  CHECK(measures.temporal() == dytex::temporal_spectrum(source, 8));
+  CHECK(measures.radial() == dytex::radial_spectrum(source, 15));
+  CHECK(measures.figures() == at_once.figures());
+  CHECK(pipeline::pixel_distances(measures, at_once) == Distances{});
+  CHECK(pipeline::measure_scale(64, {40, 30}).segment == 32);
+  CHECK(pipeline::measure_scale(31, {40, 30}).segment == 16);
+  CHECK(pipeline::measure_scale(31, {40, 30}).lags == 7);
+  CHECK(pipeline::measure_scale(4, {40, 30}).segment == 4);
+}
+
+TEST_CASE("Large frames have the spectrum in time of all their pixels") {
+  const cv::Size size(900, 700);
+  const auto clip = noise_clip(size, 8, 5, 101);
+  pipeline::ClipMeasures measures(size, {4, 1, 64}, 8000);
+  for (const auto& frame : clip.frames) {
+    const auto luma = core::luma(frame, clip.info);
+    measures.add(std::span(&luma, 1), {});
+  }
+  // uniform on 0 … 100: a variance of (101² − 1) / 12
+  CHECK_THAT(measures.temporal()(1), WithinAbs(850, 20));
 }

@@ -74,8 +74,8 @@ TEST_CASE("calibration corrects towards what the source shows") {
   const pipeline::ReadingAndDrawing how{{}, {}, {.size = size}};
   pipeline::ClipStrokes strokes(size, 25, how.sketch, how.match);
   for (int t = 0; t < 40; ++t)
-    strokes.add(pipeline::levels_of(std::vector<cv::Mat>{made_picture(made, size.width, size.height, t)}),
-                {});
+    strokes.add(
+        pipeline::bytes_to_levels(std::vector<cv::Mat>{made_picture(made, size.width, size.height, t)}), {});
   const auto motion = strokes.motion({});
   const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
   const auto fitted = mcmc::fit(motion);

@@ -8,10 +8,7 @@
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/pictures/side_by_side.hpp"
-#include "core/clip/clip_range.hpp"
 #include "core/io/clip_reader.hpp"
-#include "pipeline/clip_measures.hpp"
-#include "pipeline/prediction.hpp"
 #include "tests/apps/commands/command_check.hpp"
 #include "tests/support/messages.hpp"
 
@@ -46,52 +43,6 @@ std::string write_clip(const fs::path& path, const core::Clip& clip) {
 
 }  // namespace
 
-TEST_CASE("a part of a clip is its frames and can be read again") {
-  const auto clip = noise_clip({5, 4}, 9, 1);
-  core::ClipSource source(clip);
-  core::ClipRange part(source, 2, 6);
-  for (int round = 0; round < 2; ++round) {
-    const auto read = core::read_all(part);
-    REQUIRE(read.frames.size() == 4);
-    for (std::size_t t = 0; t < 4; ++t) CHECK(same_pixels(read.frames[t], clip.frames[t + 2]));
-    part.rewind();
-  }
-  CHECK(part.info().frames == 4);
-}
-
-TEST_CASE("a clip's measures are the same however its frames come") {
-  const auto clip = noise_clip({40, 30}, 24, 3);
-  core::ClipSource source(clip);
-  const pipeline::MeasureScale scale{8, 4, 15};
-  pipeline::ClipMeasures measures({40, 30}, scale, 24), at_once({40, 30}, scale, 24);
-  std::vector<cv::Mat> luma;
-  for (const auto& frame : clip.frames) luma.push_back(core::luma(frame, clip.info));
-  measures.add(std::span(luma).first(5), {});
-  measures.add(std::span(luma).subspan(5), {});
-  at_once.add(luma, {});
-  CHECK(measures.temporal() == dytex::temporal_spectrum(source, 8));
-  CHECK(measures.radial() == dytex::radial_spectrum(source, 15));
-  CHECK(pipeline::pixel_figures(measures) == pipeline::pixel_figures(at_once));
-  const auto distances = pipeline::pixel_distances(measures, at_once);
-  for (const auto& [key, value] : distances.items()) CHECK(value == 0);
-  CHECK(pipeline::measure_scale(64, {40, 30}).segment == 32);
-  CHECK(pipeline::measure_scale(31, {40, 30}).segment == 16);
-  CHECK(pipeline::measure_scale(31, {40, 30}).lags == 7);
-  CHECK(pipeline::measure_scale(4, {40, 30}).segment == 4);
-}
-
-TEST_CASE("large frames have the spectrum in time of all their pixels") {
-  const cv::Size size(900, 700);
-  const auto clip = noise_clip(size, 8, 5, 101);
-  pipeline::ClipMeasures measures(size, {4, 1, 64}, 8000);
-  for (const auto& frame : clip.frames) {
-    const auto luma = core::luma(frame, clip.info);
-    measures.add(std::span(&luma, 1), {});
-  }
-  // uniform on 0 … 100: a variance of (101² − 1) / 12
-  CHECK_THAT(measures.temporal()(1), WithinAbs(850, 20));
-}
-
 TEST_CASE("clips beside each other are as high as they should be") {
   const TempFolder temp;
   const std::vector<cv::Size> sizes{{64, 48}, {30, 60}};
@@ -106,43 +57,6 @@ TEST_CASE("clips beside each other are as high as they should be") {
   CHECK(pixel(160)[2] > 200);
   CHECK(pixel(160)[0] < 60);
   CHECK(std::abs(pixel(380)[1] - 30) < 12);
-}
-
-TEST_CASE("what is foretold is measured against the frame that comes") {
-  // The frames of the second half hold one level more each, the first half is all 10.
-  core::Clip clip = noise_clip({6, 5}, 10, 1);
-  for (int t = 0; t < 10; ++t)
-    clip.frames[static_cast<std::size_t>(t)] =
-        cv::Mat(5, 6, CV_8UC1, cv::Scalar(t < 5 ? 10 : 10 + 4 * (t - 4)));
-  core::ClipSource source(clip);
-  // A model that knows: four more levels with every frame.
-  pipeline::ComparedModel knows{"knows", "knows", ""};
-  knows.foretell = [](const pipeline::Moment& moment, std::span<const int> steps) {
-    std::vector<cv::Mat> told;
-    for (const int step : steps) told.push_back(moment.past.back() + 4 * step);
-    return told;
-  };
-  knows.reconstruct = [](const pipeline::Moment& moment) { return moment.past.back() + 1; };
-  const std::vector<int> steps = pipeline::prediction_steps(3);
-  CHECK(steps == std::vector<int>{1, 2, 3});
-  const auto [measured, reconstruction] =
-      pipeline::measure_prediction(source, 5, 10, steps, std::span(&knows, 1), {});
-  CHECK(measured["first_frame"] == 5);
-  CHECK(measured["moments"] == 5);
-  const auto decibel = [](double mse) { return 10 * std::log10(255 * 255 / mse); };
-  const auto psnr = [&measured = measured](const char* way) {
-    return measured["methods"][way]["psnr"].get<double>();
-  };
-  CHECK_THAT(psnr("frame_before"), WithinAbs(decibel(16), 1e-3));
-  CHECK_THAT(psnr("mean_image"), WithinAbs(decibel((16 + 64 + 144 + 256 + 400) / 5.0), 1e-3));
-  CHECK_THAT(measured["per_frame"]["mean_image"][4].get<double>(), WithinAbs(decibel(400), 1e-3));
-  CHECK(psnr("knows") == 100);
-  // Three frames on from frames 4 to 6; two of five moments have no such frame.
-  CHECK_THAT(measured["methods"]["frame_before"]["by_step"]["psnr"][2].get<double>(),
-             WithinAbs(decibel(144), 1e-3));
-  CHECK(measured["methods"]["knows"]["by_step"]["psnr"][2] == 100);
-  CHECK_THAT(reconstruction["knows"]["psnr"].get<double>(), WithinAbs(decibel(1), 1e-3));
-  CHECK_FALSE(reconstruction.contains("frame_before"));
 }
 
 TEST_CASE("compare holds a clip against its models and writes all that it names") {

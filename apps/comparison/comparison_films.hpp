@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "apps/pictures/side_by_side.hpp"
+#include "core/io/clip_writer.hpp"
+#include "core/io/staged_output.hpp"
+#include "pipeline/compare.hpp"
+
+namespace emberfold::apps {
+
+/// The same frame of all clips, CV_8UC3.
+struct ComparedFrame {
+  int frame = 0;
+  cv::Mat picture;
+};
+
+/// Returns the file of a model's new clip, by the model's key.
+std::string drawn_clip_file(const std::string& key);
+
+/// Writes side_by_side.mp4 and the clip of each model while they are compared, and keeps two frames for the
+/// report, at a quarter and three quarters of the shortest clip.
+class ComparisonFilms {
+ public:
+  /// `labels`: instead of those of the comparison; `in_row`: pictures in a row of a kept frame.
+  ComparisonFilms(const io::OutputFolder& output, std::vector<std::string> labels, std::size_t in_row)
+      : output_(output), labels_(std::move(labels)), in_row_(in_row) {}
+
+  /// Returns what writes the frames as they come; refers to this object.
+  pipeline::CompareObserver observer();
+  /// Ends all files.
+  void finish();
+  std::vector<ComparedFrame> take_pictures() { return std::move(pictures_); }
+
+ private:
+  void begin(std::span<const pipeline::ObservedClip> clips);
+  void write(int first, std::span<const std::vector<cv::Mat>> clips);
+  [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> row) const;
+
+  const io::OutputFolder& output_;
+  std::vector<std::string> labels_;
+  std::size_t in_row_;
+  int shortest_ = 0;
+  std::optional<SideBySide> beside_;
+  std::vector<std::unique_ptr<io::VideoWriter>> writers_;  ///< by clip; null where it has no file
+  std::vector<ComparedFrame> pictures_;
+};
+
+}  // namespace emberfold::apps
