@@ -91,7 +91,7 @@ std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line) {
   command
       .add_option_function<std::string>(
           "--set", [settings](const std::string& text) { settings->assign(text); },
-          "Set a rarer option, as often as needed: 'emberfold help options " + name + "'")
+          "Set a rarer option; may repeat: 'emberfold help options " + name + "'")
       ->trigger_on_parse()
       ->type_name("GROUP.FIELD=VALUE");
   return settings;

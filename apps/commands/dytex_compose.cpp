@@ -150,8 +150,7 @@ void add_dytex_compose(CLI::App& dytex, CommandLine& line) {
       "  emberfold dytex learn river.mp4 -o out/water --mask water.png\n"
       "  emberfold dytex edit out/water -o out/fast --speed 2\n"
       "  emberfold dytex compose river.mp4 --layer out/fast:water.png -o river_fast.mp4\n"
-      "  emberfold dytex compose river.mp4 --layer out/fast --layer out/reeds:reeds.png --feather 4 -o "
-      "both.avi");
+      "  emberfold dytex compose river.mp4 --layer out/fast --layer out/reeds:r.png --feather 4 -o two.avi");
   const auto asked = std::make_shared<Compose>();
   add_reading(*command, asked->reading);
   command

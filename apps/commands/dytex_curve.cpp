@@ -95,7 +95,7 @@ void add_dytex_curve(CLI::App& dytex, CommandLine& line) {
              "Predict this many frames for each, in the last quarter");
   add_number(*command, "--longest", options.longest, "FRAMES", "Try no longer windows than this");
   add_number(*command, "--tolerance", options.tolerance, "SHARE",
-             "Call a length critical where the error stays within this share of the last");
+             "Call a length critical if the error stays within this share of the last");
   add_common(*command, line.common);
   command->callback([asked, &line] { line.run = [asked](Session& session) { run_curve(*asked, session); }; });
 }

@@ -24,7 +24,7 @@ using detail::Family;
 // units of one event that every sample has.
 constexpr double kSeen = 5, kRecurred = 4;
 // Least R: matching in time and place is strict, and clips of lower agreement still find two thirds of the
-// events that all readings share again in other noise (docs/method.md, §4).
+// events that all readings share again in other noise (docs/method/events.md).
 constexpr double kLeastRecurrence = 0.6;
 
 constexpr std::array<Family, 4> kFamilies = {Family::birth, Family::death, Family::unite, Family::separate};

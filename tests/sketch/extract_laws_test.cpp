@@ -224,20 +224,20 @@ TEST_CASE("Options out of range are refused by name, value and range") {
     ExtractOptions options;
     const char *field, *value, *allowed;
   };
-  const std::vector<Wrong> all = {{{.finest_scale = 0.5}, "finest_scale", "0.5", "[0.7, 20]"},
-                                  {{.finest_scale = nan}, "finest_scale", "nan", "[0.7, 20]"},
-                                  {{.finest_scale = infinite}, "finest_scale", "inf", "[0.7, 20]"},
-                                  {{.scales = 0}, "scales", "0", "1…12"},
-                                  {{.scales = 13}, "scales", "13", "1…12"},
-                                  {{.significance = 0}, "significance", "0", "positive"},
-                                  {{.significance = infinite}, "significance", "inf", "positive"},
-                                  {{.hysteresis = 1.5}, "hysteresis", "1.5", "(0, 1]"},
-                                  {{.hysteresis = nan}, "hysteresis", "nan", "(0, 1]"},
+  const std::vector<Wrong> all = {{{.finest_scale = 0.5}, "finest_scale", "0.5", "0.7 to 20"},
+                                  {{.finest_scale = nan}, "finest_scale", "not finite", "0.7 to 20"},
+                                  {{.finest_scale = infinite}, "finest_scale", "not finite", "0.7 to 20"},
+                                  {{.scales = 0}, "scales", "0", "1 to 12"},
+                                  {{.scales = 13}, "scales", "13", "1 to 12"},
+                                  {{.significance = 0}, "significance", "0", "above 0"},
+                                  {{.significance = infinite}, "significance", "not finite", "above 0"},
+                                  {{.hysteresis = 1.5}, "hysteresis", "1.5", "above 0, up to 1"},
+                                  {{.hysteresis = nan}, "hysteresis", "not finite", "above 0, up to 1"},
                                   {{.min_contrast = -1}, "min_contrast", "-1", "at least 0"},
                                   {{.min_length = -2}, "min_length", "-2", "at least 0"},
-                                  {{.min_length = infinite}, "min_length", "inf", "at least 0"},
-                                  {{.spacing = 1.5}, "spacing", "1.5", "[2, 100]"},
-                                  {{.spacing = nan}, "spacing", "nan", "[2, 100]"}};
+                                  {{.min_length = infinite}, "min_length", "not finite", "at least 0"},
+                                  {{.spacing = 1.5}, "spacing", "1.5", "2 to 100"},
+                                  {{.spacing = nan}, "spacing", "not finite", "2 to 100"}};
   for (const Wrong& wrong : all) {
     const std::string message = message_of<core::InputError>([&] { wrong.options.validate(); });
     INFO(wrong.field << ": " << message);

@@ -201,8 +201,8 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
       check_refused(arguments, 2, what, out);
     }
   };
-  refused({"--set", "sketch.min_contrast=nan"}, {"sketch.min_contrast", "nan"});
-  refused({"--set", "sketch.min_contrast=inf"}, {"sketch.min_contrast", "inf"});
+  refused({"--set", "sketch.min_contrast=nan"}, {"sketch.min_contrast", "not finite"});
+  refused({"--set", "sketch.min_contrast=inf"}, {"sketch.min_contrast", "not finite"});
   refused({"--set", "sketch.min_contrast=-3"}, {"sketch.min_contrast", "-3", "0"});
   refused({"--set", "sketch.hysteresis=1.5"}, {"sketch.hysteresis", "1.5", "1"});
   refused({"--set", "sketch.scales=0"}, {"sketch.scales", "0", "1"});
