@@ -10,9 +10,6 @@
 
 namespace emberfold::core {
 
-/// The outcome of a long call; always done, since a cancelled call throws Cancelled.
-enum class Status { done, cancelled };
-
 /// Reports that a long call was asked to stop.
 class Cancelled : public std::exception {
  public:

@@ -14,7 +14,7 @@
 
 namespace emberfold::core {
 
-Status parallel_for(std::size_t count, const Context& context, const std::function<void(std::size_t)>& body) {
+void parallel_for(std::size_t count, const Context& context, const std::function<void(std::size_t)>& body) {
   std::atomic<bool> cancelled{false};
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, 1),
@@ -29,11 +29,10 @@ Status parallel_for(std::size_t count, const Context& context, const std::functi
       },
       tbb::simple_partitioner());
   if (cancelled) throw Cancelled{};
-  return Status::done;
 }
 
-Status parallel_stream(std::size_t count, std::size_t at_once, const Context& context,
-                       const StreamSteps& steps) {
+void parallel_stream(std::size_t count, std::size_t at_once, const Context& context,
+                     const StreamSteps& steps) {
   std::size_t next = 0;
   std::atomic<bool> cancelled{false};
   bool broken = false;  // an item was skipped: later ones skip `after`
@@ -65,7 +64,6 @@ Status parallel_stream(std::size_t count, std::size_t at_once, const Context& co
                              tbb::make_filter<Item, Item>(parallel, make) &
                              tbb::make_filter<Item, void>(serial_in_order, end));
   if (cancelled) throw Cancelled{};
-  return Status::done;
 }
 
 double deterministic_sum(std::size_t count, std::size_t grain,
