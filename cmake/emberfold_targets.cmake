@@ -40,3 +40,14 @@ function(emberfold_library name)
     endforeach()
   endif()
 endfunction()
+
+# emberfold_precompile(<target> <header>...): compiles these headers once for all of the target's sources.
+function(emberfold_precompile target)
+  if(NOT EMBERFOLD_PCH)
+    return()
+  endif()
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+  # What ccache needs to see through them.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>
+    $<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>)
+endfunction()
