@@ -71,7 +71,7 @@ double over_lanes(const std::vector<DeviationPath>& paths, const MotionLaw& law,
   });
 }
 
-// Of the paths so many as hold about `frames` frames, evenly taken.
+// Takes evenly so many of the paths that they hold about `frames` frames.
 std::vector<DeviationPath> evenly(const std::vector<DeviationPath>& paths, std::size_t frames) {
   std::size_t all = 0;
   for (const auto& path : paths) all += path.own.size();

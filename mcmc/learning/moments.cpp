@@ -28,7 +28,7 @@ struct Deviations {
 };
 
 Deviations track_deviations(const std::vector<detail::CurveTrack>& all, const detail::TrackNeighbours& sides,
-                      const Series& series, bool turns) {
+                            const Series& series, bool turns) {
   Deviations result{series, series};
   for (auto& d : result.own) {
     const double mean = std::accumulate(d.begin(), d.end(), 0.0) / static_cast<double>(d.size());
@@ -106,7 +106,7 @@ CorrelationFit fit_correlation(const Moments& m) {
   return best;
 }
 
-// Of the stationary variance, the share that is about the mean of so many frames, for each number of them.
+// Share of the stationary variance that lies about the mean of n frames, for each n.
 std::vector<double> share_about_mean(const Autoregression& m, double error_share, std::size_t longest) {
   std::vector<double> shares{1, 0};
   double before = 1, now = m.a1 / (1 - m.a2), sum = 0, weighted = 0;  // correlations, Σ ρ(k), Σ k ρ(k)
@@ -121,7 +121,8 @@ std::vector<double> share_about_mean(const Autoregression& m, double error_share
 }
 
 // The variance of all deviations from rest, from those from the paths' means.
-double variance_about_rest(const std::vector<detail::DeviationPath>& paths, const Autoregression& m, double error_share) {
+double variance_about_rest(const std::vector<detail::DeviationPath>& paths, const Autoregression& m,
+                           double error_share) {
   std::size_t longest = 0;
   for (const auto& path : paths) longest = std::max(longest, path.own.size());
   const auto shares = share_about_mean(m, error_share, longest);
@@ -190,8 +191,9 @@ MotionObservations& MotionObservations::operator+=(const MotionObservations& oth
   return *this;
 }
 
-MotionObservations collect_observations(const graph::MotionGraph& motion, const std::vector<detail::CurveTrack>& all,
-                 const Series& series, bool turns) {
+MotionObservations collect_observations(const graph::MotionGraph& motion,
+                                        const std::vector<detail::CurveTrack>& all, const Series& series,
+                                        bool turns) {
   const Deviations d = track_deviations(all, detail::find_track_neighbours(motion, all), series, turns);
   const auto tells_rest = [&](std::size_t i) { return d.own[i].size() >= shortest_window; };
   MotionObservations seen;

@@ -61,8 +61,8 @@ void require_alike(const OperatorCounts& a, const OperatorCounts& b, std::size_t
       a.expected_deaths.rows == b.expected_deaths.rows && a.expected_deaths.cell == b.expected_deaths.cell)
     return;
   const auto shape = [](const OperatorCounts& c) {
-    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.expected_deaths.columns) + " x " +
-           std::to_string(c.expected_deaths.rows) + " cells";
+    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.expected_deaths.columns) +
+           " x " + std::to_string(c.expected_deaths.rows) + " cells";
   };
   throw core::InputError("samples of one clip are alike in frames and size; sample " + std::to_string(index) +
                          " has " + shape(b) + ", the first " + shape(a));
@@ -80,7 +80,7 @@ void add_all(T& to, const T& from, double share) {
   for (std::size_t i = 0; i < to.size(); ++i) add(to[i], from[i], share);
 }
 
-// Where what could happen was.
+// Places at which events could happen.
 struct ExposureMaps {
   std::array<CellMap, kSizeClasses> die;
   CellMap split, disconnect;
@@ -156,7 +156,7 @@ double quantile(std::vector<double> values, double share, double otherwise) {
   return values[static_cast<std::size_t>(at)];
 }
 
-// How wide the gaps are that close and open.
+// Measures the widths of the gaps that close and open.
 void measure_gaps(const graph::MotionGraph& motion, std::span<const graph::Event> events,
                   OperatorCounts& counts) {
   std::vector<double> unions, splits, disconnects;
@@ -198,7 +198,8 @@ std::vector<double> relative_rates(const CellMap& events, const CellMap& expecte
 }
 
 // Log-likelihood of each gap's events under the map made of the others'.
-double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected, double sigma) {
+double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected,
+                                double sigma) {
   double sum = 0;
   CellMap others = all, expected_others = expected;
   const double share = 1 - 1 / static_cast<double>(gaps.size());
@@ -279,8 +280,9 @@ OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const
     for (std::size_t c = 0; c < counts.expected_deaths.values.size(); ++c)
       counts.expected_deaths.values[c] += exposures.die[s].values[c] * rate(counts.death[s], all);
   for (std::size_t c = 0; c < grid.values.size(); ++c)
-    counts.expected_separations.values[c] = exposures.split.values[c] * rate(counts.split, counts.split) +
-                                exposures.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
+    counts.expected_separations.values[c] =
+        exposures.split.values[c] * rate(counts.split, counts.split) +
+        exposures.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
   return counts;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using graph::Point;
 
-// Of two patches of a frame: by distance, and whether both lie in one line with less than 30° of turn.
+// Class of two patches of a frame, by distance and by whether both lie in line with less than 30° of turn.
 std::uint8_t closeness(const Node& a, const Node& b) {
   const Point apart = b.patch.position - a.patch.position;
   const double distance = graph::norm(apart);
@@ -151,8 +151,8 @@ void HiddenGraph::drop_newest_candidate() {
   cells_[cell(nodes_[i].frame, nodes_[i].patch.position)].pop_back();
   erase_from(inactive_[t], at_, i);
   nodes_.pop_back(), flags_.pop_back(), at_.pop_back();
-  neighbours_.pop_back(), hosts_.pop_back(), guests_.pop_back(), candidates_after_.pop_back(), candidates_before_.pop_back(),
-      offsets_.pop_back();
+  neighbours_.pop_back(), hosts_.pop_back(), guests_.pop_back(), candidates_after_.pop_back(),
+      candidates_before_.pop_back(), offsets_.pop_back();
 }
 
 void HiddenGraph::add_neighbours(Index a, Index b) {
@@ -186,7 +186,8 @@ TransitionOffset HiddenGraph::make_offset(Index v, Index w) const {
 
 void HiddenGraph::set_map_values(Index i, double log_birth, std::uint8_t place, Point drift) {
   nodes_[i].log_birth = log_birth, nodes_[i].place = place, nodes_[i].drift = drift;
-  for (std::size_t k = 0; k < candidates_after_[i].size(); ++k) offsets_[i][k] = make_offset(i, candidates_after_[i][k]);
+  for (std::size_t k = 0; k < candidates_after_[i].size(); ++k)
+    offsets_[i][k] = make_offset(i, candidates_after_[i][k]);
 }
 
 void HiddenGraph::allow_edge(Index a, Index b) {
@@ -324,7 +325,9 @@ bool HiddenGraph::operator==(const HiddenGraph& o) const {
   for (Index i = 0; i < nodes_.size(); ++i) {
     const Node &a = nodes_[i], &b = o.nodes_[i];
     if (a.active != b.active) return false;
-    if (a.active && (a.displacement != b.displacement || !same_set(a.edges, b.edges) || !same_set(a.next, b.next))) return false;
+    if (a.active &&
+        (a.displacement != b.displacement || !same_set(a.edges, b.edges) || !same_set(a.next, b.next)))
+      return false;
   }
   return true;
 }

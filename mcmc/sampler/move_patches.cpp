@@ -65,7 +65,8 @@ class ConnectionChance {
       if (can_add_edge(b.node)) sum += log_join(b.closeness, connections.edges.has(b.node));
     const std::size_t before = count_if(g_.candidates_before(i_), [&](Index j) { return is_free_before(j); });
     const std::size_t after = count_if(g_.candidates_after(i_), [&](Index j) { return is_free_after(j); });
-    return sum + log_link_chance(before, connections.prev != kNone) + log_link_chance(after, connections.next != kNone);
+    return sum + log_link_chance(before, connections.prev != kNone) +
+           log_link_chance(after, connections.next != kNone);
   }
 
  private:
@@ -75,7 +76,8 @@ class ConnectionChance {
   static double log_join(std::size_t closeness, bool join) {
     static const auto logs = [] {
       std::array<std::array<double, 2>, kCloseness> table{};
-      for (std::size_t k = 0; k < kCloseness; ++k) table[k] = {std::log(1 - kEdgeChance[k]), std::log(kEdgeChance[k])};
+      for (std::size_t k = 0; k < kCloseness; ++k)
+        table[k] = {std::log(1 - kEdgeChance[k]), std::log(kEdgeChance[k])};
       return table;
     }();
     return logs[closeness][join ? 1 : 0];
@@ -98,11 +100,12 @@ class ConnectionChance {
   Index i_;
 };
 
-/// The displacement that a patch put in is likely to have: its partners', and how far off that may be.
+/// Proposal of an added patch's displacement: the mean of its links' or neighbours', and its SD.
 struct Guess {
   double mean = 0, sd = 1;
 };
-Guess guess_displacement(const HiddenGraph& g, const Density& density, Index i, const Connections& connections) {
+Guess guess_displacement(const HiddenGraph& g, const Density& density, Index i,
+                         const Connections& connections) {
   double sum = 0, count = 0;
   for (const Index j : {connections.prev, connections.next})
     if (j != kNone) sum += sense(g[i], g[j]) * g[j].displacement, count += 1;
@@ -154,13 +157,13 @@ std::optional<double> delete_patch(StateChange& change, ChoiceSource& draws, int
   for (const Index j : connections.edges) change.remove_edge(i, j);
   change.deactivate(i);
   const Guess guess = guess_displacement(g, change.density(), i, connections);
-  return log_count(choices) - log_count(g.inactive(frame).size()) + ConnectionChance(g, i).log_chance(connections) +
-         log_density(guess, displacement);
+  return log_count(choices) - log_count(g.inactive(frame).size()) +
+         ConnectionChance(g, i).log_chance(connections) + log_density(guess, displacement);
 }
 
 // ---- one patch as two ----
 
-/// What a split of v towards i can give away, in the state where they are one.
+/// Edges and past of v that a split towards i can give away, in the state before the split.
 struct Shareable {
   std::size_t candidates = 0;  ///< that v could split towards
   std::vector<Index> edges;
@@ -168,7 +171,8 @@ struct Shareable {
 };
 Shareable shareable(const HiddenGraph& g, Index v, Index i) {
   Shareable result;
-  for (const NeighbourCandidate& b : g.neighbours(v)) result.candidates += g.can_activate(b.node) && g[b.node].kind == g[v].kind;
+  for (const NeighbourCandidate& b : g.neighbours(v))
+    result.candidates += g.can_activate(b.node) && g[b.node].kind == g[v].kind;
   for (const Index x : g[v].edges)
     if (are_neighbours(g, i, x)) result.edges.push_back(x);
   if (g[v].prev.size() == 1) {
@@ -193,12 +197,12 @@ Index alternative_source(const HiddenGraph& g, Index v, Index i) {
   return u;
 }
 
-/// The displacement of a part, by those that it is joined to in either case.
+/// Proposal of a part's displacement.
 Guess guess_part(const HiddenGraph& g, const Density& density, Index v, Index i) {
   return {sense(g[i], g[v]) * g[v].displacement, density.theta().displacement.noise};
 }
 
-/// Chance of one way of sharing, and density of the displacement.
+/// Probability of one way of sharing times the density of the displacement.
 double way_chance(const HiddenGraph& g, const Density& density, Index v, Index i, double displacement) {
   return share_chance(g, v, i) * std::exp(log_density(guess_part(g, density, v, i), displacement));
 }

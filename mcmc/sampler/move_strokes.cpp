@@ -64,7 +64,7 @@ std::vector<Index> component(const HiddenGraph& g, Index i) {
 
 using Pairs = std::vector<std::pair<Index, Index>>;
 
-/// How one stroke lies on another: nearest patches first, each once. Known from their places alone.
+/// Pairs of patches of two strokes, nearest first, each patch once. They depend on places alone.
 Pairs match_patches(const HiddenGraph& g, const std::vector<Index>& before, const std::vector<Index>& after) {
   std::vector<std::tuple<double, Index, Index>> near;
   for (const Index v : before)

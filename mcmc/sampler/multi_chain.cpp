@@ -24,7 +24,7 @@ FitOptions fitting(std::uint64_t seed, bool calibrate) {
   return options;
 }
 
-/// Adds what one more chain tells.
+/// Adds the samples, traces and counts of one more chain.
 void add(InferResult chain, InferResult& all) {
   if (all.chains == 0) {
     all = std::move(chain);

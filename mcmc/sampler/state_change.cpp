@@ -63,7 +63,7 @@ void StateChange::note_presence(Index w) {
   if (note(w, FactorCache::kPresence)) presences_.push_back(w);
 }
 
-// StepKind becomes of x changes; `dies`: whether it dies does.
+// The outcome of x changes; `dies`: also whether it dies.
 void StateChange::note_outcomes_about(Index x, bool dies) {
   note_outcome(x);
   for (const Index guest : g_.guests(x))
@@ -89,7 +89,7 @@ void StateChange::note_link(Index v, Index w, bool last) {
   for (const Index c : from.next) note_arrival(c);
   for (const Index c : to.next) note_arrival(c);
   note_grown_from(w);
-  // Whether w is new, or not, is for those to know that come before it.
+  // The births of nodes that w precedes depend on whether w is new.
   if (to.prev.size() <= 1)
     for (const NeighbourCandidate& near : g_.neighbours(w))
       if (near.earlier && g_.is_active(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
@@ -143,7 +143,8 @@ void StateChange::note_isolated(Index i) {
 template <class Visit>
 void StateChange::visit_pairs(Visit visit) const {
   const auto paired = [&](Index x) {  // few are: to look through them is quicker than to look x up
-    return paired_.size() <= 4 ? std::ranges::find(paired_, x) != paired_.end() : noted(x, FactorCache::kPairs);
+    return paired_.size() <= 4 ? std::ranges::find(paired_, x) != paired_.end()
+                               : noted(x, FactorCache::kPairs);
   };
   for (const Index w : paired_) {
     const auto candidates = g_.neighbours(w);
@@ -186,7 +187,8 @@ std::optional<double> StateChange::known_sum() const {
   return std::isnan(sum) ? std::nullopt : std::optional(sum);
 }
 
-// The same once the state before is there again. StepKind is not known is evaluated, and kept.
+// Sum of the noted factors in the former state, once that is restored. Computes and stores factors that are
+// not known.
 double StateChange::former_sum() {
   double sum = 0;
   const auto add = [&](const std::vector<Index>& list, Factor factor, double FactorCache::Mark::*value,
@@ -230,7 +232,8 @@ bool StateChange::may_reach(double need) const {
   if (most < enough) return false;
   for (std::size_t k = 0; k < std::max(arrivals_.size(), outcomes_.size()); ++k) {
     if (k < arrivals_.size() && g_.is_active(arrivals_[k]))
-      most += density_.log_birth_or_survival(g_, arrivals_[k]) - density_.max_log_birth_or_survival(g_, arrivals_[k]);
+      most += density_.log_birth_or_survival(g_, arrivals_[k]) -
+              density_.max_log_birth_or_survival(g_, arrivals_[k]);
     if (k < outcomes_.size() && g_.is_active(outcomes_[k]))
       most += density_.log_outcome(g_, outcomes_[k]) - density_.max_log_outcome();
     if (most < enough) return false;
@@ -378,7 +381,8 @@ void StateChange::invalidate_noted() {
   invalidate(presences_, FactorCache::kPresence);
   visit_pairs([&](Index w, std::size_t k) {
     const Index x = g_.neighbours(w)[k].node;
-    const auto back = std::ranges::find(g_.neighbours(x), w, &NeighbourCandidate::node) - g_.neighbours(x).begin();
+    const auto back =
+        std::ranges::find(g_.neighbours(x), w, &NeighbourCandidate::node) - g_.neighbours(x).begin();
     cache_.pairs_[cache_.first_[w] + k] = kUnknown;
     cache_.pairs_[cache_.first_[x] + static_cast<std::size_t>(back)] = kUnknown;
   });

@@ -83,7 +83,7 @@ void speed_up(MotionModel& model, double factor, std::uint64_t seed, const core:
 
 // --- reversal
 
-// Where strokes die becomes where they are born, and the other way about.
+// Exchanges the maps of births and deaths.
 void swap_maps(MotionModel& model) {
   auto& rates = model.rates;
   const double mean = sum(model.density) / static_cast<double>(model.density.values.size());
@@ -120,7 +120,8 @@ void reverse_time(EditedMotion& result, std::uint64_t seed, const core::Context&
   const auto born = births_by_size(model);
   std::array<double, kSizeClasses> dying{};
   double deaths = 0;
-  for (std::size_t s = 0; s < kSizeClasses; ++s) deaths += dying[s] = rates.death_by_size[s] * shown.strokes[s];
+  for (std::size_t s = 0; s < kSizeClasses; ++s)
+    deaths += dying[s] = rates.death_by_size[s] * shown.strokes[s];
   for (std::size_t s = 0; s < kSizeClasses; ++s) {
     const double rate = shown.strokes[s] > 0 ? born[s] / shown.strokes[s] : rates.death_by_size[s];
     rates.death_by_size[s] = std::min(1.0, rate);
