@@ -10,11 +10,11 @@ namespace emberfold::mcmc {
 
 namespace {
 
-constexpr double reach = 2;                            // cells, SD of nearness
-constexpr std::size_t shortest = 5;                    // frames: shorter tracks tell no speed
-constexpr double least_scatter = 0.01;                 // px²
-constexpr double usual_drift = 0.5;                    // px a frame, SD of drifts before anything is seen
-constexpr double alike = 8;                            // neighbouring tracks that say about the same
+constexpr double reach = 2;             // cells, SD of nearness
+constexpr std::size_t shortest = 5;     // frames: shorter tracks tell no speed
+constexpr double least_scatter = 0.01;  // px²
+constexpr double usual_drift = 0.5;     // px a frame, SD of drifts before anything is seen
+constexpr double alike = 8;             // neighbouring tracks that say about the same
 
 // Sums of the normal equations of v·n = s.
 struct NormalEquations {
@@ -32,7 +32,8 @@ struct NormalEquations {
 };
 
 // A speed that is not clearly above its own error is none: else what stands would creep away in a long clip.
-graph::Point shrink_insignificant(graph::Point v, const NormalEquations& seen, double precision, double area) {
+graph::Point shrink_insignificant(graph::Point v, const NormalEquations& seen, double precision,
+                                  double area) {
   const double square = graph::dot(v, v);
   if (square <= 0) return v;
   const double a = seen.xx + precision, d = seen.yy + precision;
@@ -75,7 +76,8 @@ Drift estimate_drift(const std::vector<detail::CurveTrack>& all, const CellMap& 
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto n = static_cast<double>(all[i].samples.size());
     if (all[i].samples.size() < shortest) continue;
-    // A displacement of this scatter lets a mean speed over n frames be off by about √(2 scatter) / n.
+    // A mean speed over n frames has an error of about √(2 scatter) / n px from displacements of this
+    // variance.
     const double weight = n * n / (2 * scatter) / alike / n;
     for (const auto& sample : all[i].samples) {
       NormalEquations one;
@@ -95,7 +97,8 @@ Drift estimate_drift(const std::vector<detail::CurveTrack>& all, const CellMap& 
   const double area = 4 * std::numbers::pi * reach * reach;
   for (std::size_t i = 0; i < grid.values.size(); ++i) {
     const NormalEquations here{near[0][i], near[1][i], near[2][i], near[3][i], near[4][i]};
-    const graph::Point v = shrink_insignificant(here.solve(mean, precision / area), here, precision / area, area);
+    const graph::Point v =
+        shrink_insignificant(here.solve(mean, precision / area), here, precision / area, area);
     drift.x.values[i] = v.x, drift.y.values[i] = v.y;
   }
   return drift;

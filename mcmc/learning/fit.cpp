@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t shortest = 12;  // frames: shorter tracks tell no rest
 constexpr double few = 5;             // samples in a cell
-constexpr double most_share = 10;     // of the usual displacement
+constexpr double most_share = 10;     // largest factor of the usual displacement
 constexpr std::size_t most_exemplars = 300;
 constexpr double renewal = 1e-3;  // of a stroke in a frame, to begin with
 

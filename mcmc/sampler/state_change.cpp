@@ -218,8 +218,8 @@ double StateChange::former_sum() {
   return sum;
 }
 
-// Whether the factors as they are now may sum to `need`: they are evaluated as long as those that are left
-// could still make up for what is missing.
+// True if the noted factors may sum to `need` in the new state. They are evaluated only as long as upper
+// bounds of the rest could still make up the difference.
 bool StateChange::may_reach(double need) const {
   const double enough = need - 1e-9 * (1 + std::abs(need));  // rounding decides nothing
   double most = 0;

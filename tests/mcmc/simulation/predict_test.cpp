@@ -21,7 +21,8 @@ test::Scene swaying(int frames) {
 
 mcmc::MotionModel model_of(const test::Scene& scene) {
   auto model = test::empty_model();
-  model.displacement = {scene.displacement.a1, scene.displacement.a2, 0, scene.displacement.noise, scene.displacement.range, 0};
+  model.displacement = {scene.displacement.a1,    scene.displacement.a2,    0,
+                        scene.displacement.noise, scene.displacement.range, 0};
   return model;
 }
 
@@ -128,7 +129,7 @@ TEST_CASE("Predicting nothing and with a model that is none", "[predict]") {
   graph::MotionGraph empty;
   empty.sketch.frames.resize(3), empty.links.resize(3);
   for (const auto& graph : mcmc::predict(model, empty)) CHECK(graph.empty());
-  // What stands still is predicted where it is.
+  // Strokes at rest are predicted at their places.
   auto scene = swaying(5);
   scene.displacement = {}, scene.resampled = false;
   const auto truth = test::make(scene, 35);
