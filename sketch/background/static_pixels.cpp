@@ -35,7 +35,7 @@ std::int64_t visit_frames(core::FrameSource& source, const core::Context& contex
   return count;
 }
 
-/// How far noise and shaking may take each value off this mean.
+/// Largest deviation of each value from its mean through noise and shaking.
 cv::Mat allowed_deviation(const cv::Mat& mean) {
   cv::Mat along_x, along_y, slope;
   cv::Sobel(mean, along_x, CV_32F, 1, 0, 3, 0.125);

@@ -20,7 +20,7 @@ namespace {
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
 
-// What the pixels hold on the way across a point, at every half pixel to both sides; −1 outside. `stride`:
+// Reads the entries of the pixels across a point, at every half pixel to both sides; −1 outside. `stride`:
 // from row to row.
 EMBERFOLD_SIMD_CLONES void entries_across(const int* entries, Point at, Point normal, int halves,
                                           cv::Size size, int stride, int* __restrict found) {

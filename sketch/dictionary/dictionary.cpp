@@ -90,7 +90,7 @@ double parametric_residual(const graph::Patch& patch, const PatchView& view) {
   return std::sqrt(sum / static_cast<double>(view.luma.size()));
 }
 
-/// How an entry tells a view with so many coefficients.
+/// Description of a view by an entry with so many coefficients.
 struct Fit {
   double score = 0, cost = 0, squares = 0;  // squares: mean of what is left
   int numbers = 0;

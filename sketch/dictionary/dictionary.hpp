@@ -25,7 +25,7 @@ inline constexpr std::size_t kProfileSamples = 33;
 /// Samples of a window's side, over ±reach of a blob, else over ±1.5 reach along and across.
 inline constexpr std::size_t kWindowSide = 11;
 inline constexpr std::size_t kMostComponents = 4;  ///< of an entry
-inline constexpr std::size_t kMostEntries = 6;  ///< of one degree and type
+inline constexpr std::size_t kMostEntries = 6;     ///< of one degree and type
 
 /// Returns whether patches of this degree (0…4, 4 for more, too) and type look like a window. Those are
 /// blobs, corners and all of degree 3 or more; all others look like the profile across them.
@@ -72,7 +72,7 @@ struct Dictionary {
   bool operator==(const Dictionary&) const = default;
 };
 
-/// Throws core::InputError, naming the entry, where a statement above does not hold.
+/// Checks a dictionary. Throws core::InputError, naming the entry, where a statement above does not hold.
 void validate(const Dictionary& dictionary);
 
 /// Learns a dictionary from views. Holds at most 4096 profiles or 1536 windows of each degree and type, those

@@ -78,7 +78,7 @@ Vector mean_shape(const std::vector<const Vector*>& members) {
   return mean;
 }
 
-/// Of what the mean leaves of the members.
+/// Covariance of the members about the mean.
 cv::Mat1d covariance(const std::vector<const Vector*>& members, const Vector& mean) {
   const auto size = static_cast<int>(mean.size());
   cv::Mat1d sum(size, size, 0.0);

@@ -34,9 +34,8 @@ struct ProfileShape {
       return left + enter * (middle - left) + leave * (right - middle) + hollow * (between - middle);
     }
   };
-  /// `step`: Φ.
-  template <class Step>
   /// Returns the changes reached at a distance from the curve, px, positive to the right. `step`: Φ.
+  template <class Step>
   [[nodiscard]] Reached at(double distance, const Step& step) const {
     const double enter = step((distance + half_width) / blur);
     const double leave = half_width > 0 ? step((distance - half_width) / blur) : enter;

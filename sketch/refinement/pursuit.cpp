@@ -85,7 +85,7 @@ double place_cost(cv::Size size) {
   return std::log(static_cast<double>(size.area()));
 }
 
-/// What the curve shows on its own.
+/// Draws a curve alone.
 Item draw_curve(const AttributeGraph& graph, const std::vector<Curve>& curves, std::size_t number,
                 cv::Size size) {
   Item item;

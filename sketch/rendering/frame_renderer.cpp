@@ -39,10 +39,10 @@ void raise_contrast(graph::Patch& patch, float gain) {
   }
 }
 
-/// What is drawn of a frame's strokes, and how much of them there is.
+/// Drawn strokes of a frame, with their opacity.
 struct DrawnStrokes {
   sketch::Sketchable part;
-  cv::Mat opacity;  ///< CV_32F, 0…1; empty: all is there
+  cv::Mat opacity;  ///< CV_32F, 0…1; empty: all opaque
 };
 
 graph::AttributeGraph adjust_patches(const FrameContent& content, const RenderOptions& options,

@@ -20,7 +20,7 @@ namespace {
 
 using Colour = std::array<double, 3>;
 
-/// What a band shows at one place of its curve, sides as seen along the curve.
+/// Profile of a band at one place of its curve; sides as seen along the curve.
 struct Profile {
   Colour left{}, middle{}, right{}, between{};
   ProfileShape shape;
