@@ -90,7 +90,7 @@ class Accepted {
     }
   }
 
-  // Of two equally near points the stronger one takes the pixel.
+  // The stronger of two equally near points takes the pixel.
   void claim(const Box& box, int number) {
     constexpr double kSure = 1e-9;  // of a square: far more than rounding makes
     const CreasePoint& p = *points_[static_cast<std::size_t>(number)];
@@ -122,7 +122,8 @@ class Accepted {
   std::vector<Line> lines_;
 };
 
-// Counter-lobe of the line through q: minus its second derivative at p, seen at scale sigma; 0 near the line.
+// Counter-lobe of the line through q at p, seen at scale sigma: its second derivative there, of the sign
+// opposite to the line's own. 0 near the line.
 double lobe(const CreasePoint& q, Point p, double sigma, const ScaleSpace& space) {
   const double s = space[static_cast<std::size_t>(q.level)].sigma, spread2 = s * s + sigma * sigma;
   const Point away = p - q.position;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What takes crease points away again: lobes, flanks, and parallel points.
+// Removal of crease points: lobes, flanks, and parallel points.
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -46,7 +46,8 @@ bool goes_through(const graph::AttributeGraph& graph, std::size_t vertex) {
   return parts[0].in_line && parts[1].in_line && parts[0].backwards != parts[1].backwards;
 }
 
-/// True if an edge between them starts at one of this double ridge's two lines and has the other's profile.
+/// True if an edge between them starts at one of this double ridge's two lines, with the other patch's
+/// profile.
 bool forks(const graph::Patch& patch, const graph::Patch& other) {
   return patch.hollow > 0 && other.hollow <= 0;
 }

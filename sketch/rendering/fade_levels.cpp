@@ -17,7 +17,7 @@ namespace emberfold::sketch {
 namespace {
 
 constexpr int coarse = 4;      // of the fill that patches fade into: a cell is so many px
-constexpr int fade_steps = 6;  // a fade's, as fading.hpp has it
+constexpr int fade_steps = 6;  // a fade's, as in fade_in_out.hpp
 
 /// Ranks of the pixels that patches cover: 1 + the number of opacity steps reached; 0 elsewhere. A pixel that
 /// has reached the k-th step has a rank above k.
