@@ -25,7 +25,7 @@ constexpr double kCoarse = 4;           // px, SD: of what is coarser diffusion 
 constexpr double kLeastStrength = 0.5;  // grey levels: of less, rounding is all there is
 constexpr double kSeenShare = 0.02;     // of a cell's pixels over all frames, to tell how strong it is
 
-/// What a frame shows beyond its drawing, and where that may be looked at.
+/// Difference of a frame from its drawing, and where it is valid.
 struct Residual {
   cv::Mat values;  // CV_32F
   cv::Mat seen;    // CV_8U

@@ -130,7 +130,7 @@ class ValueAppearance final : public Appearance {
   }
 
  private:
-  /// What one block adds up; per slab.
+  /// Sums over one block, per slab.
   struct Sums {
     Eigen::MatrixXd vectors;  // n × τ
     Eigen::VectorXd squares;  // τ

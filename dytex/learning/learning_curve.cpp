@@ -25,7 +25,7 @@ struct Miss {
   double all = 0, left_out = 0;
 };
 
-/// Of frame `target`, from the `length` frames before it.
+/// Error of the forecast of frame `target` from the `length` frames before it.
 Miss forecast_miss(const Eigen::MatrixXd& gram, Eigen::Index target, Eigen::Index length,
                    Eigen::Index components) {
   const Eigen::Index first = target - length;

@@ -26,7 +26,7 @@ Eigen::MatrixXd hankel(const Eigen::MatrixXd& V, Eigen::Index first, Eigen::Inde
   return result;
 }
 
-/// What the past tells of the future: the projection of the future's rows on the past's.
+/// Projection of the future's rows on the past's.
 Eigen::MatrixXd project_future(const Eigen::MatrixXd& future, const Eigen::MatrixXd& past) {
   const Eigen::MatrixXd Q = thin_q(past.transpose());
   return future * Q * Q.transpose();
