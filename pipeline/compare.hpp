@@ -99,7 +99,7 @@ struct ClipComparison {
 };
 
 /// Measures the distances of clip `b` from clip `a`, of pixels and strokes.
-/// Those of pixels are by spectra, flow, patterns and sharpness. Distances should be read beside the noise
+/// Pixels are compared by spectra, flow, patterns and sharpness. Distances should be read beside the noise
 /// floor, that of a's own halves. PSNR and SSIM are measured where sizes, channels and lengths agree. Reads
 /// both clips twice and keeps a batch of frames. The result is the same at any number of threads. Throws
 /// ShortClipError, InputError for options out of range, core::Cancelled. Example:

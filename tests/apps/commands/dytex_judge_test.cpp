@@ -327,7 +327,7 @@ TEST_CASE("dytex classify knows synthetic classes by their dynamics") {
 }
 
 TEST_CASE("dytex classify finds nothing where labels mean nothing") {
-  // The same clips, each class with some of every kind.
+  // Each class has clips of every kind.
   const TempFolder temp;
   std::uint64_t seed = 1;
   const std::vector<Waves> kinds{{0.15, 0.97}, {0.9, 0.9}, {2, 0.95}};

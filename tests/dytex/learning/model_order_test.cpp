@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many components: against known ranks and against errors measured on pixels.
+// Number of components, compared with known ranks and with errors measured on pixels.
 #include "dytex/learning/model_order.hpp"
 
 #include "core/error.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of every move, from every state of small models: what it claims against what its draws add up to.
+// Claimed ratios of every move, from every state of small models, compared with sums over its draws.
 #include "mcmc/sampler/ratio_check.hpp"
 
 #include <algorithm>
