@@ -43,8 +43,8 @@ class ClipSynthesis final : public core::FrameSource {
   cv::Mat next() override;
   /// Starts again from the first frame.
   void rewind() override;
-  /// Draws exactly the next `count` frames on several threads and hands them to `take`, in order and one at a
-  /// time, while the next ones are drawn. Throws core::Cancelled.
+  /// Draws the next `count` frames on several threads and hands them to `take`.
+  /// They are handed over in order and one at a time, while the next ones are drawn. Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take);
   /// Returns statistics of the frames drawn so far, those ahead of next() included.
   [[nodiscard]] const SynthesisStatistics& statistics() const { return frames_->statistics(); }

@@ -157,7 +157,7 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
     return nullptr;
   }
   if (input.learned_frames < input.frames) {
-    // Flicker removal looks at later frames, which a prediction must not know.
+    // Flicker removal uses later frames, which a prediction must not.
     auto causal = input.options.match;
     causal.flicker = 0;
     const auto motion = match_strokes(sketch, causal, context);

@@ -148,7 +148,7 @@ Foretellers best_of(const Json& methods, std::size_t step,
   return best;
 }
 
-// Who foretells best, one step on and as far as was asked, beside the better of two ways without a model.
+// Best predictions, one step on and at the last step, beside the better of two methods without a model.
 std::vector<std::string> prediction_words(const Json& measures) {
   if (!measures.contains("prediction") || !measures["prediction"].is_object()) return {};
   const auto& [methods, steps] = std::tie(measures["prediction"]["methods"], measures["prediction"]["steps"]);

@@ -20,7 +20,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-/// Square errors of one frame that was foretold.
+/// Squared errors of the forecast of one frame.
 struct Miss {
   double all = 0, left_out = 0;
 };

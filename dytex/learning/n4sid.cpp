@@ -68,7 +68,7 @@ Eigen::Index n4sid_frames(Eigen::Index n) {
 
 std::optional<Innovations> n4sid(const Eigen::MatrixXd& V) {
   const Eigen::Index n = V.cols(), past = past_length(V.rows(), n), columns = V.rows() - 2 * past + 1;
-  // The states at the start of the future, and one frame on: Γ⁺ times what is foretold.
+  // The states at the start of the future, and one frame on: Γ⁺ times the predictions.
   const ThinSvd svd = thin_svd(project_future(hankel(V, past, past, columns), hankel(V, 0, past, columns)));
   if (svd.s[n - 1] <= kLeastObservability * svd.s[0]) return std::nullopt;
   const Eigen::MatrixXd observability = svd.U.leftCols(n) * svd.s.head(n).cwiseSqrt().asDiagonal(),

@@ -11,10 +11,10 @@ namespace emberfold::mcmc {
 namespace {
 
 constexpr double reach = 2;             // cells, SD of nearness
-constexpr std::size_t shortest = 5;     // frames: shorter tracks tell no speed
+constexpr std::size_t shortest = 5;     // frames: shorter tracks give no speed
 constexpr double least_scatter = 0.01;  // px²
-constexpr double usual_drift = 0.5;     // px a frame, SD of drifts before anything is seen
-constexpr double alike = 8;             // neighbouring tracks that say about the same
+constexpr double usual_drift = 0.5;     // px a frame, SD of drifts of the prior
+constexpr double alike = 8;             // neighbouring tracks that count as one observation
 
 // Sums of the normal equations of v·n = s.
 struct NormalEquations {

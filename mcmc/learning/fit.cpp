@@ -20,7 +20,7 @@ namespace emberfold::mcmc {
 
 namespace {
 
-constexpr std::size_t shortest = 12;  // frames: shorter tracks tell no rest
+constexpr std::size_t shortest = 12;  // frames: shorter tracks give no rest
 constexpr double few = 5;             // samples in a cell
 constexpr double most_share = 10;     // largest factor of the usual displacement
 constexpr std::size_t most_exemplars = 300;

@@ -19,8 +19,8 @@ constexpr double fewest = 100;                                  // steps, window
 constexpr double little = 1e-12;                                // a variance that is none
 constexpr double most_swing = 1.5;  // times the variance seen, of what paths are too short to show
 constexpr double bin = 5;           // px, of distances
-constexpr std::size_t of_late = 4;  // frames: the sketch's errors have no say in what moves for so long
-constexpr double parallel = 0.8;    // cosine: curves that turn more say nothing of each other
+constexpr std::size_t of_late = 4;  // frames: displacements over so long exceed the sketch's errors
+constexpr double parallel = 0.8;    // cosine: curves that turn more do not count as pairs
 
 // Deviations from the track's mean, and the neighbours' mean deviation less its own, frame by frame.
 struct Deviations {

@@ -145,9 +145,9 @@ class HiddenGraph {
   [[nodiscard]] std::span<const Index> hosts(Index i) const { return hosts_[i]; }
   /// Lists the neighbours that could merge into it.
   [[nodiscard]] std::span<const Index> guests(Index i) const { return guests_[i]; }
-  /// Lists the nodes of the same kind, on or off, within the link gate one frame ahead; the second one frame
-  /// back.
+  /// Lists the nodes of the same kind, on or off, within the link gate one frame ahead.
   [[nodiscard]] std::span<const Index> candidates_after(Index i) const { return candidates_after_[i]; }
+  /// Lists the nodes of the same kind, on or off, within the link gate one frame back.
   [[nodiscard]] std::span<const Index> candidates_before(Index i) const { return candidates_before_[i]; }
   /// Returns how it would continue as each of candidates_after().
   [[nodiscard]] std::span<const TransitionOffset> offsets(Index i) const { return offsets_[i]; }

@@ -35,7 +35,7 @@ struct Connections {
   Index prev = kNone, next = kNone;
 };
 
-/// Draws the connections of a patch that is off, or tells the log chance of given ones.
+/// Draws the connections of a patch that is off, or computes the log probability of given ones.
 class ConnectionChance {
  public:
   ConnectionChance(const HiddenGraph& g, Index i) : g_(g), i_(i) {}

@@ -38,8 +38,7 @@ std::optional<double> relink(StateChange& change, ChoiceSource& draws, int frame
 std::optional<double> connect_or_cut(StateChange& change, ChoiceSource& draws, int frame);
 /// Adds a candidate with edges and links drawn among nodes nearby, or deletes a patch.
 std::optional<double> add_or_delete(StateChange& change, ChoiceSource& draws, int frame);
-/// Gives some of a patch's edges, and perhaps its past, to a candidate beside it; or takes all of a
-/// neighbour's.
+/// Splits off some of a patch's edges, and perhaps its past, to a candidate beside it; or merges a neighbour.
 std::optional<double> split_or_merge(StateChange& change, ChoiceSource& draws, int frame);
 
 // Whole stretches of curves (move_strokes.cpp).

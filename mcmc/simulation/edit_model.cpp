@@ -181,7 +181,7 @@ graph::AttributeGraph stroke(const graph::AttributeGraph& graph, const std::vect
   return {std::move(vertices), {}};
 }
 
-// Leaves those of the first frame's strokes that `keep` says.
+// Keeps the first frame's strokes that `keep` accepts.
 template <class Keep>
 void keep_first(MotionModel& model, const Keep& keep) {
   const auto& graph = model.first;

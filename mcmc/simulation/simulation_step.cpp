@@ -21,8 +21,8 @@ bool is_visible(const graph::Patch& patch, graph::Point step, const MotionModel&
   return p.x >= -reach && p.y >= -reach && p.x <= model.width - 1 + reach && p.y <= model.height - 1 + reach;
 }
 
-// The rest shapes travel, each as a whole. What has faded goes, and strokes of which nothing is in sight, so
-// that they cannot come back. Returns how many left like that: whoever watches sees them die.
+// Moves each rest shape by the drift, as a whole. Removes faded patches, and strokes that are out of sight,
+// so that they cannot come back. Returns the number of the latter, which count as deaths.
 int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model) {
   std::vector<bool> gone(strokes.list.size());
   int left = 0;

@@ -14,7 +14,7 @@ using graph::Point;
 
 namespace {
 
-constexpr double kAround = 20;  // px along the curve: what is usual is told by these
+constexpr double kAround = 20;  // px along the curve: range in which the usual contrast is measured
 
 // ---- at the curve's own scale ----
 
@@ -122,7 +122,7 @@ double usual(const std::vector<double>& values, std::size_t first, std::size_t l
   return core::order_statistic(scratch, 7 * scratch.size() / 10);
 }
 
-/// A part of a curve about a place, as far as that tells what is usual there.
+/// Part of a curve about a place in which the usual contrast is measured.
 struct Around {
   std::size_t from, at, to;  // of points
 };

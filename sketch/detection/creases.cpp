@@ -359,7 +359,7 @@ NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
   NoiseLevels ground;
   for (const ScaleLevel& level : space) {
     const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
-    // Neighbours nearer than 1.5 σ hardly differ, and some 20 000 values tell their median to a hundredth.
+    // Neighbours nearer than 1.5 σ hardly differ, and some 20 000 values give the median to a hundredth.
     const int step = sample_step(level.sigma, {width, height});
     std::vector<float> second, first;
     const auto samples =

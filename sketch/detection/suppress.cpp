@@ -45,7 +45,7 @@ class Across {
     entries_across(index_[0], p.position, normal, halves, index_.size(), static_cast<int>(index_.step1()),
                    found_.data());
     int last = -1;
-    std::size_t kept = 0;  // without branches: nobody can foretell which pixels hold points
+    std::size_t kept = 0;  // without branches, which the processor could not predict
     for (std::size_t i = 0; i < count; ++i) {
       const int here = found_[i];
       found_[kept] = here;

@@ -118,7 +118,7 @@ std::optional<Fit> best_fit(const DictionaryEntry& entry, double share, const Pa
   return best;
 }
 
-/// Entries that may tell a view: those of its degree and type, else all of its kind; and their share.
+/// Entries that may describe a view, and their shares: those of its degree and type, else all of its kind.
 std::vector<std::pair<std::uint32_t, double>> candidates(const Dictionary& dictionary,
                                                          const PatchView& view) {
   std::vector<std::pair<std::uint32_t, double>> own, any;

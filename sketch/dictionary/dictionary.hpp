@@ -127,11 +127,11 @@ struct PatchCode {
   double parametric_cost = 0;        ///< nats, coding_cost with the same pixels
 };
 
-/// Encodes each patch, by index, with the entry and the number of coefficients of least squared residual / (2
-/// noise²) + cost in luma. Entries of its degree and type compete, or all where there is none. Level,
-/// amplitude and coefficients are those of least squares in each channel: in fire, red is full where green
-/// still rises, and no channel is luma on another scale. An entry fits where luma's amplitude is above 0.2 of
-/// the view's RMS.
+/// Encodes each patch, by index, with the entry and coefficients of least cost.
+/// Minimised is squared residual / (2 noise²) + cost in luma. Entries of its degree and type compete, or all
+/// where there is none. Level, amplitude and coefficients are those of least squares in each channel: in
+/// fire, red is full where green still rises, and no channel is luma on another scale. An entry fits where
+/// luma's amplitude is above 0.2 of the view's RMS.
 ///
 /// The cost is comparable with coding_cost: ½ ln(1 + pixels) nats for each of 5 numbers (place, orientation,
 /// size, level, amplitude) and each coefficient, −ln of the entry's share, and ln(K + 1) for their number;

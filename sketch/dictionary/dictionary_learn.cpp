@@ -58,7 +58,7 @@ Clustering cluster(const std::vector<Vector>& samples, std::size_t count, core::
   return found;
 }
 
-/// An entry for some samples, and the nats that tell them by it, but for their shares.
+/// Entry for some samples, and their code length under it in nats, without their shares.
 struct Described {
   DictionaryEntry entry;
   double length = 0;

@@ -137,7 +137,7 @@ Bow shape_at(const Ruler& ruler, double at) {
   return chord(ruler, at);
 }
 
-// SD of the profile about a place, as the points' scales tell; `logarithms`: of the scales.
+// SD of the profile about a place, from the points' scales; `logarithms`: of the scales.
 double spread_at(const Ruler& ruler, const std::vector<double>& logarithms, double at) {
   double log_sigma = 0, count = 0;
   for (double reach = 6; count == 0; reach *= 2)

@@ -26,8 +26,8 @@ struct ProfileShape {
         half_hollow(std::clamp(patch.hollow / 2, 0.0, half_width)),
         blur(std::max(patch.blur, kLeastBlur)) {}
 
-  /// Holds how far the levels have changed, each 0…1: from left to middle, from middle to right, and from
-  /// middle to between.
+  /// Holds the shares of three changes of the levels, each 0…1.
+  /// They are from left to middle, from middle to right, and from middle to between.
   struct Reached {
     double enter, leave, hollow;
     [[nodiscard]] double level(double left, double middle, double right, double between) const {

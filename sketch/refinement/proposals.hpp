@@ -30,8 +30,8 @@ bool apply_best(EditableGraph& draft, std::vector<Proposal> proposals);  // refi
 /// Returns the ribs of a straight patch, one a pixel.
 std::vector<Rib> make_ribs(graph::Point position, double theta, double length);
 
-/// Returns whether one patch lies on the other: within 3 px along it, its core and a blur (1.5 px at least)
-/// across.
+/// Returns whether one patch lies on the other.
+/// That is within 3 px along it, and its core and a blur (1.5 px at least) across.
 bool patches_overlap(const graph::Patch& a, const graph::Patch& b);
 
 /// Returns the coding in the axis of greatest gain; in luma where no axis gains.

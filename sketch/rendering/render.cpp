@@ -90,7 +90,7 @@ void divide(cv::Mat& sums, const cv::Mat& weights) {
   }
 }
 
-/// With nothing told, nothing is.
+/// Draws the patches; interpolates no values where none are given.
 AttributedSketch draw(const graph::AttributeGraph& graph, cv::Size size, int channels, PatchValues values) {
   check_frame(size, channels);
   AttributedSketch result{

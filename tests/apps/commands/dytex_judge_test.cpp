@@ -235,9 +235,8 @@ TEST_CASE("Folds keep a clip together and spread the classes") {
 }
 
 TEST_CASE("Blocks of one clip do not tell each other's label") {
-  // Every clip's blocks are near each other and far from all else, and labels mean nothing: whoever let
-  // blocks of one clip stand on both sides would be right always. Left out together, there is nothing to
-  // know.
+  // Every clip's blocks are near each other and far from all else, and labels are random. With blocks of one
+  // clip on both sides the classifier would always be right. Left out together, they cannot be classified.
   constexpr std::size_t kClips = 40, kBlocks = 5;
   SampleLabels samples;
   samples.classes = 2;

@@ -181,7 +181,7 @@ TEST_CASE("A clip sampled once is a sample of one", "[fit]") {
 TEST_CASE("Over several samples counts are averaged and the last gives the strokes", "[fit]") {
   auto scene = living_scene();
   const auto first = test::make(scene, 12).motion;
-  // The second sample says that a fifth of the strokes are not there.
+  // The second sample lacks a fifth of the strokes.
   std::vector<test::Stroke> fewer;
   for (std::size_t i = 0; i < scene.strokes.size(); ++i)
     if (i % 5 != 0) fewer.push_back(scene.strokes[i]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sequences drawn forward, whose patches are seen, and edges as through noise: what the sampler says of their
-// events is right as often as it says.
+// Calibration of event probabilities. Sequences are drawn forward; their patches are observed, their edges
+// with noise.
 #include <array>
 #include <cmath>
 #include <map>

@@ -165,7 +165,7 @@ TEST_CASE("Edges between patches that go on are kept or made", "[mcmc][density]"
   g.remove_edge(3, 4), g.add_edge(3, 5);
   CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.join[2][0]), kTight));
   CHECK_THAT(of(3, 5), WithinAbs(std::log(t.join[0][4]), kTight));
-  // In a first frame, and with one that is new, pairs say nothing: those are closed, not kept.
+  // Pairs of a first frame, or with a new patch, have no edge factor: they are closed, not kept.
   CHECK(of(0, 1) == 0);
   g.unlink(1, 4);
   CHECK(of(3, 4) == 0);

@@ -46,8 +46,8 @@ std::vector<Tally> events_of(const graph::MotionGraph& motion) {
   return result;
 }
 
-// The events are those that the operators say, no others; separations and deaths are seen a frame later, when
-// what faded (not at all, here) is gone.
+// The events are those of the operators and no others. Separations and deaths are seen a frame later, when
+// the faded patches (none, here) are gone.
 void check_agreement(const Clip& clip, EventType type, bool later, int least) {
   const auto events = events_of(clip.motion);
   int all = 0;

@@ -63,8 +63,8 @@ TEST_CASE("A prediction is nearly as good as the noise lets it be", "[predict]")
   REQUIRE(predicted.size() == 150);
   CHECK(predicted[0].empty());
   const auto [error, still] = errors(scene, truth, predicted, 30);
-  // Who knows the law, the rest and the past exactly is off by the noise; standing still by
-  // √(2 − 2 a1/(1 − a2)) deviations.
+  // With the exact law, rest and past the error is the noise; that of standing still is √(2 − 2 a1/(1 − a2))
+  // deviations.
   CHECK(still > 1.5 * scene.displacement.noise);
   CHECK(error > 0.9 * scene.displacement.noise);
   CHECK(error < 1.25 * scene.displacement.noise);
