@@ -53,7 +53,7 @@ std::optional<TrackSample> meet(const AttributeGraph& graph, Index a, Index b, P
   if (length < 1e-9 || std::abs(slope) < 0.2 * length) return {};
   const double u = cross(p - from, n) / slope;
   if (u < -0.02 || u > 1.02) return {};
-  // Between its patches the curve bulges from the chord as far as it turns.
+  // Between its patches the curve deviates from the chord in proportion to its turn.
   const Point along = chord * (1 / length), ta = tangent(graph.patch(a), along),
               tb = tangent(graph.patch(b), along);
   const double turn = std::clamp(std::atan2(cross(ta, tb), graph::dot(ta, tb)), -1.0, 1.0);
@@ -71,7 +71,7 @@ std::optional<TrackSample> meet(const AttributeGraph& graph, Index a, Index b, P
   return sample;
 }
 
-// For each vertex of the frame before, the vertices it goes on as.
+// Lists for each vertex of the frame before the vertices that continue it.
 std::vector<std::vector<Index>> successors(const AttributeGraph& before, const AttributeGraph& after,
                                            const std::vector<graph::Link>& links) {
   std::vector<std::vector<Index>> next(before.size());
@@ -91,8 +91,8 @@ std::vector<Index> within_two_edges(const AttributeGraph& graph, std::vector<Ind
   return from;
 }
 
-// The track's place in the next frame: where its normal meets the curve that its patch goes on in, or its
-// patch's neighbours where it ends itself.
+// The track's place in the next frame: the intersection of its normal with the curve that continues its
+// patch, or that continues the patch's neighbours where it ends itself.
 std::optional<TrackSample> step(const AttributeGraph& before, const AttributeGraph& after,
                                 const std::vector<std::vector<Index>>& next, const TrackSample& at) {
   std::vector<Index> targets = next[at.vertex];
@@ -127,7 +127,7 @@ void visit_near(const AttributeGraph& graph, const Lists& at, Index vertex, Visi
     for (const Index i : at[w]) visit(i);
 }
 
-// Ends the younger of two tracks that came together: its newest sample is taken back.
+// Ends the younger of two tracks that came together and takes back its newest sample.
 void thin_out(const AttributeGraph& graph, std::vector<CurveTrack>& all, std::vector<Index>& alive,
               Lists& at) {
   std::vector<Index> kept;

@@ -74,14 +74,14 @@ std::array<double, 8> fade_shares(std::span<const FollowedSample> samples, int f
   };
   for (const auto& sample : samples) std::ranges::for_each(sample.tracks, add);
   for (std::size_t k = 0; k < sum.size(); ++k) shares[k] = count > 0 ? std::exp(sum[k] / count) : 1;
-  // Brighter with every frame, and all of it in the end.
+  // The share rises with every frame, up to 1.
   double limit = 1;
   for (auto share = shares.rbegin(); share != shares.rend(); ++share)
     limit = *share = std::clamp(*share, 0.0, limit);
   return shares;
 }
 
-// The frame, but not the first, whose number of patches is nearest the mean.
+// The frame, but not the first, with the number of patches nearest the mean.
 std::size_t typical_frame(const graph::MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   double mean = 0;
@@ -108,8 +108,8 @@ CellMap usual_density(std::span<const graph::MotionGraph> samples) {
   return map;
 }
 
-// The SD of the travel about its mean in each cell, less what the sketch adds, over what is usual; where
-// little was seen nearer to 1.
+// SD of the travel about its mean in each cell, without the sketch's errors, over the usual SD; nearer to 1
+// with few observations.
 CellMap displacement_scale_map(std::span<const FollowedSample> samples, const Autoregression& displacement,
                                const CellMap& grid) {
   CellMap roots = grid, counts = grid;
@@ -193,7 +193,7 @@ double sum(const CellMap& map) {
   return std::accumulate(map.values.begin(), map.values.end(), 0.0);
 }
 
-// `born`: how many of each size were born in the clip.
+// `born`: number of births of each size in the clip.
 std::vector<std::string> calibrate_births(FitResult& result, std::array<double, kSizeClasses> born,
                                           std::uint64_t seed, const core::Context& context) {
   MotionModel& model = result.model;

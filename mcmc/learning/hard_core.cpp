@@ -36,7 +36,7 @@ constexpr double step = 0.5;     // px, between the distances that are tried
 constexpr std::size_t steps = static_cast<std::size_t>(farthest / step);
 constexpr double rare_share = 0.2;
 constexpr double few = 20;  // patches
-// Elsewhere nearby, px: out of reach, and not the distance between the folds of one cloth each time.
+// Offsets to places nearby, px: out of reach, and unequal, so that regular folds of a cloth do not bias them.
 constexpr std::array<Point, 6> elsewhere = {{{19, 7}, {-23, 9}, {-8, -27}, {31, -11}, {12, 33}, {-37, -14}}};
 
 // Number of patches with one of another stroke within (k + 1) · step px, by kind.

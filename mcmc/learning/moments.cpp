@@ -84,7 +84,7 @@ double coupling(const Moments& m) {
   return sound ? c[2] : 0;
 }
 
-// c exp(−h²/2 range²), fitted to how deviations correlate over distance.
+// c exp(−h²/2 range²), fitted to the correlation of deviations over distance.
 struct CorrelationFit {
   double share = 1, range = 0;
 };
@@ -120,7 +120,7 @@ std::vector<double> share_about_mean(const Autoregression& m, double error_share
   return shares;
 }
 
-// The variance of all deviations from rest, from those from the paths' means.
+// The variance of all deviations from rest, computed from those from the paths' means.
 double variance_about_rest(const std::vector<detail::DeviationPath>& paths, const Autoregression& m,
                            double error_share) {
   std::size_t longest = 0;
@@ -134,7 +134,8 @@ double variance_about_rest(const std::vector<detail::DeviationPath>& paths, cons
   return all.value();
 }
 
-// Noise and measurement of all paths' mean variance; of the noise, what goes on along the curves.
+// Sets noise and measurement from all paths' mean variance. The noise gets the part that is shared along the
+// curves.
 void set_noise(const MotionObservations& seen, const detail::MotionLaw& law, Autoregression& motion) {
   motion.noise = law.noise;
   const double swing = std::pow(stationary_deviation(motion), 2), error = std::pow(law.measurement, 2);
@@ -146,8 +147,8 @@ void set_noise(const MotionObservations& seen, const detail::MotionLaw& law, Aut
   motion.noise *= std::sqrt(all * std::min(along.share, 1 - error_share) / swing);
 }
 
-// The frame's pairs of tracks on one stroke: how alike they have moved of late. Means of tracks that
-// begin and end at different times would not be comparable.
+// Adds the frame's pairs of tracks on one stroke, by their displacements over the last frames. Means of
+// tracks that begin and end at different times would not be comparable.
 void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t frame,
                const std::vector<std::uint32_t>& there, const std::vector<detail::CurveTrack>& all,
                const Series& deviation, bool turns) {

@@ -28,8 +28,7 @@ double total(const std::vector<double>& values) {
 constexpr double least_reach = 10, most_reach = 60;  // px
 constexpr double doubt = 0.2;                        // events that the prior is worth
 
-// Happened over could, as if `doubt` of an event more had been seen in the time that takes on average over
-// `all`.
+// Events over exposure, with `doubt` of a prior event and the mean exposure for it over `all`.
 double rate(const OperatorCounts::Count& count, const OperatorCounts::Count& all) {
   if (all.exposure <= 0 || all.events <= 0) return 0;
   const double mean = all.events / all.exposure;
@@ -68,7 +67,6 @@ void require_alike(const OperatorCounts& a, const OperatorCounts& b, std::size_t
                          " has " + shape(b) + ", the first " + shape(a));
 }
 
-// Adds a share of `from`.
 void add(double& to, double from, double share) {
   to += share * from;
 }
@@ -181,7 +179,7 @@ CellMap sum(const std::vector<CellMap>& maps) {
   return result;
 }
 
-// Σ K n under a Gaussian K of peak 1: what events around each cell.
+// Σ K n under a Gaussian K of peak 1: weighted number of events around each cell.
 std::vector<double> kernel_sums(const CellMap& map, double sigma) {
   auto sums = spread_over_cells(map, sigma);
   const double cells = std::max(1.0, 2 * std::numbers::pi * sigma * sigma);
@@ -189,7 +187,7 @@ std::vector<double> kernel_sums(const CellMap& map, double sigma) {
   return sums;
 }
 
-// (1 + Σ K n) / (1 + Σ K e): events as a multiple of those expected, drawn towards 1 as if by one event.
+// (1 + Σ K n) / (1 + Σ K e): events over expected events, shrunk towards 1 with the weight of one event.
 std::vector<double> relative_rates(const CellMap& events, const CellMap& expected, double sigma) {
   auto n = kernel_sums(events, sigma);
   const auto e = kernel_sums(expected, sigma);
@@ -197,7 +195,7 @@ std::vector<double> relative_rates(const CellMap& events, const CellMap& expecte
   return n;
 }
 
-// Log-likelihood of each gap's events under the map made of the others'.
+// Log-likelihood of each gap's events under the map made from the other gaps.
 double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected,
                                 double sigma) {
   double sum = 0;
@@ -214,7 +212,7 @@ double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap&
         sum += gap.values[c] *
                std::log((1 + std::max(0.0, n_all[c] - mine[c])) / (1 + e[c]) * expected.values[c]);
   }
-  // The expected number in a gap: the same for all of them.
+  // Expected number of events in a gap, equal for all gaps.
   const auto map = relative_rates(all, expected, sigma);
   for (std::size_t c = 0; c < map.size(); ++c) sum -= map[c] * expected.values[c];
   return sum;

@@ -93,7 +93,7 @@ struct Approach {
   OperatorSites::Pair pair;
   double distance = 0;
   bool facing = false;
-  // Ends in line go before others, then the nearest.
+  // Ends in line come before others, then the nearest.
   [[nodiscard]] bool before(const Approach& other) const {
     return facing != other.facing ? facing : distance < other.distance;
   }

@@ -81,7 +81,7 @@ Chain::FrameTotals Chain::move_in(int frame, double proposals) {
   RandomChoices draws(rng);
   StateChange change(state_, density_, cache_, sweeps_ * frames + t);
   const auto weights = chances(t + 1 == frames);
-  // As many as there are candidates, on or off: a number that hung on the state would bend the chain's law.
+  // As many moves as candidates, on or off: a number that depends on the state would bias the chain.
   const auto count = static_cast<std::size_t>(std::ceil(
       proposals * static_cast<double>(state_.active(frame).size() + state_.inactive(frame).size())));
   for (std::size_t n = 0; n < count; ++n) {

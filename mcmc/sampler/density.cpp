@@ -18,7 +18,7 @@ using std::numbers::pi;
 constexpr double kLogTwoPi = 1.8378770664093453;
 constexpr double kMostDeath = 0.95;  // the death map raises no chance above this
 
-// The log of the share of a normal turn within ±π/2, and of the choice between two directions.
+// Log of the share of a normal turn within ±π/2, plus that of the choice between two directions.
 double log_half_turn(double sd) {
   return std::log(std::erf(pi / 2 / (sd * std::numbers::sqrt2))) + std::numbers::ln2;
 }
@@ -177,7 +177,7 @@ double Density::log_outcome(const HiddenGraph& g, Index v) const {
   const auto& table = targets > 0 ? with_hosts_ : without_hosts_;
   double sum = table[node.place][outcome_context_of(g, v)][static_cast<std::size_t>(what)];
   if (what == Outcome::merge) {
-    // Into one of the targets; that it is one is asked of the state, not of the move.
+    // The merge goes into one of the targets. The check is here, so that moves need none.
     const auto hosts = g.hosts(v);
     if (std::ranges::find(hosts, parent(g, node.next[0])) == hosts.end())
       return -std::numeric_limits<double>::infinity();
@@ -270,7 +270,7 @@ double Density::log_grown(const Node& from, const Node& w) const {
          (from.kind == w.kind ? log_same_kind_ : log_other_kind_);
 }
 
-/// The ways in which a new node can have come: its terms, in logarithms.
+/// Terms of the ways in which a new node can have come, in logarithms.
 struct Density::BirthWays {
   ShortList<kMostEdges> from;
   std::array<double, kMostEdges + 1> terms{};  ///< the last of from.size() + 1: begun
@@ -319,7 +319,7 @@ Density::Origins Density::origins(const HiddenGraph& g, Index w) const {
 }
 
 double Density::log_presence(const HiddenGraph& g, Index w) const {
-  // A new patch grows others only towards what comes later in order: half of the plane, half of the kernel.
+  // A new patch grows others only towards those later in order: half of the plane, half of the kernel.
   const double growth = g[w].frame == 0     ? theta_.first_growth / 2
                         : g[w].prev.empty() ? theta_.growth[3] / 2
                                             : theta_.growth[parent_class(g, w)];

@@ -47,7 +47,7 @@ class Density {
   [[nodiscard]] const SamplerParameters& theta() const { return theta_; }
   /// Returns the log probability of v's outcome.
   [[nodiscard]] double log_outcome(const HiddenGraph& g, Index v) const;
-  /// Returns the log density of w's origin, displacement, place along the curve, and look.
+  /// Returns the log density of w's origin, displacement, place and look.
   [[nodiscard]] double log_birth_or_survival(const HiddenGraph& g, Index w) const;
   /// Returns the log density of w's displacement and place across the curve, given its origin.
   [[nodiscard]] double log_displacement(const HiddenGraph& g, Index w) const;

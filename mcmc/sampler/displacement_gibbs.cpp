@@ -68,7 +68,7 @@ std::vector<Index> touched(const HiddenGraph& g, const std::vector<Index>& path,
   if (coupled)
     for (const Index i : path)
       for (const Index u : g[i].edges) list.insert(list.end(), g[u].next.begin(), g[u].next.end());
-  // A path's last but one is the grandparent of what its last goes on as.
+  // A path's last node but one is the grandparent of the nodes that continue its last.
   std::ranges::sort(list);
   list.erase(std::unique(list.begin(), list.end()), list.end());
   return list;

@@ -31,7 +31,7 @@ void append_to(std::vector<Index>& list, std::vector<Index>& at, Index i) {
   at[i] = static_cast<Index>(list.size());
   list.push_back(i);
 }
-// Puts i back to the place from which erase_from took it.
+// Puts i back at the place from which erase_from took it.
 void put_back(std::vector<Index>& list, std::vector<Index>& at, Index i, std::size_t place) {
   list.push_back(i);
   if (place + 1 < list.size()) {
@@ -142,7 +142,7 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
 void HiddenGraph::drop_newest_candidate() {
   const auto i = static_cast<Index>(nodes_.size() - 1);
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
-  // The newest is the last in every list that it is in.
+  // The newest candidate is the last one in every list.
   for (const NeighbourCandidate& near : neighbours_[i]) neighbours_[near.node].pop_back();
   for (const Index j : hosts_[i]) guests_[j].pop_back();
   for (const Index j : guests_[i]) hosts_[j].pop_back();
@@ -218,7 +218,7 @@ bool HiddenGraph::can_link(Index v, Index w) const {
 void HiddenGraph::flag(Index i, Flag which, bool holds) {
   flags_[i] = static_cast<std::uint8_t>(holds ? flags_[i] | which : flags_[i] & ~which);
 }
-// After a link between them came or went.
+// Updates the flags after a link between them was added or removed.
 void HiddenGraph::flag_links(Index v, Index w) {
   const auto& next = nodes_[v].next;
   const auto& prev = nodes_[w].prev;

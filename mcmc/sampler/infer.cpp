@@ -29,7 +29,7 @@ double step_size(int sweep, int burn_in) {
   return sweep < whole ? 1 : std::pow(sweep - whole + 1, -0.7);
 }
 
-/// A chain with what it learns, or a ladder of them.
+/// A chain with its statistics and θ, or a ladder of tempered chains.
 class TemperedChain {
  public:
   TemperedChain(HiddenGraph state, const SamplerParameters& prior, std::uint64_t seed, std::uint32_t number,
@@ -67,7 +67,7 @@ class TemperedChain {
     theta.displacement = displacement;
     return theta;
   }
-  /// Neighbours on the ladder, even and odd ones in turn.
+  /// Exchanges the states of neighbours on the ladder, even and odd ones in turn.
   void exchange(int sweep) {
     for (std::size_t r = static_cast<std::size_t>(sweep % 2); r + 1 < ladder_.size(); r += 2) {
       Chain &low = ladder_[r], &high = ladder_[r + 1];

@@ -25,9 +25,9 @@ bool are_neighbours(const HiddenGraph& g, Index a, Index b) {
 
 // ---- a patch with its connections ----
 
-/// By which chance a patch that is put in is joined to one beside it.
+/// Probability that an added patch is joined to one beside it.
 constexpr std::array<double, kCloseness> kEdgeChance = {0.8, 0.4, 0.4, 0.1, 0.1, 0.05};
-constexpr double kNoLinkChance = 0.15;  // by which it has no predecessor although there could be one
+constexpr double kNoLinkChance = 0.15;  // probability of no predecessor although one is possible
 
 struct Connections {
   ShortList<kMostEdges> edges;
@@ -181,14 +181,14 @@ Shareable shareable(const HiddenGraph& g, Index v, Index i) {
   }
   return result;
 }
-/// Chance of one way of sharing, after the choice of v.
+/// Probability of one way of sharing, after the choice of v.
 double share_chance(const HiddenGraph& g, Index v, Index i) {
   const Shareable s = shareable(g, v, i);
   return std::exp2(-static_cast<double>(s.edges.size() + (s.past != kNone ? 1 : 0))) /
          static_cast<double>(s.candidates);
 }
-/// With i as the part of v: a node that could as well be the one it is part of, since one is left with the
-/// same state without i. That is so where i lies between just two.
+/// Another node than v that i could be split from, with the same state without i; kNone if there is none. It
+/// exists where i lies between just two nodes.
 Index alternative_source(const HiddenGraph& g, Index v, Index i) {
   if (g[i].edges.size() != 2) return kNone;
   const Index u = g[i].edges[g[i].edges[0] == v ? 1 : 0];
@@ -224,7 +224,7 @@ std::optional<double> split_patch(StateChange& change, ChoiceSource& draws, int 
   const bool gives_past = can.past != kNone && draws.coin();
   const Guess guess = guess_part(g, change.density(), v, i);
   const double displacement = draws.normal(guess.mean, guess.sd);
-  // Should it lie between two, it could as well have come from the other.
+  // Between two nodes it could have been split from the other one, too.
   double there = way_chance(g, change.density(), v, i, displacement);
   const double other = given.size() == 1 && g[given[0]].kind == g[v].kind
                            ? way_chance(g, change.density(), given[0], i, displacement)
@@ -294,7 +294,7 @@ std::optional<double> connect_or_cut(StateChange& change, ChoiceSource& draws, i
   const bool connect = draws.coin();
   if (g.active(frame).empty()) return std::nullopt;
   const Index a = g.active(frame)[draws.below(g.active(frame).size())];
-  // Either end may be the one that is drawn first.
+  // Either end may be drawn first.
   const auto either = [](std::size_t m, std::size_t n) {
     return log_count(m + n) - log_count(m) - log_count(n);
   };

@@ -84,7 +84,7 @@ class PriorSimulator {
   }
 
   void go_on(int t) {
-    // Outcomes in order; a merge waits until what it goes into has gone on.
+    // Outcomes in order; a merge waits until its target has been continued.
     for (const Index v : in_order(t)) {
       const std::size_t targets = merge_targets(g_, v);
       auto chances = theta_.outcome[outcome_context_of(g_, v)];

@@ -38,7 +38,7 @@ void FactorCache::invalidate_arrivals() {
 StateChange::StateChange(HiddenGraph& g, const Density& density, FactorCache& cache, std::uint32_t who)
     : g_(g), density_(density), cache_(cache), stamp_((std::uint64_t{who} + 1) << 32U) {}
 
-// ---- what each step touches ----
+// ---- factors that each step changes ----
 
 void StateChange::begin() {
   if (!steps_.empty()) return;
@@ -137,12 +137,12 @@ void StateChange::note_isolated(Index i) {
     if (!near.earlier && g_.is_active(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
 }
 
-// ---- what the factors are ----
+// ---- values of the factors ----
 
 // All noted pairs, each once.
 template <class Visit>
 void StateChange::visit_pairs(Visit visit) const {
-  const auto paired = [&](Index x) {  // few are: to look through them is quicker than to look x up
+  const auto paired = [&](Index x) {  // usually few, so a search is faster than a lookup
     return paired_.size() <= 4 ? std::ranges::find(paired_, x) != paired_.end()
                                : noted(x, FactorCache::kPairs);
   };
@@ -167,7 +167,7 @@ double StateChange::sum() const {
   return sum;
 }
 
-// The sum in the state before, of which all factors must be known.
+// Sum in the former state; none where a factor is not known.
 std::optional<double> StateChange::known_sum() const {
   if (!cache_.enabled_) return std::nullopt;
   double sum = 0;

@@ -17,7 +17,7 @@ class FactorCache {
  public:
   /// Prepares for changes of states of up to so many nodes.
   void resize(std::size_t nodes) { marks_.resize(nodes); }
-  /// Prepares likewise, and keeps factors from one change to the next.
+  /// Prepares for changes of `g`, and keeps factors from one change to the next.
   /// Call invalidate() after changing the state or θ by other means than committed changes. Candidates must
   /// stay the same.
   void enable(const HiddenGraph& g);

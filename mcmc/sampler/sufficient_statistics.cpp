@@ -63,7 +63,7 @@ void add_grown(const Node& from, const Node& w, double share, const SamplerParam
   const Point apart = w.patch.position - from.patch.position;
   const double along = std::abs(graph::dot(apart, from.tangent)), side = graph::dot(apart, from.normal());
   const double bend = turn_between(from, w), contrast = w.log_contrast - from.log_contrast;
-  // Along the curve, or a branch: whichever is nearer to what they usually are.
+  // Counts as grown along the curve if near its usual step, side and bend, else as a branch.
   const double z = (along - theta.step) / theta.step_sd, u = side / theta.side_sd, b = bend / theta.bend_sd;
   const bool on_curve = z * z + u * u + b * b < 14;
   (on_curve ? t.grown_along_curve : t.grown_elsewhere) += share;
@@ -112,7 +112,7 @@ void add_pairs(const HiddenGraph& g, Index a, SufficientStatistics& t) {
 double chance(double events, double exposure, double prior, double weight) {
   return std::clamp((events + weight * prior) / (exposure + weight), 1e-6, 1 - 1e-6);
 }
-/// SD from a sum of squares, with some at the prior's.
+/// SD from a sum of squares and `weight` more at the prior's SD.
 double spread(double squares, double count, double prior, double weight) {
   return std::sqrt((squares + weight * prior * prior) / (count + weight));
 }
@@ -213,7 +213,7 @@ Autoregression learn_displacement(const SufficientStatistics& t, const Autoregre
 void SufficientStatistics::blend(const SufficientStatistics& other, double gamma) {
   static_assert(std::is_trivially_copyable_v<SufficientStatistics> &&
                 sizeof(SufficientStatistics) % sizeof(double) == 0);
-  // All of it is doubles.
+  // All members are doubles.
   std::array<double, sizeof(SufficientStatistics) / sizeof(double)> mine{}, theirs{};
   std::memcpy(mine.data(), this, sizeof(SufficientStatistics));
   std::memcpy(theirs.data(), &other, sizeof(SufficientStatistics));

@@ -65,10 +65,10 @@ struct OperatorFrame {
                                       double frames) const {
     return multiples[elapsed_class(frames * model.rates.modifiers.pace)];
   }
-  // The frame in which what begins to fade now is no longer there.
+  // Returns the frame in which patches that begin to fade now are gone.
   [[nodiscard]] double fade_out_end() const { return frame + fade_out_frames() + 1; }
   [[nodiscard]] bool is_refractory(Index vertex) const { return strokes.list[vertex].refractory_left > 0; }
-  // Nothing happens there for a while, once what fades is gone.
+  // Starts the refractory period at a patch, after `fades` frames of fading.
   void start_refractory_period(Index vertex, int fades = 0) {
     auto& left = strokes.list[vertex].refractory_left;
     left = std::max(left, fades + static_cast<int>(std::lround(model.rates.refractory_period)));
@@ -93,14 +93,13 @@ void apply_deaths(OperatorFrame& scene) {
   for (std::size_t s = 0; s < all.size(); ++s) {
     int age = 0;
     for (const Index v : all[s]) age = std::max(age, scene.strokes.list[v].age);
-    // The hold of the newly born is in the chance that strokes of their age have.
+    // The refractory period of newborn strokes is part of the death rate by age.
     const bool refractory = std::ranges::any_of(all[s], [&](Index v) { return scene.is_refractory(v); });
     if (refractory && age >= scene.model.rates.refractory_period) continue;
     const double rate = scene.model.rates.death_by_size[size_class(all[s].size())] *
                         scene.model.rates.death.at(stroke_middle(scene.graph, all[s])) *
                         scene.modifier_after(scene.model.rates.modifiers.death, age + fading + 1);
-    // The frames in which it fades are part of its life. What is smaller than any stroke that was seen is
-    // none.
+    // The frames in which it fades are part of its life. Strokes smaller than all exemplars are removed.
     const double sooner = rate / std::max(0.05, 1 - rate * fading);
     if (!scene.draw_removal(all[s][0], all[s].size() < least ? 1 : sooner)) continue;
     scene.mark_busy(all[s][0]);
@@ -109,7 +108,7 @@ void apply_deaths(OperatorFrame& scene) {
   }
 }
 
-// The patches of a curve from `from` on, away from `behind`, up to `most` and not its end; whether that was
+// Patches of a curve from `from` on, away from `behind`, up to `most` and without its end; whether that was
 // reached, and is a free one.
 struct CurveRun {
   std::vector<Index> patches;
@@ -128,7 +127,7 @@ CurveRun run_along(const graph::AttributeGraph& graph, Index behind, Index from,
   return result;
 }
 
-// Lets up to `wide` patches of the run go, at least one, and leaves a piece to a free end.
+// Fades out up to `wide` patches of the run, at least one, and leaves a piece at a free end.
 void fade_out_gap(OperatorFrame& scene, const CurveRun& arm, std::size_t wide) {
   const std::size_t kept = arm.free ? kPiece - 1 : 0, there = arm.patches.size();
   const std::size_t most = there > kept ? there - kept : 1;
@@ -169,7 +168,8 @@ void apply_disconnects(OperatorFrame& scene, const OperatorSites& found) {
     scene.count_event(EventType::disconnect);
     scene.strokes.separations.push_back({scene.graph.patch(hub).position, scene.fade_out_end()});
     const CurveRun arm = run_along(scene.graph, hub, first, 2 * wide + kPiece);
-    // A bridge goes as a whole where it is not much longer than usual; one without patches takes its far end.
+    // A bridge is removed as a whole where it is not much longer than usual; one without patches takes its
+    // far end.
     if (arm.patches.empty())
       scene.fade_out(first);
     else
@@ -178,7 +178,7 @@ void apply_disconnects(OperatorFrame& scene, const OperatorSites& found) {
   }
 }
 
-// u of the curve from one to the other, now at `place`.
+// Patch at `place`, a share u of the way from one patch to another.
 SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& b, double u, Point place,
                                  Point direction) {
   const auto mix = [&](double p, double q) { return p + u * (q - p); };
@@ -186,7 +186,7 @@ SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& 
   SimulatedPatch result;
   result.rest = a.rest;
   const Point along{std::cos(a.rest.theta), std::sin(a.rest.theta)};
-  // Left and right are those of the end it sets out from.
+  // Left and right are those of the end where the bridge starts.
   const double sense = graph::dot(direction, along) < 0 ? -1 : 1;
   result.rest.theta = std::atan2(sense * direction.y, sense * direction.x);
   result.rest.width = mix(a.rest.width, b.rest.width);
@@ -209,8 +209,8 @@ SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& 
   return result;
 }
 
-// The curve from one patch to another, u from 0 to 1, that goes on as the stroke ends at `a`, and at `b`
-// where that is an end: Hermite's cubic.
+// Curve from one patch to another, u from 0 to 1, that continues the strokes that end at `a` and at `b`:
+// Hermite's cubic.
 class BridgeCurve {
  public:
   BridgeCurve(const graph::AttributeGraph& graph, Index a, Index b)
@@ -228,7 +228,8 @@ class BridgeCurve {
   }
 
  private:
-  // As long as the chord; the chord itself where the stroke does not end, or would have to turn back.
+  // Tangent at an end, as long as the chord; the chord itself where the stroke does not end, or would have to
+  // turn back.
   static Point end_tangent(const graph::AttributeGraph& graph, Index end, Point chord) {
     if (graph.degree(end) != 1) return chord;
     const Point out = end_direction(graph, end);
@@ -351,8 +352,7 @@ double relative_clearance(const OperatorFrame& scene, const Exemplar& exemplar, 
   return std::accumulate(least.begin(), least.end(), 0.0) / static_cast<double>(least.size());
 }
 
-// An exemplar and a place about where it was seen: as much by itself as it was there, or as nearly so as some
-// tries allow.
+// An exemplar and a place near its own, with at least its observed clearance, or the best of some tries.
 struct BirthSite {
   const Exemplar* exemplar = nullptr;
   Point place;
@@ -383,7 +383,7 @@ void apply_births(OperatorFrame& scene, std::uint64_t seed) {
     usual += model.density.values[c];
     crowded += model.density.values[c] * scene.density.values[c];
   }
-  // Fewer than usual are there: more are born.
+  // With fewer strokes than usual there are more births.
   if (crowded > 0) births *= usual * usual / (crowded * crowded);
   if (births <= 0) return;
   const auto weights = birth_weights(scene);
@@ -409,7 +409,7 @@ std::array<int, 6> apply_operators(SimulatedStrokes& strokes, const MotionModel&
   auto graph_now = stroke_graph(strokes);
   auto parts = graph::components(graph_now);
   CellMap density = relative_density(graph_now, model.density);
-  // Shifted as the keys of the noise are, and so none of theirs.
+  // Shifted like the keys of the noise, so that no key is used twice.
   const core::Rng rng(seed, {frame, 0, static_cast<std::uint32_t>(Purpose::operators) << 1U});
   OperatorFrame scene{strokes,
                       model,

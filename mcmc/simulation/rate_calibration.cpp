@@ -25,14 +25,14 @@ double births_a_frame(const CellMap& map) {
   return std::accumulate(map.values.begin(), map.values.end(), 0.0) * map.cell * map.cell;
 }
 
-// Robbins and Monro's step, of the logarithm. It is linear in what is seen, so that few events in a round
-// leave no bias. `more`: what hardly occurs is not worth chasing.
+// Robbins and Monro's step of the logarithm. It is linear in the counts, so that few events in a round leave
+// no bias. `more` damps the correction of rare events.
 void correct(double& rate, double want, double have, double more, double step) {
   rate *= std::exp(step * std::clamp((want - have) / (want + more), -1.5, 1.5));
 }
 
-// All that is corrected. In the end each is the geometric mean of what it was in the later rounds (Polyak and
-// Juditsky 1992): a round shows few events, and strokes outlive it.
+// All corrected numbers. The result is their geometric mean over the later rounds (Polyak and Juditsky 1992),
+// since a round has few events and strokes outlive it.
 class Controls {
  public:
   Controls(Sizes& births, OperatorRates& rates) {

@@ -150,7 +150,7 @@ void step_motion(SimulatedStrokes& p, const MotionModel& model, std::uint64_t se
 }
 
 void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::uint64_t seed) {
-  // Two frames of the stationary state: fields of the noise's own shape, as alike as the motion makes them.
+  // Draws two frames of the stationary state: noise fields with the law's lag-one correlation.
   const std::uint32_t of = p.ids.empty() ? 0 : p.ids.front();
   const auto before = draw_noise(p, model, seed, Purpose::start, 0, of);
   const auto fresh = draw_noise(p, model, seed, Purpose::start, 1, of);
@@ -168,7 +168,7 @@ void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::
         pair(model.displacement, sway_deviation, before[i].y, fresh[i].y);
     std::tie(me.gain_before, me.gain) = pair(model.contrast, gain_deviation, before[i].gain, fresh[i].gain);
   }
-  // Coupling shapes the state further; the motion itself brings it there.
+  // With coupling, the stationary state is approached by running the motion.
   if (model.displacement.coupling <= 0 && model.contrast.coupling <= 0) return;
   for (std::uint32_t step = 2; step < 2 + coupled_settling; ++step)
     step_motion(p, model, seed, Purpose::start, step);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion graphs whose truth is known: curves in known places that displacement by a known law, sampled anew
-// in every frame.
+// Motion graphs with known truth: curves at known places that move by a known law, sampled anew in every
+// frame.
 #pragma once
 
 #include <algorithm>
