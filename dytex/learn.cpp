@@ -75,7 +75,7 @@ void take_first(std::vector<Direction>& all, Eigen::Index asked, LearnResult& re
   all.resize(static_cast<std::size_t>(std::min(rank, asked)));
 }
 
-/// How many directions of one spectrum a rule takes.
+/// Number of directions of a spectrum that the rule takes.
 Eigen::Index count_by_rule(const Spectrum& spectrum, const Eigen::MatrixXd& gram, double to_levels,
                            Eigen::Index values, const LearnOptions& options, LearnResult& result) {
   if (spectrum.rank() == 0) return 0;

@@ -16,7 +16,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kLikely = 0.5;  // events of at least this probability are told
+constexpr double kLikely = 0.5;  // least probability of reported events
 
 void check_two_frames(const std::string& clip, std::int64_t frames) {
   if (frames >= 2) return;

@@ -24,6 +24,7 @@
 
 namespace emberfold::pipeline {
 
+/// Holds the settings of analyze().
 struct AnalyzeOptions {
   sketch::ExtractOptions sketch = {};
   graph::MatchOptions match = {};
@@ -38,25 +39,25 @@ struct AnalyzeOptions {
   std::string clip = "the clip";  ///< its name in messages
 };
 
-/// Event statistics of the clip and of clips drawn from its model, which the rates were corrected by.
+/// Holds event statistics of the clip and of clips drawn from its model, by which the rates were corrected.
 struct Calibration {
   mcmc::EventStatistics source;
   std::vector<mcmc::EventStatistics> rounds;
 };
 
-/// Figures of the texture learned between the strokes.
+/// Holds figures of the texture learned between the strokes.
 struct LearnedTexture {
   Eigen::Index components = 0;
   double hidden_share = 0;  ///< of the clip's pixels, those that patches cover, 0…1
   double r = 0;             ///< SD of the observation noise, grey levels
 };
 
-/// All that was found in a clip, and what was learned from it.
+/// Holds the results of analyze().
 struct Analysis {
   SketchedClip sketched;  ///< empty without AnalyzeOptions::keep_sketch
   graph::MotionGraph motion;
   std::vector<graph::Event> events;      ///< of probability 0.5 or more
-  std::vector<graph::Event> all_events;  ///< of whatever probability
+  std::vector<graph::Event> all_events;  ///< of any probability
   ClipModel model;
   /// Rates of births, deaths, splits, merges, connects and disconnects, a frame, with their intervals.
   std::array<mcmc::RateInterval, 6> rates{};
@@ -67,9 +68,9 @@ struct Analysis {
 };
 
 /// Analyses a clip: sketches, motion, events and the model that new clips are drawn from.
-/// Reads the clip four times, frame by frame, and keeps all graphs. The same result for the same clip,
-/// options and seed at any number of threads. Warns of what was not taken as measured. core::IoError for a
-/// clip of fewer than two frames, core::InputError for options out of range; throws core::Cancelled. Example:
+/// Reads the clip four times, frame by frame, and keeps all graphs. Equal clips, options and seeds give equal
+/// results at any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError
+/// for a clip of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:
 ///
 ///     auto clip = io::open_video("flag.avi");
 ///     auto result = pipeline::analyze(*clip, {});

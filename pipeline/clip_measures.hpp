@@ -30,7 +30,7 @@ std::vector<cv::Mat> bytes_to_levels(std::span<const cv::Mat> bytes);
 /// Returns the luma of frames of levels (CV_32F, 1 or 3 channels).
 std::vector<cv::Mat> levels_to_luma(std::span<const cv::Mat> levels);
 
-/// Holds what is measured of the pixels of one clip as single numbers.
+/// Holds the measures of a clip's pixels that are single numbers.
 struct PixelFigures {
   double crease_sharpness = 0;  ///< 1/px, mean over frames
   double crease_gradient = 0;   ///< levels/px, mean over frames
@@ -49,7 +49,7 @@ struct MeasureCurves {
   bool operator==(const MeasureCurves&) const = default;
 };
 
-/// Holds how far the pixels of a clip lie from those of a reference, each 0 for equal clips.
+/// Holds the distances of a clip's pixels from those of a reference, each 0 for equal clips.
 struct PixelDistances {
   double temporal_db = 0;       ///< dB, between the spectra in time
   double radial_db = 0;         ///< dB, between the spectra in space
@@ -63,9 +63,10 @@ struct PixelDistances {
   bool operator==(const PixelDistances&) const = default;
 };
 
-/// Gathers all pixel measures of a clip, frame by frame. Frames above 2^18 pixels give the spectrum in time
-/// and the autocorrelation at every second, third … pixel each way, which bounds the memory. Optical flow and
-/// crease sharpness are measured at some fifty frames at most, spread over the `frames` that are announced.
+/// Gathers all pixel measures of a clip, frame by frame.
+/// Frames above 2^18 pixels give the spectrum in time and the autocorrelation at every second, third … pixel
+/// each way, which bounds the memory. Optical flow and crease sharpness are measured at some fifty frames at
+/// most, spread over the `frames` that are announced.
 class ClipMeasures {
  public:
   ClipMeasures(cv::Size size, const MeasureScale& scale, int frames);
@@ -118,7 +119,7 @@ struct MeasureDescription {
 /// Returns the distances of PixelDistances, in the order of its fields.
 std::span<const MeasureDescription> pixel_measures();
 
-/// Measures how far a clip lies from a reference that was gathered on the same scale.
+/// Measures the distances of a clip from a reference that was gathered on the same scale.
 PixelDistances pixel_distances(const ClipMeasures& clip, const ClipMeasures& reference);
 
 }  // namespace emberfold::pipeline

@@ -14,14 +14,14 @@
 
 namespace emberfold::pipeline {
 
-/// Holds what one clip is like.
+/// Holds the measures of one clip.
 struct ClipProfile {
   PixelFigures pixels;
   MeasureCurves curves;
   std::optional<mcmc::StrokeStatistics> strokes;  ///< none where strokes were not sought
 };
 
-/// Holds how far a clip lies from a reference.
+/// Holds the distances of a clip from a reference.
 struct ClipDistances {
   PixelDistances pixels;
   std::optional<StrokeDistances> strokes;  ///< none where strokes were not sought
@@ -34,11 +34,11 @@ using OptionalStrokes = std::optional<mcmc::StrokeStatistics>;
 /// Returns the profile of a clip that was gathered.
 ClipProfile clip_profile(const ClipMeasures& pixels, const OptionalStrokes& strokes);
 
-/// Measures how far a clip lies from a reference; strokes where those of both are known.
+/// Measures the distances of a clip from a reference; those of strokes where both are known.
 ClipDistances clip_distances(const ClipMeasures& pixels, const OptionalStrokes& strokes,
                              const ClipMeasures& reference, const OptionalStrokes& reference_strokes);
 
-/// Measures how far a source's first half lies from its second. `strokes`: of all its frames, or null.
+/// Measures the distances of a source's first half from its second. `strokes`: of all its frames, or null.
 ClipDistances noise_floor(const SourceMeasures& source, const mcmc::StrokeSeries* strokes);
 
 /// Reads a source's next frames as levels, at most so many. Throws core::Cancelled.

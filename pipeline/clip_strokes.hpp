@@ -27,7 +27,7 @@ class ClipStrokes {
   void add(std::span<const cv::Mat> levels, const core::Context& context);
   /// Matches all frames so far bottom up. Throws core::Cancelled.
   [[nodiscard]] graph::MotionGraph motion(const core::Context& context) const;
-  /// Matches all frames so far and counts what happens to their strokes. Throws core::Cancelled.
+  /// Matches all frames so far and counts the events of their strokes. Throws core::Cancelled.
   [[nodiscard]] mcmc::StrokeSeries series(const core::Context& context) const;
 
  private:
@@ -39,19 +39,19 @@ class ClipStrokes {
 /// Matches the strokes of frames that are sketched already. Throws core::Cancelled.
 graph::MotionGraph match_strokes(graph::SketchSequence sketch, const graph::MatchOptions& match,
                                  const core::Context& context);
-/// Matches them and counts what happens to their strokes. Throws core::Cancelled.
+/// Matches the strokes and counts their events. Throws core::Cancelled.
 mcmc::StrokeSeries stroke_series(graph::SketchSequence sketch, const graph::MatchOptions& match,
                                  const core::Context& context);
 
 /// Returns frames first … last − 1 of a series.
 mcmc::StrokeSeries select_frames(const mcmc::StrokeSeries& series, int first, int last);
 
-/// Holds how far the strokes of a clip lie from those of a reference.
+/// Holds the distances of a clip's strokes from those of a reference.
 struct StrokeDistances {
   /// RMS over the six classes of ln (rate / reference's rate), half an event added to each count.
   double event_rates = 0;
   std::optional<double> lifetime, length;  ///< |ln (mean / reference's mean)|; none where either has none
-  /// Whether the clip's mean lies in the 95 % interval of the reference's; of rates by graph::EventType.
+  /// True where the clip's mean lies in the 95 % interval of the reference's; of rates by graph::EventType.
   std::array<bool, 6> rate_inside{};
   bool lifetime_inside = false, length_inside = false;
 
@@ -61,7 +61,7 @@ struct StrokeDistances {
 /// Returns "stroke_events", "stroke_lifetime" and "stroke_length", the distances of StrokeDistances.
 std::span<const MeasureDescription> stroke_measures();
 
-/// Measures how far the strokes of a clip lie from those of a reference. Both have at least two frames.
+/// Measures the distances of a clip's strokes from those of a reference. Both have at least two frames.
 StrokeDistances stroke_distances(const mcmc::StrokeStatistics& clip, const mcmc::StrokeStatistics& reference);
 
 }  // namespace emberfold::pipeline

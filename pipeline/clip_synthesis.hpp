@@ -18,6 +18,7 @@
 
 namespace emberfold::pipeline {
 
+/// Holds the settings of a ClipSynthesis.
 struct ClipSynthesisOptions {
   std::uint64_t seed = 1;
   ModelFill between = ModelFill::diffusion;  ///< what lies between the strokes
@@ -26,14 +27,14 @@ struct ClipSynthesisOptions {
   sketch::FillOptions fill = {};
 };
 
-/// Draws new frames of a clip's model, without an end: CV_8U, the model's size and rate. The same frames for
-/// the same model, options and seed, whatever the number of threads and calls. Example:
+/// Draws new frames of a clip's model without end: CV_8U, with the model's size and rate.
+/// Equal models, options and seeds give equal frames, whatever the number of threads and calls. Example:
 ///
 ///     pipeline::ClipSynthesis synthesis(model, {.seed = 7});
 ///     io::write_video("new.mp4", synthesis, 300);
 class ClipSynthesis final : public core::FrameSource {
  public:
-  /// Keeps a copy of the model. core::InputError where the model lacks what options.between draws with.
+  /// Keeps a copy of the model. Throws core::InputError where it lacks the part that options.between needs.
   explicit ClipSynthesis(ClipModel model, const ClipSynthesisOptions& options = {},
                          const core::Context& context = {});
 
@@ -42,10 +43,10 @@ class ClipSynthesis final : public core::FrameSource {
   cv::Mat next() override;
   /// Starts again from the first frame.
   void rewind() override;
-  /// Draws exactly the next `count` frames on several threads and hands them to `take`, in order and one at a
-  /// time, while the next ones are drawn. Throws core::Cancelled.
+  /// Draws the next `count` frames on several threads and hands them to `take`.
+  /// They are handed over in order and one at a time, while the next ones are drawn. Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take);
-  /// Counts over the frames drawn so far, those ahead of next() included.
+  /// Returns statistics of the frames drawn so far, those ahead of next() included.
   [[nodiscard]] const SynthesisStatistics& statistics() const { return frames_->statistics(); }
 
  private:

@@ -26,27 +26,29 @@
 
 namespace emberfold::pipeline {
 
-/// The fewest frames of a clip that is compared.
+/// Least number of frames of a clip that is compared.
 constexpr int kFewestFrames = 8;
 
+/// Holds the settings of compare() and compare_models().
 struct CompareOptions {
   sketch::ExtractOptions sketch;
   graph::MatchOptions match;
   sketch::FillOptions fill;
-  dytex::LearnOptions learn;  ///< at most a third of the frames as components: more fit a short clip's chance
-  double learn_share = 0.5;   ///< of the clip, from its beginning, that models learn from; (0, 1]
-  int steps = 8;              ///< frames ahead that are predicted at most, 1 … 64
-  int frames = 0;             ///< of each synthesized clip; 0: as many as the source has
-  bool hybrid = true;         ///< compare the hybrid of motion model and dynamic texture, too
-  bool star = true;           ///< and spatio-temporal auto-regression
-  bool curve = false;         ///< quality against model size, too
-  bool strokes = true;        ///< find strokes in the clips and measure them
+  dytex::LearnOptions
+      learn;                 ///< at most a third of the frames as components: more would overfit a short clip
+  double learn_share = 0.5;  ///< of the clip, from its beginning, that models learn from; (0, 1]
+  int steps = 8;             ///< frames ahead that are predicted at most, 1 … 64
+  int frames = 0;            ///< of each synthesized clip; 0: as many as the source has
+  bool hybrid = true;        ///< compare the hybrid of motion model and dynamic texture, too
+  bool star = true;          ///< and spatio-temporal auto-regression
+  bool curve = false;        ///< quality against model size, too
+  bool strokes = true;       ///< find strokes in the clips and measure them
 
   /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };
 
-/// Holds what the caller has already made of the whole clip; what is null is made by the comparison.
+/// Holds results for the whole clip that the caller already has; null ones are made by the comparison.
 struct KnownModels {
   const SketchedClip* sketched = nullptr;  ///< as extracted: match() steadies a sketch with frames to come
   /// Models of the whole clip. Clips are drawn from them instead of from those of the clip's first part.
@@ -55,13 +57,13 @@ struct KnownModels {
   const dytex::LinearDynamicTexture* texture = nullptr;
 };
 
-/// Is thrown for a clip with fewer than kFewestFrames frames.
+/// Reports a clip with fewer than kFewestFrames frames.
 class ShortClipError : public core::InputError {
  public:
   ShortClipError(int clip, int frames);
 
-  int clip;    ///< its place among the arguments, from 0
-  int frames;  ///< that it has
+  int clip;    ///< index among the arguments, from 0
+  int frames;  ///< number of its frames
 };
 /// Returns "<name> holds 7 frames; a comparison needs at least 8".
 std::string short_clip_text(const std::string& name, int frames);
@@ -74,8 +76,9 @@ struct ObservedClip {
   int frames = 0;
 };
 
-/// Receives the frames of all clips while they are compared, to write or to show them. Either may be empty.
-/// Both are called on the thread of the caller; what they throw ends the comparison.
+/// Receives the frames of all clips while they are compared, to write or display them.
+/// Either function may be empty. Both are called on the thread of the caller; an exception from them ends the
+/// comparison.
 struct CompareObserver {
   /// Called once, before the first frame.
   std::function<void(std::span<const ObservedClip> clips)> begin;
@@ -84,7 +87,7 @@ struct CompareObserver {
   std::function<void(int first, std::span<const std::vector<cv::Mat>> clips)> take;
 };
 
-/// Holds how two clips compare.
+/// Holds the comparison of two clips.
 struct ClipComparison {
   MeasureScale scale;
   int frames_a = 0, frames_b = 0;
@@ -92,14 +95,14 @@ struct ClipComparison {
   ClipDistances distances;           ///< of b from a
   ClipDistances noise_floor;         ///< of a's first half from its second
   std::optional<double> psnr, ssim;  ///< of all frames: dB, at most 100; −1…1, of luma
-  std::string no_psnr_reason;        ///< in words, where there are neither
+  std::string no_psnr_reason;        ///< in words, where psnr and ssim are missing
 };
 
-/// Measures how far clip `b` lies from clip `a`: by the pixels' spectra, flow, patterns and sharpness, and by
-/// their strokes. Distances are to be read beside the noise floor, that of a's own halves. PSNR and SSIM are
-/// measured where sizes, channels and lengths agree. Reads both clips twice and keeps a batch of frames. The
-/// result is the same at any number of threads. Throws ShortClipError, InputError for options out of range,
-/// core::Cancelled. Example:
+/// Measures the distances of clip `b` from clip `a`, of pixels and strokes.
+/// Pixels are compared by spectra, flow, patterns and sharpness. Distances should be read beside the noise
+/// floor, that of a's own halves. PSNR and SSIM are measured where sizes, channels and lengths agree. Reads
+/// both clips twice and keeps a batch of frames. The result is the same at any number of threads. Throws
+/// ShortClipError, InputError for options out of range, core::Cancelled. Example:
 ///     const auto found = pipeline::compare(*clip, *other);
 ///     std::cout << found.distances.pixels.temporal_db << " dB, floor " <<
 ///     found.noise_floor.pixels.temporal_db;
@@ -114,23 +117,24 @@ struct ModelResult {
   ClipDistances distances;  ///< of the drawn clip from the source
 };
 
-/// Holds how models of a clip compare with it.
+/// Holds the comparison of a clip with its models.
 struct ModelComparison {
   MeasureScale scale;
   int frames = 0, learned_frames = 0;  ///< of the clip; of its first part, which models learned from
   int drawn_frames = 0;                ///< of each model's clip
   ClipProfile source;
   ClipDistances noise_floor;                     ///< of the source's first half from its second
-  std::vector<ModelResult> models;               ///< those that this clip yields
+  std::vector<ModelResult> models;               ///< those that could be learned
   std::optional<PredictionMeasures> prediction;  ///< none where nothing was left to predict
   std::optional<SizeCurve> size_curve;           ///< with CompareOptions::curve
 };
 
-/// Learns models of a clip from its first part and measures how well they predict the rest, how well they
-/// show a frame that they are given, and how far a new clip drawn from each lies from the source. A model
-/// that cannot be learned from this clip is left out, with a warning. Keeps a batch of frames and all graphs.
-/// The result is the same at any number of threads. Throws ShortClipError, InputError for options out of
-/// range, core::IoError where the clip changes while it is read, core::Cancelled.
+/// Learns models of a clip from its first part and compares them with the clip.
+/// It measures the predictions of the rest, the reconstruction of given frames, and the distances of a new
+/// clip drawn from each model. A model that cannot be learned from this clip is left out, with a warning.
+/// Keeps a batch of frames and all graphs. The result is the same at any number of threads. Throws
+/// ShortClipError, InputError for options out of range, core::IoError where the clip changes while it is
+/// read, core::Cancelled.
 ModelComparison compare_models(core::FrameSource& source, const CompareOptions& options = {},
                                const KnownModels& known = {}, std::uint64_t seed = 1,
                                const core::Context& context = {}, const CompareObserver& observer = {});

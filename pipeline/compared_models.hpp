@@ -15,27 +15,27 @@
 
 namespace emberfold::pipeline {
 
-/// Holds the newest frames of a clip, which others are predicted from.
+/// Holds the newest frames of a clip, from which others are predicted.
 struct PastFrames {
   int frame = 0;                    ///< the newest one's number, from the clip's first
   std::span<const cv::Mat> levels;  ///< up to and with that frame, CV_32F, at least two
 };
 
-/// Holds a model of a clip as a comparison uses it. begin_clip, predict and reconstruct may be called on
-/// several threads at once.
+/// Holds a model of a clip as a comparison uses it.
+/// begin_clip, predict and reconstruct may be called on several threads at once.
 struct ComparedModel {
   using NextFrames = std::function<std::vector<cv::Mat>(int count)>;
   std::string key, label;  ///< its name to programs; to read
   double parameters = 0;   ///< numbers that it holds
-  /// Begins a new clip and returns what draws its next frames, CV_8U.
+  /// Begins a new clip and returns the function that draws its next frames, CV_8U.
   std::function<NextFrames()> begin_clip = {};
   /// Predicts the frames so many steps (ascending, of TrainingInput's) ahead: levels, or CV_8U.
   std::function<std::vector<cv::Mat>(const PastFrames&, std::span<const int> steps)> predict = {};
-  /// Draws the newest frame itself as the model can show it. Empty where a model has no such thing.
+  /// Draws the newest frame as the model reconstructs it. Empty for a model without reconstruction.
   std::function<cv::Mat(const PastFrames&)> reconstruct = {};
 };
 
-/// Holds what models are learned from.
+/// Holds the data that models are learned from.
 struct TrainingInput {
   core::FrameSource& source;
   int frames = 0, learned_frames = 0;  ///< of the clip; of its first part, which models learn from
@@ -46,13 +46,13 @@ struct TrainingInput {
   const core::Context& context;
 };
 
-/// Learns each model of the comparison, in the order of its result. A model that this clip does not yield is
-/// left out, with a warning. Throws core::Cancelled.
+/// Learns each model of the comparison, in the order of its result.
+/// A model that cannot be learned from this clip is left out, with a warning. Throws core::Cancelled.
 std::vector<ComparedModel> learn_models(const TrainingInput& input, const KnownModels& known);
 
-/// Holds the motion model of a clip, and what else it takes to draw from it and to predict.
+/// Holds the motion model of a clip, and all else that drawing and predicting need.
 struct StrokeModel;
-/// Learns the motion model of the clip's first part. Null, with a warning, where the clip yields none.
+/// Learns the motion model of the clip's first part. Null, with a warning, where that fails.
 std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, const KnownModels& known);
 /// Returns the model of moving strokes with diffusion between them.
 ComparedModel sketch_model(const std::shared_ptr<const StrokeModel>& strokes, std::uint64_t seed,
@@ -66,8 +66,8 @@ std::optional<ComparedModel> texture_model(const TrainingInput& input, const Kno
 /// Learns a spatio-temporal auto-regression; `reach` as in dytex::StarOptions.
 std::optional<ComparedModel> star_model(const TrainingInput& input, int reach);
 
-/// Returns make(), or nothing where this clip yields no such model, and warns with a text that begins with
-/// `none`.
+/// Returns make(), or nothing, with a warning that begins with `none`, where that fails.
+/// Failures are core::InputError and core::NumericalError.
 template <class Make>
 auto learn_or_warn(const std::string& none, const core::Context& context, const Make& make)
     -> std::optional<decltype(make())> {

@@ -42,7 +42,7 @@ struct StrokeModel {
   [[nodiscard]] sketch::RenderOptions look(float empty_level, const sketch::Background& around) const {
     return {{info.width, info.height}, info.channels, empty_level, fill, around};
   }
-  // Of a clip that is drawn.
+  // Options of a clip that is drawn.
   [[nodiscard]] sketch::RenderOptions drawn_look() const {
     return sketch::apply_sharpening(look(level, drawn_ground), sharpening);
   }
@@ -57,7 +57,7 @@ graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int coun
 }
 
 cv::Mat draw_strokes(const StrokeModel& strokes, const PastFrames& past, int steps) {
-  // Where there is no stroke, the mean level of the newest frame is what is known.
+  // A place without strokes gets the mean level of the newest frame.
   const auto level = static_cast<float>(cv::mean(core::luma(past.levels.back()))[0]);
   return sketch::render_frame(strokes.graph(past, steps), strokes.look(level, strokes.ground));
 }
@@ -104,7 +104,7 @@ double ground_numbers(const sketch::Background& ground) {
   return pixels + static_cast<double>(ground.levels.total()) * std::max(1, ground.levels.channels());
 }
 
-/// What was fitted is made ready to be drawn from, as `analyze` does: sharpening, then rates.
+/// Prepares the fitted model for drawing, as `analyze` does: sharpening, then rates.
 void prepare_drawing(StrokeModel& strokes, mcmc::FitResult& fitted, const graph::MotionGraph& motion,
                      const TrainingInput& input) {
   const core::Context& context = input.context;
@@ -157,7 +157,7 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
     return nullptr;
   }
   if (input.learned_frames < input.frames) {
-    // Flicker removal looks at later frames, which a prediction must not know.
+    // Flicker removal uses later frames, which a prediction must not.
     auto causal = input.options.match;
     causal.flicker = 0;
     const auto motion = match_strokes(sketch, causal, context);

@@ -56,7 +56,7 @@ SizeCurvePoint measure_point(const ComparedModel& model, const std::string& size
   return point;
 }
 
-// Whether `a` predicts better than `b` or, with nothing held out, draws the nearer spectrum in time.
+// True if `a` predicts better than `b` or, with nothing held out, draws the nearer spectrum in time.
 bool is_better(const SizeCurvePoint& a, const SizeCurvePoint& b) {
   const auto steps = [](double value) { return std::round(value * kEqual); };
   return a.next_frame && b.next_frame ? steps(a.next_frame->psnr) > steps(b.next_frame->psnr)

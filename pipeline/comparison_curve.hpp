@@ -29,9 +29,9 @@ struct SizeCurve {
   std::optional<std::size_t> equal_texture;  ///< the best linear dynamic texture that is no larger
 };
 
-/// Measures quality against the number of parameters: each kind of model in several sizes, learned alike. The
-/// motion model has patches 1, 2 and 4 times as far apart as `sketch.spacing`, which leaves the strokes and
-/// halves the numbers that describe them. The linear dynamic texture has 1, 2, 4 … components, of whole
+/// Measures quality against the number of parameters: each kind of model in several sizes.
+/// The motion model has patches 1, 2 and 4 times as far apart as `sketch.spacing`, which leaves the strokes
+/// and halves the numbers that describe them. The linear dynamic texture has 1, 2, 4 … components, of whole
 /// frames and of frames reduced to a half, a quarter and an eighth each way, which makes it as small as the
 /// others. STAR has neighbours up to 1, 2, 3 px away. Throws core::Cancelled.
 SizeCurve measure_size_curve(const TrainingInput& input, const ClipMeasures& source,

@@ -21,35 +21,37 @@
 
 namespace emberfold::pipeline {
 
-/// How frames of a model's graphs are drawn: its size, grey where all its levels are, its ground, and the
-/// mean of its strokes' sides where a frame has neither.
+/// Returns the options for drawing a model's graphs.
+/// They have the model's size, one channel where all its levels are grey, its background, and the mean of its
+/// strokes' sides where a frame has neither strokes nor background.
 sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground,
                                      const sketch::FillOptions& fill);
 
-/// What a clip drawn from a model holds.
+/// Holds statistics of a clip drawn from a model.
 struct SynthesisStatistics {
   std::vector<std::size_t> patches, strokes;  ///< of each frame
   std::array<std::size_t, 6> operators{};     ///< births, deaths, splits, merges, connects, disconnects
 };
 
-/// New frames of a model without an end, drawn from its graphs and, where there are any, its grounds. The
-/// same frames whatever the number of threads and of calls.
+/// Draws new frames of a model without end, from its graphs and, if given, backgrounds.
+/// The frames are the same whatever the number of threads and of calls.
 class FrameSynthesis {
  public:
-  /// `between`: called once for each frame, in order, to add a ground or a residual; none: the diffusion.
+  /// Called once for each frame, in order, to add a background or a residual; none: the diffusion.
   using Between = std::function<void(sketch::FrameContent&)>;
   FrameSynthesis(mcmc::Synthesis strokes, sketch::RenderOptions look, Between between = {});
 
-  /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take`, in order and one at a
-  /// time, while the next ones are drawn. At most as many are held as batch() tells. Throws core::Cancelled.
+  /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take`.
+  /// They are handed over in order and one at a time, while the next ones are drawn. At most batch() frames
+  /// are held. Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {});
-  /// All of them at once.
+  /// Returns the next `count` frames at once.
   std::vector<cv::Mat> next(int count, const core::Context& context = {});
-  /// What the next `count` frames are drawn from, instead of them.
+  /// Returns the contents of the next `count` frames without drawing them.
   std::vector<sketch::FrameContent> parts(int count, const core::Context& context = {});
-  /// How many frames are best asked for at once: 16, or as many as 192 MB hold.
+  /// Returns the best number of frames to ask for at once: 16, or as many as 192 MB hold.
   [[nodiscard]] int batch() const;
-  /// Of the frames so far.
+  /// Returns the statistics of the frames so far.
   [[nodiscard]] const SynthesisStatistics& statistics() const { return statistics_; }
   [[nodiscard]] const sketch::RenderOptions& look() const { return look_; }
 
@@ -69,15 +71,16 @@ class FrameSynthesis {
   sketch::FadeInOut fader_;
 };
 
-/// Strokes of a motion model on the ground that a texture of the same clip draws (learn_background_texture),
-/// frame by frame in step; channels as the texture's. core::InputError where the sizes disagree.
+/// Draws strokes of a motion model on the frames of a texture of the same clip, in step.
+/// The texture is that of learn_background_texture; the channels are the texture's. Throws core::InputError
+/// where the sizes disagree.
 FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
                              std::shared_ptr<const dytex::LinearDynamicTexture> texture,
                              sketch::RenderOptions look, std::uint64_t seed,
                              mcmc::Start start = mcmc::Start::data);
 
-/// Strokes of a motion model, what diffuses from them, and the clip's residual on all, which runs
-/// `residual_speed` times as fast.
+/// Draws strokes of a motion model, the diffusion between them, and the clip's residual on all.
+/// The residual runs `residual_speed` times as fast.
 FrameSynthesis residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual,
                                sketch::RenderOptions look, std::uint64_t seed,
                                mcmc::Start start = mcmc::Start::data, double residual_speed = 1);

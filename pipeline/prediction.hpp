@@ -13,7 +13,7 @@ namespace emberfold::pipeline {
 
 struct ComparedModel;
 
-/// Holds how near made frames come to true ones.
+/// Holds the agreement of predicted or reconstructed frames with the true ones.
 struct FrameQuality {
   double psnr = 0;  ///< dB, of the mean square error over all frames, pixels and channels; at most 100
   double ssim = 0;  ///< of luma, mean over frames
@@ -21,7 +21,7 @@ struct FrameQuality {
   bool operator==(const FrameQuality&) const = default;
 };
 
-/// Holds how well one method predicts.
+/// Holds the quality of one method's predictions.
 struct MethodPrediction {
   std::string key;                                   ///< a model's, "frame_before" or "mean_image"
   std::vector<std::optional<FrameQuality>> by_step;  ///< none where the clip has no frame so many steps on
@@ -29,7 +29,7 @@ struct MethodPrediction {
   std::optional<FrameQuality> reconstruction;        ///< of a frame that a model is given
 };
 
-/// Holds how well frames are predicted from those before them.
+/// Holds the quality of predictions of frames from those before them.
 struct PredictionMeasures {
   int first_frame = 0;     ///< the first that is predicted
   int starts = 0;          ///< frames that were predicted from
@@ -40,10 +40,9 @@ struct PredictionMeasures {
 /// Returns 1, 2, 4 … and `most` itself.
 std::vector<int> prediction_steps(int most);
 
-/// Measures how well frames first … frames − 1 are predicted, and how well models show a frame they are
-/// given. From at most 32 starts, evenly spread, every model predicts all steps, and so do two methods
-/// without a model: the frame before shown again ("frame_before"), and the mean image of the frames before
-/// `first`
+/// Measures the predictions of frames first … frames − 1, and the reconstruction of given frames.
+/// From at most 32 starts, evenly spread, every model predicts all steps, and so do two methods without a
+/// model: repeating the frame before ("frame_before"), and the mean image of the frames before `first`
 /// ("mean_image"). Frames are compared as 8 bits show them. Holds a batch of frames. Throws core::Cancelled.
 PredictionMeasures measure_prediction(core::FrameSource& source, int first, int frames,
                                       std::span<const int> steps, std::span<const ComparedModel> models,

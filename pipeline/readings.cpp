@@ -111,7 +111,7 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
   }
   const auto first_alike = [&](std::size_t k) { return wanted[k].copy || k < 2 ? k : k % 2; };
   std::vector<graph::MotionGraph> starts(wanted.size());
-  const core::Context quiet = context.with_progress({});  // progress is told from one thread at a time
+  const core::Context quiet = context.with_progress({});  // progress is reported by one thread at a time
   std::mutex telling;
   std::size_t done = 0;
   context.report("match", 0);

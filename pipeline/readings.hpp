@@ -15,46 +15,48 @@
 
 namespace emberfold::pipeline {
 
-/// How often a clip is read for the starts of a sampler's chains.
+/// Holds how often a clip is read for the starts of a sampler's chains.
 struct StartOptions {
-  int chains = 3;      ///< 1…64: how many readings of the clip; odd: no share is just a half
+  int chains = 3;  ///< 1…64: number of readings of the clip; with an odd number no share is exactly a half
   double perturb = 2;  ///< grey levels, 0…64: SD, in luma, of the noise in the copies of the clip
 
   void validate() const;
 };
 
-/// One reading of the clip.
+/// Holds one reading of the clip.
 struct StartReading {
-  std::optional<std::size_t> copy;  ///< which copy in noise; none: the clip itself
-  bool backwards = false;           ///< matched backwards in time and turned round
+  std::optional<std::size_t> copy;  ///< index of the noisy copy; none: the clip itself
+  bool backwards = false;           ///< matched backwards in time, then reversed
 };
-/// Returns the reading of each chain: the clip forwards, the clip backwards, a noisy copy forwards, another
-/// one backwards, and so on in turns of four. At least half of all starts are of the clip itself.
+/// Returns the reading of each chain.
+/// The clip forwards, the clip backwards, a noisy copy forwards, another one backwards, and so on in turns of
+/// four. At least half of all starts are of the clip itself.
 std::vector<StartReading> readings(const StartOptions& options);
 /// Returns which of the readings are matched backwards in time.
 std::vector<bool> backward_readings(const StartOptions& options);
 
-/// The sketch of the clip and those of its noisy copies, as many as the readings need.
+/// Holds the sketch of the clip and those of its noisy copies, as many as the readings need.
 struct StartSketches {
   SketchedClip clip;
   std::vector<graph::SketchSequence> perturbed;
 };
 
-/// Reads the clip once and sketches each frame and its noisy copies. The noise is white, Gaussian,
-/// independent in all channels and not clipped; luma has the SD `perturb`. It depends on (seed, copy, frame)
-/// alone. Holds some frames and all graphs. Throws InputError, core::Cancelled. Cost: 1 + copies sketches a
-/// frame.
+/// Reads the clip once and sketches each frame and its noisy copies.
+/// The noise is white, Gaussian, independent in all channels and not clipped; luma has the SD `perturb`. It
+/// depends on (seed, copy, frame) alone. Holds some frames and all graphs. Throws InputError,
+/// core::Cancelled. Cost: 1 + copies sketches a frame.
 StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOptions& extract,
                             const StartOptions& options, std::uint64_t seed, const core::Context& context);
 
-/// Matches every reading and returns a start for each chain, with strokes identified. Chains with the same
-/// reading start alike. Forward and backward matching differ where a match is in doubt, since velocities are
-/// carried on. Throws InputError where the number of copies does not fit the readings, and core::Cancelled.
+/// Matches every reading and returns a start for each chain, with strokes identified.
+/// Chains with the same reading start alike. Forward and backward matching differ in ambiguous matches, since
+/// velocities are carried on. Throws InputError where the number of copies does not fit the readings, and
+/// core::Cancelled.
 std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, const graph::MatchOptions& match,
                                              const StartOptions& options, const core::Context& context);
 
-/// Sketches and matches: makes dispersed starts for chains that cannot cross every barrier between readings.
-/// Their pooled events (graph/events/event_pooling.hpp) already separate sure from unsure ones.
+/// Sketches and matches dispersed starts for chains that cannot cross every barrier between readings.
+/// Their pooled events (graph/events/event_pooling.hpp) already separate certain from uncertain ones.
 std::vector<graph::MotionGraph> dispersed_starts(core::FrameSource& source,
                                                  const sketch::ExtractOptions& extract,
                                                  const graph::MatchOptions& match,

@@ -11,6 +11,7 @@
 
 namespace emberfold::pipeline {
 
+/// Source of the patches' pixels: their attributes, the frame, or the dictionary.
 enum class PatchDrawing { fitted, pixels, learned };
 
 /// Holds a frame that was drawn again from its sketch.
@@ -23,8 +24,8 @@ struct Reconstruction {
   double histogram_distance = 0;  ///< of the background from the frame, 0…1; only with julesz
 };
 
-/// Draws the patches and fills the rest by diffusion; a frame without patches becomes its mean level.
-/// `levels`: CV_32F, white = 255.
+/// Draws the patches and fills the rest by diffusion.
+/// A frame without patches becomes its mean level. `levels`: CV_32F, white = 255.
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options);
 
@@ -32,8 +33,9 @@ Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& g
 sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,
                                 PatchDrawing drawing);
 
-/// Adds pixels of the frame to drawn patches, where the diffusion needs them most. Both together show at most
-/// `share` (0…1) of the frame; nothing is added where the patches show as much already.
+/// Adds pixels of the frame to drawn patches where the diffusion needs them most.
+/// Both together show at most `share` (0…1) of the frame; nothing is added where the patches show as much
+/// already.
 sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat& levels, double share);
 
 /// Fills the frame around drawn patches and anchors. Throws core::Cancelled.

@@ -20,12 +20,12 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr std::size_t kPairs = 20;
-constexpr int kMargin = 3;              // px beside a patch that its own misfit may tell in
-constexpr double kCoarse = 4;           // px, SD: of what is coarser diffusion and strokes have to tell
-constexpr double kLeastStrength = 0.5;  // grey levels: of less, rounding is all there is
-constexpr double kSeenShare = 0.02;     // of a cell's pixels over all frames, to tell how strong it is
+constexpr int kMargin = 3;              // px beside a patch that its own misfit may reach
+constexpr double kCoarse = 4;           // px, SD: coarser levels are left to diffusion and strokes
+constexpr double kLeastStrength = 0.5;  // grey levels: below it there is only rounding
+constexpr double kSeenShare = 0.02;     // of a cell's pixels over all frames, for an estimate of its strength
 
-/// What a frame shows beyond its drawing, and where that may be looked at.
+/// Difference of a frame from its drawing, and where it is valid.
 struct Residual {
   cv::Mat values;  // CV_32F
   cv::Mat seen;    // CV_8U

@@ -16,13 +16,14 @@
 #include "sketch/background/still_background.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
 
-// The fine texture that a clip shows between its strokes and diffusion does not: grain, ripples, cloth. Told
-// by how it goes together in space and from frame to frame, and how strong it is where.
+// The fine texture between strokes that diffusion does not reproduce: grain, ripples, cloth. Described by its
+// correlation in space and from frame to frame, and by its strength at each place.
 namespace emberfold::pipeline {
 
+/// Holds the texture of a clip's residual.
 struct ResidualTexture {
-  /// Of each principal component of its colours, greatest first; one where it is grey. In units of
-  /// `strength`.
+  /// One texture for each principal component of the colours, greatest first; a single one if grey. In units
+  /// of `strength`.
   std::vector<dytex::GaussianTexture> textures;
   cv::Mat colours;  ///< CV_32F, square, a row a component: blue, green, red; orthonormal
   cv::Mat
@@ -30,18 +31,18 @@ struct ResidualTexture {
   [[nodiscard]] bool empty() const { return textures.empty(); }
 };
 
-/// Of a clip and its sketch, a graph for each frame: what some twenty pairs of neighbouring frames show
-/// beyond their drawing in this look, 3 px and more from patches and before no backdrop, less its mean within
-/// some 4 px (Gaussian): what is coarser tells where strokes were missed. Empty where there is nothing such,
-/// or one frame alone. Reads the clip three times; throws core::Cancelled.
+/// Measures the residual of a clip beyond the drawing of its sketch, a graph for each frame.
+/// Uses some twenty pairs of neighbouring frames, 3 px and more from patches and off static pixels. The mean
+/// within some 4 px (Gaussian) is subtracted, since coarser residuals come from missed strokes. Empty where
+/// there is no such residual, or one frame alone. Reads the clip three times. Throws core::Cancelled.
 ResidualTexture measure_residual(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                                  const sketch::RenderOptions& look, const core::Context& context);
 
-/// New frames of it without an end, the same at any number of threads.
+/// Draws new frames of the residual without end, the same at any number of threads.
 class ResidualFrames {
  public:
   ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed, double speed = 1);
-  /// CV_8S, 1 or 3 channels: to be added to a frame.
+  /// Returns the next frame, CV_8S, 1 or 3 channels, to be added to a frame.
   cv::Mat next();
 
  private:
@@ -49,9 +50,10 @@ class ResidualFrames {
   cv::Mat colours_, strength_;
 };
 
-/// The arrays "residual_within", "_ahead", "_colours" and "_strength" beside a motion model's own.
+/// Adds the arrays "residual_within", "_ahead", "_colours" and "_strength" to a motion model's archive.
 void add_residual(core::ModelArchive& archive, const ResidualTexture& residual);
-/// Empty where the archive has none; core::IoError, naming the array, where they do not fit the frame.
+/// Reads the residual; empty where the archive has none.
+/// Throws core::IoError, naming the array, where the arrays do not fit the frame.
 ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame);
 
 }  // namespace emberfold::pipeline

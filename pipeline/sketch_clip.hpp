@@ -11,13 +11,13 @@
 
 namespace emberfold::pipeline {
 
-/// Every frame's graph, and the ground between its strokes.
+/// Holds every frame's graph and the background between its strokes.
 struct SketchedClip {
   graph::SketchSequence sketch;
   std::vector<sketch::FrameBackground> grounds;
 };
 
-/// Reads the clip from its first frame, some frames on several threads at once. Throws core::Cancelled.
+/// Sketches a clip from its first frame, some frames on several threads at once. Throws core::Cancelled.
 SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions& options,
                          const core::Context& context);
 

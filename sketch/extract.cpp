@@ -34,7 +34,7 @@ namespace {
 
 constexpr double kVisible = 1;  // grey level: what differs by less looks the same
 
-// Many faint points say as much as few strong ones.
+// Many faint points count as much as few strong ones.
 double evidence(const Chain& chain) {
   double squares = 0;
   for (const CreasePoint& p : chain.points) squares += p.significance * p.significance;

@@ -46,7 +46,7 @@ Json per_frame_json(const graph::MotionGraph& motion, const std::vector<graph::E
   return {{"patches", patches}, {"strokes", strokes}, {"events", count}};
 }
 
-/// How the patches of the frames that were drawn again pay, null where there are none.
+/// Mean gain of the patches of the frames that were drawn again; null without patches.
 Json gain_json(const pipeline::GainTotals& gains) {
   if (gains.patches == 0) return nullptr;
   const auto patches = static_cast<double>(gains.patches);

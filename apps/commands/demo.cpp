@@ -62,7 +62,7 @@ void run_demo(const Demo& asked, Session& session) {
   AnalyzeOptions options;
   options.reconstruction = true;
   options.keep_sketch = true;
-  // The file is read rather than the clip in memory, as whoever tries the printed command will do.
+  // Reads the file rather than the clip in memory, as the printed command does.
   auto analysis = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
                                "builtin:" + asked.clip);
   const auto source = open_clip(output.staged("clip.avi").string(), {}, {});

@@ -16,8 +16,8 @@
 #include "apps/pictures/pictures.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
-#include "dytex/measures/psnr.hpp"
 #include "core/io/require_apart.hpp"
+#include "dytex/measures/psnr.hpp"
 #include "dytex/model/compression.hpp"
 
 namespace emberfold::apps {
@@ -42,7 +42,7 @@ struct Kept {
   std::optional<double> measured;  // on the clip's frames, drawn in 8 bits
 };
 
-// What the training clip takes.
+// Size of the training clip in bytes.
 struct ClipSize {
   std::size_t raw = 0;
   std::optional<std::size_t> file;
@@ -86,7 +86,7 @@ void measure(const Compress& asked, const io::ReadOptions& read, const dytex::Li
   }
 }
 
-// Of a file, or of the images of a folder or pattern; none of built-in clips.
+// Bytes of a file, or of the images of a folder or pattern; none for built-in clips.
 std::optional<std::size_t> file_bytes(const std::string& clip) {
   std::error_code error;
   std::vector<fs::path> files;

@@ -60,7 +60,7 @@ std::vector<dytex::LinearDynamicTexture> read_models(const std::vector<std::stri
   return models;
 }
 
-// What a model lacks that a distance needs.
+// Reports what a model lacks for a distance: an error if that was asked for, else a warning.
 void tell_missing(const Distance& asked, const std::vector<dytex::LinearDynamicTexture>& models,
                   Session& session) {
   for (std::size_t i = 0; i < models.size(); ++i) {
@@ -78,7 +78,7 @@ void tell_missing(const Distance& asked, const std::vector<dytex::LinearDynamicT
   }
 }
 
-// Of two models both ways; of more, of the first from each.
+// Curves of two models both ways; of more, from the first to each other one.
 std::vector<Growth> growths(const Distance& asked, const std::vector<std::string>& names,
                             const std::vector<dytex::LinearDynamicTexture>& models, const Session& session) {
   std::vector<std::pair<std::size_t, std::size_t>> ways;

@@ -24,7 +24,7 @@ struct Forecasting {
   bool asked_after = false;
 };
 
-/// What is known before the forecast begins.
+/// State of the model before the forecast begins.
 struct Known {
   dytex::StateGuess state;
   std::int64_t frames = 0;  // of the clip that were filtered; 0: the model's own last state

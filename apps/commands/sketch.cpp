@@ -45,7 +45,7 @@ void refuse(const std::string& option, const std::string& value, const std::stri
   throw Misuse(option + " is " + value + "; allowed is " + allowed);
 }
 
-// What is asked for, whole: with what follows from other options.
+// Completes the request with options that follow from others, and checks it.
 SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, const Session& session) {
   SketchRequest request = asked.request;
   request.first_frame = read.first;

@@ -65,7 +65,7 @@ std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::Mo
   return mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.edit.start());
 }
 
-/// What is written; nothing takes its name before finish().
+/// Output files; none gets its name before finish().
 class Outputs {
  public:
   Outputs(const Synth& asked, const mcmc::MotionModel& model, const core::ClipInfo& info,

@@ -15,7 +15,7 @@
 
 namespace emberfold::apps {
 
-/// The same frame of all clips, CV_8UC3.
+/// Holds one frame of all clips side by side, CV_8UC3.
 struct ComparedFrame {
   int frame = 0;
   cv::Mat picture;

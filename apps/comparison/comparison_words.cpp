@@ -71,7 +71,7 @@ std::string model_words(const DistanceColumn& model, const Standing& standing, s
   return out + "In " + listed(standing.equal) + " " + it + as_near;
 }
 
-// What the strokes bring: the hybrid against the texture that it lies on, alone.
+// Compares the hybrid with its texture alone, which shows the effect of the strokes.
 std::vector<std::string> hybrid_words(const Json& measures) {
   const auto &hybrid = distances_of(measures, "hybrid"),
              &texture = distances_of(measures, "linear_dynamic_texture");
@@ -126,7 +126,7 @@ std::vector<std::string> synthesis_words(const Json& measures) {
   return words;
 }
 
-// Those of `named` (key, name) whose frames so many steps on have the best PSNR, to a tenth of a dB.
+// Holds those of `named` (key, name) with the best PSNR at a step, to a tenth of a dB.
 struct Foretellers {
   std::vector<std::string> names;
   std::string decibels;
@@ -148,7 +148,7 @@ Foretellers best_of(const Json& methods, std::size_t step,
   return best;
 }
 
-// Who foretells best, one step on and as far as was asked, beside the better of two ways without a model.
+// Best predictions, one step on and at the last step, beside the better of two methods without a model.
 std::vector<std::string> prediction_words(const Json& measures) {
   if (!measures.contains("prediction") || !measures["prediction"].is_object()) return {};
   const auto& [methods, steps] = std::tie(measures["prediction"]["methods"], measures["prediction"]["steps"]);

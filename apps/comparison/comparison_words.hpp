@@ -8,13 +8,14 @@
 
 namespace emberfold::apps {
 
-/// What the measures say, in sentences: of each model in what it is the nearest to the source, the farthest,
-/// and as near as the source's own halves to each other; where the hybrid wins and loses against the linear
-/// dynamic texture; who foretells best; whose strokes change as often as the source's. Of two clips: what
-/// tells them apart.
+/// Describes measures in sentences.
+/// For each model: the measures by which it is the nearest to the source, the farthest, and as near as the
+/// source's own halves to each other; where the hybrid wins and loses against the linear dynamic texture;
+/// which model predicts best; whose strokes change as often as the source's. For two clips: the measures in
+/// which they differ.
 std::vector<std::string> comparison_words(const nlohmann::ordered_json& measures);
 
-/// Whether a distance is hardly more than the noise floor's: at most a quarter and `rounding` above it.
+/// Returns whether a distance is hardly above the noise floor: by a quarter and `rounding` at most.
 bool at_floor(double distance, double floor);
 
 }  // namespace emberfold::apps

@@ -12,7 +12,7 @@
 
 namespace emberfold::apps {
 
-/// How graphs are drawn on frames.
+/// Holds the settings by which graphs are drawn on frames.
 struct OverlayOptions {
   int shorter_side = 480;    ///< px, ≥ 16: smaller frames are enlarged to this
   int flash_frames = 6;      ///< ≥ 1: how many frames an event's mark stays, fading

@@ -216,7 +216,7 @@ std::string strokes_table(const Json& measures) {
   return table.html();
 }
 
-// The same for a model in every plot; the source's for what is shown of the source.
+// Colour of a model, equal in every plot; parts of the source have the source's.
 int colour_of(const Json& measures, const std::string& name) {
   if (name == "other") return 1;
   int colour = 1;

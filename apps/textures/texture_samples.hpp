@@ -12,7 +12,7 @@
 // Reads labelled textures from a folder with a folder for each class.
 namespace emberfold::apps {
 
-/// How clips are cut into samples and learned.
+/// Holds the settings by which clips are cut into samples and learned.
 struct SampleOptions {
   int columns = 1, rows = 1;  ///< 1 … 64: blocks into which every frame is cut
   int pieces = 1;             ///< 1 … 64: parts of equal length into which the clip is cut

@@ -92,7 +92,7 @@ class VideoFileWriter final : public VideoWriter {
     if (!video_.isOpened()) throw core::InputError(path_.string() + ": the clip is finished");
     video_.release();
     if (frames_ == 0) throw core::InputError(path_.string() + ": a clip needs at least one frame");
-    // OpenCV swallows what the disk says, so the file is asked.
+    // OpenCV does not report write errors, so the file is checked.
     if (!video_is_whole(part_) || frames_in_file() != frames_) {
       discard();
       fail(path_, "the file did not come out whole; the disk may be full");

@@ -57,7 +57,7 @@ std::optional<Number> number_at(std::string_view pattern) {
   return Number{width.size() + 2, digits};
 }
 
-/// Whether the whole of `digits` is what printf would have written for `number`.
+/// True if printf would have written exactly `digits` for `number`.
 bool prints_as(std::string_view digits, const Number& number) {
   if (digits.empty()) return false;
   const std::size_t least = std::max<std::size_t>(number.digits, 1);
@@ -107,8 +107,8 @@ bool is_png(const Bytes& bytes) {
   return bytes.size() >= 29 && std::equal(signature.begin(), signature.end(), bytes.begin());
 }
 
-/// What is wrong with a PNG or JPEG, empty if nothing. The decoders would hand over the rest as grey or
-/// noise, or print a line of their own.
+/// Damage of a PNG or JPEG, in words; empty for a sound file. The decoders would return the missing part as
+/// grey or noise, or print a line of their own.
 std::string damage(const Bytes& bytes) {
   if (is_png(bytes)) {
     for (std::size_t at = 8; at + 12 <= bytes.size();) {

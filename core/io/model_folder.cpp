@@ -47,7 +47,7 @@ std::vector<fs::path> entries(const fs::path& folder) {
 const fs::path& checked_place(const fs::path& folder) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) return folder;
-  // What begins with .emberfold- is the staging place of a run that goes on, or was killed.
+  // Names that begin with .emberfold- are staging places of runs that go on, or were killed.
   const auto there = entries(folder);
   const auto stranger = std::ranges::find_if(there, [](const fs::path& file) {
     return !belongs_to_model(file) && !file.filename().string().starts_with(".emberfold-");

@@ -133,7 +133,7 @@ std::set<fs::path> spellings(const fs::path& path) {
   return {path.has_filename() ? path : path.parent_path(), normal};
 }
 
-/// Whether an image of this name belongs to the folder or pattern that is read.
+/// True if an image of this name belongs to the folder or pattern that is read.
 bool joins(const fs::path& input, const fs::path& image) {
   std::error_code error;
   return fs::is_directory(input, error) || fits_pattern(input.filename().string(), image.filename().string());

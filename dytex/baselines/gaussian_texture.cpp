@@ -35,7 +35,7 @@ cv::Mat transformed(const cv::Mat& values, cv::Size size) {
   return spectrum;
 }
 
-/// Where a lag lies in a table that goes round.
+/// Index of a lag in a periodic table.
 int wrap_lag(int lag, int length) {
   return ((lag % length) + length) % length;
 }

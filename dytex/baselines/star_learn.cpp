@@ -198,7 +198,7 @@ double variance_gain(const Star& star) {
   return sum / waves;
 }
 
-// Of a single frame's filter: whether what one pixel starts dies away over the rows below it.
+// True if the impulse response of the filter within a frame does not decay over the rows below.
 bool grows_downwards(const Star& star) {
   Eigen::MatrixXd response = Eigen::MatrixXd::Zero(kResponseRows, kResponseWidth);
   for (int y = 0; y < kResponseRows; ++y)

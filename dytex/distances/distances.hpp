@@ -11,9 +11,9 @@
 #include "core/context.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
-/// How far two linear dynamic textures lie apart, exactly: nothing is cut off after some number of frames.
-/// Both must have frames of the same size and the same channels, else InputError. Pixels are touched once,
-/// for the products of the components, O(m n²); the rest is O(n³) a step of a doubling.
+/// Exact distances between linear dynamic textures: no sum is cut off after some number of frames.
+/// Both models must have frames of equal size and channels, else InputError. Pixels are visited once, for the
+/// products of the components, O(m n²); the rest is O(n³) for each doubling.
 namespace emberfold::dytex {
 
 /// Returns the KL divergence rate of clips of `p` from clips of `q`: lim KL(p_T ‖ q_T) / T of the densities

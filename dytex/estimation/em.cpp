@@ -39,7 +39,7 @@ void check_start(const LinearDynamicTexture& start, const core::ClipInfo& info) 
   if ((start.weights.array() != 1).any()) fail("the start was edited; a model as it was learned is needed");
 }
 
-/// Where EM stands.
+/// Current state of EM.
 struct Fit {
   StateSpace space;
   Smoothed smoothed;

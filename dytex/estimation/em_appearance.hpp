@@ -19,7 +19,7 @@ namespace emberfold::dytex::detail {
 class Appearance {
  public:
   virtual ~Appearance() = default;
-  /// Returns what the clip says of the states under the present parameters.
+  /// Returns the clip's observations of the states under the present parameters.
   virtual Observations observe() = 0;
   /// Makes C and the noise most likely given the states, then returns observe().
   virtual Observations maximise(const Smoothed& smoothed) = 0;

@@ -116,7 +116,7 @@ class GramAppearance final : public Appearance {
     return block;
   }
 
-  // G of the frames that are seen, and what the start's C says of them.
+  // Reads G of the seen frames, and their observations under the start's C.
   void read() {
     const Eigen::MatrixXf& C = input_.start.C;
     const auto count = static_cast<Eigen::Index>(seen_.size());

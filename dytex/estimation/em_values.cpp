@@ -130,7 +130,7 @@ class ValueAppearance final : public Appearance {
   }
 
  private:
-  /// What one block adds up; per slab.
+  /// Sums over one block, per slab.
   struct Sums {
     Eigen::MatrixXd vectors;  // n × τ
     Eigen::VectorXd squares;  // τ
@@ -159,7 +159,7 @@ class ValueAppearance final : public Appearance {
     }
   }
 
-  // One pass: fits rows if there are moments, then sums up what the clip says of the states.
+  // One pass: fits rows if there are moments, then sums up the clip's observations of the states.
   Observations sweep(const FrameMoments* moments) {
     const bool each = input_.options.noise_per_value;
     const Sums none{Eigen::MatrixXd::Zero(C_.cols(), frames()), Eigen::VectorXd::Zero(frames())};

@@ -51,7 +51,8 @@ std::vector<std::size_t> partly_hidden_frames(const Missing& missing) {
   return result;
 }
 
-/// Whether fewer pixels of the frame are hidden than seen, so that they are summed and taken off the whole.
+/// True if fewer pixels of the frame are hidden than seen, so that they are summed and subtracted from the
+/// whole.
 bool sums_hidden(const Missing& missing, std::size_t frame) {
   return 2 * missing.count(frame) <= missing.pixels();
 }

@@ -12,8 +12,8 @@ namespace emberfold::dytex {
 /// Returns the texture's state space, begun from its stationary distribution.
 StateSpace state_space(const LinearDynamicTexture& texture);
 
-/// Reads what the frames of a clip say of a texture's states, for filter() and smooth(). States have N
-/// numbers, of which frames show the first n. `missing`: hidden pixels. Noise variances below `least_noise`
+/// Reads the observations of a texture's states from a clip's frames, for filter() and smooth(). States have
+/// N numbers, of which frames show the first n. `missing`: hidden pixels. Noise variances below `least_noise`
 /// (levels², > 0) count as that. Reads the source once from its beginning, eight frames at a time; the same
 /// bytes at any thread count. InputError where the texture is not valid, sizes disagree, there is no frame,
 /// or a value that is seen is not finite. O(m n) a frame and O(m n²), with hidden pixels as

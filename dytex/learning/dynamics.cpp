@@ -24,7 +24,7 @@ constexpr double kLeastInput = 1e-9;    // of the largest variance; a smaller on
 struct Fit {
   Eigen::MatrixXd A, states;
   Eigen::MatrixXd noise;        ///< F with F Fᵀ the noise's covariance
-  Eigen::MatrixXd innovations;  ///< of the last frames, as many as were foretold
+  Eigen::MatrixXd innovations;  ///< of the last frames, as many as were predicted
 };
 
 /// (v(t), …, v(t + 1 − lags)) for t from `first` to `last`, a row each; 0 outside the clip.

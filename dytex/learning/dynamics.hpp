@@ -29,8 +29,8 @@ struct Dynamics {
   std::vector<std::string> notes;  ///< a line for everything that was not taken as asked
 };
 
-/// Returns the note that says that clips drawn from a model vary much more or less than the clip. None where
-/// both variances (`drawn`, `seen`) lie within a factor of 1.5.
+/// Returns a note if clips drawn from a model vary much more or less than the clip.
+/// None where both variances (`drawn`, `seen`) lie within a factor of 1.5.
 std::optional<std::string> variance_note(double drawn, double seen);
 
 /// Fits x(t+1) = A x(t) + B v(t) to every block by itself, with common noise. With `lags` or an innovations

@@ -20,12 +20,12 @@ namespace emberfold::dytex {
 
 namespace {
 
-/// Square errors of one frame that was foretold.
+/// Squared errors of the forecast of one frame.
 struct Miss {
   double all = 0, left_out = 0;
 };
 
-/// Of frame `target`, from the `length` frames before it.
+/// Error of the forecast of frame `target` from the `length` frames before it.
 Miss forecast_miss(const Eigen::MatrixXd& gram, Eigen::Index target, Eigen::Index length,
                    Eigen::Index components) {
   const Eigen::Index first = target - length;

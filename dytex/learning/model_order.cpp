@@ -15,15 +15,15 @@ namespace {
 constexpr Eigen::Index kLeastFrames = 10;    // of a clip of which a fifth is held out
 constexpr Eigen::Index kEachOrderUpTo = 60;  // components; above, orders grow by 1 / kOrdersPerStep
 constexpr Eigen::Index kOrdersPerStep = 20;
-// Of eq. 5 of Gavish, Donoho 2014, from the cube down.
+// Coefficients of eq. 5 of Gavish, Donoho 2014, from the cube down.
 constexpr double kOmega[] = {0.56, -0.95, 1.82, 1.43};
 
-/// Of a centred Gram matrix. `size`: the raw one's largest entry, by which rounding is judged.
+/// Spectrum of a centred Gram matrix. `size`: the raw matrix's largest entry, the scale of rounding errors.
 Spectrum centred_spectrum(const Eigen::MatrixXd& centred, double size, double to_levels,
                           Eigen::Index values) {
   const Eigen::Index frames = centred.rows();
   SymmetricEigen eigen = symmetric_eigen(centred);
-  // What rounding makes of an eigenvalue of 0: the entries' errors, times τ.
+  // Rounding error of an eigenvalue of 0: the entries' errors, times τ.
   const double least = 8 * static_cast<double>(frames) * std::numeric_limits<double>::epsilon() * size;
   const Eigen::Index rank = std::min({(eigen.values.array() > least).count(), frames - 1, values});
   eigen.values.tail(frames - rank).setZero();

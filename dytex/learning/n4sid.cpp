@@ -26,7 +26,7 @@ Eigen::MatrixXd hankel(const Eigen::MatrixXd& V, Eigen::Index first, Eigen::Inde
   return result;
 }
 
-/// What the past tells of the future: the projection of the future's rows on the past's.
+/// Projection of the future's rows on the past's.
 Eigen::MatrixXd project_future(const Eigen::MatrixXd& future, const Eigen::MatrixXd& past) {
   const Eigen::MatrixXd Q = thin_q(past.transpose());
   return future * Q * Q.transpose();
@@ -68,7 +68,7 @@ Eigen::Index n4sid_frames(Eigen::Index n) {
 
 std::optional<Innovations> n4sid(const Eigen::MatrixXd& V) {
   const Eigen::Index n = V.cols(), past = past_length(V.rows(), n), columns = V.rows() - 2 * past + 1;
-  // The states at the start of the future, and one frame on: Γ⁺ times what is foretold.
+  // The states at the start of the future, and one frame on: Γ⁺ times the predictions.
   const ThinSvd svd = thin_svd(project_future(hankel(V, past, past, columns), hankel(V, 0, past, columns)));
   if (svd.s[n - 1] <= kLeastObservability * svd.s[0]) return std::nullopt;
   const Eigen::MatrixXd observability = svd.U.leftCols(n) * svd.s.head(n).cwiseSqrt().asDiagonal(),

@@ -12,8 +12,8 @@ namespace emberfold::dytex {
 namespace {
 
 constexpr double kMostPixels = 1 << 16;  // larger frames are reduced: the time is proportional to pixels
-// Of Farnebäck's method: scale and number of the pyramid's levels, side of the window in px, rounds, side and
-// SD of the neighbourhood in px.
+// Parameters of Farnebäck's method: scale and number of the pyramid's levels, side of the window in px,
+// rounds, side and SD of the neighbourhood in px.
 constexpr double kPyramidScale = 0.5, kNeighbourhoodDeviation = 1.1;
 constexpr int kLevels = 3, kWindow = 15, kRounds = 3, kNeighbourhood = 5;
 constexpr int kLeastSide = 8;  // px: smaller frames have no flow
@@ -33,7 +33,7 @@ cv::Mat optical_flow(const cv::Mat& luma, const cv::Mat& next) {
                       std::max(1, static_cast<int>(luma.rows * factor)));
   if (size.width < kLeastSide || size.height < kLeastSide) return cv::Mat::zeros(size, CV_32FC2);
   cv::Mat flow;
-  // Of OpenCV's dense methods the one whose result does not hang on how many threads share the frame.
+  // Among OpenCV's dense methods only this one gives the same result at any number of threads.
   cv::calcOpticalFlowFarneback(reduced_bytes(luma, size), reduced_bytes(next, size), flow, kPyramidScale,
                                kLevels, kWindow, kRounds, kNeighbourhood, kNeighbourhoodDeviation, 0);
   return size == luma.size()

@@ -196,7 +196,7 @@ struct Extents {
   std::size_t values, components, inputs;
 };
 
-/// What version 1 did not have.
+/// Reads the entries that version 1 did not have.
 void read_second_version(const nlohmann::json& json, const core::ModelArchive& archive,
                          const Extents& extents, LinearDynamicTexture& texture) {
   texture.weights = read_matrix<double>(archive, "weights", {extents.components});

@@ -49,7 +49,7 @@ void put_in_steps(const Eigen::MatrixXf& C, core::ModelArchive& archive) {
   archive.arrays["C_offset"] = {{n}, false, std::move(offsets)};
 }
 
-/// Of a texture and what is kept of it (marked '): D = C'ᵀ C, G = C'ᵀ C', g = C'ᵀ (mean − mean').
+/// Products of a texture and its compressed form ('): D = C'ᵀ C, G = C'ᵀ C', g = C'ᵀ (mean − mean').
 struct Products {
   Eigen::MatrixXd G, D;
   Eigen::VectorXd g;

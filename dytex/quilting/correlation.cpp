@@ -31,7 +31,7 @@ void add_products(const float* a, const float* b, float* acc, std::size_t n) {
   }
 }
 
-// The same for a column as cv::dft packs it: the real first number, pairs, the real last one.
+// acc += a · conj(b) for a column as cv::dft packs it: the real first number, pairs, the real last one.
 void add_packed_products(const float* a, const float* b, float* acc, std::size_t n) {
   acc[0] += a[0] * b[0];
   acc[n - 1] += a[n - 1] * b[n - 1];

@@ -124,7 +124,7 @@ class Canvas {
     return query;
   }
 
-  /// Whether a block from this place would only go on where its left or upper neighbour ends.
+  /// Returns whether a block from this place would only continue its left or upper neighbour.
   [[nodiscard]] bool goes_on(const QuiltBlock& block, const SourcePixel& from) {
     const auto from_there = [&](int column, int row) {
       const Corner& there = corner(column, row);

@@ -47,7 +47,7 @@ cv::Mat turn_picture(const cv::Mat& picture, bool swap, bool mirror) {
   return result;
 }
 
-// The same along any side, which becomes the left one by turning the block.
+// Cuts along any side, after turning the block so that it becomes the left one.
 void cut_side(const cv::Mat& error, cv::Mat& mask, int width, bool swap, bool mirror) {
   if (width == 0) return;
   cv::Mat side =

@@ -149,7 +149,7 @@ QuiltChoice BlockSearch::choose(const BlockQuery& query) const {
   const Scale scale = scale_of(query);
   std::vector<cv::Mat> bounds;
   for (std::size_t s = 0; s < sources_.size(); ++s) bounds.push_back(lower_bounds(s, query, scale));
-  // Where the source is too small for that, what is shown again is at least not near.
+  // A source that is too small for that gets a smaller distance from earlier places.
   for (int apart = query.near.empty() ? 0 : options_.apart; apart > 0; apart /= 2)
     if (auto left = without_near(bounds, query.near, apart); !left.empty()) {
       bounds = std::move(left);

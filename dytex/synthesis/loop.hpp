@@ -5,9 +5,9 @@
 
 namespace emberfold::dytex::detail {
 
-/// Returns the covariance of x on a circle of `frames` frames, x(t+1) = A x(t) + B v(t) with frame `frames` =
-/// frame 0: (I − A^L)⁻¹ (P − A^L P A^Lᵀ) (I − A^L)⁻ᵀ, the same in every frame. P: the stationary covariance.
-/// Of one real pole λ it is P (1 + λ^L)/(1 − λ^L).
+/// Returns the stationary covariance of x on a circle of `frames` frames.
+/// With x(t+1) = A x(t) + B v(t), L = `frames` and x(L) = x(0) it is (I − A^L)⁻¹ (P − A^L P A^Lᵀ) (I − A^L)⁻ᵀ
+/// in every frame. P: the stationary covariance. A single real pole λ gives P (1 + λ^L)/(1 − λ^L).
 Eigen::MatrixXd loop_covariance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& P, int frames);
 
 /// Makes states that repeat after as many frames as `noise` has columns, v(0) … v(L − 1): N × L. They are the

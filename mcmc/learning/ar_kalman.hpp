@@ -19,9 +19,9 @@ struct PathLaw {
   Lanes<N> a1, a2, noise, error;
 };
 
-/// Holds the step of a Kalman filter at the k-th place of a path; it is the same for all paths.
-/// The filter takes rests as known. The unknown rest follows by regression (de Jong 1991): the filter also runs
-/// over a path of ones, and the rest is the coefficient of that path.
+/// Holds the step of a Kalman filter at the k-th place of a path; all paths share it.
+/// The filter takes rests as known. The unknown rest follows by regression (de Jong 1991): the filter also
+/// runs over a path of ones, and the rest is the coefficient of that path.
 template <int N>
 struct KalmanGain {
   Lanes<N> precision;    ///< 1 / variance of the innovation

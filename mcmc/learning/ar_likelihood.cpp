@@ -71,7 +71,7 @@ double over_lanes(const std::vector<DeviationPath>& paths, const MotionLaw& law,
   });
 }
 
-// Of the paths so many as hold about `frames` frames, evenly taken.
+// Takes evenly so many of the paths that they hold about `frames` frames.
 std::vector<DeviationPath> evenly(const std::vector<DeviationPath>& paths, std::size_t frames) {
   std::size_t all = 0;
   for (const auto& path : paths) all += path.own.size();
@@ -83,7 +83,7 @@ std::vector<DeviationPath> evenly(const std::vector<DeviationPath>& paths, std::
   return kept;
 }
 
-// Any numbers stand for a law of spectral radius most_stable at most; four for one without spread.
+// Law of a search vector; any numbers give a spectral radius of at most most_stable. Four numbers: no spread.
 MotionLaw law_of(const Eigen::VectorXd& x, double coupling) {
   const double a2 = std::tanh(x[1]), a1 = std::tanh(x[0]) * (1 - a2);
   MotionLaw law;

@@ -46,14 +46,14 @@ Point tangent(const graph::Patch& patch, Point along) {
   return graph::dot(d, along) < 0 ? d * -1 : d;
 }
 
-// Where the curve through two neighbouring patches meets the line p + s n.
+// Intersection of the curve through two neighbouring patches with the line p + s n.
 std::optional<TrackSample> meet(const AttributeGraph& graph, Index a, Index b, Point p, Point n) {
   const Point from = graph.patch(a).position, chord = graph.patch(b).position - from;
   const double length = graph::norm(chord), slope = cross(chord, n);
   if (length < 1e-9 || std::abs(slope) < 0.2 * length) return {};
   const double u = cross(p - from, n) / slope;
   if (u < -0.02 || u > 1.02) return {};
-  // Between its patches the curve bulges from the chord as far as it turns.
+  // Between its patches the curve deviates from the chord in proportion to its turn.
   const Point along = chord * (1 / length), ta = tangent(graph.patch(a), along),
               tb = tangent(graph.patch(b), along);
   const double turn = std::clamp(std::atan2(cross(ta, tb), graph::dot(ta, tb)), -1.0, 1.0);
@@ -71,7 +71,7 @@ std::optional<TrackSample> meet(const AttributeGraph& graph, Index a, Index b, P
   return sample;
 }
 
-// For each vertex of the frame before, the vertices it goes on as.
+// Lists for each vertex of the frame before the vertices that continue it.
 std::vector<std::vector<Index>> successors(const AttributeGraph& before, const AttributeGraph& after,
                                            const std::vector<graph::Link>& links) {
   std::vector<std::vector<Index>> next(before.size());
@@ -91,10 +91,10 @@ std::vector<Index> within_two_edges(const AttributeGraph& graph, std::vector<Ind
   return from;
 }
 
-// The track's place in the next frame: where its normal meets the curve that its patch goes on in, or its
-// patch's neighbours where it ends itself.
+// The track's place in the next frame: the intersection of its normal with the curve that continues its
+// patch, or that continues the patch's neighbours where it ends itself.
 std::optional<TrackSample> step(const AttributeGraph& before, const AttributeGraph& after,
-                           const std::vector<std::vector<Index>>& next, const TrackSample& at) {
+                                const std::vector<std::vector<Index>>& next, const TrackSample& at) {
   std::vector<Index> targets = next[at.vertex];
   if (targets.empty())
     for (const Index w : before.neighbours(at.vertex))
@@ -110,7 +110,9 @@ std::optional<TrackSample> step(const AttributeGraph& before, const AttributeGra
       if (b < a && std::ranges::binary_search(reachable, b)) continue;
       const auto found = meet(after, a, b, at.position, at.normal);
       if (!found || std::abs(found->normal_displacement) > farthest_step) continue;
-      if (!best || std::abs(found->normal_displacement - expected) < std::abs(best->normal_displacement - expected)) best = found;
+      if (!best ||
+          std::abs(found->normal_displacement - expected) < std::abs(best->normal_displacement - expected))
+        best = found;
     }
   return best;
 }
@@ -125,8 +127,9 @@ void visit_near(const AttributeGraph& graph, const Lists& at, Index vertex, Visi
     for (const Index i : at[w]) visit(i);
 }
 
-// Ends the younger of two tracks that came together: its newest sample is taken back.
-void thin_out(const AttributeGraph& graph, std::vector<CurveTrack>& all, std::vector<Index>& alive, Lists& at) {
+// Ends the younger of two tracks that came together and takes back its newest sample.
+void thin_out(const AttributeGraph& graph, std::vector<CurveTrack>& all, std::vector<Index>& alive,
+              Lists& at) {
   std::vector<Index> kept;
   for (const Index i : alive) {  // older ones first
     const auto& mine = all[i].samples.back();
@@ -144,8 +147,8 @@ void thin_out(const AttributeGraph& graph, std::vector<CurveTrack>& all, std::ve
   alive = std::move(kept);
 }
 
-void begin_new(const AttributeGraph& graph, int frame, std::vector<CurveTrack>& all, std::vector<Index>& alive,
-               Lists& at) {
+void begin_new(const AttributeGraph& graph, int frame, std::vector<CurveTrack>& all,
+               std::vector<Index>& alive, Lists& at) {
   for (Index v = 0; v < graph.size(); ++v) {
     if (graph.degree(v) != 2) continue;
     const auto& patch = graph.patch(v);
@@ -237,7 +240,8 @@ TrackNeighbours find_track_neighbours(const graph::MotionGraph& motion, const st
   return result;
 }
 
-std::vector<Point> smooth_over_patches(const AttributeGraph& graph, const std::vector<TrackValue>& track_values) {
+std::vector<Point> smooth_over_patches(const AttributeGraph& graph,
+                                       const std::vector<TrackValue>& track_values) {
   std::vector<Point> values(graph.size());
   std::vector<int> count(graph.size());
   for (const auto& [vertex, value] : track_values) values[vertex] = values[vertex] + value, ++count[vertex];

@@ -10,11 +10,11 @@ namespace emberfold::mcmc {
 
 namespace {
 
-constexpr double reach = 2;                            // cells, SD of nearness
-constexpr std::size_t shortest = 5;                    // frames: shorter tracks tell no speed
-constexpr double least_scatter = 0.01;                 // px²
-constexpr double usual_drift = 0.5;                    // px a frame, SD of drifts before anything is seen
-constexpr double alike = 8;                            // neighbouring tracks that say about the same
+constexpr double reach = 2;             // cells, SD of nearness
+constexpr std::size_t shortest = 5;     // frames: shorter tracks give no speed
+constexpr double least_scatter = 0.01;  // px²
+constexpr double usual_drift = 0.5;     // px a frame, SD of drifts of the prior
+constexpr double alike = 8;             // neighbouring tracks that count as one observation
 
 // Sums of the normal equations of v·n = s.
 struct NormalEquations {
@@ -23,7 +23,7 @@ struct NormalEquations {
     xx += weight * n.x * n.x, xy += weight * n.x * n.y, yy += weight * n.y * n.y;
     xs += weight * n.x * s, ys += weight * n.y * s;
   }
-  // The solution drawn towards `prior`, of which it is known to `precision`.
+  // Solution that shrinks towards `prior`, which has the precision `precision`.
   [[nodiscard]] graph::Point solve(graph::Point prior, double precision) const {
     const double a = xx + precision, d = yy + precision, p = xs + precision * prior.x,
                  q = ys + precision * prior.y, determinant = a * d - xy * xy;
@@ -31,8 +31,10 @@ struct NormalEquations {
   }
 };
 
-// A speed that is not clearly above its own error is none: else what stands would creep away in a long clip.
-graph::Point shrink_insignificant(graph::Point v, const NormalEquations& seen, double precision, double area) {
+// A speed that is not clearly above its own error counts as 0; else resting strokes would creep away in a
+// long clip.
+graph::Point shrink_insignificant(graph::Point v, const NormalEquations& seen, double precision,
+                                  double area) {
   const double square = graph::dot(v, v);
   if (square <= 0) return v;
   const double a = seen.xx + precision, d = seen.yy + precision;
@@ -41,7 +43,7 @@ graph::Point shrink_insignificant(graph::Point v, const NormalEquations& seen, d
   return v * std::max(0.0, 1 - 4 * error / square);
 }
 
-// A track's mean speed along its normals and how its travel scatters about a steady one.
+// A track's mean speed along its normals, and the scatter of its travel about a steady one.
 struct SpeedFit {
   double speed = 0, scatter = 0;
 };
@@ -75,7 +77,8 @@ Drift estimate_drift(const std::vector<detail::CurveTrack>& all, const CellMap& 
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto n = static_cast<double>(all[i].samples.size());
     if (all[i].samples.size() < shortest) continue;
-    // A displacement of this scatter lets a mean speed over n frames be off by about √(2 scatter) / n.
+    // A mean speed over n frames has an error of about √(2 scatter) / n px from displacements of this
+    // variance.
     const double weight = n * n / (2 * scatter) / alike / n;
     for (const auto& sample : all[i].samples) {
       NormalEquations one;
@@ -91,11 +94,12 @@ Drift estimate_drift(const std::vector<detail::CurveTrack>& all, const CellMap& 
   std::array<std::vector<double>, 5> near;
   for (std::size_t i = 0; i < near.size(); ++i) near[i] = spread_over_cells(sums[i], reach);
   Drift drift{grid, grid};
-  // A cell holds about one part in `area` of what is seen around it.
+  // A cell holds about one part in `area` of the observations around it.
   const double area = 4 * std::numbers::pi * reach * reach;
   for (std::size_t i = 0; i < grid.values.size(); ++i) {
     const NormalEquations here{near[0][i], near[1][i], near[2][i], near[3][i], near[4][i]};
-    const graph::Point v = shrink_insignificant(here.solve(mean, precision / area), here, precision / area, area);
+    const graph::Point v =
+        shrink_insignificant(here.solve(mean, precision / area), here, precision / area, area);
     drift.x.values[i] = v.x, drift.y.values[i] = v.y;
   }
   return drift;

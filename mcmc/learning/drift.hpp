@@ -14,10 +14,10 @@ struct Drift {
   [[nodiscard]] graph::Point at(graph::Point p) const { return {x.at(p), y.at(p)}; }
 };
 
-/// Estimates the drift on the cells of `grid`: the velocity whose components along the tracks' normals best fit
-/// their mean speeds.
-/// Least squares, weighted by nearness and by how precisely a track of its length shows a speed. Where little
-/// was observed the estimate shrinks towards the frame's mean, and that towards 0. O(samples + cells).
+/// Estimates the drift on the cells of `grid` from the tracks' mean speeds.
+/// It is the velocity whose components along the tracks' normals fit these best: least squares, weighted by
+/// nearness and by the precision of a track of its length. With few observations the estimate shrinks towards
+/// the frame's mean, and that towards 0. O(samples + cells).
 Drift estimate_drift(const std::vector<detail::CurveTrack>& tracks, const CellMap& grid);
 
 }  // namespace emberfold::mcmc

@@ -51,14 +51,15 @@ Exemplar exemplar(const AttributeGraph& rest, const std::vector<Index>& indices)
 }  // namespace
 
 std::vector<std::vector<Deviation>> patch_deviations(const graph::MotionGraph& motion,
-                                               const std::vector<detail::CurveTrack>& all,
-                                               const Series& normal_displacement) {
+                                                     const std::vector<detail::CurveTrack>& all,
+                                                     const Series& normal_displacement) {
   const auto& frames = motion.sketch.frames;
   std::vector<std::vector<detail::TrackValue>> moved(frames.size()), shone(frames.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& samples = all[i].samples;
     const double length = double(samples.size());
-    const double mean = std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) / length;
+    const double mean =
+        std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) / length;
     double contrast = 0;
     for (const auto& sample : samples) contrast += sample.contrast / length;
     for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -78,8 +79,9 @@ std::vector<std::vector<Deviation>> patch_deviations(const graph::MotionGraph& m
   return result;
 }
 
-std::vector<InitialMotion> estimate_initial_motion(const graph::MotionGraph& motion, const std::vector<std::vector<Deviation>>& all,
-                          std::size_t frame, const CellMap& displacement_scale) {
+std::vector<InitialMotion> estimate_initial_motion(const graph::MotionGraph& motion,
+                                                   const std::vector<std::vector<Deviation>>& all,
+                                                   std::size_t frame, const CellMap& displacement_scale) {
   const auto &now = motion.sketch.frames[frame], &before = motion.sketch.frames[frame - 1];
   std::vector<InitialMotion> result;
   for (Index v = 0; v < now.size(); ++v) {
@@ -90,7 +92,8 @@ std::vector<InitialMotion> estimate_initial_motion(const graph::MotionGraph& mot
   for (const auto& link : motion.links[frame]) {
     const auto v = now.index_of(link.after), u = before.index_of(link.before);
     const Deviation& d = all[frame - 1][u];
-    const double share = 1 / std::max(displacement_scale.at(now.patch(v).position - all[frame][v].offset), 0.1);
+    const double share =
+        1 / std::max(displacement_scale.at(now.patch(v).position - all[frame][v].offset), 0.1);
     result[v].offset_before = d.offset * share, result[v].gain_before = d.gain;
   }
   return result;
@@ -152,8 +155,8 @@ double estimate_refractory_period(std::span<const graph::Event> events) {
 }
 
 std::array<double, kSizeClasses> count_births_by_size(const graph::MotionGraph& motion,
-                                      std::span<const graph::Event> events) {
-  // Of each stroke how large it is in its frames, in order.
+                                                      std::span<const graph::Event> events) {
+  // Sizes of each stroke in its frames, in order.
   std::map<graph::SubgraphId, std::vector<std::size_t>> sizes;
   for (const auto& graph : motion.sketch.frames) {
     std::map<graph::SubgraphId, std::size_t> now;

@@ -20,21 +20,21 @@ namespace emberfold::mcmc {
 
 namespace {
 
-constexpr std::size_t shortest = 12;  // frames: shorter tracks tell no rest
+constexpr std::size_t shortest = 12;  // frames: shorter tracks give no rest
 constexpr double few = 5;             // samples in a cell
-constexpr double most_share = 10;     // of the usual displacement
+constexpr double most_share = 10;     // largest factor of the usual displacement
 constexpr std::size_t most_exemplars = 300;
 constexpr double renewal = 1e-3;  // of a stroke in a frame, to begin with
 
 using CurveTracks = std::vector<detail::CurveTrack>;
 
-// What is made of each sample's paths.
+// Tracks of one sample.
 struct FollowedSample {
   CurveTracks tracks;
-  Series normal_displacement;  // less what the drift made of it
+  Series normal_displacement;  // less the drift
 };
 
-// Each track's travel, less what the drift made of it.
+// Each track's normal displacement, less the drift.
 Series without_drift(const CurveTracks& all, const Drift& drift) {
   Series series;
   for (const auto& track : all) {
@@ -58,7 +58,7 @@ Series contrasts(const CurveTracks& all) {
   return series;
 }
 
-// How bright a stroke is on its way in, in shares of what it has later; `backwards`: on its way out.
+// Contrast of a stroke in its first frames, over its later contrast; `backwards`: in its last frames.
 std::array<double, 8> fade_shares(std::span<const FollowedSample> samples, int frames, bool backwards) {
   std::array<double, 8> sum{}, shares{};
   double count = 0;
@@ -74,14 +74,14 @@ std::array<double, 8> fade_shares(std::span<const FollowedSample> samples, int f
   };
   for (const auto& sample : samples) std::ranges::for_each(sample.tracks, add);
   for (std::size_t k = 0; k < sum.size(); ++k) shares[k] = count > 0 ? std::exp(sum[k] / count) : 1;
-  // Brighter with every frame, and all of it in the end.
+  // The share rises with every frame, up to 1.
   double limit = 1;
   for (auto share = shares.rbegin(); share != shares.rend(); ++share)
     limit = *share = std::clamp(*share, 0.0, limit);
   return shares;
 }
 
-// The frame, but not the first, whose number of patches is nearest the mean.
+// The frame, but not the first, with the number of patches nearest the mean.
 std::size_t typical_frame(const graph::MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   double mean = 0;
@@ -108,15 +108,17 @@ CellMap usual_density(std::span<const graph::MotionGraph> samples) {
   return map;
 }
 
-// The SD of the travel about its mean in each cell, less what the sketch adds, over what is usual; where
-// little was seen nearer to 1.
-CellMap displacement_scale_map(std::span<const FollowedSample> samples, const Autoregression& displacement, const CellMap& grid) {
+// SD of the travel about its mean in each cell, without the sketch's errors, over the usual SD; nearer to 1
+// with few observations.
+CellMap displacement_scale_map(std::span<const FollowedSample> samples, const Autoregression& displacement,
+                               const CellMap& grid) {
   CellMap roots = grid, counts = grid;
   const double share = 1 / static_cast<double>(samples.size());
   for (const auto& [all, normal_displacement] : samples)
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (normal_displacement[i].size() < shortest) continue;
-      const double mean = std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) / double(normal_displacement[i].size());
+      const double mean = std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) /
+                          double(normal_displacement[i].size());
       for (std::size_t k = 0; k < normal_displacement[i].size(); ++k) {
         const auto cell = grid.index(all[i].samples[k].position);
         roots.values[cell] += share * std::sqrt(std::abs(normal_displacement[i][k] - mean));
@@ -156,7 +158,7 @@ void check(std::span<const graph::MotionGraph> samples) {
                            std::to_string(frames));
 }
 
-// Drift, displacement and contrast; what was followed of each sample.
+// Learns drift, displacement and contrast; returns each sample's tracks.
 std::vector<FollowedSample> learn_motion(std::span<const graph::MotionGraph> samples, FitResult& result) {
   MotionModel& model = result.model;
   const CellMap grid = make_cell_grid(model.width, model.height);
@@ -175,7 +177,8 @@ std::vector<FollowedSample> learn_motion(std::span<const graph::MotionGraph> sam
     normal_displacements += collect_observations(samples[i], tracks, normal_displacement, true);
     brightness += collect_observations(samples[i], tracks, contrasts(tracks), false);
   }
-  const auto displacement = estimate_motion(normal_displacements, "sway"), contrast = estimate_motion(brightness, "contrast");
+  const auto displacement = estimate_motion(normal_displacements, "sway"),
+             contrast = estimate_motion(brightness, "contrast");
   model.drift_x = drift.x, model.drift_y = drift.y;
   model.displacement = displacement.motion, model.contrast = contrast.motion;
   model.displacement_scale = displacement_scale_map(followed, model.displacement, grid);
@@ -190,9 +193,9 @@ double sum(const CellMap& map) {
   return std::accumulate(map.values.begin(), map.values.end(), 0.0);
 }
 
-// `born`: how many of each size were born in the clip.
+// `born`: number of births of each size in the clip.
 std::vector<std::string> calibrate_births(FitResult& result, std::array<double, kSizeClasses> born,
-                                        std::uint64_t seed, const core::Context& context) {
+                                          std::uint64_t seed, const core::Context& context) {
   MotionModel& model = result.model;
   const EventStatistics& wanted = result.observed;
   const double seen = std::accumulate(born.begin(), born.end(), 0.0) / result.counts.gaps;
@@ -202,7 +205,7 @@ std::vector<std::string> calibrate_births(FitResult& result, std::array<double, 
   std::array<bool, kSizeClasses> known{};
   for (const auto& exemplar : model.exemplars) known[size_class(exemplar.graph.size())] = true;
   for (std::size_t s = 0; s < kSizeClasses; ++s) {
-    // Of a size nobody saw being born, as many as die; and some where strokes leave the frame.
+    // Sizes without an observed birth: as many births as deaths; more where strokes leave the frame.
     const double needed = wanted.strokes[s] * std::max(model.rates.death_by_size[s], leaves ? renewal : 0);
     born[s] = known[s] ? std::max(born[s] / result.counts.gaps, needed) : 0;
   }

@@ -24,7 +24,7 @@ Kind kind(const Patch& a, const Patch& b) {
   return graph::same_kind(a, b) ? alike : lines;
 }
 
-// What goes on beyond the end of a stroke does not lie beside it.
+// A patch beyond the end of a stroke does not lie beside it.
 bool lies_beside(const Patch& patch, Point apart) {
   const Point along{std::cos(patch.theta), std::sin(patch.theta)};
   const double on = graph::dot(apart, along);
@@ -36,10 +36,10 @@ constexpr double step = 0.5;     // px, between the distances that are tried
 constexpr std::size_t steps = static_cast<std::size_t>(farthest / step);
 constexpr double rare_share = 0.2;
 constexpr double few = 20;  // patches
-// Elsewhere nearby, px: out of reach, and not the distance between the folds of one cloth each time.
+// Offsets to places nearby, px: out of reach, and unequal, so that regular folds of a cloth do not bias them.
 constexpr std::array<Point, 6> elsewhere = {{{19, 7}, {-23, 9}, {-8, -27}, {31, -11}, {12, 33}, {-37, -14}}};
 
-// How many patches have one of another stroke within (k + 1) · step px, by kind.
+// Number of patches with one of another stroke within (k + 1) · step px, by kind.
 using Counts = std::array<std::array<double, steps>, kinds>;
 
 struct IndexedFrame {
@@ -111,8 +111,9 @@ namespace {
 
 constexpr int relaxations = 2, smoothings = 2;
 
-// Where each patch has to go to be as far from others as it should; from each of two that are too near half.
-std::vector<Point> separating_offsets(const SimulatedStrokes& p, const graph::Components& parts, const HardCoreDistances& hard_core) {
+// Offsets that move patches apart to the hard-core distance; each of two patches moves half the way.
+std::vector<Point> separating_offsets(const SimulatedStrokes& p, const graph::Components& parts,
+                                      const HardCoreDistances& hard_core) {
   std::vector<Point> places;
   for (const auto& simulated : p.list) places.push_back(simulated.position());
   const graph::detail::PointGrid near(places, largest_hard_core_distance(hard_core));

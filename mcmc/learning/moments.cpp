@@ -19,8 +19,8 @@ constexpr double fewest = 100;                                  // steps, window
 constexpr double little = 1e-12;                                // a variance that is none
 constexpr double most_swing = 1.5;  // times the variance seen, of what paths are too short to show
 constexpr double bin = 5;           // px, of distances
-constexpr std::size_t of_late = 4;  // frames: the sketch's errors have no say in what moves for so long
-constexpr double parallel = 0.8;    // cosine: curves that turn more say nothing of each other
+constexpr std::size_t of_late = 4;  // frames: displacements over so long exceed the sketch's errors
+constexpr double parallel = 0.8;    // cosine: curves that turn more do not count as pairs
 
 // Deviations from the track's mean, and the neighbours' mean deviation less its own, frame by frame.
 struct Deviations {
@@ -28,7 +28,7 @@ struct Deviations {
 };
 
 Deviations track_deviations(const std::vector<detail::CurveTrack>& all, const detail::TrackNeighbours& sides,
-                      const Series& series, bool turns) {
+                            const Series& series, bool turns) {
   Deviations result{series, series};
   for (auto& d : result.own) {
     const double mean = std::accumulate(d.begin(), d.end(), 0.0) / static_cast<double>(d.size());
@@ -84,7 +84,7 @@ double coupling(const Moments& m) {
   return sound ? c[2] : 0;
 }
 
-// c exp(−h²/2 range²), fitted to how deviations correlate over distance.
+// c exp(−h²/2 range²), fitted to the correlation of deviations over distance.
 struct CorrelationFit {
   double share = 1, range = 0;
 };
@@ -106,7 +106,7 @@ CorrelationFit fit_correlation(const Moments& m) {
   return best;
 }
 
-// Of the stationary variance, the share that is about the mean of so many frames, for each number of them.
+// Share of the stationary variance that lies about the mean of n frames, for each n.
 std::vector<double> share_about_mean(const Autoregression& m, double error_share, std::size_t longest) {
   std::vector<double> shares{1, 0};
   double before = 1, now = m.a1 / (1 - m.a2), sum = 0, weighted = 0;  // correlations, Σ ρ(k), Σ k ρ(k)
@@ -120,8 +120,9 @@ std::vector<double> share_about_mean(const Autoregression& m, double error_share
   return shares;
 }
 
-// The variance of all deviations from rest, from those from the paths' means.
-double variance_about_rest(const std::vector<detail::DeviationPath>& paths, const Autoregression& m, double error_share) {
+// The variance of all deviations from rest, computed from those from the paths' means.
+double variance_about_rest(const std::vector<detail::DeviationPath>& paths, const Autoregression& m,
+                           double error_share) {
   std::size_t longest = 0;
   for (const auto& path : paths) longest = std::max(longest, path.own.size());
   const auto shares = share_about_mean(m, error_share, longest);
@@ -133,7 +134,8 @@ double variance_about_rest(const std::vector<detail::DeviationPath>& paths, cons
   return all.value();
 }
 
-// Noise and measurement of all paths' mean variance; of the noise, what goes on along the curves.
+// Sets noise and measurement from all paths' mean variance. The noise gets the part that is shared along the
+// curves.
 void set_noise(const MotionObservations& seen, const detail::MotionLaw& law, Autoregression& motion) {
   motion.noise = law.noise;
   const double swing = std::pow(stationary_deviation(motion), 2), error = std::pow(law.measurement, 2);
@@ -145,8 +147,8 @@ void set_noise(const MotionObservations& seen, const detail::MotionLaw& law, Aut
   motion.noise *= std::sqrt(all * std::min(along.share, 1 - error_share) / swing);
 }
 
-// The frame's pairs of tracks on one stroke: how alike they have moved of late. Means of tracks that
-// begin and end at different times would not be comparable.
+// Adds the frame's pairs of tracks on one stroke, by their displacements over the last frames. Means of
+// tracks that begin and end at different times would not be comparable.
 void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t frame,
                const std::vector<std::uint32_t>& there, const std::vector<detail::CurveTrack>& all,
                const Series& deviation, bool turns) {
@@ -190,8 +192,9 @@ MotionObservations& MotionObservations::operator+=(const MotionObservations& oth
   return *this;
 }
 
-MotionObservations collect_observations(const graph::MotionGraph& motion, const std::vector<detail::CurveTrack>& all,
-                 const Series& series, bool turns) {
+MotionObservations collect_observations(const graph::MotionGraph& motion,
+                                        const std::vector<detail::CurveTrack>& all, const Series& series,
+                                        bool turns) {
   const Deviations d = track_deviations(all, detail::find_track_neighbours(motion, all), series, turns);
   const auto tells_rest = [&](std::size_t i) { return d.own[i].size() >= shortest_window; };
   MotionObservations seen;

@@ -28,8 +28,7 @@ double total(const std::vector<double>& values) {
 constexpr double least_reach = 10, most_reach = 60;  // px
 constexpr double doubt = 0.2;                        // events that the prior is worth
 
-// Happened over could, as if `doubt` of an event more had been seen in the time that takes on average over
-// `all`.
+// Events over exposure, with `doubt` of a prior event and the mean exposure for it over `all`.
 double rate(const OperatorCounts::Count& count, const OperatorCounts::Count& all) {
   if (all.exposure <= 0 || all.events <= 0) return 0;
   const double mean = all.events / all.exposure;
@@ -61,14 +60,13 @@ void require_alike(const OperatorCounts& a, const OperatorCounts& b, std::size_t
       a.expected_deaths.rows == b.expected_deaths.rows && a.expected_deaths.cell == b.expected_deaths.cell)
     return;
   const auto shape = [](const OperatorCounts& c) {
-    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.expected_deaths.columns) + " x " +
-           std::to_string(c.expected_deaths.rows) + " cells";
+    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.expected_deaths.columns) +
+           " x " + std::to_string(c.expected_deaths.rows) + " cells";
   };
   throw core::InputError("samples of one clip are alike in frames and size; sample " + std::to_string(index) +
                          " has " + shape(b) + ", the first " + shape(a));
 }
 
-// Adds a share of `from`.
 void add(double& to, double from, double share) {
   to += share * from;
 }
@@ -80,7 +78,7 @@ void add_all(T& to, const T& from, double share) {
   for (std::size_t i = 0; i < to.size(); ++i) add(to[i], from[i], share);
 }
 
-// Where what could happen was.
+// Places at which events could happen.
 struct ExposureMaps {
   std::array<CellMap, kSizeClasses> die;
   CellMap split, disconnect;
@@ -156,7 +154,7 @@ double quantile(std::vector<double> values, double share, double otherwise) {
   return values[static_cast<std::size_t>(at)];
 }
 
-// How wide the gaps are that close and open.
+// Measures the widths of the gaps that close and open.
 void measure_gaps(const graph::MotionGraph& motion, std::span<const graph::Event> events,
                   OperatorCounts& counts) {
   std::vector<double> unions, splits, disconnects;
@@ -181,7 +179,7 @@ CellMap sum(const std::vector<CellMap>& maps) {
   return result;
 }
 
-// Σ K n under a Gaussian K of peak 1: what events around each cell.
+// Σ K n under a Gaussian K of peak 1: weighted number of events around each cell.
 std::vector<double> kernel_sums(const CellMap& map, double sigma) {
   auto sums = spread_over_cells(map, sigma);
   const double cells = std::max(1.0, 2 * std::numbers::pi * sigma * sigma);
@@ -189,7 +187,7 @@ std::vector<double> kernel_sums(const CellMap& map, double sigma) {
   return sums;
 }
 
-// (1 + Σ K n) / (1 + Σ K e): events as a multiple of those expected, drawn towards 1 as if by one event.
+// (1 + Σ K n) / (1 + Σ K e): events over expected events, shrunk towards 1 with the weight of one event.
 std::vector<double> relative_rates(const CellMap& events, const CellMap& expected, double sigma) {
   auto n = kernel_sums(events, sigma);
   const auto e = kernel_sums(expected, sigma);
@@ -197,8 +195,9 @@ std::vector<double> relative_rates(const CellMap& events, const CellMap& expecte
   return n;
 }
 
-// Log-likelihood of each gap's events under the map made of the others'.
-double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected, double sigma) {
+// Log-likelihood of each gap's events under the map made from the other gaps.
+double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected,
+                                double sigma) {
   double sum = 0;
   CellMap others = all, expected_others = expected;
   const double share = 1 - 1 / static_cast<double>(gaps.size());
@@ -213,7 +212,7 @@ double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap&
         sum += gap.values[c] *
                std::log((1 + std::max(0.0, n_all[c] - mine[c])) / (1 + e[c]) * expected.values[c]);
   }
-  // The expected number in a gap: the same for all of them.
+  // Expected number of events in a gap, equal for all gaps.
   const auto map = relative_rates(all, expected, sigma);
   for (std::size_t c = 0; c < map.size(); ++c) sum -= map[c] * expected.values[c];
   return sum;
@@ -279,8 +278,9 @@ OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const
     for (std::size_t c = 0; c < counts.expected_deaths.values.size(); ++c)
       counts.expected_deaths.values[c] += exposures.die[s].values[c] * rate(counts.death[s], all);
   for (std::size_t c = 0; c < grid.values.size(); ++c)
-    counts.expected_separations.values[c] = exposures.split.values[c] * rate(counts.split, counts.split) +
-                                exposures.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
+    counts.expected_separations.values[c] =
+        exposures.split.values[c] * rate(counts.split, counts.split) +
+        exposures.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
   return counts;
 }
 

@@ -23,11 +23,11 @@ struct OperatorCounts {
     }
   };
   Count split, merge, connect, disconnect;  ///< could: sites × frames (mcmc/learning/operator_sites.hpp)
-  std::array<Count, kSizeClasses> death;          ///< could: strokes × frames
+  std::array<Count, kSizeClasses> death;    ///< could: strokes × frames
   std::vector<CellMap> births, deaths, separations;  ///< of every gap between frames: how many in each cell
-  CellMap expected_separations;   ///< splits and disconnects expected in each cell by the sites alone
-  CellMap expected_deaths;    ///< deaths expected in each cell by the strokes' sizes alone
-  double reach = 24;  ///< px: nine in ten unions bridged no more
+  CellMap expected_separations;  ///< splits and disconnects expected in each cell by the sites alone
+  CellMap expected_deaths;       ///< deaths expected in each cell by the strokes' sizes alone
+  double reach = 24;             ///< px: nine in ten unions bridged no more
   double split_gap = 10, disconnect_gap = 10;  ///< px, medians
   double gaps = 0;                             ///< between frames
 
@@ -48,32 +48,34 @@ struct RateInterval {
   double mean = 0, low = 0, high = 0;
 };
 
-/// Computes the interval of a rate under a Gamma law of shape `events` + `prior_events` and rate `time` +
-/// `prior_time` (> 0).
-/// Its variance is increased by `variance`, the variance of `events` (law of total variance); a Gamma law of the
-/// same mean and variance stands for the mixture. Throws core::InputError where shape or rate is not above 0.
+/// Computes the credible interval of a rate under a Gamma law.
+/// Its shape is `events` + `prior_events`, its rate `time` + `prior_time` (> 0). Its variance is increased by
+/// `variance`, the variance of `events` (law of total variance); a Gamma law of the same mean and variance
+/// stands for the mixture. Throws core::InputError where shape or rate is not above 0.
 RateInterval rate_interval(double events, double time, double variance, double prior_events,
                            double prior_time, double probability = 0.9);
 
 /// Holds estimated rates and their intervals.
 struct RateEstimate {
   OperatorRates rates;
-  /// Expected number of each kind of event (graph::EventType) in a frame under Jeffreys' prior; `low` is 0 for a
-  /// kind that was never observed.
+  /// Expected number of each kind of event (graph::EventType) in a frame under Jeffreys' prior; `low` is 0
+  /// for a kind that was never observed.
   std::array<RateInterval, 6> events_per_frame{};
-  std::array<RateInterval, kSizeClasses> death_by_size{};  ///< per stroke and frame, about rates.death_by_size
+  std::array<RateInterval, kSizeClasses>
+      death_by_size{};  ///< per stroke and frame, about rates.death_by_size
   std::vector<std::string> notes;
 };
 /// Estimates the rates as posterior means under Gamma priors that shrink towards the mean over sizes.
-/// Maps are ratios of counts and exposures smoothed by one kernel and shrunk towards the frame's mean with the
-/// weight of one event; the kernel's width maximises the likelihood of each frame's events given the others'.
-/// `birth_by_size` is left to the caller, who knows the exemplars.
+/// Maps are ratios of counts and exposures smoothed by one kernel and shrunk towards the frame's mean with
+/// the weight of one event; the kernel's width maximises the likelihood of each frame's events given the
+/// others'. `birth_by_size` is left to the caller, who has the exemplars.
 RateEstimate estimate_rates(const OperatorCounts& counts);
 
 /// Returns the place of the patch nearest the mean of a stroke's places, px.
 graph::Point stroke_middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke);
 
-/// Returns the distance between the nearest patches of two strokes of a frame, px; infinite where one is absent.
+/// Returns the distance between the nearest patches of two strokes of a frame, px; infinite where one is
+/// absent.
 double gap_between_strokes(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b);
 
 /// Lists the vertices of each component.

@@ -27,12 +27,14 @@ double angle_between(Point a, Point b) {
 
 bool face_each_other(const AttributeGraph& graph, Index a, Index b) {
   const Point gap = graph.patch(b).position - graph.patch(a).position;
-  return angle_between(end_direction(graph, a), gap) < in_line && angle_between(gap, end_direction(graph, b) * -1) < in_line;
+  return angle_between(end_direction(graph, a), gap) < in_line &&
+         angle_between(gap, end_direction(graph, b) * -1) < in_line;
 }
 
 // The direction in which a curve would end at its k-th patch, coming from the left (step 1) or from the right
 // (−1).
-Point tip_direction_at(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t k, int step) {
+Point tip_direction_at(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t k,
+                       int step) {
   const auto at = [&](std::size_t i) { return graph.patch(curve[i]).position; };
   std::vector<Point> way{at(k)};
   const std::size_t last = step > 0 ? 0 : curve.size() - 1;
@@ -44,13 +46,13 @@ Point tip_direction_at(const AttributeGraph& graph, const std::vector<Index>& cu
   return graph::detail::tip_direction(way);
 }
 
-// Whether a curve without its i-th patch, and without some to both sides, is read as a line with a gap in it
-// (graph/events/joints.hpp).
+// True if a curve without its i-th patch, or without some more to both sides, reads as a line with a gap in
+// it (graph/events/joints.hpp).
 bool splits(const AttributeGraph& graph, const std::vector<Index>& curve, std::size_t i) {
   return std::ranges::all_of(std::array<std::size_t, 2>{1, 3}, [&](std::size_t wide) {
     const std::size_t a = i - std::min(i, wide), b = std::min(curve.size() - 1, i + wide);
     const Point gap = graph.patch(curve[b]).position - graph.patch(curve[a]).position;
-    // What ends in the gap with one patch has no direction of its own.
+    // A single patch that ends in the gap has no direction of its own.
     const Point out = a > 0 ? tip_direction_at(graph, curve, a, 1) : gap,
                 in = b + 1 < curve.size() ? tip_direction_at(graph, curve, b, -1) : gap * -1;
     return angle_between(out, gap) < in_line && angle_between(gap * -1, in) < in_line;
@@ -62,17 +64,18 @@ void find_along(const AttributeGraph& graph, OperatorSites& result) {
     const std::size_t n = curve.size();
     const bool ring = n > 1 && curve.front() == curve.back();
     const auto free = [&](Index end) { return !ring && graph.degree(end) == 1; };
-    // How many patches lie between the i-th and the free end before it, or behind it.
+    // Patches that must lie between the i-th and the free end before it, or behind it.
     const std::size_t before = free(curve.front()) ? 0 : kPiece, behind = free(curve.back()) ? 0 : kPiece;
     const auto whole = [&](std::size_t i) { return i + before >= kPiece && n - 1 - i + behind >= kPiece; };
-    if (n > 1 && graph.degree(curve.front()) >= 3 && whole(0)) result.disconnect_sites.push_back({curve[0], curve[1]});
+    if (n > 1 && graph.degree(curve.front()) >= 3 && whole(0))
+      result.disconnect_sites.push_back({curve[0], curve[1]});
     if (n > 1 && graph.degree(curve.back()) >= 3 && whole(n - 1))
       result.disconnect_sites.push_back({curve[n - 1], curve[n - 2]});
     for (std::size_t i = 1; i + 1 < n; ++i) {
       if (!whole(i)) continue;
       const Point at = graph.patch(curve[i]).position;
-      const bool corner =
-          angle_between(at - graph.patch(curve[i - 1]).position, graph.patch(curve[i + 1]).position - at) >= in_line;
+      const bool corner = angle_between(at - graph.patch(curve[i - 1]).position,
+                                        graph.patch(curve[i + 1]).position - at) >= in_line;
       if (!corner && splits(graph, curve, i)) {
         result.split_sites.push_back(curve[i]);
       } else if (corner) {
@@ -85,18 +88,19 @@ void find_along(const AttributeGraph& graph, OperatorSites& result) {
   std::ranges::sort(result.disconnect_sites);
 }
 
-// Where an end comes nearest to a patch of another stroke.
+// Nearest patch of another stroke to an end.
 struct Approach {
   OperatorSites::Pair pair;
   double distance = 0;
   bool facing = false;
-  // Ends in line go before others, then the nearest.
+  // Ends in line come before others, then the nearest.
   [[nodiscard]] bool before(const Approach& other) const {
     return facing != other.facing ? facing : distance < other.distance;
   }
 };
 
-void find_between(const AttributeGraph& graph, const graph::Components& parts, double reach, OperatorSites& result) {
+void find_between(const AttributeGraph& graph, const graph::Components& parts, double reach,
+                  OperatorSites& result) {
   std::vector<Point> points;
   for (const auto& vertex : graph.vertices()) points.push_back(vertex.patch.position);
   const graph::detail::PointGrid near(points, reach);
@@ -135,7 +139,8 @@ Point end_direction(const AttributeGraph& graph, Index end) {
 
 double turn_angle_towards(const AttributeGraph& graph, const OperatorSites::Pair& pair) {
   if (graph.degree(pair.a) == 0) return 0;
-  return angle_between(end_direction(graph, pair.a), graph.patch(pair.b).position - graph.patch(pair.a).position);
+  return angle_between(end_direction(graph, pair.a),
+                       graph.patch(pair.b).position - graph.patch(pair.a).position);
 }
 
 }  // namespace emberfold::mcmc

@@ -16,9 +16,9 @@ namespace {
 
 using graph::EventType;
 
-constexpr double near = 16;                                           // px
+constexpr double near = 16;                                                    // px
 constexpr std::array<double, kElapsedClasses - 1> begins = {4, 6, 9, 16, 32};  // frames
-constexpr std::array<double, kGapClasses - 1> widths = {5, 7, 10, 14, 20};  // px
+constexpr std::array<double, kGapClasses - 1> widths = {5, 7, 10, 14, 20};     // px
 
 template <std::size_t kClasses>
 struct ClassCounts {
@@ -38,14 +38,15 @@ bool is_separation(EventType type) {
   return type == EventType::split || type == EventType::disconnect;
 }
 
-// What has events in a clip until a frame.
+// Events of a clip before a frame.
 struct Past {
   std::vector<PastEvent> unions, separations;
   std::map<graph::SubgraphId, double> born;
 
   [[nodiscard]] std::size_t age(graph::SubgraphId stroke, double frame) const {
     const auto found = born.find(stroke);
-    return elapsed_class(found == born.end() ? std::numeric_limits<double>::infinity() : frame - found->second);
+    return elapsed_class(found == born.end() ? std::numeric_limits<double>::infinity()
+                                             : frame - found->second);
   }
   void forget(double frame) {
     const auto long_ago = [frame](const PastEvent& one) { return frame - one.frame >= begins.back(); };
@@ -57,7 +58,7 @@ struct Past {
     if (event.type == EventType::birth) born[event.after.at(0)] = frame;
     if (is_union(event.type)) unions.push_back({event.position, frame});
     if (is_separation(event.type)) separations.push_back({event.position, frame});
-    // What comes of strokes is as old as the oldest of them.
+    // A stroke is as old as the oldest stroke that it came from.
     double began = std::numeric_limits<double>::infinity();
     for (const auto stroke : event.before) {
       const auto found = born.find(stroke);
@@ -78,16 +79,19 @@ std::size_t class_of(const graph::AttributeGraph& graph, const OperatorSites::Pa
   return turn_class(turn_angle_towards(graph, pair));
 }
 
-void add_expected(const graph::AttributeGraph& graph, const graph::Components& parts, const OperatorSites& found,
-            const Past& past, double frame, const OperatorRates& rates, ModifierCounts& counts) {
+void add_expected(const graph::AttributeGraph& graph, const graph::Components& parts,
+                  const OperatorSites& found, const Past& past, double frame, const OperatorRates& rates,
+                  ModifierCounts& counts) {
   for (const auto& stroke : vertices_by_stroke(parts)) {
     const auto age = past.age(graph.vertices()[stroke[0]].subgraph, frame);
     counts.death.expected[age] +=
         rates.death_by_size[size_class(stroke.size())] * rates.death.at(stroke_middle(graph, stroke));
   }
   const auto place = [&](std::uint32_t v) { return graph.patch(v).position; };
-  const auto add = [&](ClassCounts<kElapsedClasses>& count, const std::vector<PastEvent>& what, std::uint32_t v,
-                       double rate) { count.expected[elapsed_class(frames_since(what, place(v), frame))] += rate; };
+  const auto add = [&](ClassCounts<kElapsedClasses>& count, const std::vector<PastEvent>& what,
+                       std::uint32_t v, double rate) {
+    count.expected[elapsed_class(frames_since(what, place(v), frame))] += rate;
+  };
   for (const auto v : found.split_sites)
     add(counts.separation, past.unions, v, rates.split * rates.separation.at(place(v)));
   for (const auto& arm : found.disconnect_sites)
@@ -104,7 +108,7 @@ void add_expected(const graph::AttributeGraph& graph, const graph::Components& p
 }
 
 void add_event(const graph::Event& event, const graph::AttributeGraph& before, const OperatorSites& found,
-           const Past& past, ModifierCounts& counts) {
+               const Past& past, ModifierCounts& counts) {
   const double frame = event.frame;
   if (event.type == EventType::death) ++counts.death.events[past.age(event.before.at(0), frame)];
   if (is_separation(event.type))
@@ -142,8 +146,8 @@ double frames_since(std::span<const PastEvent> all, graph::Point place, double f
 }
 
 RateModifiers estimate_rate_modifiers(std::span<const graph::MotionGraph> samples,
-                                     std::span<const std::vector<graph::Event>> events,
-                                     const OperatorRates& rates) {
+                                      std::span<const std::vector<graph::Event>> events,
+                                      const OperatorRates& rates) {
   ModifierCounts counts;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     Past past;
@@ -162,7 +166,7 @@ RateModifiers estimate_rate_modifiers(std::span<const graph::MotionGraph> sample
     }
   }
   return {counts.death.ratios(),    counts.separation.ratios(), counts.unification.ratios(),
-          counts.bridging.ratios(), counts.turning.ratios(), 1};
+          counts.bridging.ratios(), counts.turning.ratios(),    1};
 }
 
 }  // namespace emberfold::mcmc

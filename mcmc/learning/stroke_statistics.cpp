@@ -23,9 +23,8 @@ double total(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// Sums over blocks of neighbouring frames of equal length: eight of them, or as many as √T
-// frames allow.
-// What is left over at the end, less than a block, is left out.
+// Sums over blocks of neighbouring frames of equal length: eight of them, or as many as √T frames allow. The
+// rest at the end, less than a block, is left out.
 std::vector<double> block_sums(std::span<const double> values) {
   const auto root = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(values.size()))));
   const auto length = std::max({std::size_t{1}, root, values.size() / 8});

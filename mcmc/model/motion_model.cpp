@@ -71,7 +71,7 @@ void check_share(double value, const std::string& part) {
 }  // namespace
 
 double spectral_radius(const Autoregression& m) {
-  // n̄ − d multiplies a deviation by something between −2 and 0, whatever the graph.
+  // n̄ − d multiplies a deviation by a factor between −2 and 0, whatever the graph.
   double largest = 0;
   for (int step = 0; step <= 8; ++step)
     largest = std::max(largest, radius(m.a1 - m.coupling * step / 4.0, m.a2));

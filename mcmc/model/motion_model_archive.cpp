@@ -267,7 +267,7 @@ nlohmann::json header(const core::ModelArchive& archive) {
 RateModifiers read_modifiers(const Json& json) {
   return {numbers<kElapsedClasses>(json, "death"),   numbers<kElapsedClasses>(json, "parting"),
           numbers<kElapsedClasses>(json, "uniting"), numbers<kGapClasses>(json, "bridging"),
-          numbers<kTurnClasses>(json, "turning"), number(json, "pace")};
+          numbers<kTurnClasses>(json, "turning"),    number(json, "pace")};
 }
 
 HardCoreDistances read_hard_core(const Json& json) {
@@ -314,9 +314,12 @@ core::ModelArchive to_archive(const MotionModel& model) {
                      {"vanishing", model.vanishing}};
   core::ModelArchive archive;
   archive.text = json.dump(1) + "\n";
-  archive.arrays = {{"birth", map_array(rates.birth)},           {"death", map_array(rates.death)},
-                    {"density", map_array(model.density)},       {"parting", map_array(rates.separation)},
-                    {"sway_share", map_array(model.displacement_scale)}, {"drift_x", map_array(model.drift_x)},
+  archive.arrays = {{"birth", map_array(rates.birth)},
+                    {"death", map_array(rates.death)},
+                    {"density", map_array(model.density)},
+                    {"parting", map_array(rates.separation)},
+                    {"sway_share", map_array(model.displacement_scale)},
+                    {"drift_x", map_array(model.drift_x)},
                     {"drift_y", map_array(model.drift_y)}};
   std::vector<double> patches, places, first, hollows, first_hollows;
   std::vector<std::int64_t> edges, sizes, first_edges;
@@ -369,10 +372,9 @@ MotionModel motion_model(const core::ModelArchive& archive) {
   model.rates.reach = number(rates, "reach");
   model.rates.split_gap = number(rates, "split_gap");
   model.rates.disconnect_gap = number(rates, "disconnect_gap");
-  // Older models do not have them.
+  // Older models lack these.
   if (rates.contains("hold")) model.rates.refractory_period = number(rates, "hold");
-  if (rates.contains("circumstances"))
-    model.rates.modifiers = read_modifiers(part(rates, "circumstances"));
+  if (rates.contains("circumstances")) model.rates.modifiers = read_modifiers(part(rates, "circumstances"));
   if (json.contains("exclusion")) model.hard_core = read_hard_core(part(json, "exclusion"));
   model.appearing = numbers<8>(json, "appearing");
   model.vanishing = numbers<8>(json, "vanishing");

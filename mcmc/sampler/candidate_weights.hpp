@@ -8,14 +8,16 @@
 
 namespace emberfold::mcmc {
 
-/// Gives all candidates the evidence of the images. What a sketch shows although it does not pay alone holds
-/// a line together, or is where lines meet, which no profile shows: it counts 0. Edges that the state has
-/// now, the sketch's, are worth kEdge nats, others cost as much. Frames in parallel.
+/// Sets the evidence of all candidate patches and edges.
+/// Patches: the images' gain in nats, at least 0. A patch of the sketch that does not pay alone holds a line
+/// together, or lies where lines meet, which no profile shows. Edges: kEdgeEvidence nats for those that the
+/// state has now (the sketch's), −kEdgeEvidence for others. Frames in parallel.
 void weigh_candidates(HiddenGraph& state, const Evidence& evidence, const core::Context& context = {});
 
+/// Evidence of an edge of the sketch, nats.
 constexpr double kEdgeEvidence = 20;
 
-/// What maps learned before say of the candidates' places: births, deaths and drift.
+/// Sets the birth, death and drift of every candidate's place from the maps of a learned model.
 void apply_maps(HiddenGraph& state, const MotionModel& model);
 
 }  // namespace emberfold::mcmc

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kApart = 6;  // frames: a move at t touches t … t + 1 and reads t − 2 … t + 3
 
-// What random numbers are drawn for: in the upper bits of a stream's last part, the chain in the lower ones.
+// Streams of random numbers: the purpose is in the upper bits of a stream's last part, the chain in the lower
+// ones.
 enum Purpose : std::uint32_t { kMoves = 1U << 24U, kDisplacements = 2U << 24U };
 
 std::vector<double> chances(bool last_frame) {
@@ -29,7 +30,8 @@ std::vector<double> chances(bool last_frame) {
 
 }  // namespace
 
-Chain::Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number, double evidence)
+Chain::Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number,
+             double evidence)
     : state_(std::move(state)),
       power_(evidence),
       density_(theta, evidence),
@@ -79,9 +81,9 @@ Chain::FrameTotals Chain::move_in(int frame, double proposals) {
   RandomChoices draws(rng);
   StateChange change(state_, density_, cache_, sweeps_ * frames + t);
   const auto weights = chances(t + 1 == frames);
-  // As many as there are candidates, on or off: a number that hung on the state would bend the chain's law.
-  const auto count = static_cast<std::size_t>(
-      std::ceil(proposals * static_cast<double>(state_.active(frame).size() + state_.inactive(frame).size())));
+  // As many moves as candidates, on or off: a number that depends on the state would bias the chain.
+  const auto count = static_cast<std::size_t>(std::ceil(
+      proposals * static_cast<double>(state_.active(frame).size() + state_.inactive(frame).size())));
   for (std::size_t n = 0; n < count; ++n) {
     const std::size_t which = draws.pick(weights);
     MoveCount& move = totals.counts[which];

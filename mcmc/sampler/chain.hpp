@@ -11,7 +11,7 @@
 
 namespace emberfold::mcmc {
 
-/// How often a move was tried, could be made (and so was evaluated), and was accepted.
+/// Counts how often a move was tried, was possible (and so was evaluated), and was accepted.
 struct MoveCount {
   double tried = 0, evaluated = 0, accepted = 0;
   MoveCount& operator+=(const MoveCount& o) {
@@ -19,29 +19,31 @@ struct MoveCount {
   }
 };
 
-/// One Markov chain over a HiddenGraph. It depends on (seed, number), not on threads.
+/// Runs one Markov chain over a HiddenGraph. The chain depends on (seed, number), not on threads.
 class Chain {
  public:
-  Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number, double evidence = 1);
+  Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number,
+        double evidence = 1);
 
-  /// `proposals` moves for every candidate, in frames six apart at the same time; then all displacements are drawn
-  /// anew. Cancelled: between two groups of frames.
+  /// Makes `proposals` moves for every candidate, then draws all displacements anew.
+  /// Frames that lie six apart are worked on at the same time. Cancelled between two groups of frames.
   void sweep(double proposals, const core::Context& context);
-  /// Its two halves.
+  /// Makes the moves of a sweep.
   void move(double proposals, const core::Context& context);
+  /// Draws the displacements of all paths anew.
   void redraw_displacements();
 
   [[nodiscard]] const HiddenGraph& state() const { return state_; }
   [[nodiscard]] const SamplerParameters& theta() const { return density_.theta(); }
   void set_theta(const SamplerParameters& theta);
-  /// Kept up by the moves' gains; reckoned anew, in O(nodes), where displacements or θ changed since it was asked
-  /// for.
+  /// Returns the log density of the state.
+  /// The moves' gains keep it up to date; after a change of displacements or θ it is computed anew, O(nodes).
   double log_density();
   [[nodiscard]] const std::vector<MoveCount>& counts() const { return counts_; }  ///< by move
   [[nodiscard]] double power() const { return power_; }
-  /// Of the state, patches and edges, untempered.
+  /// Returns the untempered evidence of the state's patches and edges, nats.
   [[nodiscard]] double evidence() const;
-  /// Takes another chain's state and gives it this one's.
+  /// Exchanges the states of two chains.
   void swap_states(Chain& other);
 
  private:

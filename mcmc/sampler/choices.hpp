@@ -8,14 +8,13 @@
 
 namespace emberfold::mcmc {
 
-/// Where moves take their chances from: random numbers, or every outcome in turn
-/// (mcmc/sampler/ratio_check.hpp).
+/// Supplies the draws of the moves: random numbers, or every outcome in turn (mcmc/sampler/ratio_check.hpp).
 class ChoiceSource {
  public:
   virtual ~ChoiceSource() = default;
-  /// Uniform on {0, …, count − 1}; count ≥ 1.
+  /// Draws uniformly from {0, …, count − 1}; count ≥ 1.
   virtual std::size_t below(std::size_t count) = 0;
-  /// i with the chance weights[i]; they sum 1. What has the weight 0 is never picked.
+  /// Draws i with probability weights[i]; the weights sum to 1. An index of weight 0 is never drawn.
   virtual std::size_t pick(std::span<const double> weights) = 0;
   virtual double normal(double mean, double sd) = 0;
 
@@ -30,7 +29,7 @@ class RandomChoices final : public ChoiceSource {
     double left = rng_.uniform();
     std::size_t i = 0;
     for (; i + 1 < weights.size() && left >= weights[i]; ++i) left -= weights[i];
-    while (i > 0 && weights[i] <= 0) --i;  // where rounding has left something over
+    while (i > 0 && weights[i] <= 0) --i;  // rounding may leave an index of weight 0
     return i;
   }
   double normal(double mean, double sd) override { return mean + sd * rng_.normal(); }

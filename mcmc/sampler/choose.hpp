@@ -8,10 +8,10 @@
 
 #include "mcmc/sampler/hidden_graph.hpp"
 
-// What the moves choose by.
+// Helpers that count and pick for the moves.
 namespace emberfold::mcmc {
 
-/// log n.
+/// Returns log n; −∞ for 0.
 inline double log_count(std::size_t n) {
   static const auto logs = [] {
     std::array<double, 512> table{};
@@ -21,13 +21,14 @@ inline double log_count(std::size_t n) {
   return n < logs.size() ? logs[n] : std::log(static_cast<double>(n));
 }
 
-/// How many of a list's nodes are to keep, and the n-th of them.
+/// Counts the nodes of a list that `keep` accepts.
 template <class Keep>
 std::size_t count_if(std::span<const Index> list, Keep keep) {
   std::size_t count = 0;
   for (const Index i : list) count += keep(i);
   return count;
 }
+/// Returns the n-th node of a list that `keep` accepts, from 0; kNone where there are fewer.
 template <class Keep>
 Index nth(std::span<const Index> list, std::size_t n, Keep keep) {
   for (const Index i : list)

@@ -18,12 +18,12 @@ using std::numbers::pi;
 constexpr double kLogTwoPi = 1.8378770664093453;
 constexpr double kMostDeath = 0.95;  // the death map raises no chance above this
 
-// The log of the share of a normal turn within ±π/2, and of the choice between two directions.
+// Log of the share of a normal turn within ±π/2, plus that of the choice between two directions.
 double log_half_turn(double sd) {
   return std::log(std::erf(pi / 2 / (sd * std::numbers::sqrt2))) + std::numbers::ln2;
 }
 
-// Two normal densities mixed, one of them kErrsBy times wider: log of their sum, given both exponents.
+// Log of a mixture of two normal densities, one kOutlierScale times wider, given both exponents.
 double log_mixed(double narrow, double wide) {
   static const double errs = std::log(kOutlierShare), errs_not = std::log1p(-kOutlierShare);
   const double a = errs_not + narrow, b = errs + wide;
@@ -55,7 +55,8 @@ std::size_t merge_targets(const HiddenGraph& g, Index v) {
 std::size_t outcome_context_of(const HiddenGraph& g, Index v) {
   std::size_t neighbour_outcome = 0;
   for (const Index u : g[v].edges)
-    if (g.precedes(u, v)) neighbour_outcome = std::max<std::size_t>(neighbour_outcome, g.has_future(u) ? 1 : 2);
+    if (g.precedes(u, v))
+      neighbour_outcome = std::max<std::size_t>(neighbour_outcome, g.has_future(u) ? 1 : 2);
   return outcome_context(g[v].edges.size(), g[v].border, neighbour_outcome);
 }
 
@@ -70,7 +71,8 @@ PreviousAdjacency previous_adjacency(const HiddenGraph& g, Index a, Index b) {
   for (const Index v : g[a].prev)
     for (const Index u : g[b].prev) {
       if (u == v || g[v].edges.has(u)) return PreviousAdjacency::joined;
-      if (std::ranges::any_of(g[v].edges, [&](Index x) { return g[x].edges.has(u); })) closest = PreviousAdjacency::near;
+      if (std::ranges::any_of(g[v].edges, [&](Index x) { return g[x].edges.has(u); }))
+        closest = PreviousAdjacency::near;
     }
   return closest;
 }
@@ -87,7 +89,8 @@ Density::Scale::Scale(double sd_)
     : sd(sd_), peak(-0.5 * kLogTwoPi - std::log(sd_)), half_precision(0.5 / (sd_ * sd_)) {}
 
 double Density::outlier_probability(double z) {
-  const double wide = kOutlierShare / kOutlierScale * std::exp(-0.5 * z * z / (kOutlierScale * kOutlierScale));
+  const double wide =
+      kOutlierShare / kOutlierScale * std::exp(-0.5 * z * z / (kOutlierScale * kOutlierScale));
   return wide / (wide + (1 - kOutlierShare) * std::exp(-0.5 * z * z));
 }
 
@@ -135,7 +138,7 @@ Density::Density(const SamplerParameters& theta, double evidence) : theta_(theta
   compute_bounds();
 }
 
-// What factors can be at most: that of every normal density at its peak, all chances of edges 1.
+// Upper bounds of factors: every normal density at its peak, all probabilities of edges 1.
 void Density::compute_bounds() {
   const auto at_peak = [](const Scale& a, const Scale& b) { return std::max(a.peak, b.peak); };
   double most_split = -std::numeric_limits<double>::infinity();
@@ -148,8 +151,8 @@ void Density::compute_bounds() {
               max_outcome_,
               chances[o] + (o == static_cast<std::size_t>(Outcome::split) ? std::max(0.0, most_split) : 0));
   max_survival_ = at_peak(noise_, lag_) + at_peak(across_[0], across_[1]) + at_peak(along_[0], along_[1]) +
-                   log_mixed(turn_.peak, wide_turn_.peak) +
-                   log_mixed(flicker_.peak, flicker_.peak - std::log(kOutlierScale));
+                  log_mixed(turn_.peak, wide_turn_.peak) +
+                  log_mixed(flicker_.peak, flicker_.peak - std::log(kOutlierScale));
   const double begun =
       std::max(log_birth_[0], log_birth_[1]) + new_contrast_.peak + *std::ranges::max_element(log_kinds_);
   const double rate = std::max(log_first_growth_, *std::ranges::max_element(log_growth_));
@@ -159,7 +162,7 @@ void Density::compute_bounds() {
   max_birth_ = begins_.peak + std::max(begun, grown) + std::log(static_cast<double>(kMostEdges + 1));
 }
 
-// Of the number of parts of a split, which come in any order: geometric from two on, cut off at kMostLinks.
+// Log probability of the number of parts of a split, in any order: geometric from two on, at most kMostLinks.
 double Density::log_parts(std::size_t parts) const {
   const double more = theta_.split_more, m = static_cast<double>(parts);
   return std::log1p(-more) + (m - 2) * std::log(more) - std::log1p(-std::pow(more, kMostLinks - 1)) +
@@ -174,7 +177,7 @@ double Density::log_outcome(const HiddenGraph& g, Index v) const {
   const auto& table = targets > 0 ? with_hosts_ : without_hosts_;
   double sum = table[node.place][outcome_context_of(g, v)][static_cast<std::size_t>(what)];
   if (what == Outcome::merge) {
-    // Into one of the targets; that it is one is asked of the state, not of the move.
+    // The merge goes into one of the targets. The check is here, so that moves need none.
     const auto hosts = g.hosts(v);
     if (std::ranges::find(hosts, parent(g, node.next[0])) == hosts.end())
       return -std::numeric_limits<double>::infinity();
@@ -193,7 +196,8 @@ Density::Normal Density::displacement_given_past(const HiddenGraph& g, Index w) 
 
 Density::Normal Density::displacement_given_past(const HiddenGraph& g, Index v, double same) const {
   const Node& past = g[v];
-  if (past.prev.size() != 1) return {same * lag_one_ * past.displacement, stationary_ * (1 - lag_one_ * lag_one_)};
+  if (past.prev.size() != 1)
+    return {same * lag_one_ * past.displacement, stationary_ * (1 - lag_one_ * lag_one_)};
   const Node& before = g[past.prev[0]];
   const Autoregression& m = theta_.displacement;
   const double expected = m.a1 * past.displacement + m.a2 * sense(before, past) * before.displacement +
@@ -212,10 +216,11 @@ double Density::log_displacement(const HiddenGraph& g, Index w) const {
   const Node& past = g[v];
   const TransitionOffset& offset = g.offset(v, w);
   const double same = offset.sense;
-  const double going = past.prev.size() == 1 ? noise_.log_normal(node.displacement - displacement_given_past(g, v, same).mean)
-                                             : lag_.log_normal(node.displacement - same * lag_one_ * past.displacement);
-  return going +
-         across_[past.next.size() > 1 ? 1 : 0].log_normal(offset.across - (same * node.displacement - past.displacement));
+  const double going = past.prev.size() == 1
+                           ? noise_.log_normal(node.displacement - displacement_given_past(g, v, same).mean)
+                           : lag_.log_normal(node.displacement - same * lag_one_ * past.displacement);
+  return going + across_[past.next.size() > 1 ? 1 : 0].log_normal(
+                     offset.across - (same * node.displacement - past.displacement));
 }
 
 double Density::log_birth_or_survival(const HiddenGraph& g, Index w) const {
@@ -239,7 +244,8 @@ void Density::prepare(HiddenGraph& g) {
   constexpr std::size_t kBlock = 512;
   core::parallel_for((g.size() + kBlock - 1) / kBlock, {}, [&](std::size_t block) {
     for (std::size_t v = block * kBlock; v < std::min(g.size(), (block + 1) * kBlock); ++v)
-      for (TransitionOffset& offset : g.offsets(static_cast<Index>(v))) offset.log_appearance = log_appearance(offset);
+      for (TransitionOffset& offset : g.offsets(static_cast<Index>(v)))
+        offset.log_appearance = log_appearance(offset);
   });
   prepared_ = true;
 }
@@ -264,7 +270,7 @@ double Density::log_grown(const Node& from, const Node& w) const {
          (from.kind == w.kind ? log_same_kind_ : log_other_kind_);
 }
 
-/// The ways in which a new node can have come: its terms, in logarithms.
+/// Terms of the ways in which a new node can have come, in logarithms.
 struct Density::BirthWays {
   ShortList<kMostEdges> from;
   std::array<double, kMostEdges + 1> terms{};  ///< the last of from.size() + 1: begun
@@ -313,7 +319,7 @@ Density::Origins Density::origins(const HiddenGraph& g, Index w) const {
 }
 
 double Density::log_presence(const HiddenGraph& g, Index w) const {
-  // A new patch grows others only towards what comes later in order: half of the plane, half of the kernel.
+  // A new patch grows others only towards those later in order: half of the plane, half of the kernel.
   const double growth = g[w].frame == 0     ? theta_.first_growth / 2
                         : g[w].prev.empty() ? theta_.growth[3] / 2
                                             : theta_.growth[parent_class(g, w)];
@@ -336,7 +342,8 @@ double Density::total(const HiddenGraph& g) const {
     for (const Index v : shown) {
       frame += log_outcome(g, v) + log_birth_or_survival(g, v) + log_presence(g, v);
       for (const NeighbourCandidate& near : g.neighbours(v))
-        if (v < near.node) frame += log_edge(g, v, near) + (g[v].edges.has(near.node) ? edge_evidence(near) : 0);
+        if (v < near.node)
+          frame += log_edge(g, v, near) + (g[v].edges.has(near.node) ? edge_evidence(near) : 0);
     }
     return frame;
   });

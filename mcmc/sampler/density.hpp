@@ -10,9 +10,9 @@
 
 namespace emberfold::mcmc {
 
-/// What becomes of a node; the last frame's nodes have no outcome.
+/// Returns the outcome of a node. The last frame's nodes have none.
 Outcome outcome(const HiddenGraph& g, Index v);
-/// The predecessor that a node goes on from: the earliest in order; others merge into it.
+/// Returns the predecessor that a node continues: the earliest in order; the others merge into the node.
 inline Index parent(const HiddenGraph& g, Index w) {
   const auto& prev = g[w].prev;
   Index first = prev[0];
@@ -20,68 +20,73 @@ inline Index parent(const HiddenGraph& g, Index w) {
     if (g.precedes(prev[k], first)) first = prev[k];
   return first;
 }
-/// How many earlier nodes nearby go on as one, so that v could merge into them.
+/// Counts the earlier nodes nearby that continue as one node, so that v could merge into them.
 std::size_t merge_targets(const HiddenGraph& g, Index v);
-/// What became of the neighbours that come before it: the index of Theta::outcome.
+/// Returns the index into SamplerParameters::outcome, by degree, border and the outcomes of earlier
+/// neighbours.
 std::size_t outcome_context_of(const HiddenGraph& g, Index v);
-/// Which of Theta::growth a node grows others by.
+/// Returns the index into SamplerParameters::growth for what grows from a node.
 std::size_t parent_class(const HiddenGraph& g, Index w);
-/// How two nodes that go on lay in the frame before.
+/// Returns how the predecessors of two nodes lay in the frame before.
 PreviousAdjacency previous_adjacency(const HiddenGraph& g, Index a, Index b);
-/// −1 where the normals of two nodes point to opposite sides, else 1.
+/// Returns −1 where the normals of two nodes point to opposite sides, else 1.
 inline double sense(const Node& a, const Node& b) {
   return graph::dot(a.tangent, b.tangent) < 0 ? -1 : 1;
 }
-/// Mean displacement of a node's neighbours, in the sense of its own normal; its own where it has none.
+/// Returns the mean displacement of a node's neighbours in the sense of its own normal; without any, its own.
 double neighbour_displacement(const HiddenGraph& g, Index v);
 
-/// log p(G, L | θ) + the evidence, as a sum over nodes and pairs of nodes (formulas: docs/method/sampler.md).
-/// Densities are with respect to counting of sets, edges and links, and lengths in px, rad and logarithms.
+/// Computes log p(G, L | θ) + the evidence as a sum over nodes and pairs of nodes.
+/// Formulas: docs/method/sampler.md. Densities are with respect to counting measure for sets, edges and
+/// links, and to lengths in px, rad and logarithms.
 class Density {
  public:
-  /// `evidence`: its power, 0…1; below 1 it is tempered.
+  /// Takes θ and the power of the evidence, 0…1; below 1 the density is tempered.
   explicit Density(const SamplerParameters& theta, double evidence = 1);
 
   [[nodiscard]] const SamplerParameters& theta() const { return theta_; }
-  /// Of what becomes of v.
+  /// Returns the log probability of v's outcome.
   [[nodiscard]] double log_outcome(const HiddenGraph& g, Index v) const;
-  /// Of where w came from, how it looks and displacements.
+  /// Returns the log density of w's origin, displacement, place and look.
   [[nodiscard]] double log_birth_or_survival(const HiddenGraph& g, Index w) const;
-  /// Of the displacement alone, given where w came from.
+  /// Returns the log density of w's displacement and place across the curve, given its origin.
   [[nodiscard]] double log_displacement(const HiddenGraph& g, Index w) const;
-  /// That nothing more than what does grows from w; and its evidence.
+  /// Returns w's evidence plus the log probability that nothing else grows from it.
   [[nodiscard]] double log_presence(const HiddenGraph& g, Index w) const;
-  /// What the image says of two nodes being joined.
-  [[nodiscard]] double edge_evidence(const NeighbourCandidate& b) const { return evidence_ * double{b.evidence}; }
-  /// What no outcome exceeds; and no arrival of a node that has a past, or none, as w.
+  /// Returns the evidence of an edge between two nodes, nats, times the power of the evidence.
+  [[nodiscard]] double edge_evidence(const NeighbourCandidate& b) const {
+    return evidence_ * double{b.evidence};
+  }
+  /// Returns an upper bound of log_outcome().
   [[nodiscard]] double max_log_outcome() const { return max_outcome_; }
+  /// Returns an upper bound of log_birth_or_survival() of nodes that have a past, or none, as w.
   [[nodiscard]] double max_log_birth_or_survival(const HiddenGraph& g, Index w) const {
     return g.has_past(w) ? max_survival_ : max_birth_ + std::max(0.0, g[w].log_birth);
   }
-  /// Of whether two nodes that both go on are joined. 0 where one of them is new.
+  /// Returns the log probability that two nodes that both continue are joined or not. 0 where either is new.
   [[nodiscard]] double log_edge(const HiddenGraph& g, Index a, const NeighbourCandidate& b) const;
-  /// Keeps in the graph what hangs on θ and on places alone, and from now on takes it from there: for many
-  /// looks at one graph. Candidates added later are not known.
+  /// Stores in the graph the terms that depend on θ and on places alone, and uses them from then on.
+  /// It pays where one graph is evaluated many times. Candidates added later are not known.
   void prepare(HiddenGraph& g);
-  /// All of it. O(nodes).
+  /// Returns the whole log density. O(nodes).
   [[nodiscard]] double total(const HiddenGraph& g) const;
 
-  /// What of a new node's arrival each way explains: begun here, or grown from these; sums 1.
+  /// Holds the probability of each way in which a new node may have come; they sum to 1.
   struct Origins {
     double begun = 0;
     ShortList<kMostEdges> from;
     std::array<double, kMostEdges> shares{};
   };
   [[nodiscard]] Origins origins(const HiddenGraph& g, Index w) const;
-  /// Mean and variance of w's displacement given where it came from.
+  /// Holds the mean and variance of a displacement given the node's origin.
   struct Normal {
     double mean = 0, variance = 1;
   };
   [[nodiscard]] Normal displacement_given_past(const HiddenGraph& g, Index w) const;
-  /// The same of one that goes on from v, its normal pointing to the same side (1) or to the other (−1).
+  /// Returns the law of a node that continues v; `same`: 1 where the normals point to one side, else −1.
   [[nodiscard]] Normal displacement_given_past(const HiddenGraph& g, Index v, double same) const;
   [[nodiscard]] double stationary_sd() const;
-  /// The chance that a change of this many SDs is an error of the sketch (kErrs).
+  /// Returns the probability that a change of `z` SDs is an error of the sketch (kOutlierShare).
   [[nodiscard]] static double outlier_probability(double z);
 
  private:
@@ -99,7 +104,8 @@ class Density {
   bool prepared_ = false;
   double max_outcome_ = 0, max_survival_ = 0, max_birth_ = 0;
   /// [place][config][outcome], without and with nodes that it could merge into.
-  std::array<std::array<std::array<double, kOutcomes>, kOutcomeContexts>, kPlaces> without_hosts_{}, with_hosts_{};
+  std::array<std::array<std::array<double, kOutcomes>, kOutcomeContexts>, kPlaces> without_hosts_{},
+      with_hosts_{};
   std::array<std::array<std::array<double, 2>, kCloseness>, 3> joined_{};  ///< [were][closeness][joined]
   std::array<std::array<std::array<double, 2>, kCloseness>, 2> closed_{};
   std::array<double, kParentClasses> log_growth_{};

@@ -53,7 +53,7 @@ double mean(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// With the divisor n − 1; of at least two values.
+/// Variance with the divisor n − 1, of at least two values.
 double variance(std::span<const double> values) {
   const double centre = mean(values);
   double sum = 0;
@@ -128,7 +128,7 @@ Variances variances(const Draws& draws) {
   Variances result;
   for (std::size_t c = 0; c < draws.chains(); ++c) {
     means.push_back(mean(draws.chain(c)));
-    // the mean of equal numbers may be off by rounding: no variance shall come of that
+    // The mean of equal numbers may be off by rounding, which must not give a variance.
     result.within += constant(draws.chain(c)) ? 0 : variance(draws.chain(c));
   }
   result.within /= static_cast<double>(draws.chains());
@@ -144,7 +144,7 @@ double plain_rhat(const Draws& draws) {
   return std::sqrt(pooled / within);
 }
 
-/// Autocovariances with the divisor n, mean over the chains, each lag when it is asked for.
+/// Autocovariances with the divisor n, mean over the chains, each lag computed on demand.
 class Autocovariance {
  public:
   explicit Autocovariance(const Draws& draws) : deviations_(draws) {

@@ -21,8 +21,10 @@ struct Residual {
   void add(Index node, double factor) { terms[count++] = {node, factor}; }
 };
 
-/// What Density::of_sway says of w, in its displacements: how it goes on, and where it is seen.
-std::array<Residual, 2> residuals(const HiddenGraph& g, const SamplerParameters& theta, Index w, double stationary) {
+/// Residuals of w's displacement (Density::log_displacement), linear in the displacements: motion and
+/// measurement.
+std::array<Residual, 2> residuals(const HiddenGraph& g, const SamplerParameters& theta, Index w,
+                                  double stationary) {
   std::array<Residual, 2> result;
   Residual &on = result[0], &seen = result[1];
   const Node& node = g[w];
@@ -56,7 +58,7 @@ std::array<Residual, 2> residuals(const HiddenGraph& g, const SamplerParameters&
   return result;
 }
 
-/// Nodes whose residuals a path's displacements are in.
+/// Nodes whose residuals depend on a path's displacements.
 std::vector<Index> touched(const HiddenGraph& g, const std::vector<Index>& path, bool coupled) {
   std::vector<Index> list(path);
   for (const Index c : g[path.back()].next) {
@@ -66,7 +68,7 @@ std::vector<Index> touched(const HiddenGraph& g, const std::vector<Index>& path,
   if (coupled)
     for (const Index i : path)
       for (const Index u : g[i].edges) list.insert(list.end(), g[u].next.begin(), g[u].next.end());
-  // A path's last but one is the grandparent of what its last goes on as.
+  // A path's last node but one is the grandparent of the nodes that continue its last.
   std::ranges::sort(list);
   list.erase(std::unique(list.begin(), list.end()), list.end());
   return list;
@@ -86,7 +88,8 @@ std::vector<std::vector<Index>> find_paths(const HiddenGraph& g) {
   return result;
 }
 
-DisplacementGaussian displacement_given_rest(const HiddenGraph& g, const Density& density, const std::vector<Index>& path) {
+DisplacementGaussian displacement_given_rest(const HiddenGraph& g, const Density& density,
+                                             const std::vector<Index>& path) {
   const SamplerParameters& theta = density.theta();
   const std::size_t n = path.size();
   const int first = g[path[0]].frame;
@@ -142,7 +145,8 @@ DisplacementGaussian displacement_given_rest(const HiddenGraph& g, const Density
   return result;
 }
 
-void draw_displacements(HiddenGraph& g, const Density& density, const std::vector<Index>& path, ChoiceSource& draws) {
+void draw_displacements(HiddenGraph& g, const Density& density, const std::vector<Index>& path,
+                        ChoiceSource& draws) {
   const DisplacementGaussian given = displacement_given_rest(g, density, path);
   const auto& band = given.factor;
   const std::size_t n = path.size();

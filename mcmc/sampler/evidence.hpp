@@ -5,16 +5,16 @@
 
 namespace emberfold::mcmc {
 
-/// All that the posterior sees of the images: log p(I | G) is the sum over patches of what each saves.
+/// Defines the images' part of the posterior: log p(I | G) is the sum of the patches' gains.
 class Evidence {
  public:
   virtual ~Evidence() = default;
-  /// The gain in coding length, nats, of showing `patch` in frame `frame` rather than leaving its place to
-  /// the fill; negative where the image does not bear it out. Safe to call from several threads.
+  /// Returns the gain in coding length, nats, of drawing `patch` rather than filling its place.
+  /// Negative where the image does not support the patch. Safe to call from several threads.
   [[nodiscard]] virtual double gain(int frame, const graph::Patch& patch) const = 0;
 };
 
-/// What the sketch noted of its patches as it made them (graph::Patch::gain): needs no image.
+/// Takes the gains that the sketch stored in its patches (graph::Patch::gain); needs no image.
 class SketchEvidence final : public Evidence {
  public:
   [[nodiscard]] double gain(int /*frame*/, const graph::Patch& patch) const override { return patch.gain; }

@@ -11,7 +11,7 @@ namespace {
 
 using graph::Point;
 
-// Of two patches of a frame: by distance, and whether both lie in one line with less than 30° of turn.
+// Class of two patches of a frame, by distance and by whether both lie in line with less than 30° of turn.
 std::uint8_t closeness(const Node& a, const Node& b) {
   const Point apart = b.patch.position - a.patch.position;
   const double distance = graph::norm(apart);
@@ -31,7 +31,7 @@ void append_to(std::vector<Index>& list, std::vector<Index>& at, Index i) {
   at[i] = static_cast<Index>(list.size());
   list.push_back(i);
 }
-// Puts i back to the place from which erase_from took it.
+// Puts i back at the place from which erase_from took it.
 void put_back(std::vector<Index>& list, std::vector<Index>& at, Index i, std::size_t place) {
   list.push_back(i);
   if (place + 1 < list.size()) {
@@ -142,7 +142,7 @@ Index HiddenGraph::add_candidate(int frame, const graph::Patch& patch) {
 void HiddenGraph::drop_newest_candidate() {
   const auto i = static_cast<Index>(nodes_.size() - 1);
   const auto t = static_cast<std::size_t>(nodes_[i].frame);
-  // The newest is the last in every list that it is in.
+  // The newest candidate is the last one in every list.
   for (const NeighbourCandidate& near : neighbours_[i]) neighbours_[near.node].pop_back();
   for (const Index j : hosts_[i]) guests_[j].pop_back();
   for (const Index j : guests_[i]) hosts_[j].pop_back();
@@ -151,8 +151,8 @@ void HiddenGraph::drop_newest_candidate() {
   cells_[cell(nodes_[i].frame, nodes_[i].patch.position)].pop_back();
   erase_from(inactive_[t], at_, i);
   nodes_.pop_back(), flags_.pop_back(), at_.pop_back();
-  neighbours_.pop_back(), hosts_.pop_back(), guests_.pop_back(), candidates_after_.pop_back(), candidates_before_.pop_back(),
-      offsets_.pop_back();
+  neighbours_.pop_back(), hosts_.pop_back(), guests_.pop_back(), candidates_after_.pop_back(),
+      candidates_before_.pop_back(), offsets_.pop_back();
 }
 
 void HiddenGraph::add_neighbours(Index a, Index b) {
@@ -186,7 +186,8 @@ TransitionOffset HiddenGraph::make_offset(Index v, Index w) const {
 
 void HiddenGraph::set_map_values(Index i, double log_birth, std::uint8_t place, Point drift) {
   nodes_[i].log_birth = log_birth, nodes_[i].place = place, nodes_[i].drift = drift;
-  for (std::size_t k = 0; k < candidates_after_[i].size(); ++k) offsets_[i][k] = make_offset(i, candidates_after_[i][k]);
+  for (std::size_t k = 0; k < candidates_after_[i].size(); ++k)
+    offsets_[i][k] = make_offset(i, candidates_after_[i][k]);
 }
 
 void HiddenGraph::allow_edge(Index a, Index b) {
@@ -217,7 +218,7 @@ bool HiddenGraph::can_link(Index v, Index w) const {
 void HiddenGraph::flag(Index i, Flag which, bool holds) {
   flags_[i] = static_cast<std::uint8_t>(holds ? flags_[i] | which : flags_[i] & ~which);
 }
-// After a link between them came or went.
+// Updates the flags after a link between them was added or removed.
 void HiddenGraph::flag_links(Index v, Index w) {
   const auto& next = nodes_[v].next;
   const auto& prev = nodes_[w].prev;
@@ -324,7 +325,9 @@ bool HiddenGraph::operator==(const HiddenGraph& o) const {
   for (Index i = 0; i < nodes_.size(); ++i) {
     const Node &a = nodes_[i], &b = o.nodes_[i];
     if (a.active != b.active) return false;
-    if (a.active && (a.displacement != b.displacement || !same_set(a.edges, b.edges) || !same_set(a.next, b.next))) return false;
+    if (a.active &&
+        (a.displacement != b.displacement || !same_set(a.edges, b.edges) || !same_set(a.next, b.next)))
+      return false;
   }
   return true;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a motion graph to a hidden graph, and back.
+// Conversion of a motion graph to a hidden graph, and back.
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +12,8 @@ namespace emberfold::mcmc {
 
 namespace {
 
-// The patches of another sketch of the frame that overlap none of `nodes` (which they join), and its edges.
+// Adds the patches of another sketch of the frame that overlap none of `nodes` (to which they are added), and
+// its edges.
 void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int frame, std::vector<Index>& nodes,
                 const Gates& gates) {
   std::vector<graph::Point> places;

@@ -29,13 +29,15 @@ double step_size(int sweep, int burn_in) {
   return sweep < whole ? 1 : std::pow(sweep - whole + 1, -0.7);
 }
 
-/// A chain with what it learns, or a ladder of them.
+/// A chain with its statistics and θ, or a ladder of tempered chains.
 class TemperedChain {
  public:
-  TemperedChain(HiddenGraph state, const SamplerParameters& prior, std::uint64_t seed, std::uint32_t number, int tempering_levels)
+  TemperedChain(HiddenGraph state, const SamplerParameters& prior, std::uint64_t seed, std::uint32_t number,
+                int tempering_levels)
       : prior_(prior), area_(double(state.width()) * state.height()), seed_(seed), number_(number) {
-    const SamplerParameters theta =
-        widen_spreads(with_displacement(most_likely_parameters(sufficient_statistics(state, Density(prior)), prior, area_), prior.displacement));
+    const SamplerParameters theta = widen_spreads(
+        with_displacement(most_likely_parameters(sufficient_statistics(state, Density(prior)), prior, area_),
+                          prior.displacement));
     for (int r = 0; r < tempering_levels; ++r)
       ladder_.emplace_back(state, theta, seed, number * 16 + static_cast<std::uint32_t>(r), std::exp2(-r));
   }
@@ -44,7 +46,8 @@ class TemperedChain {
     for (Chain& chain : ladder_) chain.sweep(options.proposals, context);
     exchange(number);
     if (number < options.burn_in) {
-      sums_.blend(sufficient_statistics(state(), Density(ladder_[0].theta())), step_size(number, options.burn_in));
+      sums_.blend(sufficient_statistics(state(), Density(ladder_[0].theta())),
+                  step_size(number, options.burn_in));
       const SamplerParameters theta = widen_spreads(most_likely_parameters(sums_, prior_, area_));
       for (Chain& chain : ladder_) chain.set_theta(theta);
     }
@@ -64,7 +67,7 @@ class TemperedChain {
     theta.displacement = displacement;
     return theta;
   }
-  /// Neighbours on the ladder, even and odd ones in turn.
+  /// Exchanges the states of neighbours on the ladder, even and odd ones in turn.
   void exchange(int sweep) {
     for (std::size_t r = static_cast<std::size_t>(sweep % 2); r + 1 < ladder_.size(); r += 2) {
       Chain &low = ladder_[r], &high = ladder_[r + 1];
@@ -83,7 +86,7 @@ class TemperedChain {
   SufficientStatistics sums_;
 };
 
-/// What is noted of a chain after each sweep.
+/// Numbers recorded of a chain after each sweep.
 constexpr std::array<const char*, 8> kTraces = {"log posterior", "patches", "edges", "links", "a1", "a2",
                                                 "deaths",        "births"};
 std::array<double, kTraces.size()> trace_values(Chain& chain) {
@@ -95,7 +98,7 @@ std::array<double, kTraces.size()> trace_values(Chain& chain) {
       edges += static_cast<double>(g[i].edges.size()) / 2, links += static_cast<double>(g[i].next.size());
       deaths += t + 1 < g.frames() && g[i].next.empty(), births += t > 0 && g[i].prev.empty();
     }
-  return {chain.log_density(),   patches, edges, links, chain.theta().displacement.a1,
+  return {chain.log_density(),           patches, edges, links, chain.theta().displacement.a1,
           chain.theta().displacement.a2, deaths,  births};
 }
 
@@ -128,8 +131,8 @@ InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel&
     weigh_candidates(state, evidence, context);
     apply_maps(state, learned);
     const std::clock_t begun = std::clock();
-    TemperedChain sampler(std::move(state), prior_parameters(starts[k], learned), seed, static_cast<std::uint32_t>(k),
-            options.tempering_levels);
+    TemperedChain sampler(std::move(state), prior_parameters(starts[k], learned), seed,
+                          static_cast<std::uint32_t>(k), options.tempering_levels);
     for (Trace& trace : result.traces) trace.chains.emplace_back();
     for (int n = 0; n < sweeps; ++n) {
       context.report("sample", (static_cast<double>(k) + double(n) / sweeps) / double(starts.size()));

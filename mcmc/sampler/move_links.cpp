@@ -31,7 +31,8 @@ std::optional<double> link_or_unlink(StateChange& change, ChoiceSource& draws, i
 }
 
 std::optional<double> switch_links(StateChange& change, ChoiceSource& draws, int frame) {
-  // Both chances, here and there, are made of the same counts: links a patch has, neighbours it could have.
+  // Both probabilities, forwards and backwards, depend on the same counts: links of a patch, possible
+  // neighbours.
   const HiddenGraph& g = change.state();
   const Index a = draw_any(g.active(frame), draws);
   if (a == kNone || g[a].next.empty() || g.neighbours(a).empty()) return std::nullopt;
@@ -54,7 +55,7 @@ std::optional<double> switch_links(StateChange& change, ChoiceSource& draws, int
 }
 
 std::optional<double> relink(StateChange& change, ChoiceSource& draws, int frame) {
-  // Without the link, the choices are the same from either of its places.
+  // Without the link, the choices are the same from both of its places.
   const HiddenGraph& g = change.state();
   const bool forward = draws.coin();
   const Index i = draw_any(g.active(forward ? frame : frame + 1), draws);
@@ -64,7 +65,8 @@ std::optional<double> relink(StateChange& change, ChoiceSource& draws, int frame
   const Index was = links[draws.below(links.size())];
   forward ? change.unlink(i, was) : change.unlink(was, i);
   const auto other = [&](Index j) { return j != was && (forward ? g.can_link(i, j) : g.can_link(j, i)); };
-  const std::size_t choices = forward ? count_if(g.candidates_after(i), other) : count_if(g.candidates_before(i), other);
+  const std::size_t choices =
+      forward ? count_if(g.candidates_after(i), other) : count_if(g.candidates_before(i), other);
   if (choices == 0) {
     change.rollback();
     return std::nullopt;

@@ -25,9 +25,9 @@ bool are_neighbours(const HiddenGraph& g, Index a, Index b) {
 
 // ---- a patch with its connections ----
 
-/// By which chance a patch that is put in is joined to one beside it.
+/// Probability that an added patch is joined to one beside it.
 constexpr std::array<double, kCloseness> kEdgeChance = {0.8, 0.4, 0.4, 0.1, 0.1, 0.05};
-constexpr double kNoLinkChance = 0.15;  // by which it has no predecessor although there could be one
+constexpr double kNoLinkChance = 0.15;  // probability of no predecessor although one is possible
 
 struct Connections {
   ShortList<kMostEdges> edges;
@@ -35,7 +35,7 @@ struct Connections {
   Index prev = kNone, next = kNone;
 };
 
-/// Draws the connections of a patch that is off, or tells the log chance of given ones.
+/// Draws the connections of a patch that is off, or computes the log probability of given ones.
 class ConnectionChance {
  public:
   ConnectionChance(const HiddenGraph& g, Index i) : g_(g), i_(i) {}
@@ -65,7 +65,8 @@ class ConnectionChance {
       if (can_add_edge(b.node)) sum += log_join(b.closeness, connections.edges.has(b.node));
     const std::size_t before = count_if(g_.candidates_before(i_), [&](Index j) { return is_free_before(j); });
     const std::size_t after = count_if(g_.candidates_after(i_), [&](Index j) { return is_free_after(j); });
-    return sum + log_link_chance(before, connections.prev != kNone) + log_link_chance(after, connections.next != kNone);
+    return sum + log_link_chance(before, connections.prev != kNone) +
+           log_link_chance(after, connections.next != kNone);
   }
 
  private:
@@ -75,7 +76,8 @@ class ConnectionChance {
   static double log_join(std::size_t closeness, bool join) {
     static const auto logs = [] {
       std::array<std::array<double, 2>, kCloseness> table{};
-      for (std::size_t k = 0; k < kCloseness; ++k) table[k] = {std::log(1 - kEdgeChance[k]), std::log(kEdgeChance[k])};
+      for (std::size_t k = 0; k < kCloseness; ++k)
+        table[k] = {std::log(1 - kEdgeChance[k]), std::log(kEdgeChance[k])};
       return table;
     }();
     return logs[closeness][join ? 1 : 0];
@@ -98,11 +100,12 @@ class ConnectionChance {
   Index i_;
 };
 
-/// The displacement that a patch put in is likely to have: its partners', and how far off that may be.
+/// Proposal of an added patch's displacement: the mean of its links' or neighbours', and its SD.
 struct Guess {
   double mean = 0, sd = 1;
 };
-Guess guess_displacement(const HiddenGraph& g, const Density& density, Index i, const Connections& connections) {
+Guess guess_displacement(const HiddenGraph& g, const Density& density, Index i,
+                         const Connections& connections) {
   double sum = 0, count = 0;
   for (const Index j : {connections.prev, connections.next})
     if (j != kNone) sum += sense(g[i], g[j]) * g[j].displacement, count += 1;
@@ -154,13 +157,13 @@ std::optional<double> delete_patch(StateChange& change, ChoiceSource& draws, int
   for (const Index j : connections.edges) change.remove_edge(i, j);
   change.deactivate(i);
   const Guess guess = guess_displacement(g, change.density(), i, connections);
-  return log_count(choices) - log_count(g.inactive(frame).size()) + ConnectionChance(g, i).log_chance(connections) +
-         log_density(guess, displacement);
+  return log_count(choices) - log_count(g.inactive(frame).size()) +
+         ConnectionChance(g, i).log_chance(connections) + log_density(guess, displacement);
 }
 
 // ---- one patch as two ----
 
-/// What a split of v towards i can give away, in the state where they are one.
+/// Edges and past of v that a split towards i can give away, in the state before the split.
 struct Shareable {
   std::size_t candidates = 0;  ///< that v could split towards
   std::vector<Index> edges;
@@ -168,7 +171,8 @@ struct Shareable {
 };
 Shareable shareable(const HiddenGraph& g, Index v, Index i) {
   Shareable result;
-  for (const NeighbourCandidate& b : g.neighbours(v)) result.candidates += g.can_activate(b.node) && g[b.node].kind == g[v].kind;
+  for (const NeighbourCandidate& b : g.neighbours(v))
+    result.candidates += g.can_activate(b.node) && g[b.node].kind == g[v].kind;
   for (const Index x : g[v].edges)
     if (are_neighbours(g, i, x)) result.edges.push_back(x);
   if (g[v].prev.size() == 1) {
@@ -177,14 +181,14 @@ Shareable shareable(const HiddenGraph& g, Index v, Index i) {
   }
   return result;
 }
-/// Chance of one way of sharing, after the choice of v.
+/// Probability of one way of sharing, after the choice of v.
 double share_chance(const HiddenGraph& g, Index v, Index i) {
   const Shareable s = shareable(g, v, i);
   return std::exp2(-static_cast<double>(s.edges.size() + (s.past != kNone ? 1 : 0))) /
          static_cast<double>(s.candidates);
 }
-/// With i as the part of v: a node that could as well be the one it is part of, since one is left with the
-/// same state without i. That is so where i lies between just two.
+/// Another node than v that i could be split from, with the same state without i; kNone if there is none. It
+/// exists where i lies between just two nodes.
 Index alternative_source(const HiddenGraph& g, Index v, Index i) {
   if (g[i].edges.size() != 2) return kNone;
   const Index u = g[i].edges[g[i].edges[0] == v ? 1 : 0];
@@ -193,12 +197,12 @@ Index alternative_source(const HiddenGraph& g, Index v, Index i) {
   return u;
 }
 
-/// The displacement of a part, by those that it is joined to in either case.
+/// Proposal of a part's displacement.
 Guess guess_part(const HiddenGraph& g, const Density& density, Index v, Index i) {
   return {sense(g[i], g[v]) * g[v].displacement, density.theta().displacement.noise};
 }
 
-/// Chance of one way of sharing, and density of the displacement.
+/// Probability of one way of sharing times the density of the displacement.
 double way_chance(const HiddenGraph& g, const Density& density, Index v, Index i, double displacement) {
   return share_chance(g, v, i) * std::exp(log_density(guess_part(g, density, v, i), displacement));
 }
@@ -220,7 +224,7 @@ std::optional<double> split_patch(StateChange& change, ChoiceSource& draws, int 
   const bool gives_past = can.past != kNone && draws.coin();
   const Guess guess = guess_part(g, change.density(), v, i);
   const double displacement = draws.normal(guess.mean, guess.sd);
-  // Should it lie between two, it could as well have come from the other.
+  // Between two nodes it could have been split from the other one, too.
   double there = way_chance(g, change.density(), v, i, displacement);
   const double other = given.size() == 1 && g[given[0]].kind == g[v].kind
                            ? way_chance(g, change.density(), given[0], i, displacement)
@@ -290,7 +294,7 @@ std::optional<double> connect_or_cut(StateChange& change, ChoiceSource& draws, i
   const bool connect = draws.coin();
   if (g.active(frame).empty()) return std::nullopt;
   const Index a = g.active(frame)[draws.below(g.active(frame).size())];
-  // Either end may be the one that is drawn first.
+  // Either end may be drawn first.
   const auto either = [](std::size_t m, std::size_t n) {
     return log_count(m + n) - log_count(m) - log_count(n);
   };

@@ -18,7 +18,7 @@ struct Side {
   const HiddenGraph& g;
   bool back;
 
-  /// The one partner that i has, which has no other; or none.
+  /// Returns the only partner of i, which has no other partner; or none.
   [[nodiscard]] Index partner(Index i) const {
     const auto& mine = back ? g[i].prev : g[i].next;
     if (mine.size() != 1) return kNone;
@@ -36,8 +36,8 @@ struct Side {
   }
 };
 
-/// From a free patch along its curve as long as each patch's partner lies beside the last one's: the patches
-/// after the first.
+/// Patches after the first of a run: it starts at a free patch and follows its curve as long as each patch's
+/// partner lies beside the last one's.
 std::vector<Index> run_from(const Side& side, Index first, Index second) {
   std::vector<Index> run;
   Index last = first, i = second, before = kNone;
@@ -64,7 +64,7 @@ std::vector<Index> component(const HiddenGraph& g, Index i) {
 
 using Pairs = std::vector<std::pair<Index, Index>>;
 
-/// How one stroke lies on another: nearest patches first, each once. Known from their places alone.
+/// Pairs of patches of two strokes, nearest first, each patch once. They depend on places alone.
 Pairs match_patches(const HiddenGraph& g, const std::vector<Index>& before, const std::vector<Index>& after) {
   std::vector<std::tuple<double, Index, Index>> near;
   for (const Index v : before)
@@ -121,7 +121,7 @@ std::optional<double> shift_links(StateChange& change, ChoiceSource& draws, int 
 }
 
 std::optional<double> link_strokes(StateChange& change, ChoiceSource& draws, int frame) {
-  // Which strokes are drawn and how one lies on the other does not depend on links.
+  // The drawn strokes and their pairs do not depend on links.
   const HiddenGraph& g = change.state();
   if (g.active(frame).empty()) return std::nullopt;
   const Index v = g.active(frame)[draws.below(g.active(frame).size())];

@@ -10,43 +10,43 @@
 
 namespace emberfold::mcmc {
 
-/// A reversible pair of moves. It makes its change to the state by `edit` and returns
-/// log q(x′ → x) − log q(x → x′), the chances of its draws backwards and forwards; nothing, and the state as
-/// it was, where what was drawn cannot be. `frame`: the one it works on, or the first of the two between
-/// which it does. Reads no farther than two frames back and three on. (Density and proposals share one
-/// measure, so there is no Jacobian.)
+/// Proposes one of a reversible pair of moves.
+/// Changes the state by `change` and returns log q(x′ → x) − log q(x → x′), from the probabilities of its
+/// draws forwards and backwards. Returns nothing, with the state unchanged, where the draw is not possible.
+/// `frame`: the frame it works on, or the first of the two between which it works. Reads at most two frames
+/// back and three ahead. Density and proposals share one measure, so there is no Jacobian.
 using Propose = std::optional<double> (*)(StateChange& change, ChoiceSource& draws, int frame);
 
+/// Holds a move and how often it is tried.
 struct Move {
   std::string_view name;
   Propose propose;
   double weight = 1;            ///< how often it is tried, relative to the others
-  bool between_frames = false;  ///< it has no use in the last frame
+  bool between_frames = false;  ///< it needs a next frame
 };
-/// All of them (Wang & Zhu 2004 name seven: switch, connect, cut, split, merge, add, delete).
+/// Lists all moves (Wang & Zhu 2004 name seven: switch, connect, cut, split, merge, add, delete).
 std::span<const Move> moves();
 
 // Links between frames (move_links.cpp).
 std::optional<double> link_or_unlink(StateChange& change, ChoiceSource& draws, int frame);
-/// (a, b), (c, d) → (a, d), (c, b).
+/// Exchanges the ends of two links: (a, b), (c, d) → (a, d), (c, b).
 std::optional<double> switch_links(StateChange& change, ChoiceSource& draws, int frame);
-/// One end of a link goes elsewhere.
+/// Moves one end of a link to another node.
 std::optional<double> relink(StateChange& change, ChoiceSource& draws, int frame);
 
 // Edges and patches of a frame (move_patches.cpp).
 std::optional<double> connect_or_cut(StateChange& change, ChoiceSource& draws, int frame);
-/// A candidate is put in, with edges and links that are drawn by what is near; or a patch taken out.
+/// Adds a candidate with edges and links drawn among nodes nearby, or deletes a patch.
 std::optional<double> add_or_delete(StateChange& change, ChoiceSource& draws, int frame);
-/// A patch gives some of its edges, and perhaps its past, to a candidate beside it; or takes all of a
-/// neighbour's.
+/// Splits off some of a patch's edges, and perhaps its past, to a candidate beside it; or merges a neighbour.
 std::optional<double> split_or_merge(StateChange& change, ChoiceSource& draws, int frame);
 
 // Whole stretches of curves (move_strokes.cpp).
-/// Along a curve, each patch's predecessor becomes its neighbour's.
+/// Moves each patch's past along a curve to its neighbour.
 std::optional<double> shift_links(StateChange& change, ChoiceSource& draws, int frame);
-/// All links that lay one stroke onto another, all at once: made or undone.
+/// Makes or removes all links between two strokes at once.
 std::optional<double> link_strokes(StateChange& change, ChoiceSource& draws, int frame);
-/// A stroke gets its past from another stroke than before.
+/// Gives a stroke the past of another stroke.
 std::optional<double> relink_stroke(StateChange& change, ChoiceSource& draws, int frame);
 
 }  // namespace emberfold::mcmc

@@ -24,7 +24,7 @@ FitOptions fitting(std::uint64_t seed, bool calibrate) {
   return options;
 }
 
-/// Adds what one more chain tells.
+/// Adds the samples, traces and counts of one more chain.
 void add(InferResult chain, InferResult& all) {
   if (all.chains == 0) {
     all = std::move(chain);
@@ -41,8 +41,8 @@ void add(InferResult chain, InferResult& all) {
   all.proposals += chain.proposals, all.seconds += chain.seconds;
 }
 
-/// A chain from each start, in the sense of time in which the start was matched. The two of a pair draw by
-/// the same seed: backwards, the clip has the same two chains for its own readings, the other way about.
+/// Samples a chain from each start, in the time direction in which the start was matched. The two of a pair
+/// have the same seed: a reversed clip has the same two chains, in exchanged order.
 InferResult sample_readings(const std::vector<graph::MotionGraph>& starts, const std::vector<bool>& backwards,
                             const InferOptions& options, std::uint64_t seed, const core::Context& context) {
   InferResult all;

@@ -13,19 +13,19 @@
 
 namespace emberfold::mcmc {
 
-/// What samples of a clip's posterior tell.
+/// Holds what the samples of a clip's posterior give: graphs, events and the motion model.
 struct MultiChainResult {
   InferResult sampler;
   graph::MotionGraph motion;         ///< the sample whose events agree most with all
-  std::vector<graph::Event> events;  ///< pooled, of whatever probability; strokes named as in `motion`
-  FitResult fitted;            ///< to a sample of each chain
+  std::vector<graph::Event> events;  ///< pooled, of any probability; strokes named as in `motion`
+  FitResult fitted;                  ///< to a sample of each chain
 };
 
-/// From matched readings of a clip to graphs, events and the motion model: a chain from
-/// each start, run in the sense of time in which the start was matched, and their samples, all told forwards,
-/// pooled. So the clip run backwards has the same two chains from its own readings: the density is one of
-/// graphs drawn forwards and its two senses differ where it is in doubt. `backwards`: whether each start was
-/// matched backwards in time. Throws core::Cancelled; InputError for no start, or another number of readings.
+/// Samples graphs, events and the motion model from matched readings of a clip.
+/// One chain starts from each reading and runs in the time direction in which that was matched (`backwards`).
+/// All samples are turned forwards and pooled. So a reversed clip has the same two chains: the density models
+/// graphs drawn forwards, and its two directions differ on ambiguous clips. Throws core::Cancelled;
+/// core::InputError for no start, or lists of different lengths.
 MultiChainResult sample_chains(const std::vector<graph::MotionGraph>& starts,
                                const std::vector<bool>& backwards, const InferOptions& options,
                                std::uint64_t seed, const core::Context& context);

@@ -7,12 +7,13 @@
 
 namespace emberfold::mcmc {
 
-/// About what θ is learned: usual numbers for as many patches as the start has, and the displacement of `learned`.
+/// Returns the centre of θ's prior: usual numbers for the start's patches, the displacement's law of
+/// `learned`.
 SamplerParameters prior_parameters(const graph::MotionGraph& start, const MotionModel& learned);
 
-/// The patches of a stroke move, turn and flicker together, which the density does not know: taken as
-/// independent, a stroke that jumps would rather be dead and another one born. So what spreads they have are
-/// learned, and then taken wider.
+/// Widens the spreads of a learned θ.
+/// The patches of a stroke move, turn and flicker together, which the density does not model. Taken as
+/// independent, a stroke that jumps would be more likely to die while another one is born.
 SamplerParameters widen_spreads(SamplerParameters theta);
 
 }  // namespace emberfold::mcmc

@@ -28,7 +28,7 @@ int poisson(core::Rng& rng, double mean) {
   return n;
 }
 
-// How many times wider than usual: now and then the sketch errs.
+// Factor of a spread: kOutlierScale for errors of the sketch, else 1.
 double draw_outlier_scale(core::Rng& rng) {
   return rng.uniform() < kOutlierShare ? kOutlierScale : 1;
 }
@@ -61,7 +61,7 @@ class PriorSimulator {
   }
 
  private:
-  /// What is born in a frame, before it is known which index it gets.
+  /// Patch born in a frame, before its index is known.
   struct Birth {
     Patch patch;
     Index from = kNone;                    ///< a node that goes on
@@ -72,7 +72,8 @@ class PriorSimulator {
     const Index i = g_.add_candidate(t, patch);
     const Point p = patch.position;
     if (!(p.x >= 0 && p.y >= 0 && p.x <= g_.width() && p.y <= g_.height()))
-      g_.set_map_values(i, -std::numeric_limits<double>::infinity(), kPlaces / 2, {});  // it can only have grown
+      g_.set_map_values(i, -std::numeric_limits<double>::infinity(), kPlaces / 2,
+                        {});  // it can only have grown
     g_.activate(i);
     return i;
   }
@@ -83,7 +84,7 @@ class PriorSimulator {
   }
 
   void go_on(int t) {
-    // Outcomes in order; a merge waits until what it goes into has gone on.
+    // Outcomes in order; a merge waits until its target has been continued.
     for (const Index v : in_order(t)) {
       const std::size_t targets = merge_targets(g_, v);
       auto chances = theta_.outcome[outcome_context_of(g_, v)];
@@ -109,10 +110,10 @@ class PriorSimulator {
   void successor(Index v, bool split) {
     const Node past = g_[v];
     const double wider = split ? theta_.split_spread : 1;
-    // Its displacement is drawn in the sense of its own normal, which a turn of a half may reverse.
+    // The displacement is along the normal, which a turn by π may reverse.
     const double theta = draw_turned(rng_, past.patch.theta, draw_outlier_scale(rng_) * theta_.turn);
-    Patch patch =
-        make_patch({}, theta, past.log_contrast + draw_outlier_scale(rng_) * theta_.flicker * rng_.normal(), past.kind);
+    Patch patch = make_patch(
+        {}, theta, past.log_contrast + draw_outlier_scale(rng_) * theta_.flicker * rng_.normal(), past.kind);
     const Point tangent{std::cos(theta), std::sin(theta)};
     const double same = graph::dot(tangent, past.tangent) < 0 ? -1 : 1;
     const auto displacement = density_.displacement_given_past(g_, v, same);
@@ -149,12 +150,12 @@ class PriorSimulator {
     if (rng_.uniform() < theta_.branch) {
       const double r = theta_.branch_reach * std::sqrt(rng_.uniform()), a = rng_.uniform(-pi, pi);
       return make_patch(from.patch.position + Point{r * std::cos(a), r * std::sin(a)}, rng_.uniform(-pi, pi),
-                   contrast, what);
+                        contrast, what);
     }
     const double along = (rng_.below(2) == 1 ? 1 : -1) * theta_.step + theta_.step_sd * rng_.normal();
     const double side = theta_.side_sd * rng_.normal();
     return make_patch(from.patch.position + from.tangent * along + from.normal() * side,
-                 draw_turned(rng_, from.patch.theta, theta_.bend_sd), contrast, what);
+                      draw_turned(rng_, from.patch.theta, theta_.bend_sd), contrast, what);
   }
 
   void grow(const Node& from, double mean, bool onwards, const Birth& as, std::vector<Birth>& births) {
@@ -210,8 +211,8 @@ class PriorSimulator {
 
 }  // namespace
 
-HiddenGraph simulate_prior(const SamplerParameters& theta, int width, int height, int frames, const Gates& gates,
-                         core::Rng& rng) {
+HiddenGraph simulate_prior(const SamplerParameters& theta, int width, int height, int frames,
+                           const Gates& gates, core::Rng& rng) {
   if (frames < 1)
     throw core::InputError("forward: " + std::to_string(frames) + " frames, allowed is 1 or more");
   validate(theta);

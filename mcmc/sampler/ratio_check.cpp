@@ -12,7 +12,7 @@ namespace emberfold::mcmc {
 
 namespace {
 
-/// Follows one way through a move's draws after another.
+/// Enumerates all outcomes of a move's draws.
 class EveryDraw final : public ChoiceSource {
  public:
   std::size_t below(std::size_t count) override {
@@ -25,10 +25,10 @@ class EveryDraw final : public ChoiceSource {
     chance_ /= sd * std::sqrt(2 * std::numbers::pi);
     return mean;
   }
-  /// Chance, or density, of the draws since begin().
+  /// Returns the probability, or density, of the draws since begin().
   [[nodiscard]] double chance() const { return chance_; }
   void begin() { chance_ = 1, at_ = 0; }
-  /// On to the next way; false after the last.
+  /// Advances to the next outcome; false after the last.
   bool advance() {
     while (!ways_.empty() && ways_.back().first + 1 == ways_.back().second) ways_.pop_back();
     if (ways_.empty()) return false;
@@ -48,7 +48,7 @@ class EveryDraw final : public ChoiceSource {
   double chance_ = 1;
 };
 
-/// All of a state that can change, in an order of its own.
+/// All of a state that can change, in a fixed order.
 using Key = std::vector<std::uint64_t>;
 Key key(const HiddenGraph& g) {
   Key key;
@@ -84,7 +84,7 @@ struct States {
   }
 };
 
-/// Every state that the move reaches from this one, with its chances.
+/// States that the move reaches from this one, with their probabilities.
 std::map<std::size_t, Reached> follow(States& states, std::size_t from, const Density& density,
                                       const CheckedMove& move, int frame, RatioReport& report) {
   std::map<std::size_t, Reached> reached;
@@ -127,7 +127,7 @@ std::vector<double> normalised(const std::vector<double>& log_density) {
 }
 
 void compare(const States& states, const std::vector<double>& pi, const Kernel& kernel, RatioReport& report) {
-  // Draws with a density are not chances: the kernel is checked as a flow, scaled by what it draws.
+  // Draws with a density have no probability: the kernel is checked as a flow, scaled by the drawn density.
   const auto flow = [&](std::size_t x, const Reached& to) {
     double sum = 0;
     for (std::size_t k = 0; k < to.claimed.size(); ++k)
@@ -152,7 +152,7 @@ void compare(const States& states, const std::vector<double>& pi, const Kernel& 
 }
 
 std::size_t count_classes(const std::vector<std::vector<std::size_t>>& to) {
-  // All moves have a way back, or worst_ratio is infinite: reaching is enough.
+  // All moves have a way back, or worst_ratio is infinite, so reachability gives the classes.
   std::vector<bool> seen(to.size(), false);
   std::size_t classes = 0;
   for (std::size_t x = 0; x < to.size(); ++x) {

@@ -10,28 +10,29 @@
 
 namespace emberfold::mcmc {
 
-/// A move as the checker takes it: any function like Propose, so that a wrong one can be checked too.
+/// A move to check: any function like Propose, so that a wrong one can be checked too.
 using CheckedMove = std::function<std::optional<double>(StateChange& change, ChoiceSource& draws, int frame)>;
 
-/// What following every draw of a move from every state shows.
+/// Holds the largest errors over every draw of every move from every state.
 struct RatioReport {
   std::size_t states = 0, transitions = 0;
   bool complete = true;  ///< all states that the moves reach were visited
-  /// Largest |claimed − enumerated|: of the log of π(x′) q(x′ → x) / π(x) q(x → x′). Infinite where there is
-  /// no way back.
+  /// Largest |claimed − enumerated| log of π(x′) q(x′ → x) / π(x) q(x → x′). Infinite where there is no way
+  /// back.
   double worst_ratio = 0;
-  /// Largest |π(x) K(x, x′) − π(x′) K(x′, x)|, π normalised over the states, K the kernel with acceptance.
+  /// Largest |π(x) K(x, x′) − π(x′) K(x′, x)|; π is normalised over the states, K is the kernel with
+  /// acceptance.
   double worst_balance = 0;
-  /// Largest |Σ of the steps' gains − the difference of the whole density|, nats.
+  /// Largest |Σ of the steps' gains − difference of the whole density|, nats.
   double worst_gain = 0;
   std::size_t classes = 0;  ///< communicating classes of the states
   bool restored = true;     ///< every undone move left the state as it was
 };
 
-/// Enumerates all states that moves reach from `start` (at most `most`), and all outcomes of all draws of
-/// each move in each frame, with their chances: a draw of `below` and `pick` is followed to each side, a
-/// `normal` is its mean,
-/// with its density there. For models of some thousand states. A claimed ratio must be that of the sums over
+/// Enumerates the states that moves reach from `start` (at most `most`) and checks their ratios.
+/// All outcomes of all draws of each move in each frame are followed with their probabilities; a draw of
+/// `normal` is its mean, with the density there. A claimed ratio must be that of the sums over all draws that
+/// lead from one state to the other. For models of some thousand states. O(states · outcomes · nodes).
 /// all draws that lead from one state to the other. O(states · outcomes · nodes).
 RatioReport check_ratios(const HiddenGraph& start, const Density& density,
                          const std::vector<CheckedMove>& moves, std::size_t most = 20000);

@@ -38,7 +38,7 @@ void FactorCache::invalidate_arrivals() {
 StateChange::StateChange(HiddenGraph& g, const Density& density, FactorCache& cache, std::uint32_t who)
     : g_(g), density_(density), cache_(cache), stamp_((std::uint64_t{who} + 1) << 32U) {}
 
-// ---- what each step touches ----
+// ---- factors that each step changes ----
 
 void StateChange::begin() {
   if (!steps_.empty()) return;
@@ -63,7 +63,7 @@ void StateChange::note_presence(Index w) {
   if (note(w, FactorCache::kPresence)) presences_.push_back(w);
 }
 
-// StepKind becomes of x changes; `dies`: whether it dies does.
+// The outcome of x changes; `dies`: also whether it dies.
 void StateChange::note_outcomes_about(Index x, bool dies) {
   note_outcome(x);
   for (const Index guest : g_.guests(x))
@@ -89,7 +89,7 @@ void StateChange::note_link(Index v, Index w, bool last) {
   for (const Index c : from.next) note_arrival(c);
   for (const Index c : to.next) note_arrival(c);
   note_grown_from(w);
-  // Whether w is new, or not, is for those to know that come before it.
+  // The births of nodes that w precedes depend on whether w is new.
   if (to.prev.size() <= 1)
     for (const NeighbourCandidate& near : g_.neighbours(w))
       if (near.earlier && g_.is_active(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
@@ -137,13 +137,14 @@ void StateChange::note_isolated(Index i) {
     if (!near.earlier && g_.is_active(near.node) && !g_.has_past(near.node)) note_arrival(near.node);
 }
 
-// ---- what the factors are ----
+// ---- values of the factors ----
 
 // All noted pairs, each once.
 template <class Visit>
 void StateChange::visit_pairs(Visit visit) const {
-  const auto paired = [&](Index x) {  // few are: to look through them is quicker than to look x up
-    return paired_.size() <= 4 ? std::ranges::find(paired_, x) != paired_.end() : noted(x, FactorCache::kPairs);
+  const auto paired = [&](Index x) {  // usually few, so a search is faster than a lookup
+    return paired_.size() <= 4 ? std::ranges::find(paired_, x) != paired_.end()
+                               : noted(x, FactorCache::kPairs);
   };
   for (const Index w : paired_) {
     const auto candidates = g_.neighbours(w);
@@ -166,7 +167,7 @@ double StateChange::sum() const {
   return sum;
 }
 
-// The sum in the state before, of which all factors must be known.
+// Sum in the former state; none where a factor is not known.
 std::optional<double> StateChange::known_sum() const {
   if (!cache_.enabled_) return std::nullopt;
   double sum = 0;
@@ -186,7 +187,8 @@ std::optional<double> StateChange::known_sum() const {
   return std::isnan(sum) ? std::nullopt : std::optional(sum);
 }
 
-// The same once the state before is there again. StepKind is not known is evaluated, and kept.
+// Sum of the noted factors in the former state, once that is restored. Computes and stores factors that are
+// not known.
 double StateChange::former_sum() {
   double sum = 0;
   const auto add = [&](const std::vector<Index>& list, Factor factor, double FactorCache::Mark::*value,
@@ -216,8 +218,8 @@ double StateChange::former_sum() {
   return sum;
 }
 
-// Whether the factors as they are now may sum to `need`: they are evaluated as long as those that are left
-// could still make up for what is missing.
+// True if the noted factors may sum to `need` in the new state. They are evaluated only as long as upper
+// bounds of the rest could still make up the difference.
 bool StateChange::may_reach(double need) const {
   const double enough = need - 1e-9 * (1 + std::abs(need));  // rounding decides nothing
   double most = 0;
@@ -230,7 +232,8 @@ bool StateChange::may_reach(double need) const {
   if (most < enough) return false;
   for (std::size_t k = 0; k < std::max(arrivals_.size(), outcomes_.size()); ++k) {
     if (k < arrivals_.size() && g_.is_active(arrivals_[k]))
-      most += density_.log_birth_or_survival(g_, arrivals_[k]) - density_.max_log_birth_or_survival(g_, arrivals_[k]);
+      most += density_.log_birth_or_survival(g_, arrivals_[k]) -
+              density_.max_log_birth_or_survival(g_, arrivals_[k]);
     if (k < outcomes_.size() && g_.is_active(outcomes_[k]))
       most += density_.log_outcome(g_, outcomes_[k]) - density_.max_log_outcome();
     if (most < enough) return false;
@@ -378,7 +381,8 @@ void StateChange::invalidate_noted() {
   invalidate(presences_, FactorCache::kPresence);
   visit_pairs([&](Index w, std::size_t k) {
     const Index x = g_.neighbours(w)[k].node;
-    const auto back = std::ranges::find(g_.neighbours(x), w, &NeighbourCandidate::node) - g_.neighbours(x).begin();
+    const auto back =
+        std::ranges::find(g_.neighbours(x), w, &NeighbourCandidate::node) - g_.neighbours(x).begin();
     cache_.pairs_[cache_.first_[w] + k] = kUnknown;
     cache_.pairs_[cache_.first_[x] + static_cast<std::size_t>(back)] = kUnknown;
   });

@@ -10,38 +10,41 @@
 
 namespace emberfold::mcmc {
 
-/// What an edit has noted, so that it counts it once, and what factors are. One serves all edits of a state,
-/// also at the same time if they lie six frames apart and their `who` differ.
+/// Marks the factors that a change has noted, so that each counts once, and caches their values.
+/// One cache serves all changes of a state, also at the same time if they lie six frames apart and their
+/// `who` differ.
 class FactorCache {
  public:
-  /// For edits of states of up to so many nodes.
+  /// Prepares for changes of states of up to so many nodes.
   void resize(std::size_t nodes) { marks_.resize(nodes); }
-  /// The same, and what factors are is kept from one edit to the next. Who changes the state or θ by other
-  /// means than edits that are kept tells it to forget; candidates stay what they are.
+  /// Prepares for changes of `g`, and keeps factors from one change to the next.
+  /// Call invalidate() after changing the state or θ by other means than committed changes. Candidates must
+  /// stay the same.
   void enable(const HiddenGraph& g);
+  /// Forgets all factors.
   void invalidate();
-  /// Sways have changed, nothing else.
+  /// Forgets the factors that depend on displacements.
   void invalidate_arrivals();
 
  private:
   friend class StateChange;
   enum Factor : std::uint8_t { kOutcome = 1, kArrival = 2, kPresence = 4, kPairs = 8 };
   struct alignas(64) Mark {
-    std::uint64_t stamp = 0;  ///< of the edit that noted it
+    std::uint64_t stamp = 0;  ///< of the change that noted it
     std::uint8_t noted = 0, known = 0;
     double outcome = 0, arrival = 0, presence = 0;  ///< where known; 0 of a node that is off
   };
   std::vector<Mark> marks_;
   bool enabled_ = false;
-  /// Of each node's pairs with those beside it, from first_[node] on; NaN where not known.
+  /// Factors of each node's pairs with its neighbours, from first_[node] on; NaN where not known.
   std::vector<std::size_t> first_;
   std::vector<double> pairs_;
 };
 
-/// A change of a state, step by step, and what it does to its density. Each step notes the factors that it
-/// touches; gain() evaluates all of them before and after, each once. Until keep(), rollback() takes all steps
-/// back and leaves the state as it was, bit by bit. Steps ask nothing: whether they may be taken is the
-/// caller's to know.
+/// Changes a state step by step and computes the change of its density.
+/// Each step notes the factors that it touches; gain() evaluates each of them once before and once after.
+/// Until commit(), rollback() takes all steps back and restores the state bit by bit. Steps do not check
+/// whether they are allowed.
 class StateChange {
  public:
   StateChange(HiddenGraph& g, const Density& density, FactorCache& cache, std::uint32_t who = 0);
@@ -54,8 +57,9 @@ class StateChange {
   void deactivate(Index i);
   void set_displacement(Index i, double displacement);
 
-  /// Change of the log density since it began or was last kept; −∞ where the state that it led to cannot be,
-  /// and also where it is certain to be less than `least` (which costs less than to evaluate it all).
+  /// Returns the change of the log density since the start or the last commit().
+  /// −∞ where the state is impossible, and where the change is certain to be below `least` (cheaper than the
+  /// full sum).
   [[nodiscard]] double gain(double least = -std::numeric_limits<double>::infinity());
   [[nodiscard]] const HiddenGraph& state() const { return g_; }
   [[nodiscard]] const Density& density() const { return density_; }
@@ -64,14 +68,22 @@ class StateChange {
   void rollback();
 
  private:
-  enum class StepKind : std::uint8_t { link, unlink, add_edge, remove_edge, activate, deactivate, displacement };
+  enum class StepKind : std::uint8_t {
+    link,
+    unlink,
+    add_edge,
+    remove_edge,
+    activate,
+    deactivate,
+    displacement
+  };
   struct Step {
     StepKind kind = StepKind::link;
     Index a = 0, b = 0;
     HiddenGraph::Places at;
     double displacement = 0;
   };
-  /// Two nodes of a frame: `beside` is a place in g.beside(node).
+  /// Two nodes of a frame: `place` is an index into g.neighbours(node).
   struct Pair {
     Index node = 0;
     std::size_t place = 0;
@@ -108,7 +120,7 @@ class StateChange {
   const Density& density_;
   FactorCache& cache_;
   std::uint64_t stamp_;
-  double edges_ = 0;  ///< gain of evidence for edges
+  double edges_ = 0;  ///< change of the edges' evidence
   std::vector<Step> steps_;
   std::vector<Index> outcomes_, arrivals_, presences_, paired_;
   std::vector<Pair> pairs_;

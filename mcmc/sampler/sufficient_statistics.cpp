@@ -30,7 +30,8 @@ void add_displacement(const HiddenGraph& g, Index w, SufficientStatistics& t) {
   if (past.prev.size() != 1) return;
   const Node& before = g[past.prev[0]];
   const double y = sense(past, node) * node.displacement;
-  const std::array z = {past.displacement, sense(before, past) * before.displacement, neighbour_displacement(g, v) - past.displacement};
+  const std::array z = {past.displacement, sense(before, past) * before.displacement,
+                        neighbour_displacement(g, v) - past.displacement};
   std::size_t k = 0;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j <= i; ++j) t.displacement_zz[k++] += z[i] * z[j];
@@ -39,7 +40,7 @@ void add_displacement(const HiddenGraph& g, Index w, SufficientStatistics& t) {
   t.displacement_count += 1;
 }
 
-// A square as it counts for the narrower of both spreads (kErrs).
+// Expected square at the narrower spread: an outlier counts 1 / kOutlierScale² (kOutlierShare).
 double narrow_square(double x, double sd) {
   const double wide = Density::outlier_probability(x / sd);
   return x * x * (1 - wide + wide / (kOutlierScale * kOutlierScale));
@@ -57,11 +58,12 @@ void add_survival(const HiddenGraph& g, Index w, const SamplerParameters& theta,
   t.flicker2 += narrow_square(offset.flicker, theta.flicker);
 }
 
-void add_grown(const Node& from, const Node& w, double share, const SamplerParameters& theta, SufficientStatistics& t) {
+void add_grown(const Node& from, const Node& w, double share, const SamplerParameters& theta,
+               SufficientStatistics& t) {
   const Point apart = w.patch.position - from.patch.position;
   const double along = std::abs(graph::dot(apart, from.tangent)), side = graph::dot(apart, from.normal());
   const double bend = turn_between(from, w), contrast = w.log_contrast - from.log_contrast;
-  // Along the curve, or a branch: whichever is nearer to what they usually are.
+  // Counts as grown along the curve if near its usual step, side and bend, else as a branch.
   const double z = (along - theta.step) / theta.step_sd, u = side / theta.side_sd, b = bend / theta.bend_sd;
   const bool on_curve = z * z + u * u + b * b < 14;
   (on_curve ? t.grown_along_curve : t.grown_elsewhere) += share;
@@ -110,15 +112,16 @@ void add_pairs(const HiddenGraph& g, Index a, SufficientStatistics& t) {
 double chance(double events, double exposure, double prior, double weight) {
   return std::clamp((events + weight * prior) / (exposure + weight), 1e-6, 1 - 1e-6);
 }
-/// SD from a sum of squares, with some at the prior's.
+/// SD from a sum of squares and `weight` more at the prior's SD.
 double spread(double squares, double count, double prior, double weight) {
   return std::sqrt((squares + weight * prior * prior) / (count + weight));
 }
 
-void learn_outcomes(const SufficientStatistics& t, const SamplerParameters& prior, double weight, SamplerParameters& theta) {
+void learn_outcomes(const SufficientStatistics& t, const SamplerParameters& prior, double weight,
+                    SamplerParameters& theta) {
   for (std::size_t c = 0; c < kOutcomeContexts; ++c) {
     const auto& n = t.outcome[c];
-    // Where nothing was there to merge into, merges are counted as often as they would have been.
+    // Occasions without a patch to merge into: merges count as often as they would have happened.
     const double virtual_merges = t.no_target[c] * prior.outcome[c][3] / (1 - prior.outcome[c][3]);
     const double died = chance(n[0], t.exposed[c] + virtual_merges, prior.outcome[c][0], weight);
     const double stayed = n[1] + n[2] + n[3] + virtual_merges, alive = 1 - prior.outcome[c][0];
@@ -129,7 +132,8 @@ void learn_outcomes(const SufficientStatistics& t, const SamplerParameters& prio
   theta.split_more = chance(t.more_parts, t.splits + t.more_parts, prior.split_more, weight);
 }
 
-void learn_edges(const SufficientStatistics& t, const SamplerParameters& prior, double weight, SamplerParameters& theta) {
+void learn_edges(const SufficientStatistics& t, const SamplerParameters& prior, double weight,
+                 SamplerParameters& theta) {
   for (std::size_t k = 0; k < kCloseness; ++k) {
     for (std::size_t w = 0; w < 3; ++w)
       theta.join[w][k] = chance(t.join[w][k].joined, t.join[w][k].exposure, prior.join[w][k], weight);
@@ -138,7 +142,8 @@ void learn_edges(const SufficientStatistics& t, const SamplerParameters& prior, 
   }
 }
 
-void learn_births(const SufficientStatistics& t, const SamplerParameters& prior, double area, double weight, SamplerParameters& theta) {
+void learn_births(const SufficientStatistics& t, const SamplerParameters& prior, double area, double weight,
+                  SamplerParameters& theta) {
   const auto rate = [&](double n, double exposure, double usual) {
     return (n + weight * usual) / (exposure + weight);
   };
@@ -161,7 +166,8 @@ void learn_births(const SufficientStatistics& t, const SamplerParameters& prior,
   for (double& p : theta.kinds) p /= sum;
 }
 
-void learn_growth(const SufficientStatistics& t, const SamplerParameters& prior, double weight, SamplerParameters& theta) {
+void learn_growth(const SufficientStatistics& t, const SamplerParameters& prior, double weight,
+                  SamplerParameters& theta) {
   const double n = t.grown_along_curve, all = n + t.grown_elsewhere;
   theta.branch = std::clamp(chance(t.grown_elsewhere, all, prior.branch, weight), 0.01, 0.5);
   theta.step = (t.step + weight * prior.step) / (n + weight);
@@ -194,7 +200,8 @@ Autoregression learn_displacement(const SufficientStatistics& t, const Autoregre
   displacement.a1 = a[0], displacement.a2 = a[1], displacement.coupling = a[2];
   const double squares = t.displacement_yy - 2 * a.dot(zy) + a.dot(zz * a);
   displacement.noise = spread(std::max(squares, 0.0), t.displacement_count, prior.noise, weight);
-  for (double radius = spectral_radius(displacement); radius > 0.995; radius = spectral_radius(displacement)) {
+  for (double radius = spectral_radius(displacement); radius > 0.995;
+       radius = spectral_radius(displacement)) {
     const double scale = 0.9949 / radius;
     displacement.a1 *= scale, displacement.a2 *= scale * scale, displacement.coupling *= scale;
   }
@@ -204,8 +211,9 @@ Autoregression learn_displacement(const SufficientStatistics& t, const Autoregre
 }  // namespace
 
 void SufficientStatistics::blend(const SufficientStatistics& other, double gamma) {
-  static_assert(std::is_trivially_copyable_v<SufficientStatistics> && sizeof(SufficientStatistics) % sizeof(double) == 0);
-  // All of it is doubles.
+  static_assert(std::is_trivially_copyable_v<SufficientStatistics> &&
+                sizeof(SufficientStatistics) % sizeof(double) == 0);
+  // All members are doubles.
   std::array<double, sizeof(SufficientStatistics) / sizeof(double)> mine{}, theirs{};
   std::memcpy(mine.data(), this, sizeof(SufficientStatistics));
   std::memcpy(theirs.data(), &other, sizeof(SufficientStatistics));
@@ -235,7 +243,8 @@ SufficientStatistics sufficient_statistics(const HiddenGraph& g, const Density& 
   return t;
 }
 
-SamplerParameters most_likely_parameters(const SufficientStatistics& t, const SamplerParameters& prior, double area, double weight) {
+SamplerParameters most_likely_parameters(const SufficientStatistics& t, const SamplerParameters& prior,
+                                         double area, double weight) {
   SamplerParameters theta = prior;
   learn_outcomes(t, prior, weight, theta);
   learn_edges(t, prior, weight, theta);

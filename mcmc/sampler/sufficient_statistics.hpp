@@ -5,14 +5,14 @@
 
 namespace emberfold::mcmc {
 
-/// Sufficient statistics of θ in a state: what happened, how often it could have, and sums of squares.
-/// Where a new patch may have come in several ways each counts by its chance (Density::origins).
+/// Holds the sufficient statistics of θ in a state: events, occasions and sums of squares.
+/// A new patch that may have come in several ways counts in each by its probability (Density::origins).
 struct SufficientStatistics {
-  std::array<std::array<double, kOutcomes>, kOutcomeContexts> outcome{};  ///< how often each was
-  std::array<double, kOutcomeContexts> exposed{};                         ///< Σ of the death map over the occasions
-  std::array<double, kOutcomeContexts> no_target{};  ///< occasions without anything to merge into
-  double splits = 0, more_parts = 0;         ///< parts beyond two
-  std::array<double, 2> begun{};             ///< strokes, in frame 0 and later
+  std::array<std::array<double, kOutcomes>, kOutcomeContexts> outcome{};  ///< number of each
+  std::array<double, kOutcomeContexts> exposed{};    ///< Σ of the death map over the occasions
+  std::array<double, kOutcomeContexts> no_target{};  ///< occasions without a patch to merge into
+  double splits = 0, more_parts = 0;                 ///< parts beyond two
+  std::array<double, 2> begun{};                     ///< strokes, in frame 0 and later
   double later_frames = 0;
   std::array<double, kParentClasses> grown{}, parents{};
   double first_grown = 0, first_parents = 0;
@@ -26,22 +26,23 @@ struct SufficientStatistics {
   std::array<double, 3> kinds{};
   double grown_along_curve = 0, grown_elsewhere = 0, step = 0, step2 = 0, side2 = 0, bend2 = 0,
          grown_contrast2 = 0, other_kind = 0;
-  /// Of displacements with two of past, z = (d(t), d(t−1), n̄(t) − d(t)): Σ z zᵀ (lower triangle), Σ z y, Σ y², how
-  /// many.
+  /// Sums over displacements with a past of two frames, z = (d(t), d(t−1), n̄(t) − d(t)), y = d(t+1): Σ z zᵀ
+  /// (lower triangle), Σ z y, Σ y² and their number.
   std::array<double, 6> displacement_zz{};
   std::array<double, 3> displacement_zy{};
   double displacement_yy = 0, displacement_count = 0;
 
-  /// this += γ (other − this), every number of it.
+  /// Adds γ (other − this) to every number.
   void blend(const SufficientStatistics& other, double gamma);
 };
 
-/// O(nodes). `density`: of the θ that tells how new patches have come.
+/// Computes the statistics. `density` has the θ that weighs the ways in which new patches came. O(nodes).
 SufficientStatistics sufficient_statistics(const HiddenGraph& g, const Density& density);
 
-/// The θ of greatest posterior density given the tallies, under weak conjugate priors about `prior`, each
-/// worth `weight` occasions. What the tallies do not tell of is taken over from `prior`. A displacement that would
-/// not be stable is drawn back to a spectral radius of 0.995.
-SamplerParameters most_likely_parameters(const SufficientStatistics& statistics, const SamplerParameters& prior, double area, double weight = 2);
+/// Returns the θ of greatest posterior density, under weak conjugate priors about `prior`.
+/// Each prior is worth `weight` occasions. Numbers without statistics are taken from `prior`. An unstable law
+/// of the displacement is drawn back to a spectral radius of 0.995.
+SamplerParameters most_likely_parameters(const SufficientStatistics& statistics,
+                                         const SamplerParameters& prior, double area, double weight = 2);
 
 }  // namespace emberfold::mcmc

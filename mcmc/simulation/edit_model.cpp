@@ -45,7 +45,7 @@ double power(double share, double factor) {
   return 1 - std::pow(1 - std::clamp(share, 0.0, 1.0), factor);
 }
 
-// Shares of so many frames as they are when time runs faster; slower, within the frames that there are.
+// Resamples shares at `factor` times the speed, or as slowly as the whole rise fits into the frames.
 void resample_fade(std::array<double, 8>& shares, double factor) {
   double rising = 0;  // frames until it is all there
   for (std::size_t k = 0; k < shares.size(); ++k)
@@ -83,7 +83,7 @@ void speed_up(MotionModel& model, double factor, std::uint64_t seed, const core:
 
 // --- reversal
 
-// Where strokes die becomes where they are born, and the other way about.
+// Exchanges the maps of births and deaths.
 void swap_maps(MotionModel& model) {
   auto& rates = model.rates;
   const double mean = sum(model.density) / static_cast<double>(model.density.values.size());
@@ -101,7 +101,8 @@ void swap_maps(MotionModel& model) {
   if (level > 0) rates.death = begins;
 }
 
-// Unions need strokes that lie near each other: not as many can be had as came apart, in any model.
+// Notes numbers that were not reached. Unions need strokes near each other, so not every number of
+// separations can be reversed.
 void note_unmet(const EventStatistics& wanted, EditedMotion& result, std::uint64_t seed,
                 const core::Context& context) {
   const EventStatistics seen = detail::measure_event_statistics(result.model, seed, context);
@@ -120,7 +121,8 @@ void reverse_time(EditedMotion& result, std::uint64_t seed, const core::Context&
   const auto born = births_by_size(model);
   std::array<double, kSizeClasses> dying{};
   double deaths = 0;
-  for (std::size_t s = 0; s < kSizeClasses; ++s) deaths += dying[s] = rates.death_by_size[s] * shown.strokes[s];
+  for (std::size_t s = 0; s < kSizeClasses; ++s)
+    deaths += dying[s] = rates.death_by_size[s] * shown.strokes[s];
   for (std::size_t s = 0; s < kSizeClasses; ++s) {
     const double rate = shown.strokes[s] > 0 ? born[s] / shown.strokes[s] : rates.death_by_size[s];
     rates.death_by_size[s] = std::min(1.0, rate);
@@ -130,7 +132,8 @@ void reverse_time(EditedMotion& result, std::uint64_t seed, const core::Context&
   if (deaths > 0)
     for (double& value : dying) value *= at(EventType::death) / deaths;
   set_births(model, dying, shown.strokes);
-  // As many unions as there were separations; one that was never seen begins where the other was.
+  // Unions become as frequent as separations were; an event that was never observed starts with the other's
+  // rate.
   const auto exchange = [&](EventType a, EventType b, double& rate_a, double& rate_b) {
     const double turned_a = at(a) > 0 ? rate_a * at(b) / at(a) : rate_b;
     rate_b = std::min(1.0, at(b) > 0 ? rate_b * at(a) / at(b) : rate_a);
@@ -159,7 +162,7 @@ double coarseness(const graph::AttributeGraph& graph) {
   return all / static_cast<double>(graph.size());
 }
 
-// Half of the exemplars' patches belong to strokes that are coarser.
+// Coarseness that halves the exemplars' patches.
 double usual_coarseness(const MotionModel& model) {
   std::vector<std::pair<double, std::size_t>> strokes;
   std::size_t patches = 0;
@@ -180,7 +183,7 @@ graph::AttributeGraph stroke(const graph::AttributeGraph& graph, const std::vect
   return {std::move(vertices), {}};
 }
 
-// Leaves those of the first frame's strokes that `keep` says.
+// Keeps the first frame's strokes that `keep` accepts.
 template <class Keep>
 void keep_first(MotionModel& model, const Keep& keep) {
   const auto& graph = model.first;
@@ -201,7 +204,7 @@ void keep_first(MotionModel& model, const Keep& keep) {
   model.first_motion = std::move(motions);
 }
 
-// Returns how many of the births are left.
+// Returns the share of births that is left.
 double choose_strokes(MotionModel& model, StrokeChoice choice) {
   const double usual = usual_coarseness(model);
   const auto keep = [&](const graph::AttributeGraph& graph) {

@@ -44,7 +44,7 @@ void scale_rate(MotionModel& model, EventType type, double factor) {
   }
 }
 
-// The strokes as they are now, but for what fades, become those that a clip begins with.
+// Makes the present strokes, without the fading ones, the first frame of the model.
 void set_first_frame(MotionModel& model, SimulatedStrokes strokes) {
   std::vector<bool> fading;
   for (const auto& simulated : strokes.list) fading.push_back(simulated.frames_left >= 0);
@@ -68,7 +68,8 @@ std::string two_decimals(double value) {
 
 }  // namespace
 
-EventStatistics measure_event_statistics(const MotionModel& model, std::uint64_t seed, const core::Context& context) {
+EventStatistics measure_event_statistics(const MotionModel& model, std::uint64_t seed,
+                                         const core::Context& context) {
   const int frames = frames_per_round(model, rounds);
   auto strokes = initial_strokes(model, seed);
   EventStatistics mean;
@@ -85,8 +86,8 @@ EventStatistics measure_event_statistics(const MotionModel& model, std::uint64_t
   return mean;
 }
 
-std::vector<std::string> calibrate_population(MotionModel& model, const TargetEvents& wanted, std::uint64_t seed,
-                                           const core::Context& context) {
+std::vector<std::string> calibrate_population(MotionModel& model, const TargetEvents& wanted,
+                                              std::uint64_t seed, const core::Context& context) {
   const int frames = frames_per_round(model, rounds);
   auto strokes = initial_strokes(model, seed);
   std::array<double, 6> mean{};
@@ -95,8 +96,8 @@ std::vector<std::string> calibrate_population(MotionModel& model, const TargetEv
     const double step = 0.5 / (1 + 0.15 * round);
     CellMap where = model.density;
     std::ranges::fill(where.values, 0.0);
-    const EventStatistics seen =
-        simulate_statistics(strokes, model, seed, static_cast<std::uint32_t>(1 + round * frames), frames, &where);
+    const EventStatistics seen = simulate_statistics(
+        strokes, model, seed, static_cast<std::uint32_t>(1 + round * frames), frames, &where);
     const auto smoothed = spread_over_cells(where, usual_spread);
     for (std::size_t c = 0; c < smoothed.size(); ++c)
       model.density.values[c] += step * (smoothed[c] - model.density.values[c]);
@@ -106,7 +107,7 @@ std::vector<std::string> calibrate_population(MotionModel& model, const TargetEv
       const auto i = static_cast<std::size_t>(type);
       if (wanted[i] && *wanted[i] > 0)
         scale_rate(model, type,
-                 std::pow(std::clamp((*wanted[i] + one) / (seen.events[i] + one), 0.25, 4.0), step));
+                   std::pow(std::clamp((*wanted[i] + one) / (seen.events[i] + one), 0.25, 4.0), step));
       if (round >= rounds - last_rounds) mean[i] += seen.events[i] / last_rounds;
     }
     context.report("settle", (round + 1.0) / rounds);

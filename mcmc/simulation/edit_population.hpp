@@ -13,16 +13,18 @@
 
 namespace emberfold::mcmc::detail {
 
-/// What a clip drawn from the model shows when it has run in.
-EventStatistics measure_event_statistics(const MotionModel& model, std::uint64_t seed, const core::Context& context);
+/// Simulates a clip until the model is stationary and returns its statistics.
+EventStatistics measure_event_statistics(const MotionModel& model, std::uint64_t seed,
+                                         const core::Context& context);
 
-/// Events a frame that are asked for, by kind; the others happen as they may.
+/// Wanted numbers of events a frame, by kind; kinds without a number are free.
 using TargetEvents = std::array<std::optional<double>, 6>;
 
-/// Lets a changed model find the state that it keeps to: rates of events that are asked for are corrected
-/// until these happen as often, the density map becomes what is seen, and the strokes of the last simulated
-/// frame those to begin with. Returns a line for every event that does not happen as often as asked.
-std::vector<std::string> calibrate_population(MotionModel& model, const TargetEvents& wanted, std::uint64_t seed,
-                                           const core::Context& context);
+/// Brings a changed model into its stationary state.
+/// Rates of the wanted events are corrected until these happen as often as wanted. The density map becomes
+/// the simulated one, and the strokes of the last simulated frame become the first frame. Returns a line for
+/// every kind of event that misses its number.
+std::vector<std::string> calibrate_population(MotionModel& model, const TargetEvents& wanted,
+                                              std::uint64_t seed, const core::Context& context);
 
 }  // namespace emberfold::mcmc::detail

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double most_patches = 8e5;  // in all frames that are simulated
 
-// Births, deaths, splits, merges, connects, disconnects: how many strokes more.
+// Strokes gained by births, deaths, splits, merges, connects, disconnects.
 constexpr std::array<double, 6> gained = {1, -1, 1, -1, -1, 1};
 
 void count_strokes(const graph::AttributeGraph& graph, double share, EventStatistics& statistics) {
@@ -54,8 +54,8 @@ void reconcile_event_rates(EventStatistics& statistics) {
 
 namespace detail {
 
-EventStatistics simulate_statistics(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed, std::uint32_t first,
-                int frames, CellMap* where) {
+EventStatistics simulate_statistics(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
+                                    std::uint32_t first, int frames, CellMap* where) {
   EventStatistics result;
   LinkedFrames linked;
   linked.motion.sketch.width = model.width, linked.motion.sketch.height = model.height;

@@ -5,12 +5,13 @@
 
 namespace emberfold::mcmc::detail {
 
-/// Graphs one after another, whose vertices go on where they keep their ids, as a motion graph (which numbers
-/// them anew).
+/// Collects successive graphs as a motion graph.
+/// Vertices that keep their ids are linked; the motion graph numbers them anew.
 struct LinkedFrames {
   graph::MotionGraph motion;
-  graph::AttributeGraph last;  ///< as it was given
+  graph::AttributeGraph last;  ///< with its own ids
 
+  /// Adds the next frame.
   void append(graph::AttributeGraph next);
 };
 

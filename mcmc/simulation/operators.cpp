@@ -23,7 +23,7 @@ using Index = std::uint32_t;
 
 constexpr double crowd_reach = 2;      // cells
 constexpr double spacing = 5;          // px between the patches of a bridge
-constexpr double largest_jitter = 4;      // px, SD: how far from where it was seen an exemplar is born
+constexpr double largest_jitter = 4;   // px, SD: how far from where it was seen an exemplar is born
 constexpr double most_clearance = 40;  // px: strokes farther apart do not keep each other away
 
 // A frame's strokes while operators are drawn for them.
@@ -34,39 +34,41 @@ struct OperatorFrame {
   graph::AttributeGraph graph;
   graph::Components parts;
   double frame;                  ///< the one that is made
-  CellMap density;                 ///< patches around each cell, over what is usual there
+  CellMap density;               ///< patches around each cell, over what is usual there
   std::vector<bool> busy;        ///< strokes that have changed, or of which something fades
   std::array<int, 6> done = {};  ///< how many of each operator
 
-  // What takes patches away happens more often where it is crowded ...
+  // Removals are more frequent where it is crowded ...
   bool draw_removal(Index vertex, double rate) {
     return rng.uniform() < rate * density.at(graph.patch(vertex).position) && !busy[parts.of_vertex[vertex]];
   }
-  // ... and what brings some, more often where it is bare.
+  // ... and additions where it is sparse.
   bool draw_addition(Index vertex, double rate) {
     return rng.uniform() * density.at(graph.patch(vertex).position) < rate && !busy[parts.of_vertex[vertex]];
   }
   [[nodiscard]] double separation_modifier(Index vertex) const {
     const Point place = graph.patch(vertex).position;
     return model.rates.separation.at(place) *
-           modifier_after(model.rates.modifiers.separation, frames_since(strokes.unions, place, fade_out_end()));
+           modifier_after(model.rates.modifiers.separation,
+                          frames_since(strokes.unions, place, fade_out_end()));
   }
   [[nodiscard]] double union_modifier(Index a, Index b) const {
     const Point from = graph.patch(a).position, to = graph.patch(b).position;
     return modifier_after(model.rates.modifiers.unification, frames_since(strokes.separations, from, frame)) *
            model.rates.modifiers.bridging[gap_class(graph::distance(from, to))];
   }
-  // Of an end and a patch of another stroke that it does not continue.
+  // `pair`: an end and a patch of another stroke, not in line.
   [[nodiscard]] double turn_modifier(const OperatorSites::Pair& pair) const {
     return model.rates.modifiers.turning[turn_class(turn_angle_towards(graph, pair))];
   }
-  [[nodiscard]] double modifier_after(const std::array<double, kElapsedClasses>& multiples, double frames) const {
+  [[nodiscard]] double modifier_after(const std::array<double, kElapsedClasses>& multiples,
+                                      double frames) const {
     return multiples[elapsed_class(frames * model.rates.modifiers.pace)];
   }
-  // The frame in which what begins to fade now is no longer there.
+  // Returns the frame in which patches that begin to fade now are gone.
   [[nodiscard]] double fade_out_end() const { return frame + fade_out_frames() + 1; }
   [[nodiscard]] bool is_refractory(Index vertex) const { return strokes.list[vertex].refractory_left > 0; }
-  // Nothing happens there for a while, once what fades is gone.
+  // Starts the refractory period at a patch, after `fades` frames of fading.
   void start_refractory_period(Index vertex, int fades = 0) {
     auto& left = strokes.list[vertex].refractory_left;
     left = std::max(left, fades + static_cast<int>(std::lround(model.rates.refractory_period)));
@@ -91,14 +93,13 @@ void apply_deaths(OperatorFrame& scene) {
   for (std::size_t s = 0; s < all.size(); ++s) {
     int age = 0;
     for (const Index v : all[s]) age = std::max(age, scene.strokes.list[v].age);
-    // The hold of the newly born is in the chance that strokes of their age have.
+    // The refractory period of newborn strokes is part of the death rate by age.
     const bool refractory = std::ranges::any_of(all[s], [&](Index v) { return scene.is_refractory(v); });
     if (refractory && age >= scene.model.rates.refractory_period) continue;
     const double rate = scene.model.rates.death_by_size[size_class(all[s].size())] *
                         scene.model.rates.death.at(stroke_middle(scene.graph, all[s])) *
                         scene.modifier_after(scene.model.rates.modifiers.death, age + fading + 1);
-    // The frames in which it fades are part of its life. What is smaller than any stroke that was seen is
-    // none.
+    // The frames in which it fades are part of its life. Strokes smaller than all exemplars are removed.
     const double sooner = rate / std::max(0.05, 1 - rate * fading);
     if (!scene.draw_removal(all[s][0], all[s].size() < least ? 1 : sooner)) continue;
     scene.mark_busy(all[s][0]);
@@ -107,7 +108,7 @@ void apply_deaths(OperatorFrame& scene) {
   }
 }
 
-// The patches of a curve from `from` on, away from `behind`, up to `most` and not its end; whether that was
+// Patches of a curve from `from` on, away from `behind`, up to `most` and without its end; whether that was
 // reached, and is a free one.
 struct CurveRun {
   std::vector<Index> patches;
@@ -126,7 +127,7 @@ CurveRun run_along(const graph::AttributeGraph& graph, Index behind, Index from,
   return result;
 }
 
-// Lets up to `wide` patches of the run go, at least one, and leaves a piece to a free end.
+// Fades out up to `wide` patches of the run, at least one, and leaves a piece at a free end.
 void fade_out_gap(OperatorFrame& scene, const CurveRun& arm, std::size_t wide) {
   const std::size_t kept = arm.free ? kPiece - 1 : 0, there = arm.patches.size();
   const std::size_t most = there > kept ? there - kept : 1;
@@ -143,7 +144,9 @@ std::size_t patches_of(double gap) {
 void apply_splits(OperatorFrame& scene, const OperatorSites& found) {
   const auto wide = patches_of(scene.model.rates.split_gap);
   for (const Index v : found.split_sites) {
-    if (scene.is_refractory(v) || !scene.draw_removal(v, scene.model.rates.split * scene.separation_modifier(v))) continue;
+    if (scene.is_refractory(v) ||
+        !scene.draw_removal(v, scene.model.rates.split * scene.separation_modifier(v)))
+      continue;
     scene.mark_busy(v);
     scene.count_event(EventType::split);
     scene.strokes.separations.push_back({scene.graph.patch(v).position, scene.fade_out_end()});
@@ -165,23 +168,25 @@ void apply_disconnects(OperatorFrame& scene, const OperatorSites& found) {
     scene.count_event(EventType::disconnect);
     scene.strokes.separations.push_back({scene.graph.patch(hub).position, scene.fade_out_end()});
     const CurveRun arm = run_along(scene.graph, hub, first, 2 * wide + kPiece);
-    // A bridge goes as a whole where it is not much longer than usual; one without patches takes its far end.
+    // A bridge is removed as a whole where it is not much longer than usual; one without patches takes its
+    // far end.
     if (arm.patches.empty())
       scene.fade_out(first);
     else
       fade_out_gap(scene, arm,
-               arm.ended && !arm.free && arm.patches.size() <= 2 * wide ? arm.patches.size() : wide);
+                   arm.ended && !arm.free && arm.patches.size() <= 2 * wide ? arm.patches.size() : wide);
   }
 }
 
-// u of the curve from one to the other, now at `place`.
-SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& b, double u, Point place, Point direction) {
+// Patch at `place`, a share u of the way from one patch to another.
+SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& b, double u, Point place,
+                                 Point direction) {
   const auto mix = [&](double p, double q) { return p + u * (q - p); };
   const auto mix_points = [&](Point p, Point q) { return p + (q - p) * u; };
   SimulatedPatch result;
   result.rest = a.rest;
   const Point along{std::cos(a.rest.theta), std::sin(a.rest.theta)};
-  // Left and right are those of the end it sets out from.
+  // Left and right are those of the end where the bridge starts.
   const double sense = graph::dot(direction, along) < 0 ? -1 : 1;
   result.rest.theta = std::atan2(sense * direction.y, sense * direction.x);
   result.rest.width = mix(a.rest.width, b.rest.width);
@@ -204,8 +209,8 @@ SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& 
   return result;
 }
 
-// The curve from one patch to another, u from 0 to 1, that goes on as the stroke ends at `a`, and at `b` where
-// that is an end: Hermite's cubic.
+// Curve from one patch to another, u from 0 to 1, that continues the strokes that end at `a` and at `b`:
+// Hermite's cubic.
 class BridgeCurve {
  public:
   BridgeCurve(const graph::AttributeGraph& graph, Index a, Index b)
@@ -223,7 +228,8 @@ class BridgeCurve {
   }
 
  private:
-  // As long as the chord; the chord itself where the stroke does not end, or would have to turn back.
+  // Tangent at an end, as long as the chord; the chord itself where the stroke does not end, or would have to
+  // turn back.
   static Point end_tangent(const graph::AttributeGraph& graph, Index end, Point chord) {
     if (graph.degree(end) != 1) return chord;
     const Point out = end_direction(graph, end);
@@ -253,12 +259,15 @@ void add_bridge(OperatorFrame& scene, Index a, Index b) {
   scene.start_refractory_period(b);
 }
 
-void apply_unions(OperatorFrame& scene, const std::vector<OperatorSites::Pair>& pairs, double rate, EventType type) {
+void apply_unions(OperatorFrame& scene, const std::vector<OperatorSites::Pair>& pairs, double rate,
+                  EventType type) {
   for (const auto& pair : pairs) {
     const auto& [a, b] = pair;
     if (scene.is_refractory(a) || scene.is_refractory(b)) continue;
     const double bent = type == EventType::connect ? scene.turn_modifier(pair) : 1;
-    if (!scene.draw_addition(a, rate * bent * scene.union_modifier(a, b)) || scene.busy[scene.parts.of_vertex[b]]) continue;
+    if (!scene.draw_addition(a, rate * bent * scene.union_modifier(a, b)) ||
+        scene.busy[scene.parts.of_vertex[b]])
+      continue;
     scene.mark_busy(a);
     scene.mark_busy(b);
     scene.count_event(type);
@@ -268,7 +277,7 @@ void apply_unions(OperatorFrame& scene, const std::vector<OperatorSites::Pair>& 
   }
 }
 
-// How many patches lie around each cell, over the usual number; 1/2 to 2.
+// Number of patches around each cell over the usual number, 1/2 to 2.
 CellMap relative_density(const graph::AttributeGraph& graph, const CellMap& usual) {
   CellMap now = usual;
   std::ranges::fill(now.values, 0.0);
@@ -282,8 +291,8 @@ CellMap relative_density(const graph::AttributeGraph& graph, const CellMap& usua
   return now;
 }
 
-// How likely each exemplar is to be born: by its size, and where it was seen by the birth map, over how many
-// were seen around there.
+// Probability of each exemplar to be born: its size's share, times the birth map at its place over the number
+// of exemplars around there.
 std::vector<double> birth_weights(const OperatorFrame& scene) {
   const auto& model = scene.model;
   std::array<double, kSizeClasses> counts{};
@@ -315,8 +324,8 @@ int poisson(double mean, core::Rng& rng) {
   return count;
 }
 
-// How free a stroke would lie at a place, 0…1: of its distance to each other stroke, over what it had to its
-// nearest when it was seen, or what strokes keep anyway, the least; the mean over its patches.
+// Clearance of a stroke at a place, 0…1, mean over its patches. For each patch: the least distance to another
+// stroke, over the distance observed with the exemplar or the hard core, whichever is larger.
 double relative_clearance(const OperatorFrame& scene, const Exemplar& exemplar, Point place) {
   const auto& stroke = exemplar.graph;
   const auto& hard_core = scene.model.hard_core;
@@ -343,8 +352,7 @@ double relative_clearance(const OperatorFrame& scene, const Exemplar& exemplar, 
   return std::accumulate(least.begin(), least.end(), 0.0) / static_cast<double>(least.size());
 }
 
-// An exemplar and a place about where it was seen: as much by itself as it was there, or as nearly so as some
-// tries allow.
+// An exemplar and a place near its own, with at least its observed clearance, or the best of some tries.
 struct BirthSite {
   const Exemplar* exemplar = nullptr;
   Point place;
@@ -352,7 +360,7 @@ struct BirthSite {
 BirthSite choose_birth_site(OperatorFrame& scene, const std::vector<double>& weights) {
   BirthSite best;
   double most_free = -1;
-  // What hardly moves comes again where it was.
+  // Strokes that hardly move are born again at their old places.
   const double usual = stationary_deviation(scene.model.displacement);
   for (int tries = 0; tries < 20 && most_free < 1; ++tries) {
     const Exemplar& exemplar = scene.model.exemplars[scene.rng.categorical(weights)];
@@ -375,7 +383,7 @@ void apply_births(OperatorFrame& scene, std::uint64_t seed) {
     usual += model.density.values[c];
     crowded += model.density.values[c] * scene.density.values[c];
   }
-  // Fewer than usual are there: more are born.
+  // With fewer strokes than usual there are more births.
   if (crowded > 0) births *= usual * usual / (crowded * crowded);
   if (births <= 0) return;
   const auto weights = birth_weights(scene);
@@ -384,7 +392,7 @@ void apply_births(OperatorFrame& scene, std::uint64_t seed) {
     scene.count_event(EventType::birth);
     const auto first = static_cast<Index>(scene.strokes.list.size());
     add_stationary(scene.strokes, site.exemplar->graph, site.place, 0, model, seed);
-    // It lies there as it displacements.
+    // The stroke's mean displacement counts as part of its place.
     const auto fresh = std::span(scene.strokes.list).subspan(first);
     Point jitter;
     for (const auto& simulated : fresh) jitter = jitter + simulated.offset * simulated.share;
@@ -397,14 +405,21 @@ void apply_births(OperatorFrame& scene, std::uint64_t seed) {
 }  // namespace
 
 std::array<int, 6> apply_operators(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
-                           std::uint32_t frame) {
+                                   std::uint32_t frame) {
   auto graph_now = stroke_graph(strokes);
   auto parts = graph::components(graph_now);
   CellMap density = relative_density(graph_now, model.density);
-  // Shifted as the keys of the noise are, and so none of theirs.
+  // Shifted like the keys of the noise, so that no key is used twice.
   const core::Rng rng(seed, {frame, 0, static_cast<std::uint32_t>(Purpose::operators) << 1U});
-  OperatorFrame scene{strokes,        model, rng, std::move(graph_now), std::move(parts), static_cast<double>(frame),
-              std::move(density), {},    {}};
+  OperatorFrame scene{strokes,
+                      model,
+                      rng,
+                      std::move(graph_now),
+                      std::move(parts),
+                      static_cast<double>(frame),
+                      std::move(density),
+                      {},
+                      {}};
   scene.busy.resize(scene.parts.count);
   for (Index v = 0; v < scene.graph.size(); ++v)
     if (strokes.list[v].frames_left >= 0) scene.mark_busy(v);

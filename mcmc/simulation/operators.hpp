@@ -8,11 +8,11 @@
 
 namespace emberfold::mcmc::detail {
 
-/// Draws and carries out the operators of one frame: births, deaths, splits, merges, connects, disconnects,
-/// each at its rate, at most one for a stroke. What goes fades first (Particle::leaving) and strokes of which
-/// something fades are left alone.
-/// Returns how many of each were carried out: births, deaths, splits, merges, connects, disconnects.
+/// Applies the operators of one frame: births, deaths, splits, merges, connects, disconnects.
+/// Each happens at its rate, at most one to a stroke. Removed patches fade first
+/// (SimulatedPatch::frames_left); strokes with fading patches are left alone. Returns the number of each
+/// operator, in the order above.
 std::array<int, 6> apply_operators(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
-                           std::uint32_t frame);
+                                   std::uint32_t frame);
 
 }  // namespace emberfold::mcmc::detail

@@ -25,14 +25,14 @@ double births_a_frame(const CellMap& map) {
   return std::accumulate(map.values.begin(), map.values.end(), 0.0) * map.cell * map.cell;
 }
 
-// Robbins and Monro's step, of the logarithm. It is linear in what is seen, so that few events in a round
-// leave no bias. `more`: what hardly occurs is not worth chasing.
+// Robbins and Monro's step of the logarithm. It is linear in the counts, so that few events in a round leave
+// no bias. `more` damps the correction of rare events.
 void correct(double& rate, double want, double have, double more, double step) {
   rate *= std::exp(step * std::clamp((want - have) / (want + more), -1.5, 1.5));
 }
 
-// All that is corrected. In the end each is the geometric mean of what it was in the later rounds (Polyak and
-// Juditsky 1992): a round shows few events, and strokes outlive it.
+// All corrected numbers. The result is their geometric mean over the later rounds (Polyak and Juditsky 1992),
+// since a round has few events and strokes outlive it.
 class Controls {
  public:
   Controls(Sizes& births, OperatorRates& rates) {
@@ -83,7 +83,8 @@ void set_births(MotionModel& model, const Sizes& births, const Sizes& otherwise)
   for (std::size_t s = 0; s < kSizeClasses; ++s) model.rates.birth_by_size[s] = shares[s] / whole;
 }
 
-void calibrate_rates(MotionModel& model, EventStatistics wanted, std::uint64_t seed, const core::Context& context) {
+void calibrate_rates(MotionModel& model, EventStatistics wanted, std::uint64_t seed,
+                     const core::Context& context) {
   reconcile_event_rates(wanted);
   Sizes births = births_by_size(model);
   if (sum(births) <= 0) return;
@@ -100,8 +101,8 @@ void calibrate_rates(MotionModel& model, EventStatistics wanted, std::uint64_t s
       const auto i = static_cast<std::size_t>(type);
       correct(rate, wanted.events[i], seen.events[i], 1.0 / frames, step);
     };
-    // Of a size too few are there: more are born, and fewer die. As strokes grow together and fall into
-    // pieces, the patches of all together count, too.
+    // Sizes with too few strokes get more births and fewer deaths. The total number of patches counts, too,
+    // as strokes unite and come apart.
     for (std::size_t s = 0; s < kSizeClasses; ++s) {
       correct(births[s], wanted.strokes[s], seen.strokes[s], 0.5, step);
       correct(births[s], wanted.patches, seen.patches, 5, step);

@@ -12,18 +12,20 @@
 
 namespace emberfold::mcmc {
 
-/// Births a frame, of each size.
+/// Returns the births a frame of each size class.
 std::array<double, kSizeClasses> births_by_size(const MotionModel& model);
 
-/// Sets them; the birth map keeps its shape. `otherwise`: shares where there are none.
+/// Sets the births a frame of each size class; the birth map keeps its shape.
+/// `otherwise`: shares of the sizes where there are no births.
 void set_births(MotionModel& model, const std::array<double, kSizeClasses>& births,
                 const std::array<double, kSizeClasses>& otherwise);
 
-/// Makes a clip drawn from the model show what is wanted: a clip is simulated on and on while the births of
-/// each size are corrected by how many strokes of that size there are and how many patches in all, and the
-/// other rates by how often their events happen (stochastic approximation of means; the events' frequencies
-/// are reconciled first). Rates begin where the model has them; one of 0 stays. Some thousand simulated
-/// frames; stops where it is when cancelled.
-void calibrate_rates(MotionModel& model, EventStatistics wanted, std::uint64_t seed, const core::Context& context);
+/// Calibrates a model's rates so that a clip drawn from it shows the wanted statistics.
+/// A clip is simulated while rates are corrected (stochastic approximation of means): births of each size by
+/// the numbers of strokes of that size and of all patches, other rates by the frequencies of their events,
+/// which are reconciled first (reconcile_event_rates). Rates start at the model's values; a rate of 0 stays
+/// 0. Some thousand simulated frames. Stops with the current rates when cancelled.
+void calibrate_rates(MotionModel& model, EventStatistics wanted, std::uint64_t seed,
+                     const core::Context& context);
 
 }  // namespace emberfold::mcmc

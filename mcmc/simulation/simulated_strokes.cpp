@@ -31,7 +31,7 @@ graph::PatchType type_of(const graph::Patch& rest, std::size_t degree) {
   return rest.contrast < 0 ? valley : ridge;
 }
 
-// How far the patch's surroundings have turned from rest.
+// Turn of the patch's surroundings from rest, rad.
 double rotation_from_rest(const SimulatedStrokes& p, const std::vector<std::uint32_t>& sides, std::size_t i) {
   const SimulatedPatch& me = p.list[i];
   const Point along{std::cos(me.rest.theta), std::sin(me.rest.theta)};
@@ -126,7 +126,8 @@ graph::AttributeGraph drawn_graph(const SimulatedStrokes& strokes, const MotionM
   return make_graph(strokes, &model);
 }
 
-void step_motion(SimulatedStrokes& p, const MotionModel& model, std::uint64_t seed, Purpose purpose, std::uint32_t step) {
+void step_motion(SimulatedStrokes& p, const MotionModel& model, std::uint64_t seed, Purpose purpose,
+                 std::uint32_t step) {
   const auto sides = neighbour_lists(p);
   const auto push = draw_noise(p, model, seed, purpose, step);
   const std::vector<SimulatedPatch> now(p.list);
@@ -149,7 +150,7 @@ void step_motion(SimulatedStrokes& p, const MotionModel& model, std::uint64_t se
 }
 
 void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::uint64_t seed) {
-  // Two frames of the stationary state: fields of the noise's own shape, as alike as the motion makes them.
+  // Draws two frames of the stationary state: noise fields with the law's lag-one correlation.
   const std::uint32_t of = p.ids.empty() ? 0 : p.ids.front();
   const auto before = draw_noise(p, model, seed, Purpose::start, 0, of);
   const auto fresh = draw_noise(p, model, seed, Purpose::start, 1, of);
@@ -161,11 +162,13 @@ void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::
                gain_deviation = stationary_deviation(model.contrast);
   for (std::size_t i = 0; i < p.list.size(); ++i) {
     SimulatedPatch& me = p.list[i];
-    std::tie(me.offset_before.x, me.offset.x) = pair(model.displacement, sway_deviation, before[i].x, fresh[i].x);
-    std::tie(me.offset_before.y, me.offset.y) = pair(model.displacement, sway_deviation, before[i].y, fresh[i].y);
+    std::tie(me.offset_before.x, me.offset.x) =
+        pair(model.displacement, sway_deviation, before[i].x, fresh[i].x);
+    std::tie(me.offset_before.y, me.offset.y) =
+        pair(model.displacement, sway_deviation, before[i].y, fresh[i].y);
     std::tie(me.gain_before, me.gain) = pair(model.contrast, gain_deviation, before[i].gain, fresh[i].gain);
   }
-  // Coupling shapes the state further; the motion itself brings it there.
+  // With coupling, the stationary state is approached by running the motion.
   if (model.displacement.coupling <= 0 && model.contrast.coupling <= 0) return;
   for (std::uint32_t step = 2; step < 2 + coupled_settling; ++step)
     step_motion(p, model, seed, Purpose::start, step);
@@ -173,8 +176,8 @@ void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::
 
 namespace {
 
-// What appears beside others displacements as they do: of each deviation the part that its neighbour's tells,
-// exp(−h²/2 range²) at h px from the nearest, is that one's. The variance stays.
+// Makes patches that appear beside others move as these do. A deviation is mixed with that of the nearest
+// patch, at h px, with the correlation exp(−h²/2 range²); its variance is unchanged.
 void copy_neighbour_motion(SimulatedStrokes& fresh, const SimulatedStrokes& there, const MotionModel& model) {
   if (there.list.empty()) return;
   std::vector<Point> places;
@@ -204,7 +207,7 @@ void copy_neighbour_motion(SimulatedStrokes& fresh, const SimulatedStrokes& ther
 }  // namespace
 
 void add_stationary(SimulatedStrokes& p, const graph::AttributeGraph& graph, Point place, int age,
-                 const MotionModel& model, std::uint64_t seed) {
+                    const MotionModel& model, std::uint64_t seed) {
   SimulatedStrokes fresh;
   fresh.next_id = p.next_id;
   for (const auto& vertex : graph.vertices()) {

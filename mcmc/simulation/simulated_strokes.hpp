@@ -11,59 +11,59 @@
 
 namespace emberfold::mcmc::detail {
 
-/// A patch of a synthesized clip.
+/// Holds a patch of a synthesized clip.
 struct SimulatedPatch {
-  graph::Patch rest;                   ///< as it is at rest; its position too
-  graph::Point offset, offset_before;  ///< px from rest where the displacement is usual, now and a frame ago
-  double share = 1;                    ///< of the usual displacement that it shows
+  graph::Patch rest;                   ///< patch at rest, with its position at rest
+  graph::Point offset, offset_before;  ///< px from rest at the usual displacement, now and a frame ago
+  double share = 1;                    ///< factor of the usual displacement
   double gain = 0, gain_before = 0;    ///< logarithm of its contrast over that at rest
   int age = 0;                         ///< frames since it appeared
-  int frames_left = -1;                    ///< frames until it goes; −1: it stays
-  int refractory_left = 0;                        ///< frames until something may happen to it again
+  int frames_left = -1;                ///< frames until it is removed; −1: it stays
+  int refractory_left = 0;             ///< frames until the next operator may change it
 
   [[nodiscard]] graph::Point position() const { return rest.position + offset * share; }
 };
 
-/// The strokes of a moment: patches, with ids that ascend and are never used again, and edges by index.
+/// Holds the strokes of one frame: patches and edges by index. Ids ascend and are never used again.
 struct SimulatedStrokes {
   std::vector<std::uint32_t> ids;
   std::vector<SimulatedPatch> list;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   std::uint32_t next_id = 0;
-  std::vector<PastEvent> unions, separations;  ///< of late; a separation when what fades there is gone
+  std::vector<PastEvent> unions, separations;  ///< recent; a separation counts from the end of its fade-out
 
-  /// Returns its index.
+  /// Adds a patch with a new id and returns its index.
   std::uint32_t add(const SimulatedPatch& simulated);
 };
 
-/// For each patch the indices of those it shares an edge with.
+/// Lists for each patch the indices of its neighbours.
 std::vector<std::vector<std::uint32_t>> neighbour_lists(const SimulatedStrokes& strokes);
 
-/// Removes the marked ones, and their edges.
+/// Removes the marked patches and their edges.
 void remove_patches(SimulatedStrokes& strokes, const std::vector<bool>& marked);
 
-/// What the patches show, without regard to how they come and go: positions, types by degree; for sites and
-/// components.
+/// Returns the patches as a graph without fading, for sites and components.
+/// Positions are the displaced ones, types follow from the degrees.
 graph::AttributeGraph stroke_graph(const SimulatedStrokes& strokes);
-/// The same as it is drawn: contrasts by gain, and by age and leaving.
+/// Returns the graph as it is drawn: with contrasts by gain, age and fade-out.
 graph::AttributeGraph drawn_graph(const SimulatedStrokes& strokes, const MotionModel& model);
 
-/// The patch with `factor` times its contrast: a line's core comes nearer to its sides, a step's sides to
-/// each other.
+/// Multiplies a patch's contrast by `factor`.
+/// A line's core moves towards its sides, the sides of a step towards each other.
 void scale_contrast(graph::Patch& patch, double factor);
 
-/// What random numbers are drawn for.
+/// Purpose of random numbers, part of their key.
 enum class Purpose : std::uint32_t { start = 1, motion, operators };  // below 8
 
-/// One step of the auto-regressions.
+/// Advances displacement and contrast by one step of the auto-regressions.
 void step_motion(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed, Purpose purpose,
-          std::uint32_t step);
+                 std::uint32_t step);
 
-/// Brings patches into the stationary state of their motion.
+/// Draws the patches' motion from its stationary state.
 void draw_stationary_motion(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed);
 
-/// Adds a graph's patches at rest about `place`, settled and of this age.
-void add_stationary(SimulatedStrokes& strokes, const graph::AttributeGraph& graph, graph::Point place, int age,
-                 const MotionModel& model, std::uint64_t seed);
+/// Adds a graph's patches at rest about `place`, with stationary motion and the given age.
+void add_stationary(SimulatedStrokes& strokes, const graph::AttributeGraph& graph, graph::Point place,
+                    int age, const MotionModel& model, std::uint64_t seed);
 
 }  // namespace emberfold::mcmc::detail

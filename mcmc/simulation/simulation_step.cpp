@@ -14,15 +14,15 @@ namespace {
 
 constexpr int unknown_age = 1000;  // frames: nobody saw them being born
 
-// Whether anything of a patch is drawn in the frame: it shows half its width and two blurs to each side.
+// True if a part of a patch lies in the frame: half its width and two blurs to each side are drawn.
 bool is_visible(const graph::Patch& patch, graph::Point step, const MotionModel& model) {
   const double reach = std::clamp(patch.width / 2 + 2 * patch.blur, 1.5, 12.0);
   const graph::Point p = patch.position + step;
   return p.x >= -reach && p.y >= -reach && p.x <= model.width - 1 + reach && p.y <= model.height - 1 + reach;
 }
 
-// The rest shapes travel, each as a whole. What has faded goes, and strokes of which nothing is in sight, so
-// that they cannot come back. Returns how many left like that: whoever watches sees them die.
+// Moves each rest shape by the drift, as a whole. Removes faded patches, and strokes that are out of sight,
+// so that they cannot come back. Returns the number of the latter, which count as deaths.
 int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model) {
   std::vector<bool> gone(strokes.list.size());
   int left = 0;
@@ -30,8 +30,8 @@ int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model) {
   for (const auto& stroke : vertices_by_stroke(graph::components(graph))) {
     const graph::Point at = stroke_middle(graph, stroke);
     const graph::Point step{model.drift_x.at(at), model.drift_y.at(at)};
-    const bool out =
-        std::ranges::none_of(stroke, [&](std::uint32_t v) { return is_visible(graph.patch(v), step, model); });
+    const bool out = std::ranges::none_of(
+        stroke, [&](std::uint32_t v) { return is_visible(graph.patch(v), step, model); });
     if (out && std::ranges::any_of(stroke, [&](std::uint32_t v) { return strokes.list[v].frames_left < 0; }))
       ++left;
     for (const auto v : stroke) {
@@ -62,7 +62,7 @@ SimulatedStrokes initial_strokes(const MotionModel& model, std::uint64_t seed) {
 }
 
 std::array<int, 6> advance_frame(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
-                           std::uint32_t frame) {
+                                 std::uint32_t frame) {
   step_motion(strokes, model, seed, Purpose::motion, frame);
   const int left = carry_strokes(strokes, model);
   enforce_hard_core(strokes, model);

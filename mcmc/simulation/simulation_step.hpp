@@ -8,12 +8,12 @@
 
 namespace emberfold::mcmc::detail {
 
-/// The model's first frame, moving as it was seen to; settled where that is not known.
+/// Returns the model's first frame with its observed motion, or stationary motion where that is not known.
 SimulatedStrokes initial_strokes(const MotionModel& model, std::uint64_t seed);
 
-/// One frame on: motion, drift, ageing, operators. Returns how many of each operator were carried out;
-/// strokes that left the frame are among the deaths.
+/// Advances by one frame: motion, drift, ageing, operators.
+/// Returns the number of each operator; strokes that left the frame count as deaths.
 std::array<int, 6> advance_frame(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
-                           std::uint32_t frame);
+                                 std::uint32_t frame);
 
 }  // namespace emberfold::mcmc::detail

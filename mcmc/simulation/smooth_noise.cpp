@@ -14,11 +14,12 @@ namespace {
 
 using graph::Point;
 
-// Standard normal at every place, correlated between them by exp(−h²/2 range²): white noise on a lattice,
-// weighted by Gaussians. That of one step.
+// Field of one step, standard normal at every place with the correlation exp(−h²/2 range²): white noise on a
+// lattice, weighted by Gaussians.
 class NoiseField {
  public:
-  NoiseField(double range, std::uint64_t seed, std::uint32_t field, std::uint32_t purpose_and_step, int components)
+  NoiseField(double range, std::uint64_t seed, std::uint32_t field, std::uint32_t purpose_and_step,
+             int components)
       : reach_(range / std::numbers::sqrt2),
         seed_(seed),
         field_(field),
@@ -72,11 +73,12 @@ constexpr double finest_range = 3;  // px: below it neighbours have nothing in c
 }  // namespace
 
 std::vector<PatchNoise> draw_noise(const SimulatedStrokes& p, const MotionModel& model, std::uint64_t seed,
-                              Purpose purpose, std::uint32_t step, std::uint32_t field) {
+                                   Purpose purpose, std::uint32_t step, std::uint32_t field) {
   const auto key = [&](std::uint32_t which) {
     return (step << 4U) | (static_cast<std::uint32_t>(purpose) << 1U) | which;
   };
-  NoiseField displacement(model.displacement.range, seed, field, key(0), 2), gain(model.contrast.range, seed, field, key(1), 1);
+  NoiseField displacement(model.displacement.range, seed, field, key(0), 2),
+      gain(model.contrast.range, seed, field, key(1), 1);
   std::vector<PatchNoise> result;
   for (std::size_t i = 0; i < p.list.size(); ++i) {
     const Point place = p.list[i].rest.position;

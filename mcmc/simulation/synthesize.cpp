@@ -14,7 +14,7 @@ namespace emberfold::mcmc {
 
 namespace {
 
-// How many frames it takes until next to nothing is left of the strokes that were there first.
+// Frames until hardly any of the initial strokes is left: three mean lives, 60…1000.
 std::uint32_t running_in(const MotionModel& model) {
   const auto& birth = model.rates.birth;
   const double births =

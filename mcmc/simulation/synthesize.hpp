@@ -11,12 +11,13 @@
 
 namespace emberfold::mcmc {
 
-/// Where a clip begins: with the two frames that the model's `first` was seen in, or in the stationary state:
-/// run in for three lives of a stroke (60 to 1000 frames), so that nothing is left of them.
+/// Start of a clip.
+/// data: the two frames in which the model's `first` was observed. stationary: the state after three lives of
+/// a stroke (60 to 1000 frames), in which nothing of them is left.
 enum class Start { data, stationary };
 
-/// An endless clip of graphs drawn from a model, frame by frame. The same model and seed give the same
-/// graphs.
+/// Draws an endless clip of graphs from a model, frame by frame.
+/// Equal models and seeds give equal graphs.
 class Synthesis {
  public:
   Synthesis(const MotionModel& model, std::uint64_t seed, Start start = Start::data);
@@ -24,10 +25,10 @@ class Synthesis {
   Synthesis(Synthesis&&) noexcept;
   Synthesis& operator=(Synthesis&&) noexcept;
 
-  /// Vertex ids are the patches' own: kept from frame to frame as long as they live, never used again.
+  /// Returns the next frame.
+  /// Patches keep their vertex ids as long as they live; ids are never used again.
   graph::AttributeGraph next();
-  /// How many operators were carried out in the last frame: births, deaths, splits, merges, connects,
-  /// disconnects.
+  /// Returns the operators of the last frame: births, deaths, splits, merges, connects, disconnects.
   [[nodiscard]] const std::array<int, 6>& operators() const;
 
  private:
@@ -35,9 +36,9 @@ class Synthesis {
   std::unique_ptr<State> state_;
 };
 
-/// Draws a clip of `frames` ≥ 1 graphs, with links and identified strokes. Throws core::InputError for fewer,
-/// core::Cancelled.
+/// Draws a clip of `frames` ≥ 1 graphs, with links and identified strokes.
+/// Throws core::InputError for fewer, core::Cancelled.
 graph::MotionGraph synthesize(const MotionModel& model, int frames, std::uint64_t seed,
-                           const core::Context& context = {}, Start start = Start::data);
+                              const core::Context& context = {}, Start start = Start::data);
 
 }  // namespace emberfold::mcmc

@@ -64,7 +64,7 @@ double clamp_level(double level, const LevelRange& range, graph::Point place, in
                     interpolate_cells(range.high, place, channel));
 }
 
-/// What is seen of how much a line's core differs from its sides: its blur takes the rest.
+/// Share of a line's contrast that is visible; the blur takes the rest.
 double visible_share(const graph::Patch& patch) {
   const double line = patch.hollow > 0 ? (patch.width - patch.hollow) / 2 : patch.width;
   return std::erf(line / (2 * std::numbers::sqrt2 * std::max(patch.blur, sketch::kLeastBlur)));

@@ -18,7 +18,7 @@ constexpr double kNoiseLevels = 14;    // grey levels that noise may take a pixe
 constexpr double kShake = 1.5;         // px: what a camera's shaking may take an edge off its place
 constexpr double kRareShare = 0.01;    // of the frames in which it may be farther off
 constexpr int kStillMargin = 2;        // px that have to be still about a pixel
-constexpr std::int64_t kFrames = 240;  // frames, evenly chosen, tell
+constexpr std::int64_t kFrames = 240;  // number of evenly chosen frames
 
 template <class Visit>
 std::int64_t visit_frames(core::FrameSource& source, const core::Context& context, const Visit& visit) {
@@ -35,7 +35,7 @@ std::int64_t visit_frames(core::FrameSource& source, const core::Context& contex
   return count;
 }
 
-/// How far noise and shaking may take each value off this mean.
+/// Largest deviation of each value from its mean through noise and shaking.
 cv::Mat allowed_deviation(const cv::Mat& mean) {
   cv::Mat along_x, along_y, slope;
   cv::Sobel(mean, along_x, CV_32F, 1, 0, 3, 0.125);

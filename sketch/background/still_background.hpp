@@ -15,7 +15,7 @@
 // strokes alone would paint it in the colour of the fire.
 namespace emberfold::sketch {
 
-constexpr int kBackgroundCell = 16;      ///< px, side of a cell
+constexpr int kBackgroundCell = 16;         ///< px, side of a cell
 constexpr double kBackgroundDistance = 12;  ///< px from all patches, beyond which the still background shows
 
 /// Holds the mean levels of one frame over cells of kBackgroundCell px.
@@ -28,7 +28,7 @@ struct FrameBackground {
 /// white = 255. O(pixels).
 FrameBackground measure_background(const cv::Mat& levels, const graph::AttributeGraph& graph);
 
-/// Holds what a clip shows behind and between its strokes in all frames. Empty where it is not known.
+/// Holds the still background of a clip and the range of its levels. Empty where it is not known.
 struct Background {
   cv::Mat levels;  ///< CV_32F, 1 or 3 channels, a cell each, white = 255
   /// CV_8U, 255 where a cell is uncovered in a fifth of the frames and its SD over them is below 8 levels.
@@ -53,10 +53,11 @@ struct BackgroundImage {
 /// Spreads the still background over the pixels of a frame. `channels`: 1 or 3.
 BackgroundImage expand_background(const Background& background, cv::Size frame, int channels);
 
-/// Adds the pixels of the still background to what the patches of a frame show. Added are the static pixels
-/// and, farther than kBackgroundDistance px from all patches, the still cells. `part`: as many channels as
-/// the background. `opacity`: CV_32F, 0…1, of what the part shows; a patch of opacity a keeps the background
-/// off as if it were (1 − a)·kBackgroundDistance px farther away. Empty: all opaque.
+/// Adds the pixels of the still background to the drawn patches of a frame.
+/// Added are the static pixels and, farther than kBackgroundDistance px from all patches, the still cells.
+/// `part`: as many channels as the background. `opacity`: CV_32F, 0…1, of the part's pixels; a patch of
+/// opacity a keeps the background off as if it were (1 − a)·kBackgroundDistance px farther away. Empty: all
+/// opaque.
 sketch::Sketchable add_background_pixels(const sketch::Sketchable& part, const BackgroundImage& background,
                                          const cv::Mat& opacity = {});
 

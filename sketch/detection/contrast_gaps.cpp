@@ -14,7 +14,7 @@ using graph::Point;
 
 namespace {
 
-constexpr double kAround = 20;  // px along the curve: what is usual is told by these
+constexpr double kAround = 20;  // px along the curve: range in which the usual contrast is measured
 
 // ---- at the curve's own scale ----
 
@@ -77,7 +77,7 @@ double level_at(const cv::Mat1f& frame, Point p) {
   return core::sample_bilinear(frame, p.x, p.y);
 }
 
-// What noise and texture make of a contrast from one point to the next.
+// SD of a contrast from point to point through noise and texture.
 double roughness(const std::vector<double>& values) {
   std::vector<double> bends;
   for (std::size_t i = 1; i + 1 < values.size(); ++i)
@@ -114,7 +114,7 @@ Showing showing(const Chain& chain, const cv::Mat1f& frame, double sigma, double
   return shows;
 }
 
-// What seven in ten of [first, last) do not exceed: beside a gap some of the way still belongs to it.
+// 70 % quantile of [first, last): beside a gap, some of the points still belong to it.
 double usual(const std::vector<double>& values, std::size_t first, std::size_t last,
              std::vector<double>& scratch) {
   const auto from = values.begin();
@@ -122,12 +122,12 @@ double usual(const std::vector<double>& values, std::size_t first, std::size_t l
   return core::order_statistic(scratch, 7 * scratch.size() / 10);
 }
 
-/// A part of a curve about a place, as far as that tells what is usual there.
+/// Part of a curve about a place in which the usual contrast is measured.
 struct Around {
   std::size_t from, at, to;  // of points
 };
 
-// Whether there is a gap; then what shows below the contrast returned is in it.
+// Contrast below which points lie in a gap about `around.at`; 0 where there is no gap.
 double gap_level(const Showing& shows, CreaseKind kind, const std::vector<double>& contrast, Around around,
                  double error, double share, std::vector<double>& scratch) {
   // For its fainter side too it is a gap, not a step down, nor a contrast that varies by a fifth in noise.

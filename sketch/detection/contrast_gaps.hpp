@@ -7,7 +7,7 @@
 
 namespace emberfold::sketch {
 
-/// Holds what counts as a gap.
+/// Holds the thresholds of gaps.
 struct ContrastGapLimits {
   double share;  ///< of the usual contrast around it, below which a point is no part of the curve
   double noise;  ///< grey levels, SD of the pixels

@@ -23,11 +23,11 @@ namespace {
 constexpr double kLineContrast = 2.8284271247461903;
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
-// How far from the pixel's centre the subpixel place may lie (Steger: 0.5; a margin keeps lines connected).
+// Largest distance of the subpixel place from the pixel's centre (Steger: 0.5; a margin keeps lines
+// connected).
 constexpr double kPixelReach = 0.6;
 
-// Derivatives at places of a row, and of each second one its eigenvalue of greater magnitude and the
-// direction of that.
+// Derivatives at places of a row, and the eigenvalue of greater magnitude of each Hessian with its direction.
 struct Principals {
   std::size_t count = 0;
   std::vector<int> x;  // of the places
@@ -50,8 +50,7 @@ EMBERFOLD_SIMD_CLONES void principal_row(const float* __restrict xx, const float
     const float half_trace = 0.5F * (xx[i] + yy[i]), half_difference = 0.5F * (xx[i] - yy[i]);
     const float radius = length_of(half_difference, xy[i]);
     const float value = half_trace >= 0 ? half_trace + radius : half_trace - radius;
-    // Of the two rows of H − value·I, the one with the larger entries gives the direction without
-    // cancellation.
+    // The row of H − value·I with the larger entries gives the direction without cancellation.
     const float over_x = value - xx[i], over_y = value - yy[i];
     const bool other = std::abs(over_y) > std::abs(over_x);
     const float nx = other ? over_y : xy[i], ny = other ? xy[i] : over_x;
@@ -97,7 +96,7 @@ struct Growing {
   CreaseMap map;
   std::vector<Point> normals;  // of the map's points
 
-  // Whether a point of this strength would be kept.
+  // True if a point of this strength would be kept.
   [[nodiscard]] bool beats(int x, int y, double strength) const {
     const int slot = map.index(y, x);
     return slot < 0 || strength > map.points[static_cast<std::size_t>(slot)].strength;
@@ -230,14 +229,15 @@ double line_contrast(double sigma) {
   return kLineContrast * sigma * sigma;
 }
 
-// Of the level at which points are looked for.
+// Level at which points are searched, and its limits.
 struct AtLevel {
   int number;
   double ground, least, normalise;
 };
 
-// How the second derivative along the normal grows in that direction, t px along it from a pixel where it is
-// `value`, from the pixels around: across the line it bends by its Laplacian, along it hardly at all.
+// Growth of the second derivative along the normal, in that direction, t px from a pixel where it is `value`.
+// Estimated from the pixels around: its curvature is that across the line, since it hardly varies along the
+// line.
 double third_derivative(const ScaleLevel& level, int x, int y, Point normal, double value, double t) {
   const cv::Mat1f& smooth = level.smooth;
   if (x < 1 || y < 1 || x + 4 > smooth.cols || y + 4 > smooth.rows) return 0;
@@ -359,7 +359,7 @@ NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
   NoiseLevels ground;
   for (const ScaleLevel& level : space) {
     const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
-    // Neighbours nearer than 1.5 σ hardly differ, and some 20 000 values tell their median to a hundredth.
+    // Neighbours nearer than 1.5 σ hardly differ, and some 20 000 values give the median to a hundredth.
     const int step = sample_step(level.sigma, {width, height});
     std::vector<float> second, first;
     const auto samples =

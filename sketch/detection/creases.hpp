@@ -11,7 +11,7 @@
 
 namespace emberfold::sketch {
 
-/// The kinds of creases.
+/// Kind of a crease.
 enum class CreaseKind : std::uint8_t { ridge, valley, step };
 
 /// Holds a pixel through which a crease runs, with the crease's subpixel place.
@@ -42,7 +42,7 @@ struct NoiseLevels {
 /// or has correlated noise responds more than white noise; the level's own median response counts then.
 NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise);
 
-/// Holds what counts as a crease point.
+/// Holds the thresholds of crease points.
 struct CreaseLimits {
   double significance;  ///< points below it are left out
   double contrast;      ///< grey levels, likewise
@@ -63,13 +63,12 @@ CreaseMap find_steps(const ScaleSpace& space, const NoiseLevels& ground, CreaseL
 
 /// Removes the weak counter-lobes of opposite sign around stronger lines.
 void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space);
-/// Removes the two steps that the flanks of a stronger line are.
+/// Removes the two steps on the flanks of stronger lines.
 void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space);
 /// Removes lines on which a stronger line of opposite sign runs, in another channel.
 void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space);
 
-/// Keeps the strongest of points that run in parallel nearer than two lines of their size could be told
-/// apart.
+/// Keeps the strongest of parallel points that are nearer than two lines of their size can be resolved.
 void thin_parallel_points(CreaseMap& map, const ScaleSpace& space);
 
 }  // namespace emberfold::sketch

@@ -142,8 +142,7 @@ class Linker {
     return static_cast<std::size_t>(i);
   }
 
-  // Double responses: points to the sides that run in parallel, nearer than two lines of this size could be
-  // told apart.
+  // Double responses: parallel points to the sides, nearer than two lines of this size can be resolved.
   void spend_beside(const CreasePoint& p) {
     const int x = core::fast_round(p.position.x), y = core::fast_round(p.position.y);
     const Point normal{-std::sin(p.theta), std::cos(p.theta)};

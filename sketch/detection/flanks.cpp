@@ -45,8 +45,8 @@ class Cells {
     std::ranges::sort(places_, {}, [](const Place& place) { return std::pair(place.key, place.index); });
   }
 
-  /// Whether it matches a patch that lies beside one at p of this width, not farther off than `beside` has
-  /// it.
+  /// Returns whether `match` holds for a patch beside one at p of this width, not farther off than beside()
+  /// allows.
   template <class Match>
   [[nodiscard]] bool any_near(Point p, double width, const Match& match) const {
     for (int dy = -1; dy <= 1; ++dy) {
@@ -86,7 +86,7 @@ double median_width(const AttributeGraph& graph, const Curve& curve) {
   return core::median(std::move(widths));
 }
 
-/// Whether `patch`, of a curve of this width, may be a flank of the line `other`.
+/// True if `patch`, of a curve of this width, may be a flank of the line `other`.
 bool may_flank(const Patch& patch, double width, const Patch& other) {
   if (graph::on_step(other) || other.type == graph::PatchType::blob) return false;
   const double contrast = std::abs(patch.contrast), line = std::abs(other.contrast);

@@ -80,14 +80,14 @@ class Grid {
   std::vector<std::vector<Contact>> cells_;
 };
 
-// How far an end may be from what it meets: a line is lost within about 3σ of a stronger one, and its last
-// points may have been a hook.
+// Largest distance of an end from a curve that it may meet, px. A line is lost within about 3σ of a stronger
+// one, and its last points may have been a hook.
 double reach_of(double sigma) {
   return 3 * sigma + 8;
 }
 
-// How much of the crease shows at a place, more being more of it: a ridge's level, a valley's negated, a
-// step's right side above its left.
+// Signed strength of a crease at a place: a ridge's level, a valley's negated, a step's right side minus its
+// left.
 double showing(const ScaleLevel& level, CreaseKind kind, Point p, Point across, double reach) {
   if (kind == CreaseKind::ridge) return level.value_at(p);
   if (kind == CreaseKind::valley) return -level.value_at(p);
@@ -122,11 +122,11 @@ struct Bridge {
 
 bool bridged(const ScaleLevel& level, CreaseKind kind, Point from, Point to, Point outward,
              const Bridge& bridge) {
-  // Where less shows, but not nothing, a line goes on if the level lines still turn about it all along.
+  // A line with less contrast, but some, continues if the level lines turn about it throughout.
   constexpr double kLeastShare = 0.6, kTurning = 0.35;
   const double length = graph::distance(from, to);
   if (length < 1.5) return true;
-  // A step keeps its side: the way is looked at in the direction in which the end runs out.
+  // A step keeps its side: it is sampled across the direction in which the end runs out.
   const Point across{-outward.y, outward.x};
   const double least = bridge.ground + kLeastShare * (bridge.needed - bridge.ground);
   const double sign = kind == CreaseKind::valley ? -1 : 1;
@@ -147,7 +147,7 @@ std::size_t level_near(const Chain& chain, const ScaleSpace& space, bool back) {
   return median_level(back ? points.last(reach) : points.first(reach), space);
 }
 
-// What the end points at and reaches; the nearest such point of every curve within reach.
+// Points that the end points at and reaches, the nearest one of every curve within reach.
 std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& grid, const ScaleSpace& space,
                                 const std::vector<End>& ends, std::size_t e) {
   const End& end = ends[e];

@@ -26,8 +26,9 @@ struct CurveNetwork {
 /// contrast too, where its creaseness shows all along. O(points · log).
 CurveNetwork join_free_ends(std::vector<Chain> chains, const ScaleSpace& space);
 
-/// Removes curves that are too short to tell from noise: spurs (one end free) below `min_length` px, and
-/// connected parts that are shorter in all. Repeats until nothing more is removed.
+/// Removes curves that are too short to be distinguished from noise.
+/// These are spurs (one end free) below `min_length` px, and connected parts that are shorter in all. Repeats
+/// until nothing more is removed.
 CurveNetwork prune_short_curves(CurveNetwork network, double min_length);
 
 }  // namespace emberfold::sketch

@@ -14,7 +14,7 @@ using graph::Point;
 
 namespace {
 
-// How much less than a response its explanation may be: by stronger lines, and by all.
+// Factors by which a response may exceed its explanation, by one stronger line and by all.
 constexpr double kOfOne = 1.4, kOfAll = 1.6;
 
 struct Box {
@@ -30,7 +30,7 @@ Box around(const CreasePoint& p) {
   return {x - 1, y - 1, x + 1, y + 1};
 }
 
-// Where accepted lines run: each pixel near one refers to its nearest point, whatever the order they come in.
+// Map of the accepted lines: each pixel near one refers to its nearest point, in whatever order lines come.
 class Accepted {
  public:
   explicit Accepted(cv::Size frame) : index_(make_empty_index(frame)) {}
@@ -90,7 +90,7 @@ class Accepted {
     }
   }
 
-  // Of two points as near, the stronger has the pixel.
+  // The stronger of two equally near points takes the pixel.
   void claim(const Box& box, int number) {
     constexpr double kSure = 1e-9;  // of a square: far more than rounding makes
     const CreasePoint& p = *points_[static_cast<std::size_t>(number)];
@@ -122,8 +122,8 @@ class Accepted {
   std::vector<Line> lines_;
 };
 
-// What the line through q adds to the second derivative at p, seen at scale sigma, with its opposite sign; 0
-// near the line, where it adds none.
+// Counter-lobe of the line through q at p, seen at scale sigma: its second derivative there, of the sign
+// opposite to the line's own. 0 near the line.
 double lobe(const CreasePoint& q, Point p, double sigma, const ScaleSpace& space) {
   const double s = space[static_cast<std::size_t>(q.level)].sigma, spread2 = s * s + sigma * sigma;
   const Point away = p - q.position;
@@ -180,8 +180,8 @@ struct Judged {
   [[nodiscard]] Accepted& opposite(CreaseKind kind) { return kind == CreaseKind::ridge ? valleys : ridges; }
 };
 
-// What lies between two lines of the other sign was judged by the stronger of them alone if it came before
-// the weaker one: each line that was accepted is judged anew by all others that were.
+// Judges each accepted line again by all others. A line between two lines of the other sign may have come
+// before the weaker one, and was then judged by the stronger one alone.
 void drop_between(const std::vector<Chain>& chains, const std::vector<std::size_t>& order,
                   const ScaleSpace& space, Judged& judged) {
   constexpr double kLeast = 0.2;  // of the response: less was explained by the stronger of the two

@@ -78,8 +78,8 @@ struct Taps {
   [[nodiscard]] int reach() const { return apart * (static_cast<int>(weight.size()) - 1); }
 };
 
-// What is smooth to `smoothed` px already has nothing left at the frequencies that taps further apart alias
-// to: at taps n px apart the kernel repeats every 2π/n, and the product of both is below e⁻¹² where it does.
+// An image that is smooth to `smoothed` px has hardly any power at the frequencies that taps farther apart
+// alias to. At taps n px apart the kernel repeats every 2π/n; there the product of both is below e⁻¹².
 Taps gaussian_taps(double sigma, double smoothed) {
   Taps taps;
   taps.apart = std::max(1, static_cast<int>(0.886 * std::min(sigma, smoothed)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What takes crease points away again: lobes, flanks, and parallel points.
+// Removal of crease points: lobes, flanks, and parallel points.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
 
-// What the pixels hold on the way across a point, at every half pixel to both sides; −1 outside. `stride`:
+// Reads the entries of the pixels across a point, at every half pixel to both sides; −1 outside. `stride`:
 // from row to row.
 EMBERFOLD_SIMD_CLONES void entries_across(const int* entries, Point at, Point normal, int halves,
                                           cv::Size size, int stride, int* __restrict found) {
@@ -45,7 +45,7 @@ class Across {
     entries_across(index_[0], p.position, normal, halves, index_.size(), static_cast<int>(index_.step1()),
                    found_.data());
     int last = -1;
-    std::size_t kept = 0;  // without branches: nobody can foretell which pixels hold points
+    std::size_t kept = 0;  // without branches, which the processor could not predict
     for (std::size_t i = 0; i < count; ++i) {
       const int here = found_[i];
       found_[kept] = here;

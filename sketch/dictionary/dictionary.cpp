@@ -90,7 +90,7 @@ double parametric_residual(const graph::Patch& patch, const PatchView& view) {
   return std::sqrt(sum / static_cast<double>(view.luma.size()));
 }
 
-/// How an entry tells a view with so many coefficients.
+/// Description of a view by an entry with so many coefficients.
 struct Fit {
   double score = 0, cost = 0, squares = 0;  // squares: mean of what is left
   int numbers = 0;
@@ -118,7 +118,7 @@ std::optional<Fit> best_fit(const DictionaryEntry& entry, double share, const Pa
   return best;
 }
 
-/// Entries that may tell a view: those of its degree and type, else all of its kind; and their share.
+/// Entries that may describe a view, and their shares: those of its degree and type, else all of its kind.
 std::vector<std::pair<std::uint32_t, double>> candidates(const Dictionary& dictionary,
                                                          const PatchView& view) {
   std::vector<std::pair<std::uint32_t, double>> own, any;

@@ -25,7 +25,7 @@ inline constexpr std::size_t kProfileSamples = 33;
 /// Samples of a window's side, over ±reach of a blob, else over ±1.5 reach along and across.
 inline constexpr std::size_t kWindowSide = 11;
 inline constexpr std::size_t kMostComponents = 4;  ///< of an entry
-inline constexpr std::size_t kMostEntries = 6;  ///< of one degree and type
+inline constexpr std::size_t kMostEntries = 6;     ///< of one degree and type
 
 /// Returns whether patches of this degree (0…4, 4 for more, too) and type look like a window. Those are
 /// blobs, corners and all of degree 3 or more; all others look like the profile across them.
@@ -72,7 +72,7 @@ struct Dictionary {
   bool operator==(const Dictionary&) const = default;
 };
 
-/// Throws core::InputError, naming the entry, where a statement above does not hold.
+/// Checks a dictionary. Throws core::InputError, naming the entry, where a statement above does not hold.
 void validate(const Dictionary& dictionary);
 
 /// Learns a dictionary from views. Holds at most 4096 profiles or 1536 windows of each degree and type, those
@@ -127,11 +127,11 @@ struct PatchCode {
   double parametric_cost = 0;        ///< nats, coding_cost with the same pixels
 };
 
-/// Encodes each patch, by index, with the entry and the number of coefficients of least squared residual / (2
-/// noise²) + cost in luma. Entries of its degree and type compete, or all where there is none. Level,
-/// amplitude and coefficients are those of least squares in each channel: in fire, red is full where green
-/// still rises, and no channel is luma on another scale. An entry fits where luma's amplitude is above 0.2 of
-/// the view's RMS.
+/// Encodes each patch, by index, with the entry and coefficients of least cost.
+/// Minimised is squared residual / (2 noise²) + cost in luma. Entries of its degree and type compete, or all
+/// where there is none. Level, amplitude and coefficients are those of least squares in each channel: in
+/// fire, red is full where green still rises, and no channel is luma on another scale. An entry fits where
+/// luma's amplitude is above 0.2 of the view's RMS.
 ///
 /// The cost is comparable with coding_cost: ½ ln(1 + pixels) nats for each of 5 numbers (place, orientation,
 /// size, level, amplitude) and each coefficient, −ln of the entry's share, and ln(K + 1) for their number;

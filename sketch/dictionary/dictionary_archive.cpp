@@ -96,7 +96,7 @@ void check_header(const nlohmann::json& json) {
   whole(json, "window_side", int{kWindowSide}, int{kWindowSide});
 }
 
-/// What model.json tells of the entries; each has as many components as it should get.
+/// Reads the entries from model.json; each gets room for as many components as it should have.
 std::vector<DictionaryEntry> read_entries(const nlohmann::json& json) {
   const nlohmann::json& list = part(json, "entries");
   if (!list.is_array() || list.size() > kMostGroups * kMostEntries)

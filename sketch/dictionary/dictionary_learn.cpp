@@ -58,7 +58,7 @@ Clustering cluster(const std::vector<Vector>& samples, std::size_t count, core::
   return found;
 }
 
-/// An entry for some samples, and the nats that tell them by it, but for their shares.
+/// Entry for some samples, and their code length under it in nats, without their shares.
 struct Described {
   DictionaryEntry entry;
   double length = 0;
@@ -78,7 +78,7 @@ Vector mean_shape(const std::vector<const Vector*>& members) {
   return mean;
 }
 
-/// Of what the mean leaves of the members.
+/// Covariance of the members about the mean.
 cv::Mat1d covariance(const std::vector<const Vector*>& members, const Vector& mean) {
   const auto size = static_cast<int>(mean.size());
   cv::Mat1d sum(size, size, 0.0);

@@ -13,10 +13,10 @@ struct ColourPatchView {
 /// Returns the view of one patch, by index.
 ColourPatchView view_patch(const cv::Mat& levels, const graph::AttributeGraph& graph, std::size_t vertex);
 
-/// Throws core::InputError unless the frame is CV_32F with 1 or 3 channels and not empty.
+/// Checks a frame. Throws core::InputError unless it is CV_32F with 1 or 3 channels and not empty.
 void check_levels(const cv::Mat& levels);
 
-/// Returns how far a window goes to each side, px.
+/// Returns the half side of a window, px.
 inline double window_reach(const PatchView& view) {
   return view.type == graph::PatchType::blob ? view.reach : 1.5 * view.reach;
 }

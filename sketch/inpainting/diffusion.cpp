@@ -273,8 +273,8 @@ typename Diffusion<Real>::Outcome Diffusion<Real>::solve(Board<Real>& field, dou
                                                          int max_iterations) {
   begin(field);
   Outcome outcome;
-  // M is close to A, so M⁻¹r is the error within a small factor, whatever its shape. The residual alone says
-  // little of the smooth error of a frame that is held at one corner only.
+  // M is close to A, so M⁻¹r is the error within a small factor, whatever its shape. The residual alone
+  // hardly measures the smooth error of a frame that is held at one corner only.
   Correction now = precondition();
   double beta = 0;
   while (now.largest > tolerance && outcome.iterations < max_iterations) {

@@ -18,7 +18,7 @@ namespace emberfold::sketch {
 
 namespace {
 
-/// Of the held pixels of one channel.
+/// Range of the held pixels of one channel.
 struct Values {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -129,7 +129,7 @@ void fill_channels(const cv::Mat& levels, const std::vector<const std::uint8_t*>
   }
 }
 
-/// Whether single precision would miss the tolerance: in a long strip heat comes from far away through a few
+/// True if single precision would miss the tolerance. In a long strip heat comes from far away through a few
 /// pixels, which multiplies rounding errors by the square of the length.
 bool needs_double(const cv::Size size, double range, double tolerance) {
   return std::max(size.width, size.height) > 32 * std::min(size.width, size.height) ||
@@ -156,7 +156,7 @@ FillResult diffuse(const cv::Mat& levels, const cv::Mat& mask, double sink, cons
   }
   FillResult result;
   result.levels = levels.clone();
-  // Where the range is zero there is nothing to solve: all is what is held.
+  // Without a range there is nothing to solve: all pixels have the held level.
   result.levels.setTo(middle, mask == 0);
   if (needs_double(levels.size(), range, options.tolerance))
     fill_channels<double>(levels, held, values, sink, options, result);

@@ -115,7 +115,7 @@ cv::Mat HeatFlow::levels() const {
 std::vector<cv::Mat> make_heat_film(const cv::Mat& levels, const cv::Mat& mask,
                                     std::span<const std::int64_t> steps, const core::Context& context) {
   HeatFlow flow(levels, mask);
-  constexpr std::int64_t kBlock = 64;  // steps between two looks at the context
+  constexpr std::int64_t kBlock = 64;  // steps between two checks of the context
   std::vector<cv::Mat> film;
   for (const std::int64_t due : steps) {
     if (due < flow.steps()) {

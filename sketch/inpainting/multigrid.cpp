@@ -134,7 +134,7 @@ void cycle_from(std::vector<Level<Real>>& levels, std::size_t index, std::vector
   restrict_residual(level, levels[index + 1], cells);
   cycle_from(levels, index + 1, cells);
   prolong(levels[index + 1], level, true, cells);
-  // The same sweep backwards keeps M symmetric.
+  // The backward sweep keeps M symmetric.
   relax(level, 1);
   relax(level, 0);
 }

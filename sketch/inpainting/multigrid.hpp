@@ -8,10 +8,11 @@
 
 namespace emberfold::sketch {
 
-/// Holds one colour of a chequerboard of cells: cell (x, y) of colour (x + y) % 2 is number x / 2 of row y.
-/// The four neighbours of a cell lie in the other half, those of the next cell beside them, so that a sweep
-/// over one colour is a loop over contiguous memory. Zeros lie around and behind the rows; loops run over
-/// span() values, a multiple of 8, and leave the zeros behind a row as they are.
+/// Holds one colour of a chequerboard of cells.
+/// Cell (x, y) of colour (x + y) % 2 is number x / 2 of row y. The four neighbours of a cell lie in the other
+/// half, those of the next cell beside them, so that a sweep over one colour is a loop over contiguous
+/// memory. Zeros lie around and behind the rows; loops run over span() values, a multiple of 8, and leave the
+/// zeros behind a row as they are.
 template <class Real>
 class Half {
  public:
@@ -42,8 +43,8 @@ Board<Real> make_board(int width, int height) {
   return {Half<Real>(width, height), Half<Real>(width, height)};
 }
 
-/// Points to the neighbours of a row of one colour: west[k], east[k], north[k], south[k] of the other half
-/// are those of cell k.
+/// Points to the neighbours of a row of one colour.
+/// west[k], east[k], north[k], south[k] of the other half are those of cell k.
 template <class Real>
 struct Neighbours {
   const Real *west, *east, *north, *south;
@@ -92,8 +93,8 @@ struct Level {
   Board<Real> x, b;
 };
 
-/// Returns the share of a sink, and of its inflow, that is left when its cell becomes part of a 2×2 block.
-/// The resistance of half a cell is put before the sink.
+/// Returns the share of a sink that is left when its cell becomes part of a 2×2 block.
+/// It holds for the inflow, too. The resistance of half a cell is put before the sink.
 template <class Real>
 Real sink_share(Real sink) {
   return 2 / (2 + sink);

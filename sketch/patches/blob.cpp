@@ -17,7 +17,8 @@ constexpr std::size_t kTerms = 4;  // level, slopes along x and y, bump
 
 using Row = std::array<double, kTerms>;
 
-/// x of (AᵀA + ε) x = Aᵀy by elimination with pivots; ε keeps what a disc cut by the frame cannot tell at 0.
+/// Solves (AᵀA + ε) x = Aᵀy by elimination with pivots; ε keeps undetermined terms at 0 where the frame cuts
+/// the disc.
 Row least_squares(const std::vector<Row>& rows, const std::vector<double>& values) {
   std::array<std::array<double, kTerms + 1>, kTerms> m{};
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -79,8 +80,7 @@ graph::Patch fit_blob(const cv::Mat& levels, cv::Point centre, double reach) {
     fitted[c] = c < static_cast<std::size_t>(channels) ? least_squares(rows, values[c]) : fitted[0];
   // The ramp rises the way luma does; what a channel rises across that way is left out.
   const auto luma = [&](std::size_t term) {
-    return channels == 1 ? fitted[0][term]
-                         : core::luma(fitted[0][term], fitted[1][term], fitted[2][term]);
+    return channels == 1 ? fitted[0][term] : core::luma(fitted[0][term], fitted[1][term], fitted[2][term]);
   };
   const double steepness = std::hypot(luma(1), luma(2));
   const double nx = steepness > 0 ? luma(1) / steepness : 0, ny = steepness > 0 ? luma(2) / steepness : 1;

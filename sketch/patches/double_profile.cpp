@@ -43,7 +43,7 @@ Eigen::VectorXd values_of(const Section& section) {
   return values;
 }
 
-/// How much of each level shows at each sample.
+/// Weight of each level at each sample.
 Eigen::MatrixX4d shares(const Section& section, const Shape& x) {
   const ProfileShape shape = shape_of(x);
   Eigen::MatrixX4d share(static_cast<Eigen::Index>(section.count), 4);
@@ -58,7 +58,7 @@ Levels best_levels(const Eigen::MatrixX4d& share, const Eigen::VectorXd& values)
   return share.colPivHouseholderQr().solve(values);
 }
 
-/// What the best levels leave of the section, and how far the blur is from what is usual.
+/// Residuals of the section at the best levels, and the deviation of the blur from the start's.
 struct Residual {
   using Scalar = double;
   using InputType = Eigen::VectorXd;
@@ -88,7 +88,7 @@ struct Residual {
   }
 };
 
-/// Whether it stayed where it began and can be told from one line.
+/// True if the fit stayed near its start and shows two lines.
 bool plausible(const Shape& x, const Shape& start) {
   const ProfileShape shape = shape_of(x);
   return x.allFinite() && std::abs(x[0]) <= 0.5 * shape_of(start).half_width &&

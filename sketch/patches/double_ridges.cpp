@@ -214,8 +214,8 @@ class Pairing {
                                [&](const SlotEdge& t) { return t.first == slot || t.second == slot; });
   }
 
-  /// What lies on the ridges goes, and patches that would be left alone; false where that is a meeting of
-  /// others.
+  /// Removes patches that lie on the ridges, and patches that would be left alone. False where that would
+  /// remove a meeting of others.
   bool clear(GraphEdit& edit, const std::vector<Patch>& ridges) const {
     for (const Patch& ridge : ridges)
       for (const Slot slot : editor_.patches_near(ridge.position)) {
@@ -232,7 +232,7 @@ class Pairing {
     return true;
   }
 
-  /// What the double ridge would change; nothing if that can't be done.
+  /// Builds the edit that replaces a pair by its double ridge; nothing if that is impossible.
   [[nodiscard]] std::optional<GraphEdit> edit_of(const Pair& pair, Rests rests) const {
     const auto [low, high] = std::minmax(pair.other_first, pair.other_last);
     const bool along = pair.other_first <= pair.other_last;

@@ -117,7 +117,7 @@ std::optional<Bow> bow(const Ruler& ruler, double at, double reach) {
   return b;
 }
 
-// Where the points lie and run, without any smoothing.
+// Place and direction of the points, without smoothing.
 Bow chord(const Ruler& ruler, double at) {
   const std::size_t n = ruler.chain.points.size();
   const auto above = std::lower_bound(ruler.s.begin(), ruler.s.end(), at);
@@ -137,7 +137,7 @@ Bow shape_at(const Ruler& ruler, double at) {
   return chord(ruler, at);
 }
 
-// SD of the profile about a place, as the points' scales tell; `logarithms`: of the scales.
+// SD of the profile about a place, from the points' scales; `logarithms`: of the scales.
 double spread_at(const Ruler& ruler, const std::vector<double>& logarithms, double at) {
   double log_sigma = 0, count = 0;
   for (double reach = 6; count == 0; reach *= 2)
@@ -171,7 +171,7 @@ class Cutter {
       edges.push_back({VertexId{a}, VertexId{b}});
       joined[a] = joined[b] = true;
     }
-    // What shrank to one patch when its ends met nearly the same place shows nothing of its own.
+    // A curve whose ends met at nearly one place has shrunk to a single patch; drop it.
     std::erase_if(vertices_, [&](const Vertex& v) { return !joined[v.id.value]; });
     return name_patch_types(std::move(vertices_), std::move(edges));
   }
@@ -206,15 +206,15 @@ class Cutter {
     return id;
   }
 
-  // How far a patch moved to its right, off its curve.
+  // Distance by which a patch moved to the right of its curve.
   [[nodiscard]] double moved(std::uint32_t id) const {
     const Patch& patch = vertices_[id].patch;
     const Point off = patch.position - shapes_[id].at(0);
     return graph::dot(off, {-std::sin(patch.theta), std::cos(patch.theta)});
   }
 
-  // What a curve's sides do to its crease they do along the curve: a patch that moved otherwise than those
-  // around it is fitted where they lie.
+  // The sides of a curve shift its crease evenly along the curve. A patch that moved differently from its
+  // neighbours is fitted again at their offset.
   void settle(const std::vector<std::uint32_t>& ids, bool closed) {
     constexpr std::ptrdiff_t kAround = 3;  // patches to each side
     constexpr double kOtherwise = 0.15;    // px

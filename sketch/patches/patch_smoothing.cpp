@@ -29,7 +29,7 @@ double place_error(const Patch& patch, double noise) {
   return noise / std::sqrt(std::max(kLength * slopes, 1e-6));
 }
 
-/// How a row of patches moves across: the unknowns, one a patch.
+/// Displacements of a row of patches across their curve, the unknowns of the least squares.
 class Row {
  public:
   Row(std::vector<Point> places, std::vector<Point> normals, std::vector<double> weights, bool ring)
@@ -109,7 +109,7 @@ std::vector<double> evened(std::vector<double> x, const std::vector<double>& w, 
   return x;
 }
 
-/// What is seen of a line's middle, 0…1.
+/// Visible share of a line's middle, 0…1.
 double core(double width, double blur) {
   return 1 - std::erfc(width / (2 * std::numbers::sqrt2 * blur));
 }

@@ -7,8 +7,8 @@
 
 namespace emberfold::sketch {
 
-/// Builds the graph and names its patches by their degree and the angles between their edges (θ_img, indexed
-/// by degree).
+/// Builds the graph and names its patches by their degree and the angles between their edges.
+/// This is the part of θ_img that is indexed by degree.
 /// - 0: a blob keeps its name, others are named by their profile.
 /// - 1: terminator.
 /// - 2: corner, where they bend by more than 60°, else by the profile: ridge, valley, bar (a line with a

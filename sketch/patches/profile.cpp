@@ -22,8 +22,8 @@ double normal_cdf(double x) {
   return 0.5 * std::erfc(-x * 0.70710678118654752);
 }
 
-// The best of some blurred bars. A bar's variance is blur² + width²/12; the squareness says how much of it is
-// the bar's.
+// The best of some blurred bars. A bar's variance is blur² + width²/12; the squareness is the bar's share of
+// it.
 Profile best_start(const Section& section, CreaseKind kind, double spread, bool moves, double least_blur) {
   constexpr std::array<double, 3> kScales = {0.6, 1.0, 1.6};
   constexpr double kSquareness = 2.6;

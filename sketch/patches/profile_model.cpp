@@ -39,8 +39,7 @@ inline Normal normal_at(float x) {
   return {f, 0.5F + std::copysign(0.5F - tail, x)};
 }
 
-// What a step of the fit needs: how the model changes with each of its numbers, and the model's residuals.
-// After the columns by number, the residuals.
+// Columns of a step of the fit: the model's derivatives by each number, then the residuals.
 using Slopes = std::array<float, (kNumbers + 1) * kMostSamples>;
 
 struct Shape {
@@ -70,7 +69,7 @@ EMBERFOLD_SIMD_CLONES void bar_slopes(const float* __restrict level, float first
     }
 }
 
-// The same of a step, whose two edges are one, without the columns of its middle and width.
+// Columns of a step. Its two edges are one; the columns of middle and width are left out.
 EMBERFOLD_SIMD_CLONES void step_slopes(const float* __restrict level, float first, int count, int padded,
                                        Shape s, float* __restrict by) {
   constexpr int k = static_cast<int>(kMostSamples);
@@ -107,7 +106,7 @@ EMBERFOLD_SIMD_CLONES void level_columns(const float* __restrict level, float fi
     }
 }
 
-// The same of a step, without its middle.
+// Columns of a step's levels, without the middle.
 EMBERFOLD_SIMD_CLONES void step_level_columns(const float* __restrict level, float first, int count,
                                               int padded, float blur, float* __restrict by) {
   constexpr int k = static_cast<int>(kMostSamples);
@@ -158,7 +157,7 @@ struct Free {
   }
 };
 
-// Where the product of two columns lies, a ≥ b: the free numbers' in order, the residuals' after them.
+// Index of the product of two columns, a ≥ b: first those of the free numbers, then those of the residuals.
 constexpr std::size_t product_of(std::size_t a, std::size_t b) {
   return a * (a + 1) / 2 + b;
 }

@@ -21,8 +21,9 @@ struct Section {
   }
 };
 
-/// Holds a blurred bar: `left`, then `middle` over `width` px about `offset`, then `right`, blurred by a
-/// Gaussian of SD `blur`. Width 0 is a step at `offset`, whose middle does not count.
+/// Holds a blurred bar.
+/// It is `left`, then `middle` over `width` px about `offset`, then `right`, blurred by a Gaussian of SD
+/// `blur`. Width 0 is a step at `offset`, whose middle does not count.
 struct Profile {
   double offset = 0, width = 0, blur = 1;
   double left = 0, middle = 0, right = 0;
@@ -38,10 +39,10 @@ struct ProfileBounds {
 /// Fits the levels of a profile of this offset, width and blur; least squares in closed form.
 Profile fit_levels(const Section& section, Profile shape);
 
-/// Refines a profile near `start` within the bounds by least squares. Levenberg-Marquardt over offset, width,
-/// blur and the levels, at most `steps` of them, each some 100 operations a sample in vectors. `prior`:
-/// weight, in squared levels, of the squared difference of log(blur) from log(usual_blur), since noise hardly
-/// tells a narrow bar's width from its blur.
+/// Refines a profile near `start` within the bounds by least squares.
+/// Levenberg-Marquardt over offset, width, blur and the levels, at most `steps` of them, each some 100
+/// operations a sample in vectors. `prior`: weight, in squared levels, of the squared difference of log(blur)
+/// from log(usual_blur), since in noise a narrow bar's width and blur are hardly distinguishable.
 Profile refine_profile(const Section& section, Profile start, const ProfileBounds& bounds, int steps,
                        double prior, double usual_blur);
 

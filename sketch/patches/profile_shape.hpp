@@ -26,17 +26,16 @@ struct ProfileShape {
         half_hollow(std::clamp(patch.hollow / 2, 0.0, half_width)),
         blur(std::max(patch.blur, kLeastBlur)) {}
 
-  /// Holds how far the levels have changed, each 0…1: from left to middle, from middle to right, and from
-  /// middle to between.
+  /// Holds the shares of three changes of the levels, each 0…1.
+  /// They are from left to middle, from middle to right, and from middle to between.
   struct Reached {
     double enter, leave, hollow;
     [[nodiscard]] double level(double left, double middle, double right, double between) const {
       return left + enter * (middle - left) + leave * (right - middle) + hollow * (between - middle);
     }
   };
-  /// `step`: Φ.
-  template <class Step>
   /// Returns the changes reached at a distance from the curve, px, positive to the right. `step`: Φ.
+  template <class Step>
   [[nodiscard]] Reached at(double distance, const Step& step) const {
     const double enter = step((distance + half_width) / blur);
     const double leave = half_width > 0 ? step((distance - half_width) / blur) : enter;

@@ -9,8 +9,7 @@ namespace emberfold::sketch {
 
 namespace {
 
-// Where the samples of a rib lie: the pixel to their upper left, as a distance from the frame's first, and
-// how far beyond it.
+// Positions of a rib's samples: the upper left pixel, as an offset from the frame's first, and the fractions.
 struct Spots {
   std::array<int, kMostSamples> pixel;
   Samples fx, fy;

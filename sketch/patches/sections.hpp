@@ -15,8 +15,8 @@ namespace emberfold::sketch {
 /// Mean variance of the weights between two pixels, px², which sections show as blur.
 inline constexpr double kInterpolationVariance = 1.0 / 6;
 
-/// Holds the image across a patch: means over its ribs, of each of the frame's channels and of luma or
-/// another axis of colour.
+/// Holds the image across a patch as means over its ribs.
+/// There is one for each of the frame's channels, and one for luma or another axis of colour.
 struct Sections {
   std::array<Section, 3> channel;
   Section seen;

@@ -84,8 +84,8 @@ double bar_contrast(const cv::Mat1f& luma, cv::Point corner, cv::Point apart) {
   return (part(1) - 0.5 * (part(0) + part(2))) / (kWide * kHigh);
 }
 
-/// How much more a bar's contrast varies, both ways, than on white noise of this SD: 3/2 of the variance of a
-/// bar's mean.
+/// Variance of a bar's contrast, along rows and columns, over that in white noise of this SD. In white noise
+/// it is 3/2 of the variance of a bar's mean.
 template <int kWidth>
 double measure_noise_correlation(const cv::Mat1f& luma, double noise) {
   std::vector<float> contrasts;
@@ -195,7 +195,7 @@ struct Sums : Band {
     const double spread = w * vv - v * v;
     return spread > 1e-9 ? (w * vi - v * i) / spread : 0;
   }
-  /// The same for the ramp of this slope at the level that leaves least.
+  /// Least sum of squares of a ramp of this slope, over its level.
   [[nodiscard]] double ramp(double slope) const {
     const double mean = (i - slope * v) / w;
     const double squares = ii - 2 * slope * vi + slope * slope * vv;
@@ -229,7 +229,7 @@ struct Weights {
   Column difference;  // from the level to the profile
 };
 
-/// Where the pixels lie.
+/// Finds the footprint's pixels.
 void place(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& profile, double outer,
            Pixels& pixels) {
   const double c = std::cos(patch.theta), s = std::sin(patch.theta);
@@ -267,7 +267,7 @@ void place(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& prof
   pixels.count = static_cast<int>(count);
 }
 
-/// What the pixels tell, and by which weights; `shape`: the profile's.
+/// Computes the pixels' weights and differences from the profile; `shape`: the profile's.
 [[gnu::always_inline]] inline void weigh_as(const ProfileShape shape, const Profile profile, double outer,
                                             const Pixels& pixels, Weights& weights) {
   for (int i = 0; i < pixels.count; ++i) {

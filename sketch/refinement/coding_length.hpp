@@ -36,8 +36,9 @@ struct Coding {
   double cost = 0, gain = 0;
 };
 
-/// Computes the gain in coding length, nats, of showing `patch` in the frame rather than leaving its place to
-/// the fill. Guo, Zhu & Wu 2007, whose image is the drawn patches plus white noise:
+/// Computes the cost of a patch and its gain in coding length over the fill, nats.
+/// The gain is that of drawing `patch` rather than leaving its place to the fill. Guo, Zhu & Wu 2007, whose
+/// image is the drawn patches plus white noise:
 ///   Σ w·[(I − g)² − (I − profile)²] / (2 noise² noise_correlation) − cost
 /// over the patch's footprint, 5 px along it and, to each side, as far as draw_fitted shows its profile, at
 /// least 3 px. g stands for the fill: an even ramp as steep as the difference between the bands that lie

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kMargin = 24;  // px about an edit: what may show among its pixels
 
-/// Where something goes or comes.
+/// Places of the removed and added patches.
 std::vector<Point> places_of(const EditableGraph& draft, const GraphEdit& edit) {
   std::vector<Point> places;
   for (const Slot slot : edit.remove_patches) places.push_back(draft.patch(slot).position);
@@ -41,7 +41,7 @@ cv::Rect box_of(const std::vector<Point>& places, cv::Size size) {
   return box & cv::Rect({}, size);
 }
 
-/// What is drawn within the box, near these places; what lies elsewhere is the same before and after.
+/// Draws the patches near these places within the box. The rest is the same before and after.
 Sketchable drawn(const EditableGraph& draft, const graph::detail::PointGrid& places, const cv::Rect& box) {
   std::vector<std::optional<graph::VertexId>> id(draft.slots());
   std::vector<graph::Vertex> vertices;

@@ -25,12 +25,12 @@ struct GraphEdit {
   std::vector<SlotEdge> add_edges;
 };
 
-/// Returns the nats that a vertex costs because of its degree (0, 1, 2, 3, 4 and more), relative to one
-/// inside a curve. After Guo, Zhu & Wu 2007: free ends cost most, so that curves close and meet where the
-/// frame does not speak against it.
+/// Returns the nats that a vertex costs by its degree (0, 1, 2, 3, 4 and more).
+/// They are relative to degree 2, after Guo, Zhu & Wu 2007: free ends cost most, so that curves close and
+/// meet unless the frame contradicts it.
 double degree_cost(std::size_t degree);
 
-/// Holds a sketch that is being edited, and computes the length of its frame's code,
+/// Holds a sketch that is being edited, and computes the length of its frame's code:
 ///   length = Σ over patches of (degree_cost − gain), nats, 0 without patches.
 class EditableGraph {
  public:

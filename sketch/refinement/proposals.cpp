@@ -48,7 +48,7 @@ double level_at(const cv::Mat1f& luma, Point p) {
   return core::sample_bilinear(luma, p.x, p.y);
 }
 
-/// Where a patch's sides are looked at: what lies there is left and right, almost.
+/// Distance at which a patch's sides are sampled: the levels there are nearly left and right.
 double beside(const Patch& patch) {
   return patch.width / 2 + 1.5 * patch.blur;
 }
@@ -63,7 +63,7 @@ double across(const cv::Mat1f& luma, const Patch& patch, Point place, Point norm
          0.5 * (left + right);
 }
 
-/// The same of the patch's own profile.
+/// Expected difference, from the patch's own profile.
 double difference(const Patch& patch) {
   const auto reached = [&](double d) { return 0.5 * std::erfc(-d / (std::numbers::sqrt2 * patch.blur)); };
   const double d = beside(patch);

@@ -30,14 +30,14 @@ bool apply_best(EditableGraph& draft, std::vector<Proposal> proposals);  // refi
 /// Returns the ribs of a straight patch, one a pixel.
 std::vector<Rib> make_ribs(graph::Point position, double theta, double length);
 
-/// Returns whether one patch lies on the other: within 3 px along it, its core and a blur (1.5 px at least)
-/// across.
+/// Returns whether one patch lies on the other.
+/// That is within 3 px along it, and its core and a blur (1.5 px at least) across.
 bool patches_overlap(const graph::Patch& a, const graph::Patch& b);
 
 /// Returns the coding in the axis of greatest gain; in luma where no axis gains.
 Coding best_coding(std::span<const CodingContext> axes, const graph::Patch& patch);
 
-/// Results of ProposalBuilder::fit_like by all its arguments; most are asked for again in the next round.
+/// Results of ProposalBuilder::fit_like by all its arguments, since most calls repeat in the next round.
 using FitCache = std::map<std::array<double, 8>, std::optional<graph::Patch>>;
 
 /// Builds patches and proposals for the edits of one round, from a graph on its frame.
@@ -93,9 +93,9 @@ std::vector<Slot> stroke_tail(const EditableGraph& draft, Slot end);
 /// Returns the median of the patches' |contrast|.
 double median_contrast(const EditableGraph& draft, const std::vector<Slot>& slots);
 
-void propose_at_ends(ProposalBuilder& editor);                                        // edit_ends.cpp
-void propose_meetings(ProposalBuilder& editor);                                       // edit_meetings.cpp
-void propose_for_strokes(ProposalBuilder& editor, bool blobs);                        // edit_strokes.cpp
-void propose_offered(ProposalBuilder& editor, const graph::AttributeGraph& offered);  // edit_offered.cpp
+void propose_at_ends(ProposalBuilder& editor);                  // proposals_ends.cpp
+void propose_meetings(ProposalBuilder& editor);                 // proposals_junctions.cpp
+void propose_for_strokes(ProposalBuilder& editor, bool blobs);  // proposals_strokes.cpp
+void propose_offered(ProposalBuilder& editor, const graph::AttributeGraph& offered);  // proposals_offered.cpp
 
 }  // namespace emberfold::sketch

@@ -45,7 +45,7 @@ void grow(ProposalBuilder& editor, const std::vector<Slot>& slots) {
   for (std::size_t n = 0; n < kMost; ++n) {
     heading += bend;
     const Point place = last.position + Point{std::cos(heading), std::sin(heading)} * editor.spacing();
-    // What goes on behind a gap is not this stroke.
+    // Beyond a gap the stroke is another one.
     if (editor.visible_contrast(last, last.position, place, contrast, kShows) < kShows) return;
     const auto next =
         editor.fit_like(last, place, backwards ? heading + std::numbers::pi : heading, contrast);

@@ -58,7 +58,7 @@ std::optional<std::vector<Patch>> way(ProposalBuilder& editor, const Patch& begi
   const Point to = end.position, step = to - from;
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
   const double theta = std::cos(begin.theta - heading) < 0 ? heading + std::numbers::pi : heading;
-  // Where a stroke comes in from the side, its own sides hide that the way goes on.
+  // The sides of a stroke that is met from the side hide the last part of the way.
   const double hidden =
       graph::orientation_difference(heading, end.theta) < from_side ? 0 : end.width / 2 + 2 * end.blur;
   const Point seen_to = from + step * std::max(1 - hidden / length, 0.0);
@@ -93,7 +93,7 @@ void join_ends(ProposalBuilder& editor, const End& a, const End& b) {
   if (length >= 0.6 * editor.spacing() &&
       (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length))
     return;
-  // Of both strokes, not of their ends alone: in a gap's penumbra these show less.
+  // Medians over both strokes: near a gap their ends have less contrast.
   const double contrast = std::copysign(std::sqrt(median_contrast(draft, stroke_tail(draft, a.slot)) *
                                                   median_contrast(draft, stroke_tail(draft, b.slot))),
                                         first.contrast);
@@ -104,8 +104,9 @@ void join_ends(ProposalBuilder& editor, const End& a, const End& b) {
     if (before == after) return;
     const Point along = draft.patch(after).position - draft.patch(before).position;
     const double heading = std::atan2(along.y, along.x);
-    const auto one = editor.fit_like(first, (a.place + b.place) * 0.5,
-                                     std::cos(first.theta - heading) < 0 ? heading + std::numbers::pi : heading, contrast);
+    const auto one =
+        editor.fit_like(first, (a.place + b.place) * 0.5,
+                        std::cos(first.theta - heading) < 0 ? heading + std::numbers::pi : heading, contrast);
     if (!one) return;
     GraphEdit edit;
     remove_patch(edit, draft, a.slot);
@@ -147,7 +148,7 @@ void reach_stroke(ProposalBuilder& editor, const End& end, Slot target) {
   }
 }
 
-/// Where two ends' ways cross ahead of both, they meet in a corner.
+/// Joins two ends whose ways cross ahead of both in a corner.
 void meet_in_corner(ProposalBuilder& editor, const End& a, const End& b) {
   const EditableGraph& draft = editor.draft();
   const Patch &first = draft.patch(a.slot), &second = draft.patch(b.slot);
@@ -192,8 +193,8 @@ std::vector<End> sharp_corners(const EditableGraph& draft) {
   return corners;
 }
 
-/// Where two strokes cross at a small angle, both pairs of arms may have met in corners, back to back: they
-/// are joined, if the stroke shows between them. Near the corners their arms hide its sides.
+/// Joins two corners back to back, if the stroke is visible between them. Two strokes that cross at a small
+/// angle leave such corners. Near the corners the arms hide the stroke's sides.
 void join_corners(ProposalBuilder& editor, const End& a, const End& b) {
   constexpr double kFacing = 0.87, kLeast = 6;  // cos 30°; px
   const EditableGraph& draft = editor.draft();

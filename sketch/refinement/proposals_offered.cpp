@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kLeast = 3;  // patches of a stroke
 
-/// Where an offered curve shows, all of it moved across by `aside`: none for the patches that do not.
+/// Patches of an offered curve, all moved across by `aside`; none for those that are not visible.
 std::vector<std::optional<Patch>> seen_beside(ProposalBuilder& editor, const graph::AttributeGraph& offered,
                                               const graph::Curve& curve, double aside) {
   std::vector<std::optional<Patch>> seen;

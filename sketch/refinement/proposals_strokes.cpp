@@ -118,7 +118,7 @@ void become_bar(ProposalBuilder& editor, const std::vector<Slot>& stroke,
   for (const auto& [one, other] : pairs) {
     const Patch &a = draft.patch(one), &b = draft.patch(other);
     const double width = graph::distance(a.position, b.position);
-    // What a bar of that width shows: the levels of the steps' sides that lie inside and outside.
+    // A bar of that width has the levels of the steps' inner and outer sides.
     Patch bar = a;
     bar.position = (a.position + b.position) * 0.5;
     bar.width = width;

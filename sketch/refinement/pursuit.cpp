@@ -31,7 +31,7 @@ namespace {
 constexpr int kRounds = 10;            // that spend a budget
 constexpr double kLeastQuota = 0.02;   // of the frame's pixels a round
 constexpr double kLocalMean = 6;       // px, SD: the first round's fill, that has nothing to hold on
-constexpr double kStrokesFirst = 1.4;  // a curve is more than its pixels: it tells where the next one lies
+constexpr double kStrokesFirst = 1.4;  // factor for curves, which also predict their continuation
 constexpr double kMostHidden = 0.3;    // of a curve's pixels that others may show already
 
 /// The pixels that something would show, and what.
@@ -80,12 +80,12 @@ cv::Rect around(const AttributeGraph& graph, const Curve& curve, cv::Size size) 
   return box & cv::Rect({0, 0}, size);
 }
 
-/// Nats that tell where something begins: any of the frame's pixels.
+/// Nats for the place where something begins: any of the frame's pixels.
 double place_cost(cv::Size size) {
   return std::log(static_cast<double>(size.area()));
 }
 
-/// What the curve shows on its own.
+/// Draws a curve alone.
 Item draw_curve(const AttributeGraph& graph, const std::vector<Curve>& curves, std::size_t number,
                 cv::Size size) {
   Item item;

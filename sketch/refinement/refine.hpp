@@ -17,8 +17,9 @@ struct RefineOptions {
   const graph::AttributeGraph* offered = nullptr;  ///< strokes that may be there too, up to 4 px beside
 };
 
-/// Runs phase II of the sketch pursuit (Guo, Zhu & Wu 2007): edits the graph where that shortens its frame's
-/// code (EditableGraph). The greatest change comes first, until none shortens. The edits:
+/// Runs phase II of the sketch pursuit (Guo, Zhu & Wu 2007), which edits the graph.
+/// An edit is made where it shortens the frame's code (EditableGraph). The greatest change comes first, until
+/// none shortens. The edits:
 /// - strokes are deleted, or created where they are offered; short strokes become blobs;
 /// - ends grow and shrink, meet other ends, go on to another stroke, or meet in a corner; the patches of two
 ///   ends become one;

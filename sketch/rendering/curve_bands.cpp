@@ -19,7 +19,7 @@ graph::Point direction(double theta) {
   return {std::cos(theta), std::sin(theta)};
 }
 
-/// How a patch takes part in an edge that runs in direction `along`.
+/// Part of a patch in an edge that runs in direction `along`.
 struct Part {
   bool backwards, in_line;
   double slope;
@@ -32,7 +32,7 @@ Part part(const graph::Patch& patch, graph::Point along, double length) {
   return {cosine < 0, in_line, in_line && length <= kLongestBend ? sine / cosine : 0};
 }
 
-/// Whether the curve goes straight on through this vertex: two edges, to both sides of its direction.
+/// True if the curve goes straight on through this vertex: two edges, to both sides of its direction.
 bool goes_through(const graph::AttributeGraph& graph, std::size_t vertex) {
   const auto others = graph.neighbours(vertex);
   if (others.size() != 2) return false;
@@ -46,12 +46,13 @@ bool goes_through(const graph::AttributeGraph& graph, std::size_t vertex) {
   return parts[0].in_line && parts[1].in_line && parts[0].backwards != parts[1].backwards;
 }
 
-/// Whether an edge between them is drawn with the other's profile, from one of this double ridge's two lines.
+/// True if an edge between them starts at one of this double ridge's two lines, with the other patch's
+/// profile.
 bool forks(const graph::Patch& patch, const graph::Patch& other) {
   return patch.hollow > 0 && other.hollow <= 0;
 }
 
-/// Where an edge leaves a patch.
+/// Place where an edge leaves a patch.
 graph::Point leave(const graph::Patch& patch, const graph::Patch& other) {
   if (!forks(patch, other)) return patch.position;
   const graph::Point t = direction(patch.theta), normal{-t.y, t.x};
@@ -98,7 +99,7 @@ std::vector<Band> make_bands(const graph::AttributeGraph& graph) {
       const auto end = [&](bool own, std::size_t vertex, const Part& of_it, std::size_t other,
                            const Part& of_other) {
         const std::size_t shown = own ? vertex : other;
-        // Where a double ridge forks its lines go on: nothing closes it.
+        // The two lines of a double ridge go on at its fork, so its end stays open.
         const bool open = graph.patch(vertex).hollow > 0 && graph.degree(vertex) > 2;
         return BandEnd{shown, own ? of_it.backwards : of_other.backwards, of_it.slope,
                        profile_reach(graph.patch(shown)),

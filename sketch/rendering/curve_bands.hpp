@@ -17,12 +17,13 @@
 namespace emberfold::sketch {
 
 // Chosen for the look of drawn strokes; no source.
-inline constexpr double kLeastReach = 1.5;    ///< px to each side that a band shows at least
-inline constexpr double kMostReach = 12;      ///< px to each side that a band shows at most
-inline constexpr double kLeastMargin = 1;     ///< px beyond the core: else a sharp line holds no pixel of its sides
+inline constexpr double kLeastReach = 1.5;  ///< px to each side that a band shows at least
+inline constexpr double kMostReach = 12;    ///< px to each side that a band shows at most
+inline constexpr double kLeastMargin =
+    1;  ///< px beyond the core: else a sharp line holds no pixel of its sides
 inline constexpr double kBorderSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
 
-/// Returns how far to each side a patch's profile changes, px.
+/// Returns the distance to each side within which a patch's profile changes, px.
 inline double profile_reach(const graph::Patch& patch) {
   const double margin = std::max(2 * std::max(patch.blur, kLeastBlur), kLeastMargin);
   return std::clamp(std::max(patch.width, 0.0) / 2 + margin, kLeastReach, kMostReach);
@@ -140,7 +141,8 @@ void visit_band(const Band& band, cv::Size size, Paint paint) {
   const graph::Point o = band.origin, t = band.along;
   const double tip = std::abs(t.x) * side;
   PixelRange rows{0, size.height - 1};
-  rows.intersect(1, 0, o.y + std::min(low * t.y, high * t.y) - tip, o.y + std::max(low * t.y, high * t.y) + tip);
+  rows.intersect(1, 0, o.y + std::min(low * t.y, high * t.y) - tip,
+                 o.y + std::max(low * t.y, high * t.y) + tip);
   for (int y = rows.first; y <= rows.last; ++y) {
     // Along and across the chord, u = (p − o)·t and v = (p − o)·n with n = (−t.y, t.x).
     const double dy = y - o.y;
@@ -192,7 +194,7 @@ inline double blob_weight(const BlobShape& shape, double dx, double dy) {
   return inward * inward * inward * inward;
 }
 
-/// Throws core::InputError for an empty size, or other than 1 or 3 channels.
+/// Checks a frame's format. Throws core::InputError for an empty size, or other than 1 or 3 channels.
 void check_frame(cv::Size size, int channels);
 
 }  // namespace emberfold::sketch

@@ -19,10 +19,10 @@ namespace {
 
 using Colour = std::array<double, 3>;
 
-/// What a patch shows across its direction: channel by channel at profile_place(i), in reaches.
+/// Levels across a patch's direction, channel by channel, at profile_position(i) reaches.
 using Table = std::array<Colour, kProfileSamples>;
 
-/// Of a patch: its profile, and the window that lies over it, if one does; along the patch's own direction.
+/// A patch's profile along its own direction, and the window over it, if it has one.
 struct DecodedPatch {
   Table across{};
   std::vector<Colour> window;
@@ -60,7 +60,7 @@ Colour window_at(const std::vector<Colour>& window, double along, double across)
   return mixed(mixed(at[0], at[1], fx), mixed(at[kWindowSide], at[kWindowSide + 1], fx), fy);
 }
 
-/// What a code says at each of its entry's samples.
+/// Decodes the levels at each of the entry's samples.
 std::vector<Colour> decode(const PatchCode& code, const DictionaryEntry& entry, int channels) {
   const Colour level = colour(code.level, channels), amplitude = colour(code.amplitude, channels);
   std::vector<Colour> all(entry.mean.size());
@@ -96,7 +96,7 @@ Colour at(const Table& table, double place) {
   return mixed(table[i], table[i + 1], f);
 }
 
-/// What is drawn so far.
+/// Drawing in progress.
 struct Canvas {
   Sketchable part;
   cv::Mat1f weights;
@@ -113,7 +113,7 @@ struct Canvas {
 
 void draw_bands(Canvas& canvas, const graph::AttributeGraph& graph, const std::vector<DecodedPatch>& all) {
   for (const Band& band : make_bands(graph)) {
-    // What looks like a window has no profile of its own along the curve.
+    // A patch with a window has no profile of its own along the curve.
     const auto profile_end = [&](const BandEnd& own, const BandEnd& other) {
       return !all[own.vertex].window.empty() && all[other.vertex].window.empty() ? other : own;
     };

@@ -17,10 +17,10 @@ namespace emberfold::sketch {
 namespace {
 
 constexpr int coarse = 4;      // of the fill that patches fade into: a cell is so many px
-constexpr int fade_steps = 6;  // a fade's, as fading.hpp has it
+constexpr int fade_steps = 6;  // a fade's, as in fade_in_out.hpp
 
-/// Of each pixel that a patch shows, 1 + the number of shares it is there by, of those between which a fade
-/// goes; 0 elsewhere. What is there by the k-th has a rank above k.
+/// Ranks of the pixels that patches cover: 1 + the number of opacity steps reached; 0 elsewhere. A pixel that
+/// has reached the k-th step has a rank above k.
 cv::Mat ranks_of(const cv::Mat& mask, const cv::Mat& opacity) {
   std::array<float, fade_steps + 1> shares{};
   for (int k = 0; k <= fade_steps; ++k)
@@ -47,7 +47,7 @@ class CoarseFill {
       : part_(part), ranks_(ranks), ground_(background) {
     if (!background.empty()) near_ = spread_maximum(ranks);
   }
-  /// Of what has a rank above this one.
+  /// Fills from the pixels of a higher rank.
   [[nodiscard]] cv::Mat above(int rank, float empty_level, const sketch::FillOptions& options) const {
     const cv::Mat left = ranks_ > rank;
     cv::Mat held = left, weight, weights, levels, seen;
@@ -77,7 +77,8 @@ class CoarseFill {
   cv::Mat near_;
 };
 
-/// Where a patch is not quite there: `from`, and by its share what its levels have beyond `beyond`.
+/// Blends pixels that are not opaque: `from`, plus their opacity times the difference of their levels from
+/// `beyond`.
 void blend(sketch::Sketchable& part, const cv::Mat& opacity, const cv::Mat& from, const cv::Mat& beyond) {
   const int channels = part.levels.channels();
   for (int y = 0; y < part.mask.rows; ++y) {

@@ -10,7 +10,7 @@
 // The levels of patches that fade in or out.
 namespace emberfold::sketch {
 
-/// Opacity from which on nothing is missing.
+/// Opacity from which a patch counts as opaque.
 constexpr float kOpaque = 0.999F;
 
 /// Blends the patches that are not opaque with the fill that would show without them. The smooth part of the

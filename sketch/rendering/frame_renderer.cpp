@@ -39,10 +39,10 @@ void raise_contrast(graph::Patch& patch, float gain) {
   }
 }
 
-/// What is drawn of a frame's strokes, and how much of them there is.
+/// Drawn strokes of a frame, with their opacity.
 struct DrawnStrokes {
   sketch::Sketchable part;
-  cv::Mat opacity;  ///< CV_32F, 0…1; empty: all is there
+  cv::Mat opacity;  ///< CV_32F, 0…1; empty: all opaque
 };
 
 graph::AttributeGraph adjust_patches(const FrameContent& content, const RenderOptions& options,
@@ -58,7 +58,7 @@ graph::AttributeGraph adjust_patches(const FrameContent& content, const RenderOp
                       options.background.level_range);
 }
 
-/// Lets the ground's detail go on through lines: what a profile tells of them is a mean along the crease.
+/// Continues the background's detail through lines, whose profile is a mean along the crease.
 void add_detail(cv::Mat& levels, const cv::Mat& background, const cv::Mat& lines) {
   cv::Mat smooth, detail, shares;
   cv::GaussianBlur(background, smooth, {}, detail_scale);

@@ -14,15 +14,15 @@
 
 namespace emberfold::sketch {
 
-/// Holds a frame of which patches show a part and diffusion the rest.
+/// Holds a rendered frame: a part drawn by patches, the rest filled by diffusion.
 struct RenderedLevels {
   cv::Mat levels;    ///< CV_32F, white = 255
   double share = 0;  ///< of the pixels that patches show, 0…1
   bool converged = true;
 };
 
-/// Fills what the patches and the still background (add_background_pixels) leave open. With nothing held the
-/// frame becomes `empty`, levels by channel. `opacity`: as for add_background_pixels.
+/// Fills the pixels that neither patches nor the still background (add_background_pixels) cover.
+/// With nothing held the frame becomes `empty`, levels by channel. `opacity`: as for add_background_pixels.
 RenderedLevels render_around(const sketch::Sketchable& part, const cv::Scalar& empty,
                              const sketch::FillOptions& options, const BackgroundImage& background = {},
                              const cv::Mat& opacity = {});
@@ -41,12 +41,12 @@ struct RenderOptions {
   bool new_places = false;
 };
 
-/// Holds what one frame shows: its patches and what lies between them.
+/// Holds the content of one frame: its patches and the background between them.
 struct FrameContent {
   graph::AttributeGraph graph;
   /// CV_8U, as the frame: the strokes are joined into it. Empty: RenderOptions.background and the fill.
   cv::Mat background = {};
-  /// Of each patch, 0…1, for patches that fade in or out (fade_in_out.hpp). Empty: all opaque.
+  /// Opacity of each patch, 0…1, for patches that fade in or out (fade_in_out.hpp). Empty: all opaque.
   std::vector<float> opacity = {};
   cv::Mat residual = {};  ///< CV_8S, as the frame: added everywhere but at static pixels
 };

@@ -44,7 +44,7 @@ Lift lift(const graph::Patch& patch, const cv::Mat& background) {
   return result;
 }
 
-/// The same as seen by a neighbour that may run the other way.
+/// Lift in the sense of a neighbour that may run the other way.
 Lift turned(const Lift& lift, bool backwards) {
   if (!backwards) return lift;
   return {lift[3], lift[4], lift[5], lift[0], lift[1], lift[2]};

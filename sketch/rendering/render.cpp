@@ -20,7 +20,7 @@ namespace {
 
 using Colour = std::array<double, 3>;
 
-/// What a band shows at one place of its curve, sides as seen along the curve.
+/// Profile of a band at one place of its curve; sides as seen along the curve.
 struct Profile {
   Colour left{}, middle{}, right{}, between{};
   ProfileShape shape;
@@ -90,7 +90,7 @@ void divide(cv::Mat& sums, const cv::Mat& weights) {
   }
 }
 
-/// With nothing told, nothing is.
+/// Draws the patches; interpolates no values where none are given.
 AttributedSketch draw(const graph::AttributeGraph& graph, cv::Size size, int channels, PatchValues values) {
   check_frame(size, channels);
   AttributedSketch result{

@@ -24,7 +24,7 @@ constexpr int halvings = 6;  // of the interval that the share lies in
 constexpr double least_share = 0.25, most_gain = 1.5;
 constexpr double border = 4;  // px
 
-/// Of all frames, as they are drawn.
+/// Mean flank gradient of all frames as they are drawn.
 double measure_drawn_gradient(std::span<const FrameContent> content, const RenderOptions& options,
                               const core::Context& context) {
   const auto frames = render_frames(content, options, context);

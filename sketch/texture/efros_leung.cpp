@@ -125,7 +125,7 @@ class Grower {
   std::vector<Places> places_;  // [0] all that is free, then by label
   Front front_;
   std::vector<float> bell_;
-  // Of the pixel at hand: what its window shows and what each number counts.
+  // Current pixel: the levels of its window and their weights.
   std::vector<float> target_, weights_;
   std::vector<Candidate> candidates_;
   double best_ = 0;
@@ -227,7 +227,7 @@ void Grower::look_at(cv::Point place, cv::Point pixel) {
   candidates_.push_back({place, own});
 }
 
-/// Where the neighbours came from, carried on to this pixel.
+/// Continues the copies of the neighbours to this pixel.
 void Grower::look_around(cv::Point pixel) {
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {

@@ -25,9 +25,10 @@ struct TextureFilter {
   std::vector<Tap> taps;
 };
 
-/// Returns the filters: the level itself; the Laplacian of a Gaussian of SD 0.7 px; Gaussian first
-/// derivatives along x and y, SD 1; second ones at 0°, 45°, 90°, 135°, SD 1.2; the Laplacian of a Gaussian of
-/// SD 1.2; the differences from a pixel to the next along x and y.
+/// Returns the filters of the texture model.
+/// They are: the level itself; the Laplacian of a Gaussian of SD 0.7 px; Gaussian first derivatives along x
+/// and y, SD 1; second ones at 0°, 45°, 90°, 135°, SD 1.2; the Laplacian of a Gaussian of SD 1.2; the
+/// differences from a pixel to the next along x and y.
 std::array<TextureFilter, kTextureFilters> make_texture_filters();
 
 /// Filters CV_8U levels. Returns CV_32S; the border is repeated outwards.

@@ -109,7 +109,7 @@ class Sampler {
   std::vector<double> total_;              // by part and filter: responses that count
   std::vector<double> excess_;             // by part, filter and bin: n − n₀
   std::vector<double> stiffness_;          // of its square
-  // Of the proposal at hand:
+  // Current proposal:
   std::vector<Move> moves_;
   std::vector<int> shift_;  // by part, filter and bin; 0 between proposals
   std::vector<std::size_t> shifted_;
@@ -125,7 +125,7 @@ Sampler::Sampler(const cv::Mat& bytes, const TextureRegions& regions)
       level_[place(y, x)] = bytes.at<std::uint8_t>(y, x);
       part_[place(y, x)] = regions.part.at<std::uint8_t>(y, x);
     }
-  // Of a pixel far from any border.
+  // Rows of a pixel far from all borders.
   rows_.push_back(rows_of({4 * kMargin + 1, 4 * kMargin + 1}, {2 * kMargin, 2 * kMargin}));
   order_visits(regions.part);
   set_limits(regions);
@@ -227,7 +227,7 @@ void Sampler::count(const cv::Mat& bytes, const TextureRegions& regions) {
   shift_.assign(excess_.size(), 0);
 }
 
-/// How much the energy would rise; leaves the moves between bins.
+/// Returns the rise of the energy; stores the moves between bins.
 double Sampler::propose(std::size_t at, const Rows& rows, int change) {
   moves_.clear();
   shifted_.clear();

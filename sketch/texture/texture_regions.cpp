@@ -83,8 +83,8 @@ class Features {
   }
 
  private:
-  /// Divides one filter's features by how much they differ between windows side by side, mostly of one
-  /// texture: what varies inside textures shall not tell them apart.
+  /// Divides one filter's features by their usual difference between windows side by side. These lie mostly
+  /// in one texture, so variation inside textures does not separate them.
   void level_out(std::size_t first, const cv::Mat& free, int window) {
     double sum = 0, pairs = 0;
     for (int y = 0; y < free.rows; y += kStep)

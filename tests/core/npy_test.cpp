@@ -96,7 +96,7 @@ const std::vector<std::pair<std::string, NpyArray::Data>>& tables() {
   return all;
 }
 
-/// The same table column by column.
+/// The table, column by column.
 NpyArray::Data columns(const NpyArray::Data& rows) {
   return std::visit(
       [](const auto& v) -> NpyArray::Data {

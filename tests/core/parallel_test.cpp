@@ -33,8 +33,7 @@ auto with_threads(int threads, Body body) {
   return arena.execute(body);
 }
 
-/// How many threads come together inside parallel_for, where each waits until `awaited` have come or the
-/// time is over.
+/// Number of threads that meet inside parallel_for. Each waits until `awaited` have come or the time is over.
 std::size_t threads_that_meet(std::size_t awaited, std::chrono::milliseconds patience) {
   std::mutex mutex;
   std::condition_variable arrived;

@@ -168,8 +168,8 @@ TEST_CASE("below is uniform and without bias", "[core][rng]") {
     CAPTURE(count);
     CHECK(uniform_p(counted) > kRare);
   }
-  // Of 3 · 2^30 values a plain multiplication would hit every third one, a plain remainder the lowest third,
-  // twice as often as the others.
+  // With 3 · 2^30 values a plain multiplication would hit every third one twice as often as the others, a
+  // plain remainder the lowest third.
   constexpr std::uint32_t kCount = 3U << 30;
   std::vector<std::size_t> remainder(3), third(3);
   for (int i = 0; i < 300000; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is learned is true: against known systems and against the definitions.
+// Learned models, compared with known systems and with the definitions.
 #include "dytex/learn.hpp"
 
 #include <algorithm>

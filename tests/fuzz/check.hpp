@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every fuzz target does: a reader takes the bytes or refuses them with one clear line, and what it took
-// survives writing and reading.
+// Steps of every fuzz target: a reader accepts the bytes or refuses them with one clear line. Accepted
+// content survives writing and reading.
 #pragma once
 
 #include <cstddef>

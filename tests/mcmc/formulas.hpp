@@ -29,14 +29,16 @@ inline double log_contrast(double contrast) {
 }
 /// Variance of an AR(2) from its lag-one correlation: γ₀(1 − a₁ρ₁ − a₂ρ₂) = noise².
 inline double stationary(const SamplerParameters& t) {
-  const double rho1 = t.displacement.a1 / (1 - t.displacement.a2), rho2 = t.displacement.a1 * rho1 + t.displacement.a2;
-  return t.displacement.noise * t.displacement.noise / (1 - t.displacement.a1 * rho1 - t.displacement.a2 * rho2);
+  const double rho1 = t.displacement.a1 / (1 - t.displacement.a2),
+               rho2 = t.displacement.a1 * rho1 + t.displacement.a2;
+  return t.displacement.noise * t.displacement.noise /
+         (1 - t.displacement.a1 * rho1 - t.displacement.a2 * rho2);
 }
 inline double begun(const SamplerParameters& t, int frame, double contrast, std::size_t kind) {
   return t.birth[frame == 0 ? 0 : 1] / (2 * std::numbers::pi) *
          normal(log_contrast(contrast) - t.new_contrast, t.new_contrast_sd) * t.kinds[kind];
 }
-/// Of what lies `along` and `side` of where it grows from, turned by `turn`, of the same kind and contrast.
+/// Density of a patch of the same kind and contrast, grown at (`along`, `side`) and turned by `turn`.
 inline double grown(const SamplerParameters& t, double along, double side, double turn) {
   const double line = 0.5 * (normal(along - t.step, t.step_sd) + normal(along + t.step, t.step_sd)) *
                       normal(side, t.side_sd) * turned(turn, t.bend_sd);
@@ -49,8 +51,8 @@ inline double grown(const SamplerParameters& t, double along, double side, doubl
 inline double empty_frames(const SamplerParameters& t, double area, int frames) {
   return -t.birth[0] * area - (frames - 1) * t.birth[1] * area;
 }
-inline double chance(const SamplerParameters& t, std::size_t degree, std::size_t neighbour_outcome, mcmc::Outcome what, bool can_merge,
-                     bool border = false) {
+inline double chance(const SamplerParameters& t, std::size_t degree, std::size_t neighbour_outcome,
+                     mcmc::Outcome what, bool can_merge, bool border = false) {
   const auto& row = t.outcome[mcmc::outcome_context(degree, border, neighbour_outcome)];
   return row[static_cast<std::size_t>(what)] / (can_merge ? 1 : 1 - row[3]);
 }

@@ -19,7 +19,7 @@ TEST_CASE("Predictions are measured against the frame that comes") {
   for (int t = 0; t < 10; ++t)
     clip.frames.push_back(cv::Mat(5, 6, CV_8UC1, cv::Scalar(t < 5 ? 10 : 10 + 4 * (t - 4))));
   core::ClipSource source(clip);
-  // A model that knows it: four more levels with every frame.
+  // A model with the true law: four more levels with every frame.
   pipeline::ComparedModel knows{"knows", "knows"};
   knows.predict = [](const pipeline::PastFrames& past, std::span<const int> steps) {
     std::vector<cv::Mat> predicted;

@@ -152,8 +152,8 @@ TEST_CASE("without noise the copies are the clip") {
 }
 
 TEST_CASE("noise in luma is as strong in colour as in grey") {
-  // What the sketch takes for noise in a flat frame's copies shows in which lines are found: strong noise
-  // hides the faint line, in colour and grey alike.
+  // Found lines depend on the noise that the sketch estimates in copies of a flat frame: strong noise hides
+  // the faint line, in colour and grey alike.
   for (const int type : {CV_8UC1, CV_8UC3}) {
     const core::Clip clip = lines(6, type);
     core::ClipSource source(clip);

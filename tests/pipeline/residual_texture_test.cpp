@@ -76,7 +76,7 @@ pipeline::ResidualTexture measured(const core::Clip& clip) {
 struct Seen {
   std::vector<double> mean, deviation;
 };
-/// Of each channel over the frames in a rectangle.
+/// Mean and SD of each channel over the frames in a rectangle.
 Seen seen_in(const std::vector<cv::Mat>& frames, const cv::Rect& where) {
   Seen seen;
   const auto channels = static_cast<std::size_t>(frames[0].channels());

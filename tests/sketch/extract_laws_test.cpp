@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold of every sketch: symmetries, small frames, bad input, independence of threads.
+// Laws of every sketch: symmetries, small frames, bad input, independence of threads.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -77,7 +77,7 @@ double distance_to_segment(Point p, Point a, Point b) {
   return graph::distance(p, a + (b - a) * s);
 }
 
-/// The same with the nearest place on an edge of `to`.
+/// The share of `from`, mapped, that has an edge of `to` within `tolerance` px.
 double share_on_edges(const AttributeGraph& from, const AttributeGraph& to, const Mapping& map,
                       double tolerance) {
   std::size_t found = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the sketch says a structure is and what it says of it, held against frames drawn by formula.
+// Places and attributes of sketched structures, compared with frames drawn by formula.
 #include "sketch/extract.hpp"
 
 #include <algorithm>
@@ -52,7 +52,7 @@ Straight at_angle(int k, double whole_turn) {
           0.013 + whole_turn * k / kAngles};
 }
 
-/// What was measured of the inner patches of bars.
+/// Errors of the inner patches of bars.
 struct BarErrors {
   Spread position, theta, width, blur, contrast, side;
   double patches = 0, strays = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many strokes there are, how they hang together, and that nothing is found where nothing is.
+// Number and connections of strokes; no strokes without structure.
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -80,7 +80,7 @@ TEST_CASE("Frames of one or a few rows or columns are drawn as that part of a la
     CHECK(same_bytes(small.levels, fitted.levels(part)));
     const Sketchable kept = sketch::draw_pixels(graph, picture(part).clone());
     CHECK(same_bytes(kept.levels, pixels.levels(part)));
-    // What is held comes back, and the rest stays between the least and the greatest of it.
+    // Held pixels come back, and the others stay within their range.
     const sketch::FillResult filled = sketch::fill(small.levels, small.mask);
     CHECK(filled.converged);
     cv::Mat held;

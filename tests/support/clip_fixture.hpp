@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of clips share: a folder of their own, frames with known values, and a message by its throw.
+// Helpers of clip tests: a temporary folder, frames with known values, and the message of an exception.
 #pragma once
 
 #include <cstdlib>

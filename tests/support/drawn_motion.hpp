@@ -81,7 +81,7 @@ inline graph::MotionGraph made_motion(const std::vector<MadeStroke>& strokes, in
   return graph::identify(std::move(motion));
 }
 
-/// What frame t of it might look like, CV_8UC3.
+/// Returns frame t of the strokes, drawn, CV_8UC3.
 inline cv::Mat made_picture(const std::vector<MadeStroke>& strokes, int width, int height, int t) {
   constexpr int kShift = 4;
   const auto fixed = [](double v) { return cvRound(v * (1 << kShift)); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion graphs whose truth is known: curves in known places that displacement by a known law, sampled anew in every
+// Motion graphs with known truth: curves at known places that move by a known law, sampled anew in every
 // frame.
 #pragma once
 
@@ -99,7 +99,7 @@ struct Stroke {
 struct Scene {
   int width = 320, height = 240, frames = 50;
   std::vector<Stroke> strokes;
-  Law displacement, gain;                     ///< of the displacement along the normal, px; of the log contrast
+  Law displacement, gain;             ///< of the displacement along the normal, px; of the log contrast
   std::function<Point(Point)> drift;  ///< px a frame, of a stroke by its start; none: at rest
   double jitter = 0;                  ///< px, SD: what each patch is off its curve, in each frame alone
   bool resampled = true;              ///< the patches' phase along the stroke is drawn anew in every frame
@@ -107,16 +107,16 @@ struct Scene {
 
 constexpr double spacing = 5;  // px
 
-/// Where a vertex lies.
+/// Place of a vertex.
 struct Where {
   std::uint32_t stroke = 0;
   double s = 0;  ///< px along it
 };
 
 struct Made {
-  graph::MotionGraph motion;              ///< identified
-  std::vector<std::vector<Where>> where;  ///< of each frame's vertices
-  std::vector<WaveMotion> displacement, gain;          ///< of each stroke
+  graph::MotionGraph motion;                   ///< identified
+  std::vector<std::vector<Where>> where;       ///< of each frame's vertices
+  std::vector<WaveMotion> displacement, gain;  ///< of each stroke
 };
 
 inline Made make(const Scene& scene, std::uint64_t seed) {
@@ -144,7 +144,9 @@ inline Made make(const Scene& scene, std::uint64_t seed) {
       const Point moved = scene.drift ? scene.drift(stroke.start) * double(t) : Point{};
       const double phase = scene.resampled ? rng.uniform(0, spacing) : spacing / 2;
       now[i] = {phase, static_cast<std::uint32_t>(vertices.size()), 0};
-      const auto place = [&](double s) { return stroke.at(s) + stroke.normal(s) * made.displacement[i].at(s, t); };
+      const auto place = [&](double s) {
+        return stroke.at(s) + stroke.normal(s) * made.displacement[i].at(s, t);
+      };
       for (double s = phase; s <= stroke.length; s += spacing, ++now[i].count) {
         const Point ahead = place(s + 0.01) - place(s - 0.01);
         const double contrast = stroke.contrast * std::exp(made.gain[i].at(s, t));

@@ -27,18 +27,18 @@ inline double reached(double d, double blur) {
   return 0.5 * std::erfc(-d / (blur * std::numbers::sqrt2));
 }
 
-/// What is seen of a blurred bar at distance d from its middle, 0…1.
+/// Returns the visible share of a blurred bar at distance d from its middle, 0…1.
 inline double seen(double d, double width, double blur) {
   return reached(d + width / 2, blur) - reached(d - width / 2, blur);
 }
 
-/// What a blurred bar with its sides shows at distance d from its middle: graph::Patch's profile.
+/// Returns the level of a blurred bar with its sides at distance d from its middle: graph::Patch's profile.
 inline double bar_level(double d, double width, double blur, double left, double middle, double right) {
   return left + (middle - left) * reached(d + width / 2, blur) +
          (right - middle) * reached(d - width / 2, blur);
 }
 
-/// How much of a shape is seen at a place, 0…1.
+/// Visible share of a shape at a place, 0…1.
 using Cover = std::function<double(Point)>;
 
 /// A rectangle about the way from a to b, blurred by a Gaussian: exact.
@@ -82,12 +82,12 @@ inline cv::Mat1f with_noise(const cv::Mat1f& frame, double sd, std::uint64_t see
   return noisy;
 }
 
-/// Whether the frame's border is at least `margin` px away.
+/// Returns whether the frame's border is at least `margin` px away.
 inline bool well_inside(Point p, cv::Size size, double margin) {
   return p.x >= margin && p.y >= margin && p.x <= size.width - 1 - margin && p.y <= size.height - 1 - margin;
 }
 
-/// How many vertices have this degree.
+/// Counts the vertices of this degree.
 inline std::size_t count_degree(const graph::AttributeGraph& graph, std::size_t degree) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < graph.size(); ++i) count += graph.degree(i) == degree ? 1U : 0U;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How likely a sample is, for tests of random numbers.
+// Probability of a sample, for tests of random numbers.
 #pragma once
 
 #include <cmath>
@@ -47,7 +47,7 @@ inline double chi_squared_p(const std::vector<double>& expected, const std::vect
   return gamma_q(static_cast<double>(expected.size() - 1) / 2, sum / 2);
 }
 
-/// The same where all bins are alike.
+/// Returns the p-value for equally likely bins.
 inline double uniform_p(const std::vector<std::size_t>& counted) {
   double total = 0;
   for (const std::size_t count : counted) total += static_cast<double>(count);

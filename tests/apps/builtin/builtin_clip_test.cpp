@@ -55,7 +55,7 @@ double distance(const Line& a, const Line& b) {
   return least;
 }
 
-/// How far the points of a lie from b on average.
+/// Mean distance of the points of a from b.
 double mean_distance(const Line& a, const Line& b) {
   double sum = 0;
   for (const auto& p : a) sum += distance(p, b);
@@ -205,7 +205,7 @@ TEST_CASE("events lie on the strokes that they happen to, and what does not touc
     for (const auto& event : truth["events"]) {
       const std::string type = event["type"];
       const auto t = event["frame"].get<std::size_t>();
-      // What vanishes is there in the frame before; a gap is not there while it is open.
+      // Strokes that vanish are in the frame before; a gap is absent while it is open.
       const bool earlier = type == "death" || type == "disconnect" || type == "split";
       double least = 1e9;
       for (const Piece& piece : frames[earlier ? t - 1 : t].pieces)

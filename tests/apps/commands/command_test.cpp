@@ -44,7 +44,7 @@ bool is_one_clear_line(const std::string& text) {
   return text.starts_with("emberfold: ") && std::ranges::count(text, '\n') == 1 && text.ends_with("\n");
 }
 
-// What is said beside the warnings about a model of little data.
+// Output without the warnings about a model of little data.
 std::string without_model_warnings(const std::string& text) {
   std::istringstream lines(text);
   std::string rest;

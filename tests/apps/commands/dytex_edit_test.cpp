@@ -82,7 +82,7 @@ TEST_CASE("dytex edit applies its options in their order") {
   const std::string words = "--coarse 2 --speed 1.2 --intensity 0.5 --speed -1 --fine 0.5";
   CHECK(summary["edits"] == Json{words});
   CHECK(summary["amplitude"]["after"] != summary["amplitude"]["before"]);
-  // What it went through stays with it.
+  // Earlier edits stay recorded.
   REQUIRE(run_command({"dytex", "edit", out, "-o", out, "--preset", "hazy", "-q"}).exit == 0);
   CHECK(Json::parse(bytes_of(fs::path(out) / "model.json"))["edits"] == Json{words, "--coarse 2"});
   CHECK(model_at(out).weights[0] == 4);

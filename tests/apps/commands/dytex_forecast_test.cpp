@@ -131,7 +131,7 @@ TEST_CASE("dytex learn fills what a mask hides") {
   const auto clip = write_waves(temp / "clip.avi", 60), mask = write_mask(temp / "mask.avi", 60);
   const auto whole = core::read_all(*apps::open_clip(clip, {}, {})),
              hidden = core::read_all(*apps::open_clip(mask, {}, {}));
-  // What is hidden is black in the clip that is learned from.
+  // Hidden pixels are black in the clip that is learned from.
   const auto writer = io::create_video(temp / "holes.avi", {48, 36}, 25, false);
   for (std::size_t t = 0; t < 60; ++t) {
     cv::Mat frame = whole.frames[t].clone();

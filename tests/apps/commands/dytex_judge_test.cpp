@@ -235,9 +235,8 @@ TEST_CASE("Folds keep a clip together and spread the classes") {
 }
 
 TEST_CASE("Blocks of one clip do not tell each other's label") {
-  // Every clip's blocks are near each other and far from all else, and labels mean nothing: whoever let
-  // blocks of one clip stand on both sides would be right always. Left out together, there is nothing to
-  // know.
+  // Every clip's blocks are near each other and far from all else, and labels are random. With blocks of one
+  // clip on both sides the classifier would always be right. Left out together, they cannot be classified.
   constexpr std::size_t kClips = 40, kBlocks = 5;
   SampleLabels samples;
   samples.classes = 2;
@@ -327,7 +326,7 @@ TEST_CASE("dytex classify knows synthetic classes by their dynamics") {
 }
 
 TEST_CASE("dytex classify finds nothing where labels mean nothing") {
-  // The same clips, each class with some of every kind.
+  // Each class has clips of every kind.
   const TempFolder temp;
   std::uint64_t seed = 1;
   const std::vector<Waves> kinds{{0.15, 0.97}, {0.9, 0.9}, {2, 0.95}};

@@ -19,7 +19,7 @@ std::map<std::string, std::string> snapshot(const fs::path& folder) {
   return files;
 }
 
-/// What the commands read, under several names.
+/// Inputs of the commands, under several names.
 struct Sources {
   TempFolder temp;
   std::string frames = write_strokes(temp / "frames", {32, 24}, 4);

@@ -65,7 +65,7 @@ core::Clip frames_of(const fs::path& path) {
   return core::read_all(*apps::open_clip(path.string(), {}, {}));
 }
 
-// How many values differ between a rendered clip and the source seen through the map.
+// Number of values that differ between a rendered clip and the source seen through the map.
 int wrong_pixels(const core::Clip& drawn, const core::Clip& source, const fs::path& map) {
   const auto array = read_array(map);
   const auto& values = std::get<std::vector<std::int32_t>>(array.data);
@@ -126,7 +126,7 @@ TEST_CASE("a map is applied to other clips of other depth and single frames") {
   CHECK_FALSE(fs::exists(temp / "map.npy"));
   quilted(deep, temp / "seven.png", {"--apply", map, "--frame", "7"});
   CHECK(same_pixels(cv::imread((temp / "seven.png").string(), cv::IMREAD_UNCHANGED), drawn.frames[7]));
-  // What the source does not have is refused.
+  // A map beyond the source is refused.
   const auto small = write_lapse(temp / "small", {40, 40}, 3);
   check_one_line({"quilt", small, "--apply", map, "-o", (temp / "no").string(), "-q"}, 1,
                  {"map.npy", "40x40"}, temp / "no");

@@ -17,7 +17,7 @@
 
 namespace emberfold::test {
 
-/// How the real program ended, and what it said.
+/// Exit code and output of the real program.
 struct CommandResult {
   int exit = -1;  ///< 128 + the signal where one ended it
   std::string out, err;

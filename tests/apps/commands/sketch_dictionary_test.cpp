@@ -64,7 +64,7 @@ TEST_CASE("sketch learns a dictionary and draws with it and with one learned bef
   const cv::Mat picture = cv::imread((made / "dictionary.png").string());
   CHECK(picture.size() == draw_dictionary(dictionary).size());
 
-  // The same dictionary, read back, draws the same bytes; it is not written again.
+  // Read back, the dictionary draws equal bytes; it is not written again.
   REQUIRE(run_command({"sketch", clip, "-o", used.string(), "--dictionary", (made / "dictionary").string(),
                        "--patches", "learned", "-q"})
               .exit == 0);
@@ -73,7 +73,7 @@ TEST_CASE("sketch learns a dictionary and draws with it and with one learned bef
   CHECK_FALSE(fs::exists(used / "dictionary"));
   CHECK(summary_of(used)["dictionary"] == told);
 
-  // What is found and drawn without it stays as it is.
+  // The dictionary does not change the sketch, nor a drawing without it.
   REQUIRE(run_command({"sketch", clip, "-o", fitted.string(), "-q"}).exit == 0);
   CHECK(bytes_of(fitted / "sketch.jsonl") == bytes_of(made / "sketch.jsonl"));
   CHECK_FALSE(summary_of(fitted).contains("dictionary"));

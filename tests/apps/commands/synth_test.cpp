@@ -90,7 +90,8 @@ TEST_CASE("analyze writes the model that its clip's motion gives, and tells its 
   CHECK(model.frames == 24);
   CHECK_FALSE(model.exemplars.empty());
   const Json summary = Json::parse(bytes_of(made.temp / "a/summary.json"));
-  CHECK_THAT(summary["model"]["sway"]["a1"].get<double>(), Catch::Matchers::WithinRel(model.displacement.a1, 1e-3));
+  CHECK_THAT(summary["model"]["sway"]["a1"].get<double>(),
+             Catch::Matchers::WithinRel(model.displacement.a1, 1e-3));
   CHECK(summary["model"]["sway"]["radius"] < 1);
   CHECK(summary["model"]["exemplars"] == model.exemplars.size());
   CHECK(summary["files"].contains("model/"));
@@ -388,7 +389,7 @@ TEST_CASE("analyze learns what lies between strokes where asked, and synth draws
   const auto cut = copy("cut");
   fs::remove(fs::path(cut) / "texture/A.npy");
   refused(cut, {"cut/texture", "A"});
-  // Whoever asks for no texture does not meet it.
+  // Without the texture option the damaged texture is not read.
   CHECK(run_command({"synth", cut, "-o", out.string(), "-q", "--frames", "2"}).exit == 0);
   check_refused({"analyze", made.clip, "-o", (made.temp / "c").string(), "--texture", "501", "-q"}, 2,
                 {"--texture is 501"}, made.temp / "c");

@@ -49,7 +49,7 @@ Frames blobs_of(const graph::SketchSequence& sketch) {
   return frames;
 }
 
-/// How many of a's patches lie at one of b's.
+/// Number of a's patches that lie at one of b's.
 double inside(const Blob& a, const Blob& b) {
   if (a.low.x > b.high.x + kSame || b.low.x > a.high.x + kSame || a.low.y > b.high.y + kSame ||
       b.low.y > a.high.y + kSame)
@@ -90,8 +90,8 @@ double away(Point p, const Blob& blob) {
   return least;
 }
 
-/// Where two strokes are one in the frame next to theirs: the middle of what of it lies on neither, on the
-/// way from one to the other; half way between them where there is no such thing.
+/// Place where two strokes are one in the next frame: the middle of the part of `whole` that lies on neither,
+/// on the shortest way from one to the other. Half way between them without such a part.
 Point joint(const Blob& a, const Blob& b, const Blob& whole) {
   std::vector<std::pair<double, Point>> bridge;
   for (const Point p : whole.patches)
@@ -205,8 +205,8 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-/// What begins and ends the pieces, by the second assignment: another piece (a gap closed), a piece that goes
-/// on (a branch), or nothing.
+/// Begin and end of each piece after the second assignment: another piece (a gap closed), a continuing piece
+/// (a branch), or nothing.
 struct Ends {
   std::vector<bool> gap_before, gap_after;
   std::vector<std::size_t> parent, child;  // pieces that it parts from, or joins

@@ -12,7 +12,7 @@
 // sequences", as TrackMate and LapTrack do it).
 namespace emberfold::figures {
 
-/// What two strokes cost that are linked.
+/// Cost of linking two strokes.
 enum class LapCost {
   middles,  ///< the squared distance of their middles, px²
   overlap  ///< 1 − intersection over union of their patches, two within 6 px being one; for a split or merge

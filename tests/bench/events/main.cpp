@@ -185,7 +185,7 @@ void print_score_heading() {
   std::printf("\n");
 }
 
-/// How probable the sampler's events were said to be, and how many of them were true.
+/// Prints the predicted probabilities of the sampler's events beside the share of true ones.
 void print_reliability(const std::vector<std::pair<std::string, Reliability>>& all,
                        const std::filesystem::path& picture) {
   std::printf(

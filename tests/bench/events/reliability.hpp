@@ -26,8 +26,8 @@ class Reliability {
 
   [[nodiscard]] const std::array<Bin, kBins>& bins() const { return bins_; }
   [[nodiscard]] double events() const { return events_; }
-  /// The mean squared difference between probability and truth; and what it would be were each probability
-  /// right as often as it says. NaN where there is no event.
+  /// Returns the mean squared difference between probability and truth, and its expected value for calibrated
+  /// probabilities. NaN where there is no event.
   [[nodiscard]] double brier() const { return squares_ / events_; }
   [[nodiscard]] double expected_brier() const { return variance_ / events_; }
   /// A bin's share of true events and its 90 % interval (Wilson 1927).

@@ -9,12 +9,12 @@
 
 namespace emberfold::figures {
 
-/// What a way from sketches to events finds.
+/// Holds the events found in sketches by one method.
 struct Found {
-  std::vector<graph::Event> events;  ///< of whatever probability
+  std::vector<graph::Event> events;  ///< of any probability
   double a1 = 0, a2 = 0;             ///< of the sway
   double seconds = 0;                ///< of processor time, all threads; sketching left out
-  graph::SketchSequence sketch;      ///< the graphs that the events are of
+  graph::SketchSequence sketch;      ///< the graphs of the events
 };
 
 /// The bottom-up match; states that last no longer than `flicker` frames are noise.

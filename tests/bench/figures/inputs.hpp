@@ -12,7 +12,7 @@
 
 namespace emberfold::figures {
 
-/// What the measures read; an empty path where there is nothing.
+/// Holds the inputs of the measures; an empty path stands for a missing one.
 struct Inputs {
   std::filesystem::path clips, scenes;
   std::filesystem::path

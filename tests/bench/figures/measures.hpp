@@ -18,9 +18,9 @@ std::vector<Row> scenes(const Inputs& inputs);
 std::vector<Row> reconstruction(const Inputs& inputs);
 /// Strokes found in pure noise.
 std::vector<Row> noise(const Inputs& inputs);
-/// How much of a sketch comes again with another draw of noise.
+/// Measures the share of a sketch that is found again under another draw of noise.
 std::vector<Row> steadiness(const Inputs& inputs);
-/// Whether flips, a quarter turn, brightness and contrast leave the graph as it is.
+/// Measures the effect of flips, a quarter turn, brightness and contrast on the graph.
 std::vector<Row> symmetry(const Inputs& inputs);
 /// CPU time of a frame on one thread.
 std::vector<Row> speed(const Inputs& inputs);

@@ -39,21 +39,21 @@ std::vector<Sample> samples(std::span<const Segment> curve);
 
 double distance(const Segment& segment, Point p);
 
-/// Whether any of the curves comes within `reach` px.
+/// Returns whether any of the curves comes within `reach` px.
 bool near(std::span<const Segment> curves, Point p, double reach);
-/// And runs in a direction within `angle` rad of the sample's.
+/// Returns whether such a curve also runs in a direction within `angle` rad of the sample's.
 bool runs_along(std::span<const Segment> curves, const Sample& sample, double reach, double angle);
 
-/// Whether p lies behind a curve's end: at most 2σ on in its direction, at most `reach` px aside.
+/// Returns whether p lies behind a curve's end: at most 2σ on in its direction, at most `reach` px aside.
 bool behind_an_end(std::span<const Segment> curves, Point p, double reach);
 
-/// How many points of both sets pair off one to one within `radius` px, nearest first.
+/// Counts the points of both sets that pair off one to one within `radius` px, nearest first.
 std::size_t pair_off(std::span<const Point> a, std::span<const Point> b, double radius);
 
-/// How many of `points` have one of `others` within `radius` px.
+/// Counts the points that have one of `others` within `radius` px.
 std::size_t count_near(std::span<const Point> points, std::span<const Point> others, double radius);
 
-/// Where the graph's vertices lie; all, or those with at least three edges.
+/// Lists the positions of the graph's vertices; all, or those with at least three edges.
 std::vector<Point> positions(const graph::AttributeGraph& graph, std::size_t least_degree = 0);
 
 }  // namespace emberfold::figures

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bars drawn by formula: how far from their axis the patches lie, and how wide they say the bars are.
+// Bars drawn by formula: distance of the patches from their axis, and fitted widths.
 #include <cmath>
 #include <cstdint>
 #include <numbers>

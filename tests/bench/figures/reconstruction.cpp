@@ -110,7 +110,7 @@ void add_clip(std::vector<Row>& rows, const std::string& clip, const Figures& fi
                     {}});
 }
 
-/// How far a figure is above another: on the mean, and on the clip where it is least.
+/// Adds the lead of a figure over another: the mean, and the least of all clips.
 void add_lead(std::vector<Row>& rows, const std::map<std::string, Figures>& clips, const Figures& all,
               const std::string& name, const std::string& rival, double target) {
   double least = std::numeric_limits<double>::infinity();

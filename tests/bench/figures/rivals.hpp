@@ -8,7 +8,7 @@ namespace emberfold::figures {
 /// dB, of levels against an 8-bit frame.
 double psnr(const cv::Mat1b& frame, const cv::Mat& levels);
 
-/// Of the mask's pixels, those that are not 0.
+/// Returns the share of the mask's pixels that are not 0.
 double share(const cv::Mat& mask);
 
 /// Canny's edges, three pixels thick, with the thresholds at which they cover as nearly this share as can be.

@@ -49,7 +49,7 @@ struct SceneCounts {
   Counts lines;  ///< curves without step edges; only what was found
 };
 
-/// What was found, for others to score: lists of curve pieces and of junctions.
+/// Writes the results for other scorers: lists of curve pieces and of junctions.
 class Lists {
  public:
   explicit Lists(const std::filesystem::path& folder) {

@@ -10,7 +10,7 @@ namespace emberfold::figures {
 
 enum class Sense { at_most, at_least };
 
-/// What a figure must reach.
+/// Holds the bound that a figure must meet.
 struct Target {
   Sense sense;
   double value;
@@ -38,7 +38,7 @@ struct Row {
 /// measure | figure | target | met or not.
 void print_heading(std::ostream& out);
 void print(std::ostream& out, const std::vector<Row>& rows);
-/// How many of the targets are met.
+/// Prints the number of targets that are met.
 void print_sum(std::ostream& out, const std::vector<Row>& rows);
 
 }  // namespace emberfold::figures

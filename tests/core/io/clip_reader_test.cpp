@@ -57,7 +57,7 @@ void keep_bytes(const std::filesystem::path& from, const std::filesystem::path& 
       to, static_cast<std::uintmax_t>(share * static_cast<double>(std::filesystem::file_size(from))));
 }
 
-/// What the call writes to file descriptor 2.
+/// Text that the call writes to file descriptor 2.
 std::string stderr_of(const std::filesystem::path& scratch, const std::function<void()>& call) {
   const int kept = ::dup(2);
   const int file = ::open(scratch.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600);

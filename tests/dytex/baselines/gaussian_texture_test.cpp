@@ -92,7 +92,7 @@ TEST_CASE("Gaussian texture: at another speed frames are as strong and go so muc
     CHECK_THAT(strength, WithinAbs(4, 0.1));
     return together;
   };
-  // Where the peak of the correlation lies it is 0.8 to the power of the speed times the variance.
+  // At its peak the correlation is 0.8 to the power of the speed times the variance.
   CHECK_THAT(ahead(1, 1), WithinAbs(3.2, 0.1));
   CHECK_THAT(ahead(2, 2), WithinAbs(2.56, 0.1));
   CHECK_THAT(ahead(-1, -1), WithinAbs(3.2, 0.1));
@@ -123,7 +123,7 @@ TEST_CASE("Gaussian texture: means are those of the pixels seen, lag by lag") {
     }
   GaussianTextureLearner learner(size);
   learner.add(now, seen_now, next, seen_next);
-  // What is hidden does not matter.
+  // Hidden pixels do not matter.
   now.setTo(1000, seen_now == 0);
   next.setTo(-500, seen_next == 0);
   GaussianTextureLearner hidden(size);
@@ -168,7 +168,7 @@ TEST_CASE("Gaussian texture: learned back from what it draws") {
     before = now;
   }
   const auto learned = learner.learned();
-  // What is learned is drawn to 0 once more.
+  // The learned covariance is tapered to 0 once more.
   const auto taper = [](int lag) { return (1 + std::cos(std::numbers::pi * lag / (kTextureReach + 1))) / 2; };
   for (const auto& [dx, dy] : {std::pair{0, 0}, {3, 0}, {0, -4}, {6, 6}}) {
     CAPTURE(dx, dy);

@@ -84,7 +84,7 @@ TEST_CASE("Martin's distance is symmetric and 0 of equals in any coordinates", "
     CHECK(martin(p, q) > 1);
     CHECK_THAT(martin(q, p), WithinRel(martin(p, q), 1e-9));
     CHECK_THAT(martin(test::in_other_coordinates(p), q), WithinRel(martin(p, q), 1e-9));
-    // What a frame shows on average, and the noise, do not count.
+    // Mean and noise do not count.
     LinearDynamicTexture moved = p;
     moved.mean.array() += 20;
     moved.B *= 3;

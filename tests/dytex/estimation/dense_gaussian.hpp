@@ -9,7 +9,7 @@
 
 namespace emberfold::test {
 
-/// How states look: y(t) = mean + C x(t) + w(t), w ~ N(0, diag(noise)).
+/// Observation model of the states: y(t) = mean + C x(t) + w(t), w ~ N(0, diag(noise)).
 struct Look {
   Eigen::MatrixXd C;
   Eigen::VectorXd mean, noise;
@@ -30,7 +30,7 @@ struct DenseGaussian {
   }
 };
 
-/// Of what `seen` (m × τ, 1 or 0) leaves of the frames Y (m × τ).
+/// Law of the seen values (`seen`: m × τ, 1 or 0) of the frames Y (m × τ).
 DenseGaussian dense_gaussian(const dytex::StateSpace& space, const Look& look, const Eigen::MatrixXd& Y,
                              const Eigen::MatrixXd& seen);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forecasts keep to the model's own statistics, and the learning curve to what learning itself says.
+// Forecasts against the model's own statistics, and the learning curve against learning itself.
 #include "dytex/estimation/forecast.hpp"
 
 #include <cmath>

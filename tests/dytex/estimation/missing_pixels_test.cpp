@@ -29,7 +29,7 @@ struct Misses {
   double model = 0, mean = 0, interpolated = 0;
 };
 
-/// What is known of a hidden value from the frames before and after in which its pixel is seen.
+/// Estimate of a hidden value from the nearest frames before and after in which its pixel is seen.
 double interpolate(const Eigen::MatrixXd& levels, const Hidden& hidden, int p, int t) {
   int before = t, after = t;
   while (before >= 0 && hidden(p, before)) --before;

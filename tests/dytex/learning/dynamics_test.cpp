@@ -212,7 +212,7 @@ TEST_CASE("Under noise in the coordinates innovations forms come nearer to the t
       CHECK((fit.states.topRows(n) - block.s.asDiagonal() * block.V.transpose()).norm() <
             1e-9 * fit.states.norm());
       CHECK(fit.B.bottomRows(n).norm() == 0);
-      // What it draws varies as what it saw.
+      // Drawn states vary as the observed ones.
       const Eigen::MatrixXd data = fit.states.topRows(n) * fit.states.topRows(n).transpose() / double(frames),
                             drawn = stationary_covariance(fit.A, fit.B).topLeftCorner(n, n);
       CHECK((drawn - data).norm() < 0.25 * data.norm());

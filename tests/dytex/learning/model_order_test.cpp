@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many components: against known ranks and against errors measured on pixels.
+// Number of components, compared with known ranks and with errors measured on pixels.
 #include "dytex/learning/model_order.hpp"
 
 #include "core/error.hpp"
@@ -81,7 +81,7 @@ TEST_CASE("What foretells best is near the true order", "[dytex][order]") {
     CHECK(result.texture.components() >= 6);
     CHECK(result.texture.components() <= 8);
     REQUIRE(result.held_out.size() > 60);
-    for (const auto& [n, error] : result.held_out) CHECK(error > 3.5);  // pixel noise is not foretold
+    for (const auto& [n, error] : result.held_out) CHECK(error > 3.5);  // pixel noise is not predictable
   }
   CHECK(test::message_of<core::InputError>([&] { learned(six_modes(9, 1), dytex::Order::held_out); }) ==
         "order: to hold out a fifth of the frames takes a clip of at least 10, this has 9");

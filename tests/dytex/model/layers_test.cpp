@@ -61,7 +61,7 @@ TEST_CASE("A region is learned alone", "[dytex][layers]") {
     const cv::Mat moves = dytex::moving_region(texture);
     CHECK(cv::countNonZero(moves & ~mask) == 0);
     CHECK(cv::countNonZero(moves) == 18 * 15);
-    // What is outside has no part: the same region of a clip with other surroundings gives the same model.
+    // Pixels outside the region do not count: other surroundings give an equal model.
     core::Clip other = clip;
     core::Rng rng(5);
     for (cv::Mat& frame : other.frames) {

@@ -27,7 +27,7 @@ long long difference(const cv::Vec3b& a, const cv::Vec3b& b) {
   return sum;
 }
 
-// Whether pixel (x, y) of a block in this column and row lies on blocks before.
+// True if pixel (x, y) of a block in this column and row lies on earlier blocks.
 bool overlaps(const Plain& p, int column, int row, int x, int y) {
   return (column > 0 && x < p.overlap) || (row > 0 && y < p.overlap);
 }

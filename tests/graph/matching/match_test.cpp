@@ -224,7 +224,7 @@ TEST_CASE("A match does not depend on where the frame's origin is", "[graph][mat
     CHECK(links.size() > 100);
     for (const Point by : {Point{64, 32}, Point{-1024, 4096}, Point{3.7, -0.2}}) {
       CHECK(graph::match_frames(shifted(before, by), shifted(after, by), {}, {}) == links);
-      // What moves as told is found as if it stood still, however fast.
+      // Strokes that move at the given velocity are matched as if they stood still, however fast.
       const std::vector<Point> velocity(before.size(), by);
       CHECK(graph::match_frames(before, shifted(after, by), velocity, {}) == links);
     }

@@ -64,9 +64,9 @@ TEST_CASE("A lineage's travel is the curve's true displacement along its normal"
         // directions, off by some hundredths of a px.
         const double off = graph::dot(sample.position - stroke.at(s), stroke.normal(s));
         CHECK_THAT(off, Catch::Matchers::WithinAbs(truth.displacement[0].at(s, t), 0.05));
-        // The travel, against the displacement at the place where the track is: each of up to 60 steps goes
-        // along a normal that is turned by the slope of the swings, which makes it longer by half its square,
-        // 0.1 %, and lets the place glide along the curve.
+        // Compares the travel with the displacement at the track's place. Each of up to 60 steps goes along a
+        // normal that is turned by the slope of the swings. That lengthens it by half the slope's square, 0.1
+        // %, and moves the place along the curve.
         const double moved = truth.displacement[0].at(s, t) - truth.displacement[0].at(s0, track.first);
         squares += std::pow(sense * sample.normal_displacement - moved, 2);
         CHECK_THAT(sense * sample.normal_displacement, Catch::Matchers::WithinAbs(moved, 0.5));
@@ -77,7 +77,7 @@ TEST_CASE("A lineage's travel is the curve's true displacement along its normal"
       }
     }
     REQUIRE(compared > 1000);
-    // Of displacements of SD 2 px.
+    // The displacements have an SD of 2 px.
     CHECK(std::sqrt(squares / double(compared)) < 0.15);
   }
 }
@@ -95,12 +95,12 @@ TEST_CASE("A lineage lives as long as its curve", "[lineages]") {
     CHECK(track.last() < std::min(stroke.dies, scene.frames));
     if (track.first == stroke.born && track.last() == std::min(stroke.dies, scene.frames) - 1)
       ++whole[where.stroke];
-    // What is inside the curve by more than what it is sampled anew in, and what it glides, does not end
-    // early.
+    // Tracks inside the curve do not end early. The margin of 20 px covers the resampling and the motion
+    // along the curve.
     if (where.s > 20 && where.s < stroke.length - 20 && track.first == stroke.born)
       CHECK(track.last() >= stroke.born + 20);
   }
-  // Of the places of a curve of 150 px, one in 5 px.
+  // A curve of 150 px has a place every 5 px.
   CHECK(whole[0] >= 20);
   CHECK(whole[1] >= 20);
 }

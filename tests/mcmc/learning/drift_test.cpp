@@ -15,7 +15,7 @@ namespace {
 mcmc::Drift drift_of(const test::Scene& scene, std::uint64_t seed) {
   const auto truth = test::make(scene, seed);
   return mcmc::estimate_drift(mcmc::detail::track_curves(truth.motion),
-                             mcmc::make_cell_grid(scene.width, scene.height));
+                              mcmc::make_cell_grid(scene.width, scene.height));
 }
 
 test::Scene scattered(int frames) {
@@ -37,8 +37,8 @@ TEST_CASE("A drift that is the same everywhere is recovered under a sway", "[dri
   auto scene = scattered(40);
   scene.drift = [v](Point) { return v; };
   const auto drift = drift_of(scene, 3);
-  // Where strokes are. A displacement of 0.8 px lets a mean speed over 40 frames be off by about 0.03 px; some ten
-  // tracks say so in each cell.
+  // At strokes. Displacements of 0.8 px make a mean speed over 40 frames uncertain by about 0.03 px; each
+  // cell has some ten tracks.
   for (double y = 30; y < 210; y += 20)
     for (double x = 30; x < 290; x += 20) {
       CHECK_THAT(drift.at({x, y}).x, Catch::Matchers::WithinAbs(v.x, 0.08));

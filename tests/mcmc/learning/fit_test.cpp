@@ -28,7 +28,7 @@ test::Scene one_stroke(int frames) {
   return scene;
 }
 
-// What every model that was fitted has to hold.
+// Checks that every fitted model must pass.
 void check_sound(const mcmc::FitResult& result) {
   CHECK_NOTHROW(mcmc::validate(result.model));
   const auto archive = mcmc::to_archive(result.model);
@@ -76,8 +76,8 @@ TEST_CASE("One stroke makes a model that keeps it", "[fit]") {
   CHECK(model.height == 120);
   CHECK(model.fps == 25);
   CHECK(graph::components(model.first).count == 1);
-  // The rest shape lies along the curve at rest, whatever frame it was taken from: displacements are of SD 0.7 px, of
-  // which the mean over 120 frames does not know 0.2.
+  // The rest shape lies along the curve at rest, whatever frame it was taken from. The displacements' SD is
+  // 0.7 px; their mean over 120 frames has an error of 0.2 px.
   const auto& stroke = scene.strokes[0];
   for (const auto& vertex : model.first.vertices()) {
     double nearest = 1e9;
@@ -161,7 +161,7 @@ TEST_CASE("A clip sampled once is a sample of one", "[fit]") {
   CHECK(alone.model == of_one.model);
   CHECK(alone.notes == of_one.notes);
   CHECK(alone.counts.events == of_one.counts.events);
-  // The same sample twice tells the same.
+  // A repeated sample does not change the result.
   const auto twice = mcmc::fit(std::vector{motion, motion});
   check_sound(twice);
   CHECK_THAT(twice.model.displacement.a1, Catch::Matchers::WithinRel(alone.model.displacement.a1, 0.01));
@@ -181,7 +181,7 @@ TEST_CASE("A clip sampled once is a sample of one", "[fit]") {
 TEST_CASE("Over several samples counts are averaged and the last gives the strokes", "[fit]") {
   auto scene = living_scene();
   const auto first = test::make(scene, 12).motion;
-  // The second sample says that a fifth of the strokes are not there.
+  // The second sample lacks a fifth of the strokes.
   std::vector<test::Stroke> fewer;
   for (std::size_t i = 0; i < scene.strokes.size(); ++i)
     if (i % 5 != 0) fewer.push_back(scene.strokes[i]);
@@ -198,9 +198,9 @@ TEST_CASE("Over several samples counts are averaged and the last gives the strok
   }
   REQUIRE(a.counts.events[0] > b.counts.events[0]);
   for (std::size_t size = 0; size < mcmc::kSizeClasses; ++size)
-    CHECK_THAT(
-        both.counts.death[size].exposure,
-        Catch::Matchers::WithinRel((a.counts.death[size].exposure + b.counts.death[size].exposure) / 2, 1e-12));
+    CHECK_THAT(both.counts.death[size].exposure,
+               Catch::Matchers::WithinRel((a.counts.death[size].exposure + b.counts.death[size].exposure) / 2,
+                                          1e-12));
   // Rests differ by the drift alone, which is the mean of both.
   REQUIRE(both.model.exemplars.size() == b.model.exemplars.size());
   for (std::size_t i = 0; i < b.model.exemplars.size(); ++i)

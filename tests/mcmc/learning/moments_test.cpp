@@ -145,7 +145,8 @@ TEST_CASE("Of a motion that forgets one of its roots at once the other is recove
   constexpr int frames = 1200;
   const auto scene = still(12, 12, frames, 17);
   const auto series = simulate(scene, truth, frames, 18);
-  const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
+  const auto found =
+      mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
   CHECK(found.notes.empty());
   CHECK_THAT(mcmc::spectral_radius(found.motion), near((0.8 + std::sqrt(0.64 + 0.4)) / 2, 0.02));
   CHECK_THAT(mcmc::stationary_deviation(found.motion), about(deviation(series), 0.05));
@@ -157,7 +158,8 @@ TEST_CASE("What the sketch adds to each frame alone is told from the motion", "[
   constexpr int frames = 1500;
   const auto scene = still(12, 12, frames, 3);
   const auto series = simulate(scene, truth, frames, 4);
-  const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
+  const auto found =
+      mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
   CHECK(found.notes.empty());
   constexpr double margin = 0.08;
   // Plain least squares is off by more than what is allowed here.
@@ -176,7 +178,8 @@ TEST_CASE("A coupling of neighbours is recovered", "[moments]") {
   constexpr int frames = 1500;
   const auto scene = still(12, 12, frames, 5);
   const auto series = simulate(scene, truth, frames, 6);
-  const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
+  const auto found =
+      mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
   CHECK(found.notes.empty());
   CHECK_THAT(found.motion.a1, near(truth.a1, 0.05));
   CHECK_THAT(found.motion.a2, near(truth.a2, 0.05));
@@ -195,7 +198,8 @@ TEST_CASE("A motion that grows is drawn back and said to be", "[moments]") {
   core::Rng rng(1);
   for (auto& d : series)
     for (double& value : d) value += 0.01 * rng.normal();
-  const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
+  const auto found =
+      mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
   REQUIRE(found.notes.size() == 1);
   CHECK(test::contains(found.notes[0], "sway"));
   CHECK(test::contains(found.notes[0], "grows"));
@@ -224,7 +228,8 @@ TEST_CASE("Too little and nothing that moves both stand still with a note", "[mo
   SECTION("constant") {
     const auto scene = still(4, 10, 60, 11);
     const Series series(40, std::vector<double>(60, 3.25));
-    const auto found = mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
+    const auto found =
+        mcmc::estimate_motion(mcmc::collect_observations(scene.motion, scene.tracks, series, true), "sway");
     CHECK(found.motion == Autoregression{});
     REQUIRE(found.notes.size() == 1);
     CHECK(test::contains(found.notes[0], "nothing moves"));
@@ -248,7 +253,8 @@ TEST_CASE("Moments of a hand-made series", "[moments]") {
   // A track of 11 frames tells of steps but of no rest, one of 5 of nothing.
   for (const std::size_t frames : {11, 6, 5}) {
     scene.tracks[0].samples.resize(frames);
-    const auto fewer = mcmc::collect_observations(scene.motion, scene.tracks, {std::vector<double>(frames)}, true);
+    const auto fewer =
+        mcmc::collect_observations(scene.motion, scene.tracks, {std::vector<double>(frames)}, true);
     CHECK(fewer.moments.windows == 0);
     CHECK(fewer.paths.size() == (frames > 5 ? 1 : 0));
   }
@@ -261,7 +267,7 @@ TEST_CASE("Moments of two clips add and do not care for the sense of normals", "
   const auto series = simulate(both, law, frames, 14);
   const auto half = [&](std::size_t from) {
     const std::vector<CurveTrack> tracks(both.tracks.begin() + static_cast<long>(from),
-                                        both.tracks.begin() + static_cast<long>(from) + 16);
+                                         both.tracks.begin() + static_cast<long>(from) + 16);
     const Series part(series.begin() + static_cast<long>(from),
                       series.begin() + static_cast<long>(from) + 16);
     return mcmc::collect_observations(both.motion, tracks, part, true);
@@ -291,7 +297,7 @@ TEST_CASE("Moments of two clips add and do not care for the sense of normals", "
   }
   // ψψᵀ of a track stays when all of it changes sign.
   same(mcmc::collect_observations(turned.motion, turned.tracks, signs, true).moments, all);
-  // Of what has no side (contrast), the sense of normals is nothing.
+  // The contrast has no side, so the sense of normals does not matter.
   same(mcmc::collect_observations(turned.motion, turned.tracks, series, false).moments, all);
 }
 

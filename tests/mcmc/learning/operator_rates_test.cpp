@@ -18,7 +18,7 @@ using Links = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 namespace {
 
-// The same vertices in both frames, from `first` before and `second` after, `count` of them.
+// Links `count` vertices in order, from `first` before and `second` after.
 Links same(std::uint32_t first, std::uint32_t second, std::uint32_t count) {
   Links links;
   for (std::uint32_t k = 0; k < count; ++k) links.emplace_back(first + k, second + k);
@@ -263,7 +263,7 @@ int poisson(core::Rng& rng, double mean) {
   return n;
 }
 
-// Of a Gamma law the share below x, by Simpson's rule over the logarithm.
+// Probability below x of a Gamma law, by Simpson's rule over the logarithm.
 double gamma_below(double x, double shape, double rate) {
   constexpr int steps = 200000;
   const double top = std::log(x * rate), width = 60 / shape + 20;
@@ -341,7 +341,7 @@ TEST_CASE("Intervals of deaths by size hold the true rates", "[rates]") {
 }
 
 TEST_CASE("What samples disagree on makes intervals wider", "[rates]") {
-  // Of 20 and 40 events in two samples: the variance of the counts is 200.
+  // Two samples with 20 and 40 events: the variance of the counts is 200.
   std::vector<mcmc::OperatorCounts> samples(2, blank(50));
   samples[0].events[0] = 20, samples[1].events[0] = 40;
   samples[0].death[2] = {4, 100}, samples[1].death[2] = {4, 140};
@@ -361,7 +361,8 @@ TEST_CASE("What samples disagree on makes intervals wider", "[rates]") {
   CHECK(both.gaps == 50);
   auto agreed = both;
   agreed.events_variance[0] = 0;
-  const auto wide = mcmc::estimate_rates(both).events_per_frame[0], narrow = mcmc::estimate_rates(agreed).events_per_frame[0];
+  const auto wide = mcmc::estimate_rates(both).events_per_frame[0],
+             narrow = mcmc::estimate_rates(agreed).events_per_frame[0];
   CHECK(wide.mean == narrow.mean);
   CHECK(wide.mean == 0.6);
   // √(30.5 + 200) against √30.5.
@@ -382,7 +383,8 @@ TEST_CASE("The mean of one sample is itself and samples have to be alike", "[rat
   CHECK(a.rates.death_by_size == b.rates.death_by_size);
   CHECK(a.rates.reach == b.rates.reach);
   CHECK(same_again.events == one.events);
-  for (std::size_t type = 0; type < 6; ++type) CHECK(a.events_per_frame[type].high == b.events_per_frame[type].high);
+  for (std::size_t type = 0; type < 6; ++type)
+    CHECK(a.events_per_frame[type].high == b.events_per_frame[type].high);
   CHECK_THROWS_AS(mcmc::mean_counts({}), core::InputError);
   const std::vector unlike{blank(9), blank(10)};
   const auto message = test::message_of<core::InputError>([&] { (void)mcmc::mean_counts(unlike); });

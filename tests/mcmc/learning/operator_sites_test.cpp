@@ -28,7 +28,7 @@ TEST_CASE("A straight stroke can split where both pieces are strokes", "[sites]"
     test::Frame frame;
     frame.line(test::segment({20, 20}, {20 + 5.0 * (patches - 1), 20}, patches));
     const auto found = find_sites(frame);
-    // What goes leaves pieces of 4 patches or more on both sides: 4, 5, … , n − 5.
+    // A removed patch leaves pieces of at least 4 patches on both sides: 4, 5, … , n − 5.
     Vertices inner;
     for (int v = 4; v <= patches - 5; ++v) inner.push_back(static_cast<std::uint32_t>(v));
     CHECK(found.split_sites == inner);

@@ -304,7 +304,7 @@ TEST_CASE("A model out of its ranges is refused, from an archive and into one", 
       {"exemplar", [](auto& m) { m.exemplars[0].clearance = -1; }},
       {"exemplar",
        [](auto& m) {
-         // What no reader takes is not written either.
+         // The writer refuses a graph that no reader accepts.
          test::Frame frame;
          frame.line({{2e6, 0}, {5, 0}});
          m.exemplars[0].graph = frame.graph();

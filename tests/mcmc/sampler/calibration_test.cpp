@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sequences drawn forward, whose patches are seen, and edges as through noise: what the sampler says of their
-// events is right as often as it says.
+// Calibration of event probabilities. Sequences are drawn forward; their patches are observed, their edges
+// with noise.
 #include <array>
 #include <cmath>
 #include <map>
@@ -23,7 +23,7 @@ namespace {
 constexpr int kSide = 45, kFrames = 4;
 constexpr std::size_t kBins = 10;
 
-/// What makes an event the same one; places of a fixed set of patches are the same to the last bit or apart.
+/// Identity of an event. Places of a fixed set of patches are equal to the last bit, or apart.
 using Key = std::tuple<int, graph::EventType, long, long>;
 std::vector<Key> keys(const HiddenGraph& g) {
   std::vector<Key> result;
@@ -57,8 +57,8 @@ HiddenGraph bare(HiddenGraph g) {
   return g;
 }
 
-/// Whether a patch lies where none begins: untied, it would have no density to start from. Patches are seen,
-/// so that sequences may be chosen by it.
+/// True if a patch lies where none begins: without links it would have density 0. Patches are observed, so
+/// sequences may be selected by it.
 bool beyond(const HiddenGraph& g) {
   for (Index i = 0; i < g.size(); ++i)
     if (!std::isfinite(g[i].log_birth)) return true;
@@ -70,7 +70,7 @@ struct Said {
   bool true_event = false;
 };
 
-/// Of one sequence: every event that a sample or the truth has.
+/// Events of one sequence, in a sample or in the truth, with their probabilities.
 std::vector<Said> judged(std::uint32_t number, int burn_in, int samples) {
   core::Rng rng(61, {number, 0, 0});
   const auto theta = test::lively_theta();

@@ -26,7 +26,7 @@ HiddenGraph drawn(const mcmc::SamplerParameters& theta, int side, int frames, st
   return mcmc::simulate_prior(theta, side, side, frames, test::kLivelyGates, rng);
 }
 
-/// A θ under which strokes live long and displacement much, so that it can be learned from them.
+/// A θ under which strokes live long and move much, so that it can be learned from them.
 mcmc::SamplerParameters lasting_theta() {
   auto theta = test::lively_theta();
   for (auto& chances : theta.outcome) chances = {0.04, 0.94, 0.01, 0.01};
@@ -135,8 +135,8 @@ TEST_CASE("Theta is learned from what was drawn by it", "[mcmc][chain]") {
   const auto z = [&](double estimate, double rate, double occasions) {
     return (estimate - rate) / std::sqrt(rate * (1 - rate) / (occasions * clips));
   };
-  for (const std::size_t c :
-       {mcmc::outcome_context(2, false, 1), mcmc::outcome_context(1, false, 1), mcmc::outcome_context(1, false, 0)}) {
+  for (const std::size_t c : {mcmc::outcome_context(2, false, 1), mcmc::outcome_context(1, false, 1),
+                              mcmc::outcome_context(1, false, 0)}) {
     double occasions = 0;
     for (const double n : sums.outcome[c]) occasions += n;
     INFO("configuration " << c << ", occasions " << occasions);

@@ -93,9 +93,10 @@ TEST_CASE("A patch of another kind grows seldom", "[mcmc][density]") {
   const Index a = shown(g, 0, patch(20, 20, 0)), b = shown(g, 0, patch(25, 20, 0, -20));
   g.add_edge(a, b);
   const double grows = t.first_growth * grown(t, 5, 0, 0) / (1 - t.other_kind) * t.other_kind / 2;
-  CHECK_THAT(Density(t).log_birth_or_survival(g, b), WithinAbs(std::log(grows + begun(t, 0, 20, 1) * t.close[0][0]) +
-                                                        std::log(normal(0, std::sqrt(stationary(t)))),
-                                                    kTight));
+  CHECK_THAT(Density(t).log_birth_or_survival(g, b),
+             WithinAbs(std::log(grows + begun(t, 0, 20, 1) * t.close[0][0]) +
+                           std::log(normal(0, std::sqrt(stationary(t)))),
+                       kTight));
 }
 
 TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]") {
@@ -119,7 +120,7 @@ TEST_CASE("A patch goes on where its sway and drift carry it", "[mcmc][density]"
   g.link(u, v), g.link(v, w);
   const Density density(t);
   const double var = stationary(t), rho = m.a1 / (1 - m.a2);
-  // Without a grandparent the displacement goes on as its stationary law has it at lag one.
+  // Without a grandparent the displacement follows its stationary law at lag one.
   CHECK_THAT(density.log_displacement(g, v),
              WithinAbs(std::log(normal(1.1 - rho * 0.6, std::sqrt(var * (1 - rho * rho)))) +
                            std::log(normal(0.5 - (1.1 - 0.6), t.across)),
@@ -164,11 +165,11 @@ TEST_CASE("Edges between patches that go on are kept or made", "[mcmc][density]"
   g.remove_edge(3, 4), g.add_edge(3, 5);
   CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.join[2][0]), kTight));
   CHECK_THAT(of(3, 5), WithinAbs(std::log(t.join[0][4]), kTight));
-  // In a first frame, and with one that is new, pairs say nothing: those are closed, not kept.
+  // Pairs of a first frame, or with a new patch, have no edge factor: they are closed, not kept.
   CHECK(of(0, 1) == 0);
   g.unlink(1, 4);
   CHECK(of(3, 4) == 0);
-  // What one patch became is as good as joined.
+  // Patches that continue one patch count as joined.
   g.link(0, 4);
   CHECK(mcmc::previous_adjacency(g, 3, 4) == mcmc::PreviousAdjacency::joined);
   CHECK_THAT(of(3, 4), WithinAbs(std::log(1 - t.join[2][0]), kTight));

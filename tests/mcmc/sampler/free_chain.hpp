@@ -231,8 +231,8 @@ struct Statistic {
 inline std::vector<Statistic> statistics(const HiddenGraph& g) {
   std::vector<Statistic> all;
   for (int t = 0; t < g.frames(); ++t) {
-    double edges = 0, newborns = 0, displacement = 0, joined = 0, links = 0, splits = 0, merges = 0, deaths = 0,
-           along = 0, across = 0;
+    double edges = 0, newborns = 0, displacement = 0, joined = 0, links = 0, splits = 0, merges = 0,
+           deaths = 0, along = 0, across = 0;
     for (const Index i : g.active(t)) {
       const auto& node = g[i];
       edges += static_cast<double>(node.edges.size()) / 2;
@@ -276,7 +276,7 @@ inline Mean mean_of(const std::vector<double>& x) {
   for (const double v : x) squares += (v - mean) * (v - mean);
   return {mean, std::sqrt(squares / static_cast<double>(x.size() - 1) / static_cast<double>(x.size()))};
 }
-/// Of a chain: its error by the means of 50 batches.
+/// Mean of a chain, with its error from the means of 50 batches.
 inline Mean mean_of_chain(const std::vector<double>& x) {
   constexpr std::size_t kBatches = 50;
   std::vector<double> batches;

@@ -95,7 +95,7 @@ std::function<void()> operate(HiddenGraph& g, core::Rng& rng) {
   }
 }
 
-/// Of every link, one end at least has no other.
+/// True if every link has an end without another link.
 bool star_forest(const HiddenGraph& g) {
   for (Index i = 0; i < g.size(); ++i)
     for (const Index w : g[i].next)

@@ -121,7 +121,7 @@ struct Rates {
     return sum;
   }
 
-  /// What a state tells. Where each new patch grew from is drawn.
+  /// Updates the posterior of the rates with a state. The origin of each new patch is drawn.
   void learn(const HiddenGraph& g, const Density& density, core::Rng& rng) {
     const double area = double(g.width()) * g.height();
     for (int t = 0; t < g.frames(); ++t) {
@@ -163,7 +163,8 @@ struct Rates {
     growth[mcmc::parent_class(g, w)].exposure += 1;
     for (const auto& near : g.neighbours(w)) {
       if (near.node < w || !g[near.node].active || g[near.node].prev.empty()) continue;
-      Beta& chance = join[static_cast<std::size_t>(mcmc::previous_adjacency(g, w, near.node))][near.closeness];
+      Beta& chance =
+          join[static_cast<std::size_t>(mcmc::previous_adjacency(g, w, near.node))][near.closeness];
       (g[w].edges.has(near.node) ? chance.yes : chance.no) += 1;
     }
   }
@@ -261,7 +262,7 @@ void check_joint(std::uint32_t chains, int rounds, int moves) {
   }
 }
 
-/// Of what is ranked: patches are seen; links, edges, displacements and rates are not.
+/// Numbers that are ranked. Patches are observed; links, edges, displacements and rates are not.
 std::vector<test::Statistic> ranked(const HiddenGraph& g, const Density& density) {
   double links = 0, edges = 0, displacement = 0, parts = 0, deaths = 0;
   for (Index i = 0; i < g.size(); ++i) {

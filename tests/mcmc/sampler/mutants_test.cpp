@@ -13,15 +13,15 @@
 using namespace emberfold;
 using mcmc::CheckedMove;
 using mcmc::ChoiceSource;
-using mcmc::StateChange;
 using mcmc::HiddenGraph;
 using mcmc::Index;
+using mcmc::StateChange;
 using test::patch;
 using test::shown;
 
 namespace {
 
-/// What is wrong: to be added to the ratio, by the states before and after.
+/// Error to be added to the log ratio, by the states before and after.
 using Fault = std::function<double(const HiddenGraph& was, const HiddenGraph& is, int frame)>;
 
 CheckedMove with_fault(std::string_view name, Fault fault) {
@@ -73,7 +73,7 @@ std::size_t linkable(const HiddenGraph& g, Index v) {
       std::ranges::count_if(g.candidates_after(v), [&](Index to) { return g.can_link(v, to); }));
 }
 
-/// How many edges, and pasts, the patch that one state has more could get from the one it is beside.
+/// Number of edges and pasts that the added patch could get from the patch that was split.
 std::size_t shares(const HiddenGraph& one, const HiddenGraph& two) {
   Index i = 0;
   while (one[i].active || !two[i].active) ++i;
@@ -204,7 +204,8 @@ TEST_CASE("The checker catches births and deaths that leave their chances out", 
   const mcmc::Density density(test::even_theta());
   const auto right = test::checked(test::move_named("add, delete"));
   REQUIRE(check_ratios(pairs(), density, {right}).worst_ratio <= 1e-10);
-  const CheckedMove wrong = [&](StateChange& change, ChoiceSource& draws, int frame) -> std::optional<double> {
+  const CheckedMove wrong = [&](StateChange& change, ChoiceSource& draws,
+                                int frame) -> std::optional<double> {
     if (!right(change, draws, frame)) return std::nullopt;
     return 0;
   };
@@ -217,7 +218,8 @@ TEST_CASE("The checker catches births and deaths that leave their chances out", 
 TEST_CASE("The checker catches a way there that has no way back", "[mcmc][mutants]") {
   const mcmc::Density density(test::even_theta());
   const auto right = test::checked(test::move_named("add, delete"));
-  const CheckedMove only_add = [&](StateChange& change, ChoiceSource& draws, int frame) -> std::optional<double> {
+  const CheckedMove only_add = [&](StateChange& change, ChoiceSource& draws,
+                                   int frame) -> std::optional<double> {
     const std::size_t count = change.state().active(frame).size();
     const auto ratio = right(change, draws, frame);
     if (ratio && change.state().active(frame).size() > count) return ratio;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of every move, from every state of small models: what it claims against what its draws add up to.
+// Claimed ratios of every move, from every state of small models, compared with sums over its draws.
 #include "mcmc/sampler/ratio_check.hpp"
 
 #include <algorithm>
@@ -99,8 +99,8 @@ HiddenGraph rings() {
   return g;
 }
 
-/// Of the patches before, two lie so far apart that neither can merge into the other, but both into a third:
-/// not every star forest can be.
+/// Two patches of the first frame lie so far apart that neither can merge into the other, but both into a
+/// third. So not every star forest is possible.
 HiddenGraph apart() {
   HiddenGraph g(60, 60, 2, {8.2, 14, 0});
   const auto at = [](double ahead, double aside) {
@@ -113,7 +113,7 @@ HiddenGraph apart() {
   return g;
 }
 
-/// How often each move made a change, and how long its longest was, in links.
+/// Counts the changes of a move, and the links of its longest change.
 struct Use {
   std::size_t times = 0, most_links = 0;
 };
@@ -227,7 +227,7 @@ TEST_CASE("Each move alone has the right ratios from wherever it starts", "[mcmc
       CHECK(r.restored);
       transitions += r.transitions;
     }
-    // What a single start seldom allows is counted below.
+    // Moves that a single start seldom allows are counted below.
     if (move.name != "hand over" && move.name != "shift a run") CHECK(transitions > 0);
   }
 }
@@ -239,15 +239,16 @@ TEST_CASE("The models put every move to use", "[mcmc][ratios]") {
   for (const auto& move : mcmc::moves()) {
     if (std::ranges::find(kAllButLinks, move.name) != kAllButLinks.end()) continue;
     Use& use = uses[move.name];
-    counting.push_back([&use, inner = test::checked(move)](mcmc::StateChange& change, mcmc::ChoiceSource& draws, int frame) {
-      const HiddenGraph was = change.state();
-      const auto ratio = inner(change, draws, frame);
-      if (ratio && !(was == change.state())) {
-        ++use.times;
-        use.most_links = std::max(use.most_links, links_changed(was, change.state()));
-      }
-      return ratio;
-    });
+    counting.push_back(
+        [&use, inner = test::checked(move)](mcmc::StateChange& change, mcmc::ChoiceSource& draws, int frame) {
+          const HiddenGraph was = change.state();
+          const auto ratio = inner(change, draws, frame);
+          if (ratio && !(was == change.state())) {
+            ++use.times;
+            use.most_links = std::max(use.most_links, links_changed(was, change.state()));
+          }
+          return ratio;
+        });
   }
   check_ratios(heirs(), density, counting);
   for (const auto& [name, use] : uses) {

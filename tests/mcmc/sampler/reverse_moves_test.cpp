@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moves there and back between states of patches anywhere that displacement.
+// Moves forwards and backwards between states of displaced patches at arbitrary places.
 #include <cmath>
 #include <map>
 
@@ -8,10 +8,10 @@
 
 using namespace emberfold;
 using mcmc::Density;
-using mcmc::StateChange;
 using mcmc::HiddenGraph;
 using mcmc::Index;
 using mcmc::Move;
+using mcmc::StateChange;
 using test::AllDraws;
 
 namespace {

@@ -174,7 +174,7 @@ inline HiddenGraph drawn_state(std::uint32_t number, int frames = 3, double size
     g.add_candidate(frame, patch(at.x, at.y, rng.uniform(-3, 3), contrast));
   }
   furnish(g);
-  // Where some lie nothing begins: they must have grown.
+  // No stroke begins at these candidates; they must have grown.
   for (int t = 0; t < frames; ++t)
     for (const Index i : g.inactive(t))
       if (i % 3 == 0) g.set_map_values(i, -std::numeric_limits<double>::infinity(), g[i].place, g[i].drift);

@@ -9,9 +9,9 @@
 
 using namespace emberfold;
 using mcmc::Density;
-using mcmc::StateChange;
 using mcmc::HiddenGraph;
 using mcmc::Index;
+using mcmc::StateChange;
 
 namespace {
 
@@ -34,7 +34,8 @@ bool step(StateChange& change, core::Rng& rng, int& kind) {
       return false;
     case 3:
       if (node.edges.empty()) return false;
-      return change.remove_edge(i, node.edges[rng.below(static_cast<std::uint32_t>(node.edges.size()))]), true;
+      return change.remove_edge(i, node.edges[rng.below(static_cast<std::uint32_t>(node.edges.size()))]),
+             true;
     case 4:
       for (const Index to : g.candidates_after(i))
         if (rng.below(2) == 0 && g.can_link(i, to)) return change.link(i, to), true;
@@ -201,7 +202,8 @@ TEST_CASE("A gain that is asked for from a level on is the gain or lies below it
     core::Rng rng(27, {number, 0, 0});
     for (int n = 0; n < 1500; ++n) {
       const auto& move = mcmc::moves()[rng.below(static_cast<std::uint32_t>(mcmc::moves().size()))];
-      const auto ratio = move.propose(change, draws, static_cast<int>(rng.below(move.between_frames ? 4 : 5)));
+      const auto ratio =
+          move.propose(change, draws, static_cast<int>(rng.below(move.between_frames ? 4 : 5)));
       if (!ratio) continue;
       const double gain = change.gain();
       INFO(move.name << ", gain " << gain);
@@ -219,7 +221,7 @@ TEST_CASE("A gain that is asked for from a level on is the gain or lies below it
         continue;
       }
       change.rollback();
-      // What is remembered of factors is what they are.
+      // The cached factors are still valid.
       if (std::isfinite(gain)) REQUIRE(relative(gain - (before - density.total(g)), before) <= 1e-9);
     }
   }

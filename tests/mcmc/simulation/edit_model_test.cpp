@@ -179,7 +179,7 @@ TEST_CASE("Faster and backwards, everything happens as often as that says", "[ed
     for (std::size_t i = 0; i < 6; ++i) {
       const double wanted = edit.speed * before.events[i];
       CAPTURE(i, wanted, after.events[i]);
-      // What is wanted is counted, too: here, and by the edit itself.
+      // The wanted number is also an estimate from counts, here and in the edit.
       const double counted = 2 * edit.speed * edit.speed * before.events[i];
       CHECK(std::abs(after.events[i] - wanted) < 4 * std::sqrt((wanted + counted) / 1200) + 0.13 * wanted);
     }

@@ -23,7 +23,7 @@ std::size_t number(EventType type) {
   return static_cast<std::size_t>(type);
 }
 
-// What the operators say of each frame of a clip, and the clip itself.
+// A clip and the operators of each of its frames.
 struct Clip {
   graph::MotionGraph motion;
   std::vector<Tally> tallies;
@@ -46,8 +46,8 @@ std::vector<Tally> events_of(const graph::MotionGraph& motion) {
   return result;
 }
 
-// The events are those that the operators say, no others; separations and deaths are seen a frame later, when
-// what faded (not at all, here) is gone.
+// The events are those of the operators and no others. Separations and deaths are seen a frame later, when
+// the faded patches (none, here) are gone.
 void check_agreement(const Clip& clip, EventType type, bool later, int least) {
   const auto events = events_of(clip.motion);
   int all = 0;
@@ -74,7 +74,7 @@ mcmc::MotionModel showing(const test::Frame& frame) {
   return model;
 }
 
-// What `add` adds, twelve times over the frame.
+// Copies of `add`'s strokes at twelve places of the frame.
 template <class Add>
 test::Frame tiled(Add add) {
   test::Frame frame;
@@ -216,7 +216,7 @@ TEST_CASE("A bridge leaves as the stroke ends and sways as its ends do", "[opera
   const auto joined = clip(model, 2).motion.sketch.frames[1];
   REQUIRE(vertices_by_stroke(joined) == 1);
   REQUIRE(joined.size() >= frame.vertices.size() + 2);
-  // Nothing turns sharply on the way, and what joins what hardly displacements hardly displacements.
+  // The bridge has no sharp turns. Between strokes that hardly move it hardly moves.
   for (auto v = static_cast<std::uint32_t>(frame.vertices.size()); v + 1 < joined.size(); ++v) {
     REQUIRE(joined.degree(v) == 2);
     const auto sides = joined.neighbours(v);

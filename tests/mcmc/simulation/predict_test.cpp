@@ -21,7 +21,8 @@ test::Scene swaying(int frames) {
 
 mcmc::MotionModel model_of(const test::Scene& scene) {
   auto model = test::empty_model();
-  model.displacement = {scene.displacement.a1, scene.displacement.a2, 0, scene.displacement.noise, scene.displacement.range, 0};
+  model.displacement = {scene.displacement.a1,    scene.displacement.a2,    0,
+                        scene.displacement.noise, scene.displacement.range, 0};
   return model;
 }
 
@@ -62,8 +63,8 @@ TEST_CASE("A prediction is nearly as good as the noise lets it be", "[predict]")
   REQUIRE(predicted.size() == 150);
   CHECK(predicted[0].empty());
   const auto [error, still] = errors(scene, truth, predicted, 30);
-  // Who knows the law, the rest and the past exactly is off by the noise; standing still by
-  // √(2 − 2 a1/(1 − a2)) deviations.
+  // With the exact law, rest and past the error is the noise; that of standing still is √(2 − 2 a1/(1 − a2))
+  // deviations.
   CHECK(still > 1.5 * scene.displacement.noise);
   CHECK(error > 0.9 * scene.displacement.noise);
   CHECK(error < 1.25 * scene.displacement.noise);
@@ -128,7 +129,7 @@ TEST_CASE("Predicting nothing and with a model that is none", "[predict]") {
   graph::MotionGraph empty;
   empty.sketch.frames.resize(3), empty.links.resize(3);
   for (const auto& graph : mcmc::predict(model, empty)) CHECK(graph.empty());
-  // What stands still is predicted where it is.
+  // Strokes at rest are predicted at their places.
   auto scene = swaying(5);
   scene.displacement = {}, scene.resampled = false;
   const auto truth = test::make(scene, 35);

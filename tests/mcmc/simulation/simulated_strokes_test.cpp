@@ -9,9 +9,9 @@
 
 using namespace emberfold;
 using graph::Point;
+using mcmc::detail::Purpose;
 using mcmc::detail::SimulatedPatch;
 using mcmc::detail::SimulatedStrokes;
-using mcmc::detail::Purpose;
 
 namespace {
 
@@ -28,7 +28,7 @@ SimulatedStrokes particles(const std::vector<std::vector<Point>>& strokes) {
   return result;
 }
 
-// Nothing is remembered: the displacement is the noise itself.
+// A law without memory: the displacement is the noise itself.
 mcmc::MotionModel noise_alone(double range, double gain_range) {
   auto model = test::empty_model();
   model.displacement = {0, 0, 0, 1, range, 0};

@@ -15,7 +15,7 @@ using namespace emberfold;
 
 namespace {
 
-// About ten strokes that displacement, come and go.
+// About ten strokes that move, appear and disappear.
 test::Scene scene_of_life(int frames) {
   test::Scene scene;
   scene.frames = frames;
@@ -25,7 +25,7 @@ test::Scene scene_of_life(int frames) {
   return scene;
 }
 
-// What a clip shows, frame by frame.
+// Statistics of a clip, frame by frame.
 struct Series {
   std::vector<double> strokes, patches, contrast, x, y, wide, high;
 };
@@ -127,7 +127,7 @@ TEST_CASE("Neither strokes nor contrast nor events drift in five thousand frames
     for (std::size_t i = 0; i < 6; ++i) events[i].push_back(synthesis.operators()[i]);
     unseen += static_cast<int>(std::ranges::count(seen, false));
   }
-  // What has left displacements on where it is for a frame at most.
+  // A stroke that has left the frame stays for one frame at most.
   CHECK(unseen <= frames / 100);
   CHECK(std::abs(trend(strokes, 10)) < 4);
   CHECK(std::abs(trend(contrast, 10)) < 4);

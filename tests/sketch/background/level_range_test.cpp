@@ -76,7 +76,8 @@ TEST_CASE("Seen levels: a line takes the levels of its place and keeps its heigh
   CHECK(flat.left == graph::Level{20, 40, 60});
   CHECK(flat.right == flat.left);
   CHECK(flat.middle == flat.left);
-  // The same line at home: 30 above its sides, of which erf(1/sqrt 2) shows, where 30, 20 and 5 were seen.
+  // The line at its own place: 30 above its sides, of which erf(1/sqrt 2) is visible, where 30, 20 and 5 were
+  // seen.
   auto frame = two_sides(48);
   frame.row(35).setTo(cv::Scalar(50, 60, 65));
   auto patch = upright(12, false).patch(0);

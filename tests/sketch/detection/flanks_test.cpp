@@ -32,7 +32,7 @@ class CreaseLines {
   }
   [[nodiscard]] AttributeGraph graph() const { return {vertices_, edges_}; }
 
-  // Where those lines lie that stay.
+  // Places of the lines that stay.
   [[nodiscard]] std::vector<double> left() const {
     std::vector<double> xs;
     const AttributeGraph found = sketch::remove_flank_curves(graph());

@@ -121,7 +121,7 @@ TEST_CASE("Two planted profiles of one type become two entries") {
 
 TEST_CASE("A planted way to vary is found as the one component") {
   core::Rng rng(6);
-  // What varies beside the mean, orthogonal to it.
+  // Variation besides the mean, orthogonal to it.
   Shape way = shape([](double d) { return std::sin(5 * d); });
   const double along = product(way, kNarrow);
   for (std::size_t i = 0; i < way.size(); ++i) way[i] -= static_cast<float>(along) * kNarrow[i];
@@ -254,7 +254,7 @@ TEST_CASE("A code costs its numbers and its entry's share") {
                            1e-9));
       CHECK_THAT(codes[i].parametric_cost, WithinAbs(coding_cost(made.graph.patch(i), pixels), 1e-9));
       told += codes[i].numbers;
-      // What is left, computed from what the code says.
+      // Residual, computed from the code.
       double squares = 0;
       for (std::size_t j = 0; j < all[i].luma.size(); ++j) {
         double level = double(codes[i].level[0]) + double(codes[i].amplitude[0]) * double{entry.mean[j]};

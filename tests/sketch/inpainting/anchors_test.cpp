@@ -74,7 +74,7 @@ TEST_CASE("Anchors are no more than allowed and never where something is taken",
       CHECK(cv::countNonZero((mask != 0) & (mask != 255)) == 0);
       // The frame has grain: every pixel allowed is of use.
       if (rounds > 1 && share <= 0.2) CHECK(cv::countNonZero(mask) >= std::floor(share * kSize.area()) - 1);
-      // What error diffusion carries over the border is lost.
+      // Errors that are diffused over the border are lost.
       if (rounds == 0 && share >= 0.2)
         CHECK(cv::countNonZero(mask) >= 0.95 * std::min(share, 7.0 / 9) * kSize.area());
     }

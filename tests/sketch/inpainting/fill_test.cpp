@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kPromise = 0.25;  // grey levels, everywhere
 
-/// The same equations, written down from their definition and factorised; `sink` draws to 0.
+/// Solves the equations as they are defined, by factorisation; `sink` draws to 0.
 cv::Mat direct_fill(const cv::Mat& levels, const cv::Mat& mask, double sink = 0) {
   const int width = levels.cols, height = levels.rows;
   cv::Mat number(mask.size(), CV_32S, cv::Scalar(-1));

@@ -125,7 +125,7 @@ TEST_CASE("Every proposal for a frame is worth what counting anew says and can b
                          60, 90);
   const cv::Mat1f frame = with_noise(clean, 6, 3);
   const CodingContext prepared = prepare_coding(frame);
-  // What is found, but for some patches, so that every edit has something to do.
+  // The extracted sketch without some patches, so that every edit has something to do.
   const graph::AttributeGraph found = extract(frame, {});
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;

@@ -41,7 +41,7 @@ Scene two_textures() {
   return scene(frame, test::bands(kSize), 2);
 }
 
-/// The same measure from histograms that are taken anew.
+/// The distance from newly measured histograms.
 double distance_of(const cv::Mat& levels, const sketch::TextureRegions& regions) {
   const auto own = sketch::measure_region_histograms(core::to_bytes(core::luma(levels)), regions);
   double sum = 0;

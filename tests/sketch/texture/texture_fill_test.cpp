@@ -97,7 +97,7 @@ TEST_CASE("Anchors are the frame's own pixels beside the patches", "[sketch][gro
   CHECK(cv::norm(both.levels, frame, cv::NORM_INF, anchors) == 0);
   CHECK(cv::countNonZero(both.mask) == cv::countNonZero(mask) + cv::countNonZero(anchors));
   CHECK(cv::norm(drawn.mask, test::bands(kSize), cv::NORM_INF) == 0);  // its own memory
-  // What lies beneath a patch stays the patch's.
+  // Anchors beneath a patch do not change the patch.
   const auto over = sketch::add_anchors(drawn, frame, mask);
   CHECK(cv::norm(over.levels, drawn.levels, cv::NORM_INF) == 0);
   const double before = cv::norm(sketch::fill_nonsketchable(frame, drawn).levels, frame, cv::NORM_L2);
