@@ -10,8 +10,8 @@
 #include "graph/events/events.hpp"
 #include "mcmc/simulation/rate_calibration.hpp"
 #include "mcmc/simulation/synthesize.hpp"
-#include "pipeline/clip_measures.hpp"
-#include "pipeline/clip_strokes.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/frame_synthesis.hpp"
 
 namespace emberfold::pipeline {

@@ -112,7 +112,7 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
   const auto first_alike = [&](std::size_t k) { return wanted[k].copy || k < 2 ? k : k % 2; };
   std::vector<graph::MotionGraph> starts(wanted.size());
   const core::Context quiet = context.with_progress({});  // progress is reported by one thread at a time
-  std::mutex telling;
+  std::mutex reporting;
   std::size_t done = 0;
   context.report("match", 0);
   core::parallel_for(starts.size(), context, [&](std::size_t k) {
@@ -122,7 +122,7 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
       auto matched = graph::match(reading.backwards ? graph::reverse_time(sketch) : sketch, match, quiet);
       starts[k] = reading.backwards ? graph::reverse_time(matched) : std::move(matched);
     }
-    const std::scoped_lock lock(telling);
+    const std::scoped_lock lock(reporting);
     context.report("match", static_cast<double>(++done) / static_cast<double>(starts.size()));
   });
   context.check();

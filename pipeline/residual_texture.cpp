@@ -67,9 +67,9 @@ class ResidualReader {
     cv::Mat frame = source_.next();
     for (std::size_t i = 0; i < pairs; ++i) {
       for (; t < i * gaps / pairs; ++t) frame = next();
-      const Residual now = of(frame, graphs_[t]);
+      const Residual now = make_residual(frame, graphs_[t]);
       frame = next();
-      visit(now, of(frame, graphs_[++t]));
+      visit(now, make_residual(frame, graphs_[++t]));
     }
   }
 
@@ -78,7 +78,7 @@ class ResidualReader {
     context_.check();
     return source_.next();
   }
-  Residual of(const cv::Mat& frame, const graph::AttributeGraph& graph) const {
+  Residual make_residual(const cv::Mat& frame, const graph::AttributeGraph& graph) const {
     cv::Mat drawn, patches;
     painter_.draw({graph}).convertTo(drawn, CV_32F);
     const int side = 2 * kMargin + 1;
@@ -103,7 +103,7 @@ cv::Mat spread(const cv::Mat& values, cv::Size frame) {
 }
 
 /// Each pixel's channels times a square table.
-cv::Mat turned(const cv::Mat& values, const cv::Mat& table) {
+cv::Mat transform_channels(const cv::Mat& values, const cv::Mat& table) {
   cv::Mat result;
   cv::transform(values, result, table);
   return result;
@@ -176,8 +176,8 @@ ResidualTexture measure_residual(core::FrameSource& source, std::span<const grap
   for (int i = 0; i < look.channels; ++i) learners.emplace_back(look.size);
   reader.each_pair([&](const Residual& now, const Residual& next) {
     std::array<std::vector<cv::Mat>, 2> components;
-    cv::split(turned(normalised(now), residual.colours), components[0]);
-    cv::split(turned(normalised(next), residual.colours), components[1]);
+    cv::split(transform_channels(normalised(now), residual.colours), components[0]);
+    cv::split(transform_channels(normalised(next), residual.colours), components[1]);
     for (std::size_t i = 0; i < learners.size(); ++i)
       learners[i].add(components[0][i], now.seen, components[1][i], next.seen);
   });
@@ -198,7 +198,7 @@ cv::Mat ResidualFrames::next() {
   for (auto& frames : frames_) components.push_back(frames.next());
   cv::Mat all, bytes;
   cv::merge(components, all);
-  cv::Mat(turned(all, colours_).mul(strength_)).convertTo(bytes, CV_8S);
+  cv::Mat(transform_channels(all, colours_).mul(strength_)).convertTo(bytes, CV_8S);
   return bytes;
 }
 

@@ -11,20 +11,21 @@ namespace emberfold::sketch {
 
 /// Holds the settings of extract().
 struct ExtractOptions {
-  double finest_scale = 1.2;   ///< px, 0.7…20: SD of the finest Gaussian
-  int scales = 5;              ///< 1…12, each √2 above the one before
-  double significance = 6;     ///< > 0: SD of the noise response at which a curve begins
-  double hysteresis = 0.4;     ///< above 0, up to 1: share of `significance` down to which a curve goes on
-  double min_contrast = 2;     ///< grey levels, ≥ 0: fainter strokes are left out
-  double min_length = 12;      ///< px, ≥ 0: shorter curves that end freely are left out
-  double min_evidence = 28;    ///< SD, ≥ 0: least root of the sum of the squared significances of a curve's points
-  double spacing = 5;          ///< px, 2…100: from patch to patch along a curve
-  bool edges = true;           ///< step edges too, not only ridges and valleys
-  bool colour = false;         ///< structure from two axes of colour too, not only from luma
-  bool blobs = false;          ///< blobs too, where the fill between the strokes leaves more than noise
+  double finest_scale = 1.2;  ///< px, 0.7…20: SD of the finest Gaussian
+  int scales = 5;             ///< 1…12, each √2 above the one before
+  double significance = 6;    ///< > 0: SD of the noise response at which a curve begins
+  double hysteresis = 0.4;    ///< above 0, up to 1: share of `significance` down to which a curve goes on
+  double min_contrast = 2;    ///< grey levels, ≥ 0: fainter strokes are left out
+  double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
+  double min_evidence =
+      28;               ///< SD, ≥ 0: least root of the sum of the squared significances of a curve's points
+  double spacing = 5;   ///< px, 2…100: from patch to patch along a curve
+  bool edges = true;    ///< step edges too, not only ridges and valleys
+  bool colour = false;  ///< structure from two axes of colour too, not only from luma
+  bool blobs = false;   ///< blobs too, where the fill between the strokes leaves more than noise
   bool double_ridges = false;  ///< two lines side by side become one double ridge, where that pays
-  /// 0…1: share of the frame that patches, blobs included, may show; those of most gain come first. 0: all that
-  /// pay.
+  /// 0…1: share of the frame that patches, blobs included, may show; those of most gain come first. 0: all
+  /// that pay.
   double budget = 0;
 
   void validate() const;

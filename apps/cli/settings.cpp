@@ -23,7 +23,7 @@ void parse_whole(const std::string& option, const std::string& text, Whole& valu
     throw Misuse(option + ": '" + text + "' is not a whole number" + allowed);
 }
 
-std::string listed(const std::vector<std::string>& words) {
+std::string join_words(const std::vector<std::string>& words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
@@ -86,11 +86,11 @@ void Settings::add_word(const std::string& group, const std::string& field, std:
                         const std::string& about) {
   const auto assign = [&value, words, name = group + "." + field](const std::string& text) {
     if (!words.empty() && std::ranges::find(words, text) == words.end())
-      throw Misuse("--set " + name + ": '" + text + "' is not known; allowed is " + listed(words) +
+      throw Misuse("--set " + name + ": '" + text + "' is not known; allowed is " + join_words(words) +
                    suggestion(text, words));
     value = text;
   };
-  settings_.push_back({group, field, value, unit, about, assign, [words] { return listed(words); }});
+  settings_.push_back({group, field, value, unit, about, assign, [words] { return join_words(words); }});
 }
 
 void Settings::assign(const std::string& assignment) {
@@ -103,8 +103,8 @@ void Settings::assign(const std::string& assignment) {
   const std::string group = name.substr(0, dot), field = name.substr(dot + 1);
   const auto known_groups = groups(), known_fields = fields(group);
   if (known_fields.empty())
-    throw Misuse("--set: there is no group '" + one_line(group) + "'; allowed is " + listed(known_groups) +
-                 suggestion(group, known_groups));
+    throw Misuse("--set: there is no group '" + one_line(group) + "'; allowed is " +
+                 join_words(known_groups) + suggestion(group, known_groups));
   for (auto& setting : settings_) {
     if (setting.group != group || setting.field != field) continue;
     setting.assign(assignment.substr(equals + 1));
@@ -112,7 +112,7 @@ void Settings::assign(const std::string& assignment) {
     return;
   }
   throw Misuse("--set: " + group + " has no field '" + one_line(field) + "'; allowed is " +
-               listed(known_fields) + suggestion(field, known_fields));
+               join_words(known_fields) + suggestion(field, known_fields));
 }
 
 bool Settings::is_given(const std::string& name) const {

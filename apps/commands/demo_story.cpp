@@ -86,7 +86,7 @@ ReportMeasures measures_table(const Json& measures) {
   };
   table.rows.push_back(
       {"Prediction, dB PSNR",
-       "Every frame of the second half, foretold from those before it by models of the first. "
+       "Every frame of the second half, predicted from those before it by models of the first. "
        "More is closer. Held against: the frame before shown again.",
        {psnr("motion_model"), psnr("linear_dynamic_texture"), psnr("frame_before")}});
   for (const auto& [key, name, about] :
@@ -105,7 +105,7 @@ ReportMeasures measures_table(const Json& measures) {
     std::snprintf(text.data(), text.size(), "%.1f dB", value);
     return std::string(text.data());
   };
-  if (mean) table.note += "The mean image alone foretells at " + decibels(*mean) + ". ";
+  if (mean) table.note += "The mean image alone predicts at " + decibels(*mean) + ". ";
   if (sketch)
     table.note += "Frames drawn from their own sketch, the bound of what a graph can show, reach " +
                   decibels(*sketch) + ".";
@@ -125,8 +125,8 @@ void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, A
   analysis.stages.begin("texture");
   const auto texture = learn_texture(source, compare.learn, analysis, output, session);
   analysis.stages.begin("compare");
-  const pipeline::KnownModels known{&analysis.found.sketched, &analysis.found.model.motion, &analysis.found.model.sharpening,
-                                    &texture};
+  const pipeline::KnownModels known{&analysis.found.sketched, &analysis.found.model.motion,
+                                    &analysis.found.model.sharpening, &texture};
   const auto comparison = compare_clip(source, analysis.clip, compare, known, output, session);
   analysis.stages.begin("clips");
   analysis.report.measures = measures_table(comparison.measures);

@@ -72,7 +72,7 @@ void run_curve(const Curving& asked, Session& session) {
     said << "critical length " << *curve.critical << " frames";
   else
     said << "the error has not come to rest: the clip is too short to tell";
-  said << std::setprecision(3) << "; the next frame is foretold to " << curve.plateau << " levels at length";
+  said << std::setprecision(3) << "; the next frame is predicted to " << curve.plateau << " levels at length";
   session.console.say(said.str());
   if (session.common.json) session.print(json_text(summary));
 }

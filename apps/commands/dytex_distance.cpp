@@ -61,7 +61,7 @@ std::vector<dytex::LinearDynamicTexture> read_models(const std::vector<std::stri
 }
 
 // Reports what a model lacks for a distance: an error if that was asked for, else a warning.
-void tell_missing(const Distance& asked, const std::vector<dytex::LinearDynamicTexture>& models,
+void warn_missing(const Distance& asked, const std::vector<dytex::LinearDynamicTexture>& models,
                   Session& session) {
   for (std::size_t i = 0; i < models.size(); ++i) {
     const bool noisy = models[i].noise.size() > 0 ? models[i].noise.minCoeff() > 0 : models[i].r > 0;
@@ -106,7 +106,7 @@ void run_distance(const Distance& asked, Session& session) {
   Stages stages;
   stages.begin("read");
   const auto models = read_models(asked.models);
-  tell_missing(asked, models, session);
+  warn_missing(asked, models, session);
   stages.begin("distances");
   const auto pairs = dytex::all_distances(models, asked.kernel, session.context);
   session.check_stop();

@@ -54,7 +54,7 @@ Misuse option_misuse(const std::string& message) {
   return Misuse(message);
 }
 
-dytex::EditResult edited(const Editing& asked, dytex::LinearDynamicTexture texture) {
+dytex::EditResult apply_edits(const Editing& asked, dytex::LinearDynamicTexture texture) {
   if (texture.channels.size() == 0 && std::ranges::any_of(asked.edits, &has_channel))
     throw Misuse(
         "--channel needs a model per channel, and " + asked.model +
@@ -106,7 +106,7 @@ void run_edit(const Editing& asked, Session& session) {
   auto [texture, history] = read_texture_and_edits(asked.model);
   stages.begin("edit");
   const double before = amplitude(texture);
-  const dytex::EditResult result = edited(asked, std::move(texture));
+  const dytex::EditResult result = apply_edits(asked, std::move(texture));
   for (const std::string& note : result.notes) session.warn(note);
   history.push_back(edit_words(asked.edits));
   stages.begin("write");

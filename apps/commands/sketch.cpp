@@ -80,7 +80,7 @@ void check_heat_frame(const SketchRequest& request, std::optional<std::int64_t> 
         "0 to " + std::to_string(*frames - 1) + ", for " + std::to_string(*frames) + " frames are sketched");
 }
 
-void warn_of(const SketchRun& run, Session& session) {
+void warn_about_run(const SketchRun& run, Session& session) {
   const auto& figures = run.figures;
   if (figures.not_converged > 0)
     session.warn("the fill stopped before its tolerance in " + std::to_string(figures.not_converged) +
@@ -134,7 +134,7 @@ SketchRun write_sketched(const std::string& clip, const SketchRequest& request, 
     SketchRun run = sketch_frames(source, request, output, session);
     if (run.sketch.frames.empty()) throw core::IoError(clip + " holds no frame");
     check_heat_frame(request, static_cast<std::int64_t>(run.sketch.frames.size()));
-    warn_of(run, session);
+    warn_about_run(run, session);
     if (request.film) {
       stages.begin("picture");
       write_film_picture(source, request, run, output, session);

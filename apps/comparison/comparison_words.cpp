@@ -34,7 +34,7 @@ std::string small_letters(std::string text) {
 }
 
 // "a, b and c"
-std::string listed(const std::vector<std::string>& parts) {
+std::string join_words(const std::vector<std::string>& parts) {
   std::string out;
   for (std::size_t i = 0; i < parts.size(); ++i)
     out += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
@@ -42,7 +42,7 @@ std::string listed(const std::vector<std::string>& parts) {
 }
 
 // "0.31 dB, noise floor 0.58"; "20 %, noise floor 2".
-std::string against(double value, double floor, const std::string& unit) {
+std::string distance_text(double value, double floor, const std::string& unit) {
   const bool share = unit == "share";
   const auto text = [&](double one) { return share ? number(100 * one, 0) : number(one, 2); };
   return text(value) + (share ? " %" : unit.empty() ? "" : " " + unit) + ", noise floor " + text(floor);
@@ -61,14 +61,15 @@ std::string model_words(const DistanceColumn& model, const Standing& standing, s
   const bool stands_out = others && !(standing.nearest.empty() && standing.farthest.empty() && equal);
   if (stands_out) {
     out = name + (standing.nearest.empty() ? " is by no measure the nearest to the source"
-                                           : " is nearest to the source in " + listed(standing.nearest));
-    out += standing.farthest.empty() ? ". " : "; it is the farthest in " + listed(standing.farthest) + ". ";
+                                           : " is nearest to the source in " + join_words(standing.nearest));
+    out +=
+        standing.farthest.empty() ? ". " : "; it is the farthest in " + join_words(standing.farthest) + ". ";
   }
   const std::string it = stands_out ? "it" : "the " + model.label;
   const std::string as_near = " lies about as near to the source as the source's own halves to each other.";
   if (equal) return out + "By every measure " + it + as_near;
   if (standing.equal.empty()) return out + "By every measure the source's own halves are more alike.";
-  return out + "In " + listed(standing.equal) + " " + it + as_near;
+  return out + "In " + join_words(standing.equal) + " " + it + as_near;
 }
 
 // Compares the hybrid with its texture alone, which shows the effect of the strokes.
@@ -83,8 +84,8 @@ std::vector<std::string> hybrid_words(const Json& measures) {
   }
   if (nearer.empty() && farther.empty()) return {};
   std::string out = "Against the linear dynamic texture the hybrid ";
-  if (!nearer.empty()) out += "wins in " + listed(nearer);
-  if (!farther.empty()) out += std::string(nearer.empty() ? "" : "; it ") + "loses in " + listed(farther);
+  if (!nearer.empty()) out += "wins in " + join_words(nearer);
+  if (!farther.empty()) out += std::string(nearer.empty() ? "" : "; it ") + "loses in " + join_words(farther);
   return {out + "."};
 }
 
@@ -127,14 +128,14 @@ std::vector<std::string> synthesis_words(const Json& measures) {
 }
 
 // Holds those of `named` (key, name) with the best PSNR at a step, to a tenth of a dB.
-struct Foretellers {
+struct BestPredictors {
   std::vector<std::string> names;
   std::string decibels;
   double psnr = -1;
 };
-Foretellers best_of(const Json& methods, std::size_t step,
-                    const std::vector<std::pair<std::string, std::string>>& named) {
-  Foretellers best;
+BestPredictors best_of(const Json& methods, std::size_t step,
+                       const std::vector<std::pair<std::string, std::string>>& named) {
+  BestPredictors best;
   for (const auto& [key, name] : named) {
     if (!methods.contains(key)) continue;
     const auto& value = methods[key]["by_step"]["psnr"][step];
@@ -165,14 +166,14 @@ std::vector<std::string> prediction_words(const Json& measures) {
                                   {"mean_image", "the mean image of the first part"}});
     const std::string ahead =
         steps[s] == 1 ? "the next frame best" : "best " + steps[s].dump() + " frames ahead";
-    std::string text = "Of the models " + listed(best.names) +
-                       (best.names.size() > 1 ? " foretell " : " foretells ") + ahead + ", at " +
+    std::string text = "Of the models " + join_words(best.names) +
+                       (best.names.size() > 1 ? " predict " : " predicts ") + ahead + ", at " +
                        best.decibels + " dB";
     if (!without.names.empty())
       text += (without.decibels == best.decibels ? ", no better than "
                : without.psnr > best.psnr        ? ", behind "
                                                  : ", ahead of ") +
-              listed(without.names) + " (" + without.decibels + " dB)";
+              join_words(without.names) + " (" + without.decibels + " dB)";
     words.push_back(text + ".");
   }
   return words;
@@ -195,7 +196,7 @@ std::vector<std::string> stroke_words(const Json& measures) {
         (one.key == "other" ? "In the other clip " : "In the clip of the " + one.label + " ") +
         std::to_string(inside.size() - outside.size()) + " of " + std::to_string(inside.size()) +
         " figures of strokes (the rates of six events, lifetime, length) lie in the 95 % intervals of " + of +
-        (outside.empty() ? "." : "; outside: " + listed(outside) + "."));
+        (outside.empty() ? "." : "; outside: " + join_words(outside) + "."));
   }
   return words;
 }
@@ -210,12 +211,13 @@ std::vector<std::string> pair_words(const Json& measures) {
     if (least && at_floor(*value, *least))
       same.push_back(name);
     else
-      apart.push_back(name + (least ? " (" + against(*value, *least, measure.unit) + ")" : ""));
+      apart.push_back(name + (least ? " (" + distance_text(*value, *least, measure.unit) + ")" : ""));
   }
   if (apart.empty()) return {"No measure tells the clips apart."};
-  return {"The clips are told apart by " + listed(apart) + ".",
-          same.empty() ? "By every measure the first clip's own halves are more alike."
-                       : "In " + listed(same) + " they are about as alike as the first clip's own halves."};
+  return {"The clips are told apart by " + join_words(apart) + ".",
+          same.empty()
+              ? "By every measure the first clip's own halves are more alike."
+              : "In " + join_words(same) + " they are about as alike as the first clip's own halves."};
 }
 
 }  // namespace

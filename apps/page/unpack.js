@@ -14,7 +14,7 @@ async function unpackNumbers(text, places) {
     ([name, [at, rows, cols]]) => [name, matrix(rows, cols, all.slice(at, at + rows * cols))]));
 }
 
-/** Values of a plane from their differences to what the neighbours foretell. */
+/** Values of a plane from their differences to what the neighbours predict. */
 function undoDifferences(bytes, at, plane, width) {
   const high = at + bytes.length / 2;
   for (let p = 0; p < plane.length; ++p) {
@@ -22,9 +22,9 @@ function undoDifferences(bytes, at, plane, width) {
     const corner = p < width || p % width === 0 ? 0 : plane[p - width - 1];
     const gradient = ((left + upper - corner) << 16) >> 16;
     const low = Math.min(left, upper), most = Math.max(left, upper);
-    const foretold = gradient < low ? low : gradient > most ? most : gradient;
+    const predicted = gradient < low ? low : gradient > most ? most : gradient;
     const code = bytes[at + p] | (bytes[high + p] << 8);
-    plane[p] = foretold + (code & 1 ? -((code + 1) >> 1) : code >> 1);
+    plane[p] = predicted + (code & 1 ? -((code + 1) >> 1) : code >> 1);
   }
 }
 

@@ -142,7 +142,7 @@ std::string distances_table(const Json& measures) {
 }
 
 // Stressed where it is the best of its column.
-std::string told_cell(const Json& method, const Json& methods, std::size_t step) {
+std::string prediction_cell(const Json& method, const Json& methods, std::size_t step) {
   const auto& own = method["by_step"]["psnr"][step];
   const auto better = [&](const Json& other) {
     const auto& value = other["by_step"]["psnr"][step];
@@ -167,7 +167,7 @@ std::string prediction_tables(const Json& measures) {
   for (const auto& [key, method] : prediction["methods"].items()) {
     std::vector<std::string> cells;
     for (std::size_t s = 0; s < prediction["steps"].size(); ++s)
-      cells.push_back(told_cell(method, prediction["methods"], s));
+      cells.push_back(prediction_cell(method, prediction["methods"], s));
     const auto& own = at(measures, {"reconstruction", key});
     cells.push_back(own.is_null() ? "–" : text_of(own["psnr"], 2) + " (" + text_of(own["ssim"], 3) + ")");
     table.row(labels[key], cells);
@@ -242,7 +242,7 @@ std::string plot(const Json& measures, const char* what, const char* x, CurvePlo
 }
 
 std::string prediction_plot(const Json& measures) {
-  CurvePlot look{"Foretelling", "frames ahead", "PSNR, dB", {}, false, false};
+  CurvePlot look{"Prediction", "frames ahead", "PSNR, dB", {}, false, false};
   const auto& prediction = measures["prediction"];
   const auto steps = prediction["steps"].get<std::vector<double>>();
   for (const auto& [key, method] : prediction["methods"].items()) {
@@ -292,7 +292,7 @@ std::string size_section(const Json& measures) {
     about += equal["linear_dynamic_texture"].is_null()
                  ? "there is no linear dynamic texture."
                  : "the best linear dynamic texture has " +
-                       equal["linear_dynamic_texture"]["what"].get<std::string>() + " and foretells at " +
+                       equal["linear_dynamic_texture"]["what"].get<std::string>() + " and predicts at " +
                        text_of(equal["linear_dynamic_texture"]["psnr"], 1) + " dB, the motion model at " +
                        text_of(equal["motion_model"]["psnr"], 1) + " dB.";
   }
@@ -356,11 +356,11 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
                     "in the 95 % interval of " +
                         source_of(measures) + ".",
                     strokes);
-  const bool foretold = at(measures, {"prediction"}).is_object();
-  if (foretold)
+  const bool predicted = at(measures, {"prediction"}).is_object();
+  if (predicted)
     page += section(
-        "Foretelling",
-        "Frames that no model has learned from, foretold from those before them; the best is in bold. The "
+        "Prediction",
+        "Frames that no model has learned from, predicted from those before them; the best is in bold. The "
         "last column: how well a model shows a frame that it is given.",
         prediction_tables(measures));
   page += section(
@@ -370,7 +370,7 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
                {"Spectrum in time", "cycles a frame", "power, dB", {}}) +
           plot(measures, "radial_db", "frequency", {"Spectrum in space", "cycles a pixel", "power, dB", {}}) +
           plot(measures, "autocorrelation", "lag", {"Autocorrelation", "frames apart", "correlation", {}}) +
-          (foretold ? prediction_plot(measures) : "") + "</div>");
+          (predicted ? prediction_plot(measures) : "") + "</div>");
   if (measures.contains("size_curve")) page += size_section(measures);
   page +=
       "<section><div class=\"head\"><h2>All figures</h2></div><details><summary>summary.json</summary><pre "

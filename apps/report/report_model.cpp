@@ -129,7 +129,8 @@ Json rates_json(const mcmc::MotionModel& model, std::span<const graph::Event> ev
   const auto& rates = model.rates;
   row("birth", "in the frame", seen(birth), births_a_frame(model));
   row("death", "in the frame", seen(death), static_cast<double>(seen(death)) / std::max(1, model.frames - 1));
-  for (std::size_t i = 0; i < mcmc::kSizeClasses; ++i) row("", stroke_sizes(i), nullptr, rates.death_by_size[i]);
+  for (std::size_t i = 0; i < mcmc::kSizeClasses; ++i)
+    row("", stroke_sizes(i), nullptr, rates.death_by_size[i]);
   row("split", "a patch inside a curve", seen(split), rates.split);
   row("merge", "a pair of ends in line", seen(merge), rates.merge);
   row("connect", "a pair of strokes beside each other", seen(connect), rates.connect);

@@ -45,7 +45,7 @@ std::optional<SketchDictionary> prepare_dictionary(const DictionaryRequest& requ
 
 /// Encodes a frame's patches. `levels`: CV_32F, white = 255. The noise is measured in the frame.
 std::vector<sketch::PatchCode> encode_frame(const cv::Mat& levels, const graph::AttributeGraph& graph,
-                                       const SketchDictionary& dictionary);
+                                            const SketchDictionary& dictionary);
 
 /// Sums the figures of the dictionary's codes over a clip.
 class CodeFigures {

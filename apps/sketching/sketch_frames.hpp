@@ -36,7 +36,7 @@ struct SketchRequest {
 struct SketchedFrame {
   double patch_share = 0, anchor_share = 0;  ///< of the pixels, 0…1
   sketch::Sketchable sketchable;             ///< patches and anchors
-  std::vector<sketch::PatchCode> codes;           ///< of the patches, where there is a dictionary
+  std::vector<sketch::PatchCode> codes;      ///< of the patches, where there is a dictionary
   pipeline::Reconstruction reconstruction;
 };
 

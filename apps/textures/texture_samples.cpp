@@ -107,7 +107,7 @@ class Learner {
         for (int column = 0; column < options_.columns; ++column) {
           session_.check_stop();
           samples_.samples.push_back({sample_name(labelled, row, column, piece), index});
-          samples_.textures.push_back(learn(cut(clip, block(clip, row, column), first, last)));
+          samples_.textures.push_back(learn(cut_block(clip, block(clip, row, column), first, last)));
         }
     }
   }
@@ -127,8 +127,8 @@ class Learner {
     return {begin(clip.info.width, options_.columns, column, shape_.width),
             begin(clip.info.height, options_.rows, row, shape_.height), shape_.width, shape_.height};
   }
-  [[nodiscard]] core::Clip cut(const core::Clip& clip, const cv::Rect& block, std::size_t first,
-                               std::size_t last) const {
+  [[nodiscard]] core::Clip cut_block(const core::Clip& clip, const cv::Rect& block, std::size_t first,
+                                     std::size_t last) const {
     core::Clip part{clip.info, {}};
     part.info.width = block.width;
     part.info.height = block.height;

@@ -187,7 +187,7 @@ std::vector<cv::Mat> predict(const Star& star, std::span<const cv::Mat> past, in
   validate(star);
   const auto lags = static_cast<std::size_t>(star.lags());
   if (past.size() < lags || steps < 1)
-    throw core::InputError("STAR: it foretells at least 1 step from at least " + std::to_string(lags) +
+    throw core::InputError("STAR: it predicts at least 1 step from at least " + std::to_string(lags) +
                            " frames; here are " + std::to_string(steps) + " and " +
                            std::to_string(past.size()));
   const int reach = reach_of(star);

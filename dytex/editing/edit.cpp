@@ -133,7 +133,7 @@ void apply(Work& work, const Flow& flow) {
 }
 
 void apply(Work& work, const Reverse&) {
-  change_dynamics(work, detail::reversed, false, false);
+  change_dynamics(work, detail::reverse_dynamics, false, false);
 }
 
 void apply(Work& work, const Intensity& intensity) {

@@ -178,7 +178,7 @@ EditedDynamics at_flow(const MatrixXd& A, const MatrixXd& B, double factor) {
   return result;
 }
 
-EditedDynamics reversed(const MatrixXd& A, const MatrixXd& B) {
+EditedDynamics reverse_dynamics(const MatrixXd& A, const MatrixXd& B) {
   EditedDynamics result{A, B};
   const MatrixXd P = stationary_covariance(A, B);
   const SymmetricEigen eigen = symmetric_eigen(P);

@@ -39,7 +39,7 @@ EditedDynamics at_speed(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, doub
 /// Applies Flow to A, with the B that keeps the stationary covariance.
 EditedDynamics at_flow(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double factor);
 /// Applies Reverse to A, with the B that keeps the stationary covariance.
-EditedDynamics reversed(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+EditedDynamics reverse_dynamics(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
 /// Returns the F O, with orthonormal rows of O, that is nearest to `like`. It has F Fᵀ as its product and as
 /// many columns as the larger of both. F: n × p, like: n × k. For the same noise this is `like` itself, and

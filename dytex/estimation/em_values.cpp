@@ -143,7 +143,7 @@ class ValueAppearance final : public Appearance {
   [[nodiscard]] std::size_t pixel(Eigen::Index value) const {
     return static_cast<std::size_t>(value) / input_.scale.channels;
   }
-  [[nodiscard]] std::size_t seen(Eigen::Index value) const {
+  [[nodiscard]] std::size_t count_seen(Eigen::Index value) const {
     return seen_count(input_.missing, pixel(value), input_.frame_blocks.frames());
   }
   [[nodiscard]] bool fitted(std::size_t seen) const {
@@ -205,7 +205,7 @@ class ValueAppearance final : public Appearance {
     double left = 0;
     for (Eigen::Index begin = 0, end = 0; begin < rows; begin = end) {
       for (end = begin + 1; end < rows && same_pattern(at + begin, at + end);) ++end;
-      const std::size_t count = seen(at + begin);
+      const std::size_t count = count_seen(at + begin);
       if (count == 0) continue;
       const Eigen::MatrixXd S = moment_of(moments, input_.missing, pixel(at + begin), count);
       const Eigen::Index size = end - begin;

@@ -40,7 +40,7 @@ void add_byte_sums(const FrameValues& values, std::size_t begin, std::size_t cou
   for (std::size_t t0 = 0; t0 < values.frames.size(); t0 += kBytesIn16Bits) {
     std::array<std::uint16_t, kRows> some{};
     for (std::size_t t = t0; t < std::min(t0 + kBytesIn16Bits, values.frames.size()); ++t) {
-      const std::uint8_t* from = values.of<std::uint8_t>(t) + begin;
+      const std::uint8_t* from = values.frame<std::uint8_t>(t) + begin;
       for (std::size_t p = 0; p < count; ++p) some[p] = static_cast<std::uint16_t>(some[p] + from[p]);
     }
     for (std::size_t p = 0; p < count; ++p) sums[p] += some[p];
@@ -101,7 +101,7 @@ void add_block(const FrameValues& values, std::size_t begin, std::size_t rows, s
   for (std::size_t b = 0; b < batches.size(); ++b) {
     const std::size_t t0 = b * kBatch, depth = std::min(kBatch, values.frames.size() - t0);
     for (std::size_t t = 0; t < depth; ++t)
-      centre(values.of<Value>(t0 + t) + begin, rows, work.mean.data(), work.left.data() + t * kSlice,
+      centre(values.frame<Value>(t0 + t) + begin, rows, work.mean.data(), work.left.data() + t * kSlice,
              depth * kSlice);
     add_product(isa, {work.left.data(), slice_count(rows), depth}, batches[b].data(), n, work.out.data(),
                 kRows);
@@ -143,7 +143,7 @@ void add_sums(const FrameValues& values, std::size_t first, Eigen::VectorXd& sum
     if (values.depth == CV_8U) return add_byte_sums(values, begin, count, to);
     with_depth(values.depth, [&]<class Value>(Value) {
       for (std::size_t t = 0; t < values.frames.size(); ++t) {
-        const Value* from = values.of<Value>(t) + begin;
+        const Value* from = values.frame<Value>(t) + begin;
         for (std::size_t p = 0; p < count; ++p) to[p] += static_cast<double>(from[p]);
       }
     });
@@ -169,7 +169,7 @@ void make_components(const FrameValues& values, std::size_t first, const Eigen::
     Eigen::MatrixXd block(rows, weights.rows());
     with_depth(values.depth, [&]<class Value>(Value) {
       for (Eigen::Index t = 0; t < block.cols(); ++t) {
-        const Value* from = values.of<Value>(static_cast<std::size_t>(t)) + begin;
+        const Value* from = values.frame<Value>(static_cast<std::size_t>(t)) + begin;
         block.col(t) =
             Eigen::Map<const Eigen::Vector<Value, Eigen::Dynamic>>(from, rows).template cast<double>() -
             mean.segment(row, rows);

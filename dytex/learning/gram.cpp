@@ -42,7 +42,7 @@ void widen(const FrameValues& values, std::size_t first, std::size_t last, std::
            std::vector<std::int16_t>& rows) {
   const std::size_t count = std::min(kDotLength, values.count - begin);
   for (std::size_t i = first; i < last; ++i) {
-    const std::uint8_t* from = values.of<std::uint8_t>(i) + begin * values.step;
+    const std::uint8_t* from = values.frame<std::uint8_t>(i) + begin * values.step;
     std::int16_t* to = rows.data() + (i - first) * kDotLength;
     if (values.step == 1)
       for (std::size_t p = 0; p < count; ++p) to[p] = from[p];
@@ -93,7 +93,7 @@ void add_values(const FrameValues& values, const Tile& tile, Eigen::MatrixXd& gr
                 const core::Context& context) {
   const auto convert = [&](std::size_t first, std::size_t begin, Eigen::Index rows, Eigen::MatrixXd& to) {
     for (Eigen::Index k = 0; k < to.cols(); ++k) {
-      const Value* from = values.of<Value>(first + static_cast<std::size_t>(k)) + begin * values.step;
+      const Value* from = values.frame<Value>(first + static_cast<std::size_t>(k)) + begin * values.step;
       to.col(k).head(rows) = Eigen::Map<const Eigen::Vector<Value, Eigen::Dynamic>, 0, Eigen::InnerStride<>>(
                                  from, rows, Eigen::InnerStride<>(static_cast<Eigen::Index>(values.step)))
                                  .template cast<double>();

@@ -23,8 +23,8 @@ struct FrameValues {
   std::size_t step = 1;
 
   template <class Value>
-  [[nodiscard]] const Value* of(std::size_t frame) const {
-    return static_cast<const Value*>(frames[frame]);
+  [[nodiscard]] const Value* frame(std::size_t index) const {
+    return static_cast<const Value*>(frames[index]);
   }
 };
 

@@ -18,8 +18,9 @@ struct TrackSample {
 };
 
 /// Holds a point of a curve followed through time.
-/// The sketch places patches anew along a curve in every frame, so the path of a patch jitters along the curve.
-/// A track goes from frame to frame along the curve's normal, the only motion of a curve that an image shows.
+/// The sketch places patches anew along a curve in every frame, so the path of a patch jitters along the
+/// curve. A track goes from frame to frame along the curve's normal, the only motion of a curve that an image
+/// shows.
 struct CurveTrack {
   int first = 0;  ///< frame
   std::vector<TrackSample> samples;
@@ -40,7 +41,8 @@ struct TrackNeighbours {
 };
 
 /// Finds the nearest track ahead and behind of each track in every frame, up to 12 px away. O(samples).
-TrackNeighbours find_track_neighbours(const graph::MotionGraph& motion, const std::vector<CurveTrack>& tracks);
+TrackNeighbours find_track_neighbours(const graph::MotionGraph& motion,
+                                      const std::vector<CurveTrack>& tracks);
 
 /// Holds a value that a track assigns to a patch.
 struct TrackValue {
@@ -49,8 +51,8 @@ struct TrackValue {
 };
 
 /// Interpolates tracks' values over the patches of a frame.
-/// Each patch gets the mean of its tracks' values, smoothed along the curves; a patch without a track gets its
-/// neighbours' mean, or 0. O(vertices).
+/// Each patch gets the mean of its tracks' values, smoothed along the curves; a patch without a track gets
+/// its neighbours' mean, or 0. O(vertices).
 std::vector<graph::Point> smooth_over_patches(const graph::AttributeGraph& graph,
                                               const std::vector<TrackValue>& track_values);
 

@@ -34,15 +34,15 @@ std::vector<InitialMotion> estimate_initial_motion(const graph::MotionGraph& mot
                                                    std::size_t frame, const CellMap& displacement_scale);
 
 /// Samples the strokes that a model can give birth to, at rest.
-/// From each size class it takes strokes evenly over the clip, in proportion to its share of all strokes of all
-/// frames but at least some; about `most` in all. Newborn strokes then look like the strokes of the clip.
+/// From each size class it takes strokes evenly over the clip, in proportion to its share of all strokes of
+/// all frames but at least some; about `most` in all. Newborn strokes then look like the strokes of the clip.
 std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
                                        const std::vector<std::vector<Deviation>>& deviation,
                                        std::size_t most);
 
 /// Estimates the refractory period: the lifetime, at most 8 frames, that nine in ten strokes reached.
-/// Only strokes that were born and died in the clip count; 0 for fewer than five. Flicker removal in the matcher
-/// erases lives of a frame or two, which shows here.
+/// Only strokes that were born and died in the clip count; 0 for fewer than five. Flicker removal in the
+/// matcher erases lives of a frame or two, which shows here.
 double estimate_refractory_period(std::span<const graph::Event> events);
 
 /// Counts the births of each size class; a stroke's size is the one half way through its life.

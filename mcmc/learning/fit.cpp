@@ -97,7 +97,7 @@ void add(CellMap& to, const CellMap& from, double share) {
   for (std::size_t c = 0; c < to.values.size(); ++c) to.values[c] += share * from.values[c];
 }
 
-CellMap usual_density(std::span<const graph::MotionGraph> samples) {
+CellMap mean_density(std::span<const graph::MotionGraph> samples) {
   const auto& sketch = samples[0].sketch;
   CellMap map = make_cell_grid(sketch.width, sketch.height);
   const double share = 1 / static_cast<double>(sketch.frames.size() * samples.size());
@@ -253,7 +253,7 @@ FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& opt
   append(result.notes, rates.notes);
   const auto deviation = patch_deviations(last, followed.back().tracks, followed.back().normal_displacement);
   model.exemplars = sample_exemplars(last, deviation, most_exemplars);
-  model.density = usual_density(samples);
+  model.density = mean_density(samples);
   model.hard_core = estimate_hard_core(samples);
   const auto usual = typical_frame(last);
   model.first = graph_at_rest(last.sketch.frames[usual], deviation[usual]);

@@ -22,8 +22,8 @@ struct Moments {
   using Matrix = Eigen::Matrix<double, 2 * kLags, 2 * kLags>;
   Matrix own = Matrix::Zero();  ///< Σ ψ ψᵀ
   double windows = 0;           ///< number of windows
-  /// For pairs of tracks on one stroke, with s = d(t) − d(t−4): Σ s s′, Σ (s² + s′²)/2 and the number of pairs,
-  /// by distance: up to 5 px, 10 px, …
+  /// For pairs of tracks on one stroke, with s = d(t) − d(t−4): Σ s s′, Σ (s² + s′²)/2 and the number of
+  /// pairs, by distance: up to 5 px, 10 px, …
   std::array<double, 12> products{}, squares{}, pairs{};
 
   Moments& operator+=(const Moments& other);
@@ -57,8 +57,8 @@ struct MotionObservations {
   MotionObservations& operator+=(const MotionObservations& other);
 };
 
-/// Collects the observations of one attribute of a clip's tracks. `turns_with_normal`: whether its sign depends on
-/// the sense of the normal. O(samples + pairs of tracks on a stroke).
+/// Collects the observations of one attribute of a clip's tracks. `turns_with_normal`: whether its sign
+/// depends on the sense of the normal. O(samples + pairs of tracks on a stroke).
 MotionObservations collect_observations(const graph::MotionGraph& motion,
                                         const std::vector<detail::CurveTrack>& tracks, const Series& series,
                                         bool turns_with_normal);
@@ -72,11 +72,11 @@ struct MotionEstimate {
 
 /// Estimates a1 (its mean over paths), a2, noise and measurement by maximum likelihood
 /// (mcmc/learning/ar_likelihood.hpp).
-/// The coupling comes first, by two-stage least squares on the moments; its instruments are deviations three and
-/// four frames back, which share no measurement error with the window's newest three. An unsound coupling is 0.
-/// Variance that is not shared along the curve counts as the sketch's error: the noise gets the variance and the
-/// range of the rest. Spectral radii are at most 0.995; a note names a law held there. `what` names the attribute
-/// in notes.
+/// The coupling comes first, by two-stage least squares on the moments; its instruments are deviations three
+/// and four frames back, which share no measurement error with the window's newest three. An unsound coupling
+/// is 0. Variance that is not shared along the curve counts as the sketch's error: the noise gets the
+/// variance and the range of the rest. Spectral radii are at most 0.995; a note names a law held there.
+/// `what` names the attribute in notes.
 MotionEstimate estimate_motion(const MotionObservations& seen, const std::string& what);
 
 }  // namespace emberfold::mcmc

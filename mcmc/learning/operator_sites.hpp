@@ -28,7 +28,8 @@ struct OperatorSites {
 constexpr std::size_t kPiece = 4;
 
 /// Finds all sites of a frame, ordered by vertex.
-/// Two strokes have at most one site, where they come nearest, and none farther than `reach` px apart. O(n log n).
+/// Two strokes have at most one site, where they come nearest, and none farther than `reach` px apart. O(n
+/// log n).
 OperatorSites find_sites(const graph::AttributeGraph& graph, const graph::Components& parts, double reach);
 
 /// Returns the vector from an end's neighbour to the end, px: the direction in which the stroke goes on.

@@ -26,11 +26,11 @@ struct PastEvent {
 double frames_since(std::span<const PastEvent> all, graph::Point place, double frame);
 
 /// Estimates how rates depend on past events, on gaps and on turns.
-/// Each factor is the number of events of a class over the number that the other rates predict, shrunk towards 1
-/// with the weight of one event. `events[i]` are samples[i]'s stroke events; strokes of the first frame are of
-/// unknown age. O(sites · events of 32 frames).
+/// Each factor is the number of events of a class over the number that the other rates predict, shrunk
+/// towards 1 with the weight of one event. `events[i]` are samples[i]'s stroke events; strokes of the first
+/// frame are of unknown age. O(sites · events of 32 frames).
 RateModifiers estimate_rate_modifiers(std::span<const graph::MotionGraph> samples,
-                                     std::span<const std::vector<graph::Event>> events,
-                                     const OperatorRates& rates);
+                                      std::span<const std::vector<graph::Event>> events,
+                                      const OperatorRates& rates);
 
 }  // namespace emberfold::mcmc

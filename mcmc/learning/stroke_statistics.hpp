@@ -25,14 +25,14 @@ struct StrokeSeries {
 StrokeSeries stroke_series(const graph::MotionGraph& motion, std::span<const graph::Event> events);
 
 /// Estimates the mean of counts that follow each other in time, with a 95 % interval.
-/// The interval is that of a Gamma law (Jeffreys' prior). Its variance is that of independent events times the
-/// dispersion of blocks of neighbouring frames, widened by Student's quantile for few blocks. `low` is 0 for no
-/// events. Throws core::InputError for no count.
+/// The interval is that of a Gamma law (Jeffreys' prior). Its variance is that of independent events times
+/// the dispersion of blocks of neighbouring frames, widened by Student's quantile for few blocks. `low` is 0
+/// for no events. Throws core::InputError for no count.
 RateInterval mean_count(std::span<const double> counts);
 
 /// Estimates Σ numerator / Σ denominator of two series of one length, with a 95 % interval.
-/// Delta method over blocks of neighbouring frames, on a logarithmic scale. All 0 where either sum is 0; `low` is 0
-/// and `high` infinite for fewer than four blocks. Throws core::InputError for different lengths.
+/// Delta method over blocks of neighbouring frames, on a logarithmic scale. All 0 where either sum is 0;
+/// `low` is 0 and `high` infinite for fewer than four blocks. Throws core::InputError for different lengths.
 RateInterval mean_ratio(std::span<const double> numerator, std::span<const double> denominator);
 
 /// Holds statistics of the strokes of a clip, each with a 95 % interval.

@@ -33,7 +33,8 @@ double spectral_radius(const Autoregression& motion);
 /// Throws core::InputError for a motion that is not stable.
 double stationary_deviation(const Autoregression& motion);
 
-/// Number of size classes of strokes: up to 4, 8, 16, 32, 64, 128 patches, and more. A class shares its rates.
+/// Number of size classes of strokes: up to 4, 8, 16, 32, 64, 128 patches, and more. A class shares its
+/// rates.
 constexpr std::size_t kSizeClasses = 7;
 
 /// Returns the size class of a stroke of so many patches.
@@ -54,7 +55,7 @@ struct RateModifiers {
   /// Merge and connect, by the time since a separation nearby.
   std::array<double, kElapsedClasses> unification = {1, 1, 1, 1, 1, 1};
   std::array<double, kGapClasses> bridging = {1, 1, 1, 1, 1, 1};  ///< merge and connect, by the gap's width
-  std::array<double, kTurnClasses> turning = {1, 1, 1, 1};        ///< connect, by the turn to the other stroke
+  std::array<double, kTurnClasses> turning = {1, 1, 1, 1};  ///< connect, by the turn to the other stroke
   double pace = 1;  ///< frames of the clip it was learned from that pass in one drawn frame
   bool operator==(const RateModifiers&) const = default;
 };
@@ -114,18 +115,18 @@ struct MotionModel {
   CellMap drift_x, drift_y;     ///< px a frame: velocity of the rest shapes
   OperatorRates rates;
   HardCoreDistances hard_core;
-  CellMap density;                               ///< usual number of patches around each cell; guides births
-  std::array<double, 8> appearing{};             ///< share of the contrast so many frames after birth
-  std::array<double, 8> vanishing{};             ///< share of the contrast so many frames before death
-  std::vector<Exemplar> exemplars;               ///< strokes to be born
-  graph::AttributeGraph first;                   ///< rest shapes of the strokes in the first frame
-  std::vector<InitialMotion> first_motion;       ///< of each patch of `first`; empty where not known
+  CellMap density;                          ///< usual number of patches around each cell; guides births
+  std::array<double, 8> appearing{};        ///< share of the contrast so many frames after birth
+  std::array<double, 8> vanishing{};        ///< share of the contrast so many frames before death
+  std::vector<Exemplar> exemplars;          ///< strokes to be born
+  graph::AttributeGraph first;              ///< rest shapes of the strokes in the first frame
+  std::vector<InitialMotion> first_motion;  ///< of each patch of `first`; empty where not known
 
   bool operator==(const MotionModel&) const = default;
 };
 
-/// Checks a model. Throws core::InputError that names the part for a number out of its range, and for maps and
-/// lists whose sizes disagree.
+/// Checks a model. Throws core::InputError that names the part for a number out of its range, and for maps
+/// and lists whose sizes disagree.
 void validate(const MotionModel& model);
 
 /// Packs a valid model in the format "emberfold.motion_model", version 1.

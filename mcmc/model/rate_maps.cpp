@@ -9,7 +9,7 @@ namespace emberfold::mcmc {
 namespace {
 
 constexpr double smallest_cell = 16;  // px: finer maps would hold few events a cell
-constexpr double most_cells = 48;  // along the longer side: bounds the cost in large frames
+constexpr double most_cells = 48;     // along the longer side: bounds the cost in large frames
 constexpr double kernel_reach = 3;    // SDs up to which a Gaussian is summed; the rest is 0.3 % of it
 
 // Returns the weights of a Gaussian of SD sigma up to 3 SDs on each side.

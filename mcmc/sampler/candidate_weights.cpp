@@ -18,7 +18,8 @@ void weigh_candidates(HiddenGraph& state, const Evidence& evidence, const core::
       state.set_evidence(i, std::max(0.0, evidence.gain(static_cast<int>(t), state[i].patch)));
       for (const NeighbourCandidate& near : state.neighbours(i))
         if (i < near.node)
-          state.set_edge_evidence(i, near.node, state[i].edges.has(near.node) ? kEdgeEvidence : -kEdgeEvidence);
+          state.set_edge_evidence(i, near.node,
+                                  state[i].edges.has(near.node) ? kEdgeEvidence : -kEdgeEvidence);
     }
   });
 }

@@ -34,7 +34,7 @@ std::optional<double> switch_links(StateChange& change, ChoiceSource& draws, int
 /// Moves one end of a link to another node.
 std::optional<double> relink(StateChange& change, ChoiceSource& draws, int frame);
 
-// Edges and patches of a frame (move_patches.cpp).
+// Edges and patches of a frame (move_connect_cut.cpp, move_add_delete.cpp, move_split_merge.cpp).
 std::optional<double> connect_or_cut(StateChange& change, ChoiceSource& draws, int frame);
 /// Adds a candidate with edges and links drawn among nodes nearby, or deletes a patch.
 std::optional<double> add_or_delete(StateChange& change, ChoiceSource& draws, int frame);

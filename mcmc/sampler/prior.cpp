@@ -20,9 +20,10 @@ SamplerParameters prior_parameters(const graph::MotionGraph& start, const Motion
   double patches = 0;
   for (const auto& frame : start.sketch.frames) patches += static_cast<double>(frame.size());
   patches /= static_cast<double>(std::max<std::size_t>(1, start.sketch.frames.size()));
-  SamplerParameters prior = usual_parameters(patches, double(start.sketch.width) * start.sketch.height);
+  SamplerParameters prior = default_parameters(patches, double(start.sketch.width) * start.sketch.height);
   Autoregression displacement = learned.displacement;
-  displacement.noise = std::max(0.02, displacement.noise), displacement.range = displacement.measurement = 0, displacement.coupling = 0;
+  displacement.noise = std::max(0.02, displacement.noise), displacement.range = displacement.measurement = 0,
+  displacement.coupling = 0;
   if (spectral_radius(displacement) <= 0.995) prior.displacement = displacement;
   return prior;
 }

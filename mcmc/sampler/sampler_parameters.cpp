@@ -49,11 +49,11 @@ void validate(const SamplerParameters& theta) {
   check_positive("grown_contrast_sd", theta.grown_contrast_sd);
   check_positive("branch_reach", theta.branch_reach);
   check_positive("the noise of the sway", theta.displacement.noise);
-  check(spectral_radius(theta.displacement) < 1, "the sway's spectral radius", spectral_radius(theta.displacement),
-        "a number below 1");
+  check(spectral_radius(theta.displacement) < 1, "the sway's spectral radius",
+        spectral_radius(theta.displacement), "a number below 1");
 }
 
-SamplerParameters usual_parameters(double patches, double area) {
+SamplerParameters default_parameters(double patches, double area) {
   SamplerParameters theta;
   for (std::size_t degree = 0; degree < kDegrees; ++degree)
     for (std::size_t border = 0; border < 2; ++border)
@@ -61,7 +61,8 @@ SamplerParameters usual_parameters(double patches, double area) {
         const double alone = degree == 0 ? 0.2 : degree == 1 ? 0.1 : 0.02;
         const double death = neighbour_outcome == 2 ? 0.4 : neighbour_outcome == 1 ? alone / 2 : alone;
         const double split = 0.002, merge = 0.002;
-        theta.outcome[outcome_context(degree, border > 0, neighbour_outcome)] = {death, 1 - death - split - merge, split, merge};
+        theta.outcome[outcome_context(degree, border > 0, neighbour_outcome)] = {
+            death, 1 - death - split - merge, split, merge};
       }
   const double strokes = std::max(patches, 1.0) / 10 / std::max(area, 1.0);
   theta.birth = {strokes, strokes * 0.05};

@@ -49,7 +49,7 @@ struct SamplerParameters {
   std::array<double, 2> birth{};                ///< strokes begun, per px²
   std::array<double, kParentClasses> growth{};  ///< expected number of patches that grow from one; from a new
                                                 ///< one to both sides, of which one comes later in order
-  double first_growth = 1.6;  ///< expected number in frame 0, where all are new
+  double first_growth = 1.6;                    ///< expected number in frame 0, where all are new
   /// Probability that two patches which continue are joined, by their relation before and their position now.
   std::array<std::array<double, kCloseness>, 3> join{};
   std::array<std::array<double, kCloseness>, 2> close{};  ///< probability that a new patch is joined to one
@@ -74,6 +74,6 @@ struct SamplerParameters {
 void validate(const SamplerParameters& theta);
 
 /// Returns usual numbers for a clip of so many patches a frame over so many px².
-SamplerParameters usual_parameters(double patches, double area);
+SamplerParameters default_parameters(double patches, double area);
 
 }  // namespace emberfold::mcmc

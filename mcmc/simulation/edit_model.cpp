@@ -163,7 +163,7 @@ double coarseness(const graph::AttributeGraph& graph) {
 }
 
 // Coarseness that halves the exemplars' patches.
-double usual_coarseness(const MotionModel& model) {
+double mean_coarseness(const MotionModel& model) {
   std::vector<std::pair<double, std::size_t>> strokes;
   std::size_t patches = 0;
   for (const auto& exemplar : model.exemplars) {
@@ -206,7 +206,7 @@ void keep_first(MotionModel& model, const Keep& keep) {
 
 // Returns the share of births that is left.
 double choose_strokes(MotionModel& model, StrokeChoice choice) {
-  const double usual = usual_coarseness(model);
+  const double usual = mean_coarseness(model);
   const auto keep = [&](const graph::AttributeGraph& graph) {
     return (coarseness(graph) > usual) == (choice == StrokeChoice::coarse);
   };

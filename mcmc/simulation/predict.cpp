@@ -24,8 +24,9 @@ std::vector<graph::AttributeGraph> predict(const MotionModel& model, const graph
   std::vector<std::vector<detail::TrackValue>> track_values(frames.size());
   const auto& displacement = model.displacement;
   const auto lane = [](double value) { return detail::Lanes<1>::Constant(value); };
-  const detail::PathLaw<1> law{lane(displacement.a1), lane(displacement.a2), lane(displacement.noise * displacement.noise),
-                               lane(displacement.measurement * displacement.measurement + least_error * least_error)};
+  const detail::PathLaw<1> law{
+      lane(displacement.a1), lane(displacement.a2), lane(displacement.noise * displacement.noise),
+      lane(displacement.measurement * displacement.measurement + least_error * least_error)};
   const auto gains = detail::kalman_gains(law, frames.size());
   for (const auto& track : detail::track_curves(motion)) {
     detail::RestFilter<1> filter(law);

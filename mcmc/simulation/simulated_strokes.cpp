@@ -158,14 +158,14 @@ void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::
     const double alike = m.a1 / (1 - m.a2);
     return std::pair{deviation * first, deviation * (alike * first + std::sqrt(1 - alike * alike) * second)};
   };
-  const double sway_deviation = stationary_deviation(model.displacement),
+  const double displacement_sd = stationary_deviation(model.displacement),
                gain_deviation = stationary_deviation(model.contrast);
   for (std::size_t i = 0; i < p.list.size(); ++i) {
     SimulatedPatch& me = p.list[i];
     std::tie(me.offset_before.x, me.offset.x) =
-        pair(model.displacement, sway_deviation, before[i].x, fresh[i].x);
+        pair(model.displacement, displacement_sd, before[i].x, fresh[i].x);
     std::tie(me.offset_before.y, me.offset.y) =
-        pair(model.displacement, sway_deviation, before[i].y, fresh[i].y);
+        pair(model.displacement, displacement_sd, before[i].y, fresh[i].y);
     std::tie(me.gain_before, me.gain) = pair(model.contrast, gain_deviation, before[i].gain, fresh[i].gain);
   }
   // With coupling, the stationary state is approached by running the motion.

@@ -115,8 +115,8 @@ Showing showing(const Chain& chain, const cv::Mat1f& frame, double sigma, double
 }
 
 // 70 % quantile of [first, last): beside a gap, some of the points still belong to it.
-double usual(const std::vector<double>& values, std::size_t first, std::size_t last,
-             std::vector<double>& scratch) {
+double typical_contrast(const std::vector<double>& values, std::size_t first, std::size_t last,
+                        std::vector<double>& scratch) {
   const auto from = values.begin();
   scratch.assign(from + static_cast<std::ptrdiff_t>(first), from + static_cast<std::ptrdiff_t>(last));
   return core::order_statistic(scratch, 7 * scratch.size() / 10);
@@ -136,13 +136,13 @@ double gap_level(const Showing& shows, CreaseKind kind, const std::vector<double
   const auto [from, at, to] = around;
   const auto place = [&](std::size_t i) { return shows.contrast.begin() + static_cast<std::ptrdiff_t>(i); };
   if (contrast[at] > share * *std::max_element(place(from), place(to))) return 0;
-  const double before = usual(shows.contrast, from, at, scratch),
-               after = usual(shows.contrast, at + 1, to, scratch);
+  const double before = typical_contrast(shows.contrast, from, at, scratch),
+               after = typical_contrast(shows.contrast, at + 1, to, scratch);
   if (!(before > 0) || !(after > 0)) return 0;
   const double both = std::sqrt(before * after), here = contrast[at];
   if (here > share * both - error || here > kVaries * std::min(before, after) - kSure * error) return 0;
-  const double level =
-      0.5 * (usual(shows.middle, from, at, scratch) + usual(shows.middle, at + 1, to, scratch));
+  const double level = 0.5 * (typical_contrast(shows.middle, from, at, scratch) +
+                              typical_contrast(shows.middle, at + 1, to, scratch));
   if (kind != CreaseKind::step && level - shows.middle[at] < kFalls * (1 - share) * both) return 0;
   return share * both;
 }
@@ -180,8 +180,8 @@ std::vector<bool> in_gaps(const Chain& chain, const cv::Mat1f& frame, double sig
 // ---- both ----
 
 /// The pieces that stay; `number`: of the last gap.
-void cut(const Chain& chain, const std::vector<double>& s, const std::vector<bool>& keep,
-         const std::vector<bool>& gap, int& number, std::vector<Chain>& pieces) {
+void split_chain(const Chain& chain, const std::vector<double>& s, const std::vector<bool>& keep,
+                 const std::vector<bool>& gap, int& number, std::vector<Chain>& pieces) {
   constexpr double kLeastBetween = 6;  // px
   const std::size_t n = chain.points.size();
   bool behind_gap = false;  // since the last piece
@@ -225,7 +225,7 @@ std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const 
       continue;
     }
     const std::size_t first = pieces.size();
-    cut(chain, s, keep, gap, number, pieces);
+    split_chain(chain, s, keep, gap, number, pieces);
     for (std::size_t k = first + 1; k < pieces.size(); ++k) pieces[k - 1].gap[1] = pieces[k].gap[0];
   }
   return pieces;

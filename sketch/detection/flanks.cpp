@@ -45,8 +45,8 @@ class Cells {
     std::ranges::sort(places_, {}, [](const Place& place) { return std::pair(place.key, place.index); });
   }
 
-  /// Returns whether `match` holds for a patch beside one at p of this width, not farther off than beside()
-  /// allows.
+  /// Returns whether `match` holds for a patch beside one at p of this width, not farther off than
+  /// lies_beside() allows.
   template <class Match>
   [[nodiscard]] bool any_near(Point p, double width, const Match& match) const {
     for (int dy = -1; dy <= 1; ++dy) {
@@ -95,7 +95,7 @@ bool may_flank(const Patch& patch, double width, const Patch& other) {
          other.width <= kNarrower * width;
 }
 
-bool beside(const Patch& patch, double width, const Patch& other) {
+bool lies_beside(const Patch& patch, double width, const Patch& other) {
   const Point along{std::cos(patch.theta), std::sin(patch.theta)}, off = other.position - patch.position;
   const double across = std::abs(off.y * along.x - off.x * along.y);
   return std::abs(dot(off, along)) <= kAlong && across <= 0.5 * (width + other.width) + kBeside &&
@@ -145,7 +145,7 @@ class Flanks {
       const Patch& patch = graph_.patch(v);
       return cells_.any_near(patch.position, width, [&](std::uint32_t other) {
         return !gone_[other] && asked_of_[other] != asked_ && may_flank(patch, width, graph_.patch(other)) &&
-               beside(patch, width, graph_.patch(other));
+               lies_beside(patch, width, graph_.patch(other));
       });
     };
     return static_cast<double>(std::ranges::count_if(curve, flanked)) >=

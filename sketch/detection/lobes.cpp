@@ -25,7 +25,7 @@ struct Box {
 };
 
 // The pixels next to a point and its own.
-Box around(const CreasePoint& p) {
+Box neighbour_box(const CreasePoint& p) {
   const int x = core::fast_round(p.position.x), y = core::fast_round(p.position.y);
   return {x - 1, y - 1, x + 1, y + 1};
 }
@@ -36,9 +36,9 @@ class Accepted {
   explicit Accepted(cv::Size frame) : index_(make_empty_index(frame)) {}
 
   void add(const Chain& chain) {
-    Line line{&chain, static_cast<int>(points_.size()), around(chain.points.front())};
+    Line line{&chain, static_cast<int>(points_.size()), neighbour_box(chain.points.front())};
     for (const CreasePoint& p : chain.points) {
-      const Box box = around(p);
+      const Box box = neighbour_box(p);
       line.box = {std::min(line.box.left, box.left), std::min(line.box.top, box.top),
                   std::max(line.box.right, box.right), std::max(line.box.bottom, box.bottom)};
       points_.push_back(&p);
@@ -54,7 +54,7 @@ class Accepted {
     lines_.erase(found);
     const int end = line.first + static_cast<int>(chain.points.size());
     for (const CreasePoint& p : chain.points)
-      visit(around(p), [&](int& entry, Point) {
+      visit(neighbour_box(p), [&](int& entry, Point) {
         if (entry >= line.first && entry < end) entry = -1;
       });
     for (const Line& other : lines_)
@@ -85,7 +85,7 @@ class Accepted {
   void show(const Line& line, const Box& where) {
     int number = line.first;
     for (const CreasePoint& p : line.chain->points) {
-      if (const Box box = around(p); box.meets(where)) claim(box, number);
+      if (const Box box = neighbour_box(p); box.meets(where)) claim(box, number);
       ++number;
     }
   }

@@ -131,7 +131,7 @@ struct Rows {
   }
 };
 
-void tell_shares(std::vector<DictionaryEntry>& entries) {
+void set_shares(std::vector<DictionaryEntry>& entries) {
   for (DictionaryEntry& entry : entries) {
     double group = 0;
     for (const DictionaryEntry& other : entries)
@@ -211,7 +211,7 @@ Dictionary read_dictionary(const core::ModelArchive& archive) {
       refuse("seen.npy holds " + std::to_string(seen[i]) + ", must be 1 to 2^52");
     entry.seen = static_cast<std::uint64_t>(seen[i]);
   }
-  tell_shares(result.entries);
+  set_shares(result.entries);
   try {
     validate(result);
   } catch (const core::InputError& error) {

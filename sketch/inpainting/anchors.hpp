@@ -9,7 +9,7 @@ namespace emberfold::sketch {
 
 /// Holds the settings of choose_anchors().
 struct AnchorOptions {
-  int rounds = 16;  ///< 0…256: number of fills that place anchors by their error; 0: by |Δu| alone
+  int rounds = 16;      ///< 0…256: number of fills that place anchors by their error; 0: by |Δu| alone
   double spread = 0.8;  ///< px, 0.3…5: SD of the Gaussian g that weighs shared errors
   void validate() const;
 };

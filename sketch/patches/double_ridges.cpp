@@ -34,7 +34,7 @@ Point normal(const Patch& patch) {
   return {-std::sin(patch.theta), std::cos(patch.theta)};
 }
 
-Patch turned(Patch patch) {
+Patch turn_patch(Patch patch) {
   patch.theta = std::remainder(patch.theta + std::numbers::pi, 2 * std::numbers::pi);
   std::swap(patch.left, patch.right);
   return patch;
@@ -139,7 +139,7 @@ class Pairing {
   /// The double ridge of a patch and what faces it on its right.
   [[nodiscard]] std::optional<Patch> ridge(const Patch& patch, const Facing& facing) const {
     Patch other = draft_.patch(facing.slot);
-    if (std::cos(other.theta - patch.theta) < 0) other = turned(other);
+    if (std::cos(other.theta - patch.theta) < 0) other = turn_patch(other);
     Patch start = patch;
     start.theta += std::remainder(other.theta - patch.theta, 2 * std::numbers::pi) / 2;
     start.position = patch.position + normal(patch) * (facing.across / 2);
@@ -168,7 +168,7 @@ class Pairing {
       std::optional<Patch> here;
       std::optional<Facing> beside;
       if (of_[slots[k]] == stroke) {
-        const Patch patch = backwards ? turned(draft_.patch(slots[k])) : draft_.patch(slots[k]);
+        const Patch patch = backwards ? turn_patch(draft_.patch(slots[k])) : draft_.patch(slots[k]);
         beside = facing(slots[k], patch);
         if (beside) here = ridge(patch, *beside);
       }

@@ -164,7 +164,7 @@ class Cutter {
     stops_.resize(network_.chains.size());
     for (const auto& meeting : network_.meetings) place_meeting(meeting);
     met_ = static_cast<std::uint32_t>(vertices_.size());
-    for (std::size_t c = 0; c < rulers_.size(); ++c) cut(c);
+    for (std::size_t c = 0; c < rulers_.size(); ++c) place_along(c);
     std::vector<Edge> edges;
     std::vector<bool> joined(vertices_.size(), false);
     for (const auto& [a, b] : edges_) {
@@ -207,7 +207,7 @@ class Cutter {
   }
 
   // Distance by which a patch moved to the right of its curve.
-  [[nodiscard]] double moved(std::uint32_t id) const {
+  [[nodiscard]] double normal_offset(std::uint32_t id) const {
     const Patch& patch = vertices_[id].patch;
     const Point off = patch.position - shapes_[id].at(0);
     return graph::dot(off, {-std::sin(patch.theta), std::cos(patch.theta)});
@@ -221,7 +221,7 @@ class Cutter {
     const auto n = static_cast<std::ptrdiff_t>(ids.size());
     if (n < 3) return;
     std::vector<double> offset, around;
-    for (const std::uint32_t id : ids) offset.push_back(moved(id));
+    for (const std::uint32_t id : ids) offset.push_back(normal_offset(id));
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       around.clear();
       for (std::ptrdiff_t j = i - kAround; j <= i + kAround; ++j)
@@ -264,7 +264,7 @@ class Cutter {
     for (const Contact& c : meeting) stops_[c.chain].emplace(rulers_[c.chain].s[c.point], id);
   }
 
-  void cut(std::size_t c) {
+  void place_along(std::size_t c) {
     auto& stops = stops_[c];  // arc length → patch that is there already
     const Ruler& ruler = rulers_[c];
     const double length = ruler.length();

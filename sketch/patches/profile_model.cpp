@@ -279,7 +279,7 @@ constexpr double square(double v) {
 }
 
 /// A size that changes by 0.6 to 1.6 times a step, between the bounds whatever it was.
-double within(double wanted, double now, double least, double most) {
+double limit_step(double wanted, double now, double least, double most) {
   const double low = std::clamp(0.6 * now, least, most), high = std::clamp(1.6 * now, low, most);
   return std::clamp(wanted, low, high);
 }
@@ -331,10 +331,10 @@ Profile refine_profile(const Section& section, Profile start, const ProfileBound
     next.left += change[0];
     next.right += change[2];
     next.offset = std::clamp(best.offset + change[3], -bounds.offset, bounds.offset);
-    next.blur = within(best.blur + change[5], best.blur, bounds.least_blur, bounds.most_blur);
+    next.blur = limit_step(best.blur + change[5], best.blur, bounds.least_blur, bounds.most_blur);
     if (bar) {
       next.middle += change[1];
-      next.width = within(best.width + change[4], best.width, bounds.least_width, bounds.most_width);
+      next.width = limit_step(best.width + change[4], best.width, bounds.least_width, bounds.most_width);
     } else {
       next.middle = 0.5 * (next.left + next.right);
     }

@@ -42,7 +42,7 @@ cv::Rect box_of(const std::vector<Point>& places, cv::Size size) {
 }
 
 /// Draws the patches near these places within the box. The rest is the same before and after.
-Sketchable drawn(const EditableGraph& draft, const graph::detail::PointGrid& places, const cv::Rect& box) {
+Sketchable draw_box(const EditableGraph& draft, const graph::detail::PointGrid& places, const cv::Rect& box) {
   std::vector<std::optional<graph::VertexId>> id(draft.slots());
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
@@ -68,7 +68,7 @@ double drawing_cost_change(const EditableGraph& draft, const GraphEdit& edit, co
   const graph::detail::PointGrid near(places, kMargin);
   EditableGraph edited = draft;
   edited.apply(edit);
-  const Sketchable before = drawn(draft, near, box), after = drawn(edited, near, box);
+  const Sketchable before = draw_box(draft, near, box), after = draw_box(edited, near, box);
   const cv::Mat1f seen = luma.luma(box);
   cv::Mat either, beyond;
   cv::bitwise_or(before.mask, after.mask, either);

@@ -37,7 +37,7 @@ double own_across(const Patch& patch) {
   return std::max(kLeast, patch.width / 2 + patch.blur);
 }
 
-bool on(const Patch& patch, Point place) {
+bool lies_on(const Patch& patch, Point place) {
   const Point apart = place - patch.position;
   const double c = std::cos(patch.theta), s = std::sin(patch.theta);
   return std::abs(apart.x * c + apart.y * s) <= kAlong &&
@@ -49,13 +49,13 @@ double level_at(const cv::Mat1f& luma, Point p) {
 }
 
 /// Distance at which a patch's sides are sampled: the levels there are nearly left and right.
-double beside(const Patch& patch) {
+double flank_distance(const Patch& patch) {
   return patch.width / 2 + 1.5 * patch.blur;
 }
 
 /// A line's middle above its sides, a step's right above its left, at one place.
-double across(const cv::Mat1f& luma, const Patch& patch, Point place, Point normal) {
-  const double d = beside(patch);
+double contrast_across(const cv::Mat1f& luma, const Patch& patch, Point place, Point normal) {
+  const double d = flank_distance(patch);
   const double left = level_at(luma, place - normal * d), right = level_at(luma, place + normal * d);
   if (graph::on_step(patch)) return right - left;
   const double in = std::min(patch.width / 4, 1.0);
@@ -66,7 +66,7 @@ double across(const cv::Mat1f& luma, const Patch& patch, Point place, Point norm
 /// Expected difference, from the patch's own profile.
 double difference(const Patch& patch) {
   const auto reached = [&](double d) { return 0.5 * std::erfc(-d / (std::numbers::sqrt2 * patch.blur)); };
-  const double d = beside(patch);
+  const double d = flank_distance(patch);
   if (graph::on_step(patch)) return patch.contrast * (reached(d) - reached(-d));
   const double half = patch.width / 2, in = std::min(patch.width / 4, 1.0);
   const auto core = [&](double at) { return reached(at + half) - reached(at - half); };
@@ -105,7 +105,7 @@ bool patches_overlap(const Patch& a, const Patch& b) {
   const double across = std::max(own_across(a), own_across(b));
   const Point apart = b.position - a.position;
   if (graph::dot(apart, apart) > 1.000001 * (kAlong * kAlong + across * across)) return false;
-  return on(a, b.position) || on(b, a.position);
+  return lies_on(a, b.position) || lies_on(b, a.position);
 }
 
 Coding best_coding(std::span<const CodingContext> axes, const Patch& patch) {
@@ -136,7 +136,9 @@ double ProposalBuilder::visible_contrast(const Patch& patch, Point from, Point t
   const Point along = step * (1 / length);
   const bool backwards = along.x * std::cos(patch.theta) + along.y * std::sin(patch.theta) < 0;
   const Point normal = backwards ? Point{along.y, -along.x} : Point{-along.y, along.x};
-  const auto third = [&](int i) { return across(axes_[0].luma, patch, from + along * i, normal) / 3; };
+  const auto third = [&](int i) {
+    return contrast_across(axes_[0].luma, patch, from + along * i, normal) / 3;
+  };
   double least = 1, before = 0, here = third(0), after = third(1);
   for (int i = 1; i < length && least >= enough; ++i) {
     before = std::exchange(here, std::exchange(after, third(i + 1)));

@@ -25,7 +25,7 @@ void shrink(ProposalBuilder& editor, const std::vector<Slot>& slots) {
   }
 }
 
-double turned(double from, double to) {
+double turn_between(double from, double to) {
   return std::remainder(to - from, 2 * std::numbers::pi);
 }
 
@@ -37,7 +37,7 @@ void grow(ProposalBuilder& editor, const std::vector<Slot>& slots) {
   if (slots.size() > 2) {
     constexpr double kMostBend = 0.5;  // rad a patch
     const Point before = draft.patch(slots[1]).position - draft.patch(slots[2]).position;
-    bend = std::clamp(turned(std::atan2(before.y, before.x), heading), -kMostBend, kMostBend) / 2;
+    bend = std::clamp(turn_between(std::atan2(before.y, before.x), heading), -kMostBend, kMostBend) / 2;
   }
   const bool backwards = std::cos(last.theta - heading) < 0;
   const double contrast = std::copysign(median_contrast(draft, slots), last.contrast);

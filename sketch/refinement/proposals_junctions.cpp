@@ -52,9 +52,10 @@ std::optional<std::vector<Patch>> row_like(ProposalBuilder& editor, const Patch&
 /// Patches along the straight way from one place to another, both left out, as the patch at its begin shows
 /// it; none if it does not show throughout. `from_side`: rad, a stroke whose direction is another by so much
 /// is come to from the side.
-std::optional<std::vector<Patch>> way(ProposalBuilder& editor, const Patch& begin, Point from,
-                                      const Patch& end, double contrast, std::span<const Slot> besides,
-                                      double from_side = std::numbers::pi / 6) {
+std::optional<std::vector<Patch>> straight_path(ProposalBuilder& editor, const Patch& begin, Point from,
+                                                const Patch& end, double contrast,
+                                                std::span<const Slot> besides,
+                                                double from_side = std::numbers::pi / 6) {
   const Point to = end.position, step = to - from;
   const double length = graph::norm(step), heading = std::atan2(step.y, step.x);
   const double theta = std::cos(begin.theta - heading) < 0 ? heading + std::numbers::pi : heading;
@@ -116,7 +117,7 @@ void join_ends(ProposalBuilder& editor, const End& a, const End& b) {
     editor.propose(std::move(edit), {a.slot, b.slot, before, after});
     return;
   }
-  if (const auto patches = way(editor, first, a.place, second, contrast, both)) {
+  if (const auto patches = straight_path(editor, first, a.place, second, contrast, both)) {
     GraphEdit edit;
     Slot next = draft.slots();
     bridge(edit, next, a.slot, *patches, b.slot);
@@ -140,7 +141,8 @@ void reach_stroke(ProposalBuilder& editor, const End& end, Slot target) {
   if (std::find(besides.begin(), besides.end(), draft.neighbours(end.slot)[0]) != besides.end()) return;
   // An end has sides only for what comes nearly square to it: before it, nothing hides a gap.
   const double from_side = draft.degree(target) == 1 ? std::numbers::pi / 3 : std::numbers::pi / 6;
-  if (const auto patches = way(editor, first, end.place, hit, fainter(first, hit), besides, from_side)) {
+  if (const auto patches =
+          straight_path(editor, first, end.place, hit, fainter(first, hit), besides, from_side)) {
     GraphEdit edit;
     Slot next = draft.slots();
     bridge(edit, next, end.slot, *patches, target);
@@ -163,8 +165,8 @@ void meet_in_corner(ProposalBuilder& editor, const End& a, const End& b) {
   const std::array<Slot, 2> both{a.slot, b.slot};
   const auto corner = editor.fit_like(first, place, first.theta, contrast);
   if (!corner || editor.overlaps(*corner, both)) return;
-  const auto from_a = way(editor, first, a.place, *corner, contrast, both);
-  const auto from_b = way(editor, second, b.place, *corner, contrast, both);
+  const auto from_a = straight_path(editor, first, a.place, *corner, contrast, both);
+  const auto from_b = straight_path(editor, second, b.place, *corner, contrast, both);
   if (!from_a || !from_b) return;
   GraphEdit edit;
   const Slot middle = draft.slots();

@@ -66,7 +66,7 @@ AttributeGraph part_of(const AttributeGraph& graph, const Curve& curve, graph::P
   return {std::move(vertices), std::move(edges)};
 }
 
-cv::Rect around(const AttributeGraph& graph, const Curve& curve, cv::Size size) {
+cv::Rect curve_box(const AttributeGraph& graph, const Curve& curve, cv::Size size) {
   constexpr int kMargin = 16;  // px: a band's most reach and its curve's bulge
   double left = size.width, right = 0, top = size.height, bottom = 0;
   for (const auto v : curve) {
@@ -90,7 +90,7 @@ Item draw_curve(const AttributeGraph& graph, const std::vector<Curve>& curves, s
                 cv::Size size) {
   Item item;
   item.curve = number;
-  const cv::Rect box = around(graph, curves[number], size);
+  const cv::Rect box = curve_box(graph, curves[number], size);
   if (box.empty()) return item;
   const AttributeGraph part =
       part_of(graph, curves[number], {static_cast<double>(box.x), static_cast<double>(box.y)});

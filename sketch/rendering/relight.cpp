@@ -45,7 +45,7 @@ Lift lift(const graph::Patch& patch, const cv::Mat& background) {
 }
 
 /// Lift in the sense of a neighbour that may run the other way.
-Lift turned(const Lift& lift, bool backwards) {
+Lift turn_lift(const Lift& lift, bool backwards) {
   if (!backwards) return lift;
   return {lift[3], lift[4], lift[5], lift[0], lift[1], lift[2]};
 }
@@ -57,7 +57,7 @@ std::vector<Lift> evened(const graph::AttributeGraph& graph, std::vector<Lift> l
       float count = 1;
       for (const auto j : graph.neighbours(i)) {
         const bool backwards = std::cos(graph.patch(i).theta - graph.patch(j).theta) < 0;
-        const Lift other = turned(before[j], backwards);
+        const Lift other = turn_lift(before[j], backwards);
         for (std::size_t c = 0; c < other.size(); ++c) lifts[i][c] += other[c];
         ++count;
       }

@@ -65,7 +65,7 @@ class Front {
       }
     return false;
   }
-  void drawn(cv::Point pixel) {
+  void mark_drawn(cv::Point pixel) {
     known_.at<std::uint8_t>(pixel) = 255;
     spread(pixel);
   }
@@ -263,7 +263,7 @@ void Grower::copy(cv::Point place, cv::Point pixel) {
   std::copy_n(from, channels_, canvas_.ptr<float>(pixel.y + radius_) + (pixel.x + radius_) * channels_);
   known_.at<std::uint8_t>(pixel.y + radius_, pixel.x + radius_) = 255;
   source_.at<cv::Vec2i>(pixel) = {place.x, place.y};
-  front_.drawn(pixel);
+  front_.mark_drawn(pixel);
 }
 
 void Grower::draw(cv::Point pixel) {

@@ -194,15 +194,15 @@ TEST_CASE("starts can be stopped and tell how far they are") {
   std::stop_source stop;
   double last = 0;
   bool rises = true;
-  const core::Context telling(stop.get_token(), [&](std::string_view stage, double share) {
+  const core::Context reporting(stop.get_token(), [&](std::string_view stage, double share) {
     if (stage != "match") return;
     rises = rises && share >= last;
     last = share;
     if (share > 0) stop.request_stop();
   });
   const auto sketches = pipeline::sketch_starts(source, {}, with(6, 1), 1, {});
-  CHECK_THROWS_AS(pipeline::match_starts(sketches, {}, with(6, 1), telling), core::Cancelled);
+  CHECK_THROWS_AS(pipeline::match_starts(sketches, {}, with(6, 1), reporting), core::Cancelled);
   CHECK(rises);
   CHECK(last > 0);
-  CHECK_THROWS_AS(pipeline::sketch_starts(source, {}, with(6, 1), 1, telling), core::Cancelled);
+  CHECK_THROWS_AS(pipeline::sketch_starts(source, {}, with(6, 1), 1, reporting), core::Cancelled);
 }

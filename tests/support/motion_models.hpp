@@ -58,8 +58,8 @@ inline mcmc::MotionModel full_model() {
   model.contrast = {0.7, 0.1, 0.02, 0.05, 9, 0.01};
   auto& r = model.rates;
   double value = 0.001;
-  for (auto* map :
-       {&model.drift_x, &model.drift_y, &r.birth, &model.density, &r.death, &r.separation, &model.displacement_scale})
+  for (auto* map : {&model.drift_x, &model.drift_y, &r.birth, &model.density, &r.death, &r.separation,
+                    &model.displacement_scale})
     for (double& cell : map->values) cell = value *= 1.02;
   model.drift_x.values[3] = -0.25;
   r.birth_by_size = {0.1, 0.2, 0.3, 0.15, 0.15, 0.06, 0.04};
@@ -67,8 +67,8 @@ inline mcmc::MotionModel full_model() {
   r.split = 0.011, r.merge = 0.012, r.connect = 0.013, r.disconnect = 0.014;
   r.reach = 23, r.split_gap = 11, r.disconnect_gap = 12, r.refractory_period = 3;
   r.modifiers = {{0.1, 0.9, 1.1, 1.2, 1.3, 1.4}, {1.5, 0.6, 0.7, 0.8, 1.6, 1.7},
-                     {1.8, 1.9, 0.4, 0.3, 0.2, 2.1}, {2.2, 2.3, 2.4, 0.5, 2.5, 2.6},
-                     {2.7, 2.8, 0.35, 0.15},         1.5};
+                 {1.8, 1.9, 0.4, 0.3, 0.2, 2.1}, {2.2, 2.3, 2.4, 0.5, 2.5, 2.6},
+                 {2.7, 2.8, 0.35, 0.15},         1.5};
   model.hard_core = {8, 2.5, 1.5};
   model.appearing = {0.1, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 1};
   model.vanishing = {0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1, 1};

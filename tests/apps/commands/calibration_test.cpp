@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/events/events.hpp"
-#include "pipeline/clip_measures.hpp"
-#include "pipeline/clip_strokes.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/frame_synthesis.hpp"
 #include "tests/apps/commands/command_check.hpp"
 

@@ -101,11 +101,11 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
   CHECK(video->info().height >= 240);
   CHECK(video->info().width > 5 * 81 * 240 / 60);
   const auto page = bytes_of(temp / "1/report.html");
-  for (const char* part : {"What the measures say", "Spectrum in time", "Foretelling", "data:image/jpeg"})
+  for (const char* part : {"What the measures say", "Spectrum in time", "Prediction", "data:image/jpeg"})
     CHECK(contains(page, part));
 }
 
-TEST_CASE("compare draws clips of any length and foretells with what it may learn from") {
+TEST_CASE("compare draws clips of any length and predicts with what it may learn from") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {60, 48}, 24, 4);
   const auto run = [&](const std::vector<std::string>& more) {

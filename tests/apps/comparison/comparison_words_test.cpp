@@ -45,10 +45,10 @@ TEST_CASE("the words name who wins and who loses") {
   tells(1, "STAR model is nearest to the source in spectrum in space");
   tells(1, "By every measure the source's own halves are more alike");
   tells(2,
-        "motion model foretells the next frame best, at 25.0 dB, behind showing the frame before again (26.0 "
+        "motion model predicts the next frame best, at 25.0 dB, behind showing the frame before again (26.0 "
         "dB)");
   tells(3,
-        "STAR model foretells best 4 frames ahead, at 20.0 dB, behind the mean image of the first "
+        "STAR model predicts best 4 frames ahead, at 20.0 dB, behind the mean image of the first "
         "part (21.0 dB)");
   tells(4, "1 of 2 figures of strokes");
   tells(4, "outside: deaths.");

@@ -61,7 +61,8 @@ TEST_CASE("the report shows the model's numbers, and what they mean") {
   const Json shown = report_motion_model(model, events);
 
   CHECK_THAT(shown["sway"]["a1"].get<double>(), WithinRel(model.displacement.a1, 1e-3));
-  CHECK_THAT(shown["sway"]["radius"].get<double>(), WithinRel(mcmc::spectral_radius(model.displacement), 1e-3));
+  CHECK_THAT(shown["sway"]["radius"].get<double>(),
+             WithinRel(mcmc::spectral_radius(model.displacement), 1e-3));
   CHECK_THAT(shown["contrast"]["noise"].get<double>(), WithinRel(model.contrast.noise, 1e-3));
   REQUIRE(shown["poles"].size() == 4);
   for (const auto& pole : shown["poles"]) {

@@ -104,8 +104,9 @@ mcmc::Chain begin(const graph::MotionGraph& start, mcmc::SamplerParameters& prio
   mcmc::weigh_candidates(state, mcmc::SketchEvidence{});
   mcmc::apply_maps(state, learned);
   prior = mcmc::prior_parameters(start, learned);
-  const auto theta = mcmc::widen_spreads(mcmc::most_likely_parameters(mcmc::sufficient_statistics(state, mcmc::Density(prior)), prior,
-                                                     double(start.sketch.width) * start.sketch.height));
+  const auto theta = mcmc::widen_spreads(
+      mcmc::most_likely_parameters(mcmc::sufficient_statistics(state, mcmc::Density(prior)), prior,
+                                   double(start.sketch.width) * start.sketch.height));
   return {std::move(state), theta, 1, 0};
 }
 
@@ -131,7 +132,8 @@ void learn(mcmc::Chain& chain, const mcmc::SamplerParameters& prior, Stages& sta
   const double begun = user_seconds();
   const auto& g = chain.state();
   const auto statistics = mcmc::sufficient_statistics(g, mcmc::Density(chain.theta()));
-  chain.set_theta(mcmc::widen_spreads(mcmc::most_likely_parameters(statistics, prior, double(g.width()) * g.height())));
+  chain.set_theta(
+      mcmc::widen_spreads(mcmc::most_likely_parameters(statistics, prior, double(g.width()) * g.height())));
   stages.learning += user_seconds() - begun;
 }
 
@@ -203,9 +205,11 @@ void print_clip(const std::string& name, const graph::SketchSequence& clip, cons
   std::printf(
       "  evaluated proposals a second and core: %.0f thousand (of moves alone), %.0f thousand (of "
       "whole sweeps)\n",
-      evaluated(chain) / moves / 1e3, evaluated(chain) / (moves + stages.displacements + later.displacements) / 1e3);
+      evaluated(chain) / moves / 1e3,
+      evaluated(chain) / (moves + stages.displacements + later.displacements) / 1e3);
   std::printf("  a sweep: %.1f ms of moves, %.1f ms of sways; learning after it: %.1f ms\n",
-              1e3 * moves / arguments.sweeps, 1e3 * (stages.displacements + later.displacements) / arguments.sweeps,
+              1e3 * moves / arguments.sweeps,
+              1e3 * (stages.displacements + later.displacements) / arguments.sweeps,
               1e3 * stages.learning / burn_in);
   print_mixing(indicators, draws, later.sum());
   print_moves(chain);

@@ -76,7 +76,7 @@ TEST_CASE("STAR is learned back from what it draws") {
   }
 }
 
-TEST_CASE("STAR foretells by its own equation") {
+TEST_CASE("STAR predicts by its own equation") {
   const auto star = travelling();
   core::Rng rng(3);
   std::vector<cv::Mat> past;

@@ -75,7 +75,7 @@ TEST_CASE("Held-out errors are those measured on pixels", "[dytex][order]") {
   }
 }
 
-TEST_CASE("What foretells best is near the true order", "[dytex][order]") {
+TEST_CASE("What predicts best is near the true order", "[dytex][order]") {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const dytex::LearnResult result = learned(six_modes(200, 20 * seed), dytex::Order::held_out);
     CHECK(result.texture.components() >= 6);

@@ -248,13 +248,14 @@ TEST_CASE("A motion file cut off anywhere is refused", "[graph][io]") {
 TEST_CASE("Deep nesting is refused or passed over, never followed", "[graph][io]") {
   const std::string deep(200000, '['), shut(200000, ']');
   CHECK(contains(refusal(deep + "\n"), "line 1: "));
-  CHECK(contains(refusal("{\"format\":" + deep.substr(0, 100) + shut.substr(0, 100) + "}\n"), "nested more than"));
+  CHECK(contains(refusal("{\"format\":" + deep.substr(0, 100) + shut.substr(0, 100) + "}\n"),
+                 "nested more than"));
   CHECK(contains(refusal(kHeader + deep + "\n"), "line 2: must be an object, is a list"));
   CHECK(contains(refusal(kHeader + "{\"frame\":0,\"note\":" + deep + "\n"), "line 2: no valid JSON"));
   CHECK(read(replaced(good(), R"("frame":1,)", R"("frame":1,"note":)" + deep + shut + ",")) == read(good()));
   std::istringstream events("{\"events\":" + deep + shut + "}");
   CHECK(contains(test::message_of<core::IoError>([&] { graph::read_events(events, "e.json"); }),
-            "nested more than"));
+                 "nested more than"));
 }
 
 TEST_CASE("A header line without end is given up on", "[graph][io]") {
@@ -354,8 +355,8 @@ TEST_CASE("Events and trajectories have their tables", "[graph][io]") {
   std::ostringstream table;
   graph::write_trajectories(table, read(good()));
   CHECK(contains(table.str(),
-            "trajectory,frame,vertex,stroke,x,y,theta,width,blur,contrast\n"
-            "0,0,0,1,1.5,2,0.5,2,1,30\n0,1,2,1,1.5,2,0.5,2,1,30\n1,0,1,1"));
+                 "trajectory,frame,vertex,stroke,x,y,theta,width,blur,contrast\n"
+                 "0,0,0,1,1.5,2,0.5,2,1,30\n0,1,2,1,1.5,2,0.5,2,1,30\n1,0,1,1"));
 }
 
 TEST_CASE("A long clip's motion is written and read in a moment", "[graph][io]") {

@@ -46,7 +46,8 @@ double dense(const DeviationPath& path, const MotionLaw& law, double a1) {
   for (Eigen::Index t = 0; t < n; ++t) {
     const auto k = static_cast<std::size_t>(t);
     if (t > 0)
-      pushed = own * pushed + law.a2 * std::exchange(before, pushed) + law.coupling * path.neighbour_mean[k - 1];
+      pushed =
+          own * pushed + law.a2 * std::exchange(before, pushed) + law.coupling * path.neighbour_mean[k - 1];
     y[t] = path.own[k] - pushed;
   }
   const MatrixXd c = covariance(own, law.a2, std::pow(law.measurement / law.noise, 2), n);
@@ -179,7 +180,7 @@ TEST_CASE("A path's expected place is the best linear prediction", "[likelihood]
 TEST_CASE("A law that is not stable has no likelihood", "[likelihood]") {
   const auto paths = random_paths(4);
   for (const MotionLaw& law : {MotionLaw{1.2, 0, 0, 1, 0, 0}, MotionLaw{2, -1, 0, 1, 0, 0},
-                             MotionLaw{-0.9, 0, 0.4, 1, 0, 0}, MotionLaw{1, 0, 0, 0, 1, 0}})
+                               MotionLaw{-0.9, 0, 0.4, 1, 0, 0}, MotionLaw{1, 0, 0, 0, 1, 0}})
     CHECK(mcmc::detail::log_likelihood(paths, law) == -std::numeric_limits<double>::infinity());
 }
 
@@ -200,8 +201,9 @@ TEST_CASE("The simplex finds the bottom of a bent valley and stays out of the in
 }
 
 TEST_CASE("Short paths tell their law where least squares about their means is biased", "[likelihood]") {
-  const auto truth = GENERATE(MotionLaw{1.66, -0.94, 0, 0.35, 0.1, 0}, MotionLaw{1.85, -0.96, 0, 0.12, 0.1, 0},
-                              MotionLaw{1.93, -0.97, 0, 0.13, 0.1, 0});
+  const auto truth =
+      GENERATE(MotionLaw{1.66, -0.94, 0, 0.35, 0.1, 0}, MotionLaw{1.85, -0.96, 0, 0.12, 0.1, 0},
+               MotionLaw{1.93, -0.97, 0, 0.13, 0.1, 0});
   const auto paths = simulate(truth, {}, 5);
   const Eigen::Vector2d plain = least_squares(paths);
   const auto found = most_likely_law(paths);
@@ -283,7 +285,8 @@ TEST_CASE("The sway of strokes that live for 15 to 30 frames is found", "[likeli
     normal_displacement.emplace_back();
     for (const auto& sample : track.samples) normal_displacement.back().push_back(sample.normal_displacement);
   }
-  const auto found = mcmc::estimate_motion(mcmc::collect_observations(truth.motion, tracks, normal_displacement, true), "sway");
+  const auto found = mcmc::estimate_motion(
+      mcmc::collect_observations(truth.motion, tracks, normal_displacement, true), "sway");
   CAPTURE(found.motion.a1, found.motion.a2, found.motion.noise, found.motion.measurement);
   CHECK(found.notes.empty());
   CHECK_THAT(found.motion.a1, about(law.a1, 0.02));

@@ -50,7 +50,8 @@ TEST_CASE("A split has several heirs that spread wider", "[mcmc][density]") {
                      std::pow(t.split_more, parts - 2) / (1 - std::pow(t.split_more, 5)) * factorial;
     CHECK(outcome(g, v) == mcmc::Outcome::split);
     CHECK_THAT(density.log_outcome(g, v), WithinAbs(std::log(p), kTight));
-    const double lag = std::sqrt(stationary(t) * (1 - std::pow(t.displacement.a1 / (1 - t.displacement.a2), 2)));
+    const double lag =
+        std::sqrt(stationary(t) * (1 - std::pow(t.displacement.a1 / (1 - t.displacement.a2), 2)));
     CHECK_THAT(
         density.log_birth_or_survival(g, heirs[0]),
         WithinAbs(std::log(normal(-1, t.along * t.split_spread) * normal(1, t.across * t.split_spread) *
@@ -161,9 +162,9 @@ TEST_CASE("Link moves reach just the star forests that the density lets be", "[m
 }
 
 TEST_CASE("Theta's numbers out of range are named", "[mcmc][density]") {
-  REQUIRE_NOTHROW(mcmc::validate(mcmc::usual_parameters(300, 76800)));
+  REQUIRE_NOTHROW(mcmc::validate(mcmc::default_parameters(300, 76800)));
   const auto refuse = [](auto change, const std::string& field) {
-    auto t = mcmc::usual_parameters(300, 76800);
+    auto t = mcmc::default_parameters(300, 76800);
     change(t);
     try {
       mcmc::validate(t);

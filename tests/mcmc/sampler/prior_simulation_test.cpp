@@ -38,7 +38,8 @@ const std::vector<Change>& changes() {
        }},
       {"death where neighbours died",
        [](SamplerParameters& t) {
-         for (std::size_t c = 2; c < mcmc::kOutcomeContexts; c += 3) t.outcome[c][0] += 0.1, t.outcome[c][1] -= 0.1;
+         for (std::size_t c = 2; c < mcmc::kOutcomeContexts; c += 3)
+           t.outcome[c][0] += 0.1, t.outcome[c][1] -= 0.1;
        }},
       {"splits",
        [](SamplerParameters& t) {

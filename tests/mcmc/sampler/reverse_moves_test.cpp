@@ -42,7 +42,7 @@ Ways ways(HiddenGraph g, const Density& density, const Move& move, int frame, do
 }
 
 /// The displacement of the patch that one of the states has and the other has not; 0 where there is none.
-double new_sway(const HiddenGraph& a, const HiddenGraph& b) {
+double added_displacement(const HiddenGraph& a, const HiddenGraph& b) {
   for (Index i = 0; i < a.size(); ++i)
     if (a[i].active != b[i].active) return a[i].active ? a[i].displacement : b[i].displacement;
   return 0;
@@ -70,7 +70,7 @@ void there_and_back(HiddenGraph g, std::uint32_t number, int times, bool strokes
       continue;
     }
     change.commit();
-    const double displacement = new_sway(was, g);
+    const double displacement = added_displacement(was, g);
     const Ways there = ways(was, density, move, frame, displacement, g);
     const Ways back = ways(g, density, move, frame, displacement, was);
     INFO(move.name << " in state " << number << " after " << n);

@@ -35,7 +35,7 @@ inline graph::Patch step_patch(double x, double y, double theta = 0.1, double co
 
 /// Every chance another, and none so small that a state has no weight.
 inline mcmc::SamplerParameters even_theta() {
-  auto theta = mcmc::usual_parameters(3, 3600);
+  auto theta = mcmc::default_parameters(3, 3600);
   for (std::size_t c = 0; c < mcmc::kOutcomeContexts; ++c) {
     const double shift = 0.01 * static_cast<double>(c);
     theta.outcome[c] = {0.2 + shift, 0.6 - shift, 0.12, 0.08};
@@ -56,7 +56,7 @@ inline mcmc::SamplerParameters even_theta() {
 
 /// As the one before, but its draws end and stay within gates of 12 px: for forward simulation.
 inline mcmc::SamplerParameters lively_theta() {
-  auto theta = mcmc::usual_parameters(5, 2500);
+  auto theta = mcmc::default_parameters(5, 2500);
   for (std::size_t c = 0; c < mcmc::kOutcomeContexts; ++c) {
     const double death = 0.15 + 0.01 * static_cast<double>(c % 7);
     theta.outcome[c] = {death, 1 - death - 0.1 - 0.08, 0.1, 0.08};

@@ -173,7 +173,8 @@ TEST_CASE("the gain is the sum that its formula tells, for an upright patch betw
       picture(y, x) += static_cast<float>(80 + 1.5 * x + (std::abs(x - 20) <= 1 ? 30 : 0));
   CodingContext frame = prepare_coding(picture);
   frame.noise_correlation = {1.7, 1.7};
-  const auto patch = line_patch({20, 17}, std::numbers::pi / 2, 115, 140, 105);  // upright: its left is at greater x
+  const auto patch =
+      line_patch({20, 17}, std::numbers::pi / 2, 115, 140, 105);  // upright: its left is at greater x
   // footprint: rows 15…19, columns 20 ± 3; bands: on to 8 away, and half of the column that is 9 away
   double n = 0, mean = 0, profile = 0, ramp = 0;
   std::array<double, 2> band{}, place{};

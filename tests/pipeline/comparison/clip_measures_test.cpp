@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/clip_measures.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -11,7 +11,7 @@
 #include "core/rng.hpp"
 #include "dytex/measures/optical_flow.hpp"
 #include "dytex/measures/spectra.hpp"
-#include "pipeline/clip_strokes.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 #include "tests/dytex/baselines/made_waves.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"

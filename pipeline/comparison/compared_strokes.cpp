@@ -17,8 +17,8 @@
 #include "pipeline/background_texture.hpp"
 #include "pipeline/calibration.hpp"
 #include "pipeline/clip_model.hpp"
-#include "pipeline/clip_strokes.hpp"
-#include "pipeline/compared_models.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
+#include "pipeline/comparison/compared_models.hpp"
 #include "pipeline/frame_synthesis.hpp"
 #include "sketch/rendering/render.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/prediction.hpp"
+#include "pipeline/comparison/prediction.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -12,8 +12,8 @@
 #include "core/parallel.hpp"
 #include "dytex/measures/psnr.hpp"
 #include "dytex/measures/ssim.hpp"
-#include "pipeline/clip_measures.hpp"
-#include "pipeline/compared_models.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/compared_models.hpp"
 
 namespace emberfold::pipeline {
 

@@ -7,7 +7,7 @@
 #include "core/context.hpp"
 #include "core/error.hpp"
 #include "pipeline/compare.hpp"
-#include "pipeline/compared_models.hpp"
+#include "pipeline/comparison/compared_models.hpp"
 
 namespace emberfold::pipeline {
 

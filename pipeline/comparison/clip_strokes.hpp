@@ -11,7 +11,7 @@
 #include "graph/matching/match.hpp"
 #include "graph/motion_graph.hpp"
 #include "mcmc/learning/stroke_statistics.hpp"
-#include "pipeline/clip_measures.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
 #include "sketch/extract.hpp"
 
 namespace emberfold::pipeline {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/clip_profile.hpp"
+#include "pipeline/comparison/clip_profile.hpp"
 
 namespace emberfold::pipeline {
 

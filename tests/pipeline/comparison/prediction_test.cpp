@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/prediction.hpp"
+#include "pipeline/comparison/prediction.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/compared_models.hpp"
+#include "pipeline/comparison/compared_models.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 

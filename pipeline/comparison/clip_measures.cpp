@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/clip_measures.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/compared_models.hpp"
+#include "pipeline/comparison/compared_models.hpp"
 
 #include <algorithm>
 #include <memory>

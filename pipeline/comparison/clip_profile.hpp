@@ -9,8 +9,8 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "mcmc/learning/stroke_statistics.hpp"
-#include "pipeline/clip_measures.hpp"
-#include "pipeline/clip_strokes.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 
 namespace emberfold::pipeline {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/clip_measures.hpp"
-#include "pipeline/prediction.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/prediction.hpp"
 
 namespace emberfold::pipeline {
 

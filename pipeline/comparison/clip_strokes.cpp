@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/clip_strokes.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/comparison_curve.hpp"
+#include "pipeline/comparison/comparison_curve.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dytex/baselines/star.hpp"
-#include "pipeline/compared_models.hpp"
+#include "pipeline/comparison/compared_models.hpp"
 
 namespace emberfold::pipeline {
 
