@@ -42,7 +42,7 @@ std::string heading(const std::string& label) {
 
 std::string prediction_table(const Json& measures) {
   const auto& prediction = measures["prediction"];
-  std::string head = "frames predicted from " + std::to_string(prediction["moments"].get<int>()) + " moments";
+  std::string head = "predicted from " + std::to_string(prediction["moments"].get<int>()) + " moments";
   head.resize(std::max<std::size_t>(head.size() + 2, 32), ' ');
   for (const auto& step : prediction["steps"])
     head += heading((step == 1 ? "next, dB" : "+" + step.dump() + ", dB"));
