@@ -72,6 +72,14 @@ PrincipalAxes principal_axes(const Eigen::MatrixXd& states) {
   return {block(svd.s, svd.V), svd.U.transpose()};
 }
 
+std::vector<cv::Mat> drawn_frames(const dytex::LinearDynamicTexture& texture,
+                                  const dytex::SynthesisOptions& options, int count) {
+  dytex::Synthesis synthesis(texture, options);
+  std::vector<cv::Mat> result;
+  for (int t = 0; t < count; ++t) result.push_back(synthesis.next());
+  return result;
+}
+
 bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynamicTexture& b) {
   const auto equal = [](const auto& x, const auto& y) {
     return x.rows() == y.rows() && x.cols() == y.cols() && (x.array() == y.array()).all();

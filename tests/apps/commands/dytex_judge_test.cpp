@@ -22,14 +22,8 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
-
-namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
 
 /// Waves that run over the frame: their speed, and how long a whim of theirs lasts, are the class.
 struct Waves {

@@ -18,14 +18,8 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
-
-namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
 
 // A texture whose modes are known: a pair of radius 0.9 and period 12, and a real one of radius 0.8.
 dytex::LinearDynamicTexture known_texture() {

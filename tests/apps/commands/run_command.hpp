@@ -13,9 +13,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/support/clip_fixture.hpp"
 
 namespace emberfold::test {
+
+using Json = nlohmann::json;
 
 /// How the real program ended, and what it said.
 struct CommandResult {

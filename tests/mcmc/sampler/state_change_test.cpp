@@ -8,10 +8,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using mcmc::Density;
-using mcmc::StateChange;
-using mcmc::HiddenGraph;
-using mcmc::Index;
+using namespace emberfold::test;
 
 namespace {
 

@@ -20,6 +20,7 @@
 #include "tests/support/still_textures.hpp"
 
 using namespace emberfold;
+using namespace emberfold::test;
 
 namespace {
 
@@ -43,13 +44,6 @@ cv::Mat periodic(cv::Size size) {
     for (int x = 0; x < size.width; ++x)
       frame.at<float>(y, x) = static_cast<float>(20 + (x % 7 * 31 + y % 5 * 47 + x % 7 * (y % 5) * 11) % 200);
   return frame;
-}
-
-bool same_where_held(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
-  for (int y = 0; y < mask.rows; ++y)
-    for (int x = 0; x < mask.cols; ++x)
-      if (mask.at<uchar>(y, x) != 0 && std::memcmp(a.ptr(y, x), b.ptr(y, x), a.elemSize()) != 0) return false;
-  return true;
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <limits>
 #include <stop_token>
 #include <vector>
@@ -19,7 +18,7 @@
 #include "tests/support/still_textures.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 
 namespace {
 
@@ -49,13 +48,6 @@ double distance_of(const cv::Mat& levels, const sketch::TextureRegions& regions)
     sum += sketch::histogram_distance(own[k], regions.histograms[k]) *
            cv::countNonZero(regions.part == static_cast<int>(k + 1));
   return sum / cv::countNonZero(regions.label);
-}
-
-bool same_where_held(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
-  for (int y = 0; y < mask.rows; ++y)
-    for (int x = 0; x < mask.cols; ++x)
-      if (mask.at<uchar>(y, x) != 0 && std::memcmp(a.ptr(y, x), b.ptr(y, x), a.elemSize()) != 0) return false;
-  return true;
 }
 
 }  // namespace
