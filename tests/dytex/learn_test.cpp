@@ -35,7 +35,7 @@ Eigen::MatrixXd rotations() {
   return A;
 }
 
-std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
+std::vector<std::complex<double>> by_argument(const Eigen::MatrixXd& matrix) {
   const Eigen::VectorXcd values = test::eigenvalues(matrix);
   std::vector<std::complex<double>> result(values.begin(), values.end());
   std::sort(result.begin(), result.end(), [](auto a, auto b) { return std::arg(a) < std::arg(b); });
@@ -61,7 +61,7 @@ TEST_CASE("A known system is found again", "[dytex][learn]") {
   CHECK(result.notes.empty());
   CHECK(result.passes == 1);
 
-  const auto truth = eigenvalues(A), learned = eigenvalues(found.A);
+  const auto truth = by_argument(A), learned = by_argument(found.A);
   for (std::size_t i = 0; i < truth.size(); ++i) CHECK(std::abs(truth[i] - learned[i]) < 0.04);
   const Eigen::MatrixXd turn = found.C.cast<double>().transpose() * C;  // from the true states to the learned
   CHECK(test::singular_values(turn).minCoeff() > 0.999);
