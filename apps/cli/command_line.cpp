@@ -111,6 +111,10 @@ void add_output(CLI::App& command, std::string& folder) {
       ->default_str(folder);
 }
 
+void add_clip_output(CLI::App& command, std::string& clip, const std::string& about) {
+  command.add_option("-o,--output", clip, about)->type_name("OUT")->required();
+}
+
 void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
                    const std::vector<std::string>& names) {
   std::vector<io::OutputPath> outputs{{folder, true}};

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <concepts>
 #include <memory>
-#include <type_traits>
 
 #include <nlohmann/json.hpp>
 
@@ -15,9 +13,7 @@
 namespace emberfold::apps {
 
 // The groups of options that several commands have are in option_fields.hpp.
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, pipeline::CompareOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<pipeline::CompareOptions> auto& o, auto&& visit) {
   visit("learn_share", o.learn_share, "SHARE", "Learn from this first part of the clip; predict the rest");
   visit("steps", o.steps, "N", "Predict up to this many frames ahead");
   visit("frames", o.frames, "N", "Draw this many frames from each model; 0: as many as the clip has");

@@ -149,10 +149,7 @@ void add_dytex_compose(CLI::App& dytex, CommandLine& line) {
   emberfold dytex compose river.mp4 --layer out/fast --layer out/reeds:r.png --feather 4 -o two.avi)");
   const auto asked = std::make_shared<Compose>();
   add_reading(*command, asked->reading);
-  command
-      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
-      ->type_name("OUT")
-      ->required();
+  add_clip_output(*command, asked->output);
   command
       ->add_option("--layer", asked->layers,
                    "Draw a model where MASK is white, or where it moves; may be repeated")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <sstream>
 
@@ -74,19 +75,9 @@ void fit_to_length(Learn& asked, const core::ClipInfo& info, const Session& sess
 }
 
 const char* transition_name(dytex::Transition transition) {
-  switch (transition) {
-    case dytex::Transition::least_squares:
-      return "least_squares";
-    case dytex::Transition::yule_walker:
-      return "yule_walker";
-    case dytex::Transition::soc:
-      return "soc";
-    case dytex::Transition::n4sid:
-      return "n4sid";
-    case dytex::Transition::prediction_error:
-      return "prediction_error";
-  }
-  return "";
+  constexpr std::array<const char*, 5> kNames{"least_squares", "yule_walker", "soc", "n4sid",
+                                              "prediction_error"};
+  return kNames[static_cast<std::size_t>(transition)];
 }
 
 Json learn_summary(const Learn& asked, const io::ReadOptions& read, const core::ClipInfo& info,

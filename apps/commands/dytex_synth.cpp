@@ -79,10 +79,7 @@ void add_dytex_synth(CLI::App& dytex, CommandLine& line) {
   emberfold dytex synth out/flag -o endless.mp4 --loop 100)");
   const auto asked = std::make_shared<Synth>();
   add_texture_model(*command, asked->model);
-  command
-      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
-      ->type_name("OUT")
-      ->required();
+  add_clip_output(*command, asked->output);
   auto* frames = add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   auto* start = add_start(*command, asked->start);
   auto* loop = add_number(*command, "--loop", asked->loop, "N", "Draw N frames that repeat without a seam");

@@ -17,11 +17,8 @@ struct Asked {
 
 void add_options(CLI::App& command, Asked& asked) {
   auto& request = asked.request;
-  command
-      .add_option("-o,--output", request.output,
-                  "Write a folder with report, or a clip .mp4, .avi (.png: one frame)")
-      ->type_name("OUT")
-      ->required();
+  add_clip_output(command, request.output,
+                  "Write a folder with report, or a clip .mp4, .avi (.png: one frame)");
   command.add_option("--size", asked.size, "Make the output of this size; default: twice the clip's")
       ->type_name("WxH");
   command.add_option("--block", asked.block, "Copy blocks of this size; elongated ones suit grass")

@@ -209,10 +209,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   command->add_option("MODEL", asked->model, "Read the model from this folder, DIR/model of analyze")
       ->required()
       ->type_name("");
-  command
-      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
-      ->type_name("OUT")
-      ->required();
+  add_clip_output(*command, asked->output);
   add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   command
       ->add_option_function<std::string>(

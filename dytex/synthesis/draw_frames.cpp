@@ -16,27 +16,11 @@ constexpr float kRounder = 12582912.0F;
 
 // Vectors of so many lanes, and what reads and writes them where they lie.
 template <int kLanes>
-struct Lanes;
-template <>
-struct Lanes<4> {
-  using Float = float __attribute__((vector_size(16)));
-  using Int = std::int32_t __attribute__((vector_size(16)));
-  using Short = std::int16_t __attribute__((vector_size(8)));
-  using Byte = std::uint8_t __attribute__((vector_size(4)));
-};
-template <>
-struct Lanes<8> {
-  using Float = float __attribute__((vector_size(32)));
-  using Int = std::int32_t __attribute__((vector_size(32)));
-  using Short = std::int16_t __attribute__((vector_size(16)));
-  using Byte = std::uint8_t __attribute__((vector_size(8)));
-};
-template <>
-struct Lanes<16> {
-  using Float = float __attribute__((vector_size(64)));
-  using Int = std::int32_t __attribute__((vector_size(64)));
-  using Short = std::int16_t __attribute__((vector_size(32)));
-  using Byte = std::uint8_t __attribute__((vector_size(16)));
+struct Lanes {
+  using Float = float __attribute__((vector_size(4 * kLanes)));
+  using Int = std::int32_t __attribute__((vector_size(4 * kLanes)));
+  using Short = std::int16_t __attribute__((vector_size(2 * kLanes)));
+  using Byte = std::uint8_t __attribute__((vector_size(kLanes)));
 };
 
 // Everything below is inlined into functions compiled for one kind of vectors, and nothing passes a vector by

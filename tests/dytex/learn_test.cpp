@@ -127,15 +127,7 @@ TEST_CASE("Of depths that show the same the models are the same", "[dytex][learn
 }
 
 TEST_CASE("Where least squares is not stable Yule-Walker is taken and keeps the variance", "[dytex][learn]") {
-  // A flame that flares up: growth at 5 % a frame is what least squares sees.
-  Eigen::MatrixXd levels(48, 40);
-  const Eigen::MatrixXd shapes = test::orthonormal(48, 2, 9), grain = test::normals(48, 40, 10);
-  for (int t = 0; t < 40; ++t)
-    levels.col(t) =
-        (40 * std::pow(1.05, t) * shapes.col(0) + 30 * std::cos(0.7 * t) * shapes.col(1) + 0.1 * grain.col(t))
-            .array() +
-        100;
-  const dytex::LearnResult result = learn(test::clip_of(levels, 8, 6, 1, CV_32F), 2);
+  const dytex::LearnResult result = learn(test::flaring_clip(0.1), 2);
   CHECK(result.least_squares_radius >= 1);
   CHECK(result.transition == dytex::Transition::yule_walker);
   REQUIRE(result.notes.size() == 1);

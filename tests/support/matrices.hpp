@@ -33,6 +33,10 @@ Eigen::MatrixXd levels_of(const core::Clip& clip);
 /// Makes a clip of waves of random phase and grain: 128 ± 60.
 core::Clip wavy_clip(int width, int height, int channels, int depth, int frames, std::uint64_t seed = 1);
 
+/// Makes a clip of 8 × 6 px that flares up by 5 % a frame: least squares finds growth. `grain`: SD of the
+/// noise.
+core::Clip flaring_clip(double grain);
+
 /// Puts all components in one block.
 dytex::detail::Block block(const Eigen::VectorXd& s, const Eigen::MatrixXd& V);
 

@@ -72,18 +72,6 @@ EventClip read_event_clip(const fs::path& path, const std::string& name, int fir
   return clip;
 }
 
-std::vector<fs::path> scene_folders(const fs::path& folder) {
-  if (folder.empty()) throw Missing{"a folder of scenes (--scenes, EMBERFOLD_SCENES)"};
-  std::vector<fs::path> folders;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (fs::exists(entry.path() / "truth.json")) folders.push_back(entry.path());
-  if (folders.empty())
-    throw Missing{folder.string() + " with scenes (clip.avi and truth.json in a folder each)"};
-  std::ranges::sort(folders);
-  return folders;
-}
-
 EventScene read_event_scene(const fs::path& folder, int most) {
   EventScene scene{read_event_clip(folder / "clip.avi", folder.filename().string(), 0, most), {}, 0, 0};
   std::ifstream events(folder / "truth.json");
