@@ -63,8 +63,7 @@ EventClip read_event_clip(const fs::path& path, const std::string& name, int fir
   for (int at = 0; static_cast<int>(clip.frames.size()) < most && video.grab(); ++at) {
     if (at < first) continue;
     video.retrieve(pixels);
-    clip.frames.push_back(
-        pipeline::levels_of(grey_at(pixels, std::min(kLonger, std::max(pixels.cols, pixels.rows)))));
+    clip.frames.push_back(levels_of(grey_at(pixels, std::min(kLonger, std::max(pixels.cols, pixels.rows)))));
   }
   if (clip.frames.size() < 2) throw Missing{path.string() + " with two frames from " + std::to_string(first)};
   const double fps = video.get(cv::CAP_PROP_FPS);

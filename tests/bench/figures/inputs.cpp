@@ -89,7 +89,7 @@ cv::Mat1b grey_at(const cv::Mat& pixels, int longer) {
   return scaled;
 }
 
-cv::Mat1f pipeline::levels_of(const cv::Mat1b& bytes) {
+cv::Mat1f levels_of(const cv::Mat1b& bytes) {
   cv::Mat1f levels;
   bytes.convertTo(levels, CV_32F);
   return levels;

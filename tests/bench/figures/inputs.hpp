@@ -51,7 +51,7 @@ std::vector<ClipFrame> clip_frames(const std::filesystem::path& folder, const st
 cv::Mat1b grey_at(const cv::Mat& pixels, int longer = 352);
 
 /// One 8-bit channel as levels.
-cv::Mat1f pipeline::levels_of(const cv::Mat1b& bytes);
+cv::Mat1f levels_of(const cv::Mat1b& bytes);
 
 struct SceneFrame {
   int number = 0;
