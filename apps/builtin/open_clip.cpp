@@ -20,4 +20,9 @@ std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::
   return io::open_clip(make_builtin(scene).clip, name, options, warn);
 }
 
+std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::ReadOptions& options,
+                                             Session& session) {
+  return open_clip(name, options, [&session](const std::string& text) { session.warn(text); });
+}
+
 }  // namespace emberfold::apps

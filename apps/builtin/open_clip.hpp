@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "apps/cli/command.hpp"
 #include "core/io/clip_reader.hpp"
 
 namespace emberfold::apps {
@@ -12,5 +13,8 @@ namespace emberfold::apps {
 /// memory. core::InputError for another built-in name.
 std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::ReadOptions& options,
                                              const core::Warn& warn);
+/// Opens a clip for a command; warnings go to its session.
+std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::ReadOptions& options,
+                                             Session& session);
 
 }  // namespace emberfold::apps

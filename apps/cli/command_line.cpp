@@ -56,6 +56,13 @@ std::string full_name(const CLI::App* app) {
   return parent == nullptr ? app->get_name() : full_name(parent) + " " + app->get_name();
 }
 
+CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& about,
+                      const std::string& examples) {
+  auto* command = parent.add_subcommand(name, about);
+  command->footer(examples.substr(1));
+  return command;
+}
+
 void add_common(CLI::App& command, CommonOptions& common) {
   add_number(command, "--seed", common.seed, "N", "Seed of all random numbers")->group(kCommonGroup);
   add_number(command, "--threads", common.threads, "N",
@@ -102,6 +109,10 @@ void add_output(CLI::App& command, std::string& folder) {
       ->type_name("DIR")
       ->required(folder.empty())
       ->default_str(folder);
+}
+
+void add_clip_output(CLI::App& command, std::string& clip, const std::string& about) {
+  command.add_option("-o,--output", clip, about)->type_name("OUT")->required();
 }
 
 void require_apart(const std::vector<std::string>& inputs, const std::string& folder,

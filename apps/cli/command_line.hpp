@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -40,8 +41,24 @@ inline constexpr const char* kCommonGroup = "Common";
 /// Returns "emberfold dytex learn".
 std::string full_name(const CLI::App* app);
 
+/// Adds a command. Its examples, one a line after a line break, end its help.
+CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& about,
+                      const std::string& examples);
+
 /// Adds --seed, --threads, --json and --quiet.
 void add_common(CLI::App& command, CommonOptions& common);
+
+/// Adds the common options, and has the parser run `run(*asked, session)`. `note` is called before that, to
+/// keep which options were given.
+template <class Asked, class Run>
+void finish_command(CLI::App& command, CommandLine& line, const std::shared_ptr<Asked>& asked, Run run,
+                    const std::function<void()>& note = {}) {
+  add_common(command, line.common);
+  command.callback([asked, run, note, &line] {
+    if (note) note();
+    line.run = [asked, run](Session& session) { run(*asked, session); };
+  });
+}
 
 /// Adds --set; the command adds to the result what can be set.
 std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line);
@@ -58,6 +75,10 @@ void add_reading(CLI::App& command, Reading& reading);
 void add_reading_options(CLI::App& command, std::string& range, io::ReadOptions& options);
 /// Adds -o DIR, required unless `folder` has a default.
 void add_output(CLI::App& command, std::string& folder);
+
+/// Adds -o OUT, required: a clip, or a folder of images.
+void add_clip_output(CLI::App& command, std::string& clip,
+                     const std::string& about = "Write this clip: .mp4, .avi (lossless), or a folder of PNG");
 
 /// Validates. Throws Misuse that names a field as --set does ("sketch.min_contrast"), or by its own option
 /// where it has one (`group` is empty, or frames).

@@ -18,9 +18,10 @@
 // line and summary.json are both made from here; defaults and ranges stay in the structs.
 namespace emberfold::apps {
 
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, sketch::ExtractOptions>
-void visit_fields(Options& o, Visit&& visit) {
+template <class Given, class Options>
+concept MaybeConst = std::same_as<std::remove_const_t<Given>, Options>;
+
+void visit_fields(MaybeConst<sketch::ExtractOptions> auto& o, auto&& visit) {
   visit("finest_scale", o.finest_scale, "PX", "SD of the finest Gaussian in which creases are detected");
   visit("scales", o.scales, "N", "Number of scales, each sqrt(2) times the one before");
   visit("significance", o.significance, "SD",
@@ -39,9 +40,7 @@ void visit_fields(Options& o, Visit&& visit) {
         "Keep the patches that gain most on this share of the frame; 0: all that pay");
 }
 
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, graph::MatchOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<graph::MatchOptions> auto& o, auto&& visit) {
   visit("max_motion", o.max_motion, "PX", "Link nothing farther than this from its expected place");
   visit("sigma_across", o.sigma_across, "PX", "Spread of a patch across its curve between two frames");
   visit("sigma_along", o.sigma_along, "PX", "Spread of a patch along its curve");
@@ -53,24 +52,18 @@ void visit_fields(Options& o, Visit&& visit) {
   visit("flicker", o.flicker, "FRAMES", "Remove what comes and goes within this many frames; 0: nothing");
 }
 
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, pipeline::StartOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<pipeline::StartOptions> auto& o, auto&& visit) {
   visit("chains", o.chains, "N",
         "Number of sampler chains, started from the clip forwards, backwards, with noise");
   visit("perturb", o.perturb, "LEVELS", "SD of the noise that is added to the clip for some chains");
 }
 
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, pipeline::CalibrateOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<pipeline::CalibrateOptions> auto& o, auto&& visit) {
   visit("calibrate", o.calibrate, "ROUNDS",
         "Draw from the model, analyse the clip and correct the rates; 0: never");
 }
 
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, mcmc::InferOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<mcmc::InferOptions> auto& o, auto&& visit) {
   visit("sweeps", o.sweeps, "N", "Sweeps of each chain after burn-in");
   visit("burn_in", o.burn_in, "N", "Sweeps of each chain before states are kept, while it adapts");
   visit("samples", o.samples, "N", "Number of states that each chain keeps");
@@ -79,29 +72,21 @@ void visit_fields(Options& o, Visit&& visit) {
         "Tempering levels of each chain: evidence to the power 1, 1/2, 1/4 ...");
 }
 
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, sketch::FillOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<sketch::FillOptions> auto& o, auto&& visit) {
   visit("tolerance", o.tolerance, "LEVELS", "Stop the solver at this estimated largest error (grey levels)");
   visit("max_iterations", o.max_iterations, "N", "Stop the solver after this many iterations");
 }
 
 // `dytex learn` has options of its own for the other fields.
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, dytex::LearnOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<dytex::LearnOptions> auto& o, auto&& visit) {
   visit("components", o.components, "N", "Number of components of the linear dynamic texture");
 }
 
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, io::ReadOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<io::ReadOptions> auto& o, auto&& visit) {
   visit("scale", o.scale, "FACTOR", "Resize the frames by this factor");
 }
 
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, graph::ScoreOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<graph::ScoreOptions> auto& o, auto&& visit) {
   visit("frames", o.frames, "N", "Count a true event at most this many frames away as a hit");
   visit("radius", o.radius, "PX", "Count a true event at most this far away as a hit");
 }

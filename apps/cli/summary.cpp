@@ -21,6 +21,16 @@ Json begin_summary(const std::string& command, const Session& session) {
           {"seed", session.common.seed}};
 }
 
+void end_summary(Json& summary, const Session& session, const Stages& stages) {
+  summary["warnings"] = session.warnings;
+  summary["seconds"] = stages.seconds();
+  summary["peak_memory_mb"] = peak_memory_mb();
+}
+
+void write_summary(io::OutputFolder& output, const Json& summary) {
+  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+}
+
 Json clip_json(const std::string& clip, const core::ClipInfo& info, int frames) {
   return {{"name", clip},    {"width", info.width}, {"height", info.height}, {"channels", info.channels},
           {"fps", info.fps}, {"frames", frames}};

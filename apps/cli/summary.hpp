@@ -18,6 +18,11 @@ namespace emberfold::apps {
 /// Begins a summary with format, command, version and seed.
 nlohmann::ordered_json begin_summary(const std::string& command, const Session& session);
 
+/// Ends a summary with warnings, seconds and peak memory.
+void end_summary(nlohmann::ordered_json& summary, const Session& session, const Stages& stages);
+/// Writes summary.json.
+void write_summary(io::OutputFolder& output, const nlohmann::ordered_json& summary);
+
 /// Describes the clip that was read.
 nlohmann::ordered_json clip_json(const std::string& clip, const core::ClipInfo& info, int frames);
 

@@ -187,7 +187,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
                       const std::string& shown_name) {
   Analysis made;
   made.clip = shown_name.empty() ? name : shown_name;
-  const auto source = open_clip(name, options.read, [&](const std::string& text) { session.warn(text); });
+  const auto source = open_clip(name, options.read, session);
   pipeline::AnalyzeOptions asked = options;
   asked.seed = session.common.seed, asked.clip = made.clip;
   made.found = pipeline::analyze(*source, asked, session.context);
@@ -218,9 +218,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
 
 void finish_analysis(Analysis& made, io::OutputFolder& output, const Session& session) {
   Json& summary = made.summary;
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = made.stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
+  end_summary(summary, session, made.stages);
   const auto& found = made.found;
   made.report.clip = made.clip;
   made.report.command_line = session.command_line;
@@ -235,7 +233,7 @@ void finish_analysis(Analysis& made, io::OutputFolder& output, const Session& se
     summary["sampler"] = sampler_json(*found.sampled);
   }
   output.write("report.html", [&](std::ostream& out) { out << make_report(made.report, summary); });
-  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  write_summary(output, summary);
   session.check_stop();
 }
 

@@ -45,12 +45,11 @@ void run_analyze(const Analyze& asked, Session& session) {
 }  // namespace
 
 void add_analyze(CLI::App& app, CommandLine& line) {
-  auto* command = app.add_subcommand(
-      "analyze", "Follow the strokes of a clip, find their events and learn how they move");
-  command->footer(
-      "  emberfold analyze fire.mp4 -o out/fire\n"
-      "  emberfold analyze frames/ -o out/sea --range 0:100 --scale 0.5\n"
-      "  emberfold analyze builtin:cloth -o out/cloth --json | jq .events");
+  auto* command = add_command(app, "analyze",
+                              "Follow the strokes of a clip, find their events and learn how they move", R"(
+  emberfold analyze fire.mp4 -o out/fire
+  emberfold analyze frames/ -o out/sea --range 0:100 --scale 0.5
+  emberfold analyze builtin:cloth -o out/cloth --json | jq .events)");
   const auto asked = std::make_shared<Analyze>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
@@ -69,9 +68,7 @@ void add_analyze(CLI::App& app, CommandLine& line) {
   settings->add("infer", options.infer);
   settings->add("calibrate", options.calibrate);
   settings->add("fill", options.fill);
-  add_common(*command, line.common);
-  command->callback(
-      [asked, &line] { line.run = [asked](Session& session) { run_analyze(*asked, session); }; });
+  finish_command(*command, line, asked, run_analyze);
 }
 
 }  // namespace emberfold::apps

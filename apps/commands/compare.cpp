@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <concepts>
 #include <memory>
-#include <type_traits>
 
 #include <nlohmann/json.hpp>
 
@@ -15,9 +13,7 @@
 namespace emberfold::apps {
 
 // The groups of options that several commands have are in option_fields.hpp.
-template <class Options, class Visit>
-requires std::same_as<std::remove_const_t<Options>, pipeline::CompareOptions>
-void visit_fields(Options& o, Visit&& visit) {
+void visit_fields(MaybeConst<pipeline::CompareOptions> auto& o, auto&& visit) {
   visit("learn_share", o.learn_share, "SHARE", "Learn from this first part of the clip; predict the rest");
   visit("steps", o.steps, "N", "Predict up to this many frames ahead");
   visit("frames", o.frames, "N", "Draw this many frames from each model; 0: as many as the clip has");
@@ -63,9 +59,7 @@ void run_compare(const Compare& asked, Session& session) {
   output.protect({asked.reading.clip, asked.other});
   Stages stages;
   stages.begin("compare");
-  const auto open = [&](const std::string& name) {
-    return open_clip(name, read, [&](const std::string& text) { session.warn(text); });
-  };
+  const auto open = [&](const std::string& name) { return open_clip(name, read, session); };
   const auto source = open(asked.reading.clip);
   Comparison comparison;
   if (asked.other.empty()) {
@@ -81,10 +75,8 @@ void run_compare(const Compare& asked, Session& session) {
   summary["measures"] = comparison.measures;
   comparison.files.emplace_back("report.html");
   summary["files"] = comparison.files;
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
-  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  end_summary(summary, session, stages);
+  write_summary(output, summary);
   output.write("report.html", [&](std::ostream& out) { out << make_comparison_report(comparison, summary); });
   session.check_stop();
   output.commit();
@@ -97,12 +89,11 @@ void run_compare(const Compare& asked, Session& session) {
 
 void add_compare(CLI::App& app, CommandLine& line) {
   auto* command =
-      app.add_subcommand("compare", "Compare a clip with models learned from it, or with another clip");
-  command->footer(
-      "  emberfold compare flag.avi -o out/compare\n"
-      "  emberfold compare flame.mp4 -o out/compare --range 0:60 --scale 0.5\n"
-      "  emberfold compare river.mp4 -o out/compare --scale 0.5 --frames 1000 --set compare.curve=true\n"
-      "  emberfold compare flag.avi flag_synthesized.avi -o out/compare --json");
+      add_command(app, "compare", "Compare a clip with models learned from it, or with another clip", R"(
+  emberfold compare flag.avi -o out/compare
+  emberfold compare flame.mp4 -o out/compare --range 0:60 --scale 0.5
+  emberfold compare river.mp4 -o out/compare --scale 0.5 --frames 1000 --set compare.curve=true
+  emberfold compare flag.avi flag_synthesized.avi -o out/compare --json)");
   const auto asked = std::make_shared<Compare>();
   add_reading(*command, asked->reading);
   command->add_option("OTHER", asked->other, "Another clip to compare with; without it models are learned")
@@ -118,9 +109,7 @@ void add_compare(CLI::App& app, CommandLine& line) {
   settings->add("match", options.match);
   settings->add("fill", options.fill);
   settings->add("learn", options.learn);
-  add_common(*command, line.common);
-  command->callback(
-      [asked, &line] { line.run = [asked](Session& session) { run_compare(*asked, session); }; });
+  finish_command(*command, line, asked, run_compare);
 }
 
 }  // namespace emberfold::apps

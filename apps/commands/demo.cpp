@@ -78,19 +78,17 @@ void run_demo(const Demo& asked, Session& session) {
 }  // namespace
 
 void add_demo(CLI::App& app, CommandLine& line) {
-  auto* command = app.add_subcommand(
-      "demo", "Make a built-in clip, analyze it, score its events, draw new clips from its models");
-  command->footer(
-      "  emberfold demo\n"
-      "  emberfold demo --clip cloth -o out/cloth --seed 7");
+  auto* command = add_command(
+      app, "demo", "Make a built-in clip, analyze it, score its events, draw new clips from its models", R"(
+  emberfold demo
+  emberfold demo --clip cloth -o out/cloth --seed 7)");
   const auto asked = std::make_shared<Demo>();
   add_output(*command, asked->output);
   command->add_option("--clip", asked->clip, "Use this clip")
       ->type_name("fire|cloth|river")
       ->check(CLI::IsMember({"fire", "cloth", "river"}).description(""))
       ->default_str(asked->clip);
-  add_common(*command, line.common);
-  command->callback([asked, &line] { line.run = [asked](Session& session) { run_demo(*asked, session); }; });
+  finish_command(*command, line, asked, run_demo);
 }
 
 }  // namespace emberfold::apps

@@ -48,13 +48,12 @@ void add_texture_model(CLI::App& command, std::string& model) {
 
 void add_dytex(CLI::App& app, CommandLine& line) {
   auto* command =
-      app.add_subcommand("dytex", "Learn, edit, draw, forecast and compare linear dynamic textures");
-  command->footer(
-      "  emberfold dytex learn flag.avi -o out/flag\n"
-      "  emberfold dytex edit out/flag -o out/storm --speed 1.5 --intensity 2\n"
-      "  emberfold dytex synth out/storm -o storm.mp4\n"
-      "  emberfold dytex info out/flag\n"
-      "  emberfold dytex page out/flag -o flag.html");
+      add_command(app, "dytex", "Learn, edit, draw, forecast and compare linear dynamic textures", R"(
+  emberfold dytex learn flag.avi -o out/flag
+  emberfold dytex edit out/flag -o out/storm --speed 1.5 --intensity 2
+  emberfold dytex synth out/storm -o storm.mp4
+  emberfold dytex info out/flag
+  emberfold dytex page out/flag -o flag.html)");
   command->require_subcommand(0, 1);
   add_dytex_learn(*command, line);
   add_dytex_edit(*command, line);

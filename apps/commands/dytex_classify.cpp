@@ -205,10 +205,8 @@ void run_classify(Classify asked, Session& session) {
                         {"reading", reading_json(asked.options.reading)}};
   for (const auto& [key, value] : content.items())
     if (key != "format" && key != "version") summary[key] = value;
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
-  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  end_summary(summary, session, stages);
+  write_summary(output, summary);
   session.check_stop();
   output.commit();
   session.print(session.common.json ? json_text(summary) : accuracy_table(found));
@@ -217,11 +215,10 @@ void run_classify(Classify asked, Session& session) {
 }  // namespace
 
 void add_dytex_classify(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand(
-      "classify", "Classify clips of several classes by their textures, with cross-validation");
-  command->footer(
-      "  emberfold dytex classify clips -o out/classes\n"
-      "  emberfold dytex classify clips -o out/classes --blocks 2x2 --pieces 2 -n 15 --grey");
+  auto* command = add_command(
+      dytex, "classify", "Classify clips of several classes by their textures, with cross-validation", R"(
+  emberfold dytex classify clips -o out/classes
+  emberfold dytex classify clips -o out/classes --blocks 2x2 --pieces 2 -n 15 --grey)");
   const auto asked = std::make_shared<Classify>();
   command->add_option("FOLDER", asked->folder, "Read a folder for each class, with its clips or their models")
       ->required()
@@ -237,9 +234,7 @@ void add_dytex_classify(CLI::App& dytex, CommandLine& line) {
   add_number(*command, "--discount", asked->kernel.discount, "RATE",
              "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
   add_reading_options(*command, asked->range, asked->options.reading);
-  add_common(*command, line.common);
-  command->callback(
-      [asked, &line] { line.run = [asked](Session& session) { run_classify(*asked, session); }; });
+  finish_command(*command, line, asked, run_classify);
 }
 
 }  // namespace emberfold::apps

@@ -107,7 +107,6 @@ Json compose_summary(const Compose& asked, const io::ReadOptions& read, const co
                         {"feather", asked.feather},
                         {"start", asked.start},
                         {"noise", asked.noise}};
-  summary["warnings"] = session.warnings;
   return summary;
 }
 
@@ -122,8 +121,7 @@ void run_compose(const Compose& asked, Session& session) {
   io::require_apart(inputs, {{asked.output}});
   Stages stages;
   stages.begin("read");
-  const auto source =
-      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  const auto source = open_clip(asked.reading.clip, read, session);
   const core::ClipInfo info = source->info();
   std::vector<std::unique_ptr<Layer>> layers;
   for (std::size_t i = 0; i < asked.layers.size(); ++i) layers.push_back(open_layer(asked, i, info, session));
@@ -137,26 +135,21 @@ void run_compose(const Compose& asked, Session& session) {
                       (layers.size() == 1 ? " layer" : " layers") + " drawn into " + asked.output);
   if (!session.common.json) return;
   Json summary = compose_summary(asked, read, info, frames, layers, session);
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
+  end_summary(summary, session, stages);
   session.print(json_text(summary));
 }
 
 }  // namespace
 
 void add_dytex_compose(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand("compose", "Draw parts of a clip anew from models of their own");
-  command->footer(
-      "  emberfold dytex learn river.mp4 -o out/water --mask water.png\n"
-      "  emberfold dytex edit out/water -o out/fast --speed 2\n"
-      "  emberfold dytex compose river.mp4 --layer out/fast:water.png -o river_fast.mp4\n"
-      "  emberfold dytex compose river.mp4 --layer out/fast --layer out/reeds:r.png --feather 4 -o two.avi");
+  auto* command = add_command(dytex, "compose", "Draw parts of a clip anew from models of their own", R"(
+  emberfold dytex learn river.mp4 -o out/water --mask water.png
+  emberfold dytex edit out/water -o out/fast --speed 2
+  emberfold dytex compose river.mp4 --layer out/fast:water.png -o river_fast.mp4
+  emberfold dytex compose river.mp4 --layer out/fast --layer out/reeds:r.png --feather 4 -o two.avi)");
   const auto asked = std::make_shared<Compose>();
   add_reading(*command, asked->reading);
-  command
-      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
-      ->type_name("OUT")
-      ->required();
+  add_clip_output(*command, asked->output);
   command
       ->add_option("--layer", asked->layers,
                    "Draw a model where MASK is white, or where it moves; may be repeated")
@@ -166,9 +159,7 @@ void add_dytex_compose(CLI::App& dytex, CommandLine& line) {
   add_number(*command, "--feather", asked->feather, "PX", "Blend a layer over this distance inside its mask");
   add_start(*command, asked->start);
   command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out");
-  add_common(*command, line.common);
-  command->callback(
-      [asked, &line] { line.run = [asked](Session& session) { run_compose(*asked, session); }; });
+  finish_command(*command, line, asked, run_compose);
 }
 
 }  // namespace emberfold::apps

@@ -70,8 +70,7 @@ std::vector<Kept> sweep(const dytex::LinearDynamicTexture& texture) {
 
 void measure(const Compress& asked, const io::ReadOptions& read, const dytex::LinearDynamicTexture& texture,
              std::vector<Kept>& all, Session& session) {
-  const auto source =
-      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  const auto source = open_clip(asked.reading.clip, read, session);
   for (auto& kept : all) {
     if (kept.components != texture.components()) continue;
     try {
@@ -194,7 +193,7 @@ void run_compress(const Compress& asked, Session& session) {
   if (folder) {
     io::write_model(folder->output(), "", dytex::to_archive(texture, *precision));
     write_png(folder->output(), "compression.png", picture(all));
-    folder->output().write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+    write_summary(folder->output(), summary);
     session.check_stop();
     folder->commit();
     session.console.say("the model in " + asked.precision + " is " + asked.output);
@@ -208,11 +207,10 @@ void run_compress(const Compress& asked, Session& session) {
 }  // namespace
 
 void add_dytex_compress(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand("compress", "Store a model in fewer bytes, and measure the loss");
-  command->footer(
-      "  emberfold dytex compress out/flag\n"
-      "  emberfold dytex compress out/flag flag.avi\n"
-      "  emberfold dytex compress out/flag -o out/small --precision u8");
+  auto* command = add_command(dytex, "compress", "Store a model in fewer bytes, and measure the loss", R"(
+  emberfold dytex compress out/flag
+  emberfold dytex compress out/flag flag.avi
+  emberfold dytex compress out/flag -o out/small --precision u8)");
   const auto asked = std::make_shared<Compress>();
   add_texture_model(*command, asked->model);
   add_reading(*command, asked->reading);
@@ -223,9 +221,7 @@ void add_dytex_compress(CLI::App& dytex, CommandLine& line) {
   command->add_option("--precision", asked->precision, "Store components and mean in this type")
       ->type_name("f32|f16|u8")
       ->default_str(asked->precision);
-  add_common(*command, line.common);
-  command->callback(
-      [asked, &line] { line.run = [asked](Session& session) { run_compress(*asked, session); }; });
+  finish_command(*command, line, asked, run_compress);
 }
 
 }  // namespace emberfold::apps

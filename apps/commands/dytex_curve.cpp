@@ -43,8 +43,7 @@ void run_curve(const Curving& asked, Session& session) {
   output.protect({asked.reading.clip});
   Stages stages;
   stages.begin("curve");
-  const auto source =
-      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  const auto source = open_clip(asked.reading.clip, read, session);
   dytex::LearningCurve curve;
   try {
     curve = dytex::learning_curve(*source, asked.options, session.context);
@@ -61,10 +60,8 @@ void run_curve(const Curving& asked, Session& session) {
   summary["curve"] = learning_curve_json(curve);
   summary["files"] = {{"curve.png", "the error of the next frame against the frames learned from"},
                       {"summary.json", "all figures"}};
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
-  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  end_summary(summary, session, stages);
+  write_summary(output, summary);
   session.check_stop();
   output.commit();
   std::ostringstream said;
@@ -80,11 +77,10 @@ void run_curve(const Curving& asked, Session& session) {
 }  // namespace
 
 void add_dytex_curve(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand(
-      "curve", "Measure how many frames must be learned: the error of the next frame against them");
-  command->footer(
-      "  emberfold dytex curve flag.avi -o out/curve\n"
-      "  emberfold dytex curve flag.avi -o out/curve -n 10 --lengths 60 --targets 20");
+  auto* command = add_command(
+      dytex, "curve", "Measure how many frames must be learned: the error of the next frame against them", R"(
+  emberfold dytex curve flag.avi -o out/curve
+  emberfold dytex curve flag.avi -o out/curve -n 10 --lengths 60 --targets 20)");
   const auto asked = std::make_shared<Curving>();
   auto& options = asked->options;
   add_reading(*command, asked->reading);
@@ -96,8 +92,7 @@ void add_dytex_curve(CLI::App& dytex, CommandLine& line) {
   add_number(*command, "--longest", options.longest, "FRAMES", "Try no longer windows than this");
   add_number(*command, "--tolerance", options.tolerance, "SHARE",
              "Call a length critical if the error stays within this share of the last");
-  add_common(*command, line.common);
-  command->callback([asked, &line] { line.run = [asked](Session& session) { run_curve(*asked, session); }; });
+  finish_command(*command, line, asked, run_curve);
 }
 
 }  // namespace emberfold::apps

@@ -145,11 +145,10 @@ void run_distance(const Distance& asked, Session& session) {
 }  // namespace
 
 void add_dytex_distance(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand("distance", "Measure the distances of linear dynamic textures");
-  command->footer(
-      "  emberfold dytex distance out/flag out/river\n"
-      "  emberfold dytex distance out/flag out/river -o out/apart --growth 200\n"
-      "  emberfold dytex distance out/*/texture -o out/matrix --measure martin");
+  auto* command = add_command(dytex, "distance", "Measure the distances of linear dynamic textures", R"(
+  emberfold dytex distance out/flag out/river
+  emberfold dytex distance out/flag out/river -o out/apart --growth 200
+  emberfold dytex distance out/*/texture -o out/matrix --measure martin)");
   const auto asked = std::make_shared<Distance>();
   command->add_option("MODEL", asked->models, "Read the models from these folders, two or more")
       ->required()
@@ -169,11 +168,9 @@ void add_dytex_distance(CLI::App& dytex, CommandLine& line) {
              "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
   command->add_flag("--first-frame", asked->kernel.first_frame,
                     "Begin the Binet-Cauchy kernel at the first training frame");
-  add_common(*command, line.common);
-  command->callback([asked, measure, growth, &line] {
+  finish_command(*command, line, asked, run_distance, [asked, measure, growth] {
     asked->asked_measure = measure->count() > 0;
     asked->asked_growth = growth->count() > 0;
-    line.run = [asked](Session& session) { run_distance(*asked, session); };
   });
 }
 

@@ -93,7 +93,6 @@ Json edit_summary(const Editing& asked, const std::vector<std::string>& history,
   summary["amplitude"] = {{"before", before}, {"after", amplitude(result.texture)}};
   summary["texture"] = texture_json(result.texture);
   summary["files"] = {{"model.json", "what the model is, and its edits"}, {"summary.json", "all figures"}};
-  summary["warnings"] = session.warnings;
   return summary;
 }
 
@@ -115,9 +114,8 @@ void run_edit(const Editing& asked, Session& session) {
   io::write_model(folder.output(), "", view);
   stages.end();
   Json summary = edit_summary(asked, history, before, result, session);
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
-  folder.output().write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  end_summary(summary, session, stages);
+  write_summary(folder.output(), summary);
   session.check_stop();
   folder.commit();
   std::ostringstream said;
@@ -216,12 +214,11 @@ void add_manner_options(CLI::App& command, const std::shared_ptr<Editing>& asked
 }  // namespace
 
 void add_dytex_edit(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand(
-      "edit", "Change how a linear dynamic texture moves; edits are applied in their order");
-  command->footer(
-      "  emberfold dytex edit out/flag -o out/slow --speed 0.5\n"
-      "  emberfold dytex edit out/sea -o out/storm --preset rough-sea --flow 1.5\n"
-      "  emberfold dytex edit out/fire -o out/odd --reverse --coarse 0.5 --fine 2 --intensity 1.5");
+  auto* command = add_command(
+      dytex, "edit", "Change how a linear dynamic texture moves; edits are applied in their order", R"(
+  emberfold dytex edit out/flag -o out/slow --speed 0.5
+  emberfold dytex edit out/sea -o out/storm --preset rough-sea --flow 1.5
+  emberfold dytex edit out/fire -o out/odd --reverse --coarse 0.5 --fine 2 --intensity 1.5)");
   const auto asked = std::make_shared<Editing>();
   add_texture_model(*command, asked->model);
   command->add_option("-o,--output", asked->output, "Write the edited model into this folder")
@@ -230,8 +227,7 @@ void add_dytex_edit(CLI::App& dytex, CommandLine& line) {
   add_motion_options(*command, asked);
   add_strength_options(*command, asked);
   add_manner_options(*command, asked);
-  add_common(*command, line.common);
-  command->callback([asked, &line] { line.run = [asked](Session& session) { run_edit(*asked, session); }; });
+  finish_command(*command, line, asked, run_edit);
 }
 
 }  // namespace emberfold::apps

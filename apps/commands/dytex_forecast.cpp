@@ -83,7 +83,7 @@ void run_forecast(const Forecasting& asked, Session& session) {
   if (asked.reading.clip.empty()) {
     known.state = dytex::last_training_state(texture);
   } else {
-    source = open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+    source = open_clip(asked.reading.clip, read, session);
     known = filter_clip(asked, texture, *source, session);
   }
   stages.begin("forecast");
@@ -110,10 +110,8 @@ void run_forecast(const Forecasting& asked, Session& session) {
       {"deviation.png", "how far each value of the last one may miss (SD), white: deviation_white levels"},
       {"forecast.png", "errors against the step"},
       {"summary.json", "all figures"}};
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
-  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  end_summary(summary, session, stages);
+  write_summary(output, summary);
   session.check_stop();
   output.commit();
   session.console.say(described(forecast, errors));
@@ -123,11 +121,11 @@ void run_forecast(const Forecasting& asked, Session& session) {
 }  // namespace
 
 void add_dytex_forecast(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand("forecast", "Predict the frames that follow a clip, and their errors");
-  command->footer(
-      "  emberfold dytex forecast out/flag -o out/next\n"
-      "  emberfold dytex forecast out/flag flag.avi -o out/next --steps 50\n"
-      "  emberfold dytex forecast out/flag flag.avi -o out/next --after 200 --steps 40");
+  auto* command =
+      add_command(dytex, "forecast", "Predict the frames that follow a clip, and their errors", R"(
+  emberfold dytex forecast out/flag -o out/next
+  emberfold dytex forecast out/flag flag.avi -o out/next --steps 50
+  emberfold dytex forecast out/flag flag.avi -o out/next --after 200 --steps 40)");
   const auto asked = std::make_shared<Forecasting>();
   add_texture_model(*command, asked->model);
   add_reading(*command, asked->reading);
@@ -137,11 +135,8 @@ void add_dytex_forecast(CLI::App& dytex, CommandLine& line) {
   auto* after = add_number(*command, "--after", asked->after, "N",
                            "Use the first N frames of CLIP, and compare with those after them");
   after->default_str("");
-  add_common(*command, line.common);
-  command->callback([asked, after, &line] {
-    asked->asked_after = after->count() > 0;
-    line.run = [asked](Session& session) { run_forecast(*asked, session); };
-  });
+  finish_command(*command, line, asked, run_forecast,
+                 [asked, after] { asked->asked_after = after->count() > 0; });
 }
 
 }  // namespace emberfold::apps

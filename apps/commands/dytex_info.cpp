@@ -24,14 +24,12 @@ void run_info(const Info& asked, const Session& session) {
 }  // namespace
 
 void add_dytex_info(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand("info", "Print the modes and figures of a linear dynamic texture");
-  command->footer(
-      "  emberfold dytex info out/flag\n"
-      "  emberfold dytex info out/flag --json | jq .modes");
+  auto* command = add_command(dytex, "info", "Print the modes and figures of a linear dynamic texture", R"(
+  emberfold dytex info out/flag
+  emberfold dytex info out/flag --json | jq .modes)");
   const auto asked = std::make_shared<Info>();
   add_texture_model(*command, asked->model);
-  add_common(*command, line.common);
-  command->callback([asked, &line] { line.run = [asked](Session& session) { run_info(*asked, session); }; });
+  finish_command(*command, line, asked, run_info);
 }
 
 }  // namespace emberfold::apps

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <sstream>
 
@@ -74,19 +75,9 @@ void fit_to_length(Learn& asked, const core::ClipInfo& info, const Session& sess
 }
 
 const char* transition_name(dytex::Transition transition) {
-  switch (transition) {
-    case dytex::Transition::least_squares:
-      return "least_squares";
-    case dytex::Transition::yule_walker:
-      return "yule_walker";
-    case dytex::Transition::soc:
-      return "soc";
-    case dytex::Transition::n4sid:
-      return "n4sid";
-    case dytex::Transition::prediction_error:
-      return "prediction_error";
-  }
-  return "";
+  constexpr std::array<const char*, 5> kNames{"least_squares", "yule_walker", "soc", "n4sid",
+                                              "prediction_error"};
+  return kNames[static_cast<std::size_t>(transition)];
 }
 
 Json learn_summary(const Learn& asked, const io::ReadOptions& read, const core::ClipInfo& info,
@@ -115,7 +106,6 @@ Json learn_summary(const Learn& asked, const io::ReadOptions& read, const core::
   summary["files"] = {{"model.json", "what the model is"},
                       {"components.png", "its mean, first components and the courses of their states"},
                       {"summary.json", "all figures"}};
-  summary["warnings"] = session.warnings;
   return summary;
 }
 
@@ -188,8 +178,7 @@ void run_learn(Learn asked, Session& session) {
   io::ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("learn");
-  const auto source =
-      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  const auto source = open_clip(asked.reading.clip, read, session);
   fit_to_length(asked, source->info(), session);
   EmStage em(asked.em, *source, read, session);
   auto learned = learn_texture(asked, em.source(), session);
@@ -202,9 +191,8 @@ void run_learn(Learn asked, Session& session) {
   em.write_filled(learned.texture);
   Json summary = learn_summary(asked, read, source->info(), learned, session);
   summary["learning"]["em"] = em.figures();
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
-  folder.output().write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  end_summary(summary, session, stages);
+  write_summary(folder.output(), summary);
   session.check_stop();
   folder.commit();
   std::ostringstream said;
@@ -251,12 +239,11 @@ void add_model_options(CLI::App& command, Settings& settings, Learn& asked) {
 }  // namespace
 
 void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand("learn", "Learn a linear dynamic texture from a clip");
-  command->footer(
-      "  emberfold dytex learn flag.avi -o out/flag\n"
-      "  emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100\n"
-      "  emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2\n"
-      "  emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4");
+  auto* command = add_command(dytex, "learn", "Learn a linear dynamic texture from a clip", R"(
+  emberfold dytex learn flag.avi -o out/flag
+  emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100
+  emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2
+  emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4)");
   const auto asked = std::make_shared<Learn>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
@@ -274,12 +261,10 @@ void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
   const auto settings = add_settings(*command, line);
   add_model_options(*command, *settings, *asked);
   add_em_options(*command, *settings, asked->em);
-  add_common(*command, line.common);
-  command->callback([asked, components, energy, order, &line] {
+  finish_command(*command, line, asked, run_learn, [asked, components, energy, order] {
     asked->asked_components = components->count() > 0;
     asked->asked_energy = energy->count() > 0;
     asked->asked_order = order->count() > 0;
-    line.run = [asked](Session& session) { run_learn(*asked, session); };
   });
 }
 

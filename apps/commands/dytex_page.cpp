@@ -47,9 +47,7 @@ void run_page(const Page& asked, Session& session) {
   summary["output"] = asked.output;
   summary["bytes"] = page.html.size();
   summary["error"] = {{"rms", page.error}, {"largest", page.largest_error}};
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
+  end_summary(summary, session, stages);
   session.print(json_text(summary));
 }
 
@@ -57,15 +55,13 @@ void run_page(const Page& asked, Session& session) {
 
 void add_dytex_page(CLI::App& dytex, CommandLine& line) {
   auto* command =
-      dytex.add_subcommand("page", "Write an HTML page that plays a linear dynamic texture, with sliders");
-  command->footer(
-      "  emberfold dytex page out/flag -o flag.html\n"
-      "  emberfold dytex page out/sea -o sea.html && xdg-open sea.html");
+      add_command(dytex, "page", "Write an HTML page that plays a linear dynamic texture, with sliders", R"(
+  emberfold dytex page out/flag -o flag.html
+  emberfold dytex page out/sea -o sea.html && xdg-open sea.html)");
   const auto asked = std::make_shared<Page>();
   add_texture_model(*command, asked->model);
   command->add_option("-o,--output", asked->output, "Write this page")->type_name("FILE.html")->required();
-  add_common(*command, line.common);
-  command->callback([asked, &line] { line.run = [asked](Session& session) { run_page(*asked, session); }; });
+  finish_command(*command, line, asked, run_page);
 }
 
 }  // namespace emberfold::apps

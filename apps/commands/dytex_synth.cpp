@@ -65,38 +65,30 @@ void run_synth(Synth asked, Session& session) {
   summary["output"] = asked.output;
   summary["clip"] = clip_json(asked.output, info, asked.frames);
   summary["options"] = {{"start", asked.start}, {"loop", asked.loop}, {"noise", asked.noise}};
-  summary["warnings"] = session.warnings;
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
+  end_summary(summary, session, stages);
   session.print(json_text(summary));
 }
 
 }  // namespace
 
 void add_dytex_synth(CLI::App& dytex, CommandLine& line) {
-  auto* command = dytex.add_subcommand("synth", "Draw a new clip from a linear dynamic texture");
-  command->footer(
-      "  emberfold dytex synth out/flag -o flag.mp4\n"
-      "  emberfold dytex synth out/flag -o frames --frames 1000 --seed 7\n"
-      "  emberfold dytex synth out/flag -o flag.avi --start 0 --noise\n"
-      "  emberfold dytex synth out/flag -o endless.mp4 --loop 100");
+  auto* command = add_command(dytex, "synth", "Draw a new clip from a linear dynamic texture", R"(
+  emberfold dytex synth out/flag -o flag.mp4
+  emberfold dytex synth out/flag -o frames --frames 1000 --seed 7
+  emberfold dytex synth out/flag -o flag.avi --start 0 --noise
+  emberfold dytex synth out/flag -o endless.mp4 --loop 100)");
   const auto asked = std::make_shared<Synth>();
   add_texture_model(*command, asked->model);
-  command
-      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
-      ->type_name("OUT")
-      ->required();
+  add_clip_output(*command, asked->output);
   auto* frames = add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   auto* start = add_start(*command, asked->start);
   auto* loop = add_number(*command, "--loop", asked->loop, "N", "Draw N frames that repeat without a seam");
   loop->default_str("");
   command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out");
-  add_common(*command, line.common);
-  command->callback([asked, frames, start, loop, &line] {
+  finish_command(*command, line, asked, run_synth, [asked, frames, start, loop] {
     asked->asked_frames = frames->count() > 0;
     asked->asked_start = start->count() > 0;
     asked->asked_loop = loop->count() > 0;
-    line.run = [asked](Session& session) { run_synth(*asked, session); };
   });
 }
 

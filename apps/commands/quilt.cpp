@@ -17,11 +17,8 @@ struct Asked {
 
 void add_options(CLI::App& command, Asked& asked) {
   auto& request = asked.request;
-  command
-      .add_option("-o,--output", request.output,
-                  "Write a folder with report, or a clip .mp4, .avi (.png: one frame)")
-      ->type_name("OUT")
-      ->required();
+  add_clip_output(command, request.output,
+                  "Write a folder with report, or a clip .mp4, .avi (.png: one frame)");
   command.add_option("--size", asked.size, "Make the output of this size; default: twice the clip's")
       ->type_name("WxH");
   command.add_option("--block", asked.block, "Copy blocks of this size; elongated ones suit grass")
@@ -111,25 +108,22 @@ void run_asked(Asked asked, Session& session) {
 
 void add_quilt(CLI::App& app, CommandLine& line) {
   auto* command =
-      app.add_subcommand("quilt", "Extend a time-lapse in space, and vary the speed of time over it");
-  command->footer(
-      "  emberfold quilt builtin:rust -o out/rust\n"
-      "  emberfold quilt stone.png -o tile.png --size 1024 --tileable\n"
-      "  emberfold quilt normals.avi --apply out/rust/map.npy -o out/normals");
+      add_command(app, "quilt", "Extend a time-lapse in space, and vary the speed of time over it", R"(
+  emberfold quilt builtin:rust -o out/rust
+  emberfold quilt stone.png -o tile.png --size 1024 --tileable
+  emberfold quilt normals.avi --apply out/rust/map.npy -o out/normals)");
   const auto asked = std::make_shared<Asked>();
   add_reading(*command, asked->reading);
   add_options(*command, *asked);
   const auto settings = add_settings(*command, line);
   add_quilt_settings(*settings, asked->request);
   add_time_settings(*settings, asked->request.control);
-  add_common(*command, line.common);
-  command->callback([asked, &line, command, settings] {
+  finish_command(*command, line, asked, run_asked, [asked, command, settings] {
     auto& request = asked->request;
     request.own_size = command->count("--size") > 0;
     request.own_block = command->count("--block") > 0;
     request.own_overlap = settings->is_given("quilt.overlap");
     request.own_apart = settings->is_given("quilt.apart");
-    line.run = [asked](Session& session) { run_asked(*asked, session); };
   });
 }
 

@@ -30,10 +30,9 @@ void run_score(const Score& asked, const Session& session) {
 }  // namespace
 
 void add_score(CLI::App& app, CommandLine& line) {
-  auto* command = app.add_subcommand("score", "Score found events against true ones: precision, recall, F1");
-  command->footer(
-      "  emberfold score truth.json out/fire/events.json\n"
-      "  emberfold score truth.json out/fire/events.json --frames 1 --set score.radius=10 --json");
+  auto* command = add_command(app, "score", "Score found events against true ones: precision, recall, F1", R"(
+  emberfold score truth.json out/fire/events.json
+  emberfold score truth.json out/fire/events.json --frames 1 --set score.radius=10 --json)");
   const auto asked = std::make_shared<Score>();
   command->add_option("TRUTH", asked->truth, "Read the true events from this truth.json")
       ->required()
@@ -44,8 +43,7 @@ void add_score(CLI::App& app, CommandLine& line) {
   add_number(*command, "--frames", asked->options.frames, "N",
              "Count a true event at most this many frames away as a hit");
   add_settings(*command, line)->add("score", asked->options);
-  add_common(*command, line.common);
-  command->callback([asked, &line] { line.run = [asked](Session& session) { run_score(*asked, session); }; });
+  finish_command(*command, line, asked, run_score);
 }
 
 }  // namespace emberfold::apps

@@ -162,8 +162,7 @@ void run_sketch(const Sketch& asked, Session& session) {
   output.protect(inputs);
   Stages stages;
   stages.begin("sketch");
-  const auto source =
-      open_clip(asked.reading.clip, read, [&](const std::string& text) { session.warn(text); });
+  const auto source = open_clip(asked.reading.clip, read, session);
   check_heat_frame(request, source->info().frames);
   const auto dictionary = prepare_dictionary(asked.dictionary, *source, request.extract, session);
   if (dictionary) request.dictionary = &*dictionary;
@@ -174,7 +173,7 @@ void run_sketch(const Sketch& asked, Session& session) {
   if (asked.dictionary.learn) write_dictionary(output, dictionary->dictionary);
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
-  output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  write_summary(output, summary);
   session.check_stop();
   output.commit();
   session.console.say(std::to_string(run.sketch.frames.size()) + " frames sketched into " +
@@ -239,12 +238,11 @@ void add_drawing(CLI::App& command, Sketch& asked) {
 
 void add_sketch(CLI::App& app, CommandLine& line) {
   auto* command =
-      app.add_subcommand("sketch", "Extract the primal sketch of every frame, and draw the frame from it");
-  command->footer(
-      "  emberfold sketch fire.mp4 -o out/sketch\n"
-      "  emberfold sketch photo.png -o out/photo --patches pixels\n"
-      "  emberfold sketch fire.mp4 -o out/film --anchors --film --heat-film 40\n"
-      "  emberfold sketch river.mp4 -o out/texture --fill julesz --range 0:10");
+      add_command(app, "sketch", "Extract the primal sketch of every frame, and draw the frame from it", R"(
+  emberfold sketch fire.mp4 -o out/sketch
+  emberfold sketch photo.png -o out/photo --patches pixels
+  emberfold sketch fire.mp4 -o out/film --anchors --film --heat-film 40
+  emberfold sketch river.mp4 -o out/texture --fill julesz --range 0:10)");
   const auto asked = std::make_shared<Sketch>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
@@ -255,11 +253,9 @@ void add_sketch(CLI::App& app, CommandLine& line) {
   const auto settings = add_settings(*command, line);
   settings->add("sketch", asked->request.extract);
   settings->add("fill", asked->request.ground.fill);
-  add_common(*command, line.common);
-  command->callback([asked, &line, command, settings] {
+  finish_command(*command, line, asked, run_sketch, [asked, command, settings] {
     asked->own_budget = settings->is_given("sketch.budget");
     asked->own_regions = command->count("--regions") > 0;
-    line.run = [asked](Session& session) { run_sketch(*asked, session); };
   });
 }
 

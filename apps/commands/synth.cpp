@@ -170,7 +170,6 @@ Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipelin
   summary["files"] = {{asked.output, "the new clip"}};
   if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
   if (!asked.overlay.empty()) summary["files"][asked.overlay] = "the clip under its graph, with its events";
-  summary["warnings"] = session.warnings;
   return summary;
 }
 
@@ -195,27 +194,22 @@ void run_synth(Synth asked, Session& session) {
                       asked.output);
   if (!session.common.json) return;
   Json summary = summarise(asked, opened.motion, frames, session);
-  summary["seconds"] = stages.seconds();
-  summary["peak_memory_mb"] = peak_memory_mb();
+  end_summary(summary, session, stages);
   session.print(json_text(summary));
 }
 
 }  // namespace
 
 void add_synthesis(CLI::App& app, CommandLine& line) {
-  auto* command = app.add_subcommand("synth", "Draw a new clip from a motion model");
-  command->footer(
-      "  emberfold synth out/fire/model -o new_fire.mp4\n"
-      "  emberfold synth out/fire/model -o new_fire.mp4 --fill dytex\n"
-      "  emberfold synth out/fire/model -o frames --frames 1000 --seed 7 --motion new_fire.jsonl");
+  auto* command = add_command(app, "synth", "Draw a new clip from a motion model", R"(
+  emberfold synth out/fire/model -o new_fire.mp4
+  emberfold synth out/fire/model -o new_fire.mp4 --fill dytex
+  emberfold synth out/fire/model -o frames --frames 1000 --seed 7 --motion new_fire.jsonl)");
   const auto asked = std::make_shared<Synth>();
   command->add_option("MODEL", asked->model, "Read the model from this folder, DIR/model of analyze")
       ->required()
       ->type_name("");
-  command
-      ->add_option("-o,--output", asked->output, "Write this clip: .mp4, .avi (lossless), or a folder of PNG")
-      ->type_name("OUT")
-      ->required();
+  add_clip_output(*command, asked->output);
   add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   command
       ->add_option_function<std::string>(
@@ -230,8 +224,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   const auto settings = add_settings(*command, line);
   add_edit_options(*command, *settings, asked->edit);
   settings->add("fill", asked->fill);
-  add_common(*command, line.common);
-  command->callback([asked, &line] { line.run = [asked](Session& session) { run_synth(*asked, session); }; });
+  finish_command(*command, line, asked, run_synth);
 }
 
 }  // namespace emberfold::apps

@@ -230,7 +230,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   summary["mapped_mb"] = std::round(static_cast<double>(clips.mapped_bytes()) / 1e5) / 10;
-  if (target.whole) output.write("summary.json", [&](std::ostream& out) { out << json_text(summary); });
+  if (target.whole) write_summary(output, summary);
   session.check_stop();
   output.commit();
   std::error_code ignored;

@@ -148,39 +148,21 @@ class TiffReader {
 
   void take(const Entry& entry, TiffPage& page, std::vector<std::uint64_t>& offsets,
             std::vector<std::uint64_t>& sizes) {
-    switch (entry.tag) {
-      case kSubfile:
-        page.subfile = first_value(entry);
-        break;
-      case kWidth:
-        page.width = first_value(entry);
-        break;
-      case kHeight:
-        page.height = first_value(entry);
-        break;
-      case kBits:
-        page.bits = first_value(entry);
-        break;
-      case kCompression:
-        page.compression = first_value(entry);
-        break;
-      case kSamples:
-        page.samples = first_value(entry);
-        break;
-      case kFormat:
-        page.format = first_value(entry);
-        break;
-      case kStripOffsets:
-      case kTileOffsets:
-        offsets = values(entry);
-        break;
-      case kStripBytes:
-      case kTileBytes:
-        sizes = values(entry);
-        break;
-      default:
-        break;
-    }
+    struct Field {
+      std::uint64_t tag;
+      std::uint64_t TiffPage::*value;
+    };
+    constexpr std::array<Field, 7> kFields{{{kSubfile, &TiffPage::subfile},
+                                            {kWidth, &TiffPage::width},
+                                            {kHeight, &TiffPage::height},
+                                            {kBits, &TiffPage::bits},
+                                            {kCompression, &TiffPage::compression},
+                                            {kSamples, &TiffPage::samples},
+                                            {kFormat, &TiffPage::format}}};
+    for (const Field& field : kFields)
+      if (entry.tag == field.tag) page.*field.value = first_value(entry);
+    if (entry.tag == kStripOffsets || entry.tag == kTileOffsets) offsets = values(entry);
+    if (entry.tag == kStripBytes || entry.tag == kTileBytes) sizes = values(entry);
   }
 
   void check(TiffPage& page, const std::vector<std::uint64_t>& offsets,

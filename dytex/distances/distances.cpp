@@ -2,6 +2,7 @@
 #include "dytex/distances/distances.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -100,17 +101,8 @@ double binet_cauchy(const LinearDynamicTexture& p, const LinearDynamicTexture& q
 }
 
 const char* name(Measure measure) {
-  switch (measure) {
-    case Measure::kl:
-      return "kl";
-    case Measure::martin:
-      return "martin";
-    case Measure::binet_cauchy:
-      return "binet-cauchy";
-    case Measure::angles:
-      break;
-  }
-  return "angles";
+  constexpr std::array<const char*, 4> kNames{"kl", "martin", "binet-cauchy", "angles"};
+  return kNames[static_cast<std::size_t>(measure)];
 }
 
 Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q,

@@ -2,6 +2,7 @@
 #include "dytex/model/compression.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -121,15 +122,8 @@ double batch_error(const LinearDynamicTexture& texture, const detail::CholeskyFa
 }  // namespace
 
 const char* name(Precision precision) {
-  switch (precision) {
-    case Precision::f32:
-      return "f32";
-    case Precision::f16:
-      return "f16";
-    case Precision::u8:
-      break;
-  }
-  return "u8";
+  constexpr std::array<const char*, 3> kNames{"f32", "f16", "u8"};
+  return kNames[static_cast<std::size_t>(precision)];
 }
 
 std::optional<Precision> precision_of(std::string_view text) {

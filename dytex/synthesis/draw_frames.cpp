@@ -15,28 +15,13 @@ using Eigen::Index;
 constexpr float kRounder = 12582912.0F;
 
 // Vectors of so many lanes, and what reads and writes them where they lie.
+// Typedefs, since GCC ignores the attribute of an alias that depends on a template parameter.
 template <int kLanes>
-struct Lanes;
-template <>
-struct Lanes<4> {
-  using Float = float __attribute__((vector_size(16)));
-  using Int = std::int32_t __attribute__((vector_size(16)));
-  using Short = std::int16_t __attribute__((vector_size(8)));
-  using Byte = std::uint8_t __attribute__((vector_size(4)));
-};
-template <>
-struct Lanes<8> {
-  using Float = float __attribute__((vector_size(32)));
-  using Int = std::int32_t __attribute__((vector_size(32)));
-  using Short = std::int16_t __attribute__((vector_size(16)));
-  using Byte = std::uint8_t __attribute__((vector_size(8)));
-};
-template <>
-struct Lanes<16> {
-  using Float = float __attribute__((vector_size(64)));
-  using Int = std::int32_t __attribute__((vector_size(64)));
-  using Short = std::int16_t __attribute__((vector_size(32)));
-  using Byte = std::uint8_t __attribute__((vector_size(16)));
+struct Lanes {
+  typedef float Float __attribute__((vector_size(4 * kLanes)));
+  typedef std::int32_t Int __attribute__((vector_size(4 * kLanes)));
+  typedef std::int16_t Short __attribute__((vector_size(2 * kLanes)));
+  typedef std::uint8_t Byte __attribute__((vector_size(kLanes)));
 };
 
 // Everything below is inlined into functions compiled for one kind of vectors, and nothing passes a vector by

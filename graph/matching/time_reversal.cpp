@@ -2,6 +2,8 @@
 #include "graph/matching/time_reversal.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <utility>
 
 namespace emberfold::graph {
@@ -32,30 +34,16 @@ MotionGraph reverse_time(const MotionGraph& motion) {
 
 namespace {
 
-EventType opposite(EventType type) {
-  switch (type) {
-    case EventType::birth:
-      return EventType::death;
-    case EventType::death:
-      return EventType::birth;
-    case EventType::split:
-      return EventType::merge;
-    case EventType::merge:
-      return EventType::split;
-    case EventType::connect:
-      return EventType::disconnect;
-    case EventType::disconnect:
-      break;
-  }
-  return EventType::connect;
-}
+// In the order of the values of EventType.
+constexpr std::array<EventType, 6> kOpposite{EventType::death, EventType::birth,      EventType::merge,
+                                             EventType::split, EventType::disconnect, EventType::connect};
 
 }  // namespace
 
 std::vector<Event> reverse_time(std::vector<Event> events, int frames) {
   for (Event& event : events) {
     event.frame = frames - event.frame;
-    event.type = opposite(event.type);
+    event.type = kOpposite[static_cast<std::size_t>(event.type)];
     std::swap(event.before, event.after);
   }
   sort_events(events);

@@ -14,6 +14,7 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "core/text/check_range.hpp"
+#include "sketch/inpainting/check_levels.hpp"
 #include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::sketch {
@@ -28,16 +29,9 @@ constexpr double kRoughTolerance = 0.3;  // grey levels, of the fills between
 constexpr double kLeastScore = 1e-4;     // grey levels²: what is nearer than this needs no anchor
 
 void check(const cv::Mat& levels, const cv::Mat& taken, double share) {
+  check_levels_and_mask("anchors", levels, taken);
   std::ostringstream message;
-  if (levels.dims != 2 || levels.empty() || levels.depth() != CV_32F ||
-      (levels.channels() != 1 && levels.channels() != 3))
-    message << "anchors: levels are " << cv::typeToString(levels.type()) << ", " << levels.cols << " × "
-            << levels.rows << "; allowed are CV_32FC1 and CV_32FC3 of at least 1 × 1";
-  else if (taken.dims != 2 || taken.type() != CV_8UC1 || taken.size() != levels.size())
-    message << "anchors: the mask is " << cv::typeToString(taken.type()) << ", " << taken.cols << " × "
-            << taken.rows << "; it has to be CV_8UC1 of the levels' size, " << levels.cols << " × "
-            << levels.rows;
-  else if (!(share >= 0 && share <= 1))
+  if (!(share >= 0 && share <= 1))
     message << "anchors: the share is " << share << "; allowed are 0 to 1";
   else if (!cv::checkRange(levels))
     message << "anchors: the levels hold a number that is not finite";

@@ -12,6 +12,7 @@
 
 #include "core/error.hpp"
 #include "core/text/check_range.hpp"
+#include "sketch/inpainting/check_levels.hpp"
 #include "sketch/inpainting/diffusion.hpp"
 
 namespace emberfold::sketch {
@@ -24,19 +25,6 @@ struct Values {
   double high = -std::numeric_limits<double>::infinity();
   [[nodiscard]] double middle() const { return (low + high) / 2; }
 };
-
-void check(const cv::Mat& levels, const cv::Mat& mask) {
-  std::ostringstream message;
-  if (levels.dims != 2 || levels.empty() || levels.depth() != CV_32F ||
-      (levels.channels() != 1 && levels.channels() != 3))
-    message << "fill: levels are " << cv::typeToString(levels.type()) << ", " << levels.cols << " × "
-            << levels.rows << "; allowed are CV_32FC1 and CV_32FC3 of at least 1 × 1";
-  else if (mask.dims != 2 || mask.type() != CV_8UC1 || mask.size() != levels.size())
-    message << "fill: the mask is " << cv::typeToString(mask.type()) << ", " << mask.cols << " × "
-            << mask.rows << "; it has to be CV_8UC1 of the levels' size, " << levels.cols << " × "
-            << levels.rows;
-  if (!message.str().empty()) throw core::InputError(message.str());
-}
 
 Values held_values(const cv::Mat& levels, const std::vector<const std::uint8_t*>& held, int channel) {
   const int channels = levels.channels();
@@ -187,7 +175,7 @@ void FillOptions::validate() const {
 
 FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options) {
   options.validate();
-  check(levels, mask);
+  check_levels_and_mask("fill", levels, mask);
   const int count = cv::countNonZero(mask);
   if (count == 0) return {cv::Mat(levels.size(), levels.type(), cv::Scalar::all(0))};
   if (count == mask.rows * mask.cols) {
@@ -200,7 +188,7 @@ FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& o
 FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& background, double reach,
                      const FillOptions& options) {
   options.validate();
-  check(levels, mask);
+  check_levels_and_mask("fill", levels, mask);
   check_background(levels, background, reach);
   const int count = cv::countNonZero(mask);
   if (count == 0) return {background.clone()};

@@ -9,22 +9,16 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "sketch/inpainting/check_levels.hpp"
 
 namespace emberfold::sketch {
 
 namespace {
 
 void check(const cv::Mat& levels, const cv::Mat& mask, double step) {
+  check_levels_and_mask("HeatFlow", levels, mask);
   std::ostringstream message;
-  if (levels.dims != 2 || levels.empty() || levels.depth() != CV_32F ||
-      (levels.channels() != 1 && levels.channels() != 3))
-    message << "HeatFlow: levels are " << cv::typeToString(levels.type()) << ", " << levels.cols << " × "
-            << levels.rows << "; allowed are CV_32FC1 and CV_32FC3 of at least 1 × 1";
-  else if (mask.dims != 2 || mask.type() != CV_8UC1 || mask.size() != levels.size())
-    message << "HeatFlow: the mask is " << cv::typeToString(mask.type()) << ", " << mask.cols << " × "
-            << mask.rows << "; it has to be CV_8UC1 of the levels' size, " << levels.cols << " × "
-            << levels.rows;
-  else if (!(step > 0 && step <= HeatFlow::kLargestStep))
+  if (!(step > 0 && step <= HeatFlow::kLargestStep))
     message << "HeatFlow: the step is " << step << " px²; it has to be above 0 and at most "
             << HeatFlow::kLargestStep;
   else if (!cv::checkRange(levels))

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -16,6 +15,7 @@
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "core/text/check_range.hpp"
+#include "sketch/inpainting/check_levels.hpp"
 
 namespace emberfold::sketch {
 
@@ -34,18 +34,9 @@ constexpr int kTries = 4;  // of k-means, the best is taken
 using Feature = std::array<float, (kFeatures + kLanes - 1) / kLanes * kLanes>;  // zeros behind
 
 void check(const cv::Mat& levels, const cv::Mat& mask) {
-  std::ostringstream message;
-  if (levels.dims != 2 || levels.empty() || levels.depth() != CV_32F ||
-      (levels.channels() != 1 && levels.channels() != 3))
-    message << "texture_regions: levels are " << cv::typeToString(levels.type()) << ", " << levels.cols
-            << " × " << levels.rows << "; allowed are CV_32FC1 and CV_32FC3 of at least 1 × 1";
-  else if (mask.dims != 2 || mask.type() != CV_8UC1 || mask.size() != levels.size())
-    message << "texture_regions: the mask is " << cv::typeToString(mask.type()) << ", " << mask.cols << " × "
-            << mask.rows << "; it has to be CV_8UC1 of the levels' size, " << levels.cols << " × "
-            << levels.rows;
-  else if (!cv::checkRange(levels))
-    message << "texture_regions: the levels hold a number that is not finite";
-  if (!message.str().empty()) throw core::InputError(message.str());
+  check_levels_and_mask("texture_regions", levels, mask);
+  if (!cv::checkRange(levels))
+    throw core::InputError("texture_regions: the levels hold a number that is not finite");
 }
 
 std::vector<int> where(const cv::Mat& responses, const cv::Mat& free) {

@@ -8,7 +8,7 @@
 #include "tests/support/clip_fixture.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 
 namespace {
 

@@ -13,9 +13,8 @@
 #include "tests/support/statistics.hpp"
 
 using namespace emberfold;
+using namespace emberfold::test;
 using core::Rng;
-using test::chi_squared_p;
-using test::uniform_p;
 
 namespace {
 
@@ -28,8 +27,6 @@ std::size_t bin(double share, std::size_t bins) {
 }  // namespace
 
 TEST_CASE("The tests' own statistics agree with printed tables", "[statistics]") {
-  using Catch::Matchers::WithinAbs;
-  using Catch::Matchers::WithinRel;
   // Critical values of χ²: Abramowitz & Stegun, table 26.8.
   CHECK_THAT(test::gamma_q(0.5, 3.84146 / 2), WithinAbs(0.05, 1e-6));
   CHECK_THAT(test::gamma_q(5, 18.3070 / 2), WithinAbs(0.05, 1e-6));

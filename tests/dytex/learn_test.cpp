@@ -14,8 +14,7 @@
 #include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 
@@ -36,7 +35,7 @@ Eigen::MatrixXd rotations() {
   return A;
 }
 
-std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
+std::vector<std::complex<double>> by_argument(const Eigen::MatrixXd& matrix) {
   const Eigen::VectorXcd values = test::eigenvalues(matrix);
   std::vector<std::complex<double>> result(values.begin(), values.end());
   std::sort(result.begin(), result.end(), [](auto a, auto b) { return std::arg(a) < std::arg(b); });
@@ -62,7 +61,7 @@ TEST_CASE("A known system is found again", "[dytex][learn]") {
   CHECK(result.notes.empty());
   CHECK(result.passes == 1);
 
-  const auto truth = eigenvalues(A), learned = eigenvalues(found.A);
+  const auto truth = by_argument(A), learned = by_argument(found.A);
   for (std::size_t i = 0; i < truth.size(); ++i) CHECK(std::abs(truth[i] - learned[i]) < 0.04);
   const Eigen::MatrixXd turn = found.C.cast<double>().transpose() * C;  // from the true states to the learned
   CHECK(test::singular_values(turn).minCoeff() > 0.999);
@@ -128,15 +127,7 @@ TEST_CASE("Of depths that show the same the models are the same", "[dytex][learn
 }
 
 TEST_CASE("Where least squares is not stable Yule-Walker is taken and keeps the variance", "[dytex][learn]") {
-  // A flame that flares up: growth at 5 % a frame is what least squares sees.
-  Eigen::MatrixXd levels(48, 40);
-  const Eigen::MatrixXd shapes = test::orthonormal(48, 2, 9), grain = test::normals(48, 40, 10);
-  for (int t = 0; t < 40; ++t)
-    levels.col(t) =
-        (40 * std::pow(1.05, t) * shapes.col(0) + 30 * std::cos(0.7 * t) * shapes.col(1) + 0.1 * grain.col(t))
-            .array() +
-        100;
-  const dytex::LearnResult result = learn(test::clip_of(levels, 8, 6, 1, CV_32F), 2);
+  const dytex::LearnResult result = learn(test::flaring_clip(0.1), 2);
   CHECK(result.least_squares_radius >= 1);
   CHECK(result.transition == dytex::Transition::yule_walker);
   REQUIRE(result.notes.size() == 1);

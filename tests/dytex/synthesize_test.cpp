@@ -15,8 +15,7 @@
 #include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 
@@ -24,14 +23,6 @@ dytex::LinearDynamicTexture learned(int width = 40, int height = 30, int channel
   const core::Clip clip = test::wavy_clip(width, height, channels, CV_8U, 50);
   core::ClipSource source(clip);
   return dytex::learn(source, {.components = 6, .energy = {}}).texture;
-}
-
-std::vector<cv::Mat> frames(const dytex::LinearDynamicTexture& texture,
-                            const dytex::SynthesisOptions& options, int count) {
-  dytex::Synthesis synthesis(texture, options);
-  std::vector<cv::Mat> result;
-  for (int t = 0; t < count; ++t) result.push_back(synthesis.next());
-  return result;
 }
 
 bool equal(const cv::Mat& a, const cv::Mat& b) {
@@ -140,15 +131,15 @@ TEST_CASE("Synthesis gives the same bytes at any number of threads and others fo
   const dytex::LinearDynamicTexture texture = learned(100, 70, 3);
   for (const bool noise : {false, true}) {
     const dytex::SynthesisOptions options{.seed = 5, .first_frame = {}, .pixel_noise = noise};
-    const std::vector<cv::Mat> expected = frames(texture, options, 19);
+    const std::vector<cv::Mat> expected = drawn_frames(texture, options, 19);
     for (const std::size_t threads : {1, 2, 8}) {
       const core::ThreadLimit limit(threads);
-      const std::vector<cv::Mat> found = frames(texture, options, 19);
+      const std::vector<cv::Mat> found = drawn_frames(texture, options, 19);
       CHECK(std::equal(found.begin(), found.end(), expected.begin(), equal));
     }
     dytex::SynthesisOptions other = options;
     other.seed = 6;
-    CHECK_FALSE(equal(frames(texture, other, 1)[0], expected[0]));
+    CHECK_FALSE(equal(drawn_frames(texture, other, 1)[0], expected[0]));
   }
 }
 
@@ -156,9 +147,10 @@ TEST_CASE("Pixel noise has the variance that was left", "[dytex][synthesize]") {
   dytex::LinearDynamicTexture texture = learned(100, 80);
   texture.mean.setConstant(128);
   texture.r = 36;
-  const std::vector<cv::Mat> without =
-                                 frames(texture, {.seed = 2, .first_frame = 1, .pixel_noise = false}, 10),
-                             with = frames(texture, {.seed = 2, .first_frame = 1, .pixel_noise = true}, 10);
+  const std::vector<cv::Mat> without = drawn_frames(texture,
+                                                    {.seed = 2, .first_frame = 1, .pixel_noise = false}, 10),
+                             with = drawn_frames(texture, {.seed = 2, .first_frame = 1, .pixel_noise = true},
+                                                 10);
   double products = 0;
   cv::Mat last;
   for (std::size_t t = 0; t < with.size(); ++t) {
@@ -207,7 +199,7 @@ TEST_CASE("A model without components shows its mean", "[dytex][synthesize]") {
   const core::Clip clip = test::clip_of(Eigen::MatrixXd::Constant(12, 5, 77), 4, 3, 1, CV_8U);
   core::ClipSource source(clip);
   const dytex::LinearDynamicTexture texture = dytex::learn(source, {.components = 2, .energy = {}}).texture;
-  for (const cv::Mat& frame : frames(texture, {}, 10)) CHECK(equal(frame, clip.frames[0]));
+  for (const cv::Mat& frame : drawn_frames(texture, {}, 10)) CHECK(equal(frame, clip.frames[0]));
   CHECK(equal(dytex::predict(texture, core::to_levels(clip.frames[0], clip.info)),
               core::to_levels(clip.frames[0], clip.info)));
 }

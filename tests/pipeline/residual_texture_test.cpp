@@ -20,7 +20,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
 
 namespace {
 

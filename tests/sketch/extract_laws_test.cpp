@@ -58,17 +58,22 @@ cv::Mat1f thicket() {
 
 using Mapping = std::function<Point(Point)>;
 
+/// The share of `from`, mapped, of which `is_near` holds.
+template <class Near>
+double share_near(const AttributeGraph& from, const Mapping& map, const Near& is_near) {
+  const auto found = std::ranges::count_if(
+      from.vertices(), [&](const graph::Vertex& v) { return is_near(map(v.patch.position)); });
+  return static_cast<double>(found) / static_cast<double>(from.size());
+}
+
 /// The share of `from`, mapped, that has a vertex of `to` within `tolerance` px.
 double share_at_vertices(const AttributeGraph& from, const AttributeGraph& to, const Mapping& map,
                          double tolerance) {
-  std::size_t found = 0;
-  for (const graph::Vertex& v : from.vertices()) {
-    const Point p = map(v.patch.position);
-    found += std::any_of(to.vertices().begin(), to.vertices().end(), [&](const graph::Vertex& w) {
+  return share_near(from, map, [&](Point p) {
+    return std::ranges::any_of(to.vertices(), [&](const graph::Vertex& w) {
       return graph::distance(p, w.patch.position) <= tolerance;
     });
-  }
-  return static_cast<double>(found) / static_cast<double>(from.size());
+  });
 }
 
 double distance_to_segment(Point p, Point a, Point b) {
@@ -80,15 +85,12 @@ double distance_to_segment(Point p, Point a, Point b) {
 /// The share of `from`, mapped, that has an edge of `to` within `tolerance` px.
 double share_on_edges(const AttributeGraph& from, const AttributeGraph& to, const Mapping& map,
                       double tolerance) {
-  std::size_t found = 0;
-  for (const graph::Vertex& v : from.vertices()) {
-    const Point p = map(v.patch.position);
-    found += std::any_of(to.edges().begin(), to.edges().end(), [&](const graph::Edge& e) {
+  return share_near(from, map, [&](Point p) {
+    return std::ranges::any_of(to.edges(), [&](const graph::Edge& e) {
       return distance_to_segment(p, to.patch(to.index_of(e.a)).position,
                                  to.patch(to.index_of(e.b)).position) <= tolerance;
     });
-  }
-  return static_cast<double>(found) / static_cast<double>(from.size());
+  });
 }
 
 struct Case {

@@ -15,7 +15,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
 using graph::AttributeGraph;
 using graph::Patch;
 using graph::PatchType;

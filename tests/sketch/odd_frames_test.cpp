@@ -19,7 +19,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
 using graph::AttributeGraph;
 using sketch::Sketchable;
 

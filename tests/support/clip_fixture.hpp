@@ -13,9 +13,12 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/clip.hpp"
 #include "core/rng.hpp"
 
 namespace emberfold::test {
+
+namespace fs = std::filesystem;
 
 /// A new folder, removed at the end.
 class TempFolder {
@@ -51,6 +54,15 @@ inline cv::Mat noise_frame(cv::Size size, int type, std::uint64_t seed, std::uin
         values.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(rng.below(limit));
     }
   return frame;
+}
+
+/// A clip of such frames, CV_8UC1, another seed for each.
+inline core::Clip noise_clip(cv::Size size, int frames, std::uint64_t seed, std::uint32_t limit = 256) {
+  core::Clip clip;
+  clip.info.width = size.width, clip.info.height = size.height, clip.info.depth = CV_8U;
+  for (int t = 0; t < frames; ++t)
+    clip.frames.push_back(noise_frame(size, CV_8UC1, seed * 1000 + static_cast<std::uint64_t>(t), limit));
+  return clip;
 }
 
 inline bool same_pixels(const cv::Mat& a, const cv::Mat& b) {

@@ -60,6 +60,17 @@ core::Clip wavy_clip(int width, int height, int channels, int depth, int frames,
   return clip_of(levels, width, height, channels, depth);
 }
 
+core::Clip flaring_clip(double grain) {
+  Eigen::MatrixXd levels(48, 40);
+  const Eigen::MatrixXd shapes = orthonormal(48, 2, 9), noise = normals(48, 40, 10);
+  for (int t = 0; t < 40; ++t)
+    levels.col(t) = (40 * std::pow(1.05, t) * shapes.col(0) + 30 * std::cos(0.7 * t) * shapes.col(1) +
+                     grain * noise.col(t))
+                        .array() +
+                    100;
+  return clip_of(levels, 8, 6, 1, CV_32F);
+}
+
 dytex::detail::Block block(const Eigen::VectorXd& s, const Eigen::MatrixXd& V) {
   dytex::detail::Block result{s, V, {}};
   for (Eigen::Index i = 0; i < s.size(); ++i) result.places.push_back(i);
@@ -70,6 +81,14 @@ PrincipalAxes principal_axes(const Eigen::MatrixXd& states) {
   const Eigen::MatrixXd centred = states.colwise() - states.rowwise().mean();
   const ThinSvd svd = thin_svd(centred);
   return {block(svd.s, svd.V), svd.U.transpose()};
+}
+
+std::vector<cv::Mat> drawn_frames(const dytex::LinearDynamicTexture& texture,
+                                  const dytex::SynthesisOptions& options, int count) {
+  dytex::Synthesis synthesis(texture, options);
+  std::vector<cv::Mat> result;
+  for (int t = 0; t < count; ++t) result.push_back(synthesis.next());
+  return result;
 }
 
 bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynamicTexture& b) {

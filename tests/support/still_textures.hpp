@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <numbers>
 
 #include <opencv2/core.hpp>
@@ -50,6 +51,14 @@ inline cv::Mat bands(cv::Size size) {
   cv::circle(mask, {size.width / 2, size.height / 2}, size.height / 3, 255, 3);
   cv::line(mask, {0, size.height / 4}, {size.width - 1, size.height / 2}, 255, 3);
   return mask;
+}
+
+/// Returns whether two pictures agree in every byte where the mask is set.
+inline bool same_where_held(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x)
+      if (mask.at<uchar>(y, x) != 0 && std::memcmp(a.ptr(y, x), b.ptr(y, x), a.elemSize()) != 0) return false;
+  return true;
 }
 
 }  // namespace emberfold::test

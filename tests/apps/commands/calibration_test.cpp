@@ -16,8 +16,6 @@ using namespace emberfold::test;
 
 namespace {
 
-using Json = nlohmann::json;
-
 const std::vector<std::string> kSmallFire{"analyze", "builtin:fire", "--bottom-up", "--scale", "0.4",
                                           "--range", "20:44",        "-q",          "--json"};
 

@@ -43,4 +43,13 @@ inline void check_one_line(const std::vector<std::string>& arguments, int exit,
   if (!output.empty()) CHECK_FALSE(std::filesystem::exists(output));
 }
 
+/// Fails unless the help of a dytex command opens with examples.
+inline void check_help(const std::string& command) {
+  const auto help = run_command({"dytex", command, "--help"});
+  CHECK(help.exit == 0);
+  const auto examples = help.out.find("Examples:\n  emberfold dytex " + command);
+  REQUIRE(examples != std::string::npos);
+  CHECK(examples < help.out.find("Usage: emberfold dytex " + command));
+}
+
 }  // namespace emberfold::test

@@ -18,11 +18,7 @@ using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
-
-using Json = nlohmann::json;
 
 // A folder of pictures: strokes that move, come apart, begin and end.
 std::string write_clip(const fs::path& path, int width, int height, int frames, int count = 8) {

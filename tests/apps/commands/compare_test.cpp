@@ -15,21 +15,8 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-
-namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
-
-core::Clip noise_clip(cv::Size size, int frames, std::uint64_t seed, std::uint32_t limit = 256) {
-  core::Clip clip;
-  clip.info.width = size.width, clip.info.height = size.height, clip.info.depth = CV_8U;
-  for (int t = 0; t < frames; ++t)
-    clip.frames.push_back(noise_frame(size, CV_8UC1, seed * 1000 + static_cast<std::uint64_t>(t), limit));
-  return clip;
-}
 
 const std::vector<std::string> kDrawn{"synthesized_motion.avi", "synthesized_hybrid.avi",
                                       "synthesized_dytex.avi", "synthesized_star.avi"};

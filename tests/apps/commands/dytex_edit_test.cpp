@@ -16,13 +16,8 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinRel;
-
-namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
 
 dytex::LinearDynamicTexture model_at(const fs::path& folder) {
   return dytex::linear_dynamic_texture(io::read_model(folder, io::kTextureFormat));

@@ -16,13 +16,8 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-
-namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
 
 /// Waves that travel, and grain; what a texture of few components is good at.
 std::string write_waves(const fs::path& path, int frames, int width = 48, int height = 36) {

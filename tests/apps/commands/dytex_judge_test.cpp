@@ -22,14 +22,8 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
-
-namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
 
 /// Waves that run over the frame: their speed, and how long a whim of theirs lasts, are the class.
 struct Waves {
@@ -459,11 +453,5 @@ TEST_CASE("What dytex compress cannot do is refused in one line") {
 }
 
 TEST_CASE("help of distance and classify and compress opens with examples") {
-  for (const std::string command : {"distance", "classify", "compress"}) {
-    const auto help = run_command({"dytex", command, "--help"});
-    CHECK(help.exit == 0);
-    const auto examples = help.out.find("Examples:\n  emberfold dytex " + command);
-    REQUIRE(examples != std::string::npos);
-    CHECK(examples < help.out.find("Usage: emberfold dytex " + command));
-  }
+  for (const std::string command : {"distance", "classify", "compress"}) check_help(command);
 }

@@ -16,8 +16,6 @@ using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
 
 using Bytes = std::vector<unsigned char>;

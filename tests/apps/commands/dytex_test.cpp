@@ -18,14 +18,8 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
-
-namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
 
 // A texture whose modes are known: a pair of radius 0.9 and period 12, and a real one of radius 0.8.
 dytex::LinearDynamicTexture known_texture() {
@@ -266,13 +260,7 @@ TEST_CASE("a damaged model is refused by the name of what is damaged") {
 }
 
 TEST_CASE("help of dytex opens with examples") {
-  for (const std::string command : {"learn", "synth", "info"}) {
-    const auto help = run_command({"dytex", command, "--help"});
-    CHECK(help.exit == 0);
-    const auto examples = help.out.find("Examples:\n  emberfold dytex " + command);
-    REQUIRE(examples != std::string::npos);
-    CHECK(examples < help.out.find("Usage: emberfold dytex " + command));
-  }
+  for (const std::string command : {"learn", "synth", "info"}) check_help(command);
   const auto overview = run_command({"dytex"});
   CHECK(overview.exit == 0);
   for (const char* word : {"learn", "synth", "info"}) CHECK(contains(overview.out, word));

@@ -7,8 +7,6 @@
 using namespace emberfold;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
 
 /// The bytes of all files below a folder.

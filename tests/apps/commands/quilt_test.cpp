@@ -21,11 +21,7 @@ using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
-
-using Json = nlohmann::json;
 
 // A small time-lapse of rust as a folder of PNG, of 8 or 16 bits.
 std::string write_lapse(const fs::path& path, cv::Size size = {72, 64}, int frames = 10, bool deep = false,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,6 +17,8 @@
 #include "tests/support/clip_fixture.hpp"
 
 namespace emberfold::test {
+
+using Json = nlohmann::json;
 
 /// Exit code and output of the real program.
 struct CommandResult {

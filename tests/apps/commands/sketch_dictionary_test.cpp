@@ -15,11 +15,7 @@ using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
-
-using Json = nlohmann::json;
 
 Json summary_of(const fs::path& folder) {
   return Json::parse(bytes_of(folder / "summary.json"));

@@ -18,13 +18,8 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-
-namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
 
 // Runs `emberfold sketch` and returns its summary.
 Json sketched(const std::string& clip, const fs::path& out, const std::vector<std::string>& more) {

@@ -27,11 +27,7 @@ using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
-
-using Json = nlohmann::json;
 
 /// A clip of strokes that move, and what analyze makes of it.
 struct Learned {

@@ -20,13 +20,10 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-namespace fs = std::filesystem;
 
 const Json kSummary = {{"seed", 1}, {"options", Json::object()}, {"warnings", Json::array()}};
 

@@ -16,7 +16,6 @@
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
-using Catch::Matchers::WithinRel;
 
 namespace {
 

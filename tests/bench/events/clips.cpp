@@ -63,25 +63,12 @@ EventClip read_event_clip(const fs::path& path, const std::string& name, int fir
   for (int at = 0; static_cast<int>(clip.frames.size()) < most && video.grab(); ++at) {
     if (at < first) continue;
     video.retrieve(pixels);
-    clip.frames.push_back(
-        pipeline::levels_of(grey_at(pixels, std::min(kLonger, std::max(pixels.cols, pixels.rows)))));
+    clip.frames.push_back(levels_of(grey_at(pixels, std::min(kLonger, std::max(pixels.cols, pixels.rows)))));
   }
   if (clip.frames.size() < 2) throw Missing{path.string() + " with two frames from " + std::to_string(first)};
   const double fps = video.get(cv::CAP_PROP_FPS);
   sketch_frames(clip, fps > 0 && fps <= 1000 ? fps : 25);
   return clip;
-}
-
-std::vector<fs::path> scene_folders(const fs::path& folder) {
-  if (folder.empty()) throw Missing{"a folder of scenes (--scenes, EMBERFOLD_SCENES)"};
-  std::vector<fs::path> folders;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (fs::exists(entry.path() / "truth.json")) folders.push_back(entry.path());
-  if (folders.empty())
-    throw Missing{folder.string() + " with scenes (clip.avi and truth.json in a folder each)"};
-  std::ranges::sort(folders);
-  return folders;
 }
 
 EventScene read_event_scene(const fs::path& folder, int most) {

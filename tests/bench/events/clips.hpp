@@ -30,8 +30,7 @@ struct EventScene {
 /// sketches. Throws Missing.
 EventClip read_event_clip(const std::filesystem::path& path, const std::string& name, int first, int most);
 
-/// The folders with a truth in it, by name; and one of them. Throw Missing.
-std::vector<std::filesystem::path> scene_folders(const std::filesystem::path& folder);
+/// One of the scene_folders(). Throws Missing.
 EventScene read_event_scene(const std::filesystem::path& folder, int most);
 
 /// The clip from its last frame to its first; its events, told of the clip forwards.

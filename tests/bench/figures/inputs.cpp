@@ -89,13 +89,13 @@ cv::Mat1b grey_at(const cv::Mat& pixels, int longer) {
   return scaled;
 }
 
-cv::Mat1f pipeline::levels_of(const cv::Mat1b& bytes) {
+cv::Mat1f levels_of(const cv::Mat1b& bytes) {
   cv::Mat1f levels;
   bytes.convertTo(levels, CV_32F);
   return levels;
 }
 
-std::vector<Scene> read_scenes(const fs::path& folder, int first, int step, int most) {
+std::vector<fs::path> scene_folders(const fs::path& folder) {
   if (folder.empty()) throw Missing{"a folder of scenes (--scenes, EMBERFOLD_SCENES)"};
   std::vector<fs::path> folders;
   std::error_code error;
@@ -104,8 +104,12 @@ std::vector<Scene> read_scenes(const fs::path& folder, int first, int step, int 
   if (folders.empty())
     throw Missing{folder.string() + " with scenes (clip.avi and truth.json in a folder each)"};
   std::ranges::sort(folders);
+  return folders;
+}
+
+std::vector<Scene> read_scenes(const fs::path& folder, int first, int step, int most) {
   std::vector<Scene> scenes;
-  for (const fs::path& path : folders) scenes.push_back(read_scene(path, first, step, most));
+  for (const fs::path& path : scene_folders(folder)) scenes.push_back(read_scene(path, first, step, most));
   return scenes;
 }
 

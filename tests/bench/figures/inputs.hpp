@@ -51,7 +51,7 @@ std::vector<ClipFrame> clip_frames(const std::filesystem::path& folder, const st
 cv::Mat1b grey_at(const cv::Mat& pixels, int longer = 352);
 
 /// One 8-bit channel as levels.
-cv::Mat1f pipeline::levels_of(const cv::Mat1b& bytes);
+cv::Mat1f levels_of(const cv::Mat1b& bytes);
 
 struct SceneFrame {
   int number = 0;
@@ -63,6 +63,8 @@ struct Scene {
   std::string name;
   std::vector<SceneFrame> frames;
 };
+/// The folders with a truth in it, by name. Throws Missing where there is none.
+std::vector<std::filesystem::path> scene_folders(const std::filesystem::path& folder);
 /// Every `step`th frame from `first` on of all scenes in the folder, by name; at most `most` of each. Missing
 /// where there is none.
 std::vector<Scene> read_scenes(const std::filesystem::path& folder, int first, int step, int most = 1 << 20);

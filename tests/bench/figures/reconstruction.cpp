@@ -59,7 +59,7 @@ void dump(const std::filesystem::path& folder, const std::string& name, const cv
           const cv::Mat& mask, const Figures& figures) {
   cv::imwrite((folder / (name + ".png")).string(), frame);
   cv::imwrite((folder / (name + "_mask.png")).string(), mask);
-  const cv::Mat1f levels = pipeline::levels_of(frame);
+  const cv::Mat1f levels = levels_of(frame);
   const core::ThreadLimit one(1);
   const double sketching = least_time(3, [&] { sketch::extract(levels, reconstruction_options()); });
   const double filling = least_time(3, [&] { sketch::fill(levels, mask); });
@@ -71,7 +71,7 @@ void dump(const std::filesystem::path& folder, const std::string& name, const cv
 /// "share" of the pixels, PSNR of each method, and of its rivals at the same share.
 Figures measure(const ClipFrame& source, const std::filesystem::path& folder) {
   const cv::Mat1b frame = grey_at(source.pixels);
-  const cv::Mat1f levels = pipeline::levels_of(frame);
+  const cv::Mat1f levels = levels_of(frame);
   const graph::AttributeGraph graph = sketch::extract(levels, reconstruction_options());
   Figures figures;
   cv::Mat mask;

@@ -74,7 +74,7 @@ class Lists {
 SceneCounts measure(const Scene& scene, Lists& lists) {
   SceneCounts counts;
   for (const SceneFrame& frame : scene.frames) {
-    const graph::AttributeGraph graph = sketch::extract(pipeline::levels_of(frame.pixels), usual_options());
+    const graph::AttributeGraph graph = sketch::extract(levels_of(frame.pixels), usual_options());
     const std::vector<Segment> found = pieces(graph, Kind::all);
     add_recall(counts.curves, found, frame.strokes, frame.pixels.size());
     add_precision(counts.curves, found, frame.strokes);

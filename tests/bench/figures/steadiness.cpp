@@ -67,10 +67,10 @@ class Rows {
 std::vector<Row> steadiness(const Inputs& inputs) {
   Rows clips("CLIPS"), scenes("SCENES");
   for (const ClipFrame& frame : clip_frames(inputs.clips, {60}))
-    clips.add(frame.clip, twice(pipeline::levels_of(grey_at(frame.pixels))));
+    clips.add(frame.clip, twice(levels_of(grey_at(frame.pixels))));
   for (const Scene& scene : read_scenes(inputs.scenes, 20, 30, 3)) {
     Shared found;
-    for (const SceneFrame& frame : scene.frames) found += twice(pipeline::levels_of(frame.pixels));
+    for (const SceneFrame& frame : scene.frames) found += twice(levels_of(frame.pixels));
     scenes.add(scene.name, found);
   }
   std::vector<Row> rows = clips.finish(), more = scenes.finish();

@@ -60,9 +60,9 @@ struct Named {
 std::vector<Row> symmetry(const Inputs& inputs) {
   std::vector<Named> frames;
   for (const ClipFrame& frame : clip_frames(inputs.clips, {60}))
-    frames.push_back({true, pipeline::levels_of(grey_at(frame.pixels))});
+    frames.push_back({true, levels_of(grey_at(frame.pixels))});
   for (const Scene& scene : read_scenes(inputs.scenes, 50, 1, 1))
-    frames.push_back({false, pipeline::levels_of(scene.frames.front().pixels)});
+    frames.push_back({false, levels_of(scene.frames.front().pixels)});
   std::vector<Row> rows;
   for (const Change& change : changes())
     for (const bool real : {true, false}) {

@@ -23,8 +23,6 @@ using namespace emberfold::test;
 
 namespace {
 
-namespace fs = std::filesystem;
-
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());

@@ -16,8 +16,6 @@
 using namespace emberfold;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
 
 const std::string kTextureText = R"({"format": "emberfold.linear_dynamic_texture", "version": 1})";

@@ -11,8 +11,6 @@
 using namespace emberfold;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
 
 void write(const fs::path& path, const std::string& text = "x") {

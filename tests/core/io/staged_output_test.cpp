@@ -13,8 +13,6 @@
 using namespace emberfold;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
 std::size_t entries(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));

@@ -16,8 +16,6 @@
 using namespace emberfold;
 using namespace emberfold::test;
 
-namespace fs = std::filesystem;
-
 namespace {
 
 cv::Mat float_frame(cv::Size size, int channels, std::uint64_t seed, double most = 1) {

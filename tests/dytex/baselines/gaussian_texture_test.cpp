@@ -13,7 +13,7 @@
 
 using namespace emberfold;
 using namespace emberfold::dytex;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 
 namespace {
 

@@ -12,8 +12,7 @@
 
 using namespace emberfold;
 using namespace emberfold::dytex;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 

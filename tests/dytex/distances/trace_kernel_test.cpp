@@ -10,9 +10,7 @@
 #include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
-using test::made_texture;
+using namespace emberfold::test;
 
 namespace {
 

@@ -13,12 +13,9 @@
 
 using namespace emberfold;
 using namespace emberfold::dytex;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using test::apart;
-using test::Pole;
 
 namespace {
 

@@ -16,9 +16,7 @@
 #include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::Contains;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 
@@ -255,14 +253,7 @@ TEST_CASE("Noise by place finds where the noise is", "[dytex][em]") {
 }
 
 TEST_CASE("An unstable A becomes a stable one and a note", "[dytex][em]") {
-  Eigen::MatrixXd levels(48, 40);
-  const Eigen::MatrixXd shapes = test::orthonormal(48, 2, 9), grain = test::normals(48, 40, 10);
-  for (int t = 0; t < 40; ++t)
-    levels.col(t) =
-        (40 * std::pow(1.05, t) * shapes.col(0) + 30 * std::cos(0.7 * t) * shapes.col(1) + 0.3 * grain.col(t))
-            .array() +
-        100;
-  const core::Clip clip = test::clip_of(levels, 8, 6, 1, CV_32F);
+  const core::Clip clip = test::flaring_clip(0.3);
   const auto result = improved(clip, learned(clip, 2));
   CHECK(dytex::spectral_radius(result.texture.A) < 1);
   REQUIRE(result.notes.size() == 1);

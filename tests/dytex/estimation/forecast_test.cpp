@@ -16,9 +16,7 @@
 #include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::Contains;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 
@@ -118,10 +116,7 @@ TEST_CASE("What a forecast cannot take is named", "[dytex][forecast]") {
 TEST_CASE("The learning curve's errors are those of models that are learned", "[dytex][forecast]") {
   const core::Clip clip = test::wavy_clip(16, 12, 3, CV_8U, 48);
   core::ClipSource source(clip);
-  dytex::CurveOptions options;
-  options.components = 5;
-  options.lengths = 6;
-  options.targets = 3;
+  const dytex::CurveOptions options{.components = 5, .lengths = 6, .targets = 3};
   const auto curve = dytex::learning_curve(source, options);
   REQUIRE(curve.targets == std::vector<int>{39, 43, 47});
   REQUIRE(curve.points.front().length == 7);
@@ -165,10 +160,7 @@ TEST_CASE("The learning curve falls and comes to rest where the clip is long eno
   const auto known = test::known_clip(400, 200, 1, 6);
   const core::Clip clip = test::clip_of(known.levels, 20, 20, 1, CV_32F);
   core::ClipSource long_source(clip);
-  dytex::CurveOptions options;
-  options.components = 4;
-  options.lengths = 16;
-  options.targets = 16;
+  const dytex::CurveOptions options{.components = 4, .lengths = 16, .targets = 16};
   const auto curve = dytex::learning_curve(long_source, options);
   CHECK(curve.points.front().error > 1.1 * curve.plateau);
   REQUIRE(curve.critical.has_value());

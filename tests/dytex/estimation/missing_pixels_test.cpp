@@ -14,8 +14,7 @@
 #include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::Contains;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 

@@ -15,8 +15,7 @@
 
 using namespace emberfold;
 using namespace emberfold::dytex;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 

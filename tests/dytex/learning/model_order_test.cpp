@@ -10,7 +10,7 @@
 #include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 

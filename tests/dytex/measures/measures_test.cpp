@@ -18,8 +18,6 @@
 using namespace emberfold;
 using namespace emberfold::dytex;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
 
 namespace {
 

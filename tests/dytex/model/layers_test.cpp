@@ -10,8 +10,7 @@
 #include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 

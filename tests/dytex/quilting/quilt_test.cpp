@@ -19,8 +19,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::Contains;
-using Catch::Matchers::WithinAbs;
 
 namespace {
 

@@ -16,8 +16,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::Contains;
-using Catch::Matchers::WithinAbs;
 using dytex::BetweenFrames;
 using dytex::ClipEnds;
 

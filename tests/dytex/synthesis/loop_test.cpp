@@ -11,19 +11,10 @@
 #include "tests/support/reference_linalg.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 using Eigen::MatrixXd;
-using test::apart;
 
 namespace {
-
-std::vector<cv::Mat> frames(const dytex::LinearDynamicTexture& texture,
-                            const dytex::SynthesisOptions& options, int count) {
-  dytex::Synthesis synthesis(texture, options);
-  std::vector<cv::Mat> result;
-  for (int t = 0; t < count; ++t) result.push_back(synthesis.next());
-  return result;
-}
 
 dytex::SynthesisOptions loop_of(int length, std::uint64_t seed = 1) {
   return {.seed = seed, .first_frame = {}, .loop = length};
@@ -92,13 +83,14 @@ TEST_CASE("A loop begins again to the byte", "[dytex][loop]") {
     for (const int length : {1, 2, 7, 8, 20, 33}) {
       dytex::SynthesisOptions options = loop_of(length);
       options.pixel_noise = noise;
-      const std::vector<cv::Mat> drawn = frames(texture, options, 2 * length + 5);
+      const std::vector<cv::Mat> drawn = drawn_frames(texture, options, 2 * length + 5);
       for (std::size_t t = static_cast<std::size_t>(length); t < drawn.size(); ++t)
         CHECK(cv::norm(drawn[t], drawn[t - static_cast<std::size_t>(length)], cv::NORM_INF) == 0);
       if (length > 1) CHECK(cv::norm(drawn[0], drawn[1], cv::NORM_INF) > 0);
     }
-  CHECK(cv::norm(frames(texture, loop_of(9, 1), 1)[0], frames(texture, loop_of(9, 2), 1)[0], cv::NORM_INF) >
-        0);
+  const cv::Mat one = drawn_frames(texture, loop_of(9, 1), 1)[0],
+                other = drawn_frames(texture, loop_of(9, 2), 1)[0];
+  CHECK(cv::norm(one, other, cv::NORM_INF) > 0);
 }
 
 TEST_CASE("The step over a loop's seam is no larger than others", "[dytex][loop]") {
@@ -107,7 +99,7 @@ TEST_CASE("The step over a loop's seam is no larger than others", "[dytex][loop]
   int largest = 0;
   constexpr int kLoops = 60, kLength = 12;
   for (std::uint64_t seed = 0; seed < kLoops; ++seed) {
-    const std::vector<cv::Mat> drawn = frames(texture, loop_of(kLength, seed), kLength + 1);
+    const std::vector<cv::Mat> drawn = drawn_frames(texture, loop_of(kLength, seed), kLength + 1);
     std::vector<double> steps;
     for (std::size_t t = 0; t < kLength; ++t) steps.push_back(cv::norm(drawn[t], drawn[t + 1], cv::NORM_L2));
     largest += steps.back() == *std::ranges::max_element(steps) ? 1 : 0;
@@ -129,6 +121,6 @@ TEST_CASE("Loops that cannot be are refused", "[dytex][loop]") {
 TEST_CASE("A loop without noise stands still", "[dytex][loop]") {
   dytex::LinearDynamicTexture texture = test::random_texture(3, 0.9, 1);
   texture.B.setZero();
-  const std::vector<cv::Mat> drawn = frames(texture, loop_of(4), 5);
+  const std::vector<cv::Mat> drawn = drawn_frames(texture, loop_of(4), 5);
   for (const cv::Mat& frame : drawn) CHECK(cv::norm(frame, drawn[0], cv::NORM_INF) == 0);
 }

@@ -11,7 +11,7 @@
 #include "tests/support/messages.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 using graph::Event;
 using graph::EventType;
 

@@ -11,7 +11,7 @@
 #include "tests/support/graphs.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 using graph::Event;
 using graph::EventType;
 
@@ -61,22 +61,10 @@ test::Frame lines(const std::vector<std::vector<graph::Point>>& all) {
   return frame;
 }
 
-EventType opposite(EventType type) {
-  switch (type) {
-    case EventType::birth:
-      return EventType::death;
-    case EventType::death:
-      return EventType::birth;
-    case EventType::split:
-      return EventType::merge;
-    case EventType::merge:
-      return EventType::split;
-    case EventType::connect:
-      return EventType::disconnect;
-    default:
-      return EventType::connect;
-  }
-}
+const std::map<EventType, EventType> kOpposite{
+    {EventType::birth, EventType::death},        {EventType::death, EventType::birth},
+    {EventType::split, EventType::merge},        {EventType::merge, EventType::split},
+    {EventType::connect, EventType::disconnect}, {EventType::disconnect, EventType::connect}};
 
 /// Frame, type, place and how many strokes before and after: what does not depend on how strokes are
 /// numbered.
@@ -94,7 +82,7 @@ std::multiset<Facts> facts(const std::vector<Event>& events) {
 std::multiset<Facts> turned(const std::vector<Event>& events, int frames) {
   std::multiset<Facts> result;
   for (const Event& e : events) {
-    result.emplace(frames - e.frame, static_cast<int>(opposite(e.type)), e.position.x, e.position.y,
+    result.emplace(frames - e.frame, static_cast<int>(kOpposite.at(e.type)), e.position.x, e.position.y,
                    e.after.size(), e.before.size());
   }
   return result;

@@ -7,7 +7,7 @@
 #include "tests/support/graphs.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 
 namespace {
 

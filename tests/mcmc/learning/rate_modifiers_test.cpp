@@ -11,7 +11,7 @@
 #include "tests/support/motion_models.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 

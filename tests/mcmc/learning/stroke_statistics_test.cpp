@@ -11,8 +11,7 @@
 
 using namespace emberfold;
 using namespace emberfold::mcmc;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 
 namespace {
 

@@ -15,8 +15,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using mcmc::HiddenGraph;
-using mcmc::Index;
+using namespace emberfold::test;
 
 namespace {
 

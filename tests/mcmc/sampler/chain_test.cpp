@@ -16,10 +16,7 @@
 namespace {
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
-using mcmc::HiddenGraph;
-using mcmc::Index;
+using namespace emberfold::test;
 
 HiddenGraph drawn(const mcmc::SamplerParameters& theta, int side, int frames, std::uint32_t number) {
   core::Rng rng(11, {number, 0, 0});

@@ -11,12 +11,7 @@
 
 using namespace emberfold;
 using namespace emberfold::formula;
-using Catch::Matchers::WithinAbs;
-using mcmc::Density;
-using mcmc::HiddenGraph;
-using mcmc::Index;
-using test::patch;
-using test::shown;
+using namespace emberfold::test;
 
 TEST_CASE("An empty state has the chance that nothing begins", "[mcmc][density]") {
   const HiddenGraph g(60, 40, 3, {12, 12, 0});

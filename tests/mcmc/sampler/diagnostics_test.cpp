@@ -14,8 +14,7 @@
 #include "tests/support/statistics.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
+using namespace emberfold::test;
 using Chains = std::vector<std::vector<double>>;
 
 namespace {

@@ -16,11 +16,7 @@
 #include "tests/support/motion_scene.hpp"
 
 using namespace emberfold;
-using mcmc::Gates;
-using mcmc::HiddenGraph;
-using mcmc::Index;
-using test::patch;
-using test::shown;
+using namespace emberfold::test;
 
 namespace {
 

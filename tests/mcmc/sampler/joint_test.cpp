@@ -12,10 +12,7 @@
 #include "tests/support/statistics.hpp"
 
 using namespace emberfold;
-using mcmc::Density;
-using mcmc::HiddenGraph;
-using mcmc::Index;
-using mcmc::SamplerParameters;
+using namespace emberfold::test;
 
 namespace {
 

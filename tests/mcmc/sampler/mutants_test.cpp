@@ -11,13 +11,9 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
+using namespace emberfold::test;
 using mcmc::CheckedMove;
 using mcmc::ChoiceSource;
-using mcmc::HiddenGraph;
-using mcmc::Index;
-using mcmc::StateChange;
-using test::patch;
-using test::shown;
 
 namespace {
 

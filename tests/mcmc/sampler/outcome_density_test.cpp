@@ -10,12 +10,7 @@
 
 using namespace emberfold;
 using namespace emberfold::formula;
-using Catch::Matchers::WithinAbs;
-using mcmc::Density;
-using mcmc::HiddenGraph;
-using mcmc::Index;
-using test::patch;
-using test::shown;
+using namespace emberfold::test;
 
 TEST_CASE("The place on the death map scales a chance of death up to a limit", "[mcmc][density]") {
   const SamplerParameters t = theta();

@@ -11,14 +11,9 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
+using namespace emberfold::test;
 using mcmc::CheckedMove;
-using mcmc::Density;
-using mcmc::Gates;
-using mcmc::HiddenGraph;
-using mcmc::Index;
 using mcmc::RatioReport;
-using test::patch;
-using test::shown;
 
 namespace {
 

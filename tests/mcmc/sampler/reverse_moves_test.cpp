@@ -7,12 +7,8 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using mcmc::Density;
-using mcmc::HiddenGraph;
-using mcmc::Index;
+using namespace emberfold::test;
 using mcmc::Move;
-using mcmc::StateChange;
-using test::AllDraws;
 
 namespace {
 

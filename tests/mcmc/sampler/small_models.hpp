@@ -16,8 +16,12 @@
 
 namespace emberfold::test {
 
+using mcmc::Density;
+using mcmc::Gates;
 using mcmc::HiddenGraph;
 using mcmc::Index;
+using mcmc::SamplerParameters;
+using mcmc::StateChange;
 
 inline graph::Patch patch(double x, double y, double theta = 0.1, double contrast = 20) {
   graph::Patch p;

@@ -8,10 +8,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using mcmc::Density;
-using mcmc::HiddenGraph;
-using mcmc::Index;
-using mcmc::StateChange;
+using namespace emberfold::test;
 
 namespace {
 
@@ -188,7 +185,7 @@ TEST_CASE("After ten thousand moves gains add up to the density", "[mcmc][edit]"
 }
 
 TEST_CASE("A gain that is asked for from a level on is the gain or lies below it", "[mcmc][edit]") {
-  int hidden = 0, shown = 0;
+  int hidden = 0, visible = 0;
   for (std::uint32_t number = 0; number < 12; ++number) {
     auto theta = number % 2 == 0 ? test::lively_theta() : test::even_theta();
     theta.displacement.coupling = number % 3 == 0 ? 0.1 : 0;
@@ -213,7 +210,7 @@ TEST_CASE("A gain that is asked for from a level on is the gain or lies below it
           REQUIRE(bounded == gain);
         else
           REQUIRE((bounded == gain || bounded == -std::numeric_limits<double>::infinity()));
-        (bounded == gain ? shown : hidden) += 1;
+        (bounded == gain ? visible : hidden) += 1;
       }
       const double before = density.total(g);
       if (std::log1p(-rng.uniform()) < gain + *ratio) {
@@ -225,5 +222,5 @@ TEST_CASE("A gain that is asked for from a level on is the gain or lies below it
       if (std::isfinite(gain)) REQUIRE(relative(gain - (before - density.total(g)), before) <= 1e-9);
     }
   }
-  CHECK(hidden > shown / 4);
+  CHECK(hidden > visible / 4);
 }

@@ -9,7 +9,7 @@
 #include "tests/support/motion_models.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 
 TEST_CASE("A census counts what frames show", "[census]") {
   graph::MotionGraph motion;

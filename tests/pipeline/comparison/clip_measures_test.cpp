@@ -18,7 +18,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
 
 namespace {
 
@@ -52,14 +51,6 @@ cv::Mat seamed(const core::Clip& clip, std::size_t t) {
       clip.frames[other](block).copyTo(out(block));
     }
   return out;
-}
-
-core::Clip noise_clip(cv::Size size, int frames, std::uint64_t seed, std::uint32_t limit = 256) {
-  core::Clip clip;
-  clip.info.width = size.width, clip.info.height = size.height, clip.info.depth = CV_8U;
-  for (int t = 0; t < frames; ++t)
-    clip.frames.push_back(noise_frame(size, CV_8UC1, seed * 1000 + static_cast<std::uint64_t>(t), limit));
-  return clip;
 }
 
 std::string text(const Distances& d) {

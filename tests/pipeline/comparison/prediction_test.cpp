@@ -10,7 +10,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
 
 TEST_CASE("Predictions are measured against the frame that comes") {
   // The frames of the second half hold four levels more each, the first half is all 10.

@@ -46,6 +46,16 @@ sketch::StaticPixels measured(const core::Clip& clip) {
   return sketch::find_static_pixels(source, {});
 }
 
+/// Draws new strokes on an even background of level 100.
+sketch::RenderOptions even_background() {
+  sketch::RenderOptions look{kSize, 3};
+  look.new_places = true;
+  const std::vector<sketch::FrameBackground> seen{
+      sketch::measure_background(cv::Mat(kSize, CV_32FC3, cv::Scalar::all(100)), {})};
+  look.background = sketch::estimate_background(seen);
+  return look;
+}
+
 }  // namespace
 
 TEST_CASE("Backdrop: still is what noise and shaking alone move, even where something rarely passes") {
@@ -80,11 +90,7 @@ TEST_CASE("Backdrop: of long clips some frames tell, of one frame all is still")
 }
 
 TEST_CASE("Backdrop: strokes of a new clip pass behind it, and nothing else of it changes") {
-  sketch::RenderOptions look{kSize, 3};
-  look.new_places = true;
-  const std::vector<sketch::FrameBackground> seen{
-      sketch::measure_background(cv::Mat(kSize, CV_32FC3, cv::Scalar::all(100)), {})};
-  look.background = sketch::estimate_background(seen);
+  sketch::RenderOptions look = even_background();
   look.background.level_range = {};
   look.background.still = 0;
   std::vector<graph::Vertex> vertices;
@@ -120,11 +126,7 @@ TEST_CASE("Backdrop: strokes of a new clip pass behind it, and nothing else of i
 }
 
 TEST_CASE("Backdrop: a frame without a stroke shows it, and a ground is shown as it is") {
-  sketch::RenderOptions look{kSize, 3};
-  look.new_places = true;
-  const std::vector<sketch::FrameBackground> seen{
-      sketch::measure_background(cv::Mat(kSize, CV_32FC3, cv::Scalar::all(100)), {})};
-  look.background = sketch::estimate_background(seen);
+  sketch::RenderOptions look = even_background();
   look.background.static_pixels = {cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
                                    cv::Mat(kSize, CV_8U, cv::Scalar(255))};
   sketch::FrameContent parts;

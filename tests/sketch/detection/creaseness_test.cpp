@@ -10,7 +10,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
 using sketch::creaseness;
 
 namespace {

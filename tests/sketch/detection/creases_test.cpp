@@ -12,8 +12,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
 using sketch::CreaseKind;
 using sketch::CreaseMap;
 using sketch::CreasePoint;

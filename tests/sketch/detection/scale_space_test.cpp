@@ -14,8 +14,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
 using sketch::ScaleLevel;
 using sketch::ScaleSpace;
 

@@ -22,7 +22,7 @@
 
 using namespace emberfold;
 using namespace emberfold::sketch;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 using graph::PatchType;
 
 namespace {

@@ -18,7 +18,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 
 namespace {
 

@@ -17,8 +17,6 @@
 using namespace emberfold;
 using namespace emberfold::sketch;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
-using Catch::Matchers::WithinRel;
 
 namespace {
 

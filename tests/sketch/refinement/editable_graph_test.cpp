@@ -13,7 +13,6 @@
 using namespace emberfold;
 using namespace emberfold::sketch;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
 
 namespace {
 

@@ -16,7 +16,6 @@
 using namespace emberfold;
 using namespace emberfold::sketch;
 using namespace emberfold::test;
-using Catch::Matchers::WithinAbs;
 
 namespace {
 

@@ -17,7 +17,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 using graph::AttributeGraph;
 using graph::Patch;
 using graph::Point;

@@ -15,26 +15,13 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "sketch/inpainting/fill.hpp"
+#include "tests/sketch/texture/texture_scene.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/still_textures.hpp"
 
 using namespace emberfold;
+using namespace emberfold::test;
 
 namespace {
-
-const cv::Size kSize(96, 72);
-
-struct Scene {
-  cv::Mat frame, mask, start;
-  sketch::TextureRegions regions;
-};
-
-Scene scene(const cv::Mat& frame, const cv::Mat& mask, int count = 1) {
-  cv::Mat start = sketch::fill(frame, mask).levels;
-  if (cv::countNonZero(mask) == 0) start.setTo(cv::mean(frame));
-  return {frame, mask, start, sketch::segment_texture(frame, mask, {.regions = count})};
-}
 
 /// A tile of 7 × 5 different levels, again and again.
 cv::Mat periodic(cv::Size size) {
@@ -45,22 +32,15 @@ cv::Mat periodic(cv::Size size) {
   return frame;
 }
 
-bool same_where_held(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
-  for (int y = 0; y < mask.rows; ++y)
-    for (int x = 0; x < mask.cols; ++x)
-      if (mask.at<uchar>(y, x) != 0 && std::memcmp(a.ptr(y, x), b.ptr(y, x), a.elemSize()) != 0) return false;
-  return true;
-}
-
 }  // namespace
 
 TEST_CASE("Efros-Leung carries a periodic texture on in phase with what is held", "[sketch][efros_leung]") {
   const cv::Mat frame = periodic(kSize);
-  const Scene s = scene(frame, test::bands(kSize));
+  const TextureScene s = texture_scene(frame, test::bands(kSize));
   const cv::Mat drawn = sketch::efros_leung(s.start, frame, s.regions).levels;
   CHECK(cv::countNonZero(drawn == frame) > 0.99 * kSize.area());
   // With nothing held there is no phase but the period remains.
-  const Scene free = scene(frame, test::nothing(kSize));
+  const TextureScene free = texture_scene(frame, test::nothing(kSize));
   const cv::Mat grown = sketch::efros_leung(free.start, frame, free.regions).levels;
   CHECK(cv::countNonZero(grown.colRange(7, 96) == grown.colRange(0, 89)) > 0.95 * 89 * 72);
   CHECK(cv::countNonZero(grown.rowRange(5, 72) == grown.rowRange(0, 67)) > 0.95 * 67 * 96);
@@ -73,7 +53,7 @@ TEST_CASE("Efros-Leung copies pixels of the own region from elsewhere", "[sketch
     cv::Mat levels = frame;
     if (channels == 3)
       cv::merge(std::vector<cv::Mat>{frame, cv::Mat(frame * 0.5), cv::Mat(255 - frame)}, levels);
-    const Scene s = scene(levels, test::bands(kSize), 2);
+    const TextureScene s = texture_scene(levels, test::bands(kSize), 2);
     const sketch::EfrosLeungOptions options;
     const auto result = sketch::efros_leung(s.start, levels, s.regions, options);
     CHECK(same_where_held(result.levels, levels, s.mask));
@@ -97,7 +77,7 @@ TEST_CASE("Efros-Leung copies pixels of the own region from elsewhere", "[sketch
 
 TEST_CASE("Efros-Leung keeps the look of a grain", "[sketch][efros_leung]") {
   for (const int kind : {0, 3, 4}) {
-    const Scene s = scene(test::texture(kSize, kind, 120, 3), test::bands(kSize));
+    const TextureScene s = texture_scene(test::texture(kSize, kind, 120, 3), test::bands(kSize));
     const cv::Mat drawn = sketch::efros_leung(s.start, s.frame, s.regions).levels;
     INFO("texture " << kind);
     cv::Scalar mean, sd, own_mean, own_sd;
@@ -119,7 +99,7 @@ TEST_CASE("Efros-Leung keeps the look of a grain", "[sketch][efros_leung]") {
 
 TEST_CASE("Efros-Leung: same seed same bytes at any thread count and other seeds other bytes",
           "[sketch][efros_leung]") {
-  const Scene s = scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  const TextureScene s = texture_scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
   const auto with = [&](std::size_t threads, std::uint64_t seed) {
     const core::ThreadLimit limit(threads);
     return sketch::efros_leung(s.start, s.frame, s.regions, {.seed = seed}).levels;
@@ -133,7 +113,7 @@ TEST_CASE("Efros-Leung on odd frames and when nothing is free", "[sketch][efros_
   for (const cv::Size size : {cv::Size(1, 1), {3, 1}, {3, 30}, {30, 3}, {2, 2}, {9, 8}}) {
     INFO(size.width << " × " << size.height);
     const cv::Mat frame = test::texture(size, 3, 100, 4);
-    const Scene free = scene(frame, test::nothing(size));
+    const TextureScene free = texture_scene(frame, test::nothing(size));
     const auto result = sketch::efros_leung(free.start, frame, free.regions);
     REQUIRE(result.levels.size() == size);
     for (int y = 0; y < size.height; ++y)
@@ -142,21 +122,21 @@ TEST_CASE("Efros-Leung on odd frames and when nothing is free", "[sketch][efros_
         REQUIRE(from[0] >= 0);
         CHECK(result.levels.at<float>(y, x) == frame.at<float>(from[1], from[0]));
       }
-    const Scene held = scene(frame, cv::Mat(size, CV_8U, cv::Scalar(255)));
+    const TextureScene held = texture_scene(frame, cv::Mat(size, CV_8U, cv::Scalar(255)));
     CHECK(cv::norm(sketch::efros_leung(frame, frame, held.regions).levels, frame, cv::NORM_INF) == 0);
     cv::Mat one_free(size, CV_8U, cv::Scalar(255));
     one_free.at<uchar>(size.height / 2, 0) = 0;
-    const Scene one = scene(frame, one_free);
+    const TextureScene one = texture_scene(frame, one_free);
     CHECK(cv::norm(sketch::efros_leung(one.start, frame, one.regions).levels, frame, cv::NORM_INF) == 0);
   }
   const cv::Mat constant(kSize, CV_32F, cv::Scalar(80));
-  const Scene still = scene(constant, test::bands(kSize));
+  const TextureScene still = texture_scene(constant, test::bands(kSize));
   CHECK(cv::norm(sketch::efros_leung(still.start, constant, still.regions).levels, constant, cv::NORM_INF) ==
         0);
 }
 
 TEST_CASE("Efros-Leung can be stopped", "[sketch][efros_leung]") {
-  const Scene s = scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  const TextureScene s = texture_scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
   std::stop_source stop;
   const core::Context context(stop.get_token(), [&](std::string_view, double share) {
     if (share > 0.2) stop.request_stop();
@@ -165,7 +145,7 @@ TEST_CASE("Efros-Leung can be stopped", "[sketch][efros_leung]") {
 }
 
 TEST_CASE("Efros-Leung rejects what is none", "[sketch][efros_leung]") {
-  Scene s = scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  TextureScene s = texture_scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
   for (const sketch::EfrosLeungOptions& options : std::vector<sketch::EfrosLeungOptions>{
            {.window = 4}, {.window = 33}, {.tolerance = -1}, {.candidates = 0}, {.guidance = 1.5}})
     CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, s.regions, options), core::InputError);

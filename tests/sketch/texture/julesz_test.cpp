@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <limits>
 #include <stop_token>
 #include <vector>
@@ -14,31 +13,18 @@
 #include "core/clip.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "sketch/inpainting/fill.hpp"
+#include "tests/sketch/texture/texture_scene.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/still_textures.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 
 namespace {
 
-const cv::Size kSize(96, 72);
-
-struct Scene {
-  cv::Mat frame, mask, start;
-  sketch::TextureRegions regions;
-};
-
-Scene scene(const cv::Mat& frame, const cv::Mat& mask, int count) {
-  return {frame, mask, sketch::fill(frame, mask).levels,
-          sketch::segment_texture(frame, mask, {.regions = count})};
-}
-
-Scene two_textures() {
+TextureScene two_textures() {
   cv::Mat frame = test::texture(kSize, 4, 120, 1);
   test::texture({kSize.width / 2, kSize.height}, 5, 120, 2).copyTo(frame.colRange(0, kSize.width / 2));
-  return scene(frame, test::bands(kSize), 2);
+  return texture_scene(frame, test::bands(kSize), 2);
 }
 
 /// The distance from newly measured histograms.
@@ -51,19 +37,12 @@ double distance_of(const cv::Mat& levels, const sketch::TextureRegions& regions)
   return sum / cv::countNonZero(regions.label);
 }
 
-bool same_where_held(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
-  for (int y = 0; y < mask.rows; ++y)
-    for (int x = 0; x < mask.cols; ++x)
-      if (mask.at<uchar>(y, x) != 0 && std::memcmp(a.ptr(y, x), b.ptr(y, x), a.elemSize()) != 0) return false;
-  return true;
-}
-
 }  // namespace
 
 TEST_CASE("A sample of the Julesz ensemble has the histograms it was asked for", "[sketch][julesz]") {
   for (const int kind : {0, 3, 4, 5}) {
     INFO("texture " << kind);
-    const Scene s = scene(test::texture(kSize, kind, 120, 3), test::bands(kSize), 1);
+    const TextureScene s = texture_scene(test::texture(kSize, kind, 120, 3), test::bands(kSize), 1);
     const auto result = sketch::julesz(s.start, s.regions);
     // The distances told, by sums updated move by move, are those of the pictures.
     CHECK_THAT(result.before, WithinAbs(distance_of(s.start, s.regions), 1e-9));
@@ -78,7 +57,7 @@ TEST_CASE("A sample of the Julesz ensemble has the histograms it was asked for",
 }
 
 TEST_CASE("Each region gets its own texture", "[sketch][julesz]") {
-  const Scene s = two_textures();
+  const TextureScene s = two_textures();
   const auto result = sketch::julesz(s.start, s.regions);
   CHECK(result.after < 0.06);
   CHECK_THAT(result.after, WithinAbs(distance_of(result.levels, s.regions), 1e-9));
@@ -102,7 +81,7 @@ TEST_CASE("Each region gets its own texture", "[sketch][julesz]") {
 }
 
 TEST_CASE("More sweeps come closer", "[sketch][julesz]") {
-  const Scene s = two_textures();
+  const TextureScene s = two_textures();
   double before = 1;
   for (const int sweeps : {1, 4, 16, 64}) {
     const double after = sketch::julesz(s.start, s.regions, {.sweeps = sweeps}).after;
@@ -113,7 +92,7 @@ TEST_CASE("More sweeps come closer", "[sketch][julesz]") {
 
 TEST_CASE("Julesz: same seed same bytes at any thread count and other seeds other bytes",
           "[sketch][julesz]") {
-  const Scene s = two_textures();
+  const TextureScene s = two_textures();
   const auto with = [&](std::size_t threads, std::uint64_t seed) {
     const core::ThreadLimit limit(threads);
     return sketch::julesz(s.start, s.regions, {.sweeps = 5, .seed = seed}).levels;
@@ -124,10 +103,10 @@ TEST_CASE("Julesz: same seed same bytes at any thread count and other seeds othe
 }
 
 TEST_CASE("Julesz in colour changes luma alone", "[sketch][julesz]") {
-  const Scene grey = two_textures();
+  const TextureScene grey = two_textures();
   cv::Mat frame;
   cv::merge(std::vector<cv::Mat>{cv::Mat(grey.frame - 20), grey.frame, cv::Mat(grey.frame + 30)}, frame);
-  const Scene s = scene(frame, grey.mask, 2);
+  const TextureScene s = texture_scene(frame, grey.mask, 2);
   const auto result = sketch::julesz(s.start, s.regions, {.sweeps = 8});
   CHECK(same_where_held(result.levels, frame, s.mask));
   CHECK_THAT(result.after, WithinAbs(distance_of(result.levels, s.regions), 0.02));  // but for saturation
@@ -165,7 +144,7 @@ TEST_CASE("Julesz on odd frames and when nothing is free", "[sketch][julesz]") {
 }
 
 TEST_CASE("Julesz can be stopped and tells how far it is", "[sketch][julesz]") {
-  const Scene s = two_textures();
+  const TextureScene s = two_textures();
   std::stop_source stop;
   double told = 0;
   const core::Context context(stop.get_token(), [&](std::string_view, double share) {
@@ -177,7 +156,7 @@ TEST_CASE("Julesz can be stopped and tells how far it is", "[sketch][julesz]") {
 }
 
 TEST_CASE("Julesz rejects what is none", "[sketch][julesz]") {
-  Scene s = two_textures();
+  TextureScene s = two_textures();
   for (const sketch::JuleszOptions& options : std::vector<sketch::JuleszOptions>{
            {.sweeps = 0}, {.hottest = 0}, {.coldest = 0}, {.hottest = 1, .coldest = 2}})
     CHECK_THROWS_AS(sketch::julesz(s.start, s.regions, options), core::InputError);

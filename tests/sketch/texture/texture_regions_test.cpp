@@ -18,7 +18,7 @@
 #include "tests/support/still_textures.hpp"
 
 using namespace emberfold;
-using Catch::Matchers::WithinAbs;
+using namespace emberfold::test;
 
 namespace {
 
