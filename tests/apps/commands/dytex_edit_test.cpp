@@ -78,10 +78,15 @@ TEST_CASE("dytex edit applies its options in their order") {
   CHECK(summary["edits"] == Json{words});
   CHECK(summary["amplitude"]["after"] != summary["amplitude"]["before"]);
   // Earlier edits stay recorded.
-  REQUIRE(run_command({"dytex", "edit", out, "-o", out, "--preset", "hazy", "-q"}).exit == 0);
-  CHECK(Json::parse(bytes_of(fs::path(out) / "model.json"))["edits"] == Json{words, "--coarse 2"});
-  CHECK(model_at(out).weights[0] == 4);
-  REQUIRE(run_command({"dytex", "synth", out, "-o", (learned.temp / "new").string(), "--frames", "3", "-q"})
+  const auto twice = (learned.temp / "twice").string();
+  REQUIRE(run_command({"dytex", "edit", out, "-o", twice, "--preset", "hazy", "-q"}).exit == 0);
+  CHECK(Json::parse(bytes_of(fs::path(twice) / "model.json"))["edits"] == Json{words, "--coarse 2"});
+  CHECK(model_at(twice).weights[0] == 4);
+  // A model is never replaced by its own edit.
+  const auto before = bytes_of(fs::path(out) / "model.json");
+  check_one_line({"dytex", "edit", out, "-o", out, "--speed", "2", "-q"}, 2, {out, "which is read"});
+  CHECK(bytes_of(fs::path(out) / "model.json") == before);
+  REQUIRE(run_command({"dytex", "synth", twice, "-o", (learned.temp / "new").string(), "--frames", "3", "-q"})
               .exit == 0);
 }
 

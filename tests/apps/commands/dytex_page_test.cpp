@@ -234,7 +234,7 @@ TEST_CASE("dytex page writes its file whole or tells in a line why not") {
   CHECK(bytes_of(page) == first);
   CHECK_FALSE(fs::exists(page + ".part"));
 
-  check_one_line({"dytex", "page", model, "-o", model, "-q"}, 1, {model, "a folder has this name"});
+  check_one_line({"dytex", "page", model, "-o", model, "-q"}, 2, {model, "which is read"});
   const auto nowhere = temp / "no" / "page.html";
   check_one_line({"dytex", "page", model, "-o", nowhere.string(), "-q"}, 1, {nowhere.string()}, nowhere);
   const auto other = temp / "other.html";

@@ -211,7 +211,8 @@ TEST_CASE("what dytex cannot take is refused in one line") {
   learn({one, "--energy", "0.9"}, 1, {"one", "at least two"});
   learn({(temp / "no.mp4").string()}, 1, {"no.mp4"});
   learn({model}, 1, {"is no clip but a linear dynamic texture"});
-  check_one_line({"dytex", "learn", clip, "-o", clip, "-q"}, 1, {"clip", "other things"});
+  check_one_line({"dytex", "learn", clip, "-o", clip, "-q"}, 2, {"clip", "which is read"});
+  check_one_line({"dytex", "learn", clip, "-o", one, "-q"}, 1, {"one", "other things"});
 
   const auto synth = [&](const std::vector<std::string>& more, int exit,
                          const std::vector<std::string>& what) {
