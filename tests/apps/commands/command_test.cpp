@@ -229,7 +229,7 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   check_refused({"frobnicate"}, 2, {"frobnicate"});
   check_refused({"--verson"}, 2, {"--verson", "--version"});
   check_refused({"score", "a", "b", "--set", "score.radius=-1"}, 2, {"score.radius", "-1"});
-  check_refused({"score", "a", "b", "--frames", "nan"}, 2, {"--frames", "nan"});
+  check_refused({"score", "a", "b", "--frames", "nan"}, 2, {"--frames", "not finite"});
 }
 
 TEST_CASE("an overview, help that opens with examples and shows the defaults, the version") {
