@@ -15,13 +15,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Synth {
+struct TextureSynth {
   std::string model, output, start = "stationary";
   int frames = 300, loop = 0;
   bool noise = false, asked_frames = false, asked_loop = false, asked_start = false;
 };
 
-void check_lengths(Synth& asked) {
+void check_lengths(TextureSynth& asked) {
   constexpr int kMostFrames = 1'000'000;
   const auto check = [](const char* name, int value) {
     if (value < 1 || value > kMostFrames)
@@ -35,7 +35,7 @@ void check_lengths(Synth& asked) {
   check("--frames", asked.frames);
 }
 
-void run_synth(Synth asked, Session& session) {
+void run_texture_synth(TextureSynth asked, Session& session) {
   check_lengths(asked);
   io::require_apart({asked.model}, {{asked.output}});
   Stages stages;
@@ -77,7 +77,7 @@ void add_dytex_synth(CLI::App& dytex, CommandLine& line) {
   emberfold dytex synth out/flag -o frames --frames 1000 --seed 7
   emberfold dytex synth out/flag -o flag.avi --start 0 --noise
   emberfold dytex synth out/flag -o endless.mp4 --loop 100)");
-  const auto asked = std::make_shared<Synth>();
+  const auto asked = std::make_shared<TextureSynth>();
   add_texture_model(*command, asked->model);
   add_clip_output(*command, asked->output);
   auto* frames = add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
@@ -85,7 +85,7 @@ void add_dytex_synth(CLI::App& dytex, CommandLine& line) {
   auto* loop = add_number(*command, "--loop", asked->loop, "N", "Draw N frames that repeat without a seam");
   loop->default_str("");
   command->add_flag("--noise", asked->noise, "Add the noise of what the components leave out");
-  finish_command(*command, line, asked, run_synth, [asked, frames, start, loop] {
+  finish_command(*command, line, asked, run_texture_synth, [asked, frames, start, loop] {
     asked->asked_frames = frames->count() > 0;
     asked->asked_start = start->count() > 0;
     asked->asked_loop = loop->count() > 0;

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
+#include "core/text/check_range.hpp"
 
 namespace emberfold::dytex {
 
@@ -21,8 +22,7 @@ constexpr int kMostLags = 256;           // frames; bounds the memory
 
 Autocorrelation::Autocorrelation(cv::Size size, int lags)
     : size_(size), lags_(lags), products_(Eigen::VectorXd::Zero(std::max(0, lags) + 1)) {
-  if (lags < 1 || lags > 256)
-    throw core::InputError("autocorrelation: lags is " + std::to_string(lags) + "; allowed is 1 to 256");
+  core::check_range("autocorrelation: lags", lags, 1, kMostLags);
   if (size.width < 1 || size.height < 1)
     throw core::InputError("autocorrelation: a frame has at least 1x1 pixels");
 }

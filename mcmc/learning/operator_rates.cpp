@@ -199,7 +199,7 @@ std::vector<double> relative_rates(const CellMap& events, const CellMap& expecte
 double leave_one_out_likelihood(const std::vector<CellMap>& gaps, const CellMap& all, const CellMap& expected,
                                 double sigma) {
   double sum = 0;
-  CellMap others = all, expected_others = expected;
+  CellMap expected_others = expected;
   const double share = 1 - 1 / static_cast<double>(gaps.size());
   for (double& e : expected_others.values) e *= share;
   const auto e = kernel_sums(expected_others, sigma);

@@ -123,7 +123,8 @@ class BlurredStep {
   double operator()(double x) const {
     constexpr double kBeyond = kFar + 2.0 / kPerUnit;
     const double above = x > -kFar ? x : -kBeyond, near = above < kFar ? above : kBeyond;
-    const int i = static_cast<int>((near + kFar) * kPerUnit + 0.5) + 1;
+    const int i =
+        static_cast<int>((near + kFar) * kPerUnit + 0.5) + 1;  // NOLINT(bugprone-incorrect-roundings): ≥ 0
     const double from = at(i), d = near - from;
     const Node& node = nodes_[static_cast<std::size_t>(i)];
     return node.below + node.density * d * (1 - 0.5 * d * (from - d * (from * from - 1) / 3));
@@ -135,7 +136,7 @@ class BlurredStep {
   struct Node {
     double below, density;
   };
-  std::array<Node, kNodes> nodes_;
+  std::array<Node, kNodes> nodes_{};
 };
 
 const BlurredStep& table_of_steps() {
@@ -220,7 +221,7 @@ constexpr std::size_t kMostPixels = 400;
 using Column = std::array<double, kMostPixels>;
 
 /// The pixels that a patch and its bands may lie on.
-struct Pixels {
+struct Pixels {  // NOLINT(cppcoreguidelines-pro-type-member-init): filling columns would cost time
   int count = 0;
   Column along, across, level;  // distances from the patch; the level above its middle
 };
@@ -296,8 +297,8 @@ EMBERFOLD_SIMD_CLONES void weigh(const Profile& profile, double outer, const Pix
 
 Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& profile) {
   const double outer = 2 * profile.reach + kBand;
-  Pixels pixels;  // the columns are written before they are read
-  Weights weights;
+  Pixels pixels;    // the columns are written before they are read
+  Weights weights;  // NOLINT(cppcoreguidelines-pro-type-member-init): likewise
   place(luma, patch, profile, outer, pixels);
   weigh(profile, outer, pixels, weights);
   Footprint seen;

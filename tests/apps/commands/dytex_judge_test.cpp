@@ -39,7 +39,7 @@ std::string write_waves(const fs::path& path, const Waves& waves, std::uint64_t 
   std::vector<cv::Mat1f> shapes;
   for (int k = 0; k < 2 * kPatterns; ++k) {
     cv::Mat1f shape(size);
-    const double fx = 0.4 + 0.2 * (k / 2), fy = 0.3 + 0.15 * (k / 2 % 3),
+    const double fx = 0.4 + 0.2 * std::floor(k / 2.0), fy = 0.3 + 0.15 * (k / 2 % 3),
                  quarter = k % 2 * std::numbers::pi / 2;
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x)
@@ -58,8 +58,8 @@ std::string write_waves(const fs::path& path, const Waves& waves, std::uint64_t 
       const double next = c * u - s * v + drive * rng.normal();
       v = s * u + c * v + drive * rng.normal();
       u = next;
-      levels += static_cast<float>(u) * shapes[static_cast<std::size_t>(2 * k)] +
-                static_cast<float>(v) * shapes[static_cast<std::size_t>(2 * k + 1)];
+      levels += static_cast<float>(u) * shapes[2 * static_cast<std::size_t>(k)] +
+                static_cast<float>(v) * shapes[2 * static_cast<std::size_t>(k) + 1];
     }
     for (float& value : levels) value += static_cast<float>(2 * rng.normal());
     if (t >= 0) writer->write(core::to_bytes(levels));
@@ -139,7 +139,7 @@ TEST_CASE("dytex distance writes matrix and growth, the same at any number of th
   std::vector<std::string> models;
   for (int i = 0; i < 3; ++i)
     models.push_back(learn(write_waves(temp / ("clip" + std::to_string(i)), {i < 2 ? 0.3 : 1.5, 0.95},
-                                       static_cast<std::uint64_t>(i + 1)),
+                                       static_cast<std::uint64_t>(i) + 1),
                            temp / ("m" + std::to_string(i))));
   for (const std::string threads : {"1", "2", "8"}) {
     const auto out = run_command(joined({"dytex", "distance"}, models,

@@ -249,7 +249,7 @@ TEST_CASE("scaling down averages areas, scaling up keeps flat regions, grey is l
   REQUIRE(grey.type() == CV_8UC1);
   for (int y = 0; y < 6; ++y)
     for (int x = 0; x < 8; ++x) {
-      const auto p = frame.at<cv::Vec3b>(y, x);
+      const auto& p = frame.at<cv::Vec3b>(y, x);
       CHECK_THAT(grey.at<std::uint8_t>(y, x), WithinAbs(0.114 * p[0] + 0.587 * p[1] + 0.299 * p[2], 0.51));
     }
 
@@ -283,7 +283,7 @@ TEST_CASE("what cannot be read is one clear line") {
   };
   std::filesystem::create_directory(folder / "empty");
   std::ofstream(folder / "text.mp4") << "dear diary\n";
-  std::ofstream(folder / "nothing.mp4");
+  std::ofstream(folder / "nothing.mp4") << "";
   std::ofstream(folder / "text.png") << "dear diary\n";
   fails_with(folder / "missing.mp4", "no such file");
   fails_with("", "empty");

@@ -324,7 +324,7 @@ TEST_CASE("States and rates by turns have the law they are drawn from", "[mcmc][
   check_joint(2000, 6, 40);
 }
 TEST_CASE("Closely: states and rates by turns have the law they are drawn from", "[mcmc][joint][slow]") {
-  check_joint(20000, 15, 60);
+  check_joint(10000, 15, 60);
 }
 
 TEST_CASE("The truth ranks anywhere among posterior draws", "[mcmc][joint]") {

@@ -224,7 +224,7 @@ TEST_CASE("Each move alone keeps the law of what is drawn", "[mcmc][forward]") {
   check_each_kept(2000);
 }
 TEST_CASE("Closely: each move alone keeps the law of what is drawn", "[mcmc][forward][slow]") {
-  check_each_kept(40000);
+  check_each_kept(20000);
 }
 
 TEST_CASE("Moves of all kinds keep the law of what is drawn", "[mcmc][forward]") {
@@ -233,7 +233,7 @@ TEST_CASE("Moves of all kinds keep the law of what is drawn", "[mcmc][forward]")
 }
 TEST_CASE("Closely: moves of all kinds keep the law of what is drawn", "[mcmc][forward][slow]") {
   check_kept(
-      "all", [](test::FreeChain& chain) { chain.step(true); }, 20000, false, 1000);
+      "all", [](test::FreeChain& chain) { chain.step(true); }, 10000, false, 1000);
 }
 
 TEST_CASE("A chain of a million moves without images has the law of what is drawn", "[mcmc][forward]") {
