@@ -166,7 +166,7 @@ void Synthesis::render() {
   ready_.clear();
   position_ = 0;
   for (std::size_t i = 0; i < kBatch; ++i) {
-    states.col(static_cast<Eigen::Index>(i)) = column_weights(texture_, state_);
+    if (states.rows() > 0) states.col(static_cast<Eigen::Index>(i)) = column_weights(texture_, state_);
     states_.push_back(state_);
     ready_.emplace_back(info.height, info.width, CV_MAKETYPE(CV_8U, info.channels));
     bytes[i] = ready_.back().data;

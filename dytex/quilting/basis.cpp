@@ -59,7 +59,9 @@ Eigen::MatrixXf sample(std::span<const Trajectories* const> sources, std::uint64
 
 // a · b by blocks of a's rows, on all threads.
 Eigen::MatrixXf product(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen::MatrixXf& b) {
+  if (a.cols() == 0) return Eigen::MatrixXf::Zero(a.rows(), b.cols());
   Eigen::MatrixXf out(a.rows(), b.cols());
+  if (b.cols() == 0) return out;
   const auto blocks = static_cast<std::size_t>((a.rows() + kBlock - 1) / kBlock);
   core::parallel_for(blocks, {}, [&](std::size_t i) {
     const auto first = static_cast<Eigen::Index>(i) * kBlock, rows = std::min(kBlock, a.rows() - first);
@@ -125,7 +127,7 @@ void project_pixels(const Trajectories& source, const Basis& basis, std::size_t 
               values(j, i);
       continue;
     }
-    coefficients.noalias() += basis.directions.middleRows(c * course, course).transpose() * values;
+    if (k > 0) coefficients.noalias() += basis.directions.middleRows(c * course, course).transpose() * values;
     squares += values.colwise().squaredNorm().transpose().cast<double>();
   }
   if (basis.complete) return;
@@ -133,7 +135,8 @@ void project_pixels(const Trajectories& source, const Basis& basis, std::size_t 
     const std::size_t at = first + static_cast<std::size_t>(i);
     for (Eigen::Index j = 0; j < k; ++j)
       planes[static_cast<std::size_t>(j)].ptr<float>()[at] = coefficients(j, i);
-    const double left = squares[i] - coefficients.col(i).cast<double>().squaredNorm();
+    const double explained = k > 0 ? coefficients.col(i).cast<double>().squaredNorm() : 0;
+    const double left = squares[i] - explained;
     planes.back().ptr<float>()[at] = static_cast<float>(std::sqrt(std::max(left, 0.0)));
   }
 }

@@ -114,7 +114,8 @@ EMBERFOLD_INLINE void draw_stretch(const Batch& batch, Index first, Index count,
   do {
     const Index columns = std::min(kColumns, batch.components - k);
     const bool last = k + columns >= batch.components;
-    const float* values = batch.C + k * batch.values + first;
+    const float* values =
+        columns > 0 ? batch.C + k * batch.values + first : nullptr;  // no components: no matrix
     for (Index row = 0; row < count; row += Rows::kRows)
       for (Index frame = 0; frame < kBatch; frame += kFrames) {
         Rows tile;
@@ -123,7 +124,7 @@ EMBERFOLD_INLINE void draw_stretch(const Batch& batch, Index first, Index count,
           tile.start(batch.mean + first + row);
         else
           tile.take_up(kept);
-        tile.add(values + row, batch.values, batch.states + k * kBatch + frame, columns);
+        if (columns > 0) tile.add(values + row, batch.values, batch.states + k * kBatch + frame, columns);
         if (!last)
           tile.put_down(kept);
         else

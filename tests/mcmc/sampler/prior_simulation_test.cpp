@@ -236,7 +236,7 @@ TEST_CASE("Closely: moves of all kinds keep the law of what is drawn", "[mcmc][f
       "all", [](test::FreeChain& chain) { chain.step(true); }, 10000, false, 1000);
 }
 
-TEST_CASE("A chain of a million moves without images has the law of what is drawn", "[mcmc][forward]") {
+TEST_CASE("A chain of a million moves without images has the law of what is drawn", "[mcmc][forward][slow]") {
   check_prior(1000000, 100000);
 }
 
