@@ -118,7 +118,7 @@ EMBERFOLD_INLINE void draw_stretch(const Batch& batch, Index first, Index count,
         columns > 0 ? batch.C + k * batch.values + first : nullptr;  // no components: no matrix
     for (Index row = 0; row < count; row += Rows::kRows)
       for (Index frame = 0; frame < kBatch; frame += kFrames) {
-        Rows tile;
+        Rows tile;  // NOLINT(cppcoreguidelines-pro-type-member-init): the next lines fill it
         float* const kept = sums + row * kBatch + frame * Rows::kRows;
         if (k == 0)
           tile.start(batch.mean + first + row);
