@@ -25,8 +25,8 @@ bool is_finite(const Level& level) {
 bool is_finite(const Patch& p) {
   return std::isfinite(p.position.x) && std::isfinite(p.position.y) && std::isfinite(p.theta) &&
          std::isfinite(p.width) && std::isfinite(p.blur) && std::isfinite(p.contrast) &&
-         std::isfinite(p.cost) && std::isfinite(p.gain) && is_finite(p.left) && is_finite(p.middle) &&
-         is_finite(p.right) && std::isfinite(p.hollow) && is_finite(p.between);
+         std::isfinite(p.cost) && std::isfinite(p.gain) && std::isfinite(p.evidence) && is_finite(p.left) &&
+         is_finite(p.middle) && is_finite(p.right) && std::isfinite(p.hollow) && is_finite(p.between);
 }
 
 /// Sorts the vertices; refuses repeated ids and numbers that are not finite.

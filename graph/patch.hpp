@@ -70,10 +70,11 @@ struct Patch {
   double contrast = 0;  ///< luma, signed: blurred peak of a line above the mean of its sides (ridge > 0 >
                         ///< valley); that of the two lines of a double ridge; right − left of a step
   Level left{}, middle{}, right{};
-  double hollow = 0;  ///< px, 0…width: width of the gap in a double ridge's core; 0: no gap
-  Level between{};    ///< level in the gap
-  double cost = 0;    ///< nats, ≥ 0: description length of the numbers above; 0: not computed
-  double gain = 0;    ///< nats saved in coding the frame, less the cost; 0: not computed
+  double hollow = 0;    ///< px, 0…width: width of the gap in a double ridge's core; 0: no gap
+  Level between{};      ///< level in the gap
+  double cost = 0;      ///< nats, ≥ 0: description length of the numbers above; 0: not computed
+  double gain = 0;      ///< nats saved in coding the frame, less the cost; 0: not computed
+  double evidence = 0;  ///< nats, ≥ 0: for the curve that the patch lies on, against texture; 0: not computed
 
   bool operator==(const Patch&) const = default;
 };

@@ -14,6 +14,7 @@
 #include "core/text/check_range.hpp"
 #include "sketch/detection/colour.hpp"
 #include "sketch/detection/contrast_gaps.hpp"
+#include "sketch/detection/crease_map.hpp"
 #include "sketch/detection/creases.hpp"
 #include "sketch/detection/crossings.hpp"
 #include "sketch/detection/curve_tracing.hpp"
@@ -21,6 +22,7 @@
 #include "sketch/detection/junctions.hpp"
 #include "sketch/detection/lobes.hpp"
 #include "sketch/detection/scale_space.hpp"
+#include "sketch/detection/weak_lines.hpp"
 #include "sketch/patches/double_ridges.hpp"
 #include "sketch/patches/patch_placement.hpp"
 #include "sketch/patches/patch_smoothing.hpp"
@@ -35,10 +37,40 @@ namespace {
 constexpr double kVisible = 1;  // grey level: what differs by less looks the same
 
 // Many faint points count as much as few strong ones.
-double evidence(const Chain& chain) {
+double total_significance(const Chain& chain) {
   double squares = 0;
   for (const CreasePoint& p : chain.points) squares += p.significance * p.significance;
   return std::sqrt(squares);
+}
+
+// Limits that follow from the sensitivity; at 0.5 they are those of the options.
+struct Limits {
+  double significance, total_significance;  // of curves found point by point
+  WeakLineLimits weak;
+};
+
+Limits make_limits(const ExtractOptions& options) {
+  constexpr double kEvidence = 7, kEvidenceOctaves = 6;  // nats at 0.5; factors of two from 0 to 1
+  constexpr double kOctaves = 2,
+                   kMoreSensitive = 1.2;  // of the significance below 0.5; SD of a response above it
+  const double more = options.sensitivity - 0.5, strict = std::exp2(kOctaves * std::max(0.0, -more));
+  return {strict * options.significance,
+          strict * options.min_evidence,
+          {kUsualResponse - kMoreSensitive * std::max(0.0, more), options.min_contrast,
+           kEvidence * std::exp2(-kEvidenceOctaves * more), 0.5 * options.min_length}};
+}
+
+// Every patch gets the evidence of its curve, a junction that of its best curve.
+graph::AttributeGraph with_evidence_of_curves(const graph::AttributeGraph& graph) {
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  std::vector<double> best(vertices.size(), 0);
+  for (const graph::Curve& curve : graph::curves(graph)) {
+    double nats = 0;
+    for (const auto v : curve) nats += graph.patch(v).evidence;
+    for (const auto v : curve) best[v] = std::max(best[v], nats);
+  }
+  for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v].patch.evidence = best[v];
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
 }
 
 // The two axes of colour as further channels of both.
@@ -57,6 +89,7 @@ void add_colour(ScaleSpace& space, NoiseLevels& ground, const cv::Mat& levels,
 }  // namespace
 
 void ExtractOptions::validate() const {
+  core::check_range("ExtractOptions.sensitivity", sensitivity, 0, 1);
   core::check_range("ExtractOptions.finest_scale", finest_scale, 0.7, 20);
   core::check_range("ExtractOptions.scales", scales, 1, 12);
   core::check_above("ExtractOptions.significance", significance, 0);
@@ -97,7 +130,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   NoiseLevels ground = measure_noise_levels(space, noise);
   if (options.colour && levels.channels() == 3) add_colour(space, ground, levels, options);
 
-  const CreaseLimits low{options.hysteresis * options.significance, options.min_contrast};
+  const Limits limits = make_limits(options);
+  const CreaseLimits low{options.hysteresis * limits.significance, options.min_contrast};
   auto [ridges, valleys] = find_lines(space, ground, low);
   thin_parallel_points(ridges, space);
   thin_parallel_points(valleys, space);
@@ -109,30 +143,32 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   const CreaseMap all_ridges = ridges;  // its index is that of what is left
   remove_lobes(ridges, valleys, space);
   remove_lobes(valleys, all_ridges, space);
-  const TracingLimits limits{options.significance};
-  std::vector<Chain> chains = trace_curves(ridges, space, limits);
+  const TracingLimits begins{limits.significance};
+  std::vector<Chain> chains = trace_curves(ridges, space, begins);
   const auto add = [&](std::vector<Chain> more) {
     chains.insert(chains.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   };
-  add(trace_curves(valleys, space, limits));
+  add(trace_curves(valleys, space, begins));
   if (options.edges) {
     CreaseMap steps = find_steps(space, ground, {low.significance, 2 * low.contrast});
     remove_flanks(steps, ridges, space);
     remove_flanks(steps, valleys, space);
     thin_parallel_points(steps, space);
-    add(trace_curves(steps, space, limits));
+    add(trace_curves(steps, space, begins));
   }
   chains = remove_lobe_curves(remove_hooks(std::move(chains)), space, luma.size());
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   const auto without_crumbs = [&](std::vector<Chain>& from) {
     std::erase_if(from, [&](const Chain& c) {
-      return arc_lengths(c).back() < 0.5 * options.min_length || evidence(c) < options.min_evidence;
+      return arc_lengths(c).back() < 0.5 * options.min_length ||
+             total_significance(c) < limits.total_significance;
     });
   };
   without_crumbs(chains);
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
   chains = cut_at_contrast_gaps(chains, space, {kHalf, noise});
   without_crumbs(chains);
+  add(find_weak_lines(chains, space, noise, limits.weak));
   const CurveNetwork network =
       prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
   std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
@@ -142,6 +178,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   graph::AttributeGraph strokes = remove_flank_curves(
       refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
              axes, {options.spacing, options.blobs, previous}));
+  strokes = with_evidence_of_curves(strokes);
   if (options.double_ridges) strokes = merge_double_ridges(strokes, levels, axes[0], options.spacing);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});

@@ -11,9 +11,12 @@ namespace emberfold::sketch {
 
 /// Holds the settings of extract().
 struct ExtractOptions {
+  /// 0…1: how much is drawn, from little that is sure to all that may be there; moves along the curve of
+  /// precision and recall.
+  double sensitivity = 0.5;
   double finest_scale = 1.2;  ///< px, 0.7…20: SD of the finest Gaussian
   int scales = 5;             ///< 1…12, each √2 above the one before
-  double significance = 6;    ///< > 0: SD of the noise response at which a curve begins
+  double significance = 6;    ///< > 0: SD of the noise response at which a curve begins that its points show
   double hysteresis = 0.4;    ///< above 0, up to 1: share of `significance` down to which a curve goes on
   double min_contrast = 2;    ///< grey levels, ≥ 0: fainter strokes are left out
   double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out

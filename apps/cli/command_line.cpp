@@ -46,7 +46,9 @@ std::string with_option_name(const std::string& message, const std::string& fiel
   return with_name(message, field, option_name(field));
 }
 
-void add_no_edges(CLI::App& command, sketch::ExtractOptions& options) {
+void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options) {
+  add_number(command, "--sensitivity", options.sensitivity, "S",
+             "Draw little that is sure (0) up to all that may be there (1)");
   command.add_flag_callback(
       "--no-edges", [&options] { options.edges = false; }, "Sketch ridges and valleys only, no step edges");
 }

@@ -63,8 +63,8 @@ void finish_command(CLI::App& command, CommandLine& line, const std::shared_ptr<
 /// Adds --set; the command adds to the result what can be set.
 std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line);
 
-/// Adds --no-edges, which many people set.
-void add_no_edges(CLI::App& command, sketch::ExtractOptions& options);
+/// Adds --sensitivity and --no-edges, which many people set.
+void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options);
 
 struct Reading {
   std::string clip, range;

@@ -56,7 +56,7 @@ void add_analyze(CLI::App& app, CommandLine& line) {
   auto& options = asked->options;
   command->add_flag("--bottom-up", options.bottom_up,
                     "Skip the sampler: every event of the match has probability 1");
-  add_no_edges(*command, options.sketch);
+  add_sketch_options(*command, options.sketch);
   command->add_flag("--reconstruction", options.reconstruction,
                     "Write reconstruction.avi too, and measure the PSNR of every frame");
   add_number(*command, "--texture", options.texture, "N",

@@ -102,7 +102,7 @@ void add_compare(CLI::App& app, CommandLine& line) {
   auto& options = asked->options;
   add_number(*command, "--frames", options.frames, "N",
              "Draw this many frames from each model; 0: as many as the clip has");
-  add_no_edges(*command, options.sketch);
+  add_sketch_options(*command, options.sketch);
   const auto settings = add_settings(*command, line);
   settings->add("compare", options);
   settings->add("sketch", options.sketch);

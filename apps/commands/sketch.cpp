@@ -247,7 +247,7 @@ void add_sketch(CLI::App& app, CommandLine& line) {
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
   add_drawing(*command, *asked);
-  add_no_edges(*command, asked->request.extract);
+  add_sketch_options(*command, asked->request.extract);
   command->add_flag("--warm", asked->request.warm,
                     "Start each sketch from that of the frame before, against flicker");
   const auto settings = add_settings(*command, line);

@@ -17,9 +17,9 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr std::array<std::string_view, 16> kVertexKeys = {
-    "id",       "subgraph", "type",   "x",     "y",       "theta",  "width", "blur",
-    "contrast", "left",     "middle", "right", "between", "hollow", "cost",  "gain"};
+constexpr std::array<std::string_view, 17> kVertexKeys = {
+    "id",   "subgraph", "type",  "x",       "y",      "theta", "width", "blur",    "contrast",
+    "left", "middle",   "right", "between", "hollow", "cost",  "gain",  "evidence"};
 enum VertexKey : unsigned {
   kId,
   kSubgraph,
@@ -36,7 +36,8 @@ enum VertexKey : unsigned {
   kBetween,
   kHollow,
   kCost,
-  kGain
+  kGain,
+  kEvidence
 };
 constexpr std::array<std::string_view, 4> kFrameKeys = {"frame", "vertices", "edges", "links"};
 enum FrameKey : unsigned { kFrame, kVertices, kEdges, kLinks };
@@ -292,6 +293,9 @@ class Handler {
         return true;
       case kGain:
         vertex.patch.gain = value;
+        return true;
+      case kEvidence:
+        vertex.patch.evidence = value;
         return true;
       default:
         level().fill(to_float(value));

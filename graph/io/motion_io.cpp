@@ -65,6 +65,7 @@ void append_vertex(std::string& text, const Vertex& vertex) {
   }
   if (patch.cost != 0) append_field(text, "cost", patch.cost);
   if (patch.gain != 0) append_field(text, "gain", patch.gain);
+  if (patch.evidence != 0) append_field(text, "evidence", patch.evidence);
   text += '}';
 }
 

@@ -31,15 +31,16 @@ std::string describe_range_error(const Patch& patch) {
     const char* name;
     double value, least, most = kLargest;
   };
-  const std::array<Field, 9> fields{{{"x", patch.position.x, -kLargest},
-                                     {"y", patch.position.y, -kLargest},
-                                     {"theta", patch.theta, -kLargest},
-                                     {"width", patch.width, 0},
-                                     {"blur", patch.blur, 0},
-                                     {"hollow", patch.hollow, 0},
-                                     {"contrast", patch.contrast, -kLargest},
-                                     {"cost", patch.cost, 0, kMostNats},
-                                     {"gain", patch.gain, -kMostNats, kMostNats}}};
+  const std::array<Field, 10> fields{{{"x", patch.position.x, -kLargest},
+                                      {"y", patch.position.y, -kLargest},
+                                      {"theta", patch.theta, -kLargest},
+                                      {"width", patch.width, 0},
+                                      {"blur", patch.blur, 0},
+                                      {"hollow", patch.hollow, 0},
+                                      {"contrast", patch.contrast, -kLargest},
+                                      {"cost", patch.cost, 0, kMostNats},
+                                      {"gain", patch.gain, -kMostNats, kMostNats},
+                                      {"evidence", patch.evidence, 0, kMostNats}}};
   for (const Field& field : fields) {
     if (auto text = check(field.name, field.value, field.least, field.most); !text.empty()) return text;
   }

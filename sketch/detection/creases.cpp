@@ -11,6 +11,7 @@
 
 #include "core/math/robust.hpp"
 #include "core/math/simd_clones.hpp"
+#include "sketch/detection/crease_map.hpp"
 
 namespace emberfold::sketch {
 
@@ -18,14 +19,8 @@ using graph::Point;
 
 namespace {
 
-// A line of Gaussian profile with SD s and height h responds with h·s / (s² + σ²)^{3/2}; the normalised
-// response σ^{3/2}·λ is greatest at σ = s, where h = 2^{3/2} σ² λ.
-constexpr double kLineContrast = 2.8284271247461903;
 // A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
 constexpr double kStepContrast = 3.5449077018110318;
-// Largest distance of the subpixel place from the pixel's centre (Steger: 0.5; a margin keeps lines
-// connected).
-constexpr double kPixelReach = 0.6;
 
 // Derivatives at places of a row, and the eigenvalue of greater magnitude of each Hessian with its direction.
 struct Principals {
@@ -90,52 +85,6 @@ class FoundRow {
   std::vector<float> values_;
   std::vector<std::uint8_t> marks_;
 };
-
-// A map to which points are added; their theta comes last, as most give way to others.
-struct Growing {
-  CreaseMap map;
-  std::vector<Point> normals;  // of the map's points
-
-  // True if a point of this strength would be kept.
-  [[nodiscard]] bool beats(int x, int y, double strength) const {
-    const int slot = map.index(y, x);
-    return slot < 0 || strength > map.points[static_cast<std::size_t>(slot)].strength;
-  }
-
-  void put(int x, int y, const CreasePoint& point, Point normal) {
-    int& slot = map.index(y, x);
-    if (slot < 0) {
-      slot = static_cast<int>(map.points.size());
-      map.points.push_back(point);
-      normals.push_back(normal);
-    } else if (const auto i = static_cast<std::size_t>(slot); point.strength > map.points[i].strength) {
-      map.points[i] = point;
-      normals[i] = normal;
-    }
-  }
-
-  CreaseMap finish() {
-    for (std::size_t i = 0; i < normals.size(); ++i)
-      map.points[i].theta = std::atan2(-normals[i].x, normals[i].y);
-    return std::move(map);
-  }
-};
-
-// The frame is mirrored at its border, which makes a line there of any slope: a line must show both its
-// sides.
-bool inside(const cv::Mat1i& frame, Point p) {
-  return p.x >= 0 && p.y >= 0 && p.x <= frame.cols - 1 && p.y <= frame.rows - 1;
-}
-
-constexpr std::size_t kUsualShare = 8;  // of all pixels, one in so many has a point of a kind, or fewer
-
-Growing empty_map(const ScaleSpace& space, CreaseKind kind) {
-  const cv::Mat1f& smooth = space.front().smooth;
-  Growing map{{kind, {}, make_empty_index({smooth.cols - 2, smooth.rows - 2})}, {}};
-  map.map.points.reserve(map.map.index.total() / kUsualShare);
-  map.normals.reserve(map.map.points.capacity());
-  return map;
-}
 
 // find_lines for a whole row in single precision: the eigenvalue of greater magnitude where it reaches
 // `least` and the subpixel place lies near enough, 0 elsewhere. The thousandth given away is more than single
@@ -225,10 +174,6 @@ int first_sample(int size, int step) {
   return first;
 }
 
-double line_contrast(double sigma) {
-  return kLineContrast * sigma * sigma;
-}
-
 // Level at which points are searched, and its limits.
 struct AtLevel {
   int number;
@@ -250,7 +195,7 @@ double third_derivative(const ScaleLevel& level, int x, int y, Point normal, dou
 // Puts the line through a pixel of row y into the map, if there is one. On a slope the response rises to one
 // side, so that the pixel's own depends on where in it the line runs; scales, whose lines lie beside each
 // other there, would take turns. What the rise at the line's subpixel place adds is taken for that.
-void put_line(Growing& map, const Principals& row, std::size_t i, int y, const ScaleLevel& level,
+void put_line(CreaseMapBuilder& map, const Principals& row, std::size_t i, int y, const ScaleLevel& level,
               const AtLevel& of) {
   constexpr double kLeastShare = 0.7, kMostShare = 1.4;  // of the pixel's own response
   const double value = double{row.value[i]}, sigma = level.sigma;
@@ -261,8 +206,8 @@ void put_line(Growing& map, const Principals& row, std::size_t i, int y, const S
   const double nx = double{row.nx[i]}, ny = double{row.ny[i]};
   const double t = -(g.x * nx + g.y * ny) / value;
   if (std::abs(t * nx) > kPixelReach || std::abs(t * ny) > kPixelReach) return;
-  const cv::Mat1i& frame = map.map.index;
-  if (!inside(frame, {x + sigma * nx, y + sigma * ny}) || !inside(frame, {x - sigma * nx, y - sigma * ny}))
+  if (!lies_inside(map.size(), {x + sigma * nx, y + sigma * ny}) ||
+      !lies_inside(map.size(), {x - sigma * nx, y - sigma * ny}))
     return;
   const double risen = 1 + t * third_derivative(level, x, y, {nx, ny}, value, t) / value;
   const double response = std::abs(value) * std::clamp(risen, kLeastShare, kMostShare);
@@ -273,7 +218,8 @@ void put_line(Growing& map, const Principals& row, std::size_t i, int y, const S
            response / of.ground,
            response * of.normalise,
            response * line_contrast(sigma),
-           of.number},
+           of.number,
+           point_evidence(response / of.ground, sigma)},
           {nx, ny});
 }
 
@@ -327,7 +273,8 @@ void look_ahead(const cv::Mat1f& magnitude, int y, double sigma, StepRow& row) {
 }
 
 // Puts a step of a row into the map, if it is one.
-void put_step(Growing& map, const StepRow& row, std::size_t i, int y, double sigma, const AtLevel& of) {
+void put_step(CreaseMapBuilder& map, const StepRow& row, std::size_t i, int y, double sigma,
+              const AtLevel& of) {
   const double here = row.here[i], nx = row.nx[i], ny = row.ny[i];
   const double bend = 2 * here - (row.ahead[i] + row.behind[i]);
   if (bend <= 0) return;
@@ -343,7 +290,8 @@ void put_step(Growing& map, const StepRow& row, std::size_t i, int y, double sig
            rise / of.ground,
            rise * of.normalise,
            rise * step_contrast(sigma),
-           of.number},
+           of.number,
+           point_evidence(rise / of.ground, sigma)},
           {nx, ny});
 }
 
@@ -385,8 +333,8 @@ NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
 }
 
 CreaseLines find_lines(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits) {
-  Growing ridges = empty_map(space, CreaseKind::ridge), valleys = empty_map(space, CreaseKind::valley);
-  const int width = ridges.map.index.cols, height = ridges.map.index.rows;
+  CreaseMapBuilder ridges(space, CreaseKind::ridge), valleys(space, CreaseKind::valley);
+  const int width = ridges.size().width, height = ridges.size().height;
   FoundRow found(width);
   Principals places(width);
   for (std::size_t k = 0; k < space.size(); ++k) {
@@ -416,8 +364,8 @@ CreaseLines find_lines(const ScaleSpace& space, const NoiseLevels& ground, Creas
 }
 
 CreaseMap find_steps(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits) {
-  Growing map = empty_map(space, CreaseKind::step);
-  const int width = map.map.index.cols, height = map.map.index.rows;
+  CreaseMapBuilder map(space, CreaseKind::step);
+  const int width = map.size().width, height = map.size().height;
   FoundRow found(width);
   StepRow steps(width);
   cv::Mat1f magnitude(height, width);

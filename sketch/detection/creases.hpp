@@ -22,6 +22,7 @@ struct CreasePoint {
   double strength = 0;      ///< scale-normalised, comparable between scales (Lindeberg 1998)
   double contrast = 0;  ///< grey levels ≥ 0, of a line or step of the size that responds best at this scale
   int level = 0;        ///< of the scale space
+  double evidence = 0;  ///< nats that speak for a crease here, against texture
 };
 
 /// Holds all crease points of one kind, at most one a pixel.

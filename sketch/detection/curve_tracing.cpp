@@ -196,6 +196,12 @@ std::size_t median_level(std::span<const CreasePoint> points, const ScaleSpace& 
   return static_cast<std::size_t>(core::median(std::move(levels)));
 }
 
+double evidence(const Chain& chain) {
+  double nats = 0;
+  for (const CreasePoint& p : chain.points) nats += p.evidence;
+  return nats;
+}
+
 std::vector<Chain> trace_curves(const CreaseMap& map, const ScaleSpace& space, TracingLimits limits) {
   return Linker(map, space, limits).run();
 }

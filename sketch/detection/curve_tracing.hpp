@@ -17,6 +17,9 @@ struct Chain {
   std::array<int, 2> gap{0, 0};     ///< number of the gap at its first and last end, 0: none
 };
 
+/// Returns the sum of the evidence of a curve's points, nats.
+double evidence(const Chain& chain);
+
 /// Holds where curves begin.
 struct TracingLimits {
   double seed;  ///< significance at which a curve begins; it goes on as far as the map has points

@@ -197,11 +197,21 @@ class Cutter {
                      options);
   }
 
+  // Of the points that are nearer to this patch than to others.
+  [[nodiscard]] double evidence_near(const Station& station) const {
+    const Ruler& ruler = rulers_[station.chain];
+    double nats = 0;
+    visit_around(ruler, wrapped(ruler, station.s), 0.5 * spacing_,
+                 [&](std::size_t i, double) { nats += ruler.chain.points[i].evidence; });
+    return nats;
+  }
+
   std::uint32_t add(const Station& station, bool moves) {
     const auto id = static_cast<std::uint32_t>(vertices_.size());
     const Ruler& ruler = rulers_[station.chain];
     shapes_.push_back(shape_at(ruler, wrapped(ruler, station.s)));
     vertices_.push_back({VertexId{id}, {}, fit(station, shapes_.back(), 0, moves)});
+    vertices_.back().patch.evidence = evidence_near(station);
     stations_.push_back(station);
     return id;
   }
@@ -231,7 +241,8 @@ class Cutter {
       const double usual = 0.5 * (around[around.size() / 2] + around[(around.size() - 1) / 2]);
       const std::uint32_t id = ids[static_cast<std::size_t>(i)];
       if (std::abs(usual - offset[static_cast<std::size_t>(i)]) > kOtherwise)
-        vertices_[id].patch = fit(stations_[id], shapes_[id], usual, false);
+        vertices_[id].patch = fit(stations_[id], shapes_[id], usual, false),
+        vertices_[id].patch.evidence = evidence_near(stations_[id]);
     }
   }
 

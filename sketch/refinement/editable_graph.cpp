@@ -51,7 +51,7 @@ EditableGraph::EditableGraph(const graph::AttributeGraph& graph) : neighbours_(g
 double EditableGraph::length() const {
   double nats = 0;
   for (Slot slot = 0; slot < slots(); ++slot)
-    if (holds(slot)) nats += degree_cost(degree(slot)) - patch(slot).gain;
+    if (holds(slot)) nats += degree_cost(degree(slot)) - worth(patch(slot));
   return nats;
 }
 
@@ -76,13 +76,13 @@ double EditableGraph::change(const GraphEdit& edit) const {
   };
   double nats = 0;
   for (const Slot slot : edit.remove_patches) {
-    nats -= degree_cost(degree(slot)) - patch(slot).gain;
+    nats -= degree_cost(degree(slot)) - worth(patch(slot));
     if (const std::size_t turn = find(slot); turn < kept) done[turn] = 1;
   }
   for (const auto& [slot, patch] : edit.add_patches) {
     const std::size_t turn = find(slot);
     const bool turns_here = turn < kept && done[turn] == 0;
-    nats += degree_cost(turns_here ? static_cast<std::size_t>(turns[turn].second) : 0) - patch.gain;
+    nats += degree_cost(turns_here ? static_cast<std::size_t>(turns[turn].second) : 0) - worth(patch);
     if (turns_here) done[turn] = 1;
   }
   for (std::size_t i = 0; i < kept; ++i)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -30,8 +31,15 @@ struct GraphEdit {
 /// meet unless the frame contradicts it.
 double degree_cost(std::size_t degree);
 
+/// Returns the nats that a patch is worth: its coding gain, or, where that is little, the evidence that there
+/// is a line: faint patches in a row may have that where each alone does not pay.
+inline double worth(const graph::Patch& patch) {
+  constexpr double kMostOfEvidence = 3;  // nats: keeps what is there, does not outvote what codes better
+  return std::max(patch.gain, std::min(patch.evidence, kMostOfEvidence));
+}
+
 /// Holds a sketch that is being edited, and computes the length of its frame's code:
-///   length = Σ over patches of (degree_cost − gain), nats, 0 without patches.
+///   length = Σ over patches of (degree_cost − worth), nats, 0 without patches.
 class EditableGraph {
  public:
   /// Takes a graph whose patches carry their gain. Slots are the vertices' indices.

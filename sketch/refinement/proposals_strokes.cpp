@@ -38,7 +38,7 @@ void cut_faded(ProposalBuilder& editor, const std::vector<Slot>& stroke) {
     const Patch& patch = draft.patch(stroke[i]);
     const double beside = std::min(std::abs(draft.patch(stroke[i - 1]).contrast),
                                    std::abs(draft.patch(stroke[i + 1]).contrast));
-    if (patch.gain > 0 || std::abs(patch.contrast) > 0.5 * beside) continue;
+    if (worth(patch) > 0 || std::abs(patch.contrast) > 0.5 * beside) continue;
     if (editor.visible_contrast(draft.patch(stroke[i - 1]), draft.patch(stroke[i - 1]).position,
                                 draft.patch(stroke[i + 1]).position, beside, 0.5) > 0.5)
       continue;

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/detection/oriented_response.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include <opencv2/imgproc.hpp>
+
+#include "core/math/fast_round.hpp"
+#include "core/math/simd_clones.hpp"
+
+namespace emberfold::sketch {
+
+using graph::Point;
+
+namespace {
+
+constexpr int kWays = 16, kStrip = 32;  // directions; rows that are worked on at once
+constexpr int kCell = 8;                // px: cells of the ground
+constexpr double kGroundReach = 20;     // px: SD of the window in which the ground is measured
+constexpr int kUnit = 1 << 12;          // of a response that is averaged, against the greatest that counts
+
+// Hessians with a margin to all sides, so that taps beyond the frame's border read its mirror image.
+struct Hessians {
+  int margin;
+  cv::Mat1f xx, xy, yy;
+};
+
+EMBERFOLD_SIMD_CLONES void hessian_row(const float* up, const float* mid, const float* down, int width,
+                                       float* __restrict xx, float* __restrict xy, float* __restrict yy) {
+  for (int x = 0; x < width; ++x) {
+    xx[x] = (mid[x] + mid[x + 2]) - 2 * mid[x + 1];
+    yy[x] = (up[x + 1] + down[x + 1]) - 2 * mid[x + 1];
+    xy[x] = 0.25F * ((down[x + 2] + up[x]) - (down[x] + up[x + 2]));
+  }
+}
+
+Hessians compute_hessians(const ScaleLevel& level, int margin) {
+  const cv::Rect inner(1, 1, level.smooth.cols - 2, level.smooth.rows - 2);
+  cv::Mat1f smooth;
+  cv::copyMakeBorder(level.smooth(inner), smooth, margin + 1, margin + 1, margin + 1, margin + 1,
+                     cv::BORDER_REFLECT | cv::BORDER_ISOLATED);
+  const cv::Size size(smooth.cols - 2, smooth.rows - 2);
+  Hessians h{margin, cv::Mat1f(size), cv::Mat1f(size), cv::Mat1f(size)};
+  for (int y = 0; y < size.height; ++y)
+    hessian_row(smooth[y], smooth[y + 1], smooth[y + 2], size.width, h.xx[y], h.xy[y], h.yy[y]);
+  return h;
+}
+
+// Second derivatives along the normals of two directions at right angles.
+EMBERFOLD_SIMD_CLONES void project_row(const float* xx, const float* xy, const float* yy, int width, float cc,
+                                       float ss, float cs, float* __restrict a, float* __restrict b) {
+  for (int x = 0; x < width; ++x) {
+    const float mixed = 2 * cs * xy[x];
+    a[x] = (ss * xx[x] + cc * yy[x]) - mixed;
+    b[x] = (cc * xx[x] + ss * yy[x]) + mixed;
+  }
+}
+
+// Σ weight·(before + after): mirrored rows give the same bits.
+EMBERFOLD_SIMD_CLONES void average_row(const float* const* before, const float* const* after,
+                                       const float* weight, int taps, int width, float* __restrict out) {
+  const float* middle = before[0];
+  for (int x = 0; x < width; ++x) out[x] = weight[0] * middle[x];
+  int i = 1;
+  for (; i + 1 < taps; i += 2) {
+    const float *a = before[i], *b = after[i], *c = before[i + 1], *d = after[i + 1];
+    const float w = weight[i], v = weight[i + 1];
+    for (int x = 0; x < width; ++x) out[x] = (out[x] + w * (a[x] + b[x])) + v * (c[x] + d[x]);
+  }
+  for (; i < taps; ++i) {
+    const float *a = before[i], *b = after[i];
+    const float w = weight[i];
+    for (int x = 0; x < width; ++x) out[x] += w * (a[x] + b[x]);
+  }
+}
+
+// The greatest responses so far, of a row: of both signs with their directions (whole numbers, but as wide as
+// the responses, for vectors), and that across the strongest.
+struct Greatest {
+  float *ridge, *valley, *ridge_way, *valley_way, *strongest, *across;
+};
+
+EMBERFOLD_SIMD_CLONES void raise_row(const float* a, const float* b, int width, float first, float second,
+                                     float* __restrict ridge, float* __restrict valley,
+                                     float* __restrict ridge_way, float* __restrict valley_way,
+                                     float* __restrict strongest, float* __restrict across) {
+  for (int x = 0; x < width; ++x) {
+    const bool less = a[x] < b[x];
+    const float low = less ? a[x] : b[x], high = less ? b[x] : a[x];
+    const float low_way = less ? first : second, high_way = less ? second : first;
+    const bool brighter = -low > ridge[x], darker = high > valley[x];
+    ridge_way[x] = brighter ? low_way : ridge_way[x];
+    ridge[x] = brighter ? -low : ridge[x];
+    valley_way[x] = darker ? high_way : valley_way[x];
+    valley[x] = darker ? high : valley[x];
+    const float size_low = std::abs(low), size_high = std::abs(high);
+    const float more = size_low < size_high ? size_high : size_low,
+                other = size_low < size_high ? size_low : size_high;
+    const bool stronger = more > strongest[x];
+    across[x] = stronger ? other : across[x];
+    strongest[x] = stronger ? more : strongest[x];
+  }
+}
+
+EMBERFOLD_SIMD_CLONES void narrow_row(const float* ways, int width, std::uint8_t* __restrict out) {
+  for (int x = 0; x < width; ++x) out[x] = static_cast<std::uint8_t>(static_cast<int>(ways[x]));
+}
+
+// From the first octant, so that mirrored and turned directions have the same bits.
+Point unit_vector(int way) {
+  if (way > kWays / 2) {
+    const Point u = unit_vector(kWays - way);
+    return {-u.x, u.y};
+  }
+  if (way > kWays / 4) {
+    const Point u = unit_vector(kWays / 2 - way);
+    return {u.y, u.x};
+  }
+  if (way == kWays / 4) return {std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2};
+  const double angle = way * std::numbers::pi / kWays;
+  return {std::cos(angle), std::sin(angle)};
+}
+
+// Taps are as far apart as the level's smoothness allows.
+void place_taps(OrientedResponse& r, double sigma, double along) {
+  constexpr double kApart = 1.6, kReach = 2.2;
+  const double extra = std::sqrt(std::max(along * along - sigma * sigma, 0.0)), apart = kApart * sigma;
+  const int count = extra > 0.5 * sigma ? static_cast<int>(std::ceil(kReach * extra / apart)) : 0;
+  double sum = 0;
+  for (int i = 0; i <= count; ++i) {
+    const double w = i == 0 ? 1 : std::exp(-0.5 * std::pow(i * apart / extra, 2));
+    r.weights.push_back(static_cast<float>(w));
+    sum += (i > 0 ? 2 : 1) * w;
+  }
+  for (float& w : r.weights) w = static_cast<float>(double{w} / sum);
+  for (int way = 0; way < kWays; ++way) {
+    r.ways.push_back(unit_vector(way));
+    std::vector<cv::Point> taps;
+    for (int i = 1; i <= count; ++i)
+      taps.emplace_back(static_cast<int>(std::lround(i * apart * r.ways.back().x)),
+                        static_cast<int>(std::lround(i * apart * r.ways.back().y)));
+    r.taps.push_back(std::move(taps));
+  }
+}
+
+// Averages along two directions at right angles, for a strip of rows.
+class Strip {
+ public:
+  Strip(const Hessians& h, const OrientedResponse& r, int width)
+      : h_(h),
+        r_(r),
+        width_(width),
+        a_(kStrip + 2 * h.margin, h.xx.cols),
+        b_(a_.size()),
+        along_a_(static_cast<std::size_t>(width)),
+        along_b_(along_a_.size()),
+        before_(r.weights.size()),
+        after_(before_.size()) {}
+
+  void project(int way, int y0, int rows) {
+    const Point u = r_.ways[static_cast<std::size_t>(way)];
+    const auto cc = static_cast<float>(u.x * u.x), ss = static_cast<float>(u.y * u.y),
+               cs = static_cast<float>(u.x * u.y);
+    for (int y = 0; y < rows + 2 * h_.margin; ++y)
+      project_row(h_.xx[y0 + y], h_.xy[y0 + y], h_.yy[y0 + y], h_.xx.cols, cc, ss, cs, a_[y], b_[y]);
+  }
+
+  // Of row y of the strip.
+  void raise(int way, int y, const Greatest& g) {
+    average(a_, y, way, along_a_);
+    average(b_, y, way + kWays / 2, along_b_);
+    raise_row(along_a_.data(), along_b_.data(), width_, static_cast<float>(way),
+              static_cast<float>(way + kWays / 2), g.ridge, g.valley, g.ridge_way, g.valley_way, g.strongest,
+              g.across);
+  }
+
+ private:
+  void average(const cv::Mat1f& from, int y, int way, std::vector<float>& out) {
+    const auto& taps = r_.taps[static_cast<std::size_t>(way)];
+    const int row = y + h_.margin, column = h_.margin;
+    before_[0] = after_[0] = from[row] + column;
+    for (std::size_t i = 0; i < taps.size(); ++i) {
+      before_[i + 1] = from[row - taps[i].y] + column - taps[i].x;
+      after_[i + 1] = from[row + taps[i].y] + column + taps[i].x;
+    }
+    average_row(before_.data(), after_.data(), r_.weights.data(), static_cast<int>(before_.size()), width_,
+                out.data());
+  }
+
+  const Hessians& h_;
+  const OrientedResponse& r_;
+  int width_;
+  cv::Mat1f a_, b_;
+  std::vector<float> along_a_, along_b_;
+  std::vector<const float*> before_, after_;
+};
+
+// Cells from one border of the frame to the other, all of one size.
+int cells(int size) {
+  return std::max(1, core::fast_round(static_cast<double>(size) / kCell));
+}
+
+// Gaussian blur of a small map, mirrored at its border; pairs are summed first.
+cv::Mat1d blurred(const cv::Mat1d& map, double sigma) {
+  const auto along = [sigma](const cv::Mat1d& from) {  // along columns; transposed
+    const int reach = static_cast<int>(std::ceil(3 * sigma));
+    cv::Mat1d to(from.cols, from.rows);
+    const auto mirrored = [&](int at) { return cv::borderInterpolate(at, from.rows, cv::BORDER_REFLECT); };
+    for (int x = 0; x < from.cols; ++x)
+      for (int y = 0; y < from.rows; ++y) {
+        double sum = from(y, x), weight = 1;
+        for (int i = 1; i <= reach; ++i) {
+          const double w = std::exp(-0.5 * i * i / (sigma * sigma));
+          sum += w * (from(mirrored(y - i), x) + from(mirrored(y + i), x));
+          weight += 2 * w;
+        }
+        to(x, y) = sum / weight;
+      }
+    return to;
+  };
+  return along(along(map));
+}
+
+double median_of(const cv::Mat1f& map) {
+  constexpr std::size_t kEnough = 20000;
+  const int step = 2 * static_cast<int>(0.5 * std::sqrt(static_cast<double>(map.total()) / kEnough)) + 1;
+  std::vector<float> values;
+  const auto first = [step](int size) {  // as far from its border as the last is from the other
+    int at = 0;
+    while (at + 1 < size && (size - 1 - 2 * at) % step != 0) ++at;
+    return std::min(at, std::max(0, (size - 1) / 2));
+  };
+  for (int y = first(map.rows); y < map.rows; y += step)
+    for (int x = first(map.cols); x < map.cols; x += step) values.push_back(map(y, x));
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return double{*middle};
+}
+
+// Local RMS of the responses across, of which single great ones (crossings, corners) count as three medians.
+cv::Mat1f local_ground(const cv::Mat1f& across, double least) {
+  const int columns = cells(across.cols), rows = cells(across.rows);
+  const double most = std::max(3 * median_of(across), least);
+  cv::Mat1d sum(rows, columns, 0.0), count(rows, columns, 0.0);
+  // Whole numbers: their sums are the same in any order, and so in a mirrored frame.
+  for (int y = 0; y < across.rows; ++y)
+    for (int x = 0; x < across.cols; ++x) {
+      const double share = std::min(double{across(y, x)} / most, 1.0);
+      const int row = (2 * y + 1) * rows / (2 * across.rows),
+                column = (2 * x + 1) * columns / (2 * across.cols);
+      sum(row, column) += std::round(kUnit * share * share);
+      count(row, column) += 1;
+    }
+  const double sigma = kGroundReach / kCell;
+  const cv::Mat1d total = blurred(sum, sigma), pixels = blurred(count, sigma);
+  cv::Mat1f ground(rows, columns);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x)
+      ground(y, x) =
+          static_cast<float>(std::max(least, most * std::sqrt(total(y, x) / (pixels(y, x) * kUnit))));
+  return ground;
+}
+
+}  // namespace
+
+void OrientedResponse::ground_row(int y, std::vector<float>& row) const {
+  const auto place = [](int at, int size, int count) {  // between the middles of cells
+    return std::clamp((at + 0.5) * count / size - 0.5, 0.0, count - 1.0);
+  };
+  const double v = place(y, ridge.rows, ground.rows);
+  const int top = static_cast<int>(v), below = std::min(top + 1, ground.rows - 1);
+  const auto fy = static_cast<float>(v - top);
+  std::vector<float> cell;
+  for (int x = 0; x < ground.cols; ++x) cell.push_back((1 - fy) * ground(top, x) + fy * ground(below, x));
+  cell.push_back(cell.back());
+  row.resize(static_cast<std::size_t>(ridge.cols));
+  const auto share = static_cast<float>(ground.cols) / static_cast<float>(ridge.cols),
+             last = static_cast<float>(ground.cols - 1);
+  for (int x = 0; x < ridge.cols; ++x) {
+    const float u = std::clamp((static_cast<float>(x) + 0.5F) * share - 0.5F, 0.0F, last);
+    const auto left = static_cast<std::size_t>(u);
+    const float fx = u - static_cast<float>(left);
+    row[static_cast<std::size_t>(x)] = (1 - fx) * cell[left] + fx * cell[left + 1];
+  }
+}
+
+OrientedResponse compute_oriented_response(const ScaleLevel& level, double along, double noise) {
+  OrientedResponse r;
+  place_taps(r, level.sigma, along);
+  const cv::Size size(level.smooth.cols - 2, level.smooth.rows - 2);
+  for (const auto& taps : r.taps)
+    for (const cv::Point tap : taps) r.reach = std::max({r.reach, std::abs(tap.x), std::abs(tap.y)});
+  const Hessians h = compute_hessians(level, r.reach);
+  r.ridge = cv::Mat1f(size, 0.0F), r.valley = cv::Mat1f(size, 0.0F);
+  r.ridge_way = cv::Mat1b(size, std::uint8_t{0}), r.valley_way = cv::Mat1b(size, std::uint8_t{0});
+  cv::Mat1f across(size, 0.0F), strongest(kStrip, size.width), ridge_way(kStrip, size.width),
+      valley_way(kStrip, size.width);
+  Strip strip(h, r, size.width);
+  for (int y0 = 0; y0 < size.height; y0 += kStrip) {
+    const int rows = std::min(kStrip, size.height - y0);
+    strongest = 0.0F, ridge_way = 0.0F, valley_way = 0.0F;
+    for (int way = 0; way < kWays / 2; ++way) {
+      strip.project(way, y0, rows);
+      for (int y = 0; y < rows; ++y)
+        strip.raise(
+            way, y,
+            {r.ridge[y0 + y], r.valley[y0 + y], ridge_way[y], valley_way[y], strongest[y], across[y0 + y]});
+    }
+    for (int y = 0; y < rows; ++y) {
+      narrow_row(ridge_way[y], size.width, r.ridge_way[y0 + y]);
+      narrow_row(valley_way[y], size.width, r.valley_way[y0 + y]);
+    }
+  }
+  const double total = std::max(along, level.sigma);
+  r.ground = local_ground(across, noise * level.hessian_sd * std::sqrt(level.sigma / total));
+  return r;
+}
+
+}  // namespace emberfold::sketch

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "sketch/detection/scale_space.hpp"
+
+namespace emberfold::sketch {
+
+/// Holds the second derivative of a level across a line, averaged along the line, in the directions in which
+/// it is greatest: a weak line shows by its length. Grey levels/px².
+struct OrientedResponse {
+  cv::Mat1f ridge, valley;          ///< ≥ 0, of a bright and of a dark line
+  cv::Mat1b ridge_way, valley_way;  ///< direction of that line: number of `ways`
+  cv::Mat1f ground;  ///< SD of the response where there is no line, in cells of the frame; see ground_row()
+  std::vector<graph::Point> ways;            ///< unit vectors
+  std::vector<std::vector<cv::Point>> taps;  ///< of each way: the pixels ahead over which is averaged
+  std::vector<float> weights;  ///< of the pixel itself and of its taps; twice their sum − the first = 1
+
+  int reach = 0;  ///< px, of the farthest tap
+
+  /// Writes the ground of row y of the frame, bilinear between cells. `row`: as wide as the frame.
+  void ground_row(int y, std::vector<float>& row) const;
+};
+
+/// Computes it. Averages along 16 directions with a Gaussian such that the whole filter has the SD `along` px
+/// (or that of the level, if greater). The ground is the local RMS of the response *across* the strongest
+/// direction: texture responds alike in all directions, a line does not raise its own ground. It is at least
+/// what white noise of SD `noise` gives. O(pixels · directions · taps).
+OrientedResponse compute_oriented_response(const ScaleLevel& level, double along, double noise);
+
+}  // namespace emberfold::sketch

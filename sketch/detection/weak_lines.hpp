@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "sketch/detection/curve_tracing.hpp"
+
+namespace emberfold::sketch {
+
+/// Holds the settings of find_weak_lines().
+struct WeakLineLimits {
+  double response;  ///< SD: points below it are left out
+  double contrast;  ///< grey levels, likewise
+  double evidence;  ///< nats that a curve needs
+  double length;    ///< px that a piece of a curve needs
+};
+
+/// Finds the lines that only their length shows: curves through the maxima of the response averaged along
+/// lines (oriented_response.hpp), in SD of its local ground. A point needs both its sides: what one side of
+/// the line differs from the other is taken off its response, and the slope across must nearly vanish. What
+/// lies on `strong`, the curves that were found without averaging, or is what averaging smears of those
+/// beyond their ends and into their gaps, is not found again. Luma's scales of 1 to 3 half octaves are used:
+/// the finest adds noise, coarser ones shading. O(pixels · scales · directions).
+std::vector<Chain> find_weak_lines(const std::vector<Chain>& strong, const ScaleSpace& space, double noise,
+                                   const WeakLineLimits& limits);
+
+}  // namespace emberfold::sketch
