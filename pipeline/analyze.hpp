@@ -26,7 +26,7 @@ namespace emberfold::pipeline {
 
 /// Holds the settings of analyze().
 struct AnalyzeOptions {
-  sketch::ExtractOptions sketch = {};
+  sketch::ExtractOptions sketch = {.sensitivity = kSteadySensitivity};
   graph::MatchOptions match = {};
   sketch::FillOptions fill = {};
   StartOptions starts = {};

@@ -31,7 +31,7 @@ constexpr int kFewestFrames = 8;
 
 /// Holds the settings of compare() and compare_models().
 struct CompareOptions {
-  sketch::ExtractOptions sketch;
+  sketch::ExtractOptions sketch = {.sensitivity = kSteadySensitivity};
   graph::MatchOptions match;
   sketch::FillOptions fill;
   dytex::LearnOptions

@@ -48,7 +48,7 @@ std::string with_option_name(const std::string& message, const std::string& fiel
 
 void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options) {
   add_number(command, "--sensitivity", options.sensitivity, "S",
-             "Draw little that is sure (0) up to all that may be there (1)");
+             "Draw what is sure (0) up to all there may be (1)");
   command.add_flag_callback(
       "--no-edges", [&options] { options.edges = false; }, "Sketch ridges and valleys only, no step edges");
 }

@@ -22,7 +22,7 @@ template <class Given, class Options>
 concept MaybeConst = std::same_as<std::remove_const_t<Given>, Options>;
 
 void visit_fields(MaybeConst<sketch::ExtractOptions> auto& o, auto&& visit) {
-  visit("sensitivity", o.sensitivity, "S", "Draw little that is sure (0) up to all that may be there (1)");
+  visit("sensitivity", o.sensitivity, "S", "Draw what is sure (0) up to all there may be (1)");
   visit("finest_scale", o.finest_scale, "PX", "SD of the finest Gaussian in which creases are detected");
   visit("scales", o.scales, "N", "Number of scales, each sqrt(2) times the one before");
   visit("significance", o.significance, "SD",

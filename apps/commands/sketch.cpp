@@ -239,7 +239,6 @@ void add_drawing(CLI::App& command, Sketch& asked) {
 void add_sketch(CLI::App& app, CommandLine& line) {
   auto* command =
       add_command(app, "sketch", "Extract the primal sketch of every frame, and draw the frame from it", R"(
-  emberfold sketch fire.mp4 -o out/sketch
   emberfold sketch photo.png -o out/photo --patches pixels
   emberfold sketch fire.mp4 -o out/film --anchors --film --heat-film 40
   emberfold sketch river.mp4 -o out/texture --fill julesz --range 0:10)");

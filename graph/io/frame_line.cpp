@@ -121,7 +121,8 @@ class Handler {
     }
     const bool hollow = ((seen_vertex_ >> kHollow) & 1U) != 0;
     require_all(kVertexKeys,
-                seen_vertex_ | 1U << kHollow | (hollow ? 0U : 1U << kBetween) | 1U << kCost | 1U << kGain,
+                seen_vertex_ | 1U << kHollow | (hollow ? 0U : 1U << kBetween) | 1U << kCost | 1U << kGain |
+                    1U << kEvidence,
                 vertex_name());
     if (const auto wrong = detail::describe_range_error(line.vertices.back().patch); !wrong.empty())
       fail(vertex_name() + wrong);

@@ -164,7 +164,7 @@ TEST_CASE("noise in luma is as strong in colour as in grey") {
       return count;
     };
     const auto weak = pipeline::sketch_starts(source, {}, with(4, 0.5), 3, {});
-    const auto strong = pipeline::sketch_starts(source, {}, with(4, 5), 3, {});
+    const auto strong = pipeline::sketch_starts(source, {}, with(4, 15), 3, {});
     CHECK(patches_at(weak.clip.sketch) > 40);
     CHECK(patches_at(weak.perturbed[0]) > 40);
     CHECK(patches_at(strong.perturbed[0]) < 20);
