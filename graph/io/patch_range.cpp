@@ -28,8 +28,8 @@ std::string describe_range_error(const Patch& patch) {
     return result + ", allowed is " + (least < 0 ? "-" + whole(most) : "0") + " to " + whole(most);
   };
   struct Field {
-    const char* name;
-    double value, least, most = kLargest;
+    const char* name = "";
+    double value = 0, least = 0, most = kLargest;
   };
   const std::array<Field, 10> fields{{{"x", patch.position.x, -kLargest},
                                       {"y", patch.position.y, -kLargest},

@@ -106,7 +106,8 @@ AttributeGraph graph_at_rest(const AttributeGraph& graph, std::span<const Deviat
     vertices.push_back({{v}, {}, graph.patch(v)});
     vertices[v].patch.position = graph.patch(v).position - deviation[v].offset;
     detail::scale_contrast(vertices[v].patch, std::exp(-deviation[v].gain));
-    vertices[v].patch.cost = vertices[v].patch.gain = vertices[v].patch.evidence = 0;  // they are the frame's, not the stroke's
+    // They are the frame's, not the stroke's.
+    vertices[v].patch.cost = vertices[v].patch.gain = vertices[v].patch.evidence = 0;
     for (const Index w : graph.neighbours(v))
       if (v < w) edges.push_back({{v}, {w}});
   }

@@ -17,10 +17,10 @@ using graph::Point;
 
 namespace {
 
-constexpr int kWays = 16, kStrip = 32;  // directions; rows that are worked on at once
-constexpr int kCell = 8;                // px: cells of the ground
-constexpr double kGroundReach = 20;     // px: SD of the window in which the ground is measured
-constexpr int kUnit = 1 << 12;          // of a response that is averaged, against the greatest that counts
+constexpr int kWays = 16, kTurned = kWays / 2, kStrip = 32;  // directions; rows that are worked on at once
+constexpr int kCell = 8;                                     // px: cells of the ground
+constexpr double kGroundReach = 20;  // px: SD of the window in which the ground is measured
+constexpr int kUnit = 1 << 12;       // of a response that is averaged, against the greatest that counts
 
 // Hessians with a margin to all sides, so that taps beyond the frame's border read its mirror image.
 struct Hessians {
@@ -171,9 +171,9 @@ class Strip {
   // Of row y of the strip.
   void raise(int way, int y, const Greatest& g) {
     average(a_, y, way, along_a_);
-    average(b_, y, way + kWays / 2, along_b_);
+    average(b_, y, way + kTurned, along_b_);
     raise_row(along_a_.data(), along_b_.data(), width_, static_cast<float>(way),
-              static_cast<float>(way + kWays / 2), g.ridge, g.valley, g.ridge_way, g.valley_way, g.strongest,
+              static_cast<float>(way + kTurned), g.ridge, g.valley, g.ridge_way, g.valley_way, g.strongest,
               g.across);
   }
 
@@ -302,7 +302,7 @@ OrientedResponse compute_oriented_response(const ScaleLevel& level, double along
   for (int y0 = 0; y0 < size.height; y0 += kStrip) {
     const int rows = std::min(kStrip, size.height - y0);
     strongest = 0.0F, ridge_way = 0.0F, valley_way = 0.0F;
-    for (int way = 0; way < kWays / 2; ++way) {
+    for (int way = 0; way < kTurned; ++way) {
       strip.project(way, y0, rows);
       for (int y = 0; y < rows; ++y)
         strip.raise(

@@ -87,7 +87,7 @@ double EditableGraph::change(const GraphEdit& edit) const {
   }
   for (std::size_t i = 0; i < kept; ++i)
     if (const auto& [slot, turn] = turns[i]; done[i] == 0)
-      nats += degree_cost(static_cast<std::size_t>(static_cast<int>(degree(slot)) + turn)) -
+      nats += degree_cost(static_cast<std::size_t>(static_cast<std::ptrdiff_t>(degree(slot)) + turn)) -
               degree_cost(degree(slot));
   return nats;
 }
