@@ -51,12 +51,12 @@ struct Limits {
 
 Limits make_limits(const ExtractOptions& options) {
   constexpr double kEvidence = 7, kEvidenceOctaves = 6;  // nats at 0.5; factors of two from 0 to 1
-  constexpr double kOctaves = 2,
-                   kMoreSensitive = 1.2;  // of the significance below 0.5; SD of a response above it
+  constexpr double kOctaves = 2;                         // of the significance below 0.5
+  constexpr double kBegins = 2.8, kMoreSensitive = 1.6;  // SD of a response up to 0.5, and less above
   const double more = options.sensitivity - 0.5, strict = std::exp2(kOctaves * std::max(0.0, -more));
   return {strict * options.significance,
           strict * options.min_evidence,
-          {kUsualResponse - kMoreSensitive * std::max(0.0, more), options.min_contrast,
+          {kBegins - kMoreSensitive * std::max(0.0, more), options.min_contrast,
            kEvidence * std::exp2(-kEvidenceOctaves * more), 0.5 * options.min_length}};
 }
 
