@@ -178,8 +178,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   graph::AttributeGraph strokes = remove_flank_curves(
       refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
              axes, {options.spacing, options.blobs, previous}));
-  strokes = with_evidence_of_curves(strokes);
   if (options.double_ridges) strokes = merge_double_ridges(strokes, levels, axes[0], options.spacing);
+  strokes = with_evidence_of_curves(strokes);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;

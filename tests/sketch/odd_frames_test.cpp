@@ -187,7 +187,7 @@ TEST_CASE("A 16-bit frame gives the sketch of its 8-bit twin, and shows what 8 b
   dark.white = 0.2 * 257;
   const AttributeGraph found = sketch::extract(core::to_levels(words, dark), {});
   REQUIRE(found.size() >= 8);
-  for (std::size_t i = 0; i < found.size(); ++i) CHECK(off_the_bar(found.patch(i).position) < 0.7);
+  for (std::size_t i = 0; i < found.size(); ++i) CHECK(off_the_bar(found.patch(i).position) < 0.5);
   CHECK(sketch::extract(core::to_levels(bytes, eight), {}).empty());
 }
 

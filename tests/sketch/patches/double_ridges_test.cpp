@@ -177,9 +177,7 @@ TEST_CASE("A double ridge forks where its lines part") {
                     100 * inside * (seen((p.y - 75 - h) / lean, 2, 1) + seen((p.y - 75 + h) / lean, 2, 1));
            }),
       1, 3);
-  ExtractOptions options = with_doubles();
-  options.sensitivity = 0;  // without the dark line between the two where they part
-  const graph::AttributeGraph found = extract(frame, options);
+  const graph::AttributeGraph found = extract(frame, with_doubles());
   CHECK(count(found, PatchType::double_ridge) >= 8);
   CHECK(count_degree(found, 3) == 1);
   CHECK(count_degree(found, 1) == 3);

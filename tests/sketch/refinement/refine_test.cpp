@@ -57,7 +57,7 @@ TEST_CASE("An end that was cut short grows to where the stroke ends and no furth
   CHECK(extent(grown) < 126);
   CHECK(graph::components(grown).count == 1);
   for (const graph::Vertex& v : grown.vertices()) {
-    CHECK(worth(v.patch) > 0);
+    CHECK(v.patch.gain > 0);
     CHECK(v.patch.cost > 0);
   }
 }
