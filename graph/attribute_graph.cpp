@@ -26,7 +26,7 @@ bool is_finite(const Patch& p) {
   return std::isfinite(p.position.x) && std::isfinite(p.position.y) && std::isfinite(p.theta) &&
          std::isfinite(p.width) && std::isfinite(p.blur) && std::isfinite(p.contrast) &&
          std::isfinite(p.cost) && std::isfinite(p.gain) && std::isfinite(p.evidence) && is_finite(p.left) &&
-         is_finite(p.middle) && is_finite(p.right) && std::isfinite(p.hollow) && is_finite(p.between);
+         is_finite(p.middle) && is_finite(p.right);
 }
 
 /// Sorts the vertices; refuses repeated ids and numbers that are not finite.

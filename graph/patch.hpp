@@ -33,7 +33,6 @@ enum class PatchType : std::uint8_t {
   valley,
   bar,
   step,
-  double_ridge,
   corner,
   terminator,
   l_junction,
@@ -58,7 +57,6 @@ using Level = std::array<float, 3>;
 /// - line: `left` for d ≪ 0, `middle` on a core of `width` px about d = 0, `right` for d ≫ 0, blurred by a
 ///   Gaussian of SD `blur`;
 /// - step: the same without a core; `width` is 0 and `middle` the mean of both sides;
-/// - double ridge: a line whose core has the level `between` on `hollow` px about d = 0;
 /// - blob: a disc about `position` with a linear ramp from `left` to `right` over its diameter. At its centre
 ///   it has the level `middle`, which falls off to the ramp by a Gaussian of SD width / 2 + blur.
 struct Patch {
@@ -68,10 +66,8 @@ struct Patch {
   double width = 0;     ///< px, of the core before blurring
   double blur = 1;      ///< px, SD
   double contrast = 0;  ///< luma, signed: blurred peak of a line above the mean of its sides (ridge > 0 >
-                        ///< valley); that of the two lines of a double ridge; right − left of a step
+                        ///< valley); right − left of a step
   Level left{}, middle{}, right{};
-  double hollow = 0;    ///< px, 0…width: width of the gap in a double ridge's core; 0: no gap
-  Level between{};      ///< level in the gap
   double cost = 0;      ///< nats, ≥ 0: description length of the numbers above; 0: not computed
   double gain = 0;      ///< nats saved in coding the frame, less the cost; 0: not computed
   double evidence = 0;  ///< nats, ≥ 0: for the curve that the patch lies on, against texture; 0: not computed

@@ -21,7 +21,7 @@ namespace {
 bool is_grey(const graph::AttributeGraph& graph) {
   const auto same = [](const graph::Level& l) { return l[0] == l[1] && l[1] == l[2]; };
   return std::ranges::all_of(graph.vertices(), [&](const graph::Vertex& v) {
-    return same(v.patch.left) && same(v.patch.middle) && same(v.patch.right) && same(v.patch.between);
+    return same(v.patch.left) && same(v.patch.middle) && same(v.patch.right);
   });
 }
 

@@ -23,7 +23,6 @@
 #include "sketch/detection/lobes.hpp"
 #include "sketch/detection/scale_space.hpp"
 #include "sketch/detection/weak_lines.hpp"
-#include "sketch/patches/double_ridges.hpp"
 #include "sketch/patches/patch_placement.hpp"
 #include "sketch/patches/patch_smoothing.hpp"
 #include "sketch/refinement/coding_length.hpp"
@@ -178,7 +177,6 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   graph::AttributeGraph strokes = remove_flank_curves(
       refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
              axes, {options.spacing, options.blobs, previous}));
-  if (options.double_ridges) strokes = merge_double_ridges(strokes, levels, axes[0], options.spacing);
   strokes = with_evidence_of_curves(strokes);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});

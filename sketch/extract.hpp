@@ -26,7 +26,6 @@ struct ExtractOptions {
   bool edges = true;    ///< step edges too, not only ridges and valleys
   bool colour = false;  ///< structure from two axes of colour too, not only from luma
   bool blobs = false;   ///< blobs too, where the fill between the strokes leaves more than noise
-  bool double_ridges = false;  ///< two lines side by side become one double ridge, where that pays
   /// 0…1: share of the frame that patches, blobs included, may show; those of most gain come first. 0: all
   /// that pay.
   double budget = 0;

@@ -35,8 +35,6 @@ void visit_fields(MaybeConst<sketch::ExtractOptions> auto& o, auto&& visit) {
   visit("edges", o.edges, "", "Detect step edges beside ridges and valleys");
   visit("colour", o.colour, "", "Detect structure in two axes of colour too, not only in luma");
   visit("blobs", o.blobs, "", "Add blobs where the fill between strokes leaves more than noise");
-  visit("double_ridges", o.double_ridges, "",
-        "Join two parallel lines to a double ridge where that shortens the code");
   visit("budget", o.budget, "SHARE",
         "Keep the patches that gain most on this share of the frame; 0: all that pay");
 }

@@ -9,8 +9,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "sketch/rendering/curve_bands.hpp"
-
 namespace emberfold::apps {
 
 namespace {
@@ -144,51 +142,20 @@ cv::Mat enlarge(const cv::Mat& frame, double scale) {
   return large;
 }
 
-namespace {
-
-/// A line to draw and a vertex of its curve.
-struct Way {
-  std::vector<cv::Point2d> points;
-  std::size_t vertex;
-};
-
-double sign_of(double value) {
-  return value < 0 ? -1 : 1;
-}
-
-// Returns the lines of a curve: one, and two along its double ridges, where single parts join the nearer one.
-void append_ways(std::vector<Way>& ways, const graph::AttributeGraph& graph, const graph::Curve& curve,
-                 const Placement& place) {
-  const auto two_from = [&](std::size_t k) {
-    return graph.patch(curve[k]).hollow > 0 && graph.patch(curve[k + 1]).hollow > 0;
-  };
-  for (std::size_t first = 0, last = 0; first + 1 < curve.size(); first = last) {
-    const bool two = two_from(first);
-    for (last = first + 1; last + 1 < curve.size() && two_from(last) == two;) ++last;
-    for (const double side : two ? std::vector<double>{-1, 1} : std::vector<double>{1}) {
-      Way way{{}, curve.front()};
-      for (std::size_t i = first; i <= last; ++i) {
-        const graph::Patch& patch = graph.patch(curve[i]);
-        const graph::Point along{std::cos(patch.theta), std::sin(patch.theta)}, right{-along.y, along.x};
-        const graph::Point step = graph.patch(curve[i < last ? i + 1 : i - 1]).position - patch.position;
-        const double forwards = sign_of(graph::dot(step, along)) * (i < last ? 1 : -1);
-        way.points.push_back(
-            place(sketch::ridge_line(patch, two ? side * forwards : sign_of(graph::dot(step, right)))));
-      }
-      ways.push_back(std::move(way));
-    }
-  }
-}
-
-}  // namespace
-
 void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Placement& place,
                 const std::function<Colour(std::size_t)>& colour) {
   const cv::Scalar dark(24, 20, 20);
-  std::vector<Way> ways;
-  for (const auto& curve : graph::curves(graph)) append_ways(ways, graph, curve, place);
-  for (const auto& way : ways) draw_polyline(picture, way.points, dark, 4);
-  for (const auto& way : ways) draw_polyline(picture, way.points, bgr(colour(way.vertex)), 2);
+  const auto curves = graph::curves(graph);
+  std::vector<std::vector<cv::Point2d>> lines;
+  for (const auto& curve : curves) {
+    std::vector<cv::Point2d> line;
+    for (const auto index : curve) line.push_back(place(graph.patch(index).position));
+    lines.push_back(std::move(line));
+  }
+  for (const auto& line : lines)
+    if (line.size() > 1) draw_polyline(picture, line, dark, 4);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (lines[i].size() > 1) draw_polyline(picture, lines[i], bgr(colour(curves[i].front())), 2);
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const auto& patch = graph.patch(i);
     const cv::Point2d at = place(patch.position);

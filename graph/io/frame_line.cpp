@@ -17,9 +17,9 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr std::array<std::string_view, 17> kVertexKeys = {
-    "id",   "subgraph", "type",  "x",       "y",      "theta", "width", "blur",    "contrast",
-    "left", "middle",   "right", "between", "hollow", "cost",  "gain",  "evidence"};
+constexpr std::array<std::string_view, 15> kVertexKeys = {
+    "id",       "subgraph", "type",   "x",     "y",    "theta", "width",   "blur",
+    "contrast", "left",     "middle", "right", "cost", "gain",  "evidence"};
 enum VertexKey : unsigned {
   kId,
   kSubgraph,
@@ -33,8 +33,6 @@ enum VertexKey : unsigned {
   kLeft,
   kMiddle,
   kRight,
-  kBetween,
-  kHollow,
   kCost,
   kGain,
   kEvidence
@@ -119,11 +117,7 @@ class Handler {
       place_ = Place::done;
       return true;
     }
-    const bool hollow = ((seen_vertex_ >> kHollow) & 1U) != 0;
-    require_all(kVertexKeys,
-                seen_vertex_ | 1U << kHollow | (hollow ? 0U : 1U << kBetween) | 1U << kCost | 1U << kGain |
-                    1U << kEvidence,
-                vertex_name());
+    require_all(kVertexKeys, seen_vertex_ | 1U << kCost | 1U << kGain | 1U << kEvidence, vertex_name());
     if (const auto wrong = detail::describe_range_error(line.vertices.back().patch); !wrong.empty())
       fail(vertex_name() + wrong);
     place_ = Place::vertices;
@@ -140,7 +134,7 @@ class Handler {
       count_ = 0;
       return true;
     }
-    if (place_ == Place::vertex && key_ != kUnknown && key_ >= kLeft && key_ <= kBetween) {
+    if (place_ == Place::vertex && key_ != kUnknown && key_ >= kLeft && key_ <= kRight) {
       place_ = Place::level;
       count_ = 0;
       return true;
@@ -286,9 +280,6 @@ class Handler {
       case kContrast:
         vertex.patch.contrast = value;
         return true;
-      case kHollow:
-        vertex.patch.hollow = value;
-        return true;
       case kCost:
         vertex.patch.cost = value;
         return true;
@@ -311,10 +302,8 @@ class Handler {
         return patch.left;
       case kMiddle:
         return patch.middle;
-      case kRight:
-        return patch.right;
       default:
-        return patch.between;
+        return patch.right;
     }
   }
 

@@ -59,10 +59,6 @@ void append_vertex(std::string& text, const Vertex& vertex) {
   append_level(text, "left", patch.left);
   append_level(text, "middle", patch.middle);
   append_level(text, "right", patch.right);
-  if (patch.hollow > 0) {
-    append_field(text, "hollow", patch.hollow);
-    append_level(text, "between", patch.between);
-  }
   if (patch.cost != 0) append_field(text, "cost", patch.cost);
   if (patch.gain != 0) append_field(text, "gain", patch.gain);
   if (patch.evidence != 0) append_field(text, "evidence", patch.evidence);

@@ -31,30 +31,20 @@ std::string describe_range_error(const Patch& patch) {
     const char* name = "";
     double value = 0, least = 0, most = kLargest;
   };
-  const std::array<Field, 10> fields{{{"x", patch.position.x, -kLargest},
-                                      {"y", patch.position.y, -kLargest},
-                                      {"theta", patch.theta, -kLargest},
-                                      {"width", patch.width, 0},
-                                      {"blur", patch.blur, 0},
-                                      {"hollow", patch.hollow, 0},
-                                      {"contrast", patch.contrast, -kLargest},
-                                      {"cost", patch.cost, 0, kMostNats},
-                                      {"gain", patch.gain, -kMostNats, kMostNats},
-                                      {"evidence", patch.evidence, 0, kMostNats}}};
+  const std::array<Field, 9> fields{{{"x", patch.position.x, -kLargest},
+                                     {"y", patch.position.y, -kLargest},
+                                     {"theta", patch.theta, -kLargest},
+                                     {"width", patch.width, 0},
+                                     {"blur", patch.blur, 0},
+                                     {"contrast", patch.contrast, -kLargest},
+                                     {"cost", patch.cost, 0, kMostNats},
+                                     {"gain", patch.gain, -kMostNats, kMostNats},
+                                     {"evidence", patch.evidence, 0, kMostNats}}};
   for (const Field& field : fields) {
     if (auto text = check(field.name, field.value, field.least, field.most); !text.empty()) return text;
   }
-  if (patch.hollow > patch.width) {
-    std::string text = "\"hollow\" is ";
-    core::append_number(text, patch.hollow);
-    text += ", allowed is 0 to \"width\", ";
-    core::append_number(text, patch.width);
-    return text;
-  }
-  for (const auto& [name, level] : {std::pair{"left", patch.left},
-                                    {"middle", patch.middle},
-                                    {"right", patch.right},
-                                    {"between", patch.between}}) {
+  for (const auto& [name, level] :
+       {std::pair{"left", patch.left}, {"middle", patch.middle}, {"right", patch.right}}) {
     for (const float value : level) {
       if (auto text = check(name, static_cast<double>(value), -kLargest, kLargest); !text.empty())
         return text;

@@ -21,10 +21,18 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kFormat = "emberfold.motion_model";
 constexpr int kVersion = 1;
 constexpr std::size_t kPatchColumns = 16;  // x y theta width blur contrast, left middle right of 3, type
-constexpr std::size_t kHollowColumns = 4;  // hollow, between of 3
 constexpr std::size_t kMostPatches = std::size_t{1} << 26;
 
+// Numbers of patch types in the table: their places in graph::PatchType, but that 4 is left out, which was a
+// type of older versions.
+constexpr int kTypeLeftOut = 4;
+
 // --- writing
+
+double type_number(graph::PatchType type) {
+  const int place = static_cast<int>(type);
+  return place < kTypeLeftOut ? place : place + 1;
+}
 
 NpyArray table(std::vector<double> values, std::size_t columns) {
   return {{values.size() / columns, columns}, false, std::move(values)};
@@ -40,19 +48,8 @@ void append_patches(std::vector<double>& rows, const graph::AttributeGraph& grap
     rows.insert(rows.end(), {p.position.x, p.position.y, p.theta, p.width, p.blur, p.contrast});
     for (const auto& level : {p.left, p.middle, p.right})
       for (const float value : level) rows.push_back(static_cast<double>(value));
-    rows.push_back(static_cast<double>(p.type));
+    rows.push_back(type_number(p.type));
   }
-}
-
-void append_hollows(std::vector<double>& rows, const graph::AttributeGraph& graph) {
-  for (const auto& vertex : graph.vertices()) {
-    rows.push_back(vertex.patch.hollow);
-    for (const float value : vertex.patch.between) rows.push_back(static_cast<double>(value));
-  }
-}
-
-bool has_double_ridges(const graph::AttributeGraph& graph) {
-  return std::ranges::any_of(graph.vertices(), [](const auto& v) { return v.patch.hollow > 0; });
 }
 
 void append_edges(std::vector<std::int64_t>& rows, const graph::AttributeGraph& graph) {
@@ -152,6 +149,14 @@ CellMap read_map(const core::ModelArchive& archive, const std::string& name, dou
   return map;
 }
 
+graph::PatchType type_of(double number, const std::string& name) {
+  if (!(number >= 0 && number <= type_number(graph::PatchType::blob)) || number != std::floor(number) ||
+      number == kTypeLeftOut)
+    refuse(name + ".npy holds a patch of no known type");
+  const int place = static_cast<int>(number);
+  return static_cast<graph::PatchType>(place < kTypeLeftOut ? place : place - 1);
+}
+
 graph::Patch read_patch(const double* row, const std::string& name) {
   for (std::size_t i = 0; i < kPatchColumns; ++i)
     if (!std::isfinite(row[i])) refuse(name + ".npy holds a number that is not finite");
@@ -163,38 +168,23 @@ graph::Patch read_patch(const double* row, const std::string& name) {
     p.middle[c] = static_cast<float>(row[9 + c]);
     p.right[c] = static_cast<float>(row[12 + c]);
   }
-  const double type = row[15];
-  if (!(type >= 0 && type <= static_cast<double>(graph::PatchType::blob)) || type != std::floor(type))
-    refuse(name + ".npy holds a patch of no known type");
-  p.type = static_cast<graph::PatchType>(type);
+  p.type = type_of(row[15], name);
   if (const auto why = graph::detail::describe_range_error(p); !why.empty()) refuse(name + ".npy: " + why);
   return p;
 }
 
-void read_hollow(graph::Patch& patch, const double* row, const std::string& name) {
-  patch.hollow = row[0];
-  for (std::size_t c = 0; c < 3; ++c) patch.between[c] = static_cast<float>(row[1 + c]);
-  if (const auto why = graph::detail::describe_range_error(patch); !why.empty())
-    refuse(name + ".npy: " + why);
-}
-
 // The next graph of the tables of this kind: "first" or "exemplar".
 struct GraphTables {
-  std::string patches_name, edges_name, hollows_name;
+  std::string patches_name, edges_name;
   const std::vector<double>& patches;
   const std::vector<std::int64_t>& edges;
-  const std::vector<double>* hollows = nullptr;  // missing where there are no double ridges
   std::size_t next_patch = 0, next_edge = 0;
 
   GraphTables(const core::ModelArchive& archive, const std::string& kind)
       : patches_name(kind + "_patches"),
         edges_name(kind + "_edges"),
-        hollows_name(kind + "_hollows"),
         patches(rows_of<double>(archive, patches_name, kPatchColumns)),
-        edges(rows_of<std::int64_t>(archive, edges_name, 2)) {
-    if (archive.arrays.contains(hollows_name))
-      hollows = &rows_of<double>(archive, hollows_name, kHollowColumns, patches.size() / kPatchColumns);
-  }
+        edges(rows_of<std::int64_t>(archive, edges_name, 2)) {}
 
   graph::AttributeGraph take(std::size_t patch_count, std::size_t edge_count) {
     if (patch_count > patches.size() / kPatchColumns - next_patch ||
@@ -202,12 +192,10 @@ struct GraphTables {
       refuse(patches_name + ".npy and " + edges_name + ".npy hold fewer rows than the exemplars need");
     std::vector<graph::Vertex> vertices;
     std::vector<graph::Edge> joined;
-    for (std::size_t i = 0; i < patch_count; ++i) {
-      graph::Patch patch = read_patch(&patches[(next_patch + i) * kPatchColumns], patches_name);
-      if (hollows != nullptr)
-        read_hollow(patch, &(*hollows)[(next_patch + i) * kHollowColumns], hollows_name);
-      vertices.push_back({{static_cast<std::uint32_t>(i)}, {}, patch});
-    }
+    for (std::size_t i = 0; i < patch_count; ++i)
+      vertices.push_back({{static_cast<std::uint32_t>(i)},
+                          {},
+                          read_patch(&patches[(next_patch + i) * kPatchColumns], patches_name)});
     const auto end = [&](std::size_t at) {
       const std::int64_t index = edges[at];
       if (index < 0 || static_cast<std::size_t>(index) >= patch_count)
@@ -321,18 +309,16 @@ core::ModelArchive to_archive(const MotionModel& model) {
                     {"sway_share", map_array(model.displacement_scale)},
                     {"drift_x", map_array(model.drift_x)},
                     {"drift_y", map_array(model.drift_y)}};
-  std::vector<double> patches, places, first, hollows, first_hollows;
+  std::vector<double> patches, places, first;
   std::vector<std::int64_t> edges, sizes, first_edges;
   for (const auto& exemplar : model.exemplars) {
     append_patches(patches, exemplar.graph);
-    append_hollows(hollows, exemplar.graph);
     append_edges(edges, exemplar.graph);
     sizes.push_back(static_cast<std::int64_t>(exemplar.graph.size()));
     sizes.push_back(static_cast<std::int64_t>(exemplar.graph.edges().size()));
     places.insert(places.end(), {exemplar.place.x, exemplar.place.y, exemplar.clearance});
   }
   append_patches(first, model.first);
-  append_hollows(first_hollows, model.first);
   append_edges(first_edges, model.first);
   archive.arrays["exemplar_patches"] = table(std::move(patches), kPatchColumns);
   archive.arrays["exemplar_edges"] = pairs(std::move(edges));
@@ -340,10 +326,6 @@ core::ModelArchive to_archive(const MotionModel& model) {
   archive.arrays["exemplar_places"] = table(std::move(places), 3);
   archive.arrays["first_patches"] = table(std::move(first), kPatchColumns);
   archive.arrays["first_edges"] = pairs(std::move(first_edges));
-  if (std::ranges::any_of(model.exemplars, [](const auto& e) { return has_double_ridges(e.graph); }))
-    archive.arrays["exemplar_hollows"] = table(std::move(hollows), kHollowColumns);
-  if (has_double_ridges(model.first))
-    archive.arrays["first_hollows"] = table(std::move(first_hollows), kHollowColumns);
   if (model.first_motion.empty()) return archive;
   std::vector<double> swing;
   for (const auto& s : model.first_motion)

@@ -192,14 +192,11 @@ SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& 
   result.rest.width = mix(a.rest.width, b.rest.width);
   result.rest.blur = mix(a.rest.blur, b.rest.blur);
   result.rest.contrast = mix(a.rest.contrast, b.rest.contrast);
-  result.rest.hollow = mix(a.rest.hollow, b.rest.hollow);
   for (std::size_t c = 0; c < 3; ++c) {
     const auto levels = [&](float p, float q) { return static_cast<float>(mix(double(p), double(q))); };
     result.rest.left[c] = levels(a.rest.left[c], b.rest.left[c]);
     result.rest.middle[c] = levels(a.rest.middle[c], b.rest.middle[c]);
     result.rest.right[c] = levels(a.rest.right[c], b.rest.right[c]);
-    const auto inmost = [c](const graph::Patch& p) { return p.hollow > 0 ? p.between[c] : p.middle[c]; };
-    if (result.rest.hollow > 0) result.rest.between[c] = levels(inmost(a.rest), inmost(b.rest));
   }
   result.share = mix(a.share, b.share);
   result.offset = mix_points(a.offset, b.offset);

@@ -83,7 +83,6 @@ void scale_contrast(graph::Patch& patch, double factor) {
       patch.middle[c] = mean;
     } else {
       patch.middle[c] = mean + f * (patch.middle[c] - mean);
-      if (patch.hollow > 0) patch.between[c] = mean + f * (patch.between[c] - mean);
     }
   }
 }

@@ -66,8 +66,7 @@ double clamp_level(double level, const LevelRange& range, graph::Point place, in
 
 /// Share of a line's contrast that is visible; the blur takes the rest.
 double visible_share(const graph::Patch& patch) {
-  const double line = patch.hollow > 0 ? (patch.width - patch.hollow) / 2 : patch.width;
-  return std::erf(line / (2 * std::numbers::sqrt2 * std::max(patch.blur, sketch::kLeastBlur)));
+  return std::erf(patch.width / (2 * std::numbers::sqrt2 * std::max(patch.blur, sketch::kLeastBlur)));
 }
 
 void clamp_patch(graph::Patch& patch, const LevelRange& range) {
@@ -83,8 +82,6 @@ void clamp_patch(graph::Patch& patch, const LevelRange& range) {
                  sides = (left + right) / 2;
     const double core =
         step ? 0 : clamp_level(sides + share * height, range, patch.position, channel) - sides;
-    if (patch.hollow > 0)
-      patch.between[c] += (static_cast<float>(left + right) - patch.left[c] - patch.right[c]) / 2;
     patch.left[c] = static_cast<float>(left), patch.right[c] = static_cast<float>(right);
     patch.middle[c] = static_cast<float>(step || share < 1e-3 ? sides : sides + core / share);
   }

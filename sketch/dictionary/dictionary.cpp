@@ -79,12 +79,11 @@ double luma_of(const graph::Level& level) {
 /// RMS of what the patch's own profile leaves of its view.
 double parametric_residual(const graph::Patch& patch, const PatchView& view) {
   const ProfileShape shape(patch);
-  const double left = luma_of(patch.left), middle = luma_of(patch.middle), right = luma_of(patch.right),
-               between = luma_of(patch.between);
+  const double left = luma_of(patch.left), middle = luma_of(patch.middle), right = luma_of(patch.right);
   double sum = 0;
   for (std::size_t i = 0; i < view.luma.size(); ++i) {
     const double d = view.reach * profile_position(i) * (view.reversed ? -1 : 1);
-    const double off = double{view.luma[i]} - shape.at(d).level(left, middle, right, between);
+    const double off = double{view.luma[i]} - shape.at(d).level(left, middle, right);
     sum += off * off;
   }
   return std::sqrt(sum / static_cast<double>(view.luma.size()));

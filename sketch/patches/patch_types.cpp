@@ -16,7 +16,6 @@ constexpr double kSharp = 3;  // blurs that a bar's core is wide at least
 
 PatchType by_profile(const graph::Patch& patch) {
   if (graph::on_step(patch)) return PatchType::step;
-  if (patch.hollow > 0) return PatchType::double_ridge;
   if (patch.width >= kSharp * patch.blur) return PatchType::bar;
   return patch.contrast >= 0 ? PatchType::ridge : PatchType::valley;
 }

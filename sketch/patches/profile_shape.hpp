@@ -18,20 +18,17 @@ inline double blurred_step(double d) {
 
 /// Holds where the profile across a line or a step changes (graph::Patch), whatever its levels.
 struct ProfileShape {
-  double half_width = 0, half_hollow = 0, blur = 1;  ///< px
+  double half_width = 0, blur = 1;  ///< px
 
   ProfileShape() = default;
   explicit ProfileShape(const graph::Patch& patch)
-      : half_width(std::max(patch.width, 0.0) / 2),
-        half_hollow(std::clamp(patch.hollow / 2, 0.0, half_width)),
-        blur(std::max(patch.blur, kLeastBlur)) {}
+      : half_width(std::max(patch.width, 0.0) / 2), blur(std::max(patch.blur, kLeastBlur)) {}
 
-  /// Holds the shares of three changes of the levels, each 0…1.
-  /// They are from left to middle, from middle to right, and from middle to between.
+  /// Holds the shares of two changes of the levels, each 0…1: from left to middle, and from middle to right.
   struct Reached {
-    double enter, leave, hollow;
-    [[nodiscard]] double level(double left, double middle, double right, double between) const {
-      return left + enter * (middle - left) + leave * (right - middle) + hollow * (between - middle);
+    double enter, leave;
+    [[nodiscard]] double level(double left, double middle, double right) const {
+      return left + enter * (middle - left) + leave * (right - middle);
     }
   };
   /// Returns the changes reached at a distance from the curve, px, positive to the right. `step`: Φ.
@@ -39,8 +36,7 @@ struct ProfileShape {
   [[nodiscard]] Reached at(double distance, const Step& step) const {
     const double enter = step((distance + half_width) / blur);
     const double leave = half_width > 0 ? step((distance - half_width) / blur) : enter;
-    if (half_hollow <= 0) return {enter, leave, 0};
-    return {enter, leave, step((distance + half_hollow) / blur) - step((distance - half_hollow) / blur)};
+    return {enter, leave};
   }
   [[nodiscard]] Reached at(double distance) const { return at(distance, blurred_step); }
 };

@@ -147,7 +147,7 @@ const BlurredStep& table_of_steps() {
 /// A patch's profile in luma.
 struct Profile {
   const BlurredStep& step = table_of_steps();
-  double left, middle, right, between;
+  double left, middle, right;
   ProfileShape shape;
   double reach;
 
@@ -155,12 +155,11 @@ struct Profile {
       : left(along(axis, patch.left)),
         middle(along(axis, patch.middle)),
         right(along(axis, patch.right)),
-        between(along(axis, patch.between)),
         shape(patch),
         reach(std::clamp(shape.half_width + 2 * shape.blur, kLeastReach, kMostReach)) {}
 
   [[nodiscard]] double level_of(const ProfileShape::Reached& reached) const {
-    return reached.level(left, middle, right, between);
+    return reached.level(left, middle, right);
   }
 };
 
@@ -284,15 +283,14 @@ void place(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& prof
   }
 }
 
-/// Lines, steps and what is hollow each in a loop of their own, without a branch.
+/// Lines and steps each in a loop of their own, without a branch.
 EMBERFOLD_SIMD_CLONES void weigh(const Profile& profile, double outer, const Pixels& pixels,
                                  Weights& __restrict weights) {
   ProfileShape shape;
   shape.blur = profile.shape.blur;
   if (!(profile.shape.half_width > 0)) return weigh_as(shape, profile, outer, pixels, weights);
   shape.half_width = profile.shape.half_width;
-  if (profile.shape.half_hollow <= 0) return weigh_as(shape, profile, outer, pixels, weights);
-  weigh_as(profile.shape, profile, outer, pixels, weights);
+  weigh_as(shape, profile, outer, pixels, weights);
 }
 
 Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& profile) {
@@ -365,7 +363,7 @@ CodingContext prepare_coding(cv::Mat1f mixture, const std::array<float, 3>& axis
 
 double coding_cost(const graph::Patch& patch, double pixels) {
   const bool blob = patch.type == graph::PatchType::blob;
-  const int numbers = blob ? 6 : graph::on_step(patch) ? 5 : patch.hollow > 0 ? 9 : 7;
+  const int numbers = blob ? 6 : graph::on_step(patch) ? 5 : 7;
   return 0.5 * numbers * std::log1p(pixels);
 }
 

@@ -26,9 +26,8 @@ CodingContext prepare_coding(const cv::Mat& levels);
 /// Prepares another mixture of the channels, of these weights.
 CodingContext prepare_coding(cv::Mat1f mixture, const std::array<float, 3>& axis);
 
-/// Returns ½·ln(1 + pixels) nats for each number that the patch has beyond the fill. These are 7 of a line, 9
-/// of a double ridge, 5 of a step, 6 of a blob. `pixels`: > 0, the number of independent pixels that the
-/// patch is fitted to.
+/// Returns ½·ln(1 + pixels) nats for each number that the patch has beyond the fill. These are 7 of a line, 5
+/// of a step, 6 of a blob. `pixels`: > 0, the number of independent pixels that the patch is fitted to.
 double coding_cost(const graph::Patch& patch, double pixels);
 
 /// Holds the cost and the gain of a patch of a frame, nats.

@@ -90,8 +90,7 @@ CreaseKind kind_of(const Patch& patch) {
   return patch.contrast >= 0 ? CreaseKind::ridge : CreaseKind::valley;
 }
 
-}  // namespace
-
+/// Returns the ribs of a straight patch, one a pixel.
 std::vector<Rib> make_ribs(Point position, double theta, double length) {
   const Point along{std::cos(theta), std::sin(theta)}, across{-along.y, along.x};
   const int rows = std::max(1, static_cast<int>(std::lround(length)));
@@ -99,6 +98,8 @@ std::vector<Rib> make_ribs(Point position, double theta, double length) {
   for (int r = 0; r < rows; ++r) ribs.push_back({position + along * (r - 0.5 * (rows - 1)), across});
   return ribs;
 }
+
+}  // namespace
 
 bool patches_overlap(const Patch& a, const Patch& b) {
   // Most are too far apart, however they lie; a millionth more than rounding makes.

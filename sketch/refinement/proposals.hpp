@@ -24,12 +24,6 @@ struct Proposal {
   std::vector<Slot> concerns;
 };
 
-/// Applies the edits that shorten the code most and do not meet. Returns whether there were any.
-bool apply_best(EditableGraph& draft, std::vector<Proposal> proposals);  // refine.cpp
-
-/// Returns the ribs of a straight patch, one a pixel.
-std::vector<Rib> make_ribs(graph::Point position, double theta, double length);
-
 /// Returns whether one patch lies on the other.
 /// That is within 3 px along it, and its core and a blur (1.5 px at least) across.
 bool patches_overlap(const graph::Patch& a, const graph::Patch& b);

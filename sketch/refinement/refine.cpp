@@ -33,8 +33,7 @@ GraphEdit renumbered(GraphEdit edit, Slot first, Slot now) {
   return edit;
 }
 
-}  // namespace
-
+/// Applies the edits that shorten the code most and do not meet. Returns whether there were any.
 bool apply_best(EditableGraph& draft, std::vector<Proposal> proposals) {
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const Proposal& a, const Proposal& b) { return a.change < b.change; });
@@ -65,6 +64,8 @@ bool apply_best(EditableGraph& draft, std::vector<Proposal> proposals) {
   }
   return any;
 }
+
+}  // namespace
 
 graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& levels,
                              std::span<const CodingContext> axes, const RefineOptions& refinement) {

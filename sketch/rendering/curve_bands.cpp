@@ -46,19 +46,6 @@ bool goes_through(const graph::AttributeGraph& graph, std::size_t vertex) {
   return parts[0].in_line && parts[1].in_line && parts[0].backwards != parts[1].backwards;
 }
 
-/// True if an edge between them starts at one of this double ridge's two lines, with the other patch's
-/// profile.
-bool forks(const graph::Patch& patch, const graph::Patch& other) {
-  return patch.hollow > 0 && other.hollow <= 0;
-}
-
-/// Place where an edge leaves a patch.
-graph::Point leave(const graph::Patch& patch, const graph::Patch& other) {
-  if (!forks(patch, other)) return patch.position;
-  const graph::Point t = direction(patch.theta), normal{-t.y, t.x};
-  return ridge_line(patch, std::copysign(1.0, graph::dot(other.position - patch.position, normal)));
-}
-
 Band alone(const graph::AttributeGraph& graph, std::size_t vertex) {
   const graph::Patch& patch = graph.patch(vertex);
   Band band;
@@ -83,9 +70,9 @@ std::vector<Band> make_bands(const graph::AttributeGraph& graph) {
     for (const std::size_t j : graph.neighbours(i)) {
       if (j < i) continue;
       const graph::Patch &a = graph.patch(i), &b = graph.patch(j);
-      const graph::Point from = leave(a, b), step = leave(b, a) - from;
+      const graph::Point step = b.position - a.position;
       Band band;
-      band.origin = from;
+      band.origin = a.position;
       band.length = graph::norm(step);
       if (!std::isfinite(band.length)) continue;
       if (band.length < 1e-6) {
@@ -94,16 +81,12 @@ std::vector<Band> make_bands(const graph::AttributeGraph& graph) {
       }
       band.along = step * (1 / band.length);
       const Part of_a = part(a, band.along, band.length), of_b = part(b, band.along, band.length);
-      const bool use_a = (of_a.in_line || !of_b.in_line) && !forks(a, b);
-      const bool use_b = (of_b.in_line || !of_a.in_line) && !forks(b, a);
+      const bool use_a = of_a.in_line || !of_b.in_line, use_b = of_b.in_line || !of_a.in_line;
       const auto end = [&](bool own, std::size_t vertex, const Part& of_it, std::size_t other,
                            const Part& of_other) {
         const std::size_t shown = own ? vertex : other;
-        // The two lines of a double ridge go on at its fork, so its end stays open.
-        const bool open = graph.patch(vertex).hollow > 0 && graph.degree(vertex) > 2;
         return BandEnd{shown, own ? of_it.backwards : of_other.backwards, of_it.slope,
-                       profile_reach(graph.patch(shown)),
-                       graph.degree(vertex) > 1 && through[vertex] == 0 && !open};
+                       profile_reach(graph.patch(shown)), graph.degree(vertex) > 1 && through[vertex] == 0};
       };
       band.a = end(use_a, i, of_a, j, of_b);
       band.b = end(use_b, j, of_b, i, of_a);

@@ -29,13 +29,6 @@ inline double profile_reach(const graph::Patch& patch) {
   return std::clamp(std::max(patch.width, 0.0) / 2 + margin, kLeastReach, kMostReach);
 }
 
-/// Returns the middle of one line of a double ridge: on the right (`side` 1) or on the left (−1). For other
-/// patches returns the patch's place.
-inline graph::Point ridge_line(const graph::Patch& patch, double side) {
-  const double aside = patch.hollow > 0 ? side * (patch.width + patch.hollow) / 4 : 0;
-  return patch.position + graph::Point{-std::sin(patch.theta), std::cos(patch.theta)} * aside;
-}
-
 /// Returns a + s·(b − a).
 inline double interpolate(double a, double b, double s) {
   return a + s * (b - a);

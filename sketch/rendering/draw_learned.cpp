@@ -36,11 +36,11 @@ Colour colour(const graph::Level& level, int channels) {
 Table parametric(const graph::Patch& patch, int channels) {
   const ProfileShape shape(patch);
   const Colour left = colour(patch.left, channels), middle = colour(patch.middle, channels),
-               right = colour(patch.right, channels), between = colour(patch.between, channels);
+               right = colour(patch.right, channels);
   Table table{};
   for (std::size_t i = 0; i < kProfileSamples; ++i) {
     const auto reached = shape.at(profile_reach(patch) * profile_position(i));
-    for (std::size_t c = 0; c < 3; ++c) table[i][c] = reached.level(left[c], middle[c], right[c], between[c]);
+    for (std::size_t c = 0; c < 3; ++c) table[i][c] = reached.level(left[c], middle[c], right[c]);
   }
   return table;
 }

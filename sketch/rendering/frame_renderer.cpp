@@ -35,7 +35,6 @@ void raise_contrast(graph::Patch& patch, float gain) {
     const float mean = (patch.left[c] + patch.right[c]) / 2;
     for (auto* level : {&patch.left, &patch.right, &patch.middle})
       if (graph::on_step(patch) != (level == &patch.middle)) (*level)[c] = mean + gain * ((*level)[c] - mean);
-    if (patch.hollow > 0) patch.between[c] = mean + gain * (patch.between[c] - mean);
   }
 }
 

@@ -81,7 +81,6 @@ graph::AttributeGraph relight(const graph::AttributeGraph& graph, const cv::Mat&
       vertices[i].patch.left[c] += lifts[i][c];
       vertices[i].patch.right[c] += lifts[i][c + 3];
       vertices[i].patch.middle[c] += (lifts[i][c] + lifts[i][c + 3]) / 2;
-      if (vertices[i].patch.hollow > 0) vertices[i].patch.between[c] += (lifts[i][c] + lifts[i][c + 3]) / 2;
     }
   return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
 }

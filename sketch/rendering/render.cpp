@@ -22,7 +22,7 @@ using Colour = std::array<double, 3>;
 
 /// Profile of a band at one place of its curve; sides as seen along the curve.
 struct Profile {
-  Colour left{}, middle{}, right{}, between{};
+  Colour left{}, middle{}, right{};
   ProfileShape shape;
 };
 
@@ -38,7 +38,6 @@ Profile profile(const graph::Patch& patch, bool backwards, int channels) {
   p.left = colour(backwards ? patch.right : patch.left, channels);
   p.middle = colour(patch.middle, channels);
   p.right = colour(backwards ? patch.left : patch.right, channels);
-  p.between = patch.hollow > 0 ? colour(patch.between, channels) : p.middle;
   p.shape = ProfileShape(patch);
   return p;
 }
@@ -46,7 +45,6 @@ Profile profile(const graph::Patch& patch, bool backwards, int channels) {
 ProfileShape shape_between(const ProfileShape& a, const ProfileShape& b, double s) {
   ProfileShape shape;
   shape.half_width = interpolate(a.half_width, b.half_width, s);
-  shape.half_hollow = interpolate(a.half_hollow, b.half_hollow, s);
   shape.blur = interpolate(a.blur, b.blur, s);
   return shape;
 }
@@ -57,8 +55,8 @@ void add(const Profile& a, const Profile& b, const Projection& at, double weight
     const auto mixed = [&](const Colour Profile::*level) {
       return interpolate((a.*level)[c], (b.*level)[c], at.s);
     };
-    sum[c] += static_cast<float>(weight * reached.level(mixed(&Profile::left), mixed(&Profile::middle),
-                                                        mixed(&Profile::right), mixed(&Profile::between)));
+    sum[c] += static_cast<float>(
+        weight * reached.level(mixed(&Profile::left), mixed(&Profile::middle), mixed(&Profile::right)));
   }
 }
 

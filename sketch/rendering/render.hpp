@@ -26,7 +26,7 @@ struct Sketchable {
 /// - A stroke ends 1 px behind its last patch. A patch without edges shows 5 px of itself; a blob shows its
 ///   disc.
 /// - An edge that leaves a patch at more than 50° from its direction (a junction's side arm) takes only its
-///   place from it. Beyond a double ridge a line goes on from the nearer of its two lines.
+///   place from it.
 /// `channels`: 1 (luma) or 3. Throws core::InputError for any other number, or an empty size. O(pixels of the
 /// mask), beside clearing the frame.
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels);

@@ -328,62 +328,6 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   CHECK(Json::parse(bytes_of(out / "summary.json"))["options"]["drawing"]["anchors"] == 0.2);
 }
 
-TEST_CASE("double ridges go from the sketch through files and models into new clips", "[slow]") {
-  const TempFolder temp;
-  // Two lines 8 px apart that sway together; below them a third that comes and goes.
-  const auto writer = io::create_video(temp / "rails.avi", {120, 100}, 25, false);
-  for (int t = 0; t < 36; ++t) {
-    cv::Mat1f frame(100, 120, 60.0F);
-    const auto add_line = [&](double height, double sway) {
-      for (int y = 0; y < frame.rows; ++y)
-        for (int x = 15; x < 105; ++x) {
-          const double d = y - height - sway * std::sin(0.04 * x + 0.3 * t);
-          frame(y, x) += static_cast<float>(110 * std::exp(-d * d / 4));
-        }
-    };
-    add_line(31, 3), add_line(39, 3);
-    if (t % 18 >= 6) add_line(75, 2);
-    cv::Mat byte;
-    frame.convertTo(byte, CV_8U);
-    writer->write(byte);
-  }
-  writer->finish();
-  const auto clip = (temp / "rails.avi").string();
-  const auto summary = sketched(clip, temp / "sketch", {"--set", "sketch.double_ridges=true"});
-  CHECK(summary["options"]["sketch"]["double_ridges"] == true);
-  const auto two = sketched(clip, temp / "two", {});
-  CHECK(summary["sketch"]["psnr"]["mean"] > two["sketch"]["psnr"]["mean"].get<double>() - 2);
-  std::istringstream lines(bytes_of(temp / "sketch" / "sketch.jsonl"));
-  const auto sketch = graph::read_sketch(lines, "sketch.jsonl");
-  for (const auto& frame : sketch.frames) {
-    CHECK(graph::components(frame).count <= 2);
-    REQUIRE(frame.size() > 10);
-    for (std::size_t i = 0; i < frame.size(); ++i) {
-      if (frame.patch(i).position.y > 55) continue;
-      CHECK_THAT((frame.patch(i).width + frame.patch(i).hollow) / 2, WithinAbs(8, 1));
-      if (frame.degree(i) == 2) CHECK(frame.patch(i).type == graph::PatchType::double_ridge);
-    }
-  }
-  const auto analysed =
-      run_command({"analyze", clip, "-o", (temp / "model").string(), "--set", "sketch.double_ridges=true",
-                   "--bottom-up", "--set", "calibrate.calibrate=0", "-q"});
-  INFO(analysed.err);
-  REQUIRE(analysed.exit == 0);
-  const auto drawn = run_command({"synth", (temp / "model" / "model").string(), "-o",
-                                  (temp / "new.avi").string(), "--frames", "10", "-q"});
-  INFO(drawn.err);
-  REQUIRE(drawn.exit == 0);
-  // Across the new clip's middle lie two lines, too, with a dip between them.
-  for (const auto& frame : frames_of(temp / "new.avi")) {
-    const cv::Mat column = grey(frame).col(60);
-    int peaks = 0;
-    for (int y = 1; y < 55; ++y)
-      peaks += column.at<uchar>(y) > 110 && column.at<uchar>(y) > column.at<uchar>(y - 1) &&
-               column.at<uchar>(y) >= column.at<uchar>(y + 1);
-    CHECK(peaks == 2);
-  }
-}
-
 TEST_CASE("the smallest and the oddest pictures go through every way of drawing", "[slow]") {
   const TempFolder temp;
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 2), cv::Size(3, 90), cv::Size(120, 2)})
@@ -393,7 +337,7 @@ TEST_CASE("the smallest and the oddest pictures go through every way of drawing"
       INFO(name << " " << fill);
       const auto summary = sketched((temp / "picture.png").string(), temp / name,
                                     {"--fill", fill, "--film", "--heat-film", "0", "--anchors", "--warm",
-                                     "--set", "sketch.blobs=true", "--set", "sketch.double_ridges=true"});
+                                     "--set", "sketch.blobs=true"});
       CHECK(frames_of(temp / name / "film.mp4").size() == 1);
       CHECK(frames_of(temp / name / "heat.mp4").size() >= 2);
       CHECK(summary["sketch"]["psnr"]["mean"] > 5);

@@ -109,30 +109,6 @@ TEST_CASE("A grey level is one number, a colour three, and both are read", "[gra
   CHECK(motion.links[1] == std::vector<graph::Link>{{{0}, {2}}, {{1}, {3}}});
 }
 
-TEST_CASE("A double ridge tells its hollow, what is between, and nobody else does", "[graph][io]") {
-  const std::string right = R"("right":100})", hollow = R"("right":100,"hollow":1.25,"between":)";
-  const auto motion = read(replaced(good(), right, hollow + "[7,8,9]}"));
-  CHECK(motion.sketch.frames[0].patch(0).hollow == 1.25);
-  CHECK(motion.sketch.frames[0].patch(0).between == graph::Level{7, 8, 9});
-  CHECK(motion.sketch.frames[0].patch(1).hollow == 0);
-  CHECK(written(motion) == written(read(written(motion))));
-  CHECK(contains(written(motion), hollow + "[7,8,9]}"));
-  CHECK_FALSE(contains(written(read(good())), "hollow"));
-  const std::vector<std::pair<std::string, std::string>> cases = {
-      {R"("right":100,"hollow":1})", "\"between\" is missing"},
-      {R"("right":100,"hollow":-1,"between":5})", "\"hollow\" is -1, allowed is 0 to 1000000"},
-      {R"("right":100,"hollow":3,"between":5})", "\"hollow\" is 3, allowed is 0 to \"width\", 2"},
-      {R"("right":100,"hollow":"1","between":5})", "\"hollow\" must be a number"},
-      {R"("right":100,"hollow":1,"between":[5]})", "\"between\" must be one number or three"},
-      {R"("right":100,"hollow":1,"between":1e300})", "\"between\""}};
-  for (const auto& [with, cause] : cases) {
-    const auto message = refusal(replaced(good(), right, with));
-    CAPTURE(message);
-    CHECK(contains(message, cause));
-    CHECK(contains(message, "line 2"));
-  }
-}
-
 TEST_CASE("What a reader may meet and take", "[graph][io]") {
   const auto motion = read(good());
   CHECK(read(replaced(good(), R"("frame":1,)", R"("frame":1,"note":{"a":[1,{"b":null}],"id":7},)")) ==
@@ -199,6 +175,7 @@ TEST_CASE("Every bad motion file is refused with name, line and cause", "[graph]
       {R"({"id":2,)", R"({)", "line 3", "vertex 0 of the list: \"id\" is missing"},
       {R"({"id":1,)", R"({"id":1,"id":1,)", "line 2", "vertex 1 of the list: \"id\" is there twice"},
       {R"("type":"ridge")", R"("type":"rodge")", "line 2", "the type \"rodge\" is not known"},
+      {R"("type":"ridge")", R"("type":"double_ridge")", "line 2", "the type \"double_ridge\" is not known"},
       {R"("type":"ridge")", R"("type":4)", "line 2", "\"type\" must be a text"},
       {R"("x":1.5)", R"("x":"1.5")", "line 2", "\"x\" must be a number, is a text"},
       {R"("x":1.5)", R"("x":true)", "line 2", "\"x\" must be a number"},

@@ -105,30 +105,28 @@ TEST_CASE("Every number of a model is in its archive", "[archive]") {
   }
 }
 
-TEST_CASE("A model's double ridges are in its archive, and broken ones are refused", "[archive]") {
+TEST_CASE("Patch types keep the numbers that they had in older models, and 4 is none", "[archive]") {
   auto model = test::full_model();
-  const auto make_double = [](graph::AttributeGraph& graph) {
-    std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
-    auto& patch = vertices[1].patch;
-    patch.type = graph::PatchType::double_ridge;
-    patch.width = 8, patch.hollow = 4.5, patch.between = {10, 20, 30};
-    graph = {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+  const auto first_of_type = [&model](graph::PatchType type) {
+    std::vector<graph::Vertex> vertices(model.first.vertices().begin(), model.first.vertices().end());
+    vertices[0].patch.type = type;
+    model.first = {std::move(vertices), {model.first.edges().begin(), model.first.edges().end()}};
+    return mcmc::to_archive(model);
   };
-  make_double(model.first);
-  make_double(model.exemplars[0].graph);
-  const auto archive = mcmc::to_archive(model);
-  CHECK(mcmc::motion_model(archive) == model);
-  for (const std::string name : {"first_hollows", "exemplar_hollows"}) {
-    const auto refused = [&](auto&& broken) {
-      auto other = archive;
-      broken(other.arrays[name]);
-      CHECK(test::contains(refusal(other), name));
-    };
-    using Values = std::vector<double>;
-    refused([](core::NpyArray& a) { std::get<Values>(a.data)[4] = 8.5; });  // wider than the core
-    refused([](core::NpyArray& a) { std::get<Values>(a.data)[4] = -1; });
-    refused([](core::NpyArray& a) { std::get<Values>(a.data)[5] = std::nan(""); });
-    refused([](core::NpyArray& a) { a.shape[0] -= 1, std::get<Values>(a.data).resize(4 * a.shape[0]); });
+  const auto number_in = [](auto& archive) -> double& {
+    return std::get<std::vector<double>>(archive.arrays.at("first_patches").data)[15];
+  };
+  using enum graph::PatchType;
+  for (const auto& [type, number] :
+       {std::pair{ridge, 0.0}, {step, 3.0}, {corner, 5.0}, {terminator, 6.0}, {blob, 11.0}}) {
+    auto archive = first_of_type(type);
+    CHECK(number_in(archive) == number);
+    CHECK(mcmc::motion_model(archive) == model);
+    // Double ridges had 4.
+    for (const double none : {4.0, -1.0, 4.5, 13.0, std::nan("")}) {
+      number_in(archive) = none;
+      CHECK(test::contains(refusal(archive), "first_patches.npy holds a"));
+    }
   }
 }
 
