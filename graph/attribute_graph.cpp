@@ -78,6 +78,11 @@ AttributeGraph::AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> e
       throw core::InputError("attribute graph: the edge from vertex " + text(a) + " to vertex " + text(b) +
                              " ends at vertex " + text(i == size() ? a : b) + ", which is not there");
     }
+    if (is_anchor(patch(i)) || is_anchor(patch(j))) {
+      throw core::InputError("attribute graph: the edge from vertex " + text(a) + " to vertex " + text(b) +
+                             " ends at vertex " + text(is_anchor(patch(i)) ? a : b) +
+                             ", an anchor, which has no edges");
+    }
     ends[e] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)};
     ++first_neighbour_[i + 1];
     ++first_neighbour_[j + 1];
@@ -120,6 +125,14 @@ AttributeGraph AttributeGraph::with_subgraphs(std::span<const SubgraphId> subgra
   return result;
 }
 
+AttributeGraph without_anchors(const AttributeGraph& graph) {
+  const auto is_one = [](const Vertex& vertex) { return is_anchor(vertex.patch); };
+  if (std::ranges::none_of(graph.vertices(), is_one)) return graph;
+  std::vector<Vertex> strokes(graph.vertices().begin(), graph.vertices().end());
+  std::erase_if(strokes, is_one);
+  return {std::move(strokes), {graph.edges().begin(), graph.edges().end()}};
+}
+
 Components components(const AttributeGraph& graph) {
   const std::size_t n = graph.size();
   std::vector<std::size_t> rank(n), parent(n);
@@ -130,13 +143,13 @@ Components components(const AttributeGraph& graph) {
       if (i < j) sets.union_set(i, j);
     }
   }
-  constexpr std::uint32_t kNone = ~std::uint32_t{0};
   Components result;
-  result.of_vertex.resize(n);
-  std::vector<std::uint32_t> number(n, kNone);
+  result.of_vertex.assign(n, Components::kNone);
+  std::vector<std::uint32_t> number(n, Components::kNone);
   for (std::size_t i = 0; i < n; ++i) {
+    if (is_anchor(graph.patch(i))) continue;
     std::uint32_t& of_set = number[sets.find_set(i)];
-    if (of_set == kNone) of_set = static_cast<std::uint32_t>(result.count++);
+    if (of_set == Components::kNone) of_set = static_cast<std::uint32_t>(result.count++);
     result.of_vertex[i] = of_set;
   }
   return result;
@@ -170,7 +183,10 @@ std::vector<Curve> curves(const AttributeGraph& graph) {
     if (is_listed_way(curve)) result.push_back(std::move(curve));
   };
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
-    if (graph.degree(v) == 0) take({v});
+    if (is_anchor(graph.patch(v)))
+      seen[v] = true;
+    else if (graph.degree(v) == 0)
+      take({v});
     if (graph.degree(v) == 2) continue;
     for (const std::uint32_t next : graph.neighbours(v)) take(walk_curve(graph, v, next));
   }

@@ -43,8 +43,8 @@ class AttributeGraph {
  public:
   AttributeGraph() = default;
   /// Builds a graph from vertices and edges in any order, either end of an edge first.
-  /// Throws InputError, naming the ids, for a repeated id or edge, a loop, an edge to a missing vertex, or a
-  /// patch with a number that is not finite. O(n log n).
+  /// Throws InputError, naming the ids, for a repeated id or edge, a loop, an edge to a missing vertex or to
+  /// an anchor, or a patch with a number that is not finite. O(n log n).
   AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> edges);
 
   [[nodiscard]] std::span<const Vertex> vertices() const { return vertices_; }
@@ -75,17 +75,22 @@ class AttributeGraph {
   std::vector<std::uint32_t> neighbours_;
 };
 
-/// The connected components of a graph, numbered 0, 1, … by their lowest vertex index.
+/// Returns the strokes and blobs of a graph without its anchors; they keep their ids. Whatever links, counts
+/// or measures strokes in graphs that may hold anchors begins with this. O(n).
+AttributeGraph without_anchors(const AttributeGraph& graph);
+
+/// The connected components of a graph without its anchors, numbered 0, 1, … by their lowest vertex index.
 struct Components {
-  std::vector<std::uint32_t> of_vertex;  ///< number of each vertex's component
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  std::vector<std::uint32_t> of_vertex;  ///< number of each vertex's component; kNone of an anchor
   std::size_t count = 0;
 };
 /// Finds the connected components of a graph. O(n α(n)) in vertices and edges.
 Components components(const AttributeGraph& graph);
 
 /// A maximal path whose inner vertices have degree 2, as vertex indices in order.
-/// A ring repeats its first vertex at the end; an isolated vertex is a curve of one. A vertex of degree ≥ 3
-/// ends every curve that meets it.
+/// A ring repeats its first vertex at the end; an isolated vertex is a curve of one, an anchor none. A vertex
+/// of degree ≥ 3 ends every curve that meets it.
 using Curve = std::vector<std::uint32_t>;
 /// Splits a graph into its curves; each edge lies in exactly one.
 /// Ordered by their lowest vertices: equal graphs give equal lists. O(n log n).

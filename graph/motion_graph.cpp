@@ -87,6 +87,11 @@ void validate(const MotionGraph& motion) {
   }
   for (std::size_t t = 0; t < frames.size(); ++t) {
     const std::string where = "motion graph: frame " + std::to_string(t) + ": ";
+    const auto anchor = std::ranges::find_if(frames[t].vertices(), is_anchor, &Vertex::patch);
+    if (anchor != frames[t].vertices().end()) {
+      throw core::InputError(where + "vertex " + text(anchor->id) +
+                             " is an anchor, which is for sketches alone");
+    }
     const auto last = last_id(frames, t);
     if (last && !frames[t].empty() && frames[t].vertices().front().id <= *last) {
       throw core::InputError(where + "vertex " + text(frames[t].vertices().front().id) +

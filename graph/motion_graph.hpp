@@ -30,7 +30,7 @@ struct Link {
 /// A sketch sequence with the links between neighbouring frames.
 /// links[t], sorted, join frame t − 1 to frame t; links[0] is empty. Between two frames the links form a star
 /// forest: a vertex may have several successors (a split) or several predecessors (a merge), but no link has
-/// a competing link at both of its ends.
+/// a competing link at both of its ends. Its frames hold no anchors.
 struct MotionGraph {
   SketchSequence sketch;
   std::vector<std::vector<Link>> links;
@@ -42,7 +42,8 @@ struct MotionGraph {
 /// Throws InputError, naming the ids, if links miss an end, repeat, are unsorted or form no star forest.
 void validate_links(const AttributeGraph& before, const AttributeGraph& after, std::span<const Link> links);
 
-/// Checks a whole motion graph: every list of links, their number, and that ids ascend from frame to frame.
+/// Checks a whole motion graph: every list of links, their number, that ids ascend from frame to frame, and
+/// that there are no anchors.
 /// Throws InputError, naming frame and ids. O(n log n).
 void validate(const MotionGraph& motion);
 

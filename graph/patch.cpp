@@ -8,9 +8,9 @@
 namespace emberfold::graph {
 
 namespace {
-constexpr std::array<std::string_view, 11> kNames = {"ridge",      "valley",     "bar",        "step",
+constexpr std::array<std::string_view, 12> kNames = {"ridge",      "valley",     "bar",        "step",
                                                      "corner",     "terminator", "l_junction", "t_junction",
-                                                     "y_junction", "crossing",   "blob"};
+                                                     "y_junction", "crossing",   "blob",       "anchor"};
 }
 
 double norm(Point a) {
@@ -28,6 +28,14 @@ std::optional<PatchType> patch_type(std::string_view name) {
   const auto found = std::find(kNames.begin(), kNames.end(), name);
   if (found == kNames.end()) return std::nullopt;
   return static_cast<PatchType>(found - kNames.begin());
+}
+
+Patch make_anchor(Point pixel, const Level& level) {
+  Patch patch;
+  patch.type = PatchType::anchor;
+  patch.position = pixel;
+  patch.middle = level;
+  return patch;
 }
 
 bool same_kind(const Patch& a, const Patch& b) {

@@ -39,7 +39,8 @@ enum class PatchType : std::uint8_t {
   t_junction,
   y_junction,
   crossing,
-  blob
+  blob,
+  anchor
 };
 
 /// Returns the name of a type as files write it.
@@ -58,7 +59,8 @@ using Level = std::array<float, 3>;
 ///   Gaussian of SD `blur`;
 /// - step: the same without a core; `width` is 0 and `middle` the mean of both sides;
 /// - blob: a disc about `position` with a linear ramp from `left` to `right` over its diameter. At its centre
-///   it has the level `middle`, which falls off to the ramp by a Gaussian of SD width / 2 + blur.
+///   it has the level `middle`, which falls off to the ramp by a Gaussian of SD width / 2 + blur;
+/// - anchor: no part of a stroke, but the pixel nearest to `position`, which has the level `middle`.
 struct Patch {
   PatchType type = PatchType::ridge;
   Point position;
@@ -74,6 +76,14 @@ struct Patch {
 
   bool operator==(const Patch&) const = default;
 };
+
+/// Returns an anchor; its other numbers are those of a new patch.
+Patch make_anchor(Point pixel, const Level& level);
+
+/// Returns whether the patch is an anchor.
+inline bool is_anchor(const Patch& patch) {
+  return patch.type == PatchType::anchor;
+}
 
 /// Returns whether the patch lies on a step edge, which has no core, whatever its type.
 inline bool on_step(const Patch& patch) {

@@ -37,6 +37,8 @@ enum VertexKey : unsigned {
   kGain,
   kEvidence
 };
+constexpr unsigned kOptionalKeys = 1U << kCost | 1U << kGain | 1U << kEvidence;
+constexpr unsigned kAnchorKeys = 1U << kId | 1U << kType | 1U << kX | 1U << kY | 1U << kMiddle;
 constexpr std::array<std::string_view, 4> kFrameKeys = {"frame", "vertices", "edges", "links"};
 enum FrameKey : unsigned { kFrame, kVertices, kEdges, kLinks };
 constexpr unsigned kUnknown = ~0U;
@@ -59,6 +61,8 @@ std::string in_quotes(std::string_view text) {
 class Handler {
  public:
   FrameLine line;
+
+  Handler(int width, int height) : width_(width), height_(height) {}
 
   bool null() { return other("null"); }
   bool boolean(bool) { return other("true or false"); }
@@ -117,9 +121,13 @@ class Handler {
       place_ = Place::done;
       return true;
     }
-    require_all(kVertexKeys, seen_vertex_ | 1U << kCost | 1U << kGain | 1U << kEvidence, vertex_name());
-    if (const auto wrong = detail::describe_range_error(line.vertices.back().patch); !wrong.empty())
+    Vertex& vertex = line.vertices.back();
+    require_all(kVertexKeys, seen_vertex_ | (is_anchor(vertex.patch) ? ~kAnchorKeys : kOptionalKeys),
+                vertex_name());
+    if (const auto wrong = detail::describe_range_error(vertex.patch, width_, height_); !wrong.empty())
       fail(vertex_name() + wrong);
+    if (is_anchor(vertex.patch))
+      vertex = {vertex.id, {}, make_anchor(vertex.patch.position, vertex.patch.middle)};
     place_ = Place::vertices;
     return true;
   }
@@ -315,6 +323,7 @@ class Handler {
     return static_cast<float>(value);
   }
 
+  int width_, height_;
   Place place_ = Place::nothing, outside_ = Place::nothing;
   std::size_t depth_ = 0, count_ = 0;
   unsigned key_ = kUnknown, seen_frame_ = 0, seen_vertex_ = 0;
@@ -323,8 +332,8 @@ class Handler {
 
 }  // namespace
 
-FrameLine parse_frame_line(std::string_view text) {
-  Handler handler;
+FrameLine parse_frame_line(std::string_view text, int width, int height) {
+  Handler handler(width, height);
   nlohmann::json::sax_parse(text.begin(), text.end(), &handler);
   return std::move(handler.line);
 }

@@ -18,8 +18,8 @@ struct FrameLine {
   bool has_links = false;
 };
 
-/// Parses one line; unknown keys are ignored.
+/// Parses one line of a clip of `width` × `height` px; unknown keys are ignored.
 /// Memory is bounded by the length of the text. Throws IoError (without a prefix) unless it is a frame.
-FrameLine parse_frame_line(std::string_view text);
+FrameLine parse_frame_line(std::string_view text, int width, int height);
 
 }  // namespace emberfold::graph::detail

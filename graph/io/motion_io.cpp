@@ -2,6 +2,7 @@
 #include "graph/io/motion_io.hpp"
 
 #include <cmath>
+#include <limits>
 #include <ostream>
 #include <string>
 
@@ -39,11 +40,22 @@ void append_level(std::string& text, std::string_view name, const Level& level) 
   text += ']';
 }
 
-void append_vertex(std::string& text, const Vertex& vertex) {
+void append_anchor(std::string& text, const Vertex& vertex) {
+  text += "{\"id\":";
+  core::append_number(text, vertex.id.value);
+  text += ",\"type\":\"anchor\"";
+  append_field(text, "x", vertex.patch.position.x);
+  append_field(text, "y", vertex.patch.position.y);
+  append_level(text, "middle", vertex.patch.middle);
+  text += '}';
+}
+
+void append_vertex(std::string& text, const Vertex& vertex, const SketchSequence& sketch) {
   const Patch& patch = vertex.patch;
-  if (const auto wrong = detail::describe_range_error(patch); !wrong.empty()) {
+  if (const auto wrong = detail::describe_range_error(patch, sketch.width, sketch.height); !wrong.empty()) {
     throw core::InputError("writing a sketch: vertex " + std::to_string(vertex.id.value) + ": " + wrong);
   }
+  if (is_anchor(patch)) return append_anchor(text, vertex);
   text += "{\"id\":";
   core::append_number(text, vertex.id.value);
   append_field(text, "subgraph", vertex.subgraph.value);
@@ -74,8 +86,8 @@ void append_pair(std::string& text, VertexId a, VertexId b) {
   text += ']';
 }
 
-/// Writes a sketch or, with `links`, a motion graph.
-void write(std::ostream& out, const SketchSequence& sketch, const std::vector<std::vector<Link>>* links) {
+/// Returns the first line of a sketch or, with `links`, a motion graph of so many frames.
+std::string header_line(const SketchSequence& sketch, std::size_t frames, bool links) {
   const auto in_range = [](int value) { return value >= 1 && value <= 65536; };
   if (!in_range(sketch.width) || !in_range(sketch.height)) {
     throw core::InputError("writing a sketch: its size is " + std::to_string(sketch.width) + " x " +
@@ -86,44 +98,80 @@ void write(std::ostream& out, const SketchSequence& sketch, const std::vector<st
                            ", allowed is above 0, up to 1000");
   }
   std::string text = "{\"format\":\"";
-  text += links != nullptr ? "emberfold.motion" : "emberfold.sketch";
+  text += links ? "emberfold.motion" : "emberfold.sketch";
   text += "\",\"version\":1";
   append_field(text, "width", static_cast<std::uint32_t>(sketch.width));
   append_field(text, "height", static_cast<std::uint32_t>(sketch.height));
   append_field(text, "fps", sketch.fps);
-  append_field(text, "frames", static_cast<std::uint32_t>(sketch.frames.size()));
-  text += "}\n";
-  for (std::size_t t = 0; t < sketch.frames.size(); ++t) {
-    text += "{\"frame\":";
-    core::append_number(text, static_cast<std::uint32_t>(t));
-    text += ",\"vertices\":[";
-    for (const Vertex& vertex : sketch.frames[t].vertices()) {
-      if (text.back() != '[') text += ',';
-      append_vertex(text, vertex);
-    }
-    text += "],\"edges\":[";
-    for (const Edge& edge : sketch.frames[t].edges()) append_pair(text, edge.a, edge.b);
-    if (links != nullptr) {
-      text += "],\"links\":[";
-      for (const Link& link : (*links)[t]) append_pair(text, link.before, link.after);
-    }
-    text += "]}\n";
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    text.clear();
+  append_field(text, "frames", static_cast<std::uint32_t>(frames));
+  return text + "}\n";
+}
+
+/// Returns the line of the sequence's frame `frame`, number `t` of the file.
+std::string frame_line(const SketchSequence& sketch, std::size_t frame, std::size_t t,
+                       const std::vector<Link>* links) {
+  std::string text = "{\"frame\":";
+  core::append_number(text, static_cast<std::uint32_t>(t));
+  text += ",\"vertices\":[";
+  for (const Vertex& vertex : sketch.frames[frame].vertices()) {
+    if (text.back() != '[') text += ',';
+    append_vertex(text, vertex, sketch);
   }
+  text += "],\"edges\":[";
+  for (const Edge& edge : sketch.frames[frame].edges()) append_pair(text, edge.a, edge.b);
+  if (links != nullptr) {
+    text += "],\"links\":[";
+    for (const Link& link : *links) append_pair(text, link.before, link.after);
+  }
+  return text + "]}\n";
+}
+
+void put(std::ostream& out, const std::string& text) {
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
+}
+
+void finish_stream(std::ostream& out) {
   if (!out.flush()) throw core::IoError("a sketch could not be written: the stream failed");
 }
 
 }  // namespace
 
 void write_sketch(std::ostream& out, const SketchSequence& sketch) {
-  write(out, sketch, nullptr);
+  put(out, header_line(sketch, sketch.frames.size(), false));
+  for (std::size_t t = 0; t < sketch.frames.size(); ++t) put(out, frame_line(sketch, t, t, nullptr));
+  finish_stream(out);
 }
 
 void write_motion(std::ostream& out, const MotionGraph& motion) {
   validate(motion);
-  write(out, motion.sketch, &motion.links);
+  const SketchSequence& sketch = motion.sketch;
+  put(out, header_line(sketch, sketch.frames.size(), true));
+  for (std::size_t t = 0; t < sketch.frames.size(); ++t) put(out, frame_line(sketch, t, t, &motion.links[t]));
+  finish_stream(out);
+}
+
+SketchWriter::SketchWriter(std::ostream& out, int width, int height, double fps)
+    : out_(out), last_{width, height, fps, {}} {
+  // As long as the header of any number of frames, whose place it keeps.
+  std::string text = header_line(last_, std::numeric_limits<std::int32_t>::max(), false);
+  put(out_, std::string(text.size() - 1, ' ') + "\n");
+}
+
+void SketchWriter::add(const AttributeGraph& graph) {
+  last_.append(graph);
+  const std::size_t frame = last_.frames.size() - 1;
+  put(out_, frame_line(last_, frame, frames_++, nullptr));
+  auto& frames = last_.frames;
+  if (frames.size() > 1) frames.erase(graph.empty() ? frames.end() - 1 : frames.begin());
+}
+
+void SketchWriter::finish() {
+  finish_stream(out_);
+  const std::string text = header_line(last_, frames_, false);
+  out_.seekp(0);
+  out_.write(text.data(), static_cast<std::streamsize>(text.size() - 1));
+  out_.seekp(0, std::ios::end);
+  finish_stream(out_);
 }
 
 void write_trajectories(std::ostream& out, const MotionGraph& motion) {

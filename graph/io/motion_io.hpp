@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <iosfwd>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,20 @@ namespace emberfold::graph {
 /// Numbers read back to the same bits. Throws InputError for a graph that the readers would refuse, IoError
 /// if the stream fails.
 void write_sketch(std::ostream& out, const SketchSequence& sketch);
+/// Writes sketch.jsonl frame after frame, as write_sketch does the whole of it; errors likewise.
+class SketchWriter {
+ public:
+  /// `out`: of a kind that can be overwritten, for the header comes last.
+  SketchWriter(std::ostream& out, int width, int height, double fps);
+  /// Writes a frame; its vertices are renumbered as SketchSequence::append does.
+  void add(const AttributeGraph& graph);
+  void finish();
+
+ private:
+  std::ostream& out_;
+  SketchSequence last_;  ///< the last frame that has vertices, alone
+  std::size_t frames_ = 0;
+};
 /// Writes motion.jsonl, which holds the links too; otherwise as write_sketch.
 void write_motion(std::ostream& out, const MotionGraph& motion);
 

@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 
 // Bytes; they bound the memory of reading a damaged file.
-constexpr std::size_t kLongestHeader = std::size_t{1} << 16, kLongestLine = std::size_t{1} << 27;
+constexpr std::size_t kLongestHeader = std::size_t{1} << 16, kLongestLine = std::size_t{1} << 29;
 
 struct Header {
   bool motion = false;
@@ -119,6 +119,8 @@ void add_frame(PartialMotion& partial, detail::FrameLine line, bool with_links) 
       partial.last = graph.vertices().back().id;
     }
     if (with_links) {
+      if (without_anchors(graph).size() < graph.size())
+        throw core::InputError("a vertex is an anchor, which is for sketches alone");
       std::sort(line.links.begin(), line.links.end());
       validate_links(frames.empty() ? AttributeGraph{} : frames.back(), graph, line.links);
       partial.motion.links.push_back(std::move(line.links));
@@ -145,7 +147,7 @@ MotionGraph read(std::istream& in, std::string_view name, bool with_links) {
         throw core::IoError("the file ends after " + std::to_string(t) + " of " +
                             std::to_string(header.frames) + " frames");
       }
-      add_frame(partial, detail::parse_frame_line(*text), with_links);
+      add_frame(partial, detail::parse_frame_line(*text, header.width, header.height), with_links);
     }
     while (const auto text = lines.next(kLongestLine)) {
       if (text->find_first_not_of(" \t") == std::string::npos) continue;

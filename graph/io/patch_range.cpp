@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/text/json_reader.hpp"
@@ -49,6 +50,18 @@ std::string describe_range_error(const Patch& patch) {
       if (auto text = check(name, static_cast<double>(value), -kLargest, kLargest); !text.empty())
         return text;
     }
+  }
+  return {};
+}
+
+std::string describe_range_error(const Patch& patch, int width, int height) {
+  if (auto text = describe_range_error(patch); !text.empty() || !is_anchor(patch)) return text;
+  for (const auto& [name, value, size] :
+       {std::tuple{"x", patch.position.x, width}, {"y", patch.position.y, height}}) {
+    if (value >= 0 && value < size && value == std::floor(value)) continue;
+    std::string text = "\"" + std::string(name) + "\" of an anchor is ";
+    core::append_number(text, value);
+    return text + ", allowed is a whole number from 0 to " + std::to_string(size - 1);
   }
   return {};
 }

@@ -276,8 +276,10 @@ std::vector<Link> supported_links(const AttributeGraph& before, const AttributeG
                                   std::vector<Link> links) {
   const Components parts_before = components(before), parts_after = components(after);
   std::vector<std::uint32_t> size_before(parts_before.count, 0), size_after(parts_after.count, 0);
-  for (const std::uint32_t part : parts_before.of_vertex) ++size_before[part];
-  for (const std::uint32_t part : parts_after.of_vertex) ++size_after[part];
+  for (const std::uint32_t part : parts_before.of_vertex)
+    if (part != Components::kNone) ++size_before[part];
+  for (const std::uint32_t part : parts_after.of_vertex)
+    if (part != Components::kNone) ++size_after[part];
   const detail::FrameLinks found = detail::index_links(before, after, links);
   const auto pairs = detail::component_pairs(before, after, parts_before, parts_after, found);
   const auto holds = [&](std::uint32_t a, std::uint32_t b) {
@@ -308,7 +310,10 @@ std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGrap
   if (!std::all_of(velocity.begin(), velocity.end(), finite)) {
     throw core::InputError("match: a velocity is not finite");
   }
-  return link_frames(before, after, velocity, options).links;
+  std::vector<Point> of_strokes;
+  for (std::size_t i = 0; i < velocity.size(); ++i)
+    if (!is_anchor(before.patch(i))) of_strokes.push_back(velocity[i]);
+  return link_frames(without_anchors(before), without_anchors(after), of_strokes, options).links;
 }
 
 namespace {
@@ -336,6 +341,7 @@ MotionGraph match_once(SketchSequence sketch, const MatchOptions& options, const
 
 MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
   options.validate();
+  for (AttributeGraph& frame : sketch.frames) frame = without_anchors(frame);
   const int rounds = options.flicker > 0 ? kFlickerRounds : 0;
   MotionGraph motion;
   for (int round = 0; round <= rounds; ++round) {

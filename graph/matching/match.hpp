@@ -27,22 +27,23 @@ struct MatchOptions {
 
 /// Links one frame's graph to the next one's.
 /// Returns sorted links that form a star forest. `velocity`: expected motion of each vertex of `before`, px a
-/// frame; empty: zero. Throws InputError for invalid options and for velocities of another number or not
-/// finite.
+/// frame; empty: zero. Anchors get no links. Throws InputError for invalid options and for velocities of
+/// another number or not finite.
 std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGraph& after,
                                std::span<const Point> velocity, const MatchOptions& options);
 
-/// Drops the links between components that too few links connect; `links` are sorted.
-/// Kept are pairs with links for at least half of a smaller component of up to 3 vertices; of a larger one 6
-/// links, or 2 and a third of its vertices. So a dying stroke does not become a neighbour that grows.
+/// Drops the links between components that too few links connect; `links` are sorted, and none is an
+/// anchor's. Kept are pairs with links for at least half of a smaller component of up to 3 vertices; of a
+/// larger one 6 links, or 2 and a third of its vertices. So a dying stroke does not become a neighbour that
+/// grows.
 std::vector<Link> supported_links(const AttributeGraph& before, const AttributeGraph& after,
                                   std::vector<Link> links);
 
 /// Links every frame to the next, bottom up (Wang & Zhu 2004, §3.2), and identifies the strokes.
 /// Matched are first curves by count, shape, appearance and degree, then control points in order along
 /// matched curves, then remaining points by assignment. Flicker is removed and the clip matched again. The
-/// result is the start of the sampler. Throws InputError for invalid options, Cancelled if `context` is
-/// stopped.
+/// result is the start of the sampler; it is without the sketch's anchors. Throws InputError for invalid
+/// options, Cancelled if `context` is stopped.
 MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core::Context& context = {});
 
 }  // namespace emberfold::graph

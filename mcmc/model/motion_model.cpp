@@ -61,6 +61,7 @@ void check(const graph::AttributeGraph& graph, const std::string& part) {
   for (const auto& vertex : graph.vertices()) {
     const auto complaint = graph::detail::describe_range_error(vertex.patch);
     check(complaint.empty(), part, "holds a patch that is none: " + complaint);
+    check(!graph::is_anchor(vertex.patch), part, "holds an anchor, which is for sketches alone");
   }
 }
 

@@ -69,7 +69,8 @@ HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph:
       state.allow_link(v, w);
       if (state.can_link(v, w)) state.link(v, w);
     }
-    for (const auto& other : others) add_others(state, other.frames[t], frame, nodes, gates);
+    for (const auto& other : others)
+      add_others(state, graph::without_anchors(other.frames[t]), frame, nodes, gates);
     before = std::move(now);
   }
   return state;

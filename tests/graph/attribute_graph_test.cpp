@@ -155,3 +155,25 @@ TEST_CASE("A path, a ring, a T and a loop on a stem come out as their curves", "
   CHECK(curves_of(2, {}) == Curves{{0}, {1}});
   CHECK(curves_of(0, {}).empty());
 }
+
+TEST_CASE("Anchors are vertices, but no curves or components, and have no edges", "[graph][anchors]") {
+  core::Rng rng(5);
+  for (int k = 0; k < 20; ++k) {
+    const AttributeGraph strokes = test::random_graph(rng, 5, 4);
+    const AttributeGraph both = test::with_anchors(strokes, rng, 30);
+    REQUIRE(both.size() == strokes.size() + 30);
+    CHECK(graph::without_anchors(both) == strokes);
+    CHECK(graph::curves(both) == graph::curves(strokes));
+    const auto parts = graph::components(both), expected = graph::components(strokes);
+    CHECK(parts.count == expected.count);
+    for (std::size_t i = 0; i < both.size(); ++i)
+      CHECK(parts.of_vertex[i] == (i < strokes.size() ? expected.of_vertex[i] : graph::Components::kNone));
+  }
+  // Ids stay, whatever order they come in.
+  const AttributeGraph mixed({test::vertex(9, 5, 0), test::anchor(4, 2, 3), test::vertex(2, 0, 0)},
+                             {{{2}, {9}}});
+  CHECK(graph::without_anchors(mixed) ==
+        AttributeGraph({test::vertex(2, 0, 0), test::vertex(9, 5, 0)}, {{{2}, {9}}}));
+  CHECK(test::contains(refusal({test::vertex(0, 0, 0), test::anchor(1, 2, 3)}, {{{0}, {1}}}),
+                       "ends at vertex 1, an anchor"));
+}

@@ -176,3 +176,11 @@ TEST_CASE("Every vertex lies in one trajectory, and they are as long as can be",
     CHECK(steps == lone);
   }
 }
+
+TEST_CASE("A motion graph holds no anchors", "[graph][anchors]") {
+  core::Rng rng(3);
+  auto motion = test::motion({dots(2), dots(3)}, {{{0, 0}}});
+  motion.sketch.frames[1] = test::with_anchors(motion.sketch.frames[1], rng, 1);
+  const auto refusal = test::message_of<core::InputError>([&] { graph::identify(motion); });
+  CHECK(test::contains(refusal, "frame 1: vertex 5 is an anchor"));
+}

@@ -27,6 +27,23 @@ inline graph::Vertex vertex(std::uint32_t id, double x, double y, double theta =
   return v;
 }
 
+inline graph::Vertex anchor(std::uint32_t id, double x, double y, const graph::Level& level = {90, 90, 90}) {
+  return {{id}, {}, graph::make_anchor({x, y}, level)};
+}
+
+/// The graph with so many anchors after its other vertices, at random pixels of 320 × 240.
+inline graph::AttributeGraph with_anchors(const graph::AttributeGraph& graph, core::Rng& rng,
+                                          std::uint32_t count) {
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  const std::uint32_t first = vertices.empty() ? 0 : vertices.back().id.value + 1;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const auto grey = static_cast<float>(rng.uniform(0, 255));
+    vertices.push_back(
+        anchor(first + k, rng.below(320), rng.below(240), {grey, grey, rng.below(2) == 0 ? grey : grey + 1}));
+  }
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+}
+
 /// A frame put together from polylines with a vertex at every point, and further edges.
 struct Frame {
   std::vector<graph::Vertex> vertices;

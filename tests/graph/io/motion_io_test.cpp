@@ -357,3 +357,78 @@ TEST_CASE("A long clip's motion is written and read in a moment", "[graph][io]")
   CHECK(write.count() < 5 * test::kSlowdown);
   CHECK(read_time.count() < 5 * test::kSlowdown);
 }
+
+TEST_CASE("Anchors are in sketches with what they need, and read back bit for bit", "[graph][io][anchors]") {
+  core::Rng rng(8);
+  graph::SketchSequence sketch;
+  sketch.width = 320, sketch.height = 240;
+  for (int t = 0; t < 4; ++t) sketch.append(test::with_anchors(test::random_graph(rng, 3, 1), rng, t * 20));
+  const auto lines = [](const graph::SketchSequence& of) {
+    std::ostringstream out;
+    graph::write_sketch(out, of);
+    return out.str();
+  };
+  const auto read_lines = [](const std::string& text) {
+    std::istringstream in(text);
+    return graph::read_sketch(in, "s.jsonl");
+  };
+  CHECK(read_lines(lines(sketch)) == sketch);
+  sketch.frames = {graph::AttributeGraph(
+      {test::anchor(0, 0, 0, {1.25F, 1.25F, 1.25F}), test::anchor(1, 319, 239, {1, 2, 3.5F})}, {})};
+  const std::string text = lines(sketch),
+                    last = R"({"id":1,"type":"anchor","x":319,"y":239,"middle":[1,2,3.5]})";
+  CHECK(contains(text, R"([{"id":0,"type":"anchor","x":0,"y":0,"middle":1.25},)" + last + "]"));
+  // What an anchor does not need is passed over.
+  CHECK(read_lines(replaced(text, last, R"({"theta":7,"subgraph":4,"left":9,)" + last.substr(1))) == sketch);
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {R"("x":320,"y":239,"middle":1})",
+       "\"x\" of an anchor is 320, allowed is a whole number from 0 to 319"},
+      {R"("x":1.5,"y":239,"middle":1})", "\"x\" of an anchor is 1.5"},
+      {R"("x":0,"y":-1,"middle":1})", "\"y\" of an anchor is -1, allowed is a whole number from 0 to 239"},
+      {R"("x":0,"y":0,"middle":1e300})", "\"middle\" is not finite"},
+      {R"("x":0,"y":0,"middle":1e999})", "out of range"},
+      {R"("x":0,"y":0,"middle":[1,2]})", "\"middle\" must be one number or three"},
+      {R"("x":0,"y":0})", "\"middle\" is missing"},
+      {R"("y":0,"middle":1})", "\"x\" is missing"}};
+  for (const auto& [with, cause] : cases) {
+    const auto message = test::message_of<core::IoError>(
+        [&] { read_lines(replaced(text, last.substr(last.find("\"x\"")), with)); });
+    CAPTURE(with, message);
+    CHECK(contains(message, "s.jsonl: line 2: "));
+    CHECK(contains(message, cause));
+    CHECK(message.find('\n') == std::string::npos);
+  }
+  const auto tied = test::message_of<core::IoError>(
+      [&] { read_lines(replaced(text, R"("edges":[])", R"("edges":[[0,1]])")); });
+  CHECK(contains(tied, "line 2: "));
+  CHECK(contains(tied, "an anchor"));
+  sketch.width = 319;
+  CHECK(contains(test::message_of<core::InputError>([&] { lines(sketch); }), "vertex 1: \"x\" of an anchor"));
+  // A motion graph has none.
+  const std::string none = R"({"id":2,"type":"anchor","x":1,"y":2,"middle":3})";
+  CHECK(contains(refusal(replaced(replaced(good(), vertex(2), none), R"([[2,3]],"links":[[0,2],[1,3]])",
+                                  R"([],"links":[[1,3]])")),
+                 "line 3: a vertex is an anchor"));
+}
+
+TEST_CASE("A sketch written frame after frame reads as one written at once", "[graph][io]") {
+  core::Rng rng(9);
+  for (const int frames : {0, 1, 2, 12}) {
+    graph::SketchSequence sketch;
+    sketch.width = 320, sketch.height = 240, sketch.fps = 29.97;
+    std::ostringstream out;
+    graph::SketchWriter writer(out, sketch.width, sketch.height, sketch.fps);
+    for (int t = 0; t < frames; ++t) {
+      const auto graph = t % 3 == 1 ? graph::AttributeGraph{} : test::random_graph(rng, 3, 1);
+      sketch.append(graph);
+      writer.add(graph);
+    }
+    writer.finish();
+    std::istringstream in(out.str());
+    CHECK(graph::read_sketch(in, "s.jsonl") == sketch);
+  }
+  std::ostringstream broken;
+  graph::SketchWriter writer(broken, 320, 240, 25);
+  broken.setstate(std::ios::badbit);
+  CHECK_THROWS_AS(writer.finish(), core::IoError);
+}

@@ -340,3 +340,30 @@ TEST_CASE("Options and velocities that cannot be are refused by name", "[graph][
   CHECK_THROWS_AS(graph::match_frames(g, g, std::vector<Point>(5, Point{std::nan(""), 0}), {}),
                   core::InputError);
 }
+
+TEST_CASE("Anchors are not matched, and are no births and deaths", "[graph][match][anchors]") {
+  Swaying scene(4);
+  for (const double y : {40.0, 90.0, 140.0}) scene.add({120, y}, 90, 0.1);
+  core::Rng rng(7);
+  graph::SketchSequence strokes, both;
+  strokes.width = both.width = 320, strokes.height = both.height = 240;
+  for (int t = 0; t < 30; ++t) {
+    scene.step();
+    scene[1].pieces = t < 10 || t > 20 ? std::vector<std::pair<double, double>>{{0, 1}}
+                                       : std::vector<std::pair<double, double>>{{0, 0.3}, {0.7, 1}};
+    std::vector<std::size_t> owner;
+    const auto frame = scene.frame(owner);
+    strokes.append(frame);
+    both.append(test::with_anchors(frame, rng, 200));
+  }
+  const auto expected = graph::match(strokes, {}), found = graph::match(both, {});
+  const auto events = graph::stroke_events(expected);
+  CHECK(events.size() >= 2);
+  CHECK(graph::stroke_events(found) == events);
+  // Of two frames alone, with a velocity for every vertex.
+  const auto &a = both.frames[3], &b = both.frames[4];
+  const auto links = graph::match_frames(a, b, std::vector<Point>(a.size(), {0.5, 0}), {});
+  CHECK_FALSE(links.empty());
+  CHECK(links == graph::match_frames(graph::without_anchors(a), graph::without_anchors(b),
+                                     std::vector<Point>(graph::without_anchors(a).size(), {0.5, 0}), {}));
+}
