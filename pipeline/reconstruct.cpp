@@ -19,14 +19,15 @@ sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGra
                                          : sketch::draw_pixels(graph, levels);
 }
 
-sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat& levels, double share) {
+graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const sketch::Sketchable& drawn,
+                                  const cv::Mat& levels, double share) {
   const auto pixels = static_cast<double>(levels.total());
   // The small number keeps a share of whole pixels whole.
-  const double room = std::floor(share * pixels + 1e-9) - cv::countNonZero(patches.mask);
-  if (room < 1) return patches;
+  const double room = std::floor(share * pixels + 1e-9) - cv::countNonZero(drawn.mask);
+  if (room < 1) return graph;
   // Half a pixel more, so that rounding does not take one away.
-  const cv::Mat anchors = sketch::choose_anchors(levels, patches, std::min(1.0, (room + 0.5) / pixels));
-  return sketch::add_anchors(patches, levels, anchors);
+  const cv::Mat anchors = sketch::choose_anchors(levels, drawn, std::min(1.0, (room + 0.5) / pixels));
+  return sketch::add_anchors(graph, levels, anchors);
 }
 
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,

@@ -24,21 +24,22 @@ struct Reconstruction {
   double histogram_distance = 0;  ///< of the background from the frame, 0…1; only with julesz
 };
 
-/// Draws the patches and fills the rest by diffusion.
-/// A frame without patches becomes its mean level. `levels`: CV_32F, white = 255.
+/// Draws the patches and anchors and fills the rest by diffusion.
+/// A frame without them becomes its mean level. `levels`: CV_32F, white = 255.
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options);
 
-/// Draws the patches alone, from their attributes or with the frame's pixels.
+/// Draws the patches and anchors alone, patches from their attributes or with the frame's pixels.
 sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,
                                 PatchDrawing drawing);
 
-/// Adds pixels of the frame to drawn patches where the diffusion needs them most.
-/// Both together show at most `share` (0…1) of the frame; nothing is added where the patches show as much
+/// Adds anchors to a frame's graph where the diffusion needs them most beside what is `drawn` of it.
+/// Both together show at most `share` (0…1) of the frame; nothing is added where the drawing shows as much
 /// already.
-sketch::Sketchable add_anchors(const sketch::Sketchable& patches, const cv::Mat& levels, double share);
+graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const sketch::Sketchable& drawn,
+                                  const cv::Mat& levels, double share);
 
-/// Fills the frame around drawn patches and anchors. Throws core::Cancelled.
+/// Fills the frame around what is drawn of its graph. Throws core::Cancelled.
 Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& drawn,
                            const sketch::NonsketchableFillOptions& ground, const core::Context& context = {});
 

@@ -191,7 +191,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
 
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
                               const graph::AttributeGraph& previous) {
-  return extract(levels, options, &previous);
+  const graph::AttributeGraph strokes = graph::without_anchors(previous);
+  return extract(levels, options, &strokes);
 }
 
 }  // namespace emberfold::sketch

@@ -13,7 +13,6 @@
 #include "apps/sketching/sketch_frames.hpp"
 #include "apps/sketching/sketch_heat.hpp"
 #include "core/io/staged_output.hpp"
-#include "graph/io/motion_io.hpp"
 #include "pipeline/reconstruct.hpp"
 
 namespace emberfold::apps {
@@ -131,7 +130,9 @@ Json summarise(const Sketch& asked, const SketchRequest& request, const io::Read
 SketchRun write_sketched(const std::string& clip, const SketchRequest& request, core::FrameSource& source,
                          io::OutputFolder& output, Stages& stages, Session& session) {
   try {
-    SketchRun run = sketch_frames(source, request, output, session);
+    SketchRun run;
+    output.write("sketch.jsonl",
+                 [&](std::ostream& lines) { run = sketch_frames(source, request, lines, output, session); });
     if (run.sketch.frames.empty()) throw core::IoError(clip + " holds no frame");
     check_heat_frame(request, static_cast<std::int64_t>(run.sketch.frames.size()));
     warn_about_run(run, session);
@@ -143,8 +144,6 @@ SketchRun write_sketched(const std::string& clip, const SketchRequest& request, 
       stages.begin("heat");
       write_heat_film(source, request, run, output, session);
     }
-    stages.begin("write");
-    output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, run.sketch); });
     return run;
   } catch (const core::IoError& error) {
     throw core::IoError(output.with_final_name(error.what()));

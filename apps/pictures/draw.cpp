@@ -158,6 +158,7 @@ void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Plac
     if (lines[i].size() > 1) draw_polyline(picture, lines[i], bgr(colour(curves[i].front())), 2);
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const auto& patch = graph.patch(i);
+    if (graph::is_anchor(patch)) continue;
     const cv::Point2d at = place(patch.position);
     const auto tint = bgr(colour(i));
     if (graph.degree(i) == 0) {

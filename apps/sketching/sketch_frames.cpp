@@ -11,6 +11,7 @@
 #include "core/clip/frame_stream.hpp"
 #include "core/io/clip_writer.hpp"
 #include "core/rng.hpp"
+#include "graph/io/motion_io.hpp"
 
 namespace emberfold::apps {
 
@@ -95,10 +96,11 @@ SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& 
                            ? sketch::draw_learned(graph, result.codes, request.dictionary->dictionary,
                                                   levels.size(), levels.channels())
                            : pipeline::draw_patches(levels, graph, request.patches);
-  result.sketchable = request.anchors > 0 ? pipeline::add_anchors(patches, levels, request.anchors) : patches;
+  result.graph = request.anchors > 0 ? pipeline::add_anchors(graph, patches, levels, request.anchors) : graph;
+  result.patch_share = patches.share();
+  result.sketchable = sketch::hold_anchors(patches, result.graph);
   context.check();
   result.reconstruction = pipeline::reconstruct(levels, result.sketchable, ground, context);
-  result.patch_share = patches.share();
   result.anchor_share = result.reconstruction.share - result.patch_share;
   return result;
 }
@@ -114,9 +116,10 @@ void FrameFigures::add(const SketchedFrame& frame, std::size_t patch_count, cons
   without_room += request.anchors > 0 && frame.patch_share >= request.anchors ? 1 : 0;
 }
 
-SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request, io::OutputFolder& output,
-                        const Session& session) {
+SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request, std::ostream& lines,
+                        io::OutputFolder& output, const Session& session) {
   const auto& info = source.info();
+  graph::SketchWriter writer(lines, info.width, info.height, info.fps);
   SketchRun run;
   run.sketch.width = info.width, run.sketch.height = info.height, run.sketch.fps = info.fps;
   SketchVideos videos(output, info);
@@ -151,11 +154,13 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
       },
       [&](int t, const Made& made) {
         videos.write(made);
+        writer.add(made.drawn.graph);
         run.sketch.append(made.graph);
         run.figures.add(made.drawn, made.graph.size(), request);
         run.codes.add(made.drawn.codes);
         if (request.warm) warm.forget_before(t + 1);
       });
+  writer.finish();
   if (!run.sketch.frames.empty()) videos.finish();
   return run;
 }

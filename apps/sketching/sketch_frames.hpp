@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,13 +36,14 @@ struct SketchRequest {
 /// The reconstruction of a frame.
 struct SketchedFrame {
   double patch_share = 0, anchor_share = 0;  ///< of the pixels, 0…1
+  graph::AttributeGraph graph;               ///< with the anchors
   sketch::Sketchable sketchable;             ///< patches and anchors
   std::vector<sketch::PatchCode> codes;      ///< of the patches, where there is a dictionary
   pipeline::Reconstruction reconstruction;
 };
 
-/// Reconstructs a frame from its graph. `levels`: CV_32F, white = 255; `t`: its number in the clip's part.
-/// Throws core::Cancelled.
+/// Reconstructs a frame from its graph, to which it adds anchors where asked for. `levels`: CV_32F, white =
+/// 255; `t`: its number in the clip's part. Throws core::Cancelled.
 SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& graph, int t,
                             const SketchRequest& request, const core::Context& context);
 
@@ -53,7 +55,7 @@ struct FrameFigures {
   void add(const SketchedFrame& frame, std::size_t patch_count, const SketchRequest& request);
 };
 
-/// The sketches and figures of a clip.
+/// The sketches, without anchors, and figures of a clip.
 struct SketchRun {
   graph::SketchSequence sketch;
   FrameFigures figures;
@@ -61,8 +63,8 @@ struct SketchRun {
 };
 
 /// Sketches the clip, several frames at once, and writes overlay.mp4, reconstruction.avi and, where asked
-/// for, film.mp4. Throws core::Cancelled.
-SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request, io::OutputFolder& output,
-                        const Session& session);
+/// for, film.mp4; sketch.jsonl goes to `lines`. Throws core::Cancelled.
+SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request, std::ostream& lines,
+                        io::OutputFolder& output, const Session& session);
 
 }  // namespace emberfold::apps

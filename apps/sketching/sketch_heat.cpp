@@ -117,9 +117,12 @@ void write_heat_film(core::FrameSource& source, const SketchRequest& request, co
   constexpr double kRate = 24;           // pictures a second
   constexpr int kBegin = 12, kEnd = 24;  // how long the first and the last stay
   const cv::Mat levels = core::to_levels(core::ClipRange(source, t, t + 1).next(), source.info());
-  const auto patches =
-      pipeline::draw_patches(levels, run.sketch.frames[static_cast<std::size_t>(t)], request.patches);
-  const auto held = request.anchors > 0 ? pipeline::add_anchors(patches, levels, request.anchors) : patches;
+  const auto& graph = run.sketch.frames[static_cast<std::size_t>(t)];
+  const auto patches = pipeline::draw_patches(levels, graph, request.patches);
+  const auto held =
+      request.anchors > 0
+          ? sketch::hold_anchors(patches, pipeline::add_anchors(graph, patches, levels, request.anchors))
+          : patches;
   std::unique_ptr<io::VideoWriter> video;
   const bool near = run_heat(
       held, cv::mean(levels), request.ground.fill, {}, session.context, [&](const HeatMoment& moment) {

@@ -79,7 +79,8 @@ FrameBackground measure_background(const cv::Mat& levels, const graph::Attribute
   const auto cell = [](double at, int count) {
     return std::clamp(static_cast<int>(std::floor((at + 0.5) / kBackgroundCell)), 0, count - 1);
   };
-  for (const auto& vertex : graph.vertices()) {
+  const graph::AttributeGraph strokes = graph::without_anchors(graph);
+  for (const auto& vertex : strokes.vertices()) {
     const auto [x, y] = vertex.patch.position;
     for (int row = cell(y - beside, size.height); row <= cell(y + beside, size.height); ++row)
       for (int column = cell(x - beside, size.width); column <= cell(x + beside, size.width); ++column)

@@ -205,10 +205,11 @@ std::vector<PatchCode> encode(const cv::Mat& levels, const graph::AttributeGraph
   check_levels(levels);
   if (!(noise > 0) || !std::isfinite(noise))
     throw core::InputError("dictionary: the noise is " + std::to_string(noise) + ", must be above 0");
+  const graph::AttributeGraph strokes = graph::without_anchors(graph);
   std::vector<PatchCode> codes;
-  codes.reserve(graph.size());
-  for (std::size_t i = 0; i < graph.size(); ++i)
-    codes.push_back(encode_patch(levels, graph, i, dictionary, noise));
+  codes.reserve(strokes.size());
+  for (std::size_t i = 0; i < strokes.size(); ++i)
+    codes.push_back(encode_patch(levels, strokes, i, dictionary, noise));
   return codes;
 }
 

@@ -113,9 +113,10 @@ ColourPatchView view_patch(const cv::Mat& levels, const graph::AttributeGraph& g
 
 std::vector<PatchView> view_patches(const cv::Mat& levels, const graph::AttributeGraph& graph) {
   check_levels(levels);
+  const graph::AttributeGraph strokes = graph::without_anchors(graph);
   std::vector<PatchView> all;
-  all.reserve(graph.size());
-  for (std::size_t i = 0; i < graph.size(); ++i) all.push_back(view_patch(levels, graph, i).view);
+  all.reserve(strokes.size());
+  for (std::size_t i = 0; i < strokes.size(); ++i) all.push_back(view_patch(levels, strokes, i).view);
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -167,6 +168,24 @@ cv::Mat place(const cv::Mat& levels, const cv::Mat& held, const cv::Mat& taken, 
 }
 
 }  // namespace
+
+graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const cv::Mat& levels,
+                                  const cv::Mat& mask) {
+  check(levels, mask, 0);
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  std::uint32_t next = vertices.empty() ? 0 : vertices.back().id.value + 1;
+  const int channels = levels.channels();
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x) {
+      if (mask.at<std::uint8_t>(y, x) == 0) continue;
+      const float* level = levels.ptr<float>(y) + x * channels;
+      vertices.push_back({{next++},
+                          {},
+                          graph::make_anchor({double(x), double(y)}, {level[0], level[channels > 1 ? 1 : 0],
+                                                                      level[channels > 1 ? 2 : 0]})});
+    }
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+}
 
 void AnchorOptions::validate() const {
   core::check_range("AnchorOptions.rounds", rounds, 0, 256);

@@ -3,6 +3,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "graph/attribute_graph.hpp"
 #include "sketch/rendering/render.hpp"
 
 namespace emberfold::sketch {
@@ -35,5 +36,11 @@ cv::Mat choose_anchors(const cv::Mat& levels, const cv::Mat& taken, double share
 /// Chooses anchors around patches as they are drawn, whose levels may differ from the frame's.
 cv::Mat choose_anchors(const cv::Mat& levels, const Sketchable& drawn, double share,
                        const AnchorOptions& options = {});
+
+/// Adds an anchor at each pixel of `mask` (CV_8U) with the frame's level there, row by row, after the
+/// vertices of the graph. `levels`: CV_32F, 1 or 3 channels, finite, of the mask's size; throws
+/// core::InputError otherwise.
+graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const cv::Mat& levels,
+                                  const cv::Mat& mask);
 
 }  // namespace emberfold::sketch

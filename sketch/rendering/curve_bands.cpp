@@ -64,7 +64,9 @@ std::vector<Band> make_bands(const graph::AttributeGraph& graph) {
   std::vector<char> through(graph.size());
   for (std::size_t i = 0; i < graph.size(); ++i) {
     through[i] = goes_through(graph, i) ? 1 : 0;
-    if (graph.degree(i) == 0 && graph.patch(i).type != graph::PatchType::blob) all.push_back(alone(graph, i));
+    const auto type = graph.patch(i).type;
+    if (graph.degree(i) == 0 && type != graph::PatchType::blob && type != graph::PatchType::anchor)
+      all.push_back(alone(graph, i));
   }
   for (std::size_t i = 0; i < graph.size(); ++i)
     for (const std::size_t j : graph.neighbours(i)) {

@@ -52,7 +52,8 @@ struct Band {
   double before = 0, after = 0;  ///< px by which it goes on straight behind its ends
 };
 
-/// Returns one band for each edge, and one for each patch without edges that is no blob. O(patches).
+/// Returns one band for each edge, and one for each patch without edges that is no blob or anchor.
+/// O(patches).
 std::vector<Band> make_bands(const graph::AttributeGraph& graph);
 
 /// Holds the height of a band's curve above its chord, and its two derivatives.
@@ -178,6 +179,17 @@ void visit_blobs(const graph::AttributeGraph& graph, cv::Size size, Paint paint)
     if (graph.degree(i) != 0 || patch.type != graph::PatchType::blob) continue;
     const BlobShape shape(patch);
     visit_blob(patch, shape, size, [&](int x, int y) { paint(i, shape, x, y); });
+  }
+}
+
+/// Calls paint(vertex, x, y) for the pixel of every anchor in the frame.
+template <class Paint>
+void visit_anchors(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    if (!graph::is_anchor(graph.patch(i))) continue;
+    const double x = std::round(graph.patch(i).position.x), y = std::round(graph.patch(i).position.y);
+    if (x >= 0 && y >= 0 && x < size.width && y < size.height)
+      paint(i, static_cast<int>(x), static_cast<int>(y));
   }
 }
 

@@ -191,25 +191,26 @@ void check_codes(const graph::AttributeGraph& graph, std::span<const PatchCode> 
 Sketchable draw_learned(const graph::AttributeGraph& graph, std::span<const PatchCode> codes,
                         const Dictionary& dictionary, cv::Size size, int channels) {
   check_frame(size, channels);
-  check_codes(graph, codes, dictionary);
+  const graph::AttributeGraph strokes = graph::without_anchors(graph);
+  check_codes(strokes, codes, dictionary);
   std::vector<DecodedPatch> all;
-  all.reserve(graph.size());
-  for (std::size_t i = 0; i < graph.size(); ++i)
-    all.push_back(decode_patch(graph.patch(i), codes[i], dictionary, channels));
+  all.reserve(strokes.size());
+  for (std::size_t i = 0; i < strokes.size(); ++i)
+    all.push_back(decode_patch(strokes.patch(i), codes[i], dictionary, channels));
   Canvas canvas{{cv::Mat(size, CV_32FC(channels), cv::Scalar::all(0)), cv::Mat(size, CV_8U, cv::Scalar(0))},
                 cv::Mat1f(size, 0.0F)};
-  draw_bands(canvas, graph, all);
-  for (std::size_t i = 0; i < graph.size(); ++i)
-    if (!all[i].window.empty() && graph.patch(i).type != graph::PatchType::blob)
-      lay_window(canvas, graph.patch(i), all[i].window);
-  draw_blobs(canvas, graph, all);
+  draw_bands(canvas, strokes, all);
+  for (std::size_t i = 0; i < strokes.size(); ++i)
+    if (!all[i].window.empty() && strokes.patch(i).type != graph::PatchType::blob)
+      lay_window(canvas, strokes.patch(i), all[i].window);
+  draw_blobs(canvas, strokes, all);
   for (int y = 0; y < size.height; ++y) {
     float* levels = canvas.part.levels.ptr<float>(y);
     for (int x = 0; x < size.width; ++x)
       if (const float sum = canvas.weights(y, x); sum > 0)
         for (int c = 0; c < channels; ++c) levels[x * channels + c] /= sum;
   }
-  return canvas.part;
+  return hold_anchors(canvas.part, graph);
 }
 
 }  // namespace emberfold::sketch

@@ -65,11 +65,16 @@ FadedGraph FadeInOut::next(const graph::AttributeGraph& now,
                            std::span<const graph::AttributeGraph* const> ahead) {
   Union shown;
   shown.add(now);
-  for (const auto* graph : ahead.first(std::min<std::size_t>(ahead.size(), beyond))) shown.add(*graph);
+  for (const auto* graph : ahead.first(std::min<std::size_t>(ahead.size(), beyond)))
+    shown.add(graph::without_anchors(*graph));
   for (const auto& graph : behind_) shown.add(graph);
   FadedGraph result{shown.take(), {}};
   std::map<std::uint32_t, int> ages;
   for (const auto& vertex : result.graph.vertices()) {
+    if (graph::is_anchor(vertex.patch)) {
+      result.opacity.push_back(1);
+      continue;
+    }
     const auto before = ages_.find(vertex.id.value);
     int age = 0;
     if (before != ages_.end()) {
@@ -85,7 +90,7 @@ FadedGraph FadeInOut::next(const graph::AttributeGraph& now,
   }
   ages_ = std::move(ages);
   begun_ = true;
-  behind_.push_front(now);
+  behind_.push_front(graph::without_anchors(now));
   if (behind_.size() > beyond) behind_.pop_back();
   return result;
 }

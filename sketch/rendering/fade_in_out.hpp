@@ -19,7 +19,7 @@ struct FadedGraph {
 
 /// Fades patches in and out over six frames. Half of them lie before a patch's first frame, half after its
 /// last. No opacity changes by more than 1/6 a frame. Outside its lifetime a patch is shown as it was in its
-/// nearest frame.
+/// nearest frame. Anchors are there in their own frame alone, and opaque.
 class FadeInOut {
  public:
   /// Number of frames ahead that next() needs.

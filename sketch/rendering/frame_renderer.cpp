@@ -53,8 +53,11 @@ graph::AttributeGraph adjust_patches(const FrameContent& content, const RenderOp
         raise_contrast(patch, static_cast<float>(options.contrast_gain));
       });
   if (!options.new_places) return sharp;
-  return clamp_levels(background.empty() ? sharp : relight(sharp, background),
-                      options.background.level_range);
+  const auto placed =
+      clamp_levels(background.empty() ? sharp : relight(sharp, background), options.background.level_range);
+  return transform_patches(placed, [&](std::size_t i, graph::Patch& patch) {
+    if (graph::is_anchor(patch)) patch = content.graph.patch(i);
+  });
 }
 
 /// Continues the background's detail through lines, whose profile is a mean along the crease.

@@ -117,6 +117,11 @@ AttributedSketch draw(const graph::AttributeGraph& graph, cv::Size size, int cha
   });
   divide(levels, weights);
   if (!values.empty()) divide(result.values, weights);
+  result.part = hold_anchors(result.part, graph);
+  if (!values.empty())
+    visit_anchors(graph, size, [&](std::size_t i, int x, int y) {
+      result.values.at<cv::Vec2f>(y, x) = {values[i][0], values[i][1]};
+    });
   return result;
 }
 
@@ -151,7 +156,20 @@ Sketchable draw_pixels(const graph::AttributeGraph& graph, const cv::Mat& levels
   visit_blobs(graph, levels.size(),
               [&](std::size_t, const BlobShape&, int x, int y) { result.mask.at<std::uint8_t>(y, x) = 255; });
   levels.copyTo(result.levels, result.mask);
-  return result;
+  return hold_anchors(result, graph);
+}
+
+Sketchable hold_anchors(const Sketchable& drawn, const graph::AttributeGraph& graph) {
+  if (std::ranges::none_of(graph.vertices(), graph::is_anchor, &graph::Vertex::patch)) return drawn;
+  Sketchable held{drawn.levels.clone(), drawn.mask.clone()};
+  const int channels = held.levels.channels();
+  visit_anchors(graph, held.levels.size(), [&](std::size_t i, int x, int y) {
+    const Colour level = colour(graph.patch(i).middle, channels);
+    for (int c = 0; c < channels; ++c)
+      held.levels.ptr<float>(y)[x * channels + c] = static_cast<float>(level[static_cast<std::size_t>(c)]);
+    held.mask.at<std::uint8_t>(y, x) = 255;
+  });
+  return held;
 }
 
 }  // namespace emberfold::sketch

@@ -13,7 +13,7 @@ namespace emberfold::sketch {
 /// Holds the sketchable part of a frame (Guo, Zhu & Wu 2007): what the patches show, and where.
 struct Sketchable {
   cv::Mat levels;                      ///< CV_32F, 1 or 3 channels, white = 255; 0 off the mask
-  cv::Mat mask;                        ///< CV_8U, 255 where a patch lies
+  cv::Mat mask;                        ///< CV_8U, 255 where a patch or an anchor lies
   [[nodiscard]] double share() const;  ///< of the frame's pixels, 0…1
 };
 
@@ -27,6 +27,7 @@ struct Sketchable {
 ///   disc.
 /// - An edge that leaves a patch at more than 50° from its direction (a junction's side arm) takes only its
 ///   place from it.
+/// - An anchor shows its pixel, over whatever lies there; one outside the frame shows nothing.
 /// `channels`: 1 (luma) or 3. Throws core::InputError for any other number, or an empty size. O(pixels of the
 /// mask), beside clearing the frame.
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels);
@@ -41,7 +42,11 @@ struct AttributedSketch {
 AttributedSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels,
                              std::span<const std::array<float, 2>> values);
 
-/// Copies the frame's own pixels where draw_fitted would draw. `levels`: CV_32F, 1 or 3 channels.
+/// Copies the frame's own pixels where draw_fitted would draw, but anchors keep their levels. `levels`:
+/// CV_32F, 1 or 3 channels.
 Sketchable draw_pixels(const graph::AttributeGraph& graph, const cv::Mat& levels);
+
+/// Holds the pixels of the graph's anchors in what is drawn of it; every drawing ends with this.
+Sketchable hold_anchors(const Sketchable& drawn, const graph::AttributeGraph& graph);
 
 }  // namespace emberfold::sketch

@@ -52,7 +52,8 @@ double bisect(double& value, double too_soft, double steep, const std::function<
 FlankGradient measure_flank_gradient(const cv::Mat& luma, const graph::AttributeGraph& graph) {
   const cv::Mat slope = core::sobel(luma).size;
   FlankGradient result;
-  for (const auto& vertex : graph.vertices()) {
+  const graph::AttributeGraph strokes = graph::without_anchors(graph);
+  for (const auto& vertex : strokes.vertices()) {
     const graph::Patch& patch = vertex.patch;
     if (patch.type == graph::PatchType::blob) continue;
     const double aside = graph::on_step(patch) ? 0 : std::max(patch.width / 2, patch.blur);

@@ -77,19 +77,4 @@ NonsketchableFillResult fill_nonsketchable(const cv::Mat& observed, const Sketch
   return result;
 }
 
-Sketchable add_anchors(const Sketchable& drawn, const cv::Mat& observed, const cv::Mat& mask) {
-  check("with_anchors", observed, drawn);
-  if (mask.type() != CV_8UC1 || mask.size() != observed.size()) {
-    std::ostringstream message;
-    message << "with_anchors: the anchors are " << cv::typeToString(mask.type()) << ", " << mask.cols << " × "
-            << mask.rows << "; they have to be CV_8UC1 of the frame's size, " << observed.cols << " × "
-            << observed.rows;
-    throw core::InputError(message.str());
-  }
-  Sketchable both{drawn.levels.clone(), drawn.mask.clone()};
-  observed.copyTo(both.levels, (mask != 0) & (drawn.mask == 0));
-  both.mask.setTo(255, mask);
-  return both;
-}
-
 }  // namespace emberfold::sketch

@@ -42,13 +42,9 @@ struct NonsketchableFillResult {
 
 /// Fills the pixels between the patches. `observed`: the frame, CV_32F, 1 or 3 channels, finite: the source
 /// of the textures; the diffusion uses only its mean, where nothing is drawn. `drawn`: of the same size and
-/// type; its pixels come back bit for bit. Anchors belong into `drawn` too: see add_anchors. Throws
-/// core::InputError otherwise, and core::Cancelled.
+/// type; its pixels come back bit for bit. Throws core::InputError otherwise, and core::Cancelled.
 NonsketchableFillResult fill_nonsketchable(const cv::Mat& observed, const Sketchable& drawn,
                                            const NonsketchableFillOptions& options = {},
                                            const core::Context& context = {});
-
-/// Adds the frame's own pixels where `mask` (CV_8U) is set and no patch lies.
-Sketchable add_anchors(const Sketchable& drawn, const cv::Mat& observed, const cv::Mat& mask);
 
 }  // namespace emberfold::sketch

@@ -7,6 +7,7 @@
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/pictures/draw.hpp"
+#include "apps/pictures/overlay.hpp"
 #include "apps/sketching/sketch_heat.hpp"
 #include "apps/sketching/sketch_progress.hpp"
 #include "core/io/clip_reader.hpp"
@@ -126,13 +127,55 @@ TEST_CASE("anchors are as many pixels as still fit and the frame's own") {
   const auto part = made_part();
   const auto patches = cv::countNonZero(part.mask);
   for (const int total : {patches + 1, patches + 137, 1800}) {
-    const auto held = pipeline::add_anchors(part, levels, total / 2400.0);
+    const auto anchors = pipeline::add_anchors({}, part, levels, total / 2400.0);
+    CHECK(anchors.size() == static_cast<std::size_t>(total - patches));
+    const auto held = sketch::hold_anchors(part, anchors);
     CHECK(cv::countNonZero(held.mask) == total);
     const cv::Mat own = (held.mask != 0) & (part.mask == 0);
     CHECK(cv::norm(held.levels, levels, cv::NORM_INF, own) == 0);
     CHECK(cv::norm(held.levels, part.levels, cv::NORM_INF, part.mask) == 0);
   }
-  CHECK(cv::countNonZero(pipeline::add_anchors(part, levels, patches / 2400.0).mask) == patches);
+  CHECK(pipeline::add_anchors({}, part, levels, patches / 2400.0).empty());
+}
+
+TEST_CASE("anchors are in sketch.jsonl, which draws what the command drew, and are no strokes") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {80, 60}, 3);
+  const auto sketch_of = [&](const char* name) {
+    std::ifstream file(temp / name / "sketch.jsonl");
+    return graph::read_sketch(file, name);
+  };
+  for (const std::string patches : {"fitted", "pixels"}) {
+    const auto with = sketched(clip, temp / "with", {"--anchors", "0.3", "--patches", patches});
+    const auto without = sketched(clip, temp / "without", {"--set", "sketch.budget=0.075"});
+    const auto both = sketch_of("with"), strokes = sketch_of("without");
+    const auto drawn = frames_of(temp / "with/reconstruction.avi");
+    const auto inputs = frames_of(clip);
+    REQUIRE(both.frames.size() == 3);
+    for (std::size_t t = 0; t < 3; ++t) {
+      const auto& frame = both.frames[t];
+      const auto alone = graph::without_anchors(frame);
+      CHECK(alone.size() == strokes.frames[t].size());
+      CHECK(graph::curves(frame).size() == graph::curves(strokes.frames[t]).size());
+      const auto anchors = static_cast<double>(frame.size() - alone.size());
+      CHECK_THAT(with["per_frame"]["anchor_share"][t].get<double>() * 80 * 60, WithinAbs(anchors, 1e-6));
+      cv::Mat levels;
+      inputs[t].convertTo(levels, CV_32F);
+      const auto drawing =
+          patches == "fitted" ? pipeline::PatchDrawing::fitted : pipeline::PatchDrawing::pixels;
+      const auto again = pipeline::reconstruct(levels, frame, drawing, {});
+      cv::Mat bytes = again.bytes;
+      if (bytes.channels() != drawn[t].channels()) cv::cvtColor(bytes, bytes, cv::COLOR_GRAY2BGR);
+      CHECK(cv::norm(bytes, drawn[t], cv::NORM_INF) <= 1);
+      CHECK(again.psnr > pipeline::reconstruct(levels, alone, drawing, {}).psnr + 6);
+      // Pictures of the graph show strokes alone.
+      cv::Mat colour = inputs[t];
+      if (colour.channels() == 1) cv::cvtColor(colour, colour, cv::COLOR_GRAY2BGR);
+      CHECK(same_pixels(draw_types(colour, frame, 0), draw_types(colour, alone, 0)));
+    }
+    CHECK(with["per_frame"]["patches"] == without["per_frame"]["patches"]);
+    CHECK(bytes_of(temp / "with/overlay.mp4") == bytes_of(temp / "without/overlay.mp4"));
+  }
 }
 
 TEST_CASE("the film has four panels of all frames and its picture is the middle one") {

@@ -34,10 +34,10 @@ Sketchable fitted(const graph::AttributeGraph& graph, const cv::Mat& levels) {
 Sketchable anchored(const graph::AttributeGraph&, const cv::Mat& levels) {
   sketch::ExtractOptions options = reconstruction_options();
   options.budget = kShare / 4;
-  Sketchable held = sketch::draw_pixels(sketch::extract(levels, options), levels);
-  held.mask |= sketch::choose_anchors(levels, held.mask, kShare - held.share());
-  levels.copyTo(held.levels, held.mask);
-  return held;
+  const graph::AttributeGraph graph = sketch::extract(levels, options);
+  const Sketchable patches = sketch::draw_pixels(graph, levels);
+  const cv::Mat anchors = sketch::choose_anchors(levels, patches.mask, kShare - patches.share());
+  return sketch::draw_pixels(sketch::add_anchors(graph, levels, anchors), levels);
 }
 
 /// Ways to hold a part of a frame; another one is another line, and its targets in add_targets.

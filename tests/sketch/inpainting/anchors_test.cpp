@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -10,7 +11,12 @@
 
 #include "core/error.hpp"
 #include "core/rng.hpp"
+#include "graph/io/motion_io.hpp"
+#include "sketch/background/still_background.hpp"
+#include "sketch/dictionary/dictionary.hpp"
+#include "sketch/extract.hpp"
 #include "sketch/inpainting/fill.hpp"
+#include "sketch/rendering/sharpening.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
@@ -180,4 +186,99 @@ TEST_CASE("Anchors reject what is none", "[sketch][anchors]") {
   CHECK_THROWS_AS(sketch::choose_anchors(broken, nothing(kSize), 0.1), core::InputError);
   const sketch::Sketchable other{cv::Mat(kSize, CV_32FC3, cv::Scalar::all(0)), nothing(kSize)};
   CHECK_THROWS_AS(sketch::choose_anchors(frame, other, 0.1), core::InputError);
+}
+
+TEST_CASE("Anchors in the graph hold their pixels in every drawing", "[sketch][anchors]") {
+  const cv::Mat grey = make_frame(kSize, 8);
+  cv::Mat colour;
+  cv::merge(std::vector<cv::Mat>{grey, 255 - grey, grey * 0.5}, colour);
+  for (const cv::Mat& frame : {grey, colour}) {
+    const auto strokes = sketch::extract(frame, {.budget = 0.05});
+    REQUIRE(strokes.size() > 10);
+    const auto patches = sketch::draw_fitted(strokes, kSize, frame.channels());
+    const cv::Mat mask = sketch::choose_anchors(frame, patches, 0.25);
+    const auto both = sketch::add_anchors(strokes, frame, mask);
+    CHECK(graph::without_anchors(both) == strokes);
+    CHECK(both.size() - strokes.size() == static_cast<std::size_t>(cv::countNonZero(mask)));
+    for (const auto& drawn : {sketch::draw_fitted(both, kSize, frame.channels()),
+                              sketch::draw_pixels(both, frame), sketch::hold_anchors(patches, both)}) {
+      CHECK(cv::norm(drawn.mask, patches.mask | mask, cv::NORM_INF) == 0);
+      CHECK(cv::norm(drawn.levels, frame, cv::NORM_INF, mask) < 1e-4);
+    }
+    CHECK(cv::norm(sketch::draw_fitted(both, kSize, frame.channels()).levels, patches.levels, cv::NORM_INF,
+                   patches.mask) == 0);
+    CHECK(cv::countNonZero(patches.mask & mask) == 0);  // what was drawn before is as it was
+  }
+  // An anchor lies over a patch; one outside the frame shows nothing.
+  graph::Patch patch;
+  patch.position = {10, 10}, patch.width = 6;
+  const graph::AttributeGraph over({{{0}, {}, patch},
+                                    {{1}, {}, graph::make_anchor({10, 10}, {40, 50, 60})},
+                                    {{2}, {}, graph::make_anchor({30, 3}, {1, 2, 3})},
+                                    {{3}, {}, graph::make_anchor({-1, 3}, {1, 2, 3})}},
+                                   {});
+  const auto drawn = sketch::draw_fitted(over, {30, 20}, 3);
+  CHECK(drawn.levels.at<cv::Vec3f>(10, 10) == cv::Vec3f(40, 50, 60));
+  CHECK(drawn.mask.at<uchar>(3, 29) == 0);
+  CHECK(drawn.mask.at<uchar>(3, 0) == 0);
+}
+
+TEST_CASE("A picture with anchors comes back from its file at 45 dB, without them at much less",
+          "[sketch][anchors]") {
+  // Discs and bars on a slope; grain would take an anchor a pixel.
+  cv::Mat frame(kSize, CV_32F);
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) frame.at<float>(y, x) = 60.0F + 0.3F * static_cast<float>(x + y);
+  cv::circle(frame, {40, 40}, 17, cv::Scalar(210), -1);
+  cv::circle(frame, {85, 30}, 9, cv::Scalar(20), -1);
+  cv::line(frame, {8, 80}, {110, 60}, cv::Scalar(240), 3);
+  cv::GaussianBlur(frame, frame, {}, 1.5);
+  const auto strokes = sketch::extract(frame, {.budget = 0.05});
+  const auto patches = sketch::draw_fitted(strokes, kSize, 1);
+  graph::SketchSequence sketch;
+  sketch.width = kSize.width, sketch.height = kSize.height;
+  sketch.append(
+      sketch::add_anchors(strokes, frame, sketch::choose_anchors(frame, patches, 0.2 - patches.share())));
+  std::stringstream file;
+  graph::write_sketch(file, sketch);
+  const auto read = graph::read_sketch(file, "sketch.jsonl");
+  const auto psnr = [&](const graph::AttributeGraph& graph) {
+    const auto drawn = sketch::draw_fitted(graph, kSize, 1);
+    CHECK(drawn.share() <= 0.2);
+    const cv::Mat filled = sketch::fill(drawn.levels, drawn.mask).levels;
+    return 20 * std::log10(255 / (cv::norm(filled, frame, cv::NORM_L2) / std::sqrt(double(frame.total()))));
+  };
+  const double with = psnr(read.frames[0]), without = psnr(graph::without_anchors(read.frames[0]));
+  CAPTURE(with, without);
+  CHECK(with >= 45);
+  CHECK(without < with - 10);
+}
+
+TEST_CASE("What is measured of strokes does not change by anchors among them", "[sketch][anchors]") {
+  const cv::Mat frame = make_frame(kSize, 9);
+  const auto strokes = sketch::extract(frame, {});
+  const auto both = sketch::add_anchors(strokes, frame, random_mask(kSize, 900, nothing(kSize), 3));
+  const auto same = [](const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF) == 0; };
+  CHECK(same(sketch::measure_background(frame, both).uncovered,
+             sketch::measure_background(frame, strokes).uncovered));
+  CHECK(sketch::measure_flank_gradient(frame, both).places ==
+        sketch::measure_flank_gradient(frame, strokes).places);
+  CHECK(sketch::view_patches(frame, both).size() == strokes.size());
+  CHECK(sketch::extract(frame, {}, both) == sketch::extract(frame, {}, strokes));
+  sketch::DictionaryLearner learner(1);
+  learner.add(0, sketch::view_patches(frame, both));
+  const auto dictionary = learner.learn();
+  const auto codes = sketch::encode(frame, both, dictionary, 2);
+  REQUIRE(codes.size() == strokes.size());
+  const auto with = sketch::draw_learned(both, codes, dictionary, kSize, 1),
+             without = sketch::draw_learned(strokes, codes, dictionary, kSize, 1);
+  CHECK(same(with.levels, sketch::hold_anchors(without, both).levels));
+  CHECK(same(with.mask, sketch::hold_anchors(without, both).mask));
+}
+
+TEST_CASE("Anchors are added only where a mask of the frame says so", "[sketch][anchors]") {
+  const cv::Mat frame = make_frame({9, 7}, 3);
+  CHECK(sketch::add_anchors({}, frame, nothing({9, 7})).empty());
+  CHECK_THROWS_AS(sketch::add_anchors({}, frame, nothing({7, 9})), core::InputError);
+  CHECK_THROWS_AS(sketch::add_anchors({}, cv::Mat(7, 9, CV_8U), nothing({9, 7})), core::InputError);
 }

@@ -147,3 +147,18 @@ TEST_CASE("a stroke that closes off a region changes no pixel by more than its s
   CHECK(worst <= cv::mean(range)[0] / 5);
   CHECK(cv::norm(frames.back(), frames.front(), cv::NORM_INF) <= 1);
 }
+
+TEST_CASE("anchors do not fade: they are there in their own frame alone") {
+  std::vector<graph::AttributeGraph> graphs;
+  for (std::uint32_t t = 0; t < 12; ++t) {
+    const auto strokes = graph_at({{0, 11}, {2, 5}}, static_cast<int>(t));
+    std::vector<graph::Vertex> vertices(strokes.vertices().begin(), strokes.vertices().end());
+    vertices.push_back({{100 + t}, {}, graph::make_anchor({3, 4}, {1, 2, 3})});
+    graphs.emplace_back(std::move(vertices),
+                        std::vector<graph::Edge>(strokes.edges().begin(), strokes.edges().end()));
+  }
+  const auto frames = faded(graphs);
+  for (std::uint32_t t = 0; t < frames.size(); ++t)
+    for (std::uint32_t other = 0; other < 12; ++other)
+      CHECK(opacity_of(frames[t], 100 + other) == (other == t ? 1 : 0));
+}

@@ -136,3 +136,29 @@ TEST_CASE("a patch that is there in part lies between its own levels and what is
     edges = {both.edges().begin(), both.edges().end()};
   }
 }
+
+TEST_CASE("an anchor of a drawn graph is a fixed pixel, whatever the strokes are drawn with") {
+  const auto with_anchor = [](const graph::AttributeGraph& strokes) {
+    std::vector<graph::Vertex> vertices(strokes.vertices().begin(), strokes.vertices().end());
+    vertices.push_back({{99}, {}, graph::make_anchor({36, 12}, {200, 150, 100})});
+    return graph::AttributeGraph(std::move(vertices), {strokes.edges().begin(), strokes.edges().end()});
+  };
+  sketch::RenderOptions plain{.size = {48, 40}};
+  auto sharpened = plain;
+  sharpened.blur_share = 0.5, sharpened.contrast_gain = 1.5;
+  auto placed = sharpened;
+  placed.new_places = true;
+  for (const auto& options : {plain, sharpened, placed})
+    for (const bool joined : {false, true}) {
+      sketch::FrameContent content{with_anchor(bar(20))}, without{bar(20)};
+      if (joined) content.background = without.background = cv::Mat(40, 48, CV_8UC3, cv::Scalar::all(70));
+      const cv::Mat frame = sketch::render_frame(content, options),
+                    bare = sketch::render_frame(without, options);
+      CHECK(frame.at<cv::Vec3b>(12, 36) == cv::Vec3b(200, 150, 100));
+      CHECK(frame.at<cv::Vec3b>(12, 37)[0] > bare.at<cv::Vec3b>(12, 37)[0] + 5);  // the fill goes on from it
+      CHECK(frame.at<cv::Vec3b>(22, 20) == bare.at<cv::Vec3b>(22, 20));  // the stroke does not change
+      content.opacity.assign(content.graph.size(), 1);
+      content.opacity[0] = 0.5F;
+      CHECK(sketch::render_frame(content, options).at<cv::Vec3b>(12, 36) == cv::Vec3b(200, 150, 100));
+    }
+}
