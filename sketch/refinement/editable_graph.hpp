@@ -31,9 +31,9 @@ struct GraphEdit {
 /// meet unless the frame contradicts it.
 double degree_cost(std::size_t degree);
 
-/// Returns the nats that a patch is worth: its coding gain, or, where that is less, the evidence that there is a
-/// line: faint patches in a row may have that where each alone does not pay. Evidence does not help
-/// a patch whose drawing makes the frame much worse: that is not where the line is.
+/// Returns the nats that a patch is worth: its coding gain, or, where that is less, the evidence that there
+/// is a line: faint patches in a row may have that where each alone does not pay. Evidence does not help a
+/// patch whose drawing makes the frame much worse: that is not where the line is.
 inline double worth(const graph::Patch& patch) {
   constexpr double kMostOfEvidence = 3;  // nats: keeps what is there, does not outvote what codes better
   constexpr double kMostLoss = 25;       // nats

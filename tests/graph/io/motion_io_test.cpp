@@ -391,8 +391,8 @@ TEST_CASE("Anchors are in sketches with what they need, and read back bit for bi
       {R"("x":0,"y":0})", "\"middle\" is missing"},
       {R"("y":0,"middle":1})", "\"x\" is missing"}};
   for (const auto& [with, cause] : cases) {
-    const auto message = test::message_of<core::IoError>(
-        [&] { read_lines(replaced(text, last.substr(last.find("\"x\"")), with)); });
+    const std::string wrong = replaced(text, last.substr(last.find("\"x\"")), with);
+    const auto message = test::message_of<core::IoError>([&] { read_lines(wrong); });
     CAPTURE(with, message);
     CHECK(contains(message, "s.jsonl: line 2: "));
     CHECK(contains(message, cause));
