@@ -106,7 +106,7 @@ cv::Mat halftone(const cv::Mat& weight, int count) {
     const bool back = y % 2 == 1;
     for (int k = 0; k < weight.cols; ++k) {
       const int x = back ? weight.cols - 1 - k : k;
-      const auto i = static_cast<std::size_t>(x + 1), next = back ? i - 1 : i + 1,
+      const auto i = static_cast<std::size_t>(x) + 1, next = back ? i - 1 : i + 1,
                  last = back ? i + 1 : i - 1;
       const float own = weight.at<float>(y, x);
       const float value = here[i] + std::min(own * factor, 1.0F);
