@@ -22,7 +22,7 @@
 #include "sketch/detection/junctions.hpp"
 #include "sketch/detection/lobes.hpp"
 #include "sketch/detection/scale_space.hpp"
-#include "sketch/detection/weak_lines.hpp"
+#include "sketch/detection/weak_curves.hpp"
 #include "sketch/patches/patch_placement.hpp"
 #include "sketch/patches/patch_smoothing.hpp"
 #include "sketch/refinement/coding_length.hpp"
@@ -45,7 +45,8 @@ double total_significance(const Chain& chain) {
 // Limits that follow from the sensitivity; at 0.5 they are those of the options.
 struct Limits {
   double significance, total_significance;  // of curves found point by point
-  WeakLineLimits weak;
+  double of_flank, of_step;                 // see remove_flanks(), remove_flank_curves()
+  WeakCurveLimits weak;
 };
 
 Limits make_limits(const ExtractOptions& options) {
@@ -53,10 +54,17 @@ Limits make_limits(const ExtractOptions& options) {
   constexpr double kOctaves = 2;                         // of the significance below 0.5
   constexpr double kBegins = 2.8, kMoreSensitive = 1.6;  // SD of a response up to 0.5, and less above
   const double more = options.sensitivity - 0.5, strict = std::exp2(kOctaves * std::max(0.0, -more));
+  // A line explains the steps on its flanks; the more sensitive, the less.
+  constexpr double kExplains = 0.3;
+  const double twice = std::max(0.0, options.sensitivity - kExplains) / (1 - kExplains),
+               of_flank = std::lerp(1.6, 0.2, twice), of_step = std::lerp(0.45, 2.0, twice);
   return {strict * options.significance,
           strict * options.min_evidence,
+          of_flank,
+          of_step,
           {kBegins - kMoreSensitive * std::max(0.0, more), options.min_contrast,
-           kEvidence * std::exp2(-kEvidenceOctaves * more), 0.5 * options.min_length}};
+           kEvidence * std::exp2(-kEvidenceOctaves * more), 0.5 * options.min_length, options.edges,
+           of_flank}};
 }
 
 // Every patch gets the evidence of its curve, a junction that of its best curve.
@@ -150,8 +158,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   add(trace_curves(valleys, space, begins));
   if (options.edges) {
     CreaseMap steps = find_steps(space, ground, {low.significance, 2 * low.contrast});
-    remove_flanks(steps, ridges, space);
-    remove_flanks(steps, valleys, space);
+    remove_flanks(steps, ridges, space, limits.of_flank);
+    remove_flanks(steps, valleys, space, limits.of_flank);
     thin_parallel_points(steps, space);
     add(trace_curves(steps, space, begins));
   }
@@ -167,7 +175,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
   chains = cut_at_contrast_gaps(chains, space, {kHalf, noise});
   without_crumbs(chains);
-  add(find_weak_lines(chains, space, noise, limits.weak));
+  add(find_weak_curves(chains, space, noise, limits.weak));
   const CurveNetwork network =
       prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
   std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
@@ -176,7 +184,8 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
       axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
   graph::AttributeGraph strokes = remove_flank_curves(
       refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
-             axes, {options.spacing, options.blobs, previous}));
+             axes, {options.spacing, options.blobs, previous}), limits.of_step);
+  if (options.double_ridges) strokes = merge_double_ridges(strokes, levels, axes[0], options.spacing);
   strokes = with_evidence_of_curves(strokes);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});

@@ -72,6 +72,11 @@ inline double line_contrast(double sigma) {
   return 2.8284271247461903 * sigma * sigma;
 }
 
+/// Returns the height of a step that is blurred by σ and has the gradient 1 seen at scale σ.
+inline double step_contrast(double sigma) {
+  return 3.5449077018110318 * sigma;  // √(2π)·√2
+}
+
 /// SD that a response reaches in some direction where there is nothing.
 inline constexpr double kUsualResponse = 2.4;
 

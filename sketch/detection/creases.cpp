@@ -19,9 +19,6 @@ using graph::Point;
 
 namespace {
 
-// A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
-constexpr double kStepContrast = 3.5449077018110318;
-
 // Derivatives at places of a row, and the eigenvalue of greater magnitude of each Hessian with its direction.
 struct Principals {
   std::size_t count = 0;
@@ -221,10 +218,6 @@ void put_line(CreaseMapBuilder& map, const Principals& row, std::size_t i, int y
            of.number,
            point_evidence(response / of.ground, sigma)},
           {nx, ny});
-}
-
-double step_contrast(double sigma) {
-  return kStepContrast * sigma;
 }
 
 // Steps to be, in a row: their pixels, and of each the gradient's direction and its magnitude there and to

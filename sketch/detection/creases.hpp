@@ -64,8 +64,10 @@ CreaseMap find_steps(const ScaleSpace& space, const NoiseLevels& ground, CreaseL
 
 /// Removes the weak counter-lobes of opposite sign around stronger lines.
 void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space);
-/// Removes the two steps on the flanks of stronger lines.
-void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space);
+/// Removes the two steps on the flanks of lines: those of less than `of_flank` times the contrast that the
+/// steepest slope of a Gaussian line shows as a step. A line whose sides differ by half has one flank that is
+/// a third higher.
+void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space, double of_flank);
 /// Removes lines on which a stronger line of opposite sign runs, in another channel.
 void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space);
 

@@ -24,7 +24,6 @@ constexpr double kAlong = 4;       // px along a patch within which one beside i
 constexpr double kParallel = 0.5;  // rad
 constexpr double kNarrower = 0.7;  // of a curve's width: what makes it a flank is at most so wide
 constexpr double kOfLine = 0.85;   // of a curve's contrast: the least of a line that it may flank
-constexpr double kOfStep = 0.45;   // of a step's contrast, which may be that of two lines' sides
 constexpr double kStepGain = 0.7;  // of a line's gain: a flank that is a step saves at most so much
 constexpr double kRamp = 3;        // blurs: the width of a step
 constexpr double kShare = 0.4;     // of a curve's patches
@@ -87,10 +86,10 @@ double median_width(const AttributeGraph& graph, const Curve& curve) {
 }
 
 /// True if `patch`, of a curve of this width, may be a flank of the line `other`.
-bool may_flank(const Patch& patch, double width, const Patch& other) {
+bool may_flank(const Patch& patch, double width, const Patch& other, double of_step) {
   if (graph::on_step(other) || other.type == graph::PatchType::blob) return false;
   const double contrast = std::abs(patch.contrast), line = std::abs(other.contrast);
-  if (graph::on_step(patch)) return line >= kOfStep * contrast && patch.gain <= kStepGain * other.gain;
+  if (graph::on_step(patch)) return line >= of_step * contrast && patch.gain <= kStepGain * other.gain;
   return other.contrast * patch.contrast < 0 && line >= kOfLine * contrast &&
          other.width <= kNarrower * width;
 }
@@ -104,8 +103,9 @@ bool lies_beside(const Patch& patch, double width, const Patch& other) {
 
 class Flanks {
  public:
-  explicit Flanks(const AttributeGraph& graph)
+  Flanks(const AttributeGraph& graph, double of_step)
       : graph_(graph),
+        of_step_(of_step),
         curves_(curves(graph)),
         cells_(graph, reach(graph)),
         gone_(graph.size(), false),
@@ -144,7 +144,7 @@ class Flanks {
     const auto flanked = [&](std::uint32_t v) {
       const Patch& patch = graph_.patch(v);
       return cells_.any_near(patch.position, width, [&](std::uint32_t other) {
-        return !gone_[other] && asked_of_[other] != asked_ && may_flank(patch, width, graph_.patch(other)) &&
+        return !gone_[other] && asked_of_[other] != asked_ && may_flank(patch, width, graph_.patch(other), of_step_) &&
                lies_beside(patch, width, graph_.patch(other));
       });
     };
@@ -153,6 +153,7 @@ class Flanks {
   }
 
   const AttributeGraph& graph_;
+  double of_step_;
   std::vector<Curve> curves_;
   std::vector<double> width_;
   Cells cells_;
@@ -163,8 +164,8 @@ class Flanks {
 
 }  // namespace
 
-AttributeGraph remove_flank_curves(const AttributeGraph& graph) {
-  const std::vector<bool> gone = Flanks(graph).find();
+AttributeGraph remove_flank_curves(const AttributeGraph& graph, double of_step) {
+  const std::vector<bool> gone = Flanks(graph, of_step).find();
   if (std::ranges::find(gone, true) == gone.end()) return graph;
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;

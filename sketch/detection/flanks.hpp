@@ -11,9 +11,9 @@ namespace emberfold::sketch {
 /// - of the opposite sign, at most 0.7 times as wide, and not much fainter: soft shading beside a line looks
 /// like a wide line of the other sign;
 /// - or of either sign, where the curve is a step that saves less than the line, because the line's sides
-/// differ.
+/// differ, and the line has at least `of_step` times the step's contrast.
 /// The lines beside a removed curve stay. Patches carry their gain; those left keep their ids and get their
 /// types anew. O(patches).
-graph::AttributeGraph remove_flank_curves(const graph::AttributeGraph& graph);
+graph::AttributeGraph remove_flank_curves(const graph::AttributeGraph& graph, double of_step);
 
 }  // namespace emberfold::sketch

@@ -10,6 +10,7 @@
 
 #include "core/math/fast_round.hpp"
 #include "core/math/simd_clones.hpp"
+#include "sketch/detection/weighted_rows.hpp"
 
 namespace emberfold::sketch {
 
@@ -22,10 +23,11 @@ constexpr int kCell = 8;                                     // px: cells of the
 constexpr double kGroundReach = 20;  // px: SD of the window in which the ground is measured
 constexpr int kUnit = 1 << 12;       // of a response that is averaged, against the greatest that counts
 
-// Hessians with a margin to all sides, so that taps beyond the frame's border read its mirror image.
-struct Hessians {
+// Derivatives of a level with a margin to all sides, so that taps beyond the frame's border read its mirror
+// image: xx, xy, yy, or x, y.
+struct Derivatives {
   int margin;
-  cv::Mat1f xx, xy, yy;
+  std::vector<cv::Mat1f> maps;
 };
 
 EMBERFOLD_SIMD_CLONES void hessian_row(const float* up, const float* mid, const float* down, int width,
@@ -37,20 +39,33 @@ EMBERFOLD_SIMD_CLONES void hessian_row(const float* up, const float* mid, const 
   }
 }
 
-Hessians compute_hessians(const ScaleLevel& level, int margin) {
+EMBERFOLD_SIMD_CLONES void gradient_row(const float* up, const float* mid, const float* down, int width,
+                                        float* __restrict gx, float* __restrict gy) {
+  for (int x = 0; x < width; ++x) {
+    gx[x] = 0.5F * (mid[x + 2] - mid[x]);
+    gy[x] = 0.5F * (down[x + 1] - up[x + 1]);
+  }
+}
+
+Derivatives compute_derivatives(const ScaleLevel& level, Derivative order, int margin) {
   const cv::Rect inner(1, 1, level.smooth.cols - 2, level.smooth.rows - 2);
   cv::Mat1f smooth;
   cv::copyMakeBorder(level.smooth(inner), smooth, margin + 1, margin + 1, margin + 1, margin + 1,
                      cv::BORDER_REFLECT | cv::BORDER_ISOLATED);
   const cv::Size size(smooth.cols - 2, smooth.rows - 2);
-  Hessians h{margin, cv::Mat1f(size), cv::Mat1f(size), cv::Mat1f(size)};
+  Derivatives d{margin, {}};
+  for (int i = order == Derivative::first ? 1 : 0; i < 3; ++i) d.maps.emplace_back(size);
   for (int y = 0; y < size.height; ++y)
-    hessian_row(smooth[y], smooth[y + 1], smooth[y + 2], size.width, h.xx[y], h.xy[y], h.yy[y]);
-  return h;
+    if (order == Derivative::first)
+      gradient_row(smooth[y], smooth[y + 1], smooth[y + 2], size.width, d.maps[0][y], d.maps[1][y]);
+    else
+      hessian_row(smooth[y], smooth[y + 1], smooth[y + 2], size.width, d.maps[0][y], d.maps[1][y],
+                  d.maps[2][y]);
+  return d;
 }
 
-// Second derivatives along the normals of two directions at right angles.
-EMBERFOLD_SIMD_CLONES void project_row(const float* xx, const float* xy, const float* yy, int width, float cc,
+// Derivatives along the normals of two directions at right angles.
+EMBERFOLD_SIMD_CLONES void project_hessian_row(const float* xx, const float* xy, const float* yy, int width, float cc,
                                        float ss, float cs, float* __restrict a, float* __restrict b) {
   for (int x = 0; x < width; ++x) {
     const float mixed = 2 * cs * xy[x];
@@ -59,43 +74,33 @@ EMBERFOLD_SIMD_CLONES void project_row(const float* xx, const float* xy, const f
   }
 }
 
-// Σ weight·(before + after): mirrored rows give the same bits.
-EMBERFOLD_SIMD_CLONES void average_row(const float* const* before, const float* const* after,
-                                       const float* weight, int taps, int width, float* __restrict out) {
-  const float* middle = before[0];
-  for (int x = 0; x < width; ++x) out[x] = weight[0] * middle[x];
-  int i = 1;
-  for (; i + 1 < taps; i += 2) {
-    const float *a = before[i], *b = after[i], *c = before[i + 1], *d = after[i + 1];
-    const float w = weight[i], v = weight[i + 1];
-    for (int x = 0; x < width; ++x) out[x] = (out[x] + w * (a[x] + b[x])) + v * (c[x] + d[x]);
-  }
-  for (; i < taps; ++i) {
-    const float *a = before[i], *b = after[i];
-    const float w = weight[i];
-    for (int x = 0; x < width; ++x) out[x] += w * (a[x] + b[x]);
+EMBERFOLD_SIMD_CLONES void project_gradient_row(const float* gx, const float* gy, int width, float c, float s,
+                                                float* __restrict a, float* __restrict b) {
+  for (int x = 0; x < width; ++x) {
+    a[x] = c * gy[x] - s * gx[x];
+    b[x] = -(c * gx[x] + s * gy[x]);
   }
 }
 
 // The greatest responses so far, of a row: of both signs with their directions (whole numbers, but as wide as
 // the responses, for vectors), and that across the strongest.
 struct Greatest {
-  float *ridge, *valley, *ridge_way, *valley_way, *strongest, *across;
+  float *negative, *positive, *negative_way, *positive_way, *strongest, *across;
 };
 
 EMBERFOLD_SIMD_CLONES void raise_row(const float* a, const float* b, int width, float first, float second,
-                                     float* __restrict ridge, float* __restrict valley,
-                                     float* __restrict ridge_way, float* __restrict valley_way,
+                                     float* __restrict negative, float* __restrict positive,
+                                     float* __restrict negative_way, float* __restrict positive_way,
                                      float* __restrict strongest, float* __restrict across) {
   for (int x = 0; x < width; ++x) {
     const bool less = a[x] < b[x];
     const float low = less ? a[x] : b[x], high = less ? b[x] : a[x];
     const float low_way = less ? first : second, high_way = less ? second : first;
-    const bool brighter = -low > ridge[x], darker = high > valley[x];
-    ridge_way[x] = brighter ? low_way : ridge_way[x];
-    ridge[x] = brighter ? -low : ridge[x];
-    valley_way[x] = darker ? high_way : valley_way[x];
-    valley[x] = darker ? high : valley[x];
+    const bool lower = -low > negative[x], higher = high > positive[x];
+    negative_way[x] = lower ? low_way : negative_way[x];
+    negative[x] = lower ? -low : negative[x];
+    positive_way[x] = higher ? high_way : positive_way[x];
+    positive[x] = higher ? high : positive[x];
     const float size_low = std::abs(low), size_high = std::abs(high);
     const float more = size_low < size_high ? size_high : size_low,
                 other = size_low < size_high ? size_low : size_high;
@@ -149,11 +154,11 @@ void place_taps(OrientedResponse& r, double sigma, double along) {
 // Averages along two directions at right angles, for a strip of rows.
 class Strip {
  public:
-  Strip(const Hessians& h, const OrientedResponse& r, int width)
-      : h_(h),
+  Strip(const Derivatives& d, const OrientedResponse& r, int width)
+      : d_(d),
         r_(r),
         width_(width),
-        a_(kStrip + 2 * h.margin, h.xx.cols),
+        a_(kStrip + 2 * d.margin, d.maps[0].cols),
         b_(a_.size()),
         along_a_(static_cast<std::size_t>(width)),
         along_b_(along_a_.size()),
@@ -162,10 +167,14 @@ class Strip {
 
   void project(int way, int y0, int rows) {
     const Point u = r_.ways[static_cast<std::size_t>(way)];
-    const auto cc = static_cast<float>(u.x * u.x), ss = static_cast<float>(u.y * u.y),
-               cs = static_cast<float>(u.x * u.y);
-    for (int y = 0; y < rows + 2 * h_.margin; ++y)
-      project_row(h_.xx[y0 + y], h_.xy[y0 + y], h_.yy[y0 + y], h_.xx.cols, cc, ss, cs, a_[y], b_[y]);
+    const auto c = static_cast<float>(u.x), s = static_cast<float>(u.y), cc = static_cast<float>(u.x * u.x),
+               ss = static_cast<float>(u.y * u.y), cs = static_cast<float>(u.x * u.y);
+    for (int y = 0; y < rows + 2 * d_.margin; ++y)
+      if (d_.maps.size() == 2)
+        project_gradient_row(d_.maps[0][y0 + y], d_.maps[1][y0 + y], a_.cols, c, s, a_[y], b_[y]);
+      else
+        project_hessian_row(d_.maps[0][y0 + y], d_.maps[1][y0 + y], d_.maps[2][y0 + y], a_.cols, cc, ss, cs,
+                            a_[y], b_[y]);
   }
 
   // Of row y of the strip.
@@ -173,24 +182,24 @@ class Strip {
     average(a_, y, way, along_a_);
     average(b_, y, way + kTurned, along_b_);
     raise_row(along_a_.data(), along_b_.data(), width_, static_cast<float>(way),
-              static_cast<float>(way + kTurned), g.ridge, g.valley, g.ridge_way, g.valley_way, g.strongest,
+              static_cast<float>(way + kTurned), g.negative, g.positive, g.negative_way, g.positive_way, g.strongest,
               g.across);
   }
 
  private:
   void average(const cv::Mat1f& from, int y, int way, std::vector<float>& out) {
     const auto& taps = r_.taps[static_cast<std::size_t>(way)];
-    const int row = y + h_.margin, column = h_.margin;
+    const int row = y + d_.margin, column = d_.margin;
     before_[0] = after_[0] = from[row] + column;
     for (std::size_t i = 0; i < taps.size(); ++i) {
       before_[i + 1] = from[row - taps[i].y] + column - taps[i].x;
       after_[i + 1] = from[row + taps[i].y] + column + taps[i].x;
     }
-    average_row(before_.data(), after_.data(), r_.weights.data(), static_cast<int>(before_.size()), width_,
+    weigh_rows(before_.data(), after_.data(), r_.weights.data(), static_cast<int>(before_.size()), width_,
                 out.data());
   }
 
-  const Hessians& h_;
+  const Derivatives& d_;
   const OrientedResponse& r_;
   int width_;
   cv::Mat1f a_, b_;
@@ -270,16 +279,16 @@ void OrientedResponse::ground_row(int y, std::vector<float>& row) const {
   const auto place = [](int at, int size, int count) {  // between the middles of cells
     return std::clamp((at + 0.5) * count / size - 0.5, 0.0, count - 1.0);
   };
-  const double v = place(y, ridge.rows, ground.rows);
+  const double v = place(y, negative.rows, ground.rows);
   const int top = static_cast<int>(v), below = std::min(top + 1, ground.rows - 1);
   const auto fy = static_cast<float>(v - top);
   std::vector<float> cell;
   for (int x = 0; x < ground.cols; ++x) cell.push_back((1 - fy) * ground(top, x) + fy * ground(below, x));
   cell.push_back(cell.back());
-  row.resize(static_cast<std::size_t>(ridge.cols));
-  const auto share = static_cast<float>(ground.cols) / static_cast<float>(ridge.cols),
+  row.resize(static_cast<std::size_t>(negative.cols));
+  const auto share = static_cast<float>(ground.cols) / static_cast<float>(negative.cols),
              last = static_cast<float>(ground.cols - 1);
-  for (int x = 0; x < ridge.cols; ++x) {
+  for (int x = 0; x < negative.cols; ++x) {
     const float u = std::clamp((static_cast<float>(x) + 0.5F) * share - 0.5F, 0.0F, last);
     const auto left = static_cast<std::size_t>(u);
     const float fx = u - static_cast<float>(left);
@@ -287,35 +296,37 @@ void OrientedResponse::ground_row(int y, std::vector<float>& row) const {
   }
 }
 
-OrientedResponse compute_oriented_response(const ScaleLevel& level, double along, double noise) {
+OrientedResponse compute_oriented_response(const ScaleLevel& level, Derivative order, double along,
+                                           double noise) {
   OrientedResponse r;
   place_taps(r, level.sigma, along);
   const cv::Size size(level.smooth.cols - 2, level.smooth.rows - 2);
   for (const auto& taps : r.taps)
     for (const cv::Point tap : taps) r.reach = std::max({r.reach, std::abs(tap.x), std::abs(tap.y)});
-  const Hessians h = compute_hessians(level, r.reach);
-  r.ridge = cv::Mat1f(size, 0.0F), r.valley = cv::Mat1f(size, 0.0F);
-  r.ridge_way = cv::Mat1b(size, std::uint8_t{0}), r.valley_way = cv::Mat1b(size, std::uint8_t{0});
-  cv::Mat1f across(size, 0.0F), strongest(kStrip, size.width), ridge_way(kStrip, size.width),
-      valley_way(kStrip, size.width);
-  Strip strip(h, r, size.width);
+  const Derivatives d = compute_derivatives(level, order, r.reach);
+  r.negative = cv::Mat1f(size, 0.0F), r.positive = cv::Mat1f(size, 0.0F);
+  r.negative_way = cv::Mat1b(size, std::uint8_t{0}), r.positive_way = cv::Mat1b(size, std::uint8_t{0});
+  cv::Mat1f across(size, 0.0F), strongest(kStrip, size.width), negative_way(kStrip, size.width),
+      positive_way(kStrip, size.width);
+  Strip strip(d, r, size.width);
   for (int y0 = 0; y0 < size.height; y0 += kStrip) {
     const int rows = std::min(kStrip, size.height - y0);
-    strongest = 0.0F, ridge_way = 0.0F, valley_way = 0.0F;
+    strongest = 0.0F, negative_way = 0.0F, positive_way = 0.0F;
     for (int way = 0; way < kTurned; ++way) {
       strip.project(way, y0, rows);
       for (int y = 0; y < rows; ++y)
         strip.raise(
             way, y,
-            {r.ridge[y0 + y], r.valley[y0 + y], ridge_way[y], valley_way[y], strongest[y], across[y0 + y]});
+            {r.negative[y0 + y], r.positive[y0 + y], negative_way[y], positive_way[y], strongest[y], across[y0 + y]});
     }
     for (int y = 0; y < rows; ++y) {
-      narrow_row(ridge_way[y], size.width, r.ridge_way[y0 + y]);
-      narrow_row(valley_way[y], size.width, r.valley_way[y0 + y]);
+      narrow_row(negative_way[y], size.width, r.negative_way[y0 + y]);
+      narrow_row(positive_way[y], size.width, r.positive_way[y0 + y]);
     }
   }
-  const double total = std::max(along, level.sigma);
-  r.ground = local_ground(across, noise * level.hessian_sd * std::sqrt(level.sigma / total));
+  const double sd = order == Derivative::first ? level.gradient_sd : level.hessian_sd,
+               total = std::max(along, level.sigma);
+  r.ground = local_ground(across, noise * sd * std::sqrt(level.sigma / total));
   return r;
 }
 

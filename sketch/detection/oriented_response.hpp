@@ -10,13 +10,16 @@
 
 namespace emberfold::sketch {
 
-/// Holds the second derivative of a level across a line, averaged along the line, in the directions in which
-/// it is greatest: a weak line shows by its length. Grey levels/px².
+/// Order of a derivative: the first shows steps, the second lines.
+enum class Derivative : std::uint8_t { first, second };
+
+/// Holds a derivative of a level across a direction, averaged along it, where that is most below and most
+/// above 0: a weak curve shows by its length. Grey levels/px or /px².
 struct OrientedResponse {
-  cv::Mat1f ridge, valley;          ///< ≥ 0, of a bright and of a dark line
-  cv::Mat1b ridge_way, valley_way;  ///< direction of that line: number of `ways`
-  cv::Mat1f ground;  ///< SD of the response where there is no line, in cells of the frame; see ground_row()
-  std::vector<graph::Point> ways;            ///< unit vectors
+  cv::Mat1f negative, positive;  ///< ≥ 0: sizes of the derivatives; the second is negative on bright lines
+  cv::Mat1b negative_way, positive_way;  ///< direction of that curve: number of `ways`
+  cv::Mat1f ground;  ///< SD of the response where there is no curve, in cells of the frame; see ground_row()
+  std::vector<graph::Point> ways;  ///< unit vectors u; derivatives are taken along (−u.y, u.x)
   std::vector<std::vector<cv::Point>> taps;  ///< of each way: the pixels ahead over which is averaged
   std::vector<float> weights;  ///< of the pixel itself and of its taps; twice their sum − the first = 1
 
@@ -28,8 +31,9 @@ struct OrientedResponse {
 
 /// Computes it. Averages along 16 directions with a Gaussian such that the whole filter has the SD `along` px
 /// (or that of the level, if greater). The ground is the local RMS of the response *across* the strongest
-/// direction: texture responds alike in all directions, a line does not raise its own ground. It is at least
+/// direction: texture responds alike in all directions, a curve does not raise its own ground. It is at least
 /// what white noise of SD `noise` gives. O(pixels · directions · taps).
-OrientedResponse compute_oriented_response(const ScaleLevel& level, double along, double noise);
+OrientedResponse compute_oriented_response(const ScaleLevel& level, Derivative order, double along,
+                                           double noise);
 
 }  // namespace emberfold::sketch

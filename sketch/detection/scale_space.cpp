@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/math/simd_clones.hpp"
+#include "sketch/detection/weighted_rows.hpp"
 
 namespace emberfold::sketch {
 
@@ -99,25 +99,6 @@ int mirrored(int at, int size) {
   at %= 2 * size;
   if (at < 0) at += 2 * size;
   return at < size ? at : 2 * size - 1 - at;
-}
-
-// out[x] = Σ weight[i]·(before[i][x] + after[i][x]): a pair of equal weight is summed first, so that mirrored
-// rows give the same bits. Two pairs at a time: the sums stay in the nearest cache.
-EMBERFOLD_SIMD_CLONES void weigh_rows(const float* const* before, const float* const* after,
-                                      const float* weight, int taps, int width, float* __restrict out) {
-  const float* middle = before[0];
-  for (int x = 0; x < width; ++x) out[x] = weight[0] * middle[x];
-  int i = 1;
-  for (; i + 1 < taps; i += 2) {
-    const float *a = before[i], *b = after[i], *c = before[i + 1], *d = after[i + 1];
-    const float w = weight[i], v = weight[i + 1];
-    for (int x = 0; x < width; ++x) out[x] = (out[x] + w * (a[x] + b[x])) + v * (c[x] + d[x]);
-  }
-  for (; i < taps; ++i) {
-    const float *a = before[i], *b = after[i];
-    const float w = weight[i];
-    for (int x = 0; x < width; ++x) out[x] += w * (a[x] + b[x]);
-  }
 }
 
 // The frame `from` (its first pixel at `border`, `border`) smoothed, with a border of one pixel.

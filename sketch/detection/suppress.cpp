@@ -9,6 +9,7 @@
 #include "core/math/fast_round.hpp"
 #include "core/math/simd_clones.hpp"
 #include "sketch/detection/by_strength.hpp"
+#include "sketch/detection/crease_map.hpp"
 #include "sketch/detection/creases.hpp"
 
 namespace emberfold::sketch {
@@ -16,9 +17,6 @@ namespace emberfold::sketch {
 using graph::Point;
 
 namespace {
-
-// A step of height b blurred by σ has the gradient b / (√(2π)·√2·σ) when seen at scale σ.
-constexpr double kStepContrast = 3.5449077018110318;
 
 // Reads the entries of the pixels across a point, at every half pixel to both sides; −1 outside. `stride`:
 // from row to row.
@@ -221,8 +219,7 @@ void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleS
   keep_unmarked(lines, marked);
 }
 
-void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space) {
-  constexpr double kMargin = 1.6;  // a line whose sides differ by half has one flank that is a third higher
+void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& space, double of_flank) {
   std::vector<int> owner(steps.points.size(), -1);  // of each step's point beside a line: the strongest such
                                                     // line's point
   Across across(steps.index);
@@ -244,7 +241,7 @@ void remove_flanks(CreaseMap& steps, const CreaseMap& lines, const ScaleSpace& s
     const double s = space[static_cast<std::size_t>(line.level)].sigma,
                  sigma = space[static_cast<std::size_t>(steps.points[at].level)].sigma;
     const double slope = 0.607 * line.contrast * s / (s * s + sigma * sigma);
-    marked[at] = steps.points[at].contrast < kMargin * slope * kStepContrast * sigma ? 1 : 0;
+    marked[at] = steps.points[at].contrast < of_flank * slope * step_contrast(sigma) ? 1 : 0;
   }
   keep_unmarked(steps, marked);
 }

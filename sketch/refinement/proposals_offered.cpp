@@ -23,6 +23,7 @@ std::vector<std::optional<Patch>> seen_beside(ProposalBuilder& editor, const gra
     const Point normal{-std::sin(patch.theta), std::cos(patch.theta)};
     auto found = editor.fit_like(patch, patch.position + normal * aside, patch.theta, patch.contrast);
     if (found && editor.overlaps(*found, {})) found.reset();
+    if (found) found->evidence = patch.evidence;
     seen.push_back(std::move(found));
   }
   return seen;

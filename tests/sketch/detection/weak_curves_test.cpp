@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sketch/detection/weak_lines.hpp"
+#include "sketch/detection/weak_curves.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,12 +7,14 @@
 
 namespace emberfold::sketch {
 
-/// Holds the settings of find_weak_lines().
-struct WeakLineLimits {
+/// Holds the settings of find_weak_curves().
+struct WeakCurveLimits {
   double response;  ///< SD: points below it are left out
   double contrast;  ///< grey levels, likewise
   double evidence;  ///< nats that a curve needs
   double length;    ///< px that a piece of a curve needs
+  bool steps;       ///< steps too
+  double of_flank;  ///< see remove_flanks()
 };
 
 /// Finds the lines that only their length shows: curves through the maxima of the response averaged along
@@ -21,7 +23,7 @@ struct WeakLineLimits {
 /// lies on `strong`, the curves that were found without averaging, or is what averaging smears of those
 /// beyond their ends and into their gaps, is not found again. Luma's scales of 1 to 3 half octaves are used:
 /// the finest adds noise, coarser ones shading. O(pixels · scales · directions).
-std::vector<Chain> find_weak_lines(const std::vector<Chain>& strong, const ScaleSpace& space, double noise,
-                                   const WeakLineLimits& limits);
+std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const ScaleSpace& space, double noise,
+                                   const WeakCurveLimits& limits);
 
 }  // namespace emberfold::sketch

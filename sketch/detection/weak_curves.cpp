@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/detection/weak_curves.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/math/bilinear.hpp"
+#include "core/math/fast_round.hpp"
+#include "sketch/detection/crease_map.hpp"
+#include "sketch/detection/oriented_response.hpp"
+
+namespace emberfold::sketch {
+
+using graph::Point;
+
+namespace {
+
+constexpr double kAlong = 4;                      // px: SD of the averaging along a line
+constexpr int kFirstOctave = 1, kLastOctave = 3;  // half octaves, of lines
+constexpr int kStepOctave = 1;
+// SD by which the gradients of texture exceed second derivatives: shading has them everywhere.
+constexpr double kStepsMore = 2.5;
+
+// A level, its response, and the level's number.
+struct OrientedLevel {
+  const ScaleLevel& level;
+  const OrientedResponse& response;
+  int number;
+};
+
+// The mean of the level along a way, `away` px beside pixel (x, y).
+double mean_beside(const OrientedLevel& of, std::size_t way, int x, int y, Point away) {
+  const OrientedResponse& r = of.response;
+  const cv::Mat1f& smooth = of.level.smooth;
+  const int width = smooth.cols - 2, height = smooth.rows - 2, reach = r.reach;
+  const int column = core::fast_round(x + away.x), row = core::fast_round(y + away.y);
+  const auto mean = [&](const auto& at) {
+    float sum = r.weights[0] * at(column, row);
+    for (std::size_t i = 0; i < r.taps[way].size(); ++i) {
+      const cv::Point tap = r.taps[way][i];
+      sum += r.weights[i + 1] * (at(column - tap.x, row - tap.y) + at(column + tap.x, row + tap.y));
+    }
+    return double{sum};
+  };
+  if (column >= reach && row >= reach && column + reach < width && row + reach < height)
+    return mean([&](int u, int v) { return smooth(v + 1, u + 1); });
+  return mean([&](int u, int v) {
+    return smooth(std::clamp(v, 0, height - 1) + 1, std::clamp(u, 0, width - 1) + 1);
+  });
+}
+
+// The response less what the two sides of the line differ, where the slope across nearly vanishes; else 0.
+// Both sides of a second derivative's filter lie about √3 σ off the line and have 0.242/σ² of its weight
+// each. Beside a line the greatest response of the other sign lies 0.87 of the profile's SD from where the
+// slope would vanish.
+double response_of_both_sides(const OrientedLevel& of, std::size_t way, int x, int y, Point normal,
+                              double response) {
+  constexpr double kSide = 1.73, kOfSide = 0.242, kOfDifference = 0.7, kSlope = 0.4, kLeastSlope = 0.3;  // px
+  const double sigma = of.level.sigma;
+  const auto mean = [&](double away) { return mean_beside(of, way, x, y, normal * away); };
+  if (0.5 * std::abs(mean(1) - mean(-1)) > (kSlope * sigma + kLeastSlope) * response) return 0;
+  const double difference = std::abs(mean(kSide * sigma) - mean(-kSide * sigma));
+  return response - kOfDifference * kOfSide / (sigma * sigma) * difference;
+}
+
+// What a point's response must reach.
+struct PointLimits {
+  double ground, response;  // SD of the usual, and how many of it
+};
+
+// Contrast counts no more than this many SD above the usual: a short line of great contrast is not a long one.
+constexpr double kMostCounted = 4;
+
+// How far along the normal of pixel (x, y) the response is greatest, if that is within the pixel.
+std::optional<double> find_greatest(const cv::Mat1f& response, int x, int y, Point n) {
+  constexpr float kNearly = 0.9F;  // the greatest may lie between pixels
+  const int dx = core::fast_round(n.x), dy = core::fast_round(n.y);
+  if (x > 0 && y > 0 && x + 1 < response.cols && y + 1 < response.rows &&
+      std::max(response(y + dy, x + dx), response(y - dy, x - dx)) * kNearly > response(y, x))
+    return std::nullopt;
+  const auto at = [&](double t) { return core::sample_bilinear(response, x + t * n.x, y + t * n.y); };
+  const double ahead = at(1), behind = at(-1), bend = 2 * double{response(y, x)} - (ahead + behind);
+  if (bend <= 0) return std::nullopt;
+  const double t = 0.5 * (ahead - behind) / bend;
+  if (std::abs(t * n.x) > kPixelReach || std::abs(t * n.y) > kPixelReach) return std::nullopt;
+  return t;
+}
+
+// Puts the line through a pixel into the map, if the response is greatest there across the line.
+void put_line(CreaseMapBuilder& map, const OrientedLevel& of, const cv::Mat1f& response,
+              const cv::Mat1b& ways, int x, int y, PointLimits limits) {
+  const double here = double{response(y, x)}, sigma = of.level.sigma, normalise = sigma * std::sqrt(sigma);
+  if (!map.beats(x, y, here * normalise)) return;
+  const auto way = std::size_t{ways(y, x)};
+  const Point u = of.response.ways[way], n{-u.y, u.x};
+  if (!lies_inside(map.size(), {x + sigma * n.x, y + sigma * n.y}) ||
+      !lies_inside(map.size(), {x - sigma * n.x, y - sigma * n.y}))
+    return;
+  const auto t = find_greatest(response, x, y, n);
+  if (!t) return;
+  const double z = response_of_both_sides(of, way, x, y, n, here) / limits.ground;
+  if (z < limits.response) return;
+  map.put(x, y,
+          {{x + *t * n.x, y + *t * n.y},
+           0,
+           z,
+           here * normalise,
+           here * line_contrast(sigma),
+           of.number,
+           point_evidence(std::min(z, kUsualResponse + kMostCounted), std::max(kAlong, sigma))},
+          n);
+}
+
+// Puts the step through a pixel into the map, likewise. `n`: towards its brighter side.
+void put_step(CreaseMapBuilder& map, const OrientedLevel& of, const cv::Mat1f& response, Point n, int x,
+              int y, PointLimits limits) {
+  constexpr double kFar = 2.5;  // σ: a slope that goes on so far is shading
+  const double here = double{response(y, x)}, sigma = of.level.sigma;
+  const auto t = find_greatest(response, x, y, n);
+  if (!t) return;
+  const auto at = [&](double away) { return core::sample_bilinear(response, x + away * n.x, y + away * n.y); };
+  const double rise = here - 0.5 * (at(kFar * sigma) + at(-kFar * sigma)), z = rise / limits.ground;
+  if (z < limits.response) return;
+  map.put(x, y,
+          {{x + *t * n.x, y + *t * n.y},
+           0,
+           z,
+           rise * std::sqrt(sigma),
+           rise * step_contrast(sigma),
+           of.number,
+           point_evidence(std::min(z - kStepsMore, kUsualResponse + kMostCounted), std::max(kAlong, sigma))},
+          n);
+}
+
+// visit(x, y, SD of the ground there) for every pixel.
+template <class Visit>
+void visit_pixels(const OrientedResponse& response, Visit visit) {
+  std::vector<float> ground;
+  for (int y = 0; y < response.negative.rows; ++y) {
+    response.ground_row(y, ground);
+    for (int x = 0; x < response.negative.cols; ++x) visit(x, y, double{ground[static_cast<std::size_t>(x)]});
+  }
+}
+
+CreaseLines find_line_points(const ScaleSpace& space, double noise, const WeakCurveLimits& limits) {
+  CreaseMapBuilder ridges(space, CreaseKind::ridge), valleys(space, CreaseKind::valley);
+  for (std::size_t k = 0; k < space.size(); ++k) {
+    const ScaleLevel& level = space[k];
+    if (level.channel != 0 || level.octave < kFirstOctave || level.octave > kLastOctave) continue;
+    const OrientedResponse r = compute_oriented_response(level, Derivative::second, kAlong, noise);
+    const OrientedLevel of{level, r, static_cast<int>(k)};
+    const double contrast = limits.contrast / line_contrast(level.sigma);
+    visit_pixels(r, [&](int x, int y, double ground) {
+      const double least = std::max(limits.response * ground, contrast);
+      const PointLimits at{ground, limits.response};
+      if (double{r.negative(y, x)} >= least) put_line(ridges, of, r.negative, r.negative_way, x, y, at);
+      if (double{r.positive(y, x)} >= least) put_line(valleys, of, r.positive, r.positive_way, x, y, at);
+    });
+  }
+  return {ridges.finish(), valleys.finish()};
+}
+
+CreaseMap find_step_points(const ScaleSpace& space, double noise, const WeakCurveLimits& limits) {
+  CreaseMapBuilder steps(space, CreaseKind::step);
+  for (std::size_t k = 0; k < space.size(); ++k) {
+    const ScaleLevel& level = space[k];
+    if (level.channel != 0 || level.octave != kStepOctave) continue;
+    const OrientedResponse r = compute_oriented_response(level, Derivative::first, kAlong, noise);
+    const OrientedLevel of{level, r, static_cast<int>(k)};
+    const double response = limits.response + kStepsMore,
+                 contrast = 2 * limits.contrast / step_contrast(level.sigma);
+    visit_pixels(r, [&](int x, int y, double ground) {
+      const double least = std::max(response * ground, contrast);
+      const auto normal = [&](const cv::Mat1b& ways, double sign) {
+        const Point u = r.ways[ways(y, x)];
+        return Point{-sign * u.y, sign * u.x};
+      };
+      const PointLimits at{ground, response};
+      if (double{r.negative(y, x)} >= least) put_step(steps, of, r.negative, normal(r.negative_way, -1), x, y, at);
+      if (double{r.positive(y, x)} >= least) put_step(steps, of, r.positive, normal(r.positive_way, 1), x, y, at);
+    });
+  }
+  return steps.finish();
+}
+
+// Contrast of the curves of one kind at the pixels near them.
+class Drawn {
+ public:
+  explicit Drawn(cv::Size frame) : contrast_(frame, 0.0F) {}
+
+  void add(const Chain& chain) {
+    constexpr int kBeside = 2;  // px
+    for (const CreasePoint& p : chain.points) {
+      const int x = core::fast_round(p.position.x), y = core::fast_round(p.position.y);
+      for (int v = std::max(0, y - kBeside); v <= std::min(contrast_.rows - 1, y + kBeside); ++v)
+        for (int u = std::max(0, x - kBeside); u <= std::min(contrast_.cols - 1, x + kBeside); ++u)
+          contrast_(v, u) = std::max(contrast_(v, u), static_cast<float>(p.contrast));
+    }
+  }
+
+  [[nodiscard]] double at(Point p) const {
+    const int x = core::fast_round(p.x), y = core::fast_round(p.y);
+    if (x < 0 || y < 0 || x >= contrast_.cols || y >= contrast_.rows) return 0;
+    return double{contrast_(y, x)};
+  }
+
+ private:
+  cv::Mat1f contrast_;
+};
+
+// True on a drawn curve, and where averaging along the line takes in one of more contrast.
+bool is_explained(const CreasePoint& p, const Drawn& same, const Drawn& opposite) {
+  constexpr double kSmear = 9, kStep = 1.5, kMore = 1.5;  // px, px, of the point's contrast
+  if (same.at(p.position) > 0 || opposite.at(p.position) > 0) return true;
+  const Point along{std::cos(p.theta), std::sin(p.theta)};
+  for (double t = kStep; t <= kSmear; t += kStep)
+    for (const double way : {t, -t})
+      if (same.at(p.position + along * way) > kMore * p.contrast) return true;
+  return false;
+}
+
+// Adds the pieces of a curve that nothing explains.
+void add_pieces(const Chain& chain, const Drawn& same, const Drawn& opposite, std::vector<Chain>& to) {
+  std::vector<char> gone;
+  for (const CreasePoint& p : chain.points) gone.push_back(is_explained(p, same, opposite) ? 1 : 0);
+  if (std::ranges::find(gone, 1) == gone.end()) {
+    to.push_back(chain);
+    return;
+  }
+  Chain piece{chain.kind, {}, false};
+  for (std::size_t i = 0; i <= gone.size(); ++i) {
+    if (i < gone.size() && gone[i] == 0)
+      piece.points.push_back(chain.points[i]);
+    else if (!piece.points.empty())
+      to.push_back(std::exchange(piece, Chain{chain.kind, {}, false}));
+  }
+}
+
+}  // namespace
+
+std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const ScaleSpace& space, double noise,
+                                    const WeakCurveLimits& limits) {
+  constexpr double kSeed = 0.6;          // SD more where a curve begins
+  constexpr double kLeastOfPiece = 1.5;  // nats
+  const cv::Size frame = space.front().frame.size();
+  Drawn ridges(frame), valleys(frame), all(frame);
+  CreaseMap lines_drawn;
+  const auto draw = [&](const std::vector<Chain>& chains) {
+    for (const Chain& chain : chains) {
+      if (chain.kind == CreaseKind::ridge) ridges.add(chain);
+      if (chain.kind == CreaseKind::valley) valleys.add(chain);
+      if (chain.kind != CreaseKind::step)
+        lines_drawn.points.insert(lines_drawn.points.end(), chain.points.begin(), chain.points.end());
+      all.add(chain);
+    }
+  };
+  draw(strong);
+  std::vector<Chain> found;
+  const auto trace = [&](const CreaseMap& map, double begins, const Drawn& same, const Drawn& opposite) {
+    for (const Chain& chain : remove_hooks(trace_curves(map, space, {begins})))
+      if (evidence(chain) >= limits.evidence) add_pieces(chain, same, opposite, found);
+  };
+  CreaseLines lines = find_line_points(space, noise, limits);
+  for (CreaseMap* map : {&lines.ridges, &lines.valleys}) {
+    thin_parallel_points(*map, space);
+    const bool bright = map->kind == CreaseKind::ridge;
+    trace(*map, limits.response + kSeed, bright ? ridges : valleys, bright ? valleys : ridges);
+  }
+  const auto erase_short = [&] {
+    std::erase_if(found, [&](const Chain& piece) {
+      return evidence(piece) < kLeastOfPiece || arc_lengths(piece).back() < limits.length;
+    });
+  };
+  erase_short();
+  if (!limits.steps) return found;
+  draw(found);
+  CreaseMap steps = find_step_points(space, noise, limits);
+  remove_flanks(steps, lines_drawn, space, limits.of_flank);
+  thin_parallel_points(steps, space);
+  trace(steps, limits.response + kStepsMore + kSeed, all, all);
+  erase_short();
+  return found;
+}
+
+}  // namespace emberfold::sketch

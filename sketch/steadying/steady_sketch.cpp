@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/steadying/steady_sketch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/clip.hpp"
+#include "core/math/fast_round.hpp"
+#include "graph/matching/point_grid.hpp"
+#include "sketch/detection/colour.hpp"
+#include "sketch/patches/patch_types.hpp"
+#include "sketch/refinement/coding_length.hpp"
+#include "sketch/refinement/refine.hpp"
+
+namespace emberfold::sketch {
+
+using graph::AttributeGraph;
+using graph::Patch;
+
+namespace {
+
+constexpr double kNear = 6;           // px within which a patch of the same stroke is looked for
+static const double kAcross = getenv("AC") ? atof(getenv("AC")) : 3;         // px
+constexpr double kAlong = 4.5;        // px, of a patch's length and what its place may slip along the stroke
+constexpr double kParallel = 0.6;     // rad
+static const double kOfContrast = getenv("OC") ? atof(getenv("OC")) : .25;  // difference of the images at which a vote counts e^{−1/2}
+static const std::size_t kRun = getenv("RUN") ? atoi(getenv("RUN")) : 3;       // patches in a row that go or come
+
+bool is_meeting(const Patch& patch) {
+  using enum graph::PatchType;
+  return patch.type == corner || patch.type == l_junction || patch.type == t_junction ||
+         patch.type == y_junction || patch.type == crossing;
+}
+
+bool is_alike(const Patch& patch, const Patch& other) {
+  const graph::Point off = other.position - patch.position;
+  if (is_meeting(patch) || is_meeting(other)) return dot(off, off) <= kAlong * kAlong;
+  if (!graph::same_kind(patch, other)) return false;
+  const graph::Point along{std::cos(patch.theta), std::sin(patch.theta)};
+  return std::abs(dot(off, along)) <= kAlong && std::abs(off.y * along.x - off.x * along.y) <= kAcross &&
+         graph::orientation_difference(patch.theta, other.theta) <= kParallel;
+}
+
+/// Finds patches of a sketch that are like another.
+class Drawn {
+ public:
+  explicit Drawn(const AttributeGraph& graph) : graph_(graph), grid_(places(graph), kNear) {}
+
+  [[nodiscard]] bool has(const Patch& patch) const {
+    return std::ranges::any_of(grid_.find_near(patch.position),
+                               [&](auto other) { return is_alike(patch, graph_.patch(other)); });
+  }
+
+ private:
+  static std::vector<graph::Point> places(const AttributeGraph& graph) {
+    std::vector<graph::Point> points;
+    for (const graph::Vertex& v : graph.vertices()) points.push_back(v.patch.position);
+    return points;
+  }
+
+  const AttributeGraph& graph_;
+  graph::detail::PointGrid grid_;
+};
+
+/// The votes of the neighbouring frames.
+class Votes {
+ public:
+  Votes(std::span<const CarriedSketch> neighbours, double noise) : noise_(noise) {
+    for (const CarriedSketch& neighbour : neighbours) {
+      differences_.push_back(neighbour.difference);
+      drawn_.emplace_back(neighbour.graph);
+    }
+  }
+
+  /// Returns by how many more neighbours have a patch like this than have none.
+  [[nodiscard]] double count(const Patch& patch) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < drawn_.size(); ++i)
+      sum += (drawn_[i].has(patch) ? 1 : -1) * weight(differences_[i], patch);
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] double weight(const cv::Mat1f& difference, const Patch& patch) const {
+    const int x = std::clamp(core::fast_round(patch.position.x), 0, difference.cols - 1),
+              y = std::clamp(core::fast_round(patch.position.y), 0, difference.rows - 1);
+    const double d = double{difference(y, x)}, more = std::max(0.0, d * d - 2 * noise_ * noise_),
+                 usual = kOfContrast * std::abs(patch.contrast);
+    return std::exp(-0.5 * more / std::max(usual * usual, 1e-9));
+  }
+
+  double noise_;
+  std::vector<cv::Mat1f> differences_;
+  std::vector<Drawn> drawn_;
+};
+
+/// Calls use(first, last) for each run of at least kRun patches of a curve for which `is_in` holds.
+template <class IsIn, class Use>
+void visit_runs(const graph::Curve& curve, const IsIn& is_in, const Use& use) {
+  for (std::size_t i = 0; i < curve.size();) {
+    std::size_t end = i;
+    while (end < curve.size() && is_in(curve[end])) ++end;
+    if (end - i >= kRun) use(i, end);
+    i = end + 1;
+  }
+}
+
+/// Drops the runs that the votes speak against, and curves of nothing else.
+AttributeGraph without_outvoted(const AttributeGraph& own, const Votes& votes) {
+  std::vector<char> outvoted(own.size(), 0), gone(own.size(), 0);
+  for (std::size_t v = 0; v < own.size(); ++v) outvoted[v] = 1 + votes.count(own.patch(v)) < 0 ? 1 : 0;
+  const auto is_out = [&](auto v) { return outvoted[v] != 0; };
+  for (const graph::Curve& curve : graph::curves(own)) {
+    if (std::ranges::all_of(curve, is_out))
+      for (const auto v : curve) gone[v] = 1;
+    visit_runs(curve, is_out, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) gone[curve[i]] = 1;
+    });
+  }
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (std::size_t v = 0; v < own.size(); ++v)
+    if (gone[v] == 0) vertices.push_back(own.vertices()[v]);
+  const auto stays = [&](graph::VertexId id) { return gone[own.index_of(id)] == 0; };
+  std::ranges::copy_if(own.edges(), std::back_inserter(edges),
+                       [&](const graph::Edge& e) { return stays(e.a) && stays(e.b); });
+  return name_patch_types(std::move(vertices), std::move(edges));
+}
+
+/// Collects the runs that most neighbours have and this frame lacks.
+AttributeGraph missing_strokes(const AttributeGraph& own, std::span<const CarriedSketch> neighbours,
+                               const Votes& votes) {
+  const Drawn drawn(own);
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (const CarriedSketch& neighbour : neighbours) {
+    const std::size_t before = vertices.size();
+    const auto is_missing = [&](auto v) {
+      const Patch& patch = neighbour.graph.patch(v);
+      const auto known = std::span(vertices).first(before);
+      return !drawn.has(patch) &&
+             std::ranges::none_of(known, [&](const auto& other) { return is_alike(patch, other.patch); }) &&
+             votes.count(patch) - 1 > 0;
+    };
+    for (const graph::Curve& curve : graph::curves(neighbour.graph))
+      visit_runs(curve, is_missing, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+          const graph::VertexId id{static_cast<std::uint32_t>(vertices.size() + 1)};
+          vertices.push_back({id, {}, neighbour.graph.patch(curve[i])});
+          if (i > first) edges.push_back({graph::VertexId{id.value - 1}, id});
+        }
+      });
+  }
+  return {std::move(vertices), std::move(edges)};
+}
+
+}  // namespace
+
+AttributeGraph steady_sketch(const cv::Mat& levels, const AttributeGraph& own,
+                             std::span<const CarriedSketch> neighbours, const ExtractOptions& options) {
+  if (neighbours.empty()) return own;
+  const cv::Mat1f luma = core::luma(levels);
+  const Votes votes(neighbours, estimate_noise(luma));
+  const AttributeGraph offered = missing_strokes(own, neighbours, votes);
+  const AttributeGraph kept = without_outvoted(own, votes);
+  if (offered.empty()) return kept;
+  std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
+  if (options.colour && levels.channels() == 3)
+    for (cv::Mat1f& colour : compute_opponent_colours(levels))
+      axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
+  auto r= without_outvoted(refine(kept, levels, axes, {options.spacing, options.blobs, &offered}), votes);
+  if(getenv("DBG")) fprintf(stderr,"own %zu kept %zu offered %zu result %zu; ",own.size(),kept.size(),offered.size(),r.size());
+  if(getenv("DBG")){Drawn d(r); int n=0; for(auto&v:offered.vertices()) n+=d.has(v.patch); fprintf(stderr,"of offered %d there\n",n);}
+  return r;
+}
+
+}  // namespace emberfold::sketch
