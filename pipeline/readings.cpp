@@ -7,11 +7,11 @@
 #include <string>
 #include <utility>
 
-#include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "graph/matching/time_reversal.hpp"
+#include "pipeline/steady_frames.hpp"
 
 namespace emberfold::pipeline {
 
@@ -70,32 +70,35 @@ StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOpti
   const std::size_t count = copies(readings(options));
   extract.validate();
   struct Frame {
-    graph::AttributeGraph graph;
+    std::vector<graph::AttributeGraph> graphs;  // the clip's own, then those of the noisy copies
     sketch::FrameBackground ground;
-    std::vector<graph::AttributeGraph> perturbed;
   };
   const auto& info = source.info();
   StartSketches starts;
   auto& own = starts.clip.sketch;
   own.width = info.width, own.height = info.height, own.fps = info.fps;
   starts.perturbed = std::vector<graph::SketchSequence>(count, own);
-  core::stream_frames(
-      source, "sketch", info.frames, context,
-      [&](int t, const cv::Mat& frame) {
-        const cv::Mat levels = core::to_levels(frame, info);
-        Frame made{sketch::extract(levels, extract), {}, {}};
-        made.ground = sketch::measure_background(levels, made.graph);
-        for (std::uint32_t copy = 0; copy < starts.perturbed.size(); ++copy) {
-          const cv::Mat noisy = perturbed(levels, options.perturb, seed, copy, static_cast<std::uint32_t>(t));
-          made.perturbed.push_back(sketch::extract(noisy, extract));
+  stream_steady_frames(
+      source, "sketch", extract, context,
+      [&](int t, const cv::Mat& levels) {
+        std::vector<FrameReading> made{{levels, sketch::extract(levels, extract)}};
+        for (std::uint32_t copy = 0; copy < count; ++copy) {
+          cv::Mat noisy = perturbed(levels, options.perturb, seed, copy, static_cast<std::uint32_t>(t));
+          made.push_back({noisy, sketch::extract(noisy, extract)});
         }
         return made;
       },
+      [&](int, std::vector<FrameReading> read) {
+        Frame made;
+        made.ground = sketch::measure_background(read.front().levels, read.front().graph);
+        for (FrameReading& reading : read) made.graphs.push_back(std::move(reading.graph));
+        return made;
+      },
       [&](int, Frame made) {
-        own.append(made.graph);
+        own.append(made.graphs.front());
         starts.clip.grounds.push_back(std::move(made.ground));
-        for (std::size_t copy = 0; copy < made.perturbed.size(); ++copy)
-          starts.perturbed[copy].append(made.perturbed[copy]);
+        for (std::size_t copy = 0; copy < count; ++copy)
+          starts.perturbed[copy].append(made.graphs[copy + 1]);
       });
   return starts;
 }

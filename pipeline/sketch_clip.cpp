@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "core/clip/frame_stream.hpp"
+#include "pipeline/steady_frames.hpp"
 
 namespace emberfold::pipeline {
 
@@ -16,13 +16,15 @@ SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions
   const auto& info = source.info();
   SketchedClip clip;
   clip.sketch.width = info.width, clip.sketch.height = info.height, clip.sketch.fps = info.fps;
-  core::stream_frames(
-      source, "sketch", info.frames, context,
-      [&](int, const cv::Mat& frame) {
-        const cv::Mat levels = core::to_levels(frame, info);
-        Frame made{sketch::extract(levels, options), {}};
-        made.ground = sketch::measure_background(levels, made.graph);
-        return made;
+  stream_steady_frames(
+      source, "sketch", options, context,
+      [&](int, const cv::Mat& levels) {
+        return std::vector<FrameReading>{{levels, sketch::extract(levels, options)}};
+      },
+      [&](int, std::vector<FrameReading> readings) {
+        FrameReading& own = readings.front();
+        auto ground = sketch::measure_background(own.levels, own.graph);
+        return Frame{std::move(own.graph), std::move(ground)};
       },
       [&](int, Frame made) {
         clip.sketch.append(made.graph);

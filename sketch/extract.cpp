@@ -55,16 +55,16 @@ Limits make_limits(const ExtractOptions& options) {
   constexpr double kBegins = 2.8, kMoreSensitive = 1.6;  // SD of a response up to 0.5, and less above
   const double more = options.sensitivity - 0.5, strict = std::exp2(kOctaves * std::max(0.0, -more));
   // A line explains the steps on its flanks; the more sensitive, the less.
-  constexpr double kExplains = 0.3;
+  constexpr double kExplains = 0.5;
   const double twice = std::max(0.0, options.sensitivity - kExplains) / (1 - kExplains),
                of_flank = std::lerp(1.6, 0.2, twice), of_step = std::lerp(0.45, 2.0, twice);
-  return {strict * options.significance,
-          strict * options.min_evidence,
-          of_flank,
-          of_step,
-          {kBegins - kMoreSensitive * std::max(0.0, more), options.min_contrast,
-           kEvidence * std::exp2(-kEvidenceOctaves * more), 0.5 * options.min_length, options.edges,
-           of_flank}};
+  return {
+      strict * options.significance,
+      strict * options.min_evidence,
+      of_flank,
+      of_step,
+      {kBegins - kMoreSensitive * std::max(0.0, more), options.min_contrast,
+       kEvidence * std::exp2(-kEvidenceOctaves * more), 0.5 * options.min_length, options.edges, of_flank}};
 }
 
 // Every patch gets the evidence of its curve, a junction that of its best curve.
@@ -122,10 +122,7 @@ double estimate_noise(const cv::Mat& luma) {
   return std::max(kQuantisation, core::kMadToSd * double{core::median_of_positive(std::move(detail))});
 }
 
-namespace {
-
-graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
-                              const graph::AttributeGraph* previous) {
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
   options.validate();
   if (levels.empty() || levels.depth() != CV_32F || (levels.channels() != 1 && levels.channels() != 3))
     throw core::InputError("extract: the frame must be CV_32F with 1 or 3 channels and not empty");
@@ -184,24 +181,12 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
       axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
   graph::AttributeGraph strokes = remove_flank_curves(
       refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
-             axes, {options.spacing, options.blobs, previous}), limits.of_step);
-  if (options.double_ridges) strokes = merge_double_ridges(strokes, levels, axes[0], options.spacing);
+             axes, {options.spacing, options.blobs, nullptr}),
+      limits.of_step);
   strokes = with_evidence_of_curves(strokes);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;
-}
-
-}  // namespace
-
-graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
-  return extract(levels, options, nullptr);
-}
-
-graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
-                              const graph::AttributeGraph& previous) {
-  const graph::AttributeGraph strokes = graph::without_anchors(previous);
-  return extract(levels, options, &strokes);
 }
 
 }  // namespace emberfold::sketch

@@ -23,6 +23,7 @@ struct ExtractOptions {
   double min_evidence =
       28;               ///< SD, ≥ 0: least root of the sum of the squared significances of a curve's points
   double spacing = 5;   ///< px, 2…100: from patch to patch along a curve
+  bool steady = true;   ///< of a clip: sketches agree with those before and after (steadying/)
   bool edges = true;    ///< step edges too, not only ridges and valleys
   bool colour = false;  ///< structure from two axes of colour too, not only from luma
   bool blobs = false;   ///< blobs too, where the fill between the strokes leaves more than noise
@@ -44,12 +45,5 @@ double estimate_noise(const cv::Mat& luma);
 /// core::InputError. Steger 1998 (subpixel lines), Lindeberg 1998 (scale); docs/method/sketch.md has the
 /// steps.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options);
-
-/// Extracts the sketch with a warm start from `previous`, the sketch of the frame before. Strokes of it that
-/// are not found again are searched for where they were, up to 4 px across. They are kept where they show at
-/// half of their contrast and shorten the frame's code. Faint strokes flicker less; all else is as from a
-/// cold start.
-graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
-                              const graph::AttributeGraph& previous);
 
 }  // namespace emberfold::sketch

@@ -32,6 +32,7 @@ void visit_fields(MaybeConst<sketch::ExtractOptions> auto& o, auto&& visit) {
   visit("min_length", o.min_length, "PX", "Leave out shorter curves that end freely");
   visit("min_evidence", o.min_evidence, "SD", "Leave out curves of less significance in total");
   visit("spacing", o.spacing, "PX", "Distance of neighbouring patches along a curve");
+  visit("steady", o.steady, "", "Make the sketches of a clip agree with those before and after");
   visit("edges", o.edges, "", "Detect step edges beside ridges and valleys");
   visit("colour", o.colour, "", "Detect structure in two axes of colour too, not only in luma");
   visit("blobs", o.blobs, "", "Add blobs where the fill between strokes leaves more than noise");

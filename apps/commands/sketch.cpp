@@ -94,9 +94,10 @@ Json asked_json(const Sketch& asked, const SketchRequest& request, const io::Rea
   if (request.ground.kind != sketch::FillMethod::diffusion) fill["regions"] = request.ground.texture.regions;
   fill.update(options_json(request.ground.fill));
   Json drawing = {{"patches", asked.patches}, {"anchors", request.anchors}};
-  Json extract = options_json(request.extract);
-  extract["warm"] = request.warm;
-  return {{"reading", reading_json(read)}, {"sketch", extract}, {"fill", fill}, {"drawing", drawing}};
+  return {{"reading", reading_json(read)},
+          {"sketch", options_json(request.extract)},
+          {"fill", fill},
+          {"drawing", drawing}};
 }
 
 Json summarise(const Sketch& asked, const SketchRequest& request, const io::ReadOptions& read,
@@ -246,8 +247,6 @@ void add_sketch(CLI::App& app, CommandLine& line) {
   add_output(*command, asked->output);
   add_drawing(*command, *asked);
   add_sketch_options(*command, asked->request.extract);
-  command->add_flag("--warm", asked->request.warm,
-                    "Start each sketch from that of the frame before, against flicker");
   const auto settings = add_settings(*command, line);
   settings->add("sketch", asked->request.extract);
   settings->add("fill", asked->request.ground.fill);

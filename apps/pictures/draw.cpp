@@ -116,7 +116,11 @@ Colour stroke_colour(std::uint32_t identity) {
 }
 
 cv::Mat to_colour_bytes(const cv::Mat& frame, const core::ClipInfo& info) {
-  cv::Mat bytes = core::to_bytes(core::to_levels(frame, info)), colour;
+  return to_colour_bytes(core::to_levels(frame, info));
+}
+
+cv::Mat to_colour_bytes(const cv::Mat& levels) {
+  cv::Mat bytes = core::to_bytes(levels), colour;
   if (bytes.channels() == 3) return bytes;
   cv::cvtColor(bytes, colour, cv::COLOR_GRAY2BGR);
   return colour;

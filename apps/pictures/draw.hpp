@@ -44,6 +44,8 @@ Colour stroke_colour(std::uint32_t identity);
 
 /// Converts a frame to CV_8UC3.
 cv::Mat to_colour_bytes(const cv::Mat& frame, const core::ClipInfo& info);
+/// Returns the same of levels (CV_32F, white = 255).
+cv::Mat to_colour_bytes(const cv::Mat& levels);
 
 /// Returns the factor (≥ 1) that brings the shorter side to `shorter_side` px and keeps the longer within
 /// 3840 px.

@@ -9,10 +9,10 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/sketching/dictionary_picture.hpp"
-#include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
 #include "core/io/model_folder.hpp"
 #include "core/text/format_number.hpp"
+#include "pipeline/steady_frames.hpp"
 
 namespace emberfold::apps {
 
@@ -24,15 +24,16 @@ SketchDictionary learn_dictionary(core::FrameSource& source, const sketch::Extra
     graph::AttributeGraph graph;
     std::vector<sketch::PatchView> views;
   };
-  const auto& info = source.info();
   SketchDictionary learned;
   sketch::DictionaryLearner learner(session.common.seed);
-  core::stream_frames(
-      source, "dictionary", info.frames, session.context,
-      [&](int, const cv::Mat& frame) {
-        const cv::Mat levels = core::to_levels(frame, info);
-        Frame made{sketch::extract(levels, options), {}};
-        made.views = sketch::view_patches(levels, made.graph);
+  pipeline::stream_steady_frames(
+      source, "dictionary", options, session.context,
+      [&](int, const cv::Mat& levels) {
+        return std::vector<pipeline::FrameReading>{{levels, sketch::extract(levels, options)}};
+      },
+      [&](int, std::vector<pipeline::FrameReading> readings) {
+        Frame made{std::move(readings.front().graph), {}};
+        made.views = sketch::view_patches(readings.front().levels, made.graph);
         return made;
       },
       [&](int t, Frame made) {

@@ -8,10 +8,10 @@
 #include "apps/pictures/overlay.hpp"
 #include "apps/sketching/sketch_film.hpp"
 #include "apps/sketching/sketch_progress.hpp"
-#include "core/clip/frame_stream.hpp"
 #include "core/io/clip_writer.hpp"
 #include "core/rng.hpp"
 #include "graph/io/motion_io.hpp"
+#include "pipeline/steady_frames.hpp"
 
 namespace emberfold::apps {
 
@@ -28,27 +28,6 @@ double sketch_part(const SketchRequest& request) {
   if (request.ground.kind != sketch::FillMethod::diffusion) return 0.02;
   return request.anchors > 0 ? 0.15 : 0.6;
 }
-
-// Sketches frames that start from the frame before, and keeps them until they are drawn.
-class WarmSketches {
- public:
-  void add(const cv::Mat& levels, const sketch::ExtractOptions& options) {
-    graphs_.push_back(last_ ? sketch::extract(levels, options, *last_) : sketch::extract(levels, options));
-    last_ = graphs_.back();
-  }
-  [[nodiscard]] const graph::AttributeGraph& at(int t) const {
-    return graphs_[static_cast<std::size_t>(t - first_)];
-  }
-  void forget_before(int t) {
-    graphs_.erase(graphs_.begin(), graphs_.begin() + (t - first_));
-    first_ = t;
-  }
-
- private:
-  std::vector<graph::AttributeGraph> graphs_;
-  std::optional<graph::AttributeGraph> last_;
-  int first_ = 0;
-};
 
 // The videos of the run, each opened with its first frame.
 class SketchVideos {
@@ -126,39 +105,36 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
   const SketchFilm film({info.width, info.height}, request);
   const double part = sketch_part(request);
   FrameProgress progress(session.context, "sketch", info.frames);
-  WarmSketches warm;
-  core::stream_frames(
-      source, "sketch", info.frames, session.context,
-      [&](int t, const cv::Mat& frame) {
-        if (!request.warm) return;
-        warm.add(core::to_levels(frame, info), request.extract);
+  const SketchDictionary* dictionary = request.dictionary;
+  sketch::ExtractOptions extract = request.extract;
+  if (dictionary != nullptr && !dictionary->graphs.empty()) extract.steady = false;  // they are already
+  pipeline::stream_steady_frames(
+      source, "sketch", extract, session.context,
+      [&](int t, const cv::Mat& levels) {
+        auto graph = dictionary != nullptr ? dictionary->graph(t, levels, extract)
+                                           : sketch::extract(levels, extract);
         progress.report(t, part);
+        return std::vector<pipeline::FrameReading>{{levels, std::move(graph)}};
       },
-      [&](int t, const cv::Mat& frame) {
-        const cv::Mat levels = core::to_levels(frame, info);
-        Made made{request.warm                    ? warm.at(t)
-                  : request.dictionary != nullptr ? request.dictionary->graph(t, levels, request.extract)
-                                                  : sketch::extract(levels, request.extract),
-                  {},
-                  {},
-                  {}};
+      [&](int t, std::vector<pipeline::FrameReading> readings) {
+        const cv::Mat& levels = readings.front().levels;
+        Made made{std::move(readings.front().graph), {}, {}, {}};
         const auto context = progress.step(t, part);
         context.report("sketch", 0);
         made.drawn = draw_sketched(levels, made.graph, t, request, context);
-        const cv::Mat bytes = to_colour_bytes(frame, info);
+        const cv::Mat bytes = to_colour_bytes(levels);
         made.overlay = draw_types(bytes, made.graph, t);
         if (request.film) made.film = film.picture(bytes, made.graph, made.drawn, t);
         made.drawn.sketchable = {};
         progress.report(t, 1);
         return made;
       },
-      [&](int t, const Made& made) {
+      [&](int, const Made& made) {
         videos.write(made);
         writer.add(made.drawn.graph);
         run.sketch.append(made.graph);
         run.figures.add(made.drawn, made.graph.size(), request);
         run.codes.add(made.drawn.codes);
-        if (request.warm) warm.forget_before(t + 1);
       });
   writer.finish();
   if (!run.sketch.frames.empty()) videos.finish();

@@ -26,7 +26,6 @@ struct SketchRequest {
       ground;  ///< its seed is the clip's; every frame draws with a stream of its own
   pipeline::PatchDrawing patches = pipeline::PatchDrawing::fitted;
   double anchors = 0;                  ///< 0…1: patches and anchors together show this share; 0: no anchors
-  bool warm = false;                   ///< each frame's sketch begins with that of the frame before
   bool film = false;                   ///< film.mp4 and film.png
   std::optional<int> heat_frame = {};  ///< heat.mp4 of this frame
   const SketchDictionary* dictionary = nullptr;  ///< needed for learned patches

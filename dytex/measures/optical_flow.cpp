@@ -11,7 +11,6 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr double kMostPixels = 1 << 16;  // larger frames are reduced: the time is proportional to pixels
 // Parameters of Farnebäck's method: scale and number of the pyramid's levels, side of the window in px,
 // rounds, side and SD of the neighbourhood in px.
 constexpr double kPyramidScale = 0.5, kNeighbourhoodDeviation = 1.1;
@@ -27,8 +26,9 @@ cv::Mat reduced_bytes(const cv::Mat& luma, cv::Size size) {
 
 }  // namespace
 
-cv::Mat optical_flow(const cv::Mat& luma, const cv::Mat& next) {
-  const double factor = std::min(1.0, std::sqrt(kMostPixels / (double(luma.cols) * luma.rows)));
+cv::Mat optical_flow(const cv::Mat& luma, const cv::Mat& next, double most_vectors) {
+  // The time is proportional to the vectors.
+  const double factor = std::min(1.0, std::sqrt(most_vectors / (double(luma.cols) * luma.rows)));
   const cv::Size size(std::max(1, static_cast<int>(luma.cols * factor)),
                       std::max(1, static_cast<int>(luma.rows * factor)));
   if (size.width < kLeastSide || size.height < kLeastSide) return cv::Mat::zeros(size, CV_32FC2);

@@ -144,7 +144,8 @@ class Flanks {
     const auto flanked = [&](std::uint32_t v) {
       const Patch& patch = graph_.patch(v);
       return cells_.any_near(patch.position, width, [&](std::uint32_t other) {
-        return !gone_[other] && asked_of_[other] != asked_ && may_flank(patch, width, graph_.patch(other), of_step_) &&
+        return !gone_[other] && asked_of_[other] != asked_ &&
+               may_flank(patch, width, graph_.patch(other), of_step_) &&
                lies_beside(patch, width, graph_.patch(other));
       });
     };

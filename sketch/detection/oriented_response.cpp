@@ -65,8 +65,9 @@ Derivatives compute_derivatives(const ScaleLevel& level, Derivative order, int m
 }
 
 // Derivatives along the normals of two directions at right angles.
-EMBERFOLD_SIMD_CLONES void project_hessian_row(const float* xx, const float* xy, const float* yy, int width, float cc,
-                                       float ss, float cs, float* __restrict a, float* __restrict b) {
+EMBERFOLD_SIMD_CLONES void project_hessian_row(const float* xx, const float* xy, const float* yy, int width,
+                                               float cc, float ss, float cs, float* __restrict a,
+                                               float* __restrict b) {
   for (int x = 0; x < width; ++x) {
     const float mixed = 2 * cs * xy[x];
     a[x] = (ss * xx[x] + cc * yy[x]) - mixed;
@@ -182,8 +183,8 @@ class Strip {
     average(a_, y, way, along_a_);
     average(b_, y, way + kTurned, along_b_);
     raise_row(along_a_.data(), along_b_.data(), width_, static_cast<float>(way),
-              static_cast<float>(way + kTurned), g.negative, g.positive, g.negative_way, g.positive_way, g.strongest,
-              g.across);
+              static_cast<float>(way + kTurned), g.negative, g.positive, g.negative_way, g.positive_way,
+              g.strongest, g.across);
   }
 
  private:
@@ -196,7 +197,7 @@ class Strip {
       after_[i + 1] = from[row + taps[i].y] + column + taps[i].x;
     }
     weigh_rows(before_.data(), after_.data(), r_.weights.data(), static_cast<int>(before_.size()), width_,
-                out.data());
+               out.data());
   }
 
   const Derivatives& d_;
@@ -315,9 +316,9 @@ OrientedResponse compute_oriented_response(const ScaleLevel& level, Derivative o
     for (int way = 0; way < kTurned; ++way) {
       strip.project(way, y0, rows);
       for (int y = 0; y < rows; ++y)
-        strip.raise(
-            way, y,
-            {r.negative[y0 + y], r.positive[y0 + y], negative_way[y], positive_way[y], strongest[y], across[y0 + y]});
+        strip.raise(way, y,
+                    {r.negative[y0 + y], r.positive[y0 + y], negative_way[y], positive_way[y], strongest[y],
+                     across[y0 + y]});
     }
     for (int y = 0; y < rows; ++y) {
       narrow_row(negative_way[y], size.width, r.negative_way[y0 + y]);

@@ -19,7 +19,7 @@ struct OrientedResponse {
   cv::Mat1f negative, positive;  ///< ≥ 0: sizes of the derivatives; the second is negative on bright lines
   cv::Mat1b negative_way, positive_way;  ///< direction of that curve: number of `ways`
   cv::Mat1f ground;  ///< SD of the response where there is no curve, in cells of the frame; see ground_row()
-  std::vector<graph::Point> ways;  ///< unit vectors u; derivatives are taken along (−u.y, u.x)
+  std::vector<graph::Point> ways;            ///< unit vectors u; derivatives are taken along (−u.y, u.x)
   std::vector<std::vector<cv::Point>> taps;  ///< of each way: the pixels ahead over which is averaged
   std::vector<float> weights;  ///< of the pixel itself and of its taps; twice their sum − the first = 1
 

@@ -71,7 +71,8 @@ struct PointLimits {
   double ground, response;  // SD of the usual, and how many of it
 };
 
-// Contrast counts no more than this many SD above the usual: a short line of great contrast is not a long one.
+// Contrast counts no more than this many SD above the usual: a short line of great contrast is not a long
+// one.
 constexpr double kMostCounted = 4;
 
 // How far along the normal of pixel (x, y) the response is greatest, if that is within the pixel.
@@ -121,7 +122,9 @@ void put_step(CreaseMapBuilder& map, const OrientedLevel& of, const cv::Mat1f& r
   const double here = double{response(y, x)}, sigma = of.level.sigma;
   const auto t = find_greatest(response, x, y, n);
   if (!t) return;
-  const auto at = [&](double away) { return core::sample_bilinear(response, x + away * n.x, y + away * n.y); };
+  const auto at = [&](double away) {
+    return core::sample_bilinear(response, x + away * n.x, y + away * n.y);
+  };
   const double rise = here - 0.5 * (at(kFar * sigma) + at(-kFar * sigma)), z = rise / limits.ground;
   if (z < limits.response) return;
   map.put(x, y,
@@ -179,8 +182,10 @@ CreaseMap find_step_points(const ScaleSpace& space, double noise, const WeakCurv
         return Point{-sign * u.y, sign * u.x};
       };
       const PointLimits at{ground, response};
-      if (double{r.negative(y, x)} >= least) put_step(steps, of, r.negative, normal(r.negative_way, -1), x, y, at);
-      if (double{r.positive(y, x)} >= least) put_step(steps, of, r.positive, normal(r.positive_way, 1), x, y, at);
+      if (double{r.negative(y, x)} >= least)
+        put_step(steps, of, r.negative, normal(r.negative_way, -1), x, y, at);
+      if (double{r.positive(y, x)} >= least)
+        put_step(steps, of, r.positive, normal(r.positive_way, 1), x, y, at);
     });
   }
   return steps.finish();
@@ -239,12 +244,24 @@ void add_pieces(const Chain& chain, const Drawn& same, const Drawn& opposite, st
   }
 }
 
+// Adds a curve's points and those midway between: the ways across them then meet every pixel beside it.
+void add_densely(const Chain& chain, std::vector<CreasePoint>& to) {
+  for (std::size_t i = 0; i < chain.points.size(); ++i) {
+    to.push_back(chain.points[i]);
+    if (i == 0) continue;
+    CreasePoint midway = chain.points[i];
+    midway.position = (midway.position + chain.points[i - 1].position) * 0.5;
+    to.push_back(midway);
+  }
+}
+
 }  // namespace
 
 std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const ScaleSpace& space, double noise,
                                     const WeakCurveLimits& limits) {
   constexpr double kSeed = 0.6;          // SD more where a curve begins
   constexpr double kLeastOfPiece = 1.5;  // nats
+  constexpr double kOfFlank = 1.3;  // more of a flank's contrast: lines with a flat core have such flanks
   const cv::Size frame = space.front().frame.size();
   Drawn ridges(frame), valleys(frame), all(frame);
   CreaseMap lines_drawn;
@@ -252,8 +269,7 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
     for (const Chain& chain : chains) {
       if (chain.kind == CreaseKind::ridge) ridges.add(chain);
       if (chain.kind == CreaseKind::valley) valleys.add(chain);
-      if (chain.kind != CreaseKind::step)
-        lines_drawn.points.insert(lines_drawn.points.end(), chain.points.begin(), chain.points.end());
+      if (chain.kind != CreaseKind::step) add_densely(chain, lines_drawn.points);
       all.add(chain);
     }
   };
@@ -278,7 +294,7 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
   if (!limits.steps) return found;
   draw(found);
   CreaseMap steps = find_step_points(space, noise, limits);
-  remove_flanks(steps, lines_drawn, space, limits.of_flank);
+  remove_flanks(steps, lines_drawn, space, kOfFlank * limits.of_flank);
   thin_parallel_points(steps, space);
   trace(steps, limits.response + kStepsMore + kSeed, all, all);
   erase_short();

@@ -13,8 +13,8 @@ struct CarriedSketch {
   cv::Mat1f difference;  ///< grey levels, local RMS: this frame from the neighbour, carried likewise
 };
 
-/// Moves every patch of a sketch by the motion at its place. `motion`: CV_32FC2, px, of a frame of `size` px; it
-/// may be smaller than the frame. O(patches).
+/// Moves every patch of a sketch by the motion at its place. `motion`: CV_32FC2, px, of a frame of `size` px;
+/// it may be smaller than the frame. O(patches).
 graph::AttributeGraph carry_sketch(const graph::AttributeGraph& graph, const cv::Mat& motion, cv::Size size);
 
 /// Measures how a frame differs from another, from which `motion` (as above) leads there: the local RMS over

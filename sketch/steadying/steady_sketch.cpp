@@ -22,11 +22,11 @@ using graph::Patch;
 namespace {
 
 constexpr double kNear = 6;           // px within which a patch of the same stroke is looked for
-static const double kAcross = getenv("AC") ? atof(getenv("AC")) : 3;         // px
+constexpr double kAcross = 3;         // px
 constexpr double kAlong = 4.5;        // px, of a patch's length and what its place may slip along the stroke
 constexpr double kParallel = 0.6;     // rad
-static const double kOfContrast = getenv("OC") ? atof(getenv("OC")) : .25;  // difference of the images at which a vote counts e^{−1/2}
-static const std::size_t kRun = getenv("RUN") ? atoi(getenv("RUN")) : 3;       // patches in a row that go or come
+constexpr double kOfContrast = 0.25;  // difference of the images at which a vote counts e^{−1/2}
+constexpr std::size_t kRun = 2;       // patches in a row that go or come
 
 bool is_meeting(const Patch& patch) {
   using enum graph::PatchType;
@@ -170,10 +170,7 @@ AttributeGraph steady_sketch(const cv::Mat& levels, const AttributeGraph& own,
   if (options.colour && levels.channels() == 3)
     for (cv::Mat1f& colour : compute_opponent_colours(levels))
       axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
-  auto r= without_outvoted(refine(kept, levels, axes, {options.spacing, options.blobs, &offered}), votes);
-  if(getenv("DBG")) fprintf(stderr,"own %zu kept %zu offered %zu result %zu; ",own.size(),kept.size(),offered.size(),r.size());
-  if(getenv("DBG")){Drawn d(r); int n=0; for(auto&v:offered.vertices()) n+=d.has(v.patch); fprintf(stderr,"of offered %d there\n",n);}
-  return r;
+  return without_outvoted(refine(kept, levels, axes, {options.spacing, options.blobs, &offered}), votes);
 }
 
 }  // namespace emberfold::sketch

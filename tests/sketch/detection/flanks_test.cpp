@@ -35,7 +35,7 @@ class CreaseLines {
   // Places of the lines that stay.
   [[nodiscard]] std::vector<double> left() const {
     std::vector<double> xs;
-    const AttributeGraph found = sketch::remove_flank_curves(graph());
+    const AttributeGraph found = sketch::remove_flank_curves(graph(), 0.45);
     for (const auto& v : found.vertices())
       if (xs.empty() || xs.back() != v.patch.position.x) xs.push_back(v.patch.position.x);
     return xs;
@@ -85,6 +85,6 @@ TEST_CASE("what is a flank of a flank is judged by what stays") {
 
 TEST_CASE("a graph without flanks is given back as it is - and an empty one") {
   const AttributeGraph graph = CreaseLines().line(50, 5, 30).line(100, 18, -25).graph();
-  CHECK(sketch::remove_flank_curves(graph) == graph);
-  CHECK(sketch::remove_flank_curves({}).empty());
+  CHECK(sketch::remove_flank_curves(graph, 0.45) == graph);
+  CHECK(sketch::remove_flank_curves({}, 0.45).empty());
 }

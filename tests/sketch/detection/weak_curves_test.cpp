@@ -19,6 +19,7 @@ using namespace emberfold;
 using namespace emberfold::test;
 using graph::AttributeGraph;
 using graph::Point;
+using sketch::Derivative;
 using sketch::OrientedResponse;
 
 namespace {
@@ -62,12 +63,12 @@ TEST_CASE("Averaging along a line changes neither its response nor its direction
     const double theta = way * std::numbers::pi / 16;
     for (const int number : {1, 2, 3}) {
       const sketch::ScaleLevel level = level_of(line(theta, s, height), number);
-      const OrientedResponse r = sketch::compute_oriented_response(level, 4, 1);
+      const OrientedResponse r = sketch::compute_oriented_response(level, Derivative::second, 4, 1);
       const double expected = height * s / std::pow(s * s + level.sigma * level.sigma, 1.5);
       INFO("direction " << way << ", scale " << level.sigma);
       // From central differences and taps on whole pixels: some percent.
-      CHECK_THAT(double{r.ridge(59, 79)}, WithinRel(expected, 0.12));
-      CHECK(int{r.ridge_way(59, 79)} == way);
+      CHECK_THAT(double{r.negative(59, 79)}, WithinRel(expected, 0.12));
+      CHECK(int{r.negative_way(59, 79)} == way);
     }
   }
 }
@@ -75,8 +76,8 @@ TEST_CASE("Averaging along a line changes neither its response nor its direction
 TEST_CASE("The ground follows the noise, and a line does not raise it", "[sketch][weak]") {
   const cv::Mat1f flat(240, 320, 100.0F);
   for (const int number : {1, 3}) {
-    const OrientedResponse r =
-        sketch::compute_oriented_response(level_of(with_noise(flat, 5, 3), number), 4, 0.29);
+    const OrientedResponse r = sketch::compute_oriented_response(level_of(with_noise(flat, 5, 3), number),
+                                                                 Derivative::second, 4, 0.29);
     // Across the strongest of 16 directions the response of white noise is a little less than in any
     // direction.
     const sketch::ScaleLevel level = level_of(flat, number);
@@ -88,8 +89,8 @@ TEST_CASE("The ground follows the noise, and a line does not raise it", "[sketch
       }
   }
   const auto ground_beside = [](double height) {
-    const OrientedResponse r =
-        sketch::compute_oriented_response(level_of(with_noise(line(0.3, 2, height), 5, 3), 2), 4, 0.29);
+    const OrientedResponse r = sketch::compute_oriented_response(
+        level_of(with_noise(line(0.3, 2, height), 5, 3), 2), Derivative::second, 4, 0.29);
     return double{r.ground(r.ground.rows / 2, r.ground.cols / 2)};
   };
   CHECK(ground_beside(80) < 1.4 * ground_beside(0));
@@ -98,19 +99,19 @@ TEST_CASE("The ground follows the noise, and a line does not raise it", "[sketch
 TEST_CASE("A mirrored or turned frame has the mirrored or turned response", "[sketch][weak]") {
   const cv::Mat1f frame = with_noise(line(0.4, 2, 20), 8, 9);
   const auto respond = [](const cv::Mat1f& f) {
-    return sketch::compute_oriented_response(level_of(f, 1), 4, 1);
+    return sketch::compute_oriented_response(level_of(f, 1), Derivative::second, 4, 1);
   };
   const OrientedResponse r = respond(frame);
   for (const int flip : {0, 1, -1}) {
     cv::Mat1f other, expected;
     cv::flip(frame, other, flip);
-    cv::flip(r.ridge, expected, flip);
-    CHECK(cv::norm(respond(other).ridge, expected, cv::NORM_INF) == 0);
+    cv::flip(r.negative, expected, flip);
+    CHECK(cv::norm(respond(other).negative, expected, cv::NORM_INF) == 0);
   }
   cv::Mat1f turned, expected;
   cv::transpose(frame, turned);
-  cv::transpose(r.ridge, expected);
-  CHECK(cv::norm(respond(turned).ridge, expected, cv::NORM_INF) < 1e-3);
+  cv::transpose(r.negative, expected);
+  CHECK(cv::norm(respond(turned).negative, expected, cv::NORM_INF) < 1e-3);
 }
 
 TEST_CASE("A line that no point of it shows is found by its length", "[sketch][weak]") {
@@ -126,6 +127,43 @@ TEST_CASE("A line that no point of it shows is found by its length", "[sketch][w
     found_at_all += strict.on > 70 ? 1 : 0;
   }
   CHECK(found_at_all <= 1);
+}
+
+TEST_CASE("A step that no point of it shows is found by its length, with the brighter side on its right",
+          "[sketch][weak]") {
+  for (const double theta : {0.2, 1.3, 2.5}) {
+    const Point across{-std::sin(theta), std::cos(theta)};
+    const cv::Mat1f clean =
+        draw(kSize, [=](Point p) { return 100 + 7.5 * reached(graph::dot(p - kMiddle, across), 1); });
+    const auto steps = [&](const AttributeGraph& graph) {
+      double length = 0;
+      for (const graph::Edge& e : graph.edges()) {
+        const graph::Patch &a = graph.patch(graph.index_of(e.a)), &b = graph.patch(graph.index_of(e.b));
+        if (!graph::on_step(a) || !graph::on_step(b)) continue;
+        CHECK(std::abs(graph::dot(a.position - kMiddle, across)) < 2.5);
+        const Point right{-std::sin(a.theta), std::cos(a.theta)};
+        CHECK(graph::dot(right, across) * a.contrast > 0);
+        length += graph::distance(a.position, b.position);
+      }
+      return length;
+    };
+    const cv::Mat1f frame = with_noise(clean, 5, static_cast<std::uint64_t>(10 * theta));
+    INFO("theta " << theta);
+    CHECK(steps(sketch::extract(frame, {})) > 50);
+    CHECK(steps(sketch::extract(frame, {.sensitivity = 0})) < 20);
+  }
+}
+
+TEST_CASE("Lines explain the steps on their flanks, the less so the more sensitive the sketch",
+          "[sketch][weak]") {
+  const cv::Mat1f frame = with_noise(line(0.3, 2.5, 60), 2, 5);
+  const auto steps = [&](double sensitivity) {
+    const AttributeGraph graph = sketch::extract(frame, {.sensitivity = sensitivity});
+    return std::ranges::count_if(graph.vertices(), [](const auto& v) { return graph::on_step(v.patch); });
+  };
+  CHECK(steps(0.3) == 0);
+  CHECK(steps(0.5) == 0);
+  CHECK(steps(1) > 30);
 }
 
 TEST_CASE("More sensitivity draws more, and what it adds has less evidence", "[sketch][weak]") {

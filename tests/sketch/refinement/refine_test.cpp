@@ -164,32 +164,6 @@ TEST_CASE("What refining leaves it leaves when it looks again") {
   CHECK(refined(once, frame) == once);
 }
 
-TEST_CASE("A warm start finds a faint stroke of the frame before and nothing that is not there") {
-  // One stroke that a cold start sees, one too short and faint for it, both 2 px further than in the frame
-  // before.
-  const auto at = [](double moved, double faint) {
-    return draw(kSize, [=](Point p) {
-      return 60 + 80 * segment({20, 30 + moved}, {140, 40 + moved}, 4, 1)(p) +
-             faint * segment({60, 80 + moved}, {84, 80 + moved}, 3, 1)(p);
-    });
-  };
-  const graph::AttributeGraph before = extract(at(0, 50), {});
-  REQUIRE(graph::components(before).count == 2);
-  const auto faint_patches = [](const graph::AttributeGraph& graph) {
-    return std::ranges::count_if(graph.vertices(),
-                                 [](const auto& v) { return std::abs(v.patch.position.y - 82) < 1; });
-  };
-  const cv::Mat1f now = with_noise(at(2, 42), 7, 11);
-  ExtractOptions strict;
-  strict.min_evidence = 100;
-  strict.sensitivity = 0;
-  CHECK(faint_patches(extract(now, strict)) == 0);
-  CHECK(faint_patches(extract(now, strict, before)) >= 3);
-  const cv::Mat1f gone = with_noise(at(2, 0), 7, 12);
-  CHECK(faint_patches(extract(gone, strict, before)) == 0);
-  CHECK(extract(gone, strict, before) == extract(gone, strict));
-}
-
 TEST_CASE("Corners back to back, where two lines cross at a small angle, are joined, others are not") {
   const Point middle{80.3, 60.2};
   const auto frame_with = [&](bool crossing) {

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/steady_frames.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dytex/measures/optical_flow.hpp"
+#include "sketch/steadying/steady_sketch.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr std::size_t kNeighbours = 3;    // to each side
+constexpr double kMostVectors = 1 << 14;  // of the motion: more makes no sketch steadier
+
+// Follows one motion and then the next; both of frames of this size, in vectors of one grid.
+cv::Mat followed_by(const cv::Mat& motion, const cv::Mat& next, cv::Size frame) {
+  const auto across = static_cast<float>(motion.cols) / static_cast<float>(frame.width),
+             down = static_cast<float>(motion.rows) / static_cast<float>(frame.height);
+  cv::Mat map(motion.size(), CV_32FC2), more;
+  for (int y = 0; y < motion.rows; ++y) {
+    const auto* from = motion.ptr<cv::Vec2f>(y);
+    auto* to = map.ptr<cv::Vec2f>(y);
+    for (int x = 0; x < motion.cols; ++x)
+      to[x] = {static_cast<float>(x) + across * from[x][0], static_cast<float>(y) + down * from[x][1]};
+  }
+  cv::remap(next, more, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return cv::Mat(motion + more);
+}
+
+}  // namespace
+
+void SteadyFrames::push(std::vector<FrameReading> readings) {
+  Entry entry{std::move(readings), {}, {}, {}};
+  if (options_.steady) entry.luma = core::luma(entry.readings.front().levels);
+  entries_.push_back(std::move(entry));
+}
+
+std::size_t SteadyFrames::prepare(bool last, const core::Context& context) {
+  if (!options_.steady) return waiting();
+  std::vector<std::size_t> pairs;
+  for (std::size_t i = 0; i + 1 < entries_.size(); ++i)
+    if (entries_[i].on.empty()) pairs.push_back(i);
+  core::parallel_for(pairs.size(), context, [&](std::size_t k) {
+    Entry& entry = entries_[pairs[k]];
+    const cv::Mat1f& next = entries_[pairs[k] + 1].luma;
+    entry.on = dytex::optical_flow(entry.luma, next, kMostVectors);
+    entry.back = dytex::optical_flow(next, entry.luma, kMostVectors);
+  });
+  return last ? waiting() : waiting() - std::min(waiting(), kNeighbours);
+}
+
+cv::Mat SteadyFrames::motion(std::size_t from, std::size_t to) const {
+  const cv::Size frame = entries_[from].luma.size();
+  cv::Mat result;
+  while (from != to) {
+    const cv::Mat& step = from < to ? entries_[from].on : entries_[from - 1].back;
+    result = result.empty() ? step : followed_by(result, step, frame);
+    from = from < to ? from + 1 : from - 1;
+  }
+  return result;
+}
+
+std::vector<FrameReading> SteadyFrames::steady(std::size_t i) const {
+  const std::size_t at = first_ + i;
+  const Entry& entry = entries_[at];
+  std::vector<FrameReading> result = entry.readings;
+  if (!options_.steady) return result;
+  struct Neighbour {
+    std::size_t at;
+    cv::Mat from;  // its motion to this frame
+    cv::Mat1f difference;
+  };
+  std::vector<Neighbour> neighbours;
+  const auto add = [&](std::size_t other) {
+    neighbours.push_back({other, motion(other, at),
+                          sketch::measure_difference(entry.luma, entries_[other].luma, motion(at, other))});
+  };
+  for (std::size_t away = 1; away <= kNeighbours; ++away) {
+    if (at >= away) add(at - away);
+    if (at + away < entries_.size()) add(at + away);
+  }
+  // The most alike come first: an order that a clip played backwards has too.
+  std::ranges::stable_sort(neighbours, {}, [](const Neighbour& n) { return cv::mean(n.difference)[0]; });
+  for (std::size_t reading = 0; reading < result.size(); ++reading) {
+    std::vector<sketch::CarriedSketch> carried;
+    for (const Neighbour& n : neighbours)
+      carried.push_back(
+          {sketch::carry_sketch(entries_[n.at].readings[reading].graph, n.from, entry.luma.size()),
+           n.difference});
+    FrameReading& own = result[reading];
+    own.graph = sketch::steady_sketch(own.levels, own.graph, carried, options_);
+  }
+  return result;
+}
+
+void SteadyFrames::drop(std::size_t count) {
+  first_ += count;
+  const std::size_t gone = first_ - std::min(first_, options_.steady ? kNeighbours : 0);
+  entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(gone));
+  first_ -= gone;
+}
+
+}  // namespace emberfold::pipeline

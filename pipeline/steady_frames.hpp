@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/clip.hpp"
+#include "core/clip/frame_stream.hpp"
+#include "core/context.hpp"
+#include "core/parallel.hpp"
+#include "graph/attribute_graph.hpp"
+#include "sketch/extract.hpp"
+
+namespace emberfold::pipeline {
+
+/// Holds a frame as it was read, perhaps with noise added, and its sketch.
+struct FrameReading {
+  cv::Mat levels;  ///< CV_32F, 1 or 3 channels, white = 255
+  graph::AttributeGraph graph;
+};
+
+/// Holds the frames of a clip whose sketches wait for those after them: each is made to agree with the three
+/// frames before and the three after it, both senses of time alike (sketch::steady_sketch). Motion is optical
+/// flow of the first readings' luma.
+class SteadyFrames {
+ public:
+  explicit SteadyFrames(const sketch::ExtractOptions& options) : options_(options) {}
+
+  /// Appends the next frame, in as many readings as the others.
+  void push(std::vector<FrameReading> readings);
+  /// Returns how many frames wait for others.
+  [[nodiscard]] std::size_t waiting() const { return entries_.size() - first_; }
+
+  /// Prepares the frames whose neighbours are there; `last`: no more frames come, so all. Returns their
+  /// number. Throws core::Cancelled.
+  std::size_t prepare(bool last, const core::Context& context);
+  /// Returns the readings of the i-th frame prepared, their sketches steadied. Thread-safe.
+  [[nodiscard]] std::vector<FrameReading> steady(std::size_t i) const;
+  /// Forgets the first `count` frames prepared, but for those that are others' neighbours.
+  void drop(std::size_t count);
+
+ private:
+  struct Entry {
+    std::vector<FrameReading> readings;
+    cv::Mat1f luma;
+    cv::Mat on, back;  // motion to the next frame, and from there
+  };
+  [[nodiscard]] cv::Mat motion(std::size_t from, std::size_t to) const;
+
+  sketch::ExtractOptions options_;
+  std::vector<Entry> entries_;
+  std::size_t first_ = 0;  // entry that is not finished; those before are neighbours
+};
+
+/// Sketches a clip from its first frame, in batches. Calls read(t, levels) for each frame in parallel, which
+/// returns its readings, then finish(t, readings) in parallel with the steadied sketches, then take(t,
+/// result) in order. Returns the number of frames. Throws core::Cancelled.
+template <class Read, class Finish, class Take>
+int stream_steady_frames(core::FrameSource& source, std::string_view stage,
+                         const sketch::ExtractOptions& options, const core::Context& context,
+                         const Read& read, const Finish& finish, const Take& take) {
+  using Result = decltype(finish(0, std::vector<FrameReading>{}));
+  const auto& info = source.info();
+  const std::size_t at_once = core::frames_at_once(info.width, info.height, info.channels);
+  SteadyFrames frames(options);
+  int done = 0;
+  const auto settle = [&](bool last) {
+    const std::size_t count = frames.prepare(last, context);
+    std::vector<std::optional<Result>> results(count);
+    core::parallel_for(count, context, [&](std::size_t i) {
+      results[i].emplace(finish(done + static_cast<int>(i), frames.steady(i)));
+    });
+    for (auto& result : results) {
+      take(done++, std::move(*result));
+      context.check();
+    }
+    frames.drop(count);
+  };
+  core::stream_frames(
+      source, stage, info.frames, context,
+      [&](int t, const cv::Mat& frame) { return read(t, core::to_levels(frame, info)); },
+      [&](int, std::vector<FrameReading> readings) {
+        frames.push(std::move(readings));
+        if (frames.waiting() > at_once) settle(false);
+      });
+  settle(true);
+  return done;
+}
+
+}  // namespace emberfold::pipeline
