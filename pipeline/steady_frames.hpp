@@ -57,13 +57,13 @@ class SteadyFrames {
   std::size_t first_ = 0;  // entry that is not finished; those before are neighbours
 };
 
-/// Sketches a clip from its first frame, in batches. Calls read(t, levels) for each frame in parallel, which
-/// returns its readings, then finish(t, readings) in parallel with the steadied sketches, then take(t,
-/// result) in order. Returns the number of frames. Throws core::Cancelled.
-template <class Read, class Finish, class Take>
+/// Sketches a clip from its first frame, in batches. Calls before(t) for each frame in order, then read(t,
+/// levels) in parallel, which returns its readings, then finish(t, readings) in parallel with the steadied
+/// sketches, then take(t, result) in order. Returns the number of frames. Throws core::Cancelled.
+template <class Before, class Read, class Finish, class Take>
 int stream_steady_frames(core::FrameSource& source, std::string_view stage,
                          const sketch::ExtractOptions& options, const core::Context& context,
-                         const Read& read, const Finish& finish, const Take& take) {
+                         const Before& before, const Read& read, const Finish& finish, const Take& take) {
   using Result = decltype(finish(0, std::vector<FrameReading>{}));
   const auto& info = source.info();
   const std::size_t at_once = core::frames_at_once(info.width, info.height, info.channels);
@@ -82,7 +82,7 @@ int stream_steady_frames(core::FrameSource& source, std::string_view stage,
     frames.drop(count);
   };
   core::stream_frames(
-      source, stage, info.frames, context,
+      source, stage, info.frames, context, [&](int t, const cv::Mat&) { before(t); },
       [&](int t, const cv::Mat& frame) { return read(t, core::to_levels(frame, info)); },
       [&](int, std::vector<FrameReading> readings) {
         frames.push(std::move(readings));
@@ -90,6 +90,15 @@ int stream_steady_frames(core::FrameSource& source, std::string_view stage,
       });
   settle(true);
   return done;
+}
+
+/// Sketches a clip as above, without before().
+template <class Read, class Finish, class Take>
+int stream_steady_frames(core::FrameSource& source, std::string_view stage,
+                         const sketch::ExtractOptions& options, const core::Context& context,
+                         const Read& read, const Finish& finish, const Take& take) {
+  return stream_steady_frames(
+      source, stage, options, context, [](int) {}, read, finish, take);
 }
 
 }  // namespace emberfold::pipeline

@@ -19,6 +19,7 @@
 #include "sketch/detection/crossings.hpp"
 #include "sketch/detection/curve_tracing.hpp"
 #include "sketch/detection/flanks.hpp"
+#include "sketch/detection/given_curves.hpp"
 #include "sketch/detection/junctions.hpp"
 #include "sketch/detection/lobes.hpp"
 #include "sketch/detection/scale_space.hpp"
@@ -46,6 +47,7 @@ double total_significance(const Chain& chain) {
 struct Limits {
   double significance, total_significance;  // of curves found point by point
   double of_flank, of_step;                 // see remove_flanks(), remove_flank_curves()
+  double probability;                       // at which a curve that is given begins
   WeakCurveLimits weak;
 };
 
@@ -63,6 +65,7 @@ Limits make_limits(const ExtractOptions& options) {
       strict * options.min_evidence,
       of_flank,
       of_step,
+      std::clamp(1 - options.sensitivity, 0.02, 0.98),
       {kBegins - kMoreSensitive * std::max(0.0, more), options.min_contrast,
        kEvidence * std::exp2(-kEvidenceOctaves * more), 0.5 * options.min_length, options.edges, of_flank}};
 }
@@ -122,21 +125,32 @@ double estimate_noise(const cv::Mat& luma) {
   return std::max(kQuantisation, core::kMadToSd * double{core::median_of_positive(std::move(detail))});
 }
 
-graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
-  options.validate();
+namespace {
+
+void check_frame(const cv::Mat& levels) {
   if (levels.empty() || levels.depth() != CV_32F || (levels.channels() != 1 && levels.channels() != 3))
     throw core::InputError("extract: the frame must be CV_32F with 1 or 3 channels and not empty");
   if (!cv::checkRange(levels, true))
     throw core::InputError("extract: the frame holds a value that is not finite");
-  const cv::Mat1f luma = core::luma(levels);
-  const double noise = estimate_noise(luma);
-  ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
-  NoiseLevels ground = measure_noise_levels(space, noise);
-  if (options.colour && levels.channels() == 3) add_colour(space, ground, levels, options);
+}
 
-  const Limits limits = make_limits(options);
+void append(std::vector<Chain>& chains, std::vector<Chain> more) {
+  chains.insert(chains.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+// A frame as it is searched for curves.
+struct Searched {
+  const ScaleSpace& space;
+  const NoiseLevels& ground;
+  double noise;
+};
+
+// Curves whose points stand out one by one.
+std::vector<Chain> find_strong_curves(const Searched& frame, const ExtractOptions& options,
+                                      const Limits& limits) {
+  const ScaleSpace& space = frame.space;
   const CreaseLimits low{options.hysteresis * limits.significance, options.min_contrast};
-  auto [ridges, valleys] = find_lines(space, ground, low);
+  auto [ridges, valleys] = find_lines(space, frame.ground, low);
   thin_parallel_points(ridges, space);
   thin_parallel_points(valleys, space);
   if (space.back().channel > 0) {
@@ -149,18 +163,19 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   remove_lobes(valleys, all_ridges, space);
   const TracingLimits begins{limits.significance};
   std::vector<Chain> chains = trace_curves(ridges, space, begins);
-  const auto add = [&](std::vector<Chain> more) {
-    chains.insert(chains.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-  };
-  add(trace_curves(valleys, space, begins));
+  append(chains, trace_curves(valleys, space, begins));
   if (options.edges) {
-    CreaseMap steps = find_steps(space, ground, {low.significance, 2 * low.contrast});
+    CreaseMap steps = find_steps(space, frame.ground, {low.significance, 2 * low.contrast});
     remove_flanks(steps, ridges, space, limits.of_flank);
     remove_flanks(steps, valleys, space, limits.of_flank);
     thin_parallel_points(steps, space);
-    add(trace_curves(steps, space, begins));
+    append(chains, trace_curves(steps, space, begins));
   }
-  chains = remove_lobe_curves(remove_hooks(std::move(chains)), space, luma.size());
+  return remove_lobe_curves(remove_hooks(std::move(chains)), space, ridges.index.size());
+}
+
+std::vector<Chain> find_curves(const Searched& frame, const ExtractOptions& options, const Limits& limits) {
+  std::vector<Chain> chains = find_strong_curves(frame, options, limits);
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   const auto without_crumbs = [&](std::vector<Chain>& from) {
     std::erase_if(from, [&](const Chain& c) {
@@ -170,23 +185,57 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   };
   without_crumbs(chains);
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
-  chains = cut_at_contrast_gaps(chains, space, {kHalf, noise});
+  chains = cut_at_contrast_gaps(chains, frame.space, {kHalf, frame.noise});
   without_crumbs(chains);
-  add(find_weak_curves(chains, space, noise, limits.weak));
+  append(chains, find_weak_curves(chains, frame.space, frame.noise, limits.weak));
+  return chains;
+}
+
+// The sketch of a frame, with the curves that are found or given.
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
+                              const cv::Mat1f* probability) {
+  const Limits limits = make_limits(options);
+  const cv::Mat1f luma = core::luma(levels);
+  const double noise = estimate_noise(luma);
+  ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
+  NoiseLevels ground = measure_noise_levels(space, noise);
+  if (options.colour && levels.channels() == 3) add_colour(space, ground, levels, options);
+  std::vector<Chain> chains = probability != nullptr
+                                  ? trace_given_curves(*probability, space, limits.probability)
+                                  : find_curves({space, ground, noise}, options, limits);
   const CurveNetwork network =
       prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
   std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
   if (space.back().channel > 0)
     for (cv::Mat1f& colour : compute_opponent_colours(levels))
       axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
-  graph::AttributeGraph strokes = remove_flank_curves(
+  graph::AttributeGraph strokes =
       refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
-             axes, {options.spacing, options.blobs, nullptr}),
-      limits.of_step);
+             axes, {options.spacing, options.blobs, nullptr});
+  if (probability == nullptr) strokes = remove_flank_curves(strokes, limits.of_step);
   strokes = with_evidence_of_curves(strokes);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
   return strokes;
+}
+
+}  // namespace
+
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options) {
+  options.validate();
+  check_frame(levels);
+  return extract(levels, options, nullptr);
+}
+
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
+                              const cv::Mat1f& probability) {
+  options.validate();
+  check_frame(levels);
+  if (probability.size() != levels.size())
+    throw core::InputError("extract: the evidence has another size than the frame");
+  if (!cv::checkRange(probability, true, nullptr, 0, std::nextafter(1.0F, 2.0F)))
+    throw core::InputError("extract: the evidence must be from 0 to 1");
+  return extract(levels, options, &probability);
 }
 
 }  // namespace emberfold::sketch

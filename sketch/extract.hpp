@@ -46,4 +46,10 @@ double estimate_noise(const cv::Mat& luma);
 /// steps.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options);
 
+/// Extracts the sketch along curves that come from elsewhere, in place of those that are found.
+/// `probability`: as large as the frame, 0…1, that a curve runs through a pixel; a curve begins where it
+/// reaches 1 − sensitivity. Throws core::InputError.
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
+                              const cv::Mat1f& probability);
+
 }  // namespace emberfold::sketch

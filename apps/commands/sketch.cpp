@@ -8,6 +8,7 @@
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
+#include "apps/sketching/given_evidence.hpp"
 #include "apps/sketching/sketch_dictionary.hpp"
 #include "apps/sketching/sketch_film.hpp"
 #include "apps/sketching/sketch_frames.hpp"
@@ -23,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct Sketch {
   Reading reading;
-  std::string output, patches = "fitted", fill = "diffusion";
+  std::string output, evidence, patches = "fitted", fill = "diffusion";
   SketchRequest request;
   DictionaryRequest dictionary;
   bool own_budget = false, own_regions = false;
@@ -55,6 +56,8 @@ SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, co
   check_options(request.ground.fill, "fill");
   if (request.patches == pipeline::PatchDrawing::learned && !asked.dictionary.any())
     throw Misuse("--patches learned needs a dictionary: give --learn-dictionary or --dictionary FOLDER");
+  if (!asked.evidence.empty() && asked.dictionary.any())
+    throw Misuse("--evidence cannot go with a dictionary: its patches are those of curves that are found");
   const int regions = request.ground.texture.regions;
   const auto& texture = request.ground.texture;
   if (regions != 0 && (regions < texture.fewest || regions > texture.most))
@@ -154,7 +157,7 @@ SketchRun write_sketched(const std::string& clip, const SketchRequest& request, 
 void run_sketch(const Sketch& asked, Session& session) {
   const io::ReadOptions read = check_reading(asked.reading, session);
   SketchRequest request = check_request(asked, read, session);
-  const std::vector<std::string> inputs{asked.reading.clip, asked.dictionary.folder};
+  const std::vector<std::string> inputs{asked.reading.clip, asked.dictionary.folder, asked.evidence};
   require_apart(inputs, asked.output,
                 {"overlay.mp4", "reconstruction.avi", "film.mp4", "film.png", "heat.mp4", "dictionary",
                  "dictionary.png"});
@@ -166,6 +169,8 @@ void run_sketch(const Sketch& asked, Session& session) {
   check_heat_frame(request, source->info().frames);
   const auto dictionary = prepare_dictionary(asked.dictionary, *source, request.extract, session);
   if (dictionary) request.dictionary = &*dictionary;
+  std::optional<GivenEvidence> evidence;
+  if (!asked.evidence.empty()) request.evidence = &evidence.emplace(asked.evidence, read, source->info());
   const SketchRun run = write_sketched(asked.reading.clip, request, *source, output, stages, session);
   stages.end();
   Json summary = summarise(asked, request, read, source->info(), run, session);
@@ -247,6 +252,10 @@ void add_sketch(CLI::App& app, CommandLine& line) {
   add_output(*command, asked->output);
   add_drawing(*command, *asked);
   add_sketch_options(*command, asked->request.extract);
+  command
+      ->add_option("--evidence", asked->evidence,
+                   "Draw along these curves: image or clip of their probability, white = 1")
+      ->type_name("FILE");
   const auto settings = add_settings(*command, line);
   settings->add("sketch", asked->request.extract);
   settings->add("fill", asked->request.ground.fill);

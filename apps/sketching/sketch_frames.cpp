@@ -110,9 +110,13 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
   if (dictionary != nullptr && !dictionary->graphs.empty()) extract.steady = false;  // they are already
   pipeline::stream_steady_frames(
       source, "sketch", extract, session.context,
+      [&](int t) {
+        if (request.evidence != nullptr) request.evidence->read(t);
+      },
       [&](int t, const cv::Mat& levels) {
-        auto graph = dictionary != nullptr ? dictionary->graph(t, levels, extract)
-                                           : sketch::extract(levels, extract);
+        auto graph = request.evidence != nullptr ? sketch::extract(levels, extract, request.evidence->take(t))
+                     : dictionary != nullptr     ? dictionary->graph(t, levels, extract)
+                                                 : sketch::extract(levels, extract);
         progress.report(t, part);
         return std::vector<pipeline::FrameReading>{{levels, std::move(graph)}};
       },

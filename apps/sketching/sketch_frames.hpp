@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/cli/command.hpp"
+#include "apps/sketching/given_evidence.hpp"
 #include "apps/sketching/sketch_dictionary.hpp"
 #include "core/clip.hpp"
 #include "core/io/staged_output.hpp"
@@ -29,6 +30,7 @@ struct SketchRequest {
   bool film = false;                   ///< film.mp4 and film.png
   std::optional<int> heat_frame = {};  ///< heat.mp4 of this frame
   const SketchDictionary* dictionary = nullptr;  ///< needed for learned patches
+  GivenEvidence* evidence = nullptr;             ///< of the curves, in place of what is found
   std::int64_t first_frame = 0;  ///< where the clip's part begins: streams are keyed by the clip's frame
 };
 
