@@ -35,12 +35,12 @@ cv::Mat followed_by(const cv::Mat& motion, const cv::Mat& next, cv::Size frame) 
 
 void SteadyFrames::push(std::vector<FrameReading> readings) {
   Entry entry{std::move(readings), {}, {}, {}};
-  if (options_.steady) entry.luma = core::luma(entry.readings.front().levels);
+  if (is_on_) entry.luma = core::luma(entry.readings.front().levels);
   entries_.push_back(std::move(entry));
 }
 
 std::size_t SteadyFrames::prepare(bool last, const core::Context& context) {
-  if (!options_.steady) return waiting();
+  if (!is_on_) return waiting();
   std::vector<std::size_t> pairs;
   for (std::size_t i = 0; i + 1 < entries_.size(); ++i)
     if (entries_[i].on.empty()) pairs.push_back(i);
@@ -68,7 +68,7 @@ std::vector<FrameReading> SteadyFrames::steady(std::size_t i) const {
   const std::size_t at = first_ + i;
   const Entry& entry = entries_[at];
   std::vector<FrameReading> result = entry.readings;
-  if (!options_.steady) return result;
+  if (!is_on_) return result;
   struct Neighbour {
     std::size_t at;
     cv::Mat from;  // its motion to this frame
@@ -99,7 +99,7 @@ std::vector<FrameReading> SteadyFrames::steady(std::size_t i) const {
 
 void SteadyFrames::drop(std::size_t count) {
   first_ += count;
-  const std::size_t gone = first_ - std::min(first_, options_.steady ? kNeighbours : 0);
+  const std::size_t gone = first_ - std::min(first_, is_on_ ? kNeighbours : 0);
   entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(gone));
   first_ -= gone;
 }

@@ -29,7 +29,9 @@ struct FrameReading {
 /// flow of the first readings' luma.
 class SteadyFrames {
  public:
-  explicit SteadyFrames(const sketch::ExtractOptions& options) : options_(options) {}
+  /// Steadies nothing where `options.steady` is off, or patches are chosen by what they gain (budget, blobs).
+  explicit SteadyFrames(const sketch::ExtractOptions& options)
+      : options_(options), is_on_(options.steady && options.budget <= 0 && !options.blobs) {}
 
   /// Appends the next frame, in as many readings as the others.
   void push(std::vector<FrameReading> readings);
@@ -53,6 +55,7 @@ class SteadyFrames {
   [[nodiscard]] cv::Mat motion(std::size_t from, std::size_t to) const;
 
   sketch::ExtractOptions options_;
+  bool is_on_;
   std::vector<Entry> entries_;
   std::size_t first_ = 0;  // entry that is not finished; those before are neighbours
 };

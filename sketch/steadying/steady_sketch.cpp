@@ -156,6 +156,18 @@ AttributeGraph missing_strokes(const AttributeGraph& own, std::span<const Carrie
   return {std::move(vertices), std::move(edges)};
 }
 
+/// Patches that were added along a curve have its evidence.
+AttributeGraph with_evidence(const AttributeGraph& graph) {
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  for (const graph::Curve& curve : graph::curves(graph)) {
+    double most = 0;
+    for (const auto v : curve) most = std::max(most, graph.patch(v).evidence);
+    for (const auto v : curve)
+      if (graph.patch(v).evidence <= 0) vertices[v].patch.evidence = most;
+  }
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+}
+
 }  // namespace
 
 AttributeGraph steady_sketch(const cv::Mat& levels, const AttributeGraph& own,
@@ -170,7 +182,8 @@ AttributeGraph steady_sketch(const cv::Mat& levels, const AttributeGraph& own,
   if (options.colour && levels.channels() == 3)
     for (cv::Mat1f& colour : compute_opponent_colours(levels))
       axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
-  return without_outvoted(refine(kept, levels, axes, {options.spacing, options.blobs, &offered}), votes);
+  return with_evidence(
+      without_outvoted(refine(kept, levels, axes, {options.spacing, options.blobs, &offered}), votes));
 }
 
 }  // namespace emberfold::sketch

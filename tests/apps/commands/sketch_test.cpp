@@ -337,6 +337,42 @@ TEST_CASE("sketches of a clip agree with those before and after, at any number o
   CHECK_FALSE(steady == alone);
 }
 
+TEST_CASE("curves may come from a file, one image for all frames or one for each") {
+  const TempFolder temp;
+  const auto clip = (temp / "clip.avi").string();
+  const auto writer = io::create_video(clip, {96, 64}, 25, false);
+  for (int t = 0; t < 4; ++t) {
+    cv::Mat1b frame(64, 96, std::uint8_t{90});
+    cv::line(frame, {10, 20}, {86, 20}, cv::Scalar(110), 3);
+    cv::line(frame, {10, 44}, {86, 44}, cv::Scalar(110), 3);
+    cv::GaussianBlur(frame, frame, {}, 1);
+    writer->write(frame);
+  }
+  writer->finish();
+  cv::Mat1b map(64, 96, std::uint8_t{0});
+  cv::line(map, {10, 44}, {86, 44}, cv::Scalar(230), 2);
+  cv::imwrite((temp / "one.png").string(), map);
+  for (int t = 0; t < 3; ++t) cv::imwrite((temp / ("map" + std::to_string(t) + ".png")).string(), map);
+  sketched(clip, temp / "out", {"--evidence", (temp / "one.png").string()});
+  std::istringstream lines(bytes_of(temp / "out" / "sketch.jsonl"));
+  const auto sketch = graph::read_sketch(lines, "sketch.jsonl");
+  REQUIRE(sketch.frames.size() == 4);
+  for (const auto& graph : sketch.frames) {
+    CHECK(graph.size() >= 10);
+    for (const auto& v : graph.vertices()) CHECK(std::abs(v.patch.position.y - 44) < 3);
+  }
+  const auto refused = [&](const std::vector<std::string>& options, int exit, const std::string& said) {
+    std::vector<std::string> arguments{"sketch", clip, "-o", (temp / "refused").string(), "-q"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    check_one_line(arguments, exit, {said}, temp / "refused");
+  };
+  refused({"--evidence", (temp / "map*.png").string()}, 1, "ends after 3 frames");
+  cv::imwrite((temp / "small.png").string(), cv::Mat1b(map, cv::Rect(0, 0, 50, 40)));
+  refused({"--evidence", (temp / "small.png").string()}, 1, "50x40");
+  refused({"--evidence", (temp / "none.png").string()}, 1, "none.png");
+  refused({"--evidence", (temp / "one.png").string(), "--learn-dictionary"}, 2, "--evidence");
+}
+
 TEST_CASE("options of the sketch that cannot be are told in one line with exit 2") {
   const TempFolder temp;
   const auto out = temp / "out";
