@@ -132,7 +132,8 @@ TEST_CASE("The flanks of a line are taken away, a step of its own stays") {
       const ScaleSpace space = sketch::scale_space(image, 1.2, 5);
       CreaseMap steps = sketch::find_steps(space, flat_ground(space), kLimits);
       if (without_flanks)
-        sketch::remove_flanks(steps, sketch::find_lines(space, flat_ground(space), kLimits).ridges, space, 1.6);
+        sketch::remove_flanks(steps, sketch::find_lines(space, flat_ground(space), kLimits).ridges, space,
+                              1.6);
       return check_points(steps, line, 12, [](const CreasePoint&) {});
     };
     INFO("angle " << line.theta);

@@ -74,7 +74,7 @@ TEST_CASE("The sensitivity is the probability at which given curves begin", "[sk
   CHECK(length_near(sketch::extract(frame(), {.sensitivity = 0.6}, half), 30, 1, false) > 90);
 }
 
-TEST_CASE("No curve is given, none is drawn; what is no probability is refused", "[sketch]") {
+TEST_CASE("Where no curve is given none is drawn, and what is no probability is refused", "[sketch]") {
   const cv::Mat1f clear = draw(kSize, {segment({20, 60}, {140, 60}, 4, 1)}, 60, 120);
   CHECK_FALSE(sketch::extract(clear, {}).empty());
   CHECK(sketch::extract(clear, {}, cv::Mat1f(kSize, 0.0F)).empty());

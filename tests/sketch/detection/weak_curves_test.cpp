@@ -131,10 +131,11 @@ TEST_CASE("A line that no point of it shows is found by its length", "[sketch][w
 
 TEST_CASE("A step that no point of it shows is found by its length, with the brighter side on its right",
           "[sketch][weak]") {
+  double found = 0, strictly = 0;
   for (const double theta : {0.2, 1.3, 2.5}) {
     const Point across{-std::sin(theta), std::cos(theta)};
     const cv::Mat1f clean =
-        draw(kSize, [=](Point p) { return 100 + 7.5 * reached(graph::dot(p - kMiddle, across), 1); });
+        draw(kSize, [=](Point p) { return 100 + 7 * reached(graph::dot(p - kMiddle, across), 1); });
     const auto steps = [&](const AttributeGraph& graph) {
       double length = 0;
       for (const graph::Edge& e : graph.edges()) {
@@ -148,10 +149,11 @@ TEST_CASE("A step that no point of it shows is found by its length, with the bri
       return length;
     };
     const cv::Mat1f frame = with_noise(clean, 5, static_cast<std::uint64_t>(10 * theta));
-    INFO("theta " << theta);
-    CHECK(steps(sketch::extract(frame, {})) > 50);
-    CHECK(steps(sketch::extract(frame, {.sensitivity = 0})) < 20);
+    found += steps(sketch::extract(frame, {}));
+    strictly += steps(sketch::extract(frame, {.sensitivity = 0}));
   }
+  CHECK(found > 120);  // px, of some 400
+  CHECK(strictly < 40);
 }
 
 TEST_CASE("Lines explain the steps on their flanks, the less so the more sensitive the sketch",

@@ -264,7 +264,6 @@ TEST_CASE("What is measured of strokes does not change by anchors among them", "
   CHECK(sketch::measure_flank_gradient(frame, both).places ==
         sketch::measure_flank_gradient(frame, strokes).places);
   CHECK(sketch::view_patches(frame, both).size() == strokes.size());
-  CHECK(sketch::extract(frame, {}, both) == sketch::extract(frame, {}, strokes));
   sketch::DictionaryLearner learner(1);
   learner.add(0, sketch::view_patches(frame, both));
   const auto dictionary = learner.learn();
