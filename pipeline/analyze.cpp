@@ -9,6 +9,7 @@
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
 #include "pipeline/frame_synthesis.hpp"
+#include "pipeline/inference/event_posterior.hpp"
 #include "sketch/background/static_pixels.hpp"
 #include "sketch/rendering/sharpening.hpp"
 
@@ -31,18 +32,23 @@ void check_options(const AnalyzeOptions& options) {
   options.starts.validate();
   options.infer.validate();
   options.calibrate.validate();
+  if (options.bottom_up && options.sample)
+    throw core::InputError("AnalyzeOptions.bottom_up and sample exclude each other");
   if (options.texture < 0 || options.texture > 500)
     throw core::InputError("AnalyzeOptions.texture is " + std::to_string(options.texture) +
                            "; allowed is 0 (none) to 500");
 }
 
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.
-void infer_motion(const StartSketches& sketches, const AnalyzeOptions& options, Analysis& analysis,
-                  mcmc::FitResult& fitted, core::StageClock& clock, const core::Context& context) {
+void infer_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
+                  Analysis& analysis, mcmc::FitResult& fitted, core::StageClock& clock,
+                  const core::Context& context) {
   clock.begin("match");
-  if (options.bottom_up) {
+  if (!options.sample) {
     analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
-    analysis.all_events = graph::stroke_events(analysis.motion);
+    clock.begin("events");
+    analysis.all_events = options.bottom_up ? graph::stroke_events(analysis.motion)
+                                            : event_posterior(source, analysis.motion, context);
     clock.begin("learn");
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
@@ -67,8 +73,7 @@ std::optional<Calibration> calibrate_rates(const StartSketches& sketches, const 
   if (options.calibrate.calibrate == 0) return std::nullopt;
   clock.begin("calibrate");
   std::optional<graph::MotionGraph> matched;
-  if (!options.bottom_up)
-    matched = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
+  if (options.sample) matched = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
   const auto& motion = matched ? *matched : analysis.motion;
   Calibration result{mcmc::event_statistics(motion, graph::stroke_events(motion)), {}};
   const ReadingAndDrawing how{options.sketch, options.match, look};
@@ -102,12 +107,12 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   clock.begin("sketch");
   if (source.info().frames) check_two_frames(options.clip, *source.info().frames);
   StartOptions starts = options.starts;
-  if (options.bottom_up) starts.chains = 1;
+  if (!options.sample) starts.chains = 1;
   auto sketches = sketch_starts(source, options.sketch, starts, options.seed, context);
   check_two_frames(options.clip, static_cast<std::int64_t>(sketches.clip.sketch.frames.size()));
   if (options.keep_sketch) analysis.sketched = sketches.clip;
   mcmc::FitResult fitted;
-  infer_motion(sketches, options, analysis, fitted, clock, context);
+  infer_motion(source, sketches, options, analysis, fitted, clock, context);
 
   const auto& sketch = analysis.motion.sketch;
   ClipModel& model = analysis.model;

@@ -33,7 +33,8 @@ struct AnalyzeOptions {
   mcmc::InferOptions infer = {};
   CalibrateOptions calibrate = {};
   int texture = 0;           ///< components of the texture between the strokes, 1…500; 0: none is learned
-  bool bottom_up = false;    ///< no sampler: the match as it is, each event of probability 1
+  bool bottom_up = false;    ///< the match as it is, each event of probability 1
+  bool sample = false;       ///< sample graphs and links, too; events then have the samples' shares
   bool keep_sketch = false;  ///< keep sketches as extracted, and the backgrounds of the frames
   std::uint64_t seed = 1;
   std::string clip = "the clip";  ///< its name in messages
@@ -61,14 +62,15 @@ struct Analysis {
   ClipModel model;
   /// Rates of births, deaths, splits, merges, connects and disconnects, a frame, with their intervals.
   std::array<mcmc::RateInterval, 6> rates{};
-  std::optional<mcmc::InferResult> sampled;  ///< nothing with AnalyzeOptions::bottom_up
+  std::optional<mcmc::InferResult> sampled;  ///< with AnalyzeOptions::sample
   std::optional<Calibration> calibration;
   std::optional<LearnedTexture> texture;
   std::vector<core::StageTime> stages;
 };
 
 /// Analyses a clip: sketches, motion, events and the model that new clips are drawn from.
-/// Reads the clip four times, frame by frame, and keeps all graphs. Equal clips, options and seeds give equal
+/// Events have the probability that the images show them (event_posterior), unless options ask otherwise.
+/// Reads the clip five times, frame by frame, and keeps all graphs. Equal clips, options and seeds give equal
 /// results at any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError
 /// for a clip of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:
 ///

@@ -124,7 +124,8 @@ FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
     std::shared_ptr<const dytex::LinearDynamicTexture> texture;
     dytex::Synthesis synthesis;
   };
-  const auto ground = std::make_shared<Drawn>(Drawn{texture, dytex::Synthesis(*texture, options)});
+  dytex::Synthesis synthesis(*texture, options);
+  const auto ground = std::make_shared<Drawn>(Drawn{std::move(texture), std::move(synthesis)});
   return {mcmc::Synthesis(model, seed, start), std::move(look),
           [ground](sketch::FrameContent& parts) { parts.background = ground->synthesis.next(); }};
 }

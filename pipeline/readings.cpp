@@ -97,8 +97,7 @@ StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOpti
       [&](int, Frame made) {
         own.append(made.graphs.front());
         starts.clip.grounds.push_back(std::move(made.ground));
-        for (std::size_t copy = 0; copy < count; ++copy)
-          starts.perturbed[copy].append(made.graphs[copy + 1]);
+        for (std::size_t copy = 0; copy < count; ++copy) starts.perturbed[copy].append(made.graphs[copy + 1]);
       });
   return starts;
 }

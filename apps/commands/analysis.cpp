@@ -151,6 +151,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
                         {"starts", options_json(options.starts)},
                         {"infer", options_json(options.infer)},
                         {"bottom_up", options.bottom_up},
+                        {"sample", options.sample},
                         {"calibrate", options_json(options.calibrate)},
                         {"texture", options.texture},
                         {"fill", options_json(options.fill)}};

@@ -54,8 +54,12 @@ void add_analyze(CLI::App& app, CommandLine& line) {
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
   auto& options = asked->options;
-  command->add_flag("--bottom-up", options.bottom_up,
-                    "Skip the sampler: every event of the match has probability 1");
+  auto* bottom_up = command->add_flag("--bottom-up", options.bottom_up,
+                                      "Take the match as it is: every event has probability 1");
+  command
+      ->add_flag("--sample", options.sample,
+                 "Sample graphs and links by MCMC (slow; see docs/method/sampler.md)")
+      ->excludes(bottom_up);
   add_sketch_options(*command, options.sketch);
   command->add_flag("--reconstruction", options.reconstruction,
                     "Write reconstruction.avi too, and measure the PSNR of every frame");

@@ -28,11 +28,13 @@ std::optional<EventType> event_type(std::string_view name) {
   return static_cast<EventType>(found - kNames.begin());
 }
 
+bool precedes(const Event& a, const Event& b) {
+  return std::tie(a.frame, a.type, a.position.x, a.position.y, a.before, a.after) <
+         std::tie(b.frame, b.type, b.position.x, b.position.y, b.before, b.after);
+}
+
 void sort_events(std::vector<Event>& events) {
-  std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
-    return std::tie(a.frame, a.type, a.position.x, a.position.y, a.before, a.after) <
-           std::tie(b.frame, b.type, b.position.x, b.position.y, b.before, b.after);
-  });
+  std::ranges::sort(events, precedes);
 }
 
 }  // namespace emberfold::graph

@@ -32,8 +32,22 @@ struct Event {
   bool operator==(const Event&) const = default;
 };
 
-/// Sorts events by frame, then type, then position, then strokes.
+/// Orders events by frame, then type, then position, then strokes.
+bool precedes(const Event& a, const Event& b);
+/// Sorts events as precedes() orders them.
 void sort_events(std::vector<Event>& events);
+
+/// Holds an event and the patches that appeared or vanished.
+struct TracedEvent {
+  Event event;
+  int path_frame = 0;  ///< of the path: `event.frame` of a birth, merge or connect, else the frame before it
+  /// Of a birth or death, the longest path of the stroke; else the path that joins the two parts, from the
+  /// one to the other. In order, at least one patch.
+  std::vector<VertexId> path;
+};
+
+/// Finds the events as stroke_events does, each with its patches, in the same order.
+std::vector<TracedEvent> trace_stroke_events(const MotionGraph& motion);
 
 /// Finds the events of strokes (connected subgraphs) from links and edges.
 /// docs/architecture.md, "What counts as an event", defines the classes. `motion` has its strokes identified.

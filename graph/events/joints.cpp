@@ -72,7 +72,7 @@ Point path_middle(const AttributeGraph& graph, std::span<const std::uint32_t> pa
   return at(path.size() - 1);
 }
 
-Point component_middle(const AttributeGraph& graph, ShortestPaths& paths, std::uint32_t member) {
+std::vector<std::uint32_t> longest_path(ShortestPaths& paths, std::uint32_t member) {
   const auto farthest = [&](std::uint32_t from) {
     paths.search(std::span(&from, 1));
     std::uint32_t best = from;
@@ -82,7 +82,11 @@ Point component_middle(const AttributeGraph& graph, ShortestPaths& paths, std::u
     }
     return best;
   };
-  return path_middle(graph, paths.path_to_source(farthest(farthest(member))));
+  return paths.path_to_source(farthest(farthest(member)));
+}
+
+Point component_middle(const AttributeGraph& graph, ShortestPaths& paths, std::uint32_t member) {
+  return path_middle(graph, longest_path(paths, member));
 }
 
 std::vector<bool> find_vertices_near_ends(const AttributeGraph& graph, ShortestPaths& paths) {
@@ -279,8 +283,9 @@ std::vector<Joint> find_joints(const AttributeGraph& graph, ShortestPaths& paths
       path.insert(path.end(), rest.begin(), rest.end());
     }
     const auto [low, high] = std::minmax(meeting.label_a, meeting.label_b);
-    result.push_back({low, high, path_middle(graph, path),
-                      is_continuation(graph, regions, path, meeting.label_a, meeting.label_b)});
+    const Point middle = path_middle(graph, path);
+    const bool continues = is_continuation(graph, regions, path, meeting.label_a, meeting.label_b);
+    result.push_back({low, high, middle, continues, std::move(path)});
   }
   return result;
 }

@@ -38,6 +38,8 @@ Point path_middle(const AttributeGraph& graph, std::span<const std::uint32_t> pa
 /// Returns the middle of a component: that of the longest of its shortest paths (exact in a tree).
 /// `member`: one of its vertices; equal vertices give equal bits.
 Point component_middle(const AttributeGraph& graph, ShortestPaths& paths, std::uint32_t member);
+/// Returns the longest of a component's shortest paths, likewise.
+std::vector<std::uint32_t> longest_path(ShortestPaths& paths, std::uint32_t member);
 
 /// Marks the vertices that lie within 10 px, along the graph, of an end of a curve.
 std::vector<bool> find_vertices_near_ends(const AttributeGraph& graph, ShortestPaths& paths);
@@ -54,6 +56,7 @@ struct Joint {
   std::uint32_t label_a = 0, label_b = 0;  ///< a < b
   Point place;
   bool continues = false;  ///< the parts are one line with a gap in it, turning below 30° at both ends
+  std::vector<std::uint32_t> path;  ///< from the one part to the other, both ends included
 };
 
 /// A vertex that belongs to a part; it may belong to several.

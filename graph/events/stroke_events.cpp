@@ -59,9 +59,16 @@ using LinkedVertices = std::vector<std::vector<detail::PartVertex>>;
 
 enum class Sense { forward, backward };
 
+std::vector<VertexId> ids_of(const AttributeGraph& graph, std::span<const std::uint32_t> path) {
+  std::vector<VertexId> result;
+  for (const std::uint32_t v : path) result.push_back(graph.vertices()[v].id);
+  return result;
+}
+
 /// Adds unions (forward: `whole` is the frame after) or separations (backward: it is the frame before).
 void add_joint_events(const FrameParts& whole, const FrameParts& pieces, const LinkedVertices& linked,
-                      Sense sense, int frame, std::vector<Event>& events) {
+                      Sense sense, int frame, std::vector<TracedEvent>& events) {
+  const int whole_frame = sense == Sense::forward ? frame : frame - 1;
   detail::ShortestPaths paths(*whole.graph);
   for (std::uint32_t part = 0; part < whole.parts.count; ++part) {
     const auto& of_part = linked[part];
@@ -84,28 +91,30 @@ void add_joint_events(const FrameParts& whole, const FrameParts& pieces, const L
         event.before = {whole.stroke(part)};
         event.after = std::move(two);
       }
-      events.push_back(std::move(event));
+      events.push_back({std::move(event), whole_frame, ids_of(*whole.graph, joint.path)});
     }
   }
 }
 
 /// Adds births (forward: `side` is the frame after) or deaths (backward: it is the frame before).
 void add_births_or_deaths(const FrameParts& side, const std::vector<bool>& linked, Sense sense, int frame,
-                          std::vector<Event>& events) {
+                          std::vector<TracedEvent>& events) {
+  const int side_frame = sense == Sense::forward ? frame : frame - 1;
   detail::ShortestPaths paths(*side.graph);
   for (std::uint32_t part = 0; part < side.parts.count; ++part) {
     if (linked[part]) continue;
     Event event;
     event.frame = frame;
-    event.position = detail::component_middle(*side.graph, paths, side.first[part]);
+    const auto path = detail::longest_path(paths, side.first[part]);
+    event.position = detail::path_middle(*side.graph, path);
     event.type = sense == Sense::forward ? EventType::birth : EventType::death;
     (sense == Sense::forward ? event.after : event.before) = {side.stroke(part)};
-    events.push_back(std::move(event));
+    events.push_back({std::move(event), side_frame, ids_of(*side.graph, path)});
   }
 }
 
 void add_frame_events(const FrameParts& before, const FrameParts& after, std::span<const Link> links,
-                      int frame, std::vector<Event>& events) {
+                      int frame, std::vector<TracedEvent>& events) {
   const detail::FrameLinks found = detail::index_links(*before.graph, *after.graph, links);
   const auto pairs = detail::component_pairs(*before.graph, *after.graph, before.parts, after.parts, found);
   std::vector<bool> goes_on(before.parts.count, false), was_there(after.parts.count, false);
@@ -187,10 +196,10 @@ void correct_place(const MotionGraph& motion, Event& event) {
 
 }  // namespace
 
-std::vector<Event> stroke_events(const MotionGraph& motion) {
+std::vector<TracedEvent> trace_stroke_events(const MotionGraph& motion) {
   validate(motion);
   const auto& frames = motion.sketch.frames;
-  std::vector<Event> events;
+  std::vector<TracedEvent> events;
   if (frames.empty()) return events;
   FrameParts before(frames[0]);
   for (std::size_t t = 1; t < frames.size(); ++t) {
@@ -198,8 +207,14 @@ std::vector<Event> stroke_events(const MotionGraph& motion) {
     add_frame_events(before, after, motion.links[t], static_cast<int>(t), events);
     before = std::move(after);
   }
-  for (Event& event : events) correct_place(motion, event);
-  sort_events(events);
+  for (TracedEvent& traced : events) correct_place(motion, traced.event);
+  std::ranges::stable_sort(events, [](const auto& a, const auto& b) { return precedes(a.event, b.event); });
+  return events;
+}
+
+std::vector<Event> stroke_events(const MotionGraph& motion) {
+  std::vector<Event> events;
+  for (TracedEvent& traced : trace_stroke_events(motion)) events.push_back(std::move(traced.event));
   return events;
 }
 

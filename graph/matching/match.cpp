@@ -343,12 +343,10 @@ MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core
   options.validate();
   for (AttributeGraph& frame : sketch.frames) frame = without_anchors(frame);
   const int rounds = options.flicker > 0 ? kFlickerRounds : 0;
-  MotionGraph motion;
-  for (int round = 0; round <= rounds; ++round) {
-    if (round > 0) sketch = remove_flicker(motion, options.flicker);
-    motion = match_once(std::move(sketch), options, context, static_cast<double>(round) / (rounds + 1),
-                        (round + 1.0) / (rounds + 1));
-  }
+  MotionGraph motion = match_once(std::move(sketch), options, context, 0, 1.0 / (rounds + 1));
+  for (int round = 1; round <= rounds; ++round)
+    motion = match_once(remove_flicker(motion, options.flicker), options, context,
+                        static_cast<double>(round) / (rounds + 1), (round + 1.0) / (rounds + 1));
   context.report("match", 1);
   return motion;
 }

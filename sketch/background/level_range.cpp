@@ -125,8 +125,8 @@ LevelRange read_level_range(const core::ModelArchive& archive, cv::Size frame) {
   if (!archive.arrays.contains("seen_low") && !archive.arrays.contains("seen_high")) return {};
   const int channels = core::channels_of(archive, "seen_low");
   const cv::Size cells = core::count_cells(frame, kLevelRangeCell);
-  const LevelRange range{core::read_bytes(archive, "seen_low", cells, channels),
-                         core::read_bytes(archive, "seen_high", cells, channels)};
+  LevelRange range{core::read_bytes(archive, "seen_low", cells, channels),
+                   core::read_bytes(archive, "seen_high", cells, channels)};
   for (std::size_t i = 0; i < range.low.total() * range.low.elemSize(); ++i)
     if (range.low.data[i] > range.high.data[i])
       throw core::IoError("motion model: seen_low.npy lies above seen_high.npy in a cell");

@@ -166,8 +166,9 @@ class Shadow {
     for (int away = 0; away <= radius; ++away) {
       const int half = static_cast<int>(std::sqrt(double(radius) * radius - double(away) * away));
       const std::size_t k = last_level(half);
+      const auto length = static_cast<int>(std::bit_floor(static_cast<unsigned>(2 * half + 1)));
       const float* first = lengths[k].data() + radius - half;
-      const float* second = lengths[k].data() + radius + half + 1 - (1 << k);
+      const float* second = lengths[k].data() + radius + half + 1 - length;
       if (y - away >= 0) raise_row(first, second, width_, dark[y - away]);
       if (away > 0 && y + away < height_) raise_row(first, second, width_, dark[y + away]);
     }

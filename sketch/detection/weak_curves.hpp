@@ -24,6 +24,6 @@ struct WeakCurveLimits {
 /// beyond their ends and into their gaps, is not found again. Luma's scales of 1 to 3 half octaves are used:
 /// the finest adds noise, coarser ones shading. O(pixels · scales · directions).
 std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const ScaleSpace& space, double noise,
-                                   const WeakCurveLimits& limits);
+                                    const WeakCurveLimits& limits);
 
 }  // namespace emberfold::sketch

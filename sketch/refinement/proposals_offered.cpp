@@ -24,7 +24,7 @@ std::vector<std::optional<Patch>> seen_beside(ProposalBuilder& editor, const gra
     auto found = editor.fit_like(patch, patch.position + normal * aside, patch.theta, patch.contrast);
     if (found && editor.overlaps(*found, {})) found.reset();
     if (found) found->evidence = patch.evidence;
-    seen.push_back(std::move(found));
+    seen.push_back(found);
   }
   return seen;
 }

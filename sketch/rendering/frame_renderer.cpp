@@ -47,7 +47,7 @@ struct DrawnStrokes {
 graph::AttributeGraph adjust_patches(const FrameContent& content, const RenderOptions& options,
                                      const cv::Mat& background) {
   const bool as_fitted = options.blur_share == 1 && options.contrast_gain == 1;
-  const auto sharp =
+  auto sharp =
       as_fitted ? content.graph : transform_patches(content.graph, [&](std::size_t, graph::Patch& patch) {
         patch.blur *= options.blur_share;
         raise_contrast(patch, static_cast<float>(options.contrast_gain));

@@ -10,9 +10,7 @@ namespace emberfold::sketch {
 
 using graph::Point;
 
-namespace {
-
-Point motion_at(const cv::Mat& motion, cv::Size size, Point p) {
+Point sample_motion(const cv::Mat& motion, cv::Size size, Point p) {
   const auto place = [](double at, int full, int count) {
     return std::clamp((at + 0.5) * count / full - 0.5, 0.0, count - 1.0);
   };
@@ -28,12 +26,10 @@ Point motion_at(const cv::Mat& motion, cv::Size size, Point p) {
          (at(below, left) * (1 - u) + at(below, right) * u) * v;
 }
 
-}  // namespace
-
 graph::AttributeGraph carry_sketch(const graph::AttributeGraph& graph, const cv::Mat& motion, cv::Size size) {
   std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
   for (graph::Vertex& v : vertices)
-    v.patch.position = v.patch.position + motion_at(motion, size, v.patch.position);
+    v.patch.position = v.patch.position + sample_motion(motion, size, v.patch.position);
   return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
 }
 

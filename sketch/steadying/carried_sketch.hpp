@@ -13,6 +13,10 @@ struct CarriedSketch {
   cv::Mat1f difference;  ///< grey levels, local RMS: this frame from the neighbour, carried likewise
 };
 
+/// Returns the motion at a place of a frame of `size` px. `motion`: CV_32FC2, px; it may be smaller than the
+/// frame, and is interpolated bilinearly.
+graph::Point sample_motion(const cv::Mat& motion, cv::Size size, graph::Point p);
+
 /// Moves every patch of a sketch by the motion at its place. `motion`: CV_32FC2, px, of a frame of `size` px;
 /// it may be smaller than the frame. O(patches).
 graph::AttributeGraph carry_sketch(const graph::AttributeGraph& graph, const cv::Mat& motion, cv::Size size);

@@ -8,6 +8,7 @@
 
 #include "core/clip.hpp"
 #include "core/math/fast_round.hpp"
+#include "graph/matching/coincidence.hpp"
 #include "graph/matching/point_grid.hpp"
 #include "sketch/detection/colour.hpp"
 #include "sketch/patches/patch_types.hpp"
@@ -21,36 +22,18 @@ using graph::Patch;
 
 namespace {
 
-constexpr double kNear = 6;           // px within which a patch of the same stroke is looked for
-constexpr double kAcross = 3;         // px
-constexpr double kAlong = 4.5;        // px, of a patch's length and what its place may slip along the stroke
-constexpr double kParallel = 0.6;     // rad
 constexpr double kOfContrast = 0.25;  // difference of the images at which a vote counts e^{−1/2}
 constexpr std::size_t kRun = 2;       // patches in a row that go or come
-
-bool is_meeting(const Patch& patch) {
-  using enum graph::PatchType;
-  return patch.type == corner || patch.type == l_junction || patch.type == t_junction ||
-         patch.type == y_junction || patch.type == crossing;
-}
-
-bool is_alike(const Patch& patch, const Patch& other) {
-  const graph::Point off = other.position - patch.position;
-  if (is_meeting(patch) || is_meeting(other)) return dot(off, off) <= kAlong * kAlong;
-  if (!graph::same_kind(patch, other)) return false;
-  const graph::Point along{std::cos(patch.theta), std::sin(patch.theta)};
-  return std::abs(dot(off, along)) <= kAlong && std::abs(off.y * along.x - off.x * along.y) <= kAcross &&
-         graph::orientation_difference(patch.theta, other.theta) <= kParallel;
-}
 
 /// Finds patches of a sketch that are like another.
 class Drawn {
  public:
-  explicit Drawn(const AttributeGraph& graph) : graph_(graph), grid_(places(graph), kNear) {}
+  explicit Drawn(const AttributeGraph& graph) : graph_(graph), grid_(places(graph), graph::kCoincidence) {}
 
   [[nodiscard]] bool has(const Patch& patch) const {
-    return std::ranges::any_of(grid_.find_near(patch.position),
-                               [&](auto other) { return is_alike(patch, graph_.patch(other)); });
+    return std::ranges::any_of(grid_.find_near(patch.position), [&](auto other) {
+      return graph::coincidence(patch, graph_.patch(other)).has_value();
+    });
   }
 
  private:
@@ -140,9 +123,9 @@ AttributeGraph missing_strokes(const AttributeGraph& own, std::span<const Carrie
     const auto is_missing = [&](auto v) {
       const Patch& patch = neighbour.graph.patch(v);
       const auto known = std::span(vertices).first(before);
-      return !drawn.has(patch) &&
-             std::ranges::none_of(known, [&](const auto& other) { return is_alike(patch, other.patch); }) &&
-             votes.count(patch) - 1 > 0;
+      return !drawn.has(patch) && std::ranges::none_of(known, [&](const auto& other) {
+        return graph::coincidence(patch, other.patch).has_value();
+      }) && votes.count(patch) - 1 > 0;
     };
     for (const graph::Curve& curve : graph::curves(neighbour.graph))
       visit_runs(curve, is_missing, [&](std::size_t first, std::size_t last) {
@@ -176,7 +159,7 @@ AttributeGraph steady_sketch(const cv::Mat& levels, const AttributeGraph& own,
   const cv::Mat1f luma = core::luma(levels);
   const Votes votes(neighbours, estimate_noise(luma));
   const AttributeGraph offered = missing_strokes(own, neighbours, votes);
-  const AttributeGraph kept = without_outvoted(own, votes);
+  AttributeGraph kept = without_outvoted(own, votes);
   if (offered.empty()) return kept;
   std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
   if (options.colour && levels.channels() == 3)

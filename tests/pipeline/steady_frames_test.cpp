@@ -34,7 +34,7 @@ core::Clip noisy_lines(int frames, double sway) {
                                                            {22.0 + 24 * i + shift, 110}, 3, 1)(p);
                           return level;
                         }),
-                   5, static_cast<std::uint64_t>(t + 1));
+                   5, static_cast<std::uint64_t>(t) + 1);
     cv::Mat bytes;
     levels.convertTo(bytes, CV_8U);
     clip.frames.push_back(bytes);

@@ -24,7 +24,7 @@ constexpr sketch::CreaseLimits kLimits{2.4, 4};
 
 struct Straight {
   Point origin;
-  double theta;
+  double theta = 0;
   /// Signed distance to the line, positive to the right of its direction.
   double operator()(Point p) const { return graph::dot(p - origin, {-std::sin(theta), std::cos(theta)}); }
 };

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/inference/event_paths.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "graph/events/joints.hpp"
+
+namespace emberfold::pipeline {
+
+using graph::Patch;
+using graph::Point;
+
+namespace {
+
+constexpr double kSlip = 9;                        // px along the curve that a link may be off
+constexpr double kSameEnds = 4;                    // px between ends that are carried and followed
+constexpr std::array kOtherFrames = {1, 2, 4, 7};  // from the event, in which the strokes may be joined too
+constexpr double kDetour = 15;                     // px that a path there may be longer
+constexpr double kApart = 6;                       // px between patches of a path that is stretched
+
+Point tangent(const Patch& patch) {
+  return {std::cos(patch.theta), std::sin(patch.theta)};
+}
+
+/// Returns the direction of a curve, turned to the side to which `like` points.
+double turn_like(double theta, double like) {
+  return std::cos(theta - like) < 0 ? theta + std::numbers::pi : theta;
+}
+
+/// A patch on its way through the frames.
+struct Followed {
+  Patch patch;
+  std::optional<std::uint32_t> vertex;  // that shows it
+};
+
+Followed step_on(const Followed& from, int frame, int step, const MotionIndex& motion,
+                 const FrameWindow& window) {
+  Followed to{from.patch, from.vertex ? motion.linked(frame, *from.vertex, step) : std::nullopt};
+  to.patch.position = window.carry(from.patch.position, frame, step);
+  const bool is_linked = to.vertex.has_value();
+  if (!is_linked) to.vertex = motion.coinciding(frame + step, to.patch);
+  if (!to.vertex) return to;
+  const Patch& found = motion.graph(frame + step).patch(*to.vertex);
+  if (is_linked) to.patch.theta = turn_like(found.theta, to.patch.theta);
+  const Point off = found.position - to.patch.position, along = tangent(to.patch);
+  const double slip = dot(off, along);
+  const bool is_far = is_linked && std::abs(slip) > kSlip;
+  to.patch.position = is_far ? found.position : to.patch.position + (off - along * slip);
+  return to;
+}
+
+/// Frames first…last of something that begins in one of them.
+template <class T>
+class Course {
+ public:
+  template <class Step>
+  Course(T start, int frame, int first, int last, const Step& step)
+      : first_(first), at_(static_cast<std::size_t>(last - first + 1)) {
+    const auto at = [&](int t) -> T& { return at_[static_cast<std::size_t>(t - first)]; };
+    at(frame) = std::move(start);
+    for (int t = frame; t < last; ++t) at(t + 1) = step(at(t), t, 1);
+    for (int t = frame; t > first; --t) at(t - 1) = step(at(t), t, -1);
+  }
+  [[nodiscard]] const T& operator[](int frame) const { return at_[static_cast<std::size_t>(frame - first_)]; }
+
+ private:
+  int first_;
+  std::vector<T> at_;
+};
+
+/// Follows the patches of one event.
+class EventFollower {
+ public:
+  EventFollower(const MotionIndex& motion, const FrameWindow& window, int first, int last)
+      : motion_(motion), window_(window), first_(first), last_(last) {}
+
+  [[nodiscard]] Course<Followed> follow(std::uint32_t vertex, int frame) const {
+    return {Followed{motion_.graph(frame).patch(vertex), vertex}, frame, first_, last_,
+            [&](const Followed& from, int t, int step) { return step_on(from, t, step, motion_, window_); }};
+  }
+  [[nodiscard]] Course<Path> carry(Path path, int frame) const {
+    return {std::move(path), frame, first_, last_, [&](Path carried, int t, int step) {
+              for (Patch& patch : carried) patch.position = window_.carry(patch.position, t, step);
+              return carried;
+            }};
+  }
+  [[nodiscard]] Path path_of(const std::vector<std::uint32_t>& vertices, int frame) const {
+    Path path;
+    for (const std::uint32_t v : vertices) path.push_back(motion_.graph(frame).patch(v));
+    return path;
+  }
+
+ private:
+  const MotionIndex& motion_;
+  const FrameWindow& window_;
+  int first_, last_;
+};
+
+/// Returns the patch that lies between two neighbours, at a share of the way from a to b.
+Patch between(const Patch& a, const Patch& b, double share) {
+  Patch result = share <= 0.5 ? a : b;
+  const Point way = b.position - a.position;
+  result.position = a.position + way * share;
+  if (norm(way) > 0) result.theta = turn_like(std::atan2(way.y, way.x), result.theta);
+  return result;
+}
+
+/// Returns a path with more patches, so that none are farther apart than kApart, and one between any two.
+Path refine(const Path& path) {
+  Path result;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    result.push_back(path[i]);
+    const int parts = 2 * (static_cast<int>(distance(path[i].position, path[i + 1].position) / kApart) + 1);
+    for (int k = 1; k < parts; ++k) result.push_back(between(path[i], path[i + 1], double(k) / parts));
+  }
+  result.push_back(path.back());
+  return result;
+}
+
+/// Moves the ends of a path, and what lies between in proportion.
+Path move_ends(Path path, Point front, Point back) {
+  double length = 0;
+  std::vector<double> from_front{0};
+  for (std::size_t i = 1; i < path.size(); ++i)
+    from_front.push_back(length += distance(path[i].position, path[i - 1].position));
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const double share = length > 0 ? from_front[i] / length : 0.5;
+    path[i].position = path[i].position + front * (1 - share) + back * share;
+  }
+  return path;
+}
+
+double length_of(const Path& path) {
+  double length = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += distance(path[i].position, path[i - 1].position);
+  return length;
+}
+
+/// A path that joins two strokes in one frame, and its ends followed.
+struct JoiningPath {
+  Course<Path> carried;
+  Course<Followed> front, back;
+};
+
+/// Adds where the path may be in a frame: carried, if its ends agree with those followed, and fitted to them.
+void add_guesses(const JoiningPath& joining, int frame, std::vector<Path>& guesses) {
+  const Path& carried = joining.carried[frame];
+  const Point front = joining.front[frame].patch.position - carried.front().position,
+              back = joining.back[frame].patch.position - carried.back().position;
+  if (norm(front) < kSameEnds && norm(back) < kSameEnds) guesses.push_back(refine(carried));
+  guesses.push_back(refine(move_ends(carried, front, back)));
+}
+
+/// Finds the path between two vertices of a frame, if one is at most this long.
+std::optional<std::vector<std::uint32_t>> find_path(const graph::AttributeGraph& graph, std::uint32_t from,
+                                                    std::uint32_t to, double longest) {
+  graph::detail::ShortestPaths paths(graph);
+  paths.search(std::span(&from, 1));
+  if (!(paths.distance(to) <= longest)) return std::nullopt;
+  auto path = paths.path_to_source(to);
+  std::ranges::reverse(path);
+  return path;
+}
+
+}  // namespace
+
+std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, const MotionIndex& motion,
+                                            const FrameWindow& window, int first, int last) {
+  using enum graph::EventType;
+  const graph::EventType type = traced.event.type;
+  const int frame = traced.path_frame;
+  std::vector<std::uint32_t> vertices;
+  for (const graph::VertexId id : traced.path)
+    vertices.push_back(static_cast<std::uint32_t>(motion.graph(frame).index_of(id)));
+  const EventFollower follower(motion, window, first, last);
+  const Path path = follower.path_of(vertices, frame);
+  std::vector<std::vector<Path>> guesses(static_cast<std::size_t>(last - first + 1));
+  const auto guesses_of = [&](int t) -> std::vector<Path>& {
+    return guesses[static_cast<std::size_t>(t - first)];
+  };
+
+  if (type == birth || type == death) {
+    const Course<Path> carried = follower.carry(path, frame);
+    std::vector<Course<Followed>> each;
+    for (const std::uint32_t v : vertices) each.push_back(follower.follow(v, frame));
+    for (int t = first; t <= last; ++t) {
+      Path followed;
+      for (const auto& course : each) followed.push_back(course[t].patch);
+      guesses_of(t) = {carried[t], std::move(followed)};
+    }
+    return guesses;
+  }
+  std::vector<JoiningPath> joinings;
+  const auto add = [&](const std::vector<std::uint32_t>& way, int t) {
+    joinings.push_back({follower.carry(follower.path_of(way, t), t), follower.follow(way.front(), t),
+                        follower.follow(way.back(), t)});
+  };
+  add(vertices, frame);
+  const int away = type == merge || type == connect ? 1 : -1;
+  for (const int frames : kOtherFrames) {
+    const int t = frame + away * frames;
+    if (t < first || t > last) continue;
+    const auto front = joinings.front().front[t].vertex, back = joinings.front().back[t].vertex;
+    if (!front || !back) continue;
+    if (const auto way = find_path(motion.graph(t), *front, *back, length_of(path) + kDetour)) add(*way, t);
+  }
+  for (int t = first; t <= last; ++t)
+    for (const JoiningPath& joining : joinings) add_guesses(joining, t, guesses_of(t));
+  return guesses;
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/context.hpp"
+#include "graph/patch.hpp"
+
+namespace emberfold::pipeline {
+
+/// Holds some frames of a clip in a row, and the motion between neighbouring ones.
+class FrameWindow {
+ public:
+  /// Appends the next frame: CV_32F, 1 or 3 channels, white = 255.
+  void push(cv::Mat levels);
+  /// Computes the motion (optical flow, both senses) between frames that have none yet, in parallel.
+  void prepare(const core::Context& context);
+  /// Forgets the frames before `frame`.
+  void drop_before(int frame);
+
+  [[nodiscard]] int first() const { return first_; }                                    ///< frame held
+  [[nodiscard]] int end() const { return first_ + static_cast<int>(entries_.size()); }  ///< one past the last
+  [[nodiscard]] const cv::Mat& levels(int frame) const { return entry(frame).levels; }
+  /// Returns where what is at p in frame `from` is in the next frame, or (`step` −1) in the one before.
+  [[nodiscard]] graph::Point carry(graph::Point p, int from, int step) const;
+
+ private:
+  struct Entry {
+    cv::Mat levels;
+    cv::Mat1f luma;
+    cv::Mat on, back;  // motion to the next frame, and from there
+  };
+  [[nodiscard]] const Entry& entry(int frame) const {
+    return entries_[static_cast<std::size_t>(frame - first_)];
+  }
+
+  int first_ = 0;
+  std::deque<Entry> entries_;
+};
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "graph/matching/point_grid.hpp"
+#include "graph/motion_graph.hpp"
+
+namespace emberfold::pipeline {
+
+/// Finds the patches of a motion graph by link and by place. Refers to the graph.
+class MotionIndex {
+ public:
+  explicit MotionIndex(const graph::MotionGraph& motion);
+
+  [[nodiscard]] const graph::AttributeGraph& graph(int frame) const {
+    return motion_.sketch.frames[static_cast<std::size_t>(frame)];
+  }
+  /// Returns the vertex that a vertex is linked with in the next frame or (`step` −1) the one before; of
+  /// several the first.
+  [[nodiscard]] std::optional<std::uint32_t> linked(int frame, std::uint32_t vertex, int step) const;
+  /// Returns the vertex of a frame that shows the same place of a stroke; of several the nearest.
+  [[nodiscard]] std::optional<std::uint32_t> coinciding(int frame, const graph::Patch& patch) const;
+
+ private:
+  struct Frame {
+    std::vector<std::uint32_t> next, previous;  // vertex indices, kNone where there is none
+    graph::detail::PointGrid places;
+  };
+  const graph::MotionGraph& motion_;
+  std::vector<Frame> frames_;
+};
+
+}  // namespace emberfold::pipeline
