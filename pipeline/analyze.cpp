@@ -2,10 +2,12 @@
 #include "pipeline/analyze.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
 #include "core/error.hpp"
+#include "graph/matching/time_reversal.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
 #include "pipeline/frame_synthesis.hpp"
@@ -46,9 +48,15 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
   clock.begin("match");
   if (!options.sample) {
     analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
-    clock.begin("events");
-    analysis.all_events = options.bottom_up ? graph::stroke_events(analysis.motion)
-                                            : event_posterior(source, analysis.motion, context);
+    if (options.bottom_up) {
+      analysis.all_events = graph::stroke_events(analysis.motion);
+    } else {
+      // Matched backwards, velocities that are carried on decide otherwise where the match is in doubt.
+      const auto backwards = graph::reverse_time(
+          graph::match(graph::reverse_time(sketches.clip.sketch), options.match, context.with_progress({})));
+      clock.begin("events");
+      analysis.all_events = event_posterior(source, std::array{analysis.motion, backwards}, context);
+    }
     clock.begin("learn");
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {

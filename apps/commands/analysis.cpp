@@ -82,6 +82,17 @@ Json motion_json(const graph::MotionGraph& motion) {
       {"strokes", strokes.size()}, {"links", links}, {"trajectories", graph::trajectories(motion).size()}};
 }
 
+/// Counts the events that are sure, likely or doubtful; of `all` that were looked at.
+Json certainty_json(const std::vector<graph::Event>& all) {
+  constexpr double kSure = 0.9, kLikely = 0.5, kDoubtful = 0.05;
+  const auto count = [&](double from, double to) {
+    return std::ranges::count_if(
+        all, [&](const graph::Event& e) { return e.probability >= from && e.probability < to; });
+  };
+  return {
+      {"sure", count(kSure, 2)}, {"likely", count(kLikely, kSure)}, {"doubtful", count(kDoubtful, kLikely)}};
+}
+
 Json events_json(const std::vector<graph::Event>& events, std::size_t frames) {
   Json classes = Json::object();
   for (const auto type : graph::all_event_types())
@@ -159,6 +170,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(found.events, motion.sketch.frames.size());
+  if (!options.bottom_up) summary["events"].update(certainty_json(found.all_events));
   summary["model"] = motion_model_figures(found.model.motion);
   summary["calibration"] = calibration_json(found.calibration);
   const auto& sharpening = found.model.sharpening;

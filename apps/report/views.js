@@ -11,7 +11,9 @@ function buildHead() {
   const tiles = [], figures = summary.sketch ?? {}, count = data.events.total;
   const tile = (name, value, unit, below) => tiles.push(make("div", {}, make("dt", {}, name),
     make("dd", {}, value, ...(unit ? [make("small", {}, "\u2009" + unit)] : [])), ...(below ? [make("dd", {class: "sub"}, below)] : [])));
-  tile("Events", number(count), "", `${number(count / Math.max(1, clip.frames - 1), 2)} a frame`);
+  const told = summary.events?.sure === undefined ? `${number(count / Math.max(1, clip.frames - 1), 2)} a frame`
+    : `${number(summary.events.sure)} sure, ${number(summary.events.likely)} likely; ${number(summary.events.doubtful)} doubtful ones are left out`;
+  tile("Events", number(count), "", told);
   tile("Strokes", number(figures.strokes_per_frame, 1), "a frame", `${number(summary.motion?.strokes)} in all`);
   tile("Patches", number(figures.patches_per_frame, 0), "a frame", `${number(figures.patches)} in all`);
   tile("Sketchable", number((figures.sketchable_share ?? 0) * 100, 1), "%", "of the frame, under patches");

@@ -2,7 +2,8 @@
 #include "pipeline/inference/event_posterior.hpp"
 
 #include <algorithm>
-#include <array>
+#include <compare>
+#include <cstdlib>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -25,6 +26,8 @@ constexpr double kLeastLevel = 0.15;     // of a patch's own amplitude
 constexpr double kMostMeasurements = 3;  // independent ones in a frame, of a stroke
 constexpr double kMeasurementsOfJoint = 2;
 constexpr std::size_t kFollowed = 3;  // frames in which what joins two strokes can be told apart from them
+constexpr int kSameFrames = 2;        // between two readings of one event
+constexpr double kSamePlace = 10;     // px
 constexpr std::size_t kWeakest = 3;   // one in so many patches of a joint decides whether it is open
 
 bool is_of_stroke(graph::EventType type) {
@@ -71,36 +74,108 @@ double event_factor(const graph::TracedEvent& traced, const MotionIndex& motion,
   return mcmc::log_change_factor(series);
 }
 
-/// Sets the probabilities of the events of strokes, and those of joints.
-void set_probabilities(std::vector<graph::Event>& events, const std::vector<double>& factors) {
-  for (const bool of_stroke : {true, false}) {
-    std::vector<std::size_t> which;
-    std::vector<double> of_these;
-    for (std::size_t k = 0; k < events.size(); ++k)
-      if (is_of_stroke(events[k].type) == of_stroke) which.push_back(k), of_these.push_back(factors[k]);
-    const auto probabilities = mcmc::change_probabilities(of_these);
-    for (std::size_t k = 0; k < which.size(); ++k) events[which[k]].probability = probabilities[k];
+/// An event and its log Bayes factor.
+struct Weighed {
+  graph::TracedEvent traced;
+  double factor = 0;
+};
+
+/// The events of one motion graph, measured in order of their frames.
+class Reading {
+ public:
+  explicit Reading(const graph::MotionGraph& motion)
+      : index_(motion), frames_(static_cast<int>(motion.sketch.frames.size())) {
+    for (graph::TracedEvent& traced : graph::trace_stroke_events(motion))
+      events_.push_back({std::move(traced)});
   }
+  /// Measures all events whose frames come before `end` and are in the window.
+  void measure(const FrameWindow& window, int end, const core::Context& context) {
+    std::size_t ready = done_;
+    while (ready < events_.size() && std::min(frames_, events_[ready].traced.event.frame + kReach) <= end)
+      ++ready;
+    core::parallel_for(ready - done_, context, [&](std::size_t k) {
+      Weighed& event = events_[done_ + k];
+      event.factor = event_factor(event.traced, index_, window, frames_);
+    });
+    done_ = ready;
+  }
+  [[nodiscard]] const std::vector<Weighed>& events() const { return events_; }
+
+ private:
+  MotionIndex index_;
+  int frames_;
+  std::vector<Weighed> events_;
+  std::size_t done_ = 0;
+};
+
+enum class Family { birth, death, separation, union_ };
+
+Family family_of(graph::EventType type) {
+  using enum graph::EventType;
+  if (type == birth) return Family::birth;
+  if (type == death) return Family::death;
+  return type == split || type == disconnect ? Family::separation : Family::union_;
+}
+
+/// Adds the events of another reading. One that both have is kept once, with the larger factor.
+void add_events(const std::vector<Weighed>& others, std::vector<Weighed>& events) {
+  struct Pair {
+    double apart = 0;
+    std::size_t known = 0, other = 0;
+    auto operator<=>(const Pair&) const = default;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < events.size(); ++i)
+    for (std::size_t k = 0; k < others.size(); ++k) {
+      const graph::Event &a = events[i].traced.event, &b = others[k].traced.event;
+      const double apart = distance(a.position, b.position);
+      if (family_of(a.type) == family_of(b.type) && std::abs(a.frame - b.frame) <= kSameFrames &&
+          apart <= kSamePlace)
+        pairs.push_back({apart, i, k});
+    }
+  std::ranges::sort(pairs);
+  std::vector<bool> is_taken(events.size(), false), is_known(others.size(), false);
+  for (const Pair& pair : pairs) {
+    if (is_taken[pair.known] || is_known[pair.other]) continue;
+    is_taken[pair.known] = is_known[pair.other] = true;
+    events[pair.known].factor = std::max(events[pair.known].factor, others[pair.other].factor);
+  }
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    if (is_known[k]) continue;
+    events.push_back(others[k]);
+    events.back().traced.event.before.clear(), events.back().traced.event.after.clear();
+  }
+}
+
+/// Returns the events with their probabilities: of the events of strokes, and of those of joints.
+std::vector<graph::Event> believed(const std::vector<Weighed>& weighed) {
+  std::vector<graph::Event> events;
+  for (const bool of_stroke : {true, false}) {
+    std::vector<double> factors;
+    const std::size_t first = events.size();
+    for (const Weighed& one : weighed)
+      if (is_of_stroke(one.traced.event.type) == of_stroke)
+        events.push_back(one.traced.event), factors.push_back(one.factor);
+    const auto probabilities = mcmc::change_probabilities(factors);
+    for (std::size_t k = 0; k < probabilities.size(); ++k) events[first + k].probability = probabilities[k];
+  }
+  graph::sort_events(events);
+  return events;
 }
 
 }  // namespace
 
-std::vector<graph::Event> event_posterior(core::FrameSource& source, const graph::MotionGraph& motion,
+std::vector<graph::Event> event_posterior(core::FrameSource& source,
+                                          std::span<const graph::MotionGraph> readings,
                                           const core::Context& context) {
-  const auto traced = graph::trace_stroke_events(motion);
-  const int frames = static_cast<int>(motion.sketch.frames.size());
-  const MotionIndex index(motion);
-  std::vector<double> factors(traced.size());
+  if (readings.empty()) throw core::InputError("events: no reading of the clip");
+  const std::size_t frames = readings.front().sketch.frames.size();
+  std::vector<Reading> all;
+  for (const graph::MotionGraph& motion : readings) all.emplace_back(motion);
   FrameWindow window;
-  std::size_t done = 0;
-  const auto measure = [&](int end) {  // all events whose frames come before `end`
-    std::size_t ready = done;
-    while (ready < traced.size() && std::min(frames, traced[ready].event.frame + kReach) <= end) ++ready;
+  const auto measure = [&](int end) {
     window.prepare(context);
-    core::parallel_for(ready - done, context, [&](std::size_t k) {
-      factors[done + k] = event_factor(traced[done + k], index, window, frames);
-    });
-    done = ready;
+    for (Reading& reading : all) reading.measure(window, end, context);
     window.drop_before(end - 2 * kReach);
   };
   const auto& info = source.info();
@@ -112,14 +187,14 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const graph
         window.push(std::move(levels));
         if ((t + 1) % batch == 0) measure(t + 1);
       });
-  if (read != frames)
-    throw core::InputError("events: the clip has " + std::to_string(read) + " frames, its graphs " +
-                           std::to_string(frames));
-  measure(frames);
-  std::vector<graph::Event> events;
-  for (const graph::TracedEvent& one : traced) events.push_back(one.event);
-  set_probabilities(events, factors);
-  return events;
+  for (const graph::MotionGraph& motion : readings)
+    if (motion.sketch.frames.size() != static_cast<std::size_t>(read))
+      throw core::InputError("events: the clip has " + std::to_string(read) + " frames, its graphs " +
+                             std::to_string(motion.sketch.frames.size()));
+  measure(read);
+  std::vector<Weighed> events = all.front().events();
+  for (std::size_t k = 1; k < all.size(); ++k) add_events(all[k].events(), events);
+  return believed(events);
 }
 
 }  // namespace emberfold::pipeline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/events/events.hpp"
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 #include <set>
@@ -312,4 +313,31 @@ TEST_CASE("A cluster of p strokes before and q after has p - 1 unions and q - 1 
     }
     CHECK(std::tuple(births, deaths, unions, separations) == std::tuple(0, 0, 0, 0));
   }
+}
+
+TEST_CASE("A traced event has the patches that appeared or vanished") {
+  const std::vector<graph::Point> whole{{10, 50}, {15, 50}, {20, 50}, {25, 50}, {30, 50}, {35, 50}, {40, 50}};
+  const test::Frame joined = lines({whole});
+  const test::Frame apart = lines({{whole[0], whole[1], whole[2]}, {whole[4], whole[5], whole[6]}});
+  const Pairs links = straight(0, 3) + Pairs{{4, 3}, {5, 4}, {6, 5}};
+  const auto check = [](const test::Frame& before, const test::Frame& after, const Pairs& l, EventType type,
+                        int frame) {
+    const auto motion = graph::identify(test::motion({before.graph(), after.graph()}, {l}));
+    const auto traced = graph::trace_stroke_events(motion);
+    REQUIRE(traced.size() == 1);
+    CHECK(traced[0].event == graph::stroke_events(motion)[0]);
+    CHECK(traced[0].event.type == type);
+    CHECK(traced[0].path_frame == frame);
+    const graph::AttributeGraph& g = motion.sketch.frames[static_cast<std::size_t>(frame)];
+    std::vector<double> x;
+    for (const graph::VertexId id : traced[0].path) x.push_back(g.patch(g.index_of(id)).position.x);
+    std::ranges::sort(x);
+    return x;
+  };
+  CHECK(check(joined, apart, links, EventType::split, 0) == std::vector<double>{20, 25, 30});
+  CHECK(check(apart, joined, mirrored(links), EventType::merge, 1) == std::vector<double>{20, 25, 30});
+  const test::Frame one = lines({{{10, 50}, {15, 50}, {20, 50}}});
+  const test::Frame two = lines({{{10, 50}, {15, 50}, {20, 50}}, {{60, 50}, {65, 50}, {70, 50}}});
+  CHECK(check(one, two, straight(0, 3), EventType::birth, 1) == std::vector<double>{60, 65, 70});
+  CHECK(check(two, one, straight(0, 3), EventType::death, 0) == std::vector<double>{60, 65, 70});
 }

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/inference/event_posterior.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include <opencv2/core.hpp>
+
+#include "core/error.hpp"
+#include "graph/matching/match.hpp"
+#include "graph/matching/time_reversal.hpp"
+#include "pipeline/sketch_clip.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/sketch_scene.hpp"
+
+using namespace emberfold;
+using namespace emberfold::test;
+using graph::EventType;
+
+namespace {
+
+constexpr int kFrames = 30;
+using Level = std::function<double(Point, int)>;
+
+core::Clip film(const Level& level, double noise) {
+  core::Clip clip;
+  clip.info.width = 160, clip.info.height = 120, clip.info.channels = 1, clip.info.frames = kFrames;
+  for (int t = 0; t < kFrames; ++t) {
+    const cv::Mat1f levels = with_noise(draw({160, 120}, [&](Point p) { return level(p, t); }), noise,
+                                        static_cast<std::uint64_t>(t) + 7);
+    cv::Mat bytes;
+    levels.convertTo(bytes, CV_8U);
+    clip.frames.push_back(bytes);
+  }
+  return clip;
+}
+
+graph::MotionGraph matched(const core::Clip& clip) {
+  core::ClipSource source(clip);
+  sketch::ExtractOptions options;
+  options.sensitivity = pipeline::kSteadySensitivity;
+  return graph::match(pipeline::sketch_clip(source, options, {}).sketch, {});
+}
+
+std::vector<graph::Event> posterior(const core::Clip& clip, const graph::MotionGraph& motion) {
+  core::ClipSource source(clip);
+  return pipeline::event_posterior(source, {&motion, 1});
+}
+
+/// The highest probability of an event of this class near here.
+double probability(const std::vector<graph::Event>& events, EventType type, int frame, Point place) {
+  double best = 0;
+  for (const graph::Event& e : events)
+    if (e.type == type && std::abs(e.frame - frame) <= 2 && distance(e.position, place) < 20)
+      best = std::max(best, e.probability);
+  return best;
+}
+
+double line(Point p, double x, double top, double bottom) {
+  return 50 * segment({x, top}, {x, bottom}, 3, 1)(p);
+}
+
+}  // namespace
+
+TEST_CASE("What is born and breaks in a clip is told from what stays", "[posterior]") {
+  // The first line stays, the second is born in frame 10 and dies in 20, the third has a gap from 15 on.
+  const core::Clip clip = film(
+      [](Point p, int t) {
+        const double x = 3 * std::sin(0.4 * t);
+        double level = 80 + line(p, 30 + x, 15, 105);
+        if (t >= 10 && t < 20) level += line(p, 80 + x, 15, 105);
+        level += t < 15 ? line(p, 130 + x, 15, 105) : line(p, 130 + x, 15, 50) + line(p, 130 + x, 72, 105);
+        return level;
+      },
+      2);
+  const graph::MotionGraph motion = matched(clip);
+  const auto events = posterior(clip, motion);
+  CHECK(probability(events, EventType::birth, 10, {80, 60}) > 0.8);
+  CHECK(probability(events, EventType::death, 20, {80, 60}) > 0.8);
+  CHECK(probability(events, EventType::split, 15, {130, 60}) > 0.8);
+  CHECK(std::ranges::count_if(events, [](const auto& e) { return e.probability >= 0.5; }) == 3);
+}
+
+TEST_CASE("Events that were put into the graphs alone are not believed", "[posterior]") {
+  // A still picture: the graphs lose a stroke for a while, and break another.
+  const core::Clip clip =
+      film([](Point p, int) { return 80 + line(p, 40, 15, 105) + line(p, 110, 15, 105); }, 2);
+  graph::MotionGraph motion = matched(clip);
+  REQUIRE(graph::stroke_events(motion).empty());
+  graph::SketchSequence broken = motion.sketch;
+  broken.frames.clear();
+  for (int t = 0; t < kFrames; ++t) {
+    const graph::AttributeGraph& g = motion.sketch.frames[static_cast<std::size_t>(t)];
+    std::vector<graph::Vertex> vertices;
+    const auto is_out = [&](const graph::Vertex& v) {
+      const bool lost = t >= 8 && t < 20 && v.patch.position.x < 75;
+      const bool gap = t >= 14 && v.patch.position.x > 75 && std::abs(v.patch.position.y - 60) < 8;
+      return lost || gap;
+    };
+    std::ranges::remove_copy_if(g.vertices(), std::back_inserter(vertices), is_out);
+    std::vector<graph::Edge> edges;
+    std::ranges::copy_if(g.edges(), std::back_inserter(edges), [&](const graph::Edge& e) {
+      return !is_out(g.vertices()[g.index_of(e.a)]) && !is_out(g.vertices()[g.index_of(e.b)]);
+    });
+    broken.append({std::move(vertices), std::move(edges)});
+  }
+  motion = graph::match(broken, {});
+  const auto read = graph::stroke_events(motion);
+  REQUIRE(read.size() == 3);  // a death, a birth, a split
+  for (const graph::Event& e : posterior(clip, motion)) {
+    INFO(graph::name(e.type) << " in frame " << e.frame);
+    CHECK(e.probability < 0.2);
+  }
+}
+
+TEST_CASE("The probabilities do not depend on which way a clip is played", "[posterior]") {
+  core::Clip clip = film(
+      [](Point p, int t) {
+        return 80 + line(p, 40, 15, 105) + (t >= 12 ? line(p, 110, 15, 105) : line(p, 110, 15, 40));
+      },
+      2);
+  const graph::MotionGraph motion = matched(clip);
+  auto forwards = posterior(clip, motion);
+  std::ranges::reverse(clip.frames);
+  const auto backwards = graph::reverse_time(posterior(clip, graph::reverse_time(motion)), kFrames);
+  REQUIRE(forwards.size() == backwards.size());
+  for (std::size_t i = 0; i < forwards.size(); ++i) {
+    CHECK(forwards[i].type == backwards[i].type);
+    CHECK_THAT(forwards[i].probability, WithinAbs(backwards[i].probability, 0.05));
+  }
+}
+
+TEST_CASE("An event that one reading lacks counts all the same", "[posterior]") {
+  const core::Clip clip = film(
+      [](Point p, int t) { return 80 + line(p, 40, 15, 105) + (t >= 12 ? line(p, 110, 15, 105) : 0); }, 2);
+  const graph::MotionGraph motion = matched(clip);
+  const auto alone = posterior(clip, motion);
+  REQUIRE(alone.size() == 1);
+  graph::MotionGraph without = motion;  // its second stroke is in no frame
+  without.sketch.frames.clear();
+  for (const graph::AttributeGraph& g : motion.sketch.frames) {
+    const auto is_out = [](const graph::Vertex& v) { return v.patch.position.x > 75; };
+    std::vector<graph::Vertex> vertices;
+    std::ranges::remove_copy_if(g.vertices(), std::back_inserter(vertices), is_out);
+    std::vector<graph::Edge> edges;
+    std::ranges::copy_if(g.edges(), std::back_inserter(edges),
+                         [&](const graph::Edge& e) { return !is_out(g.vertices()[g.index_of(e.a)]); });
+    without.sketch.append({std::move(vertices), std::move(edges)});
+  }
+  without = graph::match(without.sketch, {});
+  REQUIRE(graph::stroke_events(without).empty());
+  for (const bool first : {true, false}) {
+    core::ClipSource source(clip);
+    const auto events =
+        pipeline::event_posterior(source, first ? std::array{motion, without} : std::array{without, motion});
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].probability == alone[0].probability);
+    CHECK(events[0].after.empty() == !first);
+  }
+}
+
+TEST_CASE("A clip of another length than its graphs is refused", "[posterior]") {
+  core::Clip clip = film([](Point p, int) { return 80 + line(p, 40, 15, 105); }, 2);
+  const graph::MotionGraph motion = matched(clip);
+  clip.frames.pop_back();
+  CHECK_THROWS_AS(posterior(clip, motion), core::InputError);
+}
