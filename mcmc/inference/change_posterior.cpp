@@ -24,8 +24,8 @@ constexpr double kMostOfFrame = 6;       // nats that one frame counts
 constexpr double kOfReading = 0.1;       // nats a frame for what the graphs say
 constexpr double kSwitch = 0.02;         // prior probability of a change, a frame
 constexpr std::size_t kTolerance = 2;    // frames
-constexpr double kPower = 0.3;           // of the Bayes factor
-constexpr double kMostFactor = 4;        // nats
+constexpr double kPower = 0.3;           // of a factor in its event's probability
+constexpr double kMostFactor = 4;        // nats, in the estimate of the share, and after the power
 constexpr double kPseudo = 1;            // true and false changes that the prior of π is worth, each
 }  // namespace tuning
 
@@ -90,6 +90,10 @@ double log_odds(double p) {
   return std::log(p) - std::log1p(-p);
 }
 
+double logistic(double x) {
+  return 1 / (1 + std::exp(-x));
+}
+
 }  // namespace
 
 double log_change_factor(const ChangeSeries& series) {
@@ -106,22 +110,26 @@ double log_change_factor(const ChangeSeries& series) {
   const std::vector<double> nothing(count, 0.0);
   const double posterior = change_probability(frame_evidence(series), series.appears, first, last);
   const double prior = change_probability(nothing, series.appears, first, last);
-  return std::clamp(tuning::kPower * (log_odds(posterior) - log_odds(prior)), -tuning::kMostFactor,
-                    tuning::kMostFactor);
+  constexpr double kMost = tuning::kMostFactor / tuning::kPower;
+  return std::clamp(log_odds(posterior) - log_odds(prior), -kMost, kMost);
 }
 
-std::vector<double> change_probabilities(std::span<const double> log_factors) {
+double estimate_change_share(std::span<const double> log_factors) {
   constexpr int kIterations = 200;
-  std::vector<double> result(log_factors.size());
   double share = 0.5;
   for (int i = 0; i < kIterations; ++i) {
     double sum = tuning::kPseudo;
-    for (std::size_t k = 0; k < result.size(); ++k) {
-      result[k] = 1 / (1 + std::exp(-log_factors[k] - log_odds(share)));
-      sum += result[k];
-    }
-    share = sum / (static_cast<double>(result.size()) + 2 * tuning::kPseudo);
+    for (const double factor : log_factors)
+      sum += logistic(std::clamp(factor, -tuning::kMostFactor, tuning::kMostFactor) + log_odds(share));
+    share = sum / (static_cast<double>(log_factors.size()) + 2 * tuning::kPseudo);
   }
+  return share;
+}
+
+std::vector<double> change_probabilities(std::span<const double> log_factors) {
+  const double prior = log_odds(estimate_change_share(log_factors));
+  std::vector<double> result;
+  for (const double factor : log_factors) result.push_back(logistic(tuning::kPower * factor + prior));
   return result;
 }
 

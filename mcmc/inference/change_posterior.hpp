@@ -26,14 +26,18 @@ struct ChangeSeries {
 /// The patches are on or off in every frame, a two-state Markov chain. An amplitude is normal about 1 or 0,
 /// or, once in 20 times, anything. Compared are the posterior odds of a change in the right sense within 2
 /// frames of `at` and the prior odds of it; forward and backward sums are exact (Baum, Petrie, Soules & Weiss
-/// 1970). Errors of the measurements are not independent from frame to frame, so the factor counts to the
-/// power 0.3, and at most e^±4. Throws core::InputError for an amplitude that is not finite or an `at` out of
+/// 1970). At most ±40/3 nats. Throws core::InputError for an amplitude that is not finite or an `at` out of
 /// range. O(frames).
 double log_change_factor(const ChangeSeries& series);
 
-/// Computes the probability of each change of a clip from its factor and the share π of true ones.
-/// π maximises the posterior of all of them together under a Beta(2, 2) prior (EM), so that a clip in which
-/// nothing happens has few, and one full of events has many. O(changes · iterations).
+/// Estimates the share π of true changes among all that were read from a clip, from their factors.
+/// π maximises the posterior of all of them under a Beta(2, 2) prior (EM), each factor at most e^±4; so a
+/// clip in which nothing happens has few, and one full of events has many. O(changes · iterations).
+double estimate_change_share(std::span<const double> log_factors);
+
+/// Computes the probability of each change of a clip, from its factor and the share of true ones.
+/// Errors of the measurements are not independent from frame to frame, so that here a factor counts to the
+/// power 0.3. O(changes · iterations).
 std::vector<double> change_probabilities(std::span<const double> log_factors);
 
 }  // namespace emberfold::mcmc
