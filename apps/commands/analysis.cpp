@@ -201,7 +201,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   Analysis made;
   made.clip = shown_name.empty() ? name : shown_name;
   const auto source = open_clip(name, options.read, session);
-  pipeline::AnalyzeOptions asked = options;
+  pipeline::AnalyzeOptions asked = static_cast<const pipeline::AnalyzeOptions&>(options);
   asked.seed = session.common.seed, asked.clip = made.clip;
   made.found = pipeline::analyze(*source, asked, session.context);
   const auto& found = made.found;

@@ -181,8 +181,9 @@ void correct_place(const MotionGraph& motion, Event& event) {
   }
   const auto now = static_cast<double>(sizes.front().first);
   std::sort(sizes.begin(), sizes.end());
-  const auto then = static_cast<double>(sizes[sizes.size() / 2].first);
-  const int settled = sense * sizes[sizes.size() / 2].second;
+  const auto& middle = sizes[sizes.size() / 2];
+  const auto then = static_cast<double>(middle.first);
+  const int settled = sense * middle.second;
   if (then <= kUnsettledRatio * now && now <= kUnsettledRatio * then) return;
   const AttributeGraph& graph = frames[static_cast<std::size_t>(settled)];
   const auto of_stroke =

@@ -28,6 +28,7 @@ constexpr double kMeasurementsOfJoint = 2;
 constexpr std::size_t kFollowed = 3;  // frames in which what joins two strokes can be told apart from them
 constexpr int kSameFrames = 2;        // between two readings of one event
 constexpr double kSamePlace = 10;     // px
+constexpr double kInOneReading = 6;   // nats against an event that another reading lacks
 constexpr std::size_t kWeakest = 3;   // one in so many patches of a joint decides whether it is open
 
 bool is_of_stroke(graph::EventType type) {
@@ -117,7 +118,8 @@ Family family_of(graph::EventType type) {
   return type == split || type == disconnect ? Family::separation : Family::union_;
 }
 
-/// Adds the events of another reading. One that both have is kept once, with the larger factor.
+/// Adds the events of another reading. One that both have is kept once, with the smaller factor; one that
+/// either lacks is doubtful.
 void add_events(const std::vector<Weighed>& others, std::vector<Weighed>& events) {
   struct Pair {
     double apart = 0;
@@ -138,11 +140,14 @@ void add_events(const std::vector<Weighed>& others, std::vector<Weighed>& events
   for (const Pair& pair : pairs) {
     if (is_taken[pair.known] || is_known[pair.other]) continue;
     is_taken[pair.known] = is_known[pair.other] = true;
-    events[pair.known].factor = std::max(events[pair.known].factor, others[pair.other].factor);
+    events[pair.known].factor = std::min(events[pair.known].factor, others[pair.other].factor);
   }
+  for (std::size_t i = 0; i < is_taken.size(); ++i)
+    if (!is_taken[i]) events[i].factor -= kInOneReading;
   for (std::size_t k = 0; k < others.size(); ++k) {
     if (is_known[k]) continue;
     events.push_back(others[k]);
+    events.back().factor -= kInOneReading;
     events.back().traced.event.before.clear(), events.back().traced.event.after.clear();
   }
 }

@@ -16,9 +16,10 @@ namespace emberfold::pipeline {
 /// measured how strongly they show in each; the probability is that of a change there rather than none
 /// (mcmc::log_change_factor, mcmc::change_probabilities; docs/method/events.md). `readings`: motion graphs of
 /// the clip, at least one, matched forwards and backwards for instance. An event that only some of them have
-/// counts like one of all; those of other readings than the first name no strokes. `source` is read once, and
-/// some 40 frames are held. Sorted as by graph::sort_events. The same bytes at any number of threads. Throws
-/// core::InputError for no reading or one of another number of frames than the clip, core::Cancelled.
+/// is held to be less likely (6 nats); those of other readings than the first name no strokes. `source` is
+/// read once, and some 40 frames are held. Sorted as by graph::sort_events. The same bytes at any number of
+/// threads. Throws core::InputError for no reading or one of another number of frames than the clip,
+/// core::Cancelled.
 std::vector<graph::Event> event_posterior(core::FrameSource& source,
                                           std::span<const graph::MotionGraph> readings,
                                           const core::Context& context = {});
