@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/io/scratch.hpp"
 
 namespace emberfold::io {
 
@@ -44,7 +45,7 @@ bool is_video_name(const fs::path& path) {
   return false;
 }
 
-StagedFile::StagedFile(fs::path path) : path_(std::move(path)), part_(path_.string() + ".part") {
+StagedFile::StagedFile(fs::path path) : path_(std::move(path)), part_(scratch_path(path_.parent_path())) {
   if (fs::is_directory(path_)) fail("write", path_, "a folder has this name");
   errno = 0;
   if (!std::ofstream(part_, std::ios::binary | std::ios::trunc)) fail("write", path_, std::strerror(errno));
@@ -58,9 +59,17 @@ StagedFile::~StagedFile() {
 void StagedFile::write(const std::function<void(std::ostream&)>& body) const {
   errno = 0;
   std::ofstream stream(part_, std::ios::binary | std::ios::trunc);
-  body(stream);
+  const auto stopped = [&] {
+    fail("write", path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
+  };
+  try {
+    body(stream);
+  } catch (const core::IoError&) {
+    if (!stream) stopped();  // a writer knows neither the file nor the reason
+    throw;
+  }
   stream.close();
-  if (!stream) fail("write", path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
+  if (!stream) stopped();
 }
 
 void StagedFile::finish() const {
