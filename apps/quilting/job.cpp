@@ -80,7 +80,7 @@ bool reads_one_frame(const QuiltRequest& request) {
 io::ReadOptions reading_of(const QuiltRequest& request) {
   io::ReadOptions read = request.read;
   if (!reads_one_frame(request)) return read;
-  read.first += *request.frame;
+  read.first += std::int64_t{*request.frame} * read.every;
   if (read.last && read.first >= *read.last)
     throw Misuse("--frame is " + std::to_string(*request.frame) + ", but --range holds only " +
                  std::to_string(*request.read.last - request.read.first) + " frames");
@@ -197,12 +197,23 @@ std::vector<io::OutputPath> output_paths(const QuiltRequest& request, const Quil
   return paths;
 }
 
+/// Before the work begins: nothing is replaced but what an earlier quilt left in a folder of its own.
+void require_replaceable(const QuiltTarget& target, const std::vector<io::OutputPath>& outputs) {
+  std::vector<std::string> names;
+  for (const auto& output : outputs)
+    if (!output.is_folder && output.path.parent_path() == target.folder && output.path != target.checkpoint)
+      names.push_back(output.path.filename().string());
+  io::require_own(target.folder, names);
+}
+
 }  // namespace
 
 void run_quilt(QuiltRequest& request, Session& session) {
   QuiltTarget target = quilt_target(request);
   const auto inputs = input_names(request);
-  io::require_apart(inputs, output_paths(request, target));
+  const auto outputs = output_paths(request, target);
+  io::require_apart(inputs, outputs);
+  if (!session.common.overwrite) require_replaceable(target, outputs);
   Stages stages;
   stages.begin("read");
   QuiltClips clips(request, reading_of(request), session);
@@ -211,7 +222,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
   if (!request.apply.empty()) found.map = read_map(request.apply, clips.sizes());
   const cv::Size size = request.apply.empty() ? request.quilt.size : found.map.size;
   const auto control = make_control(request.control, size, request.quilt.block, request.quilt.seed);
-  io::OutputFolder output(target.folder);
+  io::OutputFolder output(target.folder, session.common.existing());
   output.protect(inputs);
   if (!can_stream(request, target, clips, control)) clips.load(target.folder, session);
   const FramePlan plan = plan_of(request, clips);

@@ -40,12 +40,13 @@ bool is_one_clear_line(const std::string& text) {
   return text.starts_with("emberfold: ") && std::ranges::count(text, '\n') == 1 && text.ends_with("\n");
 }
 
-// Output without the warnings about a model of little data.
+// Output without the warnings about a model of little data, and of images that tell no frame rate.
 std::string without_model_warnings(const std::string& text) {
   std::istringstream lines(text);
   std::string rest;
   for (std::string line; std::getline(lines, line);)
-    if (!line.starts_with("emberfold: warning: model: ")) rest += line + "\n";
+    if (!line.starts_with("emberfold: warning: model: ") && !contains(line, "its frame rate is not known"))
+      rest += line + "\n";
   return rest;
 }
 

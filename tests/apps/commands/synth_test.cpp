@@ -68,6 +68,16 @@ void check_refused(const std::vector<std::string>& arguments, int exit, const st
   CHECK_FALSE(fs::exists(output.string() + ".part"));
 }
 
+/// Bytes of the largest file that is not whole yet; -1 where there is none.
+std::intmax_t largest_unfinished(const fs::path& folder) {
+  std::intmax_t largest = -1;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (contains(entry.path().string(), ".part"))
+      largest = std::max(largest, static_cast<std::intmax_t>(fs::file_size(entry.path(), ignored)));
+  return largest;
+}
+
 void replace_in(const fs::path& file, const std::string& from, const std::string& to) {
   std::string text = bytes_of(file);
   const auto at = text.find(from);
@@ -261,11 +271,7 @@ TEST_CASE("an interrupted synth leaves what was drawn, whole and of one length")
   const Learned made(12);
   const auto out = made.temp / "out.avi", motion = made.temp / "m.jsonl", overlay = made.temp / "over.avi";
   CommandOptions options;
-  options.interrupt_if = [&] {
-    std::error_code none;
-    const auto bytes = fs::file_size(made.temp / "out.part.avi", none);
-    return !none && bytes > 100'000;
-  };
+  options.interrupt_if = [&] { return largest_unfinished(made.temp.path()) > 100'000; };
   const auto result = run_command({"synth", made.model, "-o", out.string(), "--motion", motion.string(),
                                    "--overlay", overlay.string(), "--frames", "2000", "--threads", "1"},
                                   options);
@@ -291,7 +297,7 @@ TEST_CASE("an interrupted synth leaves what was drawn, whole and of one length")
 TEST_CASE("a synth that is interrupted before its first frame keeps nothing") {
   const Learned made(12);
   CommandOptions options;
-  options.interrupt_if = [&] { return fs::exists(made.temp / "out.part.avi"); };
+  options.interrupt_if = [&] { return largest_unfinished(made.temp.path()) >= 0; };
   const auto result = run_command({"synth", made.model, "-o", (made.temp / "out.avi").string(), "--motion",
                                    (made.temp / "m.jsonl").string(), "--frames", "100000", "--threads", "1"},
                                   options);
