@@ -129,7 +129,7 @@ TEST_CASE("a clip that lies in the output folder under a name that is written is
   // beside the output a clip is safe
   fs::copy_file(made.clip, out + "/mine.avi");
   const auto source = bytes_of(out + "/mine.avi");
-  CHECK(run_command({"sketch", out + "/mine.avi", "-o", out, "-q"}).exit == 0);
+  CHECK(run_command({"sketch", out + "/mine.avi", "-o", out, "-q", "--overwrite"}).exit == 0);
   CHECK(bytes_of(out + "/mine.avi") == source);
 }
 
