@@ -32,7 +32,8 @@ Interval event_rate(double count, double exposure, double level) {
   return {count / exposure, low / exposure, high / exposure};
 }
 
-RateComparison compare_rates(double count_a, double exposure_a, double count_b, double exposure_b, double level) {
+RateComparison compare_rates(double count_a, double exposure_a, double count_b, double exposure_b,
+                             double level) {
   check("compare_rates: first", count_a, exposure_a, level);
   check("compare_rates: second", count_b, exposure_b, level);
   if (count_a != std::floor(count_a) || count_b != std::floor(count_b))
