@@ -161,7 +161,7 @@ void run_sketch(const Sketch& asked, Session& session) {
                                         asked.reading.options.mask};
   require_apart(inputs, asked.output,
                 {"overlay.mp4", "reconstruction.avi", "film.mp4", "film.png", "heat.mp4", "dictionary",
-                 "dictionary.png"},
+                 "dictionary.png", "sketch.jsonl", "drift.csv", "summary.json"},
                 session.common);
   io::OutputFolder output(asked.output, session.common.existing());
   output.protect(inputs);

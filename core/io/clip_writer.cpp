@@ -6,10 +6,10 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -71,7 +71,8 @@ class VideoFileWriter final : public VideoWriter {
         colour_(colour || mp4) {
     if (fs::is_directory(path_)) fail(path_, "a folder has this name");
     errno = 0;
-    if (!std::ofstream(part_, std::ios::binary | std::ios::trunc)) fail(path_, std::strerror(errno));
+    if (!std::ofstream(part_, std::ios::binary | std::ios::trunc))
+      fail(path_, std::generic_category().message(errno));
     silence_media_libraries();
     const int code =
         mp4 ? cv::VideoWriter::fourcc('a', 'v', 'c', '1') : cv::VideoWriter::fourcc('F', 'F', 'V', '1');
@@ -197,7 +198,7 @@ class PngFolderWriter final : public VideoWriter {
     std::ofstream out(part_ / name, std::ios::binary | std::ios::trunc);
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     out.close();
-    if (!out) fail(path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
+    if (!out) fail(path_, errno != 0 ? std::generic_category().message(errno) : "the disk may be full");
     ++frames_;
   }
 

@@ -3,9 +3,9 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "core/error.hpp"
@@ -69,7 +69,7 @@ OutputFolder::~OutputFolder() {
 void OutputFolder::write(const std::string& name, const std::function<void(std::ostream&)>& body) {
   const auto fail = [&] {
     throw core::IoError("cannot write " + (folder_ / name).string() + ": " +
-                        (errno != 0 ? std::strerror(errno) : "the disk may be full"));
+                        (errno != 0 ? std::generic_category().message(errno) : "the disk may be full"));
   };
   errno = 0;
   std::ofstream stream(staged(name), std::ios::binary | std::ios::trunc);

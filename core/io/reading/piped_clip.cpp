@@ -2,7 +2,7 @@
 #include "core/io/reading/piped_clip.hpp"
 
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 #include <vector>
 
 #include <fcntl.h>
@@ -29,7 +29,8 @@ int open_nameless(const std::string& shown) {
   std::string name = (folder / "emberfold-clip-XXXXXX").string();
   const int file = ::mkostemp(name.data(), O_CLOEXEC);
   if (file < 0)
-    fail(shown, "no temporary file can be made in " + folder.string() + ": " + std::strerror(errno));
+    fail(shown, "no temporary file can be made in " + folder.string() + ": " +
+                    std::generic_category().message(errno));
   ::unlink(name.c_str());
   return file;
 }
@@ -39,8 +40,8 @@ void write_whole(int file, const char* data, std::size_t count, const std::strin
     const auto written = ::write(file, data, count);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0)
-      fail(shown, std::string("its temporary copy cannot be written: ") + std::strerror(errno) +
-                      "; TMPDIR names another folder for it");
+      fail(shown, std::string("its temporary copy cannot be written: ") +
+                      std::generic_category().message(errno) + "; TMPDIR names another folder for it");
     data += written;
     count -= static_cast<std::size_t>(written);
   }
@@ -58,7 +59,7 @@ bool is_piped(const std::string& name) {
 PipedClip::PipedClip(const std::string& name) {
   const std::string shown = name == "-" ? "standard input" : name;
   const int pipe = name == "-" ? ::dup(STDIN_FILENO) : ::open(name.c_str(), O_RDONLY | O_CLOEXEC);
-  if (pipe < 0) fail(shown, std::strerror(errno));
+  if (pipe < 0) fail(shown, std::generic_category().message(errno));
   std::size_t total = 0;
   try {
     if (::isatty(pipe) == 1) fail(shown, "it is a terminal; pipe a clip into it");
@@ -67,7 +68,7 @@ PipedClip::PipedClip(const std::string& name) {
     while (true) {
       const auto count = ::read(pipe, buffer.data(), buffer.size());
       if (count < 0 && errno == EINTR) continue;
-      if (count < 0) fail(shown, std::strerror(errno));
+      if (count < 0) fail(shown, std::generic_category().message(errno));
       if (count == 0) break;
       write_whole(file_, buffer.data(), static_cast<std::size_t>(count), shown);
       total += static_cast<std::size_t>(count);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -24,7 +25,8 @@ struct TiffAxes {
       {};  ///< what of the metadata is odd, in words that follow the file's name
 
   [[nodiscard]] int plane(int frame, int slice, int channel) const {
-    return planes[static_cast<std::size_t>((frame * slices + slice) * channels + channel)];
+    const auto at = std::int64_t{frame} * slices + slice;
+    return planes[static_cast<std::size_t>(at * channels + channel)];
   }
 };
 

@@ -401,11 +401,12 @@ TEST_CASE("Ctrl-C in the middle ends with exit 130, and nothing is left under a 
     }
   fs::create_directory(out);
   std::ofstream(out / "events.json") << "an older run's";
+  std::ofstream(out / "summary.json") << R"({"format": "emberfold.summary"})";
   CommandOptions options;
   options.interrupt_if = drawing;
   CHECK(run_command({"analyze", clip, "-o", out.string(), "--threads", "1"}, options).exit == 130);
   CHECK(bytes_of(out / "events.json") == "an older run's");
-  CHECK(entries(out) == 1);
+  CHECK(entries(out) == 2);
 }
 
 TEST_CASE("score: the table, the JSON and what a reader refuses") {

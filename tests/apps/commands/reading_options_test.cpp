@@ -100,7 +100,7 @@ TEST_CASE("memory that does not suffice is told with the clip, and leaves nothin
   const std::string command = "ulimit -v 900000; exec " + std::string(EMBERFOLD_PROGRAM) + " sketch " +
                               path.string() + " -o " + (temp / "out").string() + " -q 2> " +
                               (temp / "err").string();
-  const int status = std::system(command.c_str());
+  const int status = std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe): no other thread here
   const std::string err = bytes_of(temp / "err");
   INFO(err);
   CHECK(WEXITSTATUS(status) == 1);
