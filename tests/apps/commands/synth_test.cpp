@@ -325,7 +325,7 @@ TEST_CASE("synth changes the motion as it is asked to, and by nothing if by noth
 
   const auto none = made.temp / "none.avi";
   const auto refused = [&](const std::vector<std::string>& more, const std::string& what) {
-    std::vector<std::string> arguments{"synth", made.model, "-o", none.string()};
+    std::vector<std::string> arguments{"synth", made.model, "-o", none.string(), "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     check_refused(arguments, 2, {what}, none);
   };
@@ -366,8 +366,8 @@ TEST_CASE("analyze learns what lies between strokes where asked, and synth draws
   // The texture is edited with the strokes; by nothing if by nothing.
   for (const auto& [speed, same] : {std::pair{"1", true}, {"2", false}}) {
     const auto edited = made.temp / ("speed" + std::string(speed) + ".avi");
-    REQUIRE(run_command({"synth", model, "-o", edited.string(), "--frames", "30", "--fill", "dytex", "-q",
-                         "--speed", speed})
+    REQUIRE(run_command({"synth", model, "-o", edited.string(), "--overwrite", "--frames", "30", "--fill",
+                         "dytex", "-q", "--speed", speed})
                 .exit == 0);
     CHECK((bytes_of(edited) == bytes_of(fs::path(folder) / "new.avi")) == same);
   }
@@ -401,7 +401,8 @@ TEST_CASE("synth lays the clip's residual on new frames where asked") {
   const Learned made;
   const auto plain = made.temp / "plain.avi";
   const auto draw = [&](const fs::path& out, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"synth", made.model, "-o", out.string(), "--frames", "6", "-q"};
+    std::vector<std::string> arguments{"synth",    made.model, "-o", out.string(),
+                                       "--frames", "6",        "-q", "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto result = run_command(arguments);
     INFO(result.err);
