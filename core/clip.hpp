@@ -19,7 +19,9 @@ struct ClipInfo {
   int depth = 0;       ///< CV_8U, CV_16U or CV_32F
   double fps = 25;     ///< frames a second, > 0
   double white = 255;  ///< value of white: 255, the true range of a 16-bit clip, or 1 for CV_32F
-  std::optional<std::int64_t> frames;  ///< number of frames, if known without reading
+  std::optional<std::int64_t> frames = {};  ///< number of frames, if known without reading
+  bool fps_is_known = true;                 ///< false: nothing tells the rate, and `fps` is a guess
+  std::optional<double> pixel_um = {};      ///< side of a pixel, µm, > 0, where known
 
   bool operator==(const ClipInfo&) const = default;
 };

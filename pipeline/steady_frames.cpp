@@ -2,6 +2,7 @@
 #include "pipeline/steady_frames.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include <opencv2/imgproc.hpp>
@@ -33,8 +34,29 @@ cv::Mat followed_by(const cv::Mat& motion, const cv::Mat& next, cv::Size frame) 
 
 }  // namespace
 
-void SteadyFrames::push(std::vector<FrameReading> readings) {
-  Entry entry{std::move(readings), {}, {}, {}};
+graph::AttributeGraph inside_mask(const graph::AttributeGraph& graph, const cv::Mat& mask) {
+  if (mask.empty()) return graph;
+  const auto inside = [&](std::size_t i) {
+    const auto& at = graph.patch(i).position;
+    const int x = std::clamp(static_cast<int>(std::lround(at.x)), 0, mask.cols - 1),
+              y = std::clamp(static_cast<int>(std::lround(at.y)), 0, mask.rows - 1);
+    return mask.at<std::uint8_t>(y, x) != 0;
+  };
+  // A patch whose neighbours all lie outside is no stroke of its own.
+  const auto stays = [&](std::size_t i) {
+    return inside(i) && (graph.degree(i) == 0 || std::ranges::any_of(graph.neighbours(i), inside));
+  };
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  for (std::size_t i = 0; i < graph.size(); ++i)
+    if (stays(i)) vertices.push_back(graph.vertices()[i]);
+  for (const graph::Edge& edge : graph.edges())
+    if (stays(graph.index_of(edge.a)) && stays(graph.index_of(edge.b))) edges.push_back(edge);
+  return {std::move(vertices), std::move(edges)};
+}
+
+void SteadyFrames::push(std::vector<FrameReading> readings, cv::Mat mask) {
+  Entry entry{std::move(readings), std::move(mask), {}, {}, {}};
   if (is_on_) entry.luma = core::luma(entry.readings.front().levels);
   entries_.push_back(std::move(entry));
 }
@@ -68,7 +90,13 @@ std::vector<FrameReading> SteadyFrames::steady(std::size_t i) const {
   const std::size_t at = first_ + i;
   const Entry& entry = entries_[at];
   std::vector<FrameReading> result = entry.readings;
-  if (!is_on_) return result;
+  const auto cut = [&] {
+    for (FrameReading& reading : result) reading.graph = inside_mask(reading.graph, entry.mask);
+  };
+  if (!is_on_) {
+    cut();
+    return result;
+  }
   struct Neighbour {
     std::size_t at;
     cv::Mat from;  // its motion to this frame
@@ -94,6 +122,7 @@ std::vector<FrameReading> SteadyFrames::steady(std::size_t i) const {
     FrameReading& own = result[reading];
     own.graph = sketch::steady_sketch(own.levels, own.graph, carried, options_);
   }
+  cut();
   return result;
 }
 

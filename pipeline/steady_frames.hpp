@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 
 #include "core/clip.hpp"
 #include "core/clip/frame_stream.hpp"
+#include "core/clip/masked_source.hpp"
 #include "core/context.hpp"
 #include "core/parallel.hpp"
 #include "graph/attribute_graph.hpp"
@@ -24,6 +26,9 @@ struct FrameReading {
   graph::AttributeGraph graph;
 };
 
+/// Returns the graph without the patches outside the mask (CV_8U, 0 outside; empty: all stay).
+graph::AttributeGraph inside_mask(const graph::AttributeGraph& graph, const cv::Mat& mask);
+
 /// Holds the frames of a clip whose sketches wait for those after them: each is made to agree with the three
 /// frames before and the three after it, both senses of time alike (sketch::steady_sketch). Motion is optical
 /// flow of the first readings' luma.
@@ -33,15 +38,17 @@ class SteadyFrames {
   explicit SteadyFrames(const sketch::ExtractOptions& options)
       : options_(options), is_on_(options.steady && options.budget <= 0 && !options.blobs) {}
 
-  /// Appends the next frame, in as many readings as the others.
-  void push(std::vector<FrameReading> readings);
+  /// Appends the next frame, in as many readings as the others. `mask`: where structure counts; empty:
+  /// everywhere.
+  void push(std::vector<FrameReading> readings, cv::Mat mask = {});
   /// Returns how many frames wait for others.
   [[nodiscard]] std::size_t waiting() const { return entries_.size() - first_; }
 
   /// Prepares the frames whose neighbours are there; `last`: no more frames come, so all. Returns their
   /// number. Throws core::Cancelled.
   std::size_t prepare(bool last, const core::Context& context);
-  /// Returns the readings of the i-th frame prepared, their sketches steadied. Thread-safe.
+  /// Returns the readings of the i-th frame prepared, their sketches steadied, and without what the mask
+  /// leaves out. Thread-safe.
   [[nodiscard]] std::vector<FrameReading> steady(std::size_t i) const;
   /// Forgets the first `count` frames prepared, but for those that are others' neighbours.
   void drop(std::size_t count);
@@ -49,6 +56,7 @@ class SteadyFrames {
  private:
   struct Entry {
     std::vector<FrameReading> readings;
+    cv::Mat mask;
     cv::Mat1f luma;
     cv::Mat on, back;  // motion to the next frame, and from there
   };
@@ -60,9 +68,10 @@ class SteadyFrames {
   std::size_t first_ = 0;  // entry that is not finished; those before are neighbours
 };
 
-/// Sketches a clip from its first frame, in batches. Calls before(t) for each frame in order, then read(t,
-/// levels) in parallel, which returns its readings, then finish(t, readings) in parallel with the steadied
-/// sketches, then take(t, result) in order. Returns the number of frames. Throws core::Cancelled.
+/// Sketches a clip from its first frame, in batches. What the source's mask leaves out (core::mask_of) is no
+/// part of the steadied sketches. Calls before(t) for each frame in order, then read(t, levels) in parallel,
+/// which returns its readings, then finish(t, readings) in parallel with the steadied sketches, then take(t,
+/// result) in order. Returns the number of frames. Throws core::Cancelled.
 template <class Before, class Read, class Finish, class Take>
 int stream_steady_frames(core::FrameSource& source, std::string_view stage,
                          const sketch::ExtractOptions& options, const core::Context& context,
@@ -71,6 +80,7 @@ int stream_steady_frames(core::FrameSource& source, std::string_view stage,
   const auto& info = source.info();
   const std::size_t at_once = core::frames_at_once(info.width, info.height, info.channels);
   SteadyFrames frames(options);
+  std::deque<cv::Mat> masks;  // of the frames that were read and not pushed yet
   int done = 0;
   const auto settle = [&](bool last) {
     const std::size_t count = frames.prepare(last, context);
@@ -85,10 +95,15 @@ int stream_steady_frames(core::FrameSource& source, std::string_view stage,
     frames.drop(count);
   };
   core::stream_frames(
-      source, stage, info.frames, context, [&](int t, const cv::Mat&) { before(t); },
+      source, stage, info.frames, context,
+      [&](int t, const cv::Mat&) {
+        masks.push_back(core::mask_of(source));
+        before(t);
+      },
       [&](int t, const cv::Mat& frame) { return read(t, core::to_levels(frame, info)); },
       [&](int, std::vector<FrameReading> readings) {
-        frames.push(std::move(readings));
+        frames.push(std::move(readings), std::move(masks.front()));
+        masks.pop_front();
         if (frames.waiting() > at_once) settle(false);
       });
   settle(true);

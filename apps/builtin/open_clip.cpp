@@ -2,9 +2,11 @@
 #include "apps/builtin/open_clip.hpp"
 
 #include <string_view>
+#include <utility>
 
 #include "apps/builtin/builtin_clip.hpp"
 #include "apps/builtin/rust.hpp"
+#include "core/clip/masked_source.hpp"
 
 namespace emberfold::apps {
 
@@ -23,6 +25,18 @@ std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::
 std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::ReadOptions& options,
                                              Session& session) {
   return open_clip(name, options, [&session](const std::string& text) { session.warn(text); });
+}
+
+std::unique_ptr<core::FrameSource> open_held_clip(const std::string& name, const io::ReadOptions& options,
+                                                  const core::Warn& warn) {
+  auto clip = open_clip(name, options, warn);
+  if (options.mask.empty() && options.stabilize == io::Stabilize::none) return clip;
+  return std::make_unique<core::HeldOutside>(std::move(clip));
+}
+
+std::unique_ptr<core::FrameSource> open_held_clip(const std::string& name, const io::ReadOptions& options,
+                                                  Session& session) {
+  return open_held_clip(name, options, [&session](const std::string& text) { session.warn(text); });
 }
 
 }  // namespace emberfold::apps

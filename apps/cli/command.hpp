@@ -15,6 +15,7 @@
 #include "core/context.hpp"
 #include "core/error.hpp"
 #include "core/io/clip_reader.hpp"
+#include "core/io/staged_output.hpp"
 #include "core/stage_clock.hpp"
 
 namespace CLI {
@@ -33,10 +34,12 @@ class Misuse : public core::InputError {
 /// Options of every command.
 struct CommonOptions {
   std::uint64_t seed = 1;
-  int threads = 0;     ///< 0: as many as the machine has; up to 1024
-  bool json = false;   ///< print summary.json's content
-  bool quiet = false;  ///< no progress and no messages but warnings and errors
+  int threads = 0;         ///< 0: as many as the machine has; up to 1024
+  bool json = false;       ///< print summary.json's content
+  bool quiet = false;      ///< no progress and no messages but warnings and errors
+  bool overwrite = false;  ///< replace clips and files that are no earlier results
   void validate() const;
+  [[nodiscard]] io::Existing existing() const { return overwrite ? io::Existing::all : io::Existing::own; }
 };
 
 /// Holds what a running command reports to.

@@ -72,23 +72,43 @@ void add_common(CLI::App& command, CommonOptions& common) {
       ->group(kCommonGroup);
   command.add_flag("--json", common.json, "Print the results as JSON to standard output")
       ->group(kCommonGroup);
+  command
+      .add_flag("--overwrite", common.overwrite,
+                "Replace clips and files that are there, also those that no emberfold command wrote")
+      ->group(kCommonGroup);
   command.add_flag("-q,--quiet", common.quiet, "Print nothing but warnings and errors")->group(kCommonGroup);
 }
 
-void add_reading(CLI::App& command, Reading& reading) {
+void add_reading(CLI::App& command, Reading& reading, bool with_mask) {
   command.add_option("CLIP", reading.clip, "Video, folder or pattern of images, TIFF stack, or builtin:NAME")
       ->required()
       ->type_name("");
-  add_reading_options(command, reading.range, reading.options);
+  add_reading_options(command, reading.words, reading.options, with_mask);
 }
 
-void add_reading_options(CLI::App& command, std::string& range, io::ReadOptions& options) {
-  command.add_option("--range", range, "Read frames A up to, not including, B; A: and :B are allowed")
-      ->type_name("A:B")
-      ->group(kReadingGroup);
+void add_reading_options(CLI::App& command, ReadingWords& words, io::ReadOptions& options, bool with_mask) {
+  const auto add_word = [&](const char* name, std::string& word, const char* unit, const char* about) {
+    command.add_option(name, word, about)->type_name(unit)->group(kReadingGroup);
+  };
+  add_word("--range", words.range, "A:B", "Read frames A up to, not including, B; A: and :B are allowed");
+  add_number(command, "--every", options.every, "N", "Read every N-th frame of these")->group(kReadingGroup);
+  add_word("--roi", words.region, "X,Y,W,H", "Read this region alone, in pixels of the clip as stored");
+  if (with_mask)
+    add_word("--mask", options.mask, "FILE",
+             "Structure counts where this image or clip of the stored size is bright");
+  add_word("--stabilize", words.stabilize, "HOW",
+           "Take out the camera's motion: translation or similarity (and turning, zooming)");
   add_number(command, "--scale", options.scale, "FACTOR", "Resize the frames by this factor, above 0 to 16")
       ->group(kReadingGroup);
   command.add_flag("--grey", options.grey, "Read luma only")->group(kReadingGroup);
+  add_word("--fps", words.fps, "F", "The frames were taken at this rate, whatever the file tells");
+  add_word("--pixel-size", words.pixel_size, "LENGTH",
+           "A stored pixel is as large as that: 0.065um (nm, um, mm, cm, m)");
+  add_word("--levels", words.levels, "L",
+           "Black and white: auto (bits in use), full (of the format) or LOW:HIGH");
+  add_word("--channel", words.channel, "N",
+           "Channel of a stack, from 0; of a clip in colour 0 red, 1 green, 2 blue");
+  add_word("--slice", words.slice, "N|max", "Slice of a stack in depth, from 0; max: the brightest of all");
 }
 
 std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line) {
@@ -118,10 +138,24 @@ void add_clip_output(CLI::App& command, std::string& clip, const std::string& ab
 }
 
 void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
-                   const std::vector<std::string>& names) {
+                   const std::vector<std::string>& names, const CommonOptions& common) {
   std::vector<io::OutputPath> outputs{{folder, true}};
   for (const auto& name : names) outputs.push_back({std::filesystem::path(folder) / name});
   io::require_apart(inputs, outputs);
+  if (!common.overwrite) io::require_own(folder, names);
+}
+
+void require_new(const std::vector<std::string>& paths, const CommonOptions& common) {
+  namespace fs = std::filesystem;
+  if (common.overwrite) return;
+  for (const auto& path : paths) {
+    std::error_code error;
+    const auto status = fs::status(path, error);
+    const bool holds =
+        fs::is_regular_file(status) || (fs::is_directory(status) && !fs::is_empty(path, error));
+    if (!path.empty() && holds)
+      throw io::OverwriteError("cannot write " + path + ": it is there already; --overwrite replaces it");
+  }
 }
 
 void check_common(const CommonOptions& common) {
@@ -132,15 +166,59 @@ void check_common(const CommonOptions& common) {
   }
 }
 
-io::ReadOptions check_reading(const Reading& reading, const Session& session) {
-  io::ReadOptions options = reading.options;
-  options.seed = session.common.seed;
+bool Reading::is_whole() const {
+  return words.range.empty() && words.region.empty() && words.channel.empty() && words.slice.empty() &&
+         options.scale == 1 && options.every == 1;
+}
+
+namespace {
+
+/// Parses the text of an option, where it was given; Misuse names the option.
+template <class Parse>
+void parse_word(const char* option, const std::string& text, const Parse& parse) {
+  if (text.empty()) return;
   try {
-    if (!reading.range.empty()) std::tie(options.first, options.last) = io::parse_range(reading.range);
+    parse();
+  } catch (const Misuse&) {
+    throw;
   } catch (const core::InputError& error) {
-    throw Misuse("--range: " + std::string(error.what()));
+    throw Misuse(std::string(option) + ": " + error.what());
   }
-  check_options(options, {});
+}
+
+}  // namespace
+
+io::ReadOptions check_reading(const Reading& reading, const Session& session) {
+  return check_reading(reading.words, reading.options, session);
+}
+
+io::ReadOptions check_reading(const ReadingWords& words, io::ReadOptions options, const Session& session) {
+  options.seed = session.common.seed;
+  parse_word("--range", words.range,
+             [&] { std::tie(options.first, options.last) = io::parse_range(words.range); });
+  parse_word("--roi", words.region, [&] { options.region = io::parse_region(words.region); });
+  parse_word("--stabilize", words.stabilize,
+             [&] { options.stabilize = io::parse_stabilize(words.stabilize); });
+  parse_word("--fps", words.fps, [&] { parse_number("--fps", words.fps, options.fps.emplace()); });
+  parse_word("--pixel-size", words.pixel_size,
+             [&] { options.pixel_size = io::parse_length(words.pixel_size); });
+  parse_word("--levels", words.levels, [&] { options.levels = io::parse_levels(words.levels); });
+  parse_word("--channel", words.channel,
+             [&] { parse_number("--channel", words.channel, options.channel.emplace()); });
+  parse_word("--slice", words.slice, [&] {
+    if (words.slice == "max")
+      options.brightest_slice = true;
+    else
+      parse_number("--slice", words.slice, options.slice.emplace());
+  });
+  try {
+    options.validate();
+  } catch (const core::InputError& error) {
+    std::string message = error.what();
+    for (const char* field : {"scale", "fps", "every", "channel", "slice"})
+      message = with_option_name(message, field);
+    throw Misuse(message);
+  }
   return options;
 }
 

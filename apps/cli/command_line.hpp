@@ -66,13 +66,22 @@ std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line);
 /// Adds --sensitivity and --no-edges, which many people set.
 void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options);
 
-struct Reading {
-  std::string clip, range;
-  io::ReadOptions options;
+/// Options of reading that are texts to parse; empty where not given.
+struct ReadingWords {
+  std::string range, region, fps, pixel_size, levels, channel, slice, stabilize;
 };
-/// Adds CLIP, --range, --scale and --grey; the latter three alone.
-void add_reading(CLI::App& command, Reading& reading);
-void add_reading_options(CLI::App& command, std::string& range, io::ReadOptions& options);
+struct Reading {
+  std::string clip;
+  ReadingWords words;
+  io::ReadOptions options;
+  /// Returns whether every frame is read as it is stored, in colour or as grey.
+  [[nodiscard]] bool is_whole() const;
+};
+/// Adds CLIP and the options of reading (--range, --roi, --scale …); the latter alone. `with_mask`: --mask is
+/// one of them, as the command has none of its own.
+void add_reading(CLI::App& command, Reading& reading, bool with_mask = true);
+void add_reading_options(CLI::App& command, ReadingWords& words, io::ReadOptions& options,
+                         bool with_mask = true);
 /// Adds -o DIR, required unless `folder` has a default.
 void add_output(CLI::App& command, std::string& folder);
 
@@ -95,11 +104,16 @@ void check_options(const Options& options, const std::string& group) {
     throw Misuse(message);
   }
 }
-/// Throws io::OverwriteError where the folder, or a file of these names in it, is read.
+/// Throws io::OverwriteError where the folder, or a file of these names in it, is read, or is there already
+/// and no earlier result.
 void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
-                   const std::vector<std::string>& names);
+                   const std::vector<std::string>& names, const CommonOptions& common);
+/// Throws io::OverwriteError where one of these files or folders of frames is there already. Empty names are
+/// passed over.
+void require_new(const std::vector<std::string>& paths, const CommonOptions& common);
 void check_common(const CommonOptions& common);
-/// Checks the options and parses the range. The session's seed becomes that of a built-in clip.
+/// Parses and checks the options. The session's seed becomes that of a built-in clip.
 io::ReadOptions check_reading(const Reading& reading, const Session& session);
+io::ReadOptions check_reading(const ReadingWords& words, io::ReadOptions options, const Session& session);
 
 }  // namespace emberfold::apps

@@ -113,10 +113,12 @@ class HelpFormatter : public CLI::Formatter {
     }
     text += table(rows, 30);
     if (has_group(app, kReadingGroup))
-      text += "  --range A:B, --scale FACTOR [1], --grey: see 'emberfold help reading'\n";
+      text +=
+          "  --range --every --roi --mask --scale --grey --fps --levels ...: see 'emberfold help reading'\n";
     if (has_group(app, kCommonGroup))
       text +=
-          "  --seed N [1], --threads N [0], --json, -q, --quiet, -h, --help: see 'emberfold help common'\n";
+          "  --seed N [1], --threads N [0], --json, --overwrite, -q, --quiet, -h: see 'emberfold help "
+          "common'\n";
     return text;
   }
 };
@@ -136,18 +138,22 @@ std::string group_help(const CLI::App& app, const std::string& group, const std:
 std::string reading_help(const CLI::App& app) {
   return "Options of every command that reads a clip\n\n" + group_help(app, kReadingGroup) +
          "\nA clip (CLIP) is one of\n" +
-         table({{"clip.mp4", "a video: whatever FFmpeg decodes, 8 bits"},
-                {"frames/", "a folder of images, one a frame, in natural order (img2 before img10)"},
-                {"'dir/img_*.png'", "a pattern of images: * and ? in the last part of the name"},
-                {"dir/img_%04d.png", "the same with a printf number"},
-                {"stack.tif", "a TIFF: its pages are the frames; 8 bits, 16 bits or floats, grey or colour"},
-                {"photo.png", "one image: a clip of one frame"},
-                {"builtin:fire",
-                 "a made clip: fire, cloth, river or rust; --seed chooses another of its kind"}},
-               30) +
-         "\nImages have 8 or 16 bits. White is 255, or for 16 bits the largest number in as many bits as "
-         "the\n"
-         "brightest value needs; for floats 1 where no value is above 1, otherwise as for 16 bits.\n";
+         table(
+             {{"clip.mp4", "a video: whatever FFmpeg decodes, 8 bits"},
+              {"frames/", "a folder of images, one a frame, in natural order (img2 before img10)"},
+              {"'dir/img_*.png'", "a pattern of images: * and ? in the last part of the name"},
+              {"dir/img_%04d.png", "the same with a printf number"},
+              {"stack.tif", "a TIFF: its pages are the frames; 8 bits, 16 bits or floats, grey or colour"},
+              {"photo.png", "one image: a clip of one frame"},
+              {"-, <(command)", "what comes through a pipe; it is kept in a temporary file while it is read"},
+              {"builtin:fire",
+               "a made clip: fire, cloth, river or rust; --seed chooses another of its kind"}},
+             30) +
+         "\nImages have 8 or 16 bits, TIFFs floats too. White is 255, or for 16 bits the largest number in "
+         "as many\n"
+         "bits as the brightest value needs; for floats 1 where no value is above 1, otherwise as for 16 "
+         "bits.\n"
+         "Channels, slices, pixel size and frame interval of a stack are those that ImageJ or OME tell of.\n";
 }
 
 std::string common_help(const CLI::App& app) {

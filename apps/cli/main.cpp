@@ -8,6 +8,7 @@
 #endif
 
 #include <CLI/CLI.hpp>
+#include <opencv2/core.hpp>
 
 #include "apps/cli/command.hpp"
 #include "apps/cli/help.hpp"
@@ -56,7 +57,18 @@ int run(apps::Console& console, const apps::CommandLine& line, const std::string
     throw apps::Misuse("--" + std::string(error.what()));
   }
   const core::ThreadLimit limit(static_cast<std::size_t>(line.common.threads));
-  line.run(session);
+  const auto out_of_memory = [&]() -> int {
+    console.error("out of memory in '" + text + "'; --scale, --range and --threads 1 need less of it");
+    return kFailed;
+  };
+  try {
+    line.run(session);
+  } catch (const std::bad_alloc&) {
+    return out_of_memory();
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) return out_of_memory();
+    throw;
+  }
   return kDone;
 }
 

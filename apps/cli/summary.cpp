@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <numbers>
 #include <numeric>
 
 #include "core/text/format_number.hpp"
@@ -32,15 +33,58 @@ void write_summary(io::OutputFolder& output, const Json& summary) {
 }
 
 Json clip_json(const std::string& clip, const core::ClipInfo& info, int frames) {
-  return {{"name", clip},    {"width", info.width}, {"height", info.height}, {"channels", info.channels},
-          {"fps", info.fps}, {"frames", frames}};
+  return {{"name", clip},
+          {"width", info.width},
+          {"height", info.height},
+          {"channels", info.channels},
+          {"fps", info.fps},
+          {"frames", frames},
+          {"fps_is_known", info.fps_is_known},
+          {"pixel_um", info.pixel_um ? Json(*info.pixel_um) : Json(nullptr)},
+          {"bits", CV_ELEM_SIZE1(info.depth) * 8},
+          {"white", info.white}};
 }
+
+namespace {
+
+Json levels_json(const io::Levels& levels) {
+  if (levels.kind == io::Levels::Kind::given) return {levels.low, levels.high};
+  return levels.kind == io::Levels::Kind::full ? "full" : "auto";
+}
+
+}  // namespace
 
 Json reading_json(const io::ReadOptions& read) {
   Json out = options_json(read);
   out["grey"] = read.grey;
   out["range"] = std::to_string(read.first) + ":" + (read.last ? std::to_string(*read.last) : "");
+  out["every"] = read.every;
+  out["levels"] = levels_json(read.levels);
+  // Only what was asked for: each has no other default than the clip's own.
+  if (const auto& region = read.region) out["roi"] = {region->x, region->y, region->width, region->height};
+  if (read.fps) out["fps"] = *read.fps;
+  if (read.pixel_size) out["pixel_um"] = *read.pixel_size;
+  if (!read.mask.empty()) out["mask"] = read.mask;
+  if (read.stabilize != io::Stabilize::none) out["stabilize"] = io::name(read.stabilize);
+  if (read.channel) out["channel"] = *read.channel;
+  if (read.slice) out["slice"] = *read.slice;
+  if (read.brightest_slice) out["slice"] = "max";
   return out;
+}
+
+void write_drift(io::OutputFolder& output, const core::FrameSource& source) {
+  const auto drift = core::drift_of(source);
+  if (drift.empty()) return;
+  output.write("drift.csv", [&](std::ostream& out) {
+    out << "frame,x,y,scale,degrees\n";
+    for (std::size_t t = 0; t < drift.size(); ++t) {
+      const auto& motion = drift[t];
+      out << t;
+      for (const double value : {motion.x, motion.y, motion.scale, motion.angle * 180 / std::numbers::pi})
+        out << ',' << core::fixed_text(value, 5);
+      out << '\n';
+    }
+  });
 }
 
 Json score_json(const graph::Score& score) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/summary.hpp"
@@ -14,6 +15,7 @@
 #include "apps/pictures/rate_map.hpp"
 #include "apps/report/report_model.hpp"
 #include "apps/report/report_sampler.hpp"
+#include "apps/units/event_units.hpp"
 #include "core/io/model_folder.hpp"
 #include "graph/events/event_score.hpp"
 #include "graph/io/motion_io.hpp"
@@ -25,14 +27,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void write_data(io::OutputFolder& output, const graph::MotionGraph& motion,
-                const std::vector<graph::Event>& events, const std::vector<graph::Event>& all_events) {
+                const std::vector<graph::Event>& events, const std::vector<graph::Event>& all_events,
+                const graph::Units& units) {
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
   output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
   output.write("events.json", [&](std::ostream& out) { graph::write_events(out, events); });
   output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, all_events); });
-  output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, events); });
+  output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, events, units); });
   output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
-  output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion); });
+  output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion, units); });
 }
 
 Json per_frame_json(const graph::MotionGraph& motion, const std::vector<graph::Event>& events) {
@@ -110,6 +113,7 @@ Json files_json(bool reconstruction) {
                 {"trajectories.csv", "every patch through time"},
                 {"model/", "what was learned: 'emberfold synth' draws new clips from it"},
                 {"strokes.csv", "every stroke through time"},
+                {"lives.csv", "how long each stroke lives, grows and moves"},
                 {"birth_map.png", "where strokes are born"},
                 {"death_map.png", "where they die"},
                 {"overlay.mp4", "the clip with its graph and events"},
@@ -180,6 +184,12 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   return begun;
 }
 
+/// The share of the last frame in which structure counts.
+double counting_share(const core::FrameSource& source) {
+  const cv::Mat mask = core::mask_of(source);
+  return mask.empty() ? 1 : static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
+}
+
 Pictures write_pictures(core::FrameSource& source, const pipeline::Analysis& found,
                         const AnalyzeOptions& options, io::OutputFolder& output, Session& session) {
   const PictureOptions picture_options{options.fill, options.reconstruction};
@@ -208,7 +218,11 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   made.stages.add(found.stages);
   made.stages.begin("write");
   io::write_model(output, "model", to_archive(found.model));
-  write_data(output, found.motion, found.events, found.all_events);
+  const auto units = units_of(source->info());
+  const auto lives = graph::stroke_lives(found.motion);
+  write_data(output, found.motion, found.events, found.all_events, units);
+  output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
+  write_drift(output, *source);
   made.stages.begin("pictures");
   Pictures pictures = write_pictures(*source, found, options, output, session);
   made.stages.end();
@@ -217,6 +231,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   const auto frames = static_cast<int>(found.motion.sketch.frames.size());
   summary["clip"] = clip_json(made.clip, source->info(), frames);
   summary = analysis_json(found, options, pictures, std::move(summary));
+  summary["rates"] = event_rates_json(found.events, found.motion, units, counting_share(*source));
+  summary["strokes"] = lives_json(lives, units);
   if (truth) {
     const graph::ScoreOptions tolerance;
     summary["score"] = score_json(graph::score_events(*truth, found.events, tolerance));

@@ -28,10 +28,13 @@ void run_analyze(const Analyze& asked, Session& session) {
   check_options(options.infer, "infer");
   check_options(options.fill, "fill");
   check_options(options.calibrate, "calibrate");
-  require_apart({asked.reading.clip}, asked.output,
-                {"overlay.mp4", "reconstruction.avi", "birth_map.png", "death_map.png", "matches", "model"});
-  io::OutputFolder output(asked.output);
-  output.protect({asked.reading.clip});
+  require_apart({asked.reading.clip, asked.reading.options.mask}, asked.output,
+                {"overlay.mp4", "reconstruction.avi", "birth_map.png", "death_map.png", "matches", "model",
+                 "events.json", "events.csv", "events_all.json", "motion.jsonl", "sketch.jsonl",
+                 "trajectories.csv", "strokes.csv", "lives.csv", "drift.csv", "report.html", "summary.json"},
+                session.common);
+  io::OutputFolder output(asked.output, session.common.existing());
+  output.protect({asked.reading.clip, asked.reading.options.mask});
   auto analysis = analyze_clip(asked.reading.clip, options, output, session);
   finish_analysis(analysis, output, session);
   output.commit();

@@ -52,14 +52,17 @@ void run_compare(const Compare& asked, Session& session) {
   check_options(asked.options.match, "match");
   check_options(asked.options.fill, "fill");
   check_options(asked.options.learn, "learn");
-  require_apart({asked.reading.clip, asked.other}, asked.output,
-                {"side_by_side.mp4", "synthesized_motion.avi", "synthesized_dytex.avi",
-                 "synthesized_hybrid.avi", "synthesized_star.avi"});
-  io::OutputFolder output(asked.output);
-  output.protect({asked.reading.clip, asked.other});
+  require_apart(
+      {asked.reading.clip, asked.other, asked.reading.options.mask}, asked.output,
+      {"side_by_side.mp4", "synthesized_motion.avi", "synthesized_dytex.avi", "synthesized_hybrid.avi",
+       "synthesized_star.avi", "measures.json", "drift.csv", "report.html", "summary.json"},
+      session.common);
+  io::OutputFolder output(asked.output, session.common.existing());
+  output.protect({asked.reading.clip, asked.other, asked.reading.options.mask});
+
   Stages stages;
   stages.begin("compare");
-  const auto open = [&](const std::string& name) { return open_clip(name, read, session); };
+  const auto open = [&](const std::string& name) { return open_held_clip(name, read, session); };
   const auto source = open(asked.reading.clip);
   Comparison comparison;
   if (asked.other.empty()) {
@@ -69,6 +72,7 @@ void run_compare(const Compare& asked, Session& session) {
     comparison =
         compare_clips(*source, asked.reading.clip, *other, asked.other, asked.options, output, session);
   }
+  write_drift(output, *source);
   stages.end();
   Json summary = begin_summary("compare", session);
   summary["options"] = options_of(asked, read);

@@ -55,7 +55,7 @@ std::string findings(const nlohmann::ordered_json& summary, const std::filesyste
 }
 
 void run_demo(const Demo& asked, Session& session) {
-  io::OutputFolder output(asked.output);
+  io::OutputFolder output(asked.output, session.common.existing());
   const BuiltinClip made = make_clip(asked, output, session);
   std::istringstream truth_text(made.truth_json);
   const auto truth = graph::read_events(truth_text, "truth.json");

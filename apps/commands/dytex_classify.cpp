@@ -20,7 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Classify {
-  std::string folder, output, blocks = "1x1", range;
+  std::string folder, output, blocks = "1x1";
+  ReadingWords reading;
   SampleOptions options;
   int folds = 0;
   dytex::BinetCauchyOptions kernel;
@@ -40,13 +41,7 @@ void parse_blocks(const std::string& text, SampleOptions& options) {
 
 void check(Classify& asked, const Session& session) {
   parse_blocks(asked.blocks, asked.options);
-  asked.options.reading.seed = session.common.seed;
-  try {
-    if (!asked.range.empty())
-      std::tie(asked.options.reading.first, asked.options.reading.last) = io::parse_range(asked.range);
-  } catch (const core::InputError& error) {
-    throw Misuse("--range: " + std::string(error.what()));
-  }
+  asked.options.reading = check_reading(asked.reading, asked.options.reading, session);
   try {
     asked.options.validate();
     asked.kernel.validate();
@@ -177,8 +172,8 @@ void run_classify(Classify asked, Session& session) {
     inputs.push_back(clip.path.string());
     inputs.push_back(clip.path.parent_path().string());
   }
-  require_apart(inputs, asked.output, {"confusion.png"});
-  io::OutputFolder output(asked.output);
+  require_apart(inputs, asked.output, {"confusion.png"}, session.common);
+  io::OutputFolder output(asked.output, session.common.existing());
   output.protect(inputs);
   Stages stages;
   stages.begin("learn");
@@ -233,7 +228,7 @@ void add_dytex_classify(CLI::App& dytex, CommandLine& line) {
   add_number(*command, "--folds", asked->folds, "N", "Use this many folds; 0: leave out each clip in turn");
   add_number(*command, "--discount", asked->kernel.discount, "RATE",
              "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
-  add_reading_options(*command, asked->range, asked->options.reading);
+  add_reading_options(*command, asked->reading, asked->options.reading);
   finish_command(*command, line, asked, run_classify);
 }
 

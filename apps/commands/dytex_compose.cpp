@@ -119,9 +119,10 @@ void run_compose(const Compose& asked, Session& session) {
     inputs.push_back(mask);
   }
   io::require_apart(inputs, {{asked.output}});
+  require_new({asked.output}, session.common);
   Stages stages;
   stages.begin("read");
-  const auto source = open_clip(asked.reading.clip, read, session);
+  const auto source = open_held_clip(asked.reading.clip, read, session);
   const core::ClipInfo info = source->info();
   std::vector<std::unique_ptr<Layer>> layers;
   for (std::size_t i = 0; i < asked.layers.size(); ++i) layers.push_back(open_layer(asked, i, info, session));
@@ -148,7 +149,7 @@ void add_dytex_compose(CLI::App& dytex, CommandLine& line) {
   emberfold dytex compose river.mp4 --layer out/fast:water.png -o river_fast.mp4
   emberfold dytex compose river.mp4 --layer out/fast --layer out/reeds:r.png --feather 4 -o two.avi)");
   const auto asked = std::make_shared<Compose>();
-  add_reading(*command, asked->reading);
+  add_reading(*command, asked->reading, false);
   add_clip_output(*command, asked->output);
   command
       ->add_option("--layer", asked->layers,

@@ -70,7 +70,7 @@ std::vector<Kept> sweep(const dytex::LinearDynamicTexture& texture) {
 
 void measure(const Compress& asked, const io::ReadOptions& read, const dytex::LinearDynamicTexture& texture,
              std::vector<Kept>& all, Session& session) {
-  const auto source = open_clip(asked.reading.clip, read, session);
+  const auto source = open_held_clip(asked.reading.clip, read, session);
   for (auto& kept : all) {
     if (kept.components != texture.components()) continue;
     try {
@@ -107,7 +107,7 @@ ClipSize clip_size(const Compress& asked, const dytex::LinearDynamicTexture& tex
   const auto depth = static_cast<std::size_t>(CV_ELEM_SIZE1(texture.info.depth));
   ClipSize size{static_cast<std::size_t>(texture.pixels() * texture.states.cols()) * depth, std::nullopt};
   // A part of a file, or one read at another size, has no bytes of its own.
-  const bool whole = asked.reading.range.empty() && asked.reading.options.scale == 1;
+  const bool whole = asked.reading.is_whole();
   if (!asked.reading.clip.empty() && whole) size.file = file_bytes(asked.reading.clip);
   return size;
 }

@@ -38,12 +38,13 @@ void run_curve(const Curving& asked, Session& session) {
   } catch (const core::InputError& error) {
     throw Misuse(with_option_names(without_struct_name(error.what())));
   }
-  require_apart({asked.reading.clip}, asked.output, {"curve.png"});
-  io::OutputFolder output(asked.output);
+  require_apart({asked.reading.clip, asked.reading.options.mask}, asked.output, {"curve.png"},
+                session.common);
+  io::OutputFolder output(asked.output, session.common.existing());
   output.protect({asked.reading.clip});
   Stages stages;
   stages.begin("curve");
-  const auto source = open_clip(asked.reading.clip, read, session);
+  const auto source = open_held_clip(asked.reading.clip, read, session);
   dytex::LearningCurve curve;
   try {
     curve = dytex::learning_curve(*source, asked.options, session.context);

@@ -99,8 +99,8 @@ void run_distance(const Distance& asked, Session& session) {
   const auto names = short_names(asked.models);
   std::optional<io::OutputFolder> output;
   if (!asked.output.empty()) {
-    require_apart(asked.models, asked.output, {});
-    output.emplace(asked.output);
+    require_apart(asked.models, asked.output, {}, session.common);
+    output.emplace(asked.output, session.common.existing());
     output->protect(asked.models);
   }
   Stages stages;

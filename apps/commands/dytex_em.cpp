@@ -57,7 +57,7 @@ EmStage::EmStage(const EmRequest& asked, core::FrameSource& source, const io::Re
                  Session& session)
     : asked_(asked), source_(source), session_(session) {
   if (asked.missing.empty()) return;
-  const auto mask = open_clip(asked.missing, read, session);
+  const auto mask = open_clip(asked.missing, read.beside(), session);
   try {
     missing_ = dytex::Missing(*mask, source.info(), session.context);
     session.check_stop();

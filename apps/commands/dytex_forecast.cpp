@@ -70,9 +70,9 @@ void run_forecast(const Forecasting& asked, Session& session) {
   if (asked.asked_after && asked.reading.clip.empty())
     throw Misuse("--after is the number of frames of CLIP; there is no CLIP");
   const io::ReadOptions read = check_reading(asked.reading, session);
-  const std::vector<std::string> inputs{asked.model, asked.reading.clip};
-  require_apart(inputs, asked.output, {"forecast.avi", "forecast.png", "deviation.png"});
-  io::OutputFolder output(asked.output);
+  const std::vector<std::string> inputs{asked.model, asked.reading.clip, asked.reading.options.mask};
+  require_apart(inputs, asked.output, {"forecast.avi", "forecast.png", "deviation.png"}, session.common);
+  io::OutputFolder output(asked.output, session.common.existing());
   output.protect(inputs);
   Stages stages;
   stages.begin("read");
@@ -83,7 +83,7 @@ void run_forecast(const Forecasting& asked, Session& session) {
   if (asked.reading.clip.empty()) {
     known.state = dytex::last_training_state(texture);
   } else {
-    source = open_clip(asked.reading.clip, read, session);
+    source = open_held_clip(asked.reading.clip, read, session);
     known = filter_clip(asked, texture, *source, session);
   }
   stages.begin("forecast");

@@ -175,10 +175,11 @@ void run_learn(Learn asked, Session& session) {
   asked.em.options.memory = asked.options.memory;
   check_em(asked.em, asked.options);
   io::require_apart({asked.reading.clip, asked.mask, asked.em.missing}, {{asked.output}, {asked.em.filled}});
+  require_new({asked.em.filled}, session.common);
   io::ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("learn");
-  const auto source = open_clip(asked.reading.clip, read, session);
+  const auto source = open_held_clip(asked.reading.clip, read, session);
   fit_to_length(asked, source->info(), session);
   EmStage em(asked.em, *source, read, session);
   auto learned = learn_texture(asked, em.source(), session);
@@ -245,7 +246,7 @@ void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
   emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2
   emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4)");
   const auto asked = std::make_shared<Learn>();
-  add_reading(*command, asked->reading);
+  add_reading(*command, asked->reading, false);
   add_output(*command, asked->output);
   auto* components =
       add_number(*command, "-n,--components", asked->options.components, "N", "Learn this many components");

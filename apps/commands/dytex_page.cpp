@@ -29,6 +29,7 @@ std::string page_text(const TexturePage& page, const std::string& output) {
 
 void run_page(const Page& asked, Session& session) {
   io::require_apart({asked.model}, {{asked.output}});
+  require_new({asked.output}, session.common);
   const io::StagedFile file(asked.output);
   Stages stages;
   stages.begin("read");

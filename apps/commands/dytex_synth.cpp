@@ -38,6 +38,7 @@ void check_lengths(TextureSynth& asked) {
 void run_texture_synth(TextureSynth asked, Session& session) {
   check_lengths(asked);
   io::require_apart({asked.model}, {{asked.output}});
+  require_new({asked.output}, session.common);
   Stages stages;
   stages.begin("read");
   const auto texture = read_texture(asked.model);

@@ -113,7 +113,7 @@ void add_quilt(CLI::App& app, CommandLine& line) {
   emberfold quilt stone.png -o tile.png --size 1024 --tileable
   emberfold quilt normals.avi --apply out/rust/map.npy -o out/normals)");
   const auto asked = std::make_shared<Asked>();
-  add_reading(*command, asked->reading);
+  add_reading(*command, asked->reading, false);
   add_options(*command, *asked);
   const auto settings = add_settings(*command, line);
   add_quilt_settings(*settings, asked->request);

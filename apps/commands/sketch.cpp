@@ -157,11 +157,13 @@ SketchRun write_sketched(const std::string& clip, const SketchRequest& request, 
 void run_sketch(const Sketch& asked, Session& session) {
   const io::ReadOptions read = check_reading(asked.reading, session);
   SketchRequest request = check_request(asked, read, session);
-  const std::vector<std::string> inputs{asked.reading.clip, asked.dictionary.folder, asked.evidence};
+  const std::vector<std::string> inputs{asked.reading.clip, asked.dictionary.folder, asked.evidence,
+                                        asked.reading.options.mask};
   require_apart(inputs, asked.output,
                 {"overlay.mp4", "reconstruction.avi", "film.mp4", "film.png", "heat.mp4", "dictionary",
-                 "dictionary.png"});
-  io::OutputFolder output(asked.output);
+                 "dictionary.png", "sketch.jsonl", "drift.csv", "summary.json"},
+                session.common);
+  io::OutputFolder output(asked.output, session.common.existing());
   output.protect(inputs);
   Stages stages;
   stages.begin("sketch");
@@ -175,6 +177,7 @@ void run_sketch(const Sketch& asked, Session& session) {
   stages.end();
   Json summary = summarise(asked, request, read, source->info(), run, session);
   if (dictionary) summary["dictionary"] = run.codes.json(dictionary->dictionary);
+  write_drift(output, *source);
   if (asked.dictionary.learn) write_dictionary(output, dictionary->dictionary);
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();

@@ -176,6 +176,7 @@ Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipelin
 void run_synth(Synth asked, Session& session) {
   check(asked);
   io::require_apart({asked.model, asked.edit.birth_map}, {{asked.output}, {asked.overlay}, {asked.motion}});
+  require_new({asked.output, asked.overlay, asked.motion}, session.common);
   Stages stages;
   stages.begin("read");
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);

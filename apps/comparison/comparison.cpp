@@ -7,6 +7,7 @@
 #include "apps/cli/summary.hpp"
 #include "apps/comparison/comparison_json.hpp"
 #include "apps/comparison/comparison_words.hpp"
+#include "apps/units/event_units.hpp"
 #include "core/error.hpp"
 #include "core/text/format_number.hpp"
 
@@ -53,6 +54,21 @@ Json synthesis_json(const pipeline::ModelComparison& found) {
 
 Json optional_json(const std::optional<double>& value) {
   return value ? Json(core::round_to(*value, 3)) : Json(nullptr);
+}
+
+/// Whether events are as frequent in both clips: a second where both tell their rate, otherwise a frame.
+Json rate_tests_of(const pipeline::ClipComparison& found, const core::ClipInfo& a, const core::ClipInfo& b) {
+  const bool seconds = a.fps_is_known && b.fps_is_known;
+  const auto counts = [](const pipeline::ClipProfile& clip) {
+    std::vector<double> all;
+    for (const double count : clip.strokes->happened) all.push_back(std::round(count));
+    return all;
+  };
+  const double frames_a = found.a.strokes->frames - 1, frames_b = found.b.strokes->frames - 1;
+  Json tests = rate_tests_json(counts(found.a), seconds ? frames_a / a.fps : frames_a, counts(found.b),
+                               seconds ? frames_b / b.fps : frames_b);
+  tests["per"] = seconds ? "second" : "frame";
+  return tests;
 }
 
 void finish_measures(Json& measures, io::OutputFolder& output, const Session& session) {
@@ -115,6 +131,7 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
                            {"source", profile_json(found.a)}};
   measures["psnr"] = optional_json(found.psnr);
   measures["ssim"] = optional_json(found.ssim);
+  if (found.a.strokes && found.b.strokes) measures["rate_tests"] = rate_tests_of(found, a.info(), b.info());
   if (!found.psnr) measures["psnr_missing"] = found.no_psnr_reason;
   measures["curves"] = curves_json({{"source", &found.a.curves}, {"other", &found.b.curves}}, found.scale);
   finish_measures(measures, output, session);

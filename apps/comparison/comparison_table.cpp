@@ -65,6 +65,28 @@ std::string prediction_table(const Json& measures) {
 
 }  // namespace
 
+namespace {
+
+/// Whether events are as frequent in the other clip.
+std::string rate_table(const Json& measures) {
+  if (!measures.contains("rate_tests")) return {};
+  const Json& tests = measures["rate_tests"];
+  std::string head = "events a " + tests["per"].get<std::string>() + ", other to first";
+  head.resize(32, ' ');
+  std::string out = "\n" + head;
+  for (const char* name : {"first", "other", "ratio", "90 % from", "to", "p"}) out += heading(name);
+  out += "\n";
+  for (const auto& [name, test] : tests["classes"].items()) {
+    std::string cells = "  ";
+    for (std::size_t i = 0; i < 2; ++i) cells += cell({{"x", test["counts"][i]}}, "x", 0);
+    for (const char* key : {"ratio", "low", "high", "p"}) cells += cell(test, key, 3);
+    out += row(name, cells);
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string comparison_table(const Json& measures) {
   std::string out;
   if (measures.contains("prediction") && !measures["prediction"].is_null()) out += prediction_table(measures);
@@ -82,9 +104,9 @@ std::string comparison_table(const Json& measures) {
   }
   if (!measures.contains("psnr")) return out;
   if (measures["psnr"].is_null())
-    return out + "PSNR: none, " + measures["psnr_missing"].get<std::string>() + "\n";
+    return out + "PSNR: none, " + measures["psnr_missing"].get<std::string>() + "\n" + rate_table(measures);
   return out + row("PSNR, dB", "  " + cell(measures, "psnr", 2)) +
-         row("SSIM", "  " + cell(measures, "ssim", 3));
+         row("SSIM", "  " + cell(measures, "ssim", 3)) + rate_table(measures);
 }
 
 }  // namespace emberfold::apps

@@ -34,7 +34,7 @@ class SameSource final : public core::FrameSource {
 QuiltClips::QuiltClips(const QuiltRequest& request, const io::ReadOptions& read, Session& session)
     : request_(request) {
   for (const auto& name : request.clips) {
-    opened_.push_back(open_clip(name, read, session));
+    opened_.push_back(open_held_clip(name, read, session));
     if (request.flatten > 0)
       shown_.push_back(std::make_unique<dytex::FlattenedSource>(*opened_.back(), request.flatten));
     else

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -80,7 +82,7 @@ bool reads_one_frame(const QuiltRequest& request) {
 io::ReadOptions reading_of(const QuiltRequest& request) {
   io::ReadOptions read = request.read;
   if (!reads_one_frame(request)) return read;
-  read.first += *request.frame;
+  read.first += std::int64_t{*request.frame} * read.every;
   if (read.last && read.first >= *read.last)
     throw Misuse("--frame is " + std::to_string(*request.frame) + ", but --range holds only " +
                  std::to_string(*request.read.last - request.read.first) + " frames");
@@ -197,12 +199,34 @@ std::vector<io::OutputPath> output_paths(const QuiltRequest& request, const Quil
   return paths;
 }
 
+bool same_bytes(const fs::path& a, const fs::path& b) {
+  std::ifstream first(a, std::ios::binary), second(b, std::ios::binary);
+  using Bytes = std::istreambuf_iterator<char>;
+  return first && second && std::equal(Bytes(first), Bytes(), Bytes(second), Bytes());
+}
+
+/// Before the work begins: nothing is replaced but what an earlier quilt left in a folder of its own, and a
+/// copy of the map that is applied.
+void require_replaceable(const QuiltRequest& request, const QuiltTarget& target,
+                         const std::vector<io::OutputPath>& outputs) {
+  std::vector<std::string> names;
+  for (const auto& output : outputs) {
+    if (output.is_folder || output.path.parent_path() != target.folder || output.path == target.checkpoint)
+      continue;
+    if (output.path.filename() == "map.npy" && same_bytes(output.path, request.apply)) continue;
+    names.push_back(output.path.filename().string());
+  }
+  io::require_own(target.folder, names);
+}
+
 }  // namespace
 
 void run_quilt(QuiltRequest& request, Session& session) {
   QuiltTarget target = quilt_target(request);
   const auto inputs = input_names(request);
-  io::require_apart(inputs, output_paths(request, target));
+  const auto outputs = output_paths(request, target);
+  io::require_apart(inputs, outputs);
+  if (!session.common.overwrite) require_replaceable(request, target, outputs);
   Stages stages;
   stages.begin("read");
   QuiltClips clips(request, reading_of(request), session);
@@ -211,7 +235,8 @@ void run_quilt(QuiltRequest& request, Session& session) {
   if (!request.apply.empty()) found.map = read_map(request.apply, clips.sizes());
   const cv::Size size = request.apply.empty() ? request.quilt.size : found.map.size;
   const auto control = make_control(request.control, size, request.quilt.block, request.quilt.seed);
-  io::OutputFolder output(target.folder);
+  // What may be replaced was checked: an applied map lies beside the clip as it was.
+  io::OutputFolder output(target.folder, io::Existing::all);
   output.protect(inputs);
   if (!can_stream(request, target, clips, control)) clips.load(target.folder, session);
   const FramePlan plan = plan_of(request, clips);

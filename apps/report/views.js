@@ -6,7 +6,7 @@ function plainTable(caption, head, lines) {
 }
 
 function buildHead() {
-  $("meta").textContent = `${clip.width} \u00d7 ${clip.height} px \u00b7 ${plural(clip.frames, "frame")} \u00b7 ${number(clip.fps, clip.fps % 1 ? 2 : 0)} frames a second \u00b7 ${number(clip.frames / clip.fps, 1)} s`;
+  $("meta").textContent = `${clip.width} \u00d7 ${clip.height} px \u00b7 ${plural(clip.frames, "frame")} \u00b7 ${number(clip.fps, clip.fps % 1 ? 2 : 0)} frames a second${summary.clip?.fps_is_known === false ? " (taken, not known)" : ""} \u00b7 ${number(clip.frames / clip.fps, 1)} s${summary.clip?.pixel_um ? ` \u00b7 ${number(summary.clip.pixel_um, 4)} \u00b5m a pixel` : ""}`;
   for (const warning of summary.warnings ?? []) $("warnings").append(make("p", {class: "note"}, warning));
   const tiles = [], figures = summary.sketch ?? {}, count = data.events.total;
   const tile = (name, value, unit, below) => tiles.push(make("div", {}, make("dt", {}, name),
@@ -14,6 +14,12 @@ function buildHead() {
   const told = summary.events?.sure === undefined ? `${number(count / Math.max(1, clip.frames - 1), 2)} a frame`
     : `${number(summary.events.sure)} sure, ${number(summary.events.likely)} likely; ${number(summary.events.doubtful)} doubtful ones are left out`;
   tile("Events", number(count), "", told);
+  const rates = summary.rates?.classes?.all;
+  const range = (rate) => `${number(rate.low, 3)} to ${number(rate.high, 3)}, 90 %`;
+  if (rates?.a_second) tile("Events", number(rates.a_second.mean, 3), "a second", range(rates.a_second));
+  if (rates?.a_second_and_mm2) tile("Events", number(rates.a_second_and_mm2.mean, 3), "a second and mm\u00b2", range(rates.a_second_and_mm2));
+  const life = summary.strokes?.life;
+  if (life) tile("Life of a stroke", number(life.median_s ?? life.median, 2), life.median_s == null ? "frames" : "s", `${number(life.low_s ?? life.low, 2)} to ${number(life.high_s ?? life.high, 2)}, 90 % of them`);
   tile("Strokes", number(figures.strokes_per_frame, 1), "a frame", `${number(summary.motion?.strokes)} in all`);
   tile("Patches", number(figures.patches_per_frame, 0), "a frame", `${number(figures.patches)} in all`);
   tile("Sketchable", number((figures.sketchable_share ?? 0) * 100, 1), "%", "of the frame, under patches");

@@ -20,7 +20,7 @@ std::string size_text(int width, int height) {
 
 GivenEvidence::GivenEvidence(const std::string& name, const io::ReadOptions& read, const core::ClipInfo& clip)
     : name_(name) {
-  io::ReadOptions whole = read;
+  io::ReadOptions whole = read.beside();
   whole.grey = true, whole.first = 0, whole.last.reset();
   source_ = open_clip(name, whole, core::Warn{});
   if (source_->info().frames == 1)

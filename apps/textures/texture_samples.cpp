@@ -74,7 +74,7 @@ Shape common_shape(const LabelledClips& labelled, const SampleOptions& options, 
       const auto info = read_texture(name).info;
       join(models, {info.width, info.height, info.channels, name}, true);
     } else {
-      const auto info = open_clip(name, options.reading, warn)->info();
+      const auto info = open_held_clip(name, options.reading, warn)->info();
       join(cells, {info.width / options.columns, info.height / options.rows, info.channels, name}, false);
     }
   }
@@ -218,7 +218,7 @@ TextureSamples learn_samples(const LabelledClips& labelled, const SampleOptions&
           {clip.path.parent_path().filename().string() + "/" + clip.path.filename().string(), i});
       samples.textures.push_back(read_texture(clip.path.string()));
     } else {
-      learner.take(clip, i, core::read_all(*open_clip(clip.path.string(), options.reading, {})));
+      learner.take(clip, i, core::read_all(*open_held_clip(clip.path.string(), options.reading, {})));
     }
   }
   return samples;

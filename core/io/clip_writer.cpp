@@ -6,10 +6,10 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -21,6 +21,8 @@
 #include "core/error.hpp"
 #include "core/io/files.hpp"
 #include "core/io/media_log.hpp"
+#include "core/io/scratch.hpp"
+#include "core/io/steady_encoder.hpp"
 #include "core/io/video_check.hpp"
 
 namespace emberfold::io {
@@ -52,21 +54,33 @@ cv::Mat fitted(const cv::Mat& frame, const cv::Size& size, bool colour, bool dee
   return spread;
 }
 
+bool disk_is_full(const fs::path& folder) {
+  constexpr std::uintmax_t kLittle = 1 << 16;  // bytes: about what FFmpeg writes at once
+  std::error_code error;
+  const auto space = fs::space(folder, error);
+  return !error && space.available < kLittle;
+}
+
 class VideoFileWriter final : public VideoWriter {
  public:
   VideoFileWriter(fs::path path, bool mp4, cv::Size size, double fps, bool colour)
-      : path_(std::move(path)), part_(path_), size_(size), colour_(colour || mp4) {
-    // The container follows from the extension, so that `.part` goes before it.
-    part_.replace_filename(path_.stem().string() + ".part" + (mp4 ? ".mp4" : ".avi"));
+      : path_(std::move(path)),
+        part_(scratch_path(path_.parent_path(),
+                           mp4 ? ".mp4" : ".avi")),  // the container follows from the extension
+        size_(size),
+        colour_(colour || mp4) {
     if (fs::is_directory(path_)) fail(path_, "a folder has this name");
     errno = 0;
-    if (!std::ofstream(part_, std::ios::binary | std::ios::trunc)) fail(path_, std::strerror(errno));
+    if (!std::ofstream(part_, std::ios::binary | std::ios::trunc))
+      fail(path_, std::generic_category().message(errno));
     silence_media_libraries();
     const int code =
         mp4 ? cv::VideoWriter::fourcc('a', 'v', 'c', '1') : cv::VideoWriter::fourcc('F', 'F', 'V', '1');
     const cv::Size even(size.width + size.width % 2, size.height + size.height % 2);
     const std::vector<int> params{cv::VIDEOWRITER_PROP_IS_COLOR, colour_ ? 1 : 0,
                                   cv::VIDEOWRITER_PROP_HW_ACCELERATION, cv::VIDEO_ACCELERATION_NONE};
+    const OneProcessor one_thread;
+    const CleanMemory clean;
     if (!video_.open(part_.string(), cv::CAP_FFMPEG, code, fps, even, params)) {
       discard();
       fail(path_, std::string("FFmpeg offers no ") + (mp4 ? "H.264" : "FFV1") + " encoder for " +
@@ -84,18 +98,24 @@ class VideoFileWriter final : public VideoWriter {
     cv::Mat whole = fitted(frame, size_, colour_, false, path_);
     if (size_.width % 2 != 0 || size_.height % 2 != 0)
       cv::copyMakeBorder(whole, whole, 0, size_.height % 2, 0, size_.width % 2, cv::BORDER_REPLICATE);
+    const CleanMemory clean;
     video_.write(whole);
     ++frames_;
   }
 
   void finish() override {
     if (!video_.isOpened()) throw core::InputError(path_.string() + ": the clip is finished");
-    video_.release();
+    {
+      const CleanMemory clean;
+      video_.release();
+    }
     if (frames_ == 0) throw core::InputError(path_.string() + ": a clip needs at least one frame");
     // OpenCV does not report write errors, so the file is checked.
     if (!video_is_whole(part_) || frames_in_file() != frames_) {
+      const bool full = disk_is_full(path_.parent_path());
       discard();
-      fail(path_, "the file did not come out whole; the disk may be full");
+      fail(path_,
+           full ? "no space is left on the disk" : "the file did not come out whole; the disk may be full");
     }
     std::error_code error;
     fs::rename(part_, path_, error);
@@ -153,10 +173,8 @@ void remove_frames(const fs::path& folder) {
 class PngFolderWriter final : public VideoWriter {
  public:
   PngFolderWriter(fs::path path, cv::Size size, bool colour)
-      : path_(std::move(path)), part_(path_.string() + ".part"), size_(size), colour_(colour) {
+      : path_(std::move(path)), part_(scratch_path(path_.parent_path())), size_(size), colour_(colour) {
     check_replaceable(path_);
-    check_replaceable(part_);
-    remove_frames(part_);
     std::error_code error;
     fs::create_directory(part_, error);
     if (error) fail(path_, error.message());
@@ -180,7 +198,7 @@ class PngFolderWriter final : public VideoWriter {
     std::ofstream out(part_ / name, std::ios::binary | std::ios::trunc);
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     out.close();
-    if (!out) fail(path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
+    if (!out) fail(path_, errno != 0 ? std::generic_category().message(errno) : "the disk may be full");
     ++frames_;
   }
 
@@ -188,7 +206,7 @@ class PngFolderWriter final : public VideoWriter {
     if (finished_) throw core::InputError(path_.string() + ": the clip is finished");
     if (frames_ == 0) throw core::InputError(path_.string() + ": a clip needs at least one frame");
     check_replaceable(path_);  // once more: it may have changed since
-    const fs::path old = path_.string() + ".old.part";
+    const fs::path old = scratch_path(path_.parent_path());
     std::error_code error;
     const bool replaces = fs::exists(path_, error);
     if (replaces) {
@@ -224,7 +242,8 @@ std::unique_ptr<VideoWriter> create_video(const fs::path& path, cv::Size size, d
   };
   if (size.width < 1 || size.width > 16384) refuse(size.width, "a clip's width", "1 to 16384 pixels");
   if (size.height < 1 || size.height > 16384) refuse(size.height, "a clip's height", "1 to 16384 pixels");
-  if (!(fps > 0 && fps <= 1000)) refuse(fps, "a clip's frame rate", "above 0, at most 1000 a second");
+  if (!(fps > 0 && fps <= 1e6)) refuse(fps, "a clip's frame rate", "above 0, at most 1e6 a second");
+  if (fps < 1 || fps > 1000) fps = 25;  // players show a slide show of it, or nothing
   if (path.empty()) throw core::InputError("the name of the clip to write is empty");
 
   fs::path target = fs::absolute(path).lexically_normal();

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/io/scratch.hpp"
 
 namespace emberfold::io {
 
@@ -30,7 +31,7 @@ std::ifstream open_file(const fs::path& path) {
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in || fs::is_directory(path))
-    fail("read", path, fs::is_directory(path) ? "it is a folder" : std::strerror(errno));
+    fail("read", path, fs::is_directory(path) ? "it is a folder" : std::generic_category().message(errno));
   return in;
 }
 
@@ -44,10 +45,11 @@ bool is_video_name(const fs::path& path) {
   return false;
 }
 
-StagedFile::StagedFile(fs::path path) : path_(std::move(path)), part_(path_.string() + ".part") {
+StagedFile::StagedFile(fs::path path) : path_(std::move(path)), part_(scratch_path(path_.parent_path())) {
   if (fs::is_directory(path_)) fail("write", path_, "a folder has this name");
   errno = 0;
-  if (!std::ofstream(part_, std::ios::binary | std::ios::trunc)) fail("write", path_, std::strerror(errno));
+  if (!std::ofstream(part_, std::ios::binary | std::ios::trunc))
+    fail("write", path_, std::generic_category().message(errno));
 }
 
 StagedFile::~StagedFile() {
@@ -58,9 +60,17 @@ StagedFile::~StagedFile() {
 void StagedFile::write(const std::function<void(std::ostream&)>& body) const {
   errno = 0;
   std::ofstream stream(part_, std::ios::binary | std::ios::trunc);
-  body(stream);
+  const auto stopped = [&] {
+    fail("write", path_, errno != 0 ? std::generic_category().message(errno) : "the disk may be full");
+  };
+  try {
+    body(stream);
+  } catch (const core::IoError&) {
+    if (!stream) stopped();  // a writer knows neither the file nor the reason
+    throw;
+  }
   stream.close();
-  if (!stream) fail("write", path_, errno != 0 ? std::strerror(errno) : "the disk may be full");
+  if (!stream) stopped();
 }
 
 void StagedFile::finish() const {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/frame_decoders.hpp"
 
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -15,6 +14,10 @@
 #include "core/io/files.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/media_log.hpp"
+#include "core/io/reading/missing_numbers.hpp"
+#include "core/io/tiff/axes.hpp"
+#include "core/io/tiff_pages.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::io {
 
@@ -70,6 +73,8 @@ class VideoFileDecoder final : public FrameDecoder {
       first_.release();
     else if (ended_ || !video_.grab())
       return !end().empty();
+    else
+      check_time();
     ++position_;
     return true;
   }
@@ -87,6 +92,7 @@ class VideoFileDecoder final : public FrameDecoder {
     // An absolute name has no colon that FFmpeg would take for a protocol. Decoding on a graphics card may
     // round differently, so it is left out.
     video_.release();
+    time_.reset();
     video_.open(fs::absolute(path_).string(), cv::CAP_FFMPEG,
                 {cv::CAP_PROP_HW_ACCELERATION, cv::VIDEO_ACCELERATION_NONE});
     if (!video_.isOpened())
@@ -114,8 +120,24 @@ class VideoFileDecoder final : public FrameDecoder {
 
   bool read(cv::Mat& frame) {
     if (!video_.read(frame) || frame.empty()) return false;
+    check_time();
     if (turn_) cv::rotate(frame.clone(), frame, *turn_);
     return true;
+  }
+
+  /// Tells once of a frame that comes much later or earlier after the one before than the rate says.
+  void check_time() {
+    const double time = video_.get(cv::CAP_PROP_POS_MSEC);
+    const std::optional<double> before = std::exchange(time_, time);
+    if (uneven_told_ || !before || *before < 0 || time <= 0 || !info_.fps_is_known) return;
+    constexpr double kUneven = 0.3, kRounding = 2;  // share of the interval; ms
+    const double usual = 1000 / info_.fps, step = time - *before;
+    if (std::abs(step - usual) < std::max(kUneven * usual, kRounding)) return;
+    uneven_told_ = true;
+    const auto ms = [](double value) { return core::significant_text(value, 3) + " ms"; };
+    report(warn_, path_.string() + ": its frames are not evenly spaced in time (" + ms(usual) +
+                      " on average, " + ms(step) + " at frame " + std::to_string(position_) +
+                      "); they are taken as if they were");
   }
 
   /// OpenCV hands over three channels whatever the stream holds; its pixel format tells Y800 (8 bits) or
@@ -130,7 +152,7 @@ class VideoFileDecoder final : public FrameDecoder {
   double rate() {
     const double fps = video_.get(cv::CAP_PROP_FPS);
     if (fps > 0 && fps <= 1000) return fps;
-    report(warn_, path_.string() + ": its frame rate is not known; taken as 25 a second");
+    info_.fps_is_known = false;
     return 25;
   }
 
@@ -154,8 +176,13 @@ class VideoFileDecoder final : public FrameDecoder {
   std::optional<std::int64_t> claimed_;
   cv::Mat first_;  ///< read to learn the size, not handed out yet
   std::int64_t position_ = 0;
-  bool grey_ = false, ended_ = false, warned_ = false;
+  std::optional<double> time_;  ///< of the frame read last, ms
+  bool grey_ = false, ended_ = false, warned_ = false, uneven_told_ = false;
 };
+
+std::string depth_text(int depth) {
+  return depth == CV_8U ? "8 bits" : depth == CV_16U ? "16 bits" : "floats";
+}
 
 class ImageDecoder final : public FrameDecoder {
  public:
@@ -167,7 +194,11 @@ class ImageDecoder final : public FrameDecoder {
     info_.channels = to_grey_ ? 1 : first.pixels.channels();
     info_.depth = first.pixels.depth();
     info_.frames = static_cast<std::int64_t>(files_.size());
-    if (info_.depth == CV_16U) info_.white = true_white();
+    info_.fps_is_known = false;
+    if (info_.depth != CV_8U) info_.white = info_.depth == CV_16U ? 65535 : 1;
+    if (is_tiff(files_.front()))
+      info_.pixel_um = read_tiff_axes(files_.front(), read_tiff_pages(files_.front())).pixel_um;
+    if (const std::string gaps = missing_numbers(files_); !gaps.empty()) report(warn_, gaps);
   }
 
   [[nodiscard]] const core::ClipInfo& info() const override { return info_; }
@@ -196,7 +227,7 @@ class ImageDecoder final : public FrameDecoder {
     const cv::Size size(info_.width, info_.height);
     if (pixels.size() != size) differs(size_text(pixels.size()) + " pixels", size_text(size));
     if (pixels.depth() != info_.depth)
-      differs(pixels.depth() == CV_8U ? "of 8 bits" : "of 16 bits", info_.depth == CV_8U ? "of 8" : "of 16");
+      differs("of " + depth_text(pixels.depth()), "of " + depth_text(info_.depth));
     if (image.had_alpha && !std::exchange(warned_, true))
       report(warn_, file.string() + ": its alpha channel is dropped, and so is that of the images after it");
     if (image.pages > 1 && !std::exchange(warned_pages_, true))
@@ -209,16 +240,6 @@ class ImageDecoder final : public FrameDecoder {
       differs("in colour", "grey (ask for a grey clip to mix them)");
     if (info_.channels == 3 && pixels.channels() == 1) cv::cvtColor(pixels, pixels, cv::COLOR_GRAY2BGR);
     return pixels;
-  }
-
-  double true_white() {
-    std::uint32_t largest = 255;
-    for (const fs::path& file : files_) {
-      double most = 0;
-      cv::minMaxLoc(load(file).reshape(1), nullptr, &most);
-      largest = std::max(largest, static_cast<std::uint32_t>(most));
-    }
-    return static_cast<double>((1U << std::bit_width(largest)) - 1);
   }
 
   std::vector<fs::path> files_;
@@ -244,7 +265,14 @@ class MemoryClip final : public FrameDecoder {
 
 }  // namespace
 
-std::unique_ptr<FrameDecoder> decode_video(const fs::path& path, const core::Warn& warn) {
+void refuse_slices(const fs::path& path, const ReadOptions& options) {
+  if (options.slice || options.brightest_slice)
+    throw core::InputError(path.string() + ": it has no slices for --slice");
+}
+
+std::unique_ptr<FrameDecoder> decode_video(const fs::path& path, const ReadOptions& options,
+                                           const core::Warn& warn) {
+  refuse_slices(path, options);
   silence_media_libraries();
   open_file(path);
   std::error_code error;
@@ -253,10 +281,11 @@ std::unique_ptr<FrameDecoder> decode_video(const fs::path& path, const core::War
   return std::make_unique<VideoFileDecoder>(path, warn);
 }
 
-std::unique_ptr<FrameDecoder> decode_images(std::vector<fs::path> files, bool to_grey,
+std::unique_ptr<FrameDecoder> decode_images(std::vector<fs::path> files, const ReadOptions& options,
                                             const core::Warn& warn) {
   silence_media_libraries();
-  return std::make_unique<ImageDecoder>(std::move(files), to_grey, warn);
+  refuse_slices(files.front(), options);
+  return std::make_unique<ImageDecoder>(std::move(files), options.grey, warn);
 }
 
 std::unique_ptr<FrameDecoder> decode_clip(core::Clip clip) {

@@ -245,8 +245,11 @@ ImageFile read_image(const fs::path& path) {
   image.had_alpha = png_colour == 4 || png_colour == 6 ||
                     (may_hide_alpha && decode(path, bytes, cv::IMREAD_UNCHANGED).channels() == 4);
   if (png_colour == 4) cv::extractChannel(image.pixels.clone(), image.pixels, 0);  // grey with alpha
-  if (image.pixels.depth() != CV_8U && image.pixels.depth() != CV_16U)
-    fail(path, "its values have neither 8 nor 16 bits");
+  if (image.pixels.depth() == CV_64F) image.pixels.convertTo(image.pixels, CV_32F);
+  if (image.pixels.depth() != CV_8U && image.pixels.depth() != CV_16U && image.pixels.depth() != CV_32F)
+    fail(path, "its values have neither 8 nor 16 bits, nor are they floats");
+  if (image.pixels.depth() == CV_32F && !cv::checkRange(image.pixels))
+    fail(path, "it holds a value that is no finite number");
   image.pages = static_cast<int>(std::ranges::count_if(pages, &TiffPage::is_picture));
   return image;
 }

@@ -29,7 +29,7 @@ bool fits_pattern(std::string_view pattern, std::string_view name);
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 std::vector<std::filesystem::path> match_images(const std::filesystem::path& pattern);
 
-/// One image: CV_8U or CV_16U, 1 or 3 channels, turned as its EXIF orientation tells.
+/// One image: CV_8U, CV_16U or CV_32F (TIFF), 1 or 3 channels, turned as its EXIF orientation tells.
 struct ImageFile {
   cv::Mat pixels;
   bool had_alpha = false;

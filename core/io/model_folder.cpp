@@ -164,7 +164,7 @@ void write_model(OutputFolder& output, const std::string& name, const core::Mode
     });
 }
 
-ModelFolder::ModelFolder(const fs::path& folder) : output_(checked_place(folder)) {}
+ModelFolder::ModelFolder(const fs::path& folder) : output_(checked_place(folder), Existing::all) {}
 
 void ModelFolder::commit() {
   const auto staged = entries(output_.staged(""));

@@ -99,13 +99,6 @@ class Inputs {
                        ", which is read; give the output another name");
 }
 
-/// The names under which the writers keep `path` until it is finished.
-std::vector<fs::path> unfinished_names(const fs::path& path) {
-  fs::path video = path;
-  video.replace_filename(path.stem().string() + ".part" + path.extension().string());
-  return {video, path.string() + ".part", path.string() + ".old.part"};
-}
-
 void check_contents(const Inputs& inputs, const fs::path& output, const fs::path& folder) {
   for (const auto& entry : entries(folder)) {
     const auto found = find_file(entry);
@@ -150,8 +143,6 @@ void check_output(const Inputs& inputs, const OutputPath& output) {
       continue;
     }
     check_replaced(inputs, output.path, path, "it is");
-    for (const auto& part : unfinished_names(path))
-      check_replaced(inputs, output.path, part, "it is written by way of");
     const auto parent = find_file(path.has_parent_path() ? path.parent_path() : fs::path("."));
     if (parent && is_image_name(path))
       if (const auto* input = inputs.folder(parent->id); input != nullptr && joins(*input, path))

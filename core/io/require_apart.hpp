@@ -26,9 +26,9 @@ struct OutputPath {
 /// so that symbolic links, hard links and other spellings are found. An input is a file; a folder, which
 /// stands for the files in it; the folder of a model, which stands for all below it too; or a pattern of
 /// images (dir/img_*.png), which stands for its folder and the files that fit. Empty names, "builtin:" clips
-/// and names of nothing are passed over. Refused are: an output that is an input; one whose unfinished file
-/// (out.part.mp4, out.part) is an input; a folder that is replaced and holds an input; an output folder that
-/// is an input folder; an image written into a folder of images that is read; two outputs of one name.
+/// and names of nothing are passed over. Refused are: an output that is an input; a folder that is replaced
+/// and holds an input; an output folder that is an input folder; an image written into a folder of images
+/// that is read; two outputs of one name.
 void require_apart(const std::vector<std::string>& inputs, const std::vector<OutputPath>& outputs);
 
 }  // namespace emberfold::io

@@ -1,30 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/staged_output.hpp"
 
+#include <array>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
+#include <string_view>
+#include <system_error>
 #include <utility>
-
-#include <unistd.h>
 
 #include "core/error.hpp"
 #include "core/io/files.hpp"
 #include "core/io/require_apart.hpp"
+#include "core/io/scratch.hpp"
 
 namespace emberfold::io {
 
 namespace fs = std::filesystem;
 
-OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
+namespace {
+
+/// True where one of the files that tell of a result begins as emberfold writes it.
+bool is_own_folder(const fs::path& folder) {
+  for (const char* name : {"summary.json", "model.json", "matrix.json"}) {
+    std::array<char, 256> head{};
+    std::ifstream in(folder / name, std::ios::binary);
+    in.read(head.data(), head.size());
+    const std::string_view text(head.data(), static_cast<std::size_t>(in.gcount()));
+    if (text.find("\"emberfold.") != std::string_view::npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void require_own(const fs::path& folder, const std::vector<std::string>& names) {
+  if (is_own_folder(folder)) return;
+  std::error_code ignored;
+  for (const auto& name : names)
+    if (fs::exists(fs::symlink_status(folder / name, ignored)))
+      throw OverwriteError("cannot write " + (folder / name).string() +
+                           ": it is there already, and no earlier result; --overwrite replaces it");
+}
+
+OutputFolder::OutputFolder(fs::path folder, Existing existing)
+    : folder_(std::move(folder)), existing_(existing) {
   if (folder_.empty()) throw core::InputError("the output folder has no name");
   std::error_code ignored;
   for (fs::path missing = fs::absolute(folder_).lexically_normal();
        missing.has_relative_path() && !fs::exists(missing, ignored); missing = missing.parent_path())
     if (missing.has_filename()) made_.push_back(missing);
-  stage_ = folder_ / (".emberfold-" + std::to_string(getpid()) + ".part");
   try {
     make_folder(folder_);
+    stage_ = scratch_path(folder_);
     make_folder(stage_);
   } catch (const core::IoError& error) {
     for (const auto& path : made_) fs::remove(path, ignored);
@@ -42,12 +69,17 @@ OutputFolder::~OutputFolder() {
 void OutputFolder::write(const std::string& name, const std::function<void(std::ostream&)>& body) {
   const auto fail = [&] {
     throw core::IoError("cannot write " + (folder_ / name).string() + ": " +
-                        (errno != 0 ? std::strerror(errno) : "the disk may be full"));
+                        (errno != 0 ? std::generic_category().message(errno) : "the disk may be full"));
   };
   errno = 0;
   std::ofstream stream(staged(name), std::ios::binary | std::ios::trunc);
   if (!stream) fail();
-  body(stream);
+  try {
+    body(stream);
+  } catch (const core::IoError&) {
+    if (!stream) fail();  // a writer knows neither the file nor the reason
+    throw;
+  }
   stream.close();
   if (!stream) fail();
 }
@@ -62,6 +94,7 @@ void OutputFolder::make_subfolder(const std::string& name) {
 
 std::string OutputFolder::with_final_name(std::string message) const {
   const std::string staged_prefix = stage_.string(), final_prefix = folder_.string();
+  if (staged_prefix.empty()) return message;
   for (auto at = message.find(staged_prefix); at != std::string::npos;
        at = message.find(staged_prefix, at + 1))
     message.replace(at, staged_prefix.size(), final_prefix);
@@ -78,6 +111,11 @@ void OutputFolder::commit() {
     targets.push_back({folder_ / entry.path().filename()});
   check(error, folder_);
   if (!inputs_.empty()) require_apart(inputs_, targets);
+  if (existing_ == Existing::own) {
+    std::vector<std::string> names;
+    for (const auto& target : targets) names.push_back(target.path.filename().string());
+    require_own(folder_, names);
+  }
   for (const auto& entry : fs::directory_iterator(stage_, error)) {
     const fs::path target = folder_ / entry.path().filename();
     if (entry.is_directory()) fs::remove_all(target, error);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <fstream>
 #include <set>
 #include <span>
@@ -24,23 +25,28 @@ enum Tag : std::uint64_t {
   kHeight = 257,
   kBits = 258,
   kCompression = 259,
+  kDescription = 270,
   kStripOffsets = 273,
   kSamples = 277,
   kStripBytes = 279,
+  kResolutionX = 282,
+  kResolutionY = 283,
   kTileOffsets = 324,
   kTileBytes = 325,
   kFormat = 339
 };
-enum Type : std::uint64_t { kByte = 1, kShort = 3, kLong = 4, kLong8 = 16 };
+enum Type : std::uint64_t { kByte = 1, kText = 2, kShort = 3, kLong = 4, kRatio = 5, kLong8 = 16 };
 
 std::uint64_t type_bytes(std::uint64_t type) {
   switch (type) {
     case kByte:
+    case kText:
       return 1;
     case kShort:
       return 2;
     case kLong:
       return 4;
+    case kRatio:
     case kLong8:
       return 8;
     default:
@@ -68,10 +74,12 @@ class TiffReader {
     std::set<std::uint64_t> seen;
     while (at != 0) {
       if (!seen.insert(at).second) fail("it is damaged: its pages follow each other in a circle");
+      is_first_ = found.empty();
       found.push_back(page(at));
       found.back().index = static_cast<int>(found.size() - 1);
     }
     if (found.empty()) fail("it holds no page");
+    add_raw_pages(found);
     return found;
   }
 
@@ -110,12 +118,14 @@ class TiffReader {
     const std::uint64_t begin = at + count_bytes;
     const auto table = bytes(begin, count * entry_bytes);
     TiffPage page;
+    page.little_endian = little_;
     std::vector<std::uint64_t> offsets, sizes;
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto head = std::span(table).subspan(i * entry_bytes, entry_bytes);
       take(entry(head, begin + i * entry_bytes), page, offsets, sizes);
     }
     check(page, offsets, sizes);
+    if (!offsets.empty()) page.offset = offsets.front();
     at = number_at(begin + count * entry_bytes, next_bytes);
     return page;
   }
@@ -146,6 +156,21 @@ class TiffReader {
     return found;
   }
 
+  /// A whole number above another; 0 where there is none.
+  double ratio(const Entry& entry) {
+    if (entry.type != kRatio || entry.count == 0) return 0;
+    const auto all = bytes(entry.at, 8);
+    const auto below = static_cast<double>(number(std::span(all).subspan(4, 4)));
+    return below > 0 ? static_cast<double>(number(std::span(all).first(4))) / below : 0;
+  }
+
+  std::string text(const Entry& entry) {
+    if (entry.type != kText) return {};
+    const auto all = bytes(entry.at, entry.count);
+    const std::string found(all.begin(), all.end());
+    return found.substr(0, found.find('\0'));
+  }
+
   void take(const Entry& entry, TiffPage& page, std::vector<std::uint64_t>& offsets,
             std::vector<std::uint64_t>& sizes) {
     struct Field {
@@ -163,6 +188,30 @@ class TiffReader {
       if (entry.tag == field.tag) page.*field.value = first_value(entry);
     if (entry.tag == kStripOffsets || entry.tag == kTileOffsets) offsets = values(entry);
     if (entry.tag == kStripBytes || entry.tag == kTileBytes) sizes = values(entry);
+    if (entry.tag == kDescription && is_first_) page.description = text(entry);
+    if (entry.tag == kResolutionX) page.pixels_a_unit = ratio(entry);
+    if (entry.tag == kResolutionY && page.pixels_a_unit > 0)
+      if (const double down = ratio(entry); down > 0) page.aspect = down / page.pixels_a_unit;
+  }
+
+  /// ImageJ writes one head and then the pixels of all pages, where they take more than 4 GB or are saved
+  /// fast.
+  void add_raw_pages(std::vector<TiffPage>& pages) const {
+    const TiffPage first = pages.front();
+    constexpr std::string_view kMark = "\nimages=";
+    const auto at = first.description.find(kMark);
+    if (pages.size() != 1 || !first.description.starts_with("ImageJ=") || at == std::string::npos) return;
+    const std::uint64_t images = std::strtoull(first.description.c_str() + at + kMark.size(), nullptr, 10);
+    const std::uint64_t each = first.width * first.height * first.samples * first.bits / 8;
+    if (images < 2 || first.compression != 1 || first.bits % 8 != 0) return;
+    if (each == 0 || images > (size_ - first.offset) / each) fail("it is cut off");
+    pages.clear();
+    for (std::uint64_t i = 0; i < images; ++i) {
+      pages.push_back(first);
+      TiffPage& page = pages.back();
+      page.index = static_cast<int>(i), page.offset += i * each, page.stored_bytes = each, page.raw = true;
+      if (i > 0) page.description.clear();
+    }
   }
 
   void check(TiffPage& page, const std::vector<std::uint64_t>& offsets,
@@ -187,7 +236,7 @@ class TiffReader {
   fs::path path_;
   std::ifstream in_;
   std::uint64_t size_ = 0;
-  bool little_ = true, big_ = false;
+  bool little_ = true, big_ = false, is_first_ = true;
 };
 
 }  // namespace

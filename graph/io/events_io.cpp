@@ -10,6 +10,7 @@
 #include "core/error.hpp"
 #include "core/text/json_reader.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/unit_tables.hpp"
 
 namespace emberfold::graph {
 
@@ -69,7 +70,18 @@ void write_events(std::ostream& out, const std::vector<Event>& events) {
 }
 
 void write_events_csv(std::ostream& out, const std::vector<Event>& events) {
-  std::string text = "frame,type,x,y,probability,before,after\n";
+  write_events_csv(out, events, {});
+}
+
+void write_events_csv(std::ostream& out, const std::vector<Event>& events, const Units& units) {
+  std::string text = "frame,type,x,y,probability,before,after";
+  if (units.seconds) text += ",time_s";
+  if (units.um) text += ",x_um,y_um";
+  text += '\n';
+  const auto column = [&text](double value) {
+    text += ',';
+    core::append_number(text, value);
+  };
   for (const Event& event : events) {
     check_event(event);
     core::append_number(text, static_cast<std::uint32_t>(event.frame));
@@ -83,6 +95,8 @@ void write_events_csv(std::ostream& out, const std::vector<Event>& events) {
     append_ids(text, event.before, ';');
     text += ',';
     append_ids(text, event.after, ';');
+    if (units.seconds) column(event.frame * *units.seconds);
+    if (units.um) column(event.position.x * *units.um), column(event.position.y * *units.um);
     text += '\n';
   }
   write_text(out, text);

@@ -93,9 +93,9 @@ std::string header_line(const SketchSequence& sketch, std::size_t frames, bool l
     throw core::InputError("writing a sketch: its size is " + std::to_string(sketch.width) + " x " +
                            std::to_string(sketch.height) + ", allowed is 1 to 65536");
   }
-  if (!(sketch.fps > 0 && sketch.fps <= 1000)) {
+  if (!(sketch.fps > 0 && sketch.fps <= 1e6)) {
     throw core::InputError("writing a sketch: fps is " + std::to_string(sketch.fps) +
-                           ", allowed is above 0, up to 1000");
+                           ", allowed is above 0, up to 1e6");
   }
   std::string text = "{\"format\":\"";
   text += links ? "emberfold.motion" : "emberfold.sketch";

@@ -65,8 +65,8 @@ Header parse_header(std::string_view text, bool needs_links) {
   header.frames = read_whole_number(object, "frames", 0, 2147483647);
   const auto fps = object.find("fps");
   if (fps == object.end()) throw core::IoError("\"fps\" is missing");
-  if (!fps->is_number() || !(fps->get<double>() > 0 && fps->get<double>() <= 1000)) {
-    throw core::IoError("\"fps\" must be a number above 0, up to 1000");
+  if (!fps->is_number() || !(fps->get<double>() > 0 && fps->get<double>() <= 1e6)) {
+    throw core::IoError("\"fps\" must be a number above 0, up to 1e6");
   }
   header.fps = fps->get<double>();
   return header;

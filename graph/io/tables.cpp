@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ostream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/text/json_reader.hpp"
 #include "graph/events/joints.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/unit_tables.hpp"
 
 namespace emberfold::graph {
 
@@ -49,35 +51,126 @@ std::vector<Row> rows_of(const AttributeGraph& graph, std::uint32_t frame) {
   return rows;
 }
 
-}  // namespace
-
-void write_strokes(std::ostream& out, const MotionGraph& motion) {
+std::vector<Row> all_rows(const MotionGraph& motion) {
   std::vector<Row> rows;
   for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t) {
     const auto more = rows_of(motion.sketch.frames[t], static_cast<std::uint32_t>(t));
     rows.insert(rows.end(), more.begin(), more.end());
   }
   std::ranges::stable_sort(rows, {}, &Row::stroke);
-  std::string text = "stroke,frame,x,y,length,patches,width,contrast,ends,junctions\n";
-  for (const Row& row : rows) {
-    core::append_number(text, row.stroke);
-    const auto column = [&text](auto value) {
-      text += ',';
-      core::append_number(text, value);
-    };
-    column(row.frame);
-    column(row.middle.x);
-    column(row.middle.y);
-    column(row.length);
-    column(row.patches);
-    column(row.width);
-    column(row.contrast);
-    column(row.ends);
-    column(row.junctions);
-    text += '\n';
+  return rows;
+}
+
+/// A line of a table.
+class Line {
+ public:
+  explicit Line(std::string& text) : text_(text) {}
+  template <class Number>
+  void add(Number value) {
+    if (!first_) text_ += ',';
+    first_ = false;
+    core::append_number(text_, value);
   }
+  void end() { text_ += '\n'; }
+
+ private:
+  std::string& text_;
+  bool first_ = true;
+};
+
+void write_text(std::ostream& out, const std::string& text) {
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   if (!out.flush()) throw core::IoError("strokes could not be written: the stream failed");
+}
+
+/// The slope of lengths over frames, by least squares.
+double slope(std::span<const Row> rows) {
+  double mean_t = 0, mean_length = 0, product = 0, square = 0;
+  for (const Row& row : rows) mean_t += row.frame, mean_length += row.length;
+  mean_t /= static_cast<double>(rows.size()), mean_length /= static_cast<double>(rows.size());
+  for (const Row& row : rows) {
+    product += (row.frame - mean_t) * (row.length - mean_length);
+    square += (row.frame - mean_t) * (row.frame - mean_t);
+  }
+  return square > 0 ? product / square : 0;
+}
+
+StrokeLife life_of(std::span<const Row> rows, std::size_t clip_frames) {
+  StrokeLife life;
+  life.stroke = rows.front().stroke;
+  life.first = static_cast<int>(rows.front().frame), life.last = static_cast<int>(rows.back().frame);
+  life.whole = life.first > 0 && static_cast<std::size_t>(life.last) + 1 < clip_frames;
+  double way = 0;
+  int steps = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    life.length += rows[i].length / static_cast<double>(rows.size());
+    if (i == 0 || rows[i].frame != rows[i - 1].frame + 1) continue;
+    way += distance(rows[i].middle, rows[i - 1].middle);
+    ++steps;
+  }
+  life.speed = steps > 0 ? way / steps : 0;
+  life.growth = slope(rows);
+  return life;
+}
+
+}  // namespace
+
+void write_strokes(std::ostream& out, const MotionGraph& motion) {
+  write_strokes(out, motion, {});
+}
+
+void write_strokes(std::ostream& out, const MotionGraph& motion, const Units& units) {
+  std::string text = "stroke,frame,x,y,length,patches,width,contrast,ends,junctions";
+  if (units.seconds) text += ",time_s";
+  if (units.um) text += ",x_um,y_um,length_um";
+  text += '\n';
+  for (const Row& row : all_rows(motion)) {
+    Line line(text);
+    line.add(row.stroke), line.add(row.frame);
+    for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value);
+    line.add(row.patches);
+    for (const double value : {row.width, row.contrast}) line.add(value);
+    line.add(row.ends), line.add(row.junctions);
+    if (units.seconds) line.add(row.frame * *units.seconds);
+    if (units.um)
+      for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value * *units.um);
+    line.end();
+  }
+  write_text(out, text);
+}
+
+std::vector<StrokeLife> stroke_lives(const MotionGraph& motion) {
+  const auto rows = all_rows(motion);
+  std::vector<StrokeLife> lives;
+  for (std::size_t begin = 0; begin < rows.size();) {
+    std::size_t end = begin;
+    while (end < rows.size() && rows[end].stroke == rows[begin].stroke) ++end;
+    lives.push_back(life_of(std::span(rows).subspan(begin, end - begin), motion.sketch.frames.size()));
+    begin = end;
+  }
+  return lives;
+}
+
+void write_lives(std::ostream& out, const std::vector<StrokeLife>& lives, const Units& units) {
+  std::string text = "stroke,first,last,frames,whole,length,growth,speed";
+  if (units.seconds) text += ",life_s";
+  if (units.um) text += ",length_um";
+  const bool both = units.seconds && units.um;
+  if (both) text += ",growth_um_s,speed_um_s";
+  text += '\n';
+  for (const StrokeLife& life : lives) {
+    Line line(text);
+    line.add(life.stroke);
+    for (const int value : {life.first, life.last, life.frames(), life.whole ? 1 : 0})
+      line.add(static_cast<std::uint32_t>(value));
+    for (const double value : {life.length, life.growth, life.speed}) line.add(value);
+    if (units.seconds) line.add(life.frames() * *units.seconds);
+    if (units.um) line.add(life.length * *units.um);
+    if (both)
+      for (const double value : {life.growth, life.speed}) line.add(value * *units.um / *units.seconds);
+    line.end();
+  }
+  write_text(out, text);
 }
 
 }  // namespace emberfold::graph

@@ -106,8 +106,8 @@ void validate(const MotionModel& model) {
   check(model.width >= 1 && model.width <= 65536 && model.height >= 1 && model.height <= 65536, "the frame",
         "is " + std::to_string(model.width) + " x " + std::to_string(model.height) +
             " px; allowed is 1…65536 each way");
-  check(model.fps > 0 && model.fps <= 1000, "fps",
-        "is " + core::number_text(model.fps) + "; allowed is (0, 1000]");
+  check(model.fps > 0 && model.fps <= 1e6, "fps",
+        "is " + core::number_text(model.fps) + "; allowed is (0, 1e6]");
   check(model.frames >= 2, "frames", "is " + std::to_string(model.frames) + "; at least 2");
   check(model.displacement, "sway");
   check(model.contrast, "contrast");

@@ -160,15 +160,17 @@ TEST_CASE("a loop of frames begins again") {
   CHECK(bytes_of(out / "frame_00000.png") == bytes_of(out / "frame_00010.png"));
   CHECK(bytes_of(out / "frame_00002.png") == bytes_of(out / "frame_00022.png"));
   CHECK(bytes_of(out / "frame_00000.png") != bytes_of(out / "frame_00001.png"));
-  REQUIRE(run_command({"dytex", "synth", learned.model, "-o", out.string(), "--loop", "10", "-q"}).exit == 0);
+  REQUIRE(
+      run_command({"dytex", "synth", learned.model, "-o", out.string(), "--loop", "10", "-q", "--overwrite"})
+          .exit == 0);
   CHECK_FALSE(fs::exists(out / "frame_00010.png"));
   check_one_line({"dytex", "synth", learned.model, "-o", (learned.temp / "x").string(), "--loop", "0", "-q"},
                  2, {"--loop is 0", "1 to 1000000"});
   check_one_line({"dytex", "synth", learned.model, "-o", (learned.temp / "x").string(), "--loop", "5",
                   "--start", "0", "-q"},
                  2, {"--start", "--loop"});
-  REQUIRE(run_command(
-              {"dytex", "synth", learned.model, "-o", out.string(), "--start", "mean", "--frames", "1", "-q"})
+  REQUIRE(run_command({"dytex", "synth", learned.model, "-o", out.string(), "--start", "mean", "--frames",
+                       "1", "-q", "--overwrite"})
               .exit == 0);
   const auto texture = model_at(learned.model);
   const cv::Mat mean(32, 40, CV_32FC3, const_cast<float*>(texture.mean.data()));
@@ -186,8 +188,8 @@ TEST_CASE("a region is learned and edited alone and put back onto its clip") {
   REQUIRE(run_command({"dytex", "edit", model, "-o", fast, "--speed", "-2", "--intensity", "3", "-q"}).exit ==
           0);
   for (const std::string& layer : {fast + ":" + mask, fast}) {
-    const auto result =
-        run_command({"dytex", "compose", clip, "--layer", layer, "--feather", "3", "-o", out, "--json"});
+    const auto result = run_command(
+        {"dytex", "compose", clip, "--layer", layer, "--feather", "3", "-o", out, "--json", "--overwrite"});
     INFO(result.err);
     REQUIRE(result.exit == 0);
     CHECK(Json::parse(result.out)["clip"]["frames"] == 24);

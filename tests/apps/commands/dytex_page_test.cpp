@@ -230,7 +230,7 @@ TEST_CASE("dytex page writes its file whole or tells in a line why not") {
   CHECK(summary["bytes"] == fs::file_size(page));
   CHECK(summary["error"]["largest"].get<double>() < 1.5);
   const auto first = bytes_of(page);
-  REQUIRE(run_command({"dytex", "page", model, "-o", page, "--threads", "1", "-q"}).exit == 0);
+  REQUIRE(run_command({"dytex", "page", model, "-o", page, "--threads", "1", "-q", "--overwrite"}).exit == 0);
   CHECK(bytes_of(page) == first);
   CHECK_FALSE(fs::exists(page + ".part"));
 

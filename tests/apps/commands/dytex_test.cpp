@@ -99,7 +99,8 @@ TEST_CASE("the start and the noise and the seed of a synthesis do what they say"
   REQUIRE(run_command({"dytex", "learn", clip, "-o", model, "-n", "20", "-q"}).exit == 0);
   const auto first = [&](const std::vector<std::string>& more) {
     const auto out = (temp / "out").string();
-    std::vector<std::string> arguments{"dytex", "synth", model, "-o", out, "--frames", "2", "-q"};
+    std::vector<std::string> arguments{"dytex",    "synth", model, "-o",         out,
+                                       "--frames", "2",     "-q",  "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     REQUIRE(run_command(arguments).exit == 0);
     return cv::imread(out + "/frame_00000.png");
@@ -146,7 +147,8 @@ TEST_CASE("what a model is learned by is asked for by words and told in the summ
     const auto learned = run_command(joined({"dytex", "learn", clip, "-o", model, "--json", "-q"}, more));
     INFO(learned.err);
     REQUIRE(learned.exit == 0);
-    REQUIRE(run_command({"dytex", "synth", model, "-o", (temp / "out.avi").string(), "--frames", "9", "-q"})
+    REQUIRE(run_command({"dytex", "synth", model, "-o", (temp / "out.avi").string(), "--frames", "9", "-q",
+                         "--overwrite"})
                 .exit == 0);
     CHECK(run_command({"dytex", "info", model}).exit == 0);
     return Json::parse(learned.out);

@@ -68,6 +68,16 @@ void check_refused(const std::vector<std::string>& arguments, int exit, const st
   CHECK_FALSE(fs::exists(output.string() + ".part"));
 }
 
+/// Bytes of the largest file that is not whole yet; -1 where there is none.
+std::intmax_t largest_unfinished(const fs::path& folder) {
+  std::intmax_t largest = -1;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (contains(entry.path().string(), ".part"))
+      largest = std::max(largest, static_cast<std::intmax_t>(fs::file_size(entry.path(), ignored)));
+  return largest;
+}
+
 void replace_in(const fs::path& file, const std::string& from, const std::string& to) {
   std::string text = bytes_of(file);
   const auto at = text.find(from);
@@ -261,11 +271,7 @@ TEST_CASE("an interrupted synth leaves what was drawn, whole and of one length")
   const Learned made(12);
   const auto out = made.temp / "out.avi", motion = made.temp / "m.jsonl", overlay = made.temp / "over.avi";
   CommandOptions options;
-  options.interrupt_if = [&] {
-    std::error_code none;
-    const auto bytes = fs::file_size(made.temp / "out.part.avi", none);
-    return !none && bytes > 100'000;
-  };
+  options.interrupt_if = [&] { return largest_unfinished(made.temp.path()) > 100'000; };
   const auto result = run_command({"synth", made.model, "-o", out.string(), "--motion", motion.string(),
                                    "--overlay", overlay.string(), "--frames", "2000", "--threads", "1"},
                                   options);
@@ -291,7 +297,7 @@ TEST_CASE("an interrupted synth leaves what was drawn, whole and of one length")
 TEST_CASE("a synth that is interrupted before its first frame keeps nothing") {
   const Learned made(12);
   CommandOptions options;
-  options.interrupt_if = [&] { return fs::exists(made.temp / "out.part.avi"); };
+  options.interrupt_if = [&] { return largest_unfinished(made.temp.path()) >= 0; };
   const auto result = run_command({"synth", made.model, "-o", (made.temp / "out.avi").string(), "--motion",
                                    (made.temp / "m.jsonl").string(), "--frames", "100000", "--threads", "1"},
                                   options);
@@ -319,7 +325,7 @@ TEST_CASE("synth changes the motion as it is asked to, and by nothing if by noth
 
   const auto none = made.temp / "none.avi";
   const auto refused = [&](const std::vector<std::string>& more, const std::string& what) {
-    std::vector<std::string> arguments{"synth", made.model, "-o", none.string()};
+    std::vector<std::string> arguments{"synth", made.model, "-o", none.string(), "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     check_refused(arguments, 2, {what}, none);
   };
@@ -360,8 +366,8 @@ TEST_CASE("analyze learns what lies between strokes where asked, and synth draws
   // The texture is edited with the strokes; by nothing if by nothing.
   for (const auto& [speed, same] : {std::pair{"1", true}, {"2", false}}) {
     const auto edited = made.temp / ("speed" + std::string(speed) + ".avi");
-    REQUIRE(run_command({"synth", model, "-o", edited.string(), "--frames", "30", "--fill", "dytex", "-q",
-                         "--speed", speed})
+    REQUIRE(run_command({"synth", model, "-o", edited.string(), "--overwrite", "--frames", "30", "--fill",
+                         "dytex", "-q", "--speed", speed})
                 .exit == 0);
     CHECK((bytes_of(edited) == bytes_of(fs::path(folder) / "new.avi")) == same);
   }
@@ -395,7 +401,8 @@ TEST_CASE("synth lays the clip's residual on new frames where asked") {
   const Learned made;
   const auto plain = made.temp / "plain.avi";
   const auto draw = [&](const fs::path& out, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"synth", made.model, "-o", out.string(), "--frames", "6", "-q"};
+    std::vector<std::string> arguments{"synth",    made.model, "-o", out.string(),
+                                       "--frames", "6",        "-q", "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto result = run_command(arguments);
     INFO(result.err);

@@ -124,7 +124,7 @@ TEST_CASE("a folder of images is read in natural order, grey staying grey") {
   std::ofstream(folder / ".hidden.png") << "not an image either";
   const core::Clip clip = read(folder.path());
   REQUIRE(clip.frames.size() == 6);
-  CHECK(clip.info == core::ClipInfo{8, 6, 1, CV_8U, 25, 255, 6});
+  CHECK(clip.info == core::ClipInfo{8, 6, 1, CV_8U, 25, 255, 6, false});
   std::vector<int> order;
   for (const auto& frame : clip.frames) order.push_back(frame.at<std::uint8_t>(0, 0));
   CHECK(order == std::vector<int>{1, 2, 9, 10, 11, 100});
@@ -144,6 +144,7 @@ TEST_CASE("ranges, rewinding and the number of frames agree for images and video
     io::ReadOptions options;
     options.first = 3;
     options.last = 8;
+    options.fps = 25;
     const auto source = io::open_video((folder / name).string(), options, {});
     CHECK(source->info() == core::ClipInfo{40, 30, 1, CV_8U, 25, 255, 5});
     for (int pass = 0; pass < 3; ++pass) {
@@ -201,7 +202,9 @@ TEST_CASE("alpha is dropped with one warning") {
   with_alpha.forEach<cv::Vec4b>([](cv::Vec4b& p, const int*) { p[3] = 9; });
   for (const char* name : {"a1.png", "a2.png", "a3.tif"}) cv::imwrite((folder / name).string(), with_alpha);
   core::Clip clip;
-  const auto lines = warnings_of([&](const core::Warn& warn) { clip = read(folder.path(), {}, warn); });
+  io::ReadOptions options;
+  options.fps = 25;
+  const auto lines = warnings_of([&](const core::Warn& warn) { clip = read(folder.path(), options, warn); });
   REQUIRE(lines.size() == 1);
   CHECK(contains(lines[0], "alpha"));
   CHECK(clip.info.channels == 3);

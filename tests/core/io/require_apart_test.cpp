@@ -46,16 +46,6 @@ TEST_CASE("an output that is an input is found under every name") {
             .empty());
 }
 
-TEST_CASE("unfinished files are outputs too") {
-  const TempFolder temp;
-  write(temp / "a.part.avi");
-  write(temp / "page.html.part");
-  write(temp / "frames.part/frame_00000.png");
-  CHECK(contains(refusal({(temp / "a.part.avi").string()}, {{temp / "a.avi"}}), "a.part.avi"));
-  CHECK_FALSE(refusal({(temp / "page.html.part").string()}, {{temp / "page.html"}}).empty());
-  CHECK_FALSE(refusal({(temp / "frames.part").string()}, {{temp / "frames"}}).empty());
-}
-
 TEST_CASE("folders, patterns and models stand for what is in them") {
   const TempFolder temp;
   const auto frames = temp / "frames";

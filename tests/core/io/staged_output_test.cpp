@@ -3,9 +3,12 @@
 
 #include <ostream>
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/error.hpp"
+#include "core/io/require_apart.hpp"
+#include "core/io/scratch.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/messages.hpp"
@@ -58,6 +61,7 @@ TEST_CASE("a second run replaces the first one's files and folders, and leaves s
   for (const char* text : {"first", "second"}) {
     io::OutputFolder output(temp / "out");
     put(output, "one", text);
+    put(output, "summary.json", R"({"format": "emberfold.summary"})");
     output.make_subfolder("sub");
     put(output, std::string("sub/") + text, text);
     output.commit();
@@ -66,6 +70,56 @@ TEST_CASE("a second run replaces the first one's files and folders, and leaves s
   CHECK(bytes_of(temp / "out/one") == "second");
   CHECK_FALSE(fs::exists(temp / "out/sub/first"));
   CHECK(bytes_of(temp / "out/mine") == "mine");
+}
+
+TEST_CASE("what no run of emberfold wrote is replaced only where that is asked for") {
+  const TempFolder temp;
+  fs::create_directory(temp / "out");
+  std::ofstream(temp / "out/one") << "mine";
+  const auto write = [&](io::Existing existing) {
+    io::OutputFolder output(temp / "out", existing);
+    put(output, "one", "new");
+    put(output, "two", "new");
+    output.commit();
+  };
+  const auto message = message_of<io::OverwriteError>([&] { write(io::Existing::own); });
+  CHECK(contains(message, (temp / "out/one").string()));
+  CHECK(contains(message, "--overwrite"));
+  CHECK(bytes_of(temp / "out/one") == "mine");
+  CHECK(entries(temp / "out") == 1);
+  write(io::Existing::all);
+  CHECK(bytes_of(temp / "out/one") == "new");
+  std::ofstream(temp / "out/summary.json") << "{\"format\": \"another\"}";
+  CHECK_FALSE(message_of<io::OverwriteError>([&] { write(io::Existing::own); }).empty());
+}
+
+TEST_CASE("what killed runs left is cleared by the next one, what others are writing is not") {
+  const TempFolder temp;
+  const fs::path left = temp / "out";
+  fs::create_directory(left);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    io::OutputFolder output(left);
+    output.write("half", [](std::ostream& out) { out << "x"; });
+    std::ofstream(io::scratch_path(left, ".mp4")) << "x";
+    ::_exit(0);  // as if killed: no destructor runs
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  CHECK(entries(left) == 2);
+  std::ofstream(left / ".emberfold-otherhost-1-1.part") << "of another machine";
+  std::ofstream(left / ".emberfold-notes") << "mine";
+  const auto own = io::scratch_path(left);
+  fs::create_directory(own);
+  {
+    io::OutputFolder output(left);
+    put(output, "one", "1");
+    output.commit();
+  }
+  CHECK(fs::exists(own));
+  CHECK(fs::exists(left / ".emberfold-otherhost-1-1.part"));
+  CHECK(fs::exists(left / ".emberfold-notes"));
+  CHECK(entries(left) == 4);  // and "one"
 }
 
 TEST_CASE("an output folder that cannot be is refused by its own name") {

@@ -64,7 +64,7 @@ TEST_CASE("the pages of a TIFF are the frames of a clip, to the last bit") {
       const auto clip = read(path);
       check_frames(clip, pages);
       const double white = CV_MAT_DEPTH(type) == CV_8U ? 255 : CV_MAT_DEPTH(type) == CV_16U ? 1023 : 1;
-      CHECK(clip.info == core::ClipInfo{13, 7, CV_MAT_CN(type), CV_MAT_DEPTH(type), 25, white, 9});
+      CHECK(clip.info == core::ClipInfo{13, 7, CV_MAT_CN(type), CV_MAT_DEPTH(type), 25, white, 9, false});
     }
 }
 
@@ -135,7 +135,9 @@ TEST_CASE("one page stays one image, and a folder of TIFFs one image a frame") {
   write_stack(temp / "frames/f1.tif", {pages[1], pages[0]});
   write_stack(temp / "frames/f2.tif", {pages[2], pages[0]});
   std::vector<std::string> told;
-  check_frames(read(temp / "frames", {}, [&](const std::string& line) { told.push_back(line); }), pages);
+  io::ReadOptions options;
+  options.fps = 25;
+  check_frames(read(temp / "frames", options, [&](const std::string& line) { told.push_back(line); }), pages);
   REQUIRE(told.size() == 1);
   CHECK(contains(told[0], "f1.tif has 2 pages"));
 }

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/units/event_units.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <string>
+
+#include "core/math/event_rates.hpp"
+#include "core/text/format_number.hpp"
+
+namespace emberfold::apps {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double kLevel = 0.9;
+
+Json number_json(double value) {
+  constexpr int kDigits = 6;
+  return std::isfinite(value) ? Json(core::round_significant(value, kDigits)) : Json(nullptr);
+}
+
+Json interval_json(const core::Interval& interval) {
+  return {{"mean", number_json(interval.mean)},
+          {"low", number_json(interval.low)},
+          {"high", number_json(interval.high)}};
+}
+
+/// Sum of the lengths of all strokes in all frames but the first, px.
+double stroke_length(const graph::MotionGraph& motion) {
+  double sum = 0;
+  for (std::size_t t = 1; t < motion.sketch.frames.size(); ++t) {
+    const auto& graph = motion.sketch.frames[t];
+    for (const auto& edge : graph.edges())
+      sum += graph::distance(graph.patch(graph.index_of(edge.a)).position,
+                             graph.patch(graph.index_of(edge.b)).position);
+  }
+  return sum;
+}
+
+/// Median, and the values that 5 % lie below and above, each times a factor.
+void add_spread(Json& out, const std::vector<double>& sorted, double factor, const std::string& suffix) {
+  const auto at = [&](double share) {
+    const double place = share * static_cast<double>(sorted.size() - 1);
+    const auto low = static_cast<std::size_t>(place), high = std::min(low + 1, sorted.size() - 1);
+    return std::lerp(sorted[low], sorted[high], place - std::floor(place)) * factor;
+  };
+  out["median" + suffix] = number_json(at(0.5));
+  out["low" + suffix] = number_json(at((1 - kLevel) / 2));
+  out["high" + suffix] = number_json(at((1 + kLevel) / 2));
+}
+
+Json spread_json(std::vector<double> values, const char* unit, const std::optional<double>& factor,
+                 const std::string& suffix) {
+  if (values.empty()) return nullptr;
+  std::ranges::sort(values);
+  Json out = {{"unit", unit}, {"strokes", values.size()}};
+  add_spread(out, values, 1, "");
+  if (factor) add_spread(out, values, *factor, suffix);
+  return out;
+}
+
+}  // namespace
+
+graph::Units units_of(const core::ClipInfo& info) {
+  graph::Units units;
+  if (info.fps_is_known) units.seconds = 1 / info.fps;
+  units.um = info.pixel_um;
+  return units;
+}
+
+Json event_rates_json(const std::vector<graph::Event>& events, const graph::MotionGraph& motion,
+                      const graph::Units& units, double share) {
+  constexpr double kUmInMm = 1000;
+  const auto& sketch = motion.sketch;
+  const auto frames = static_cast<double>(std::max<std::size_t>(2, sketch.frames.size()) - 1);
+  std::optional<double> seconds, area, length;
+  if (units.seconds) seconds = frames * *units.seconds;
+  if (seconds && units.um) {
+    const double mm = *units.um / kUmInMm;
+    area = *seconds * sketch.width * sketch.height * share * mm * mm;
+    length = *units.seconds * stroke_length(motion) * mm;
+  }
+  const auto rates = [&](double count) {
+    const auto rate = [&](const std::optional<double>& exposure) {
+      return exposure && *exposure > 0 ? interval_json(core::event_rate(count, *exposure, kLevel))
+                                       : Json(nullptr);
+    };
+    return Json{{"count", count},
+                {"a_frame", rate(frames)},
+                {"a_second", rate(seconds)},
+                {"a_second_and_mm2", rate(area)},
+                {"a_second_and_mm_of_stroke", rate(length)}};
+  };
+  Json classes = Json::object();
+  for (const auto type : graph::all_event_types())
+    classes[std::string(graph::name(type))] =
+        rates(static_cast<double>(std::ranges::count(events, type, &graph::Event::type)));
+  classes["all"] = rates(static_cast<double>(events.size()));
+  return {{"level", kLevel}, {"classes", std::move(classes)}};
+}
+
+Json lives_json(const std::vector<graph::StrokeLife>& lives, const graph::Units& units) {
+  std::vector<double> life, length, growth, speed;
+  for (const auto& one : lives) {
+    if (one.whole) life.push_back(one.frames());
+    length.push_back(one.length);
+    if (one.frames() > 1) growth.push_back(one.growth), speed.push_back(one.speed);
+  }
+  std::optional<double> both;
+  if (units.seconds && units.um) both = *units.um / *units.seconds;
+  return {{"level", kLevel},
+          {"life", spread_json(life, "frames", units.seconds, "_s")},
+          {"length", spread_json(length, "px", units.um, "_um")},
+          {"growth", spread_json(growth, "px a frame", both, "_um_s")},
+          {"speed", spread_json(speed, "px a frame", both, "_um_s")}};
+}
+
+Json rate_tests_json(const std::vector<double>& counts_a, double exposure_a,
+                     const std::vector<double>& counts_b, double exposure_b) {
+  const auto test = [&](double a, double b) {
+    const auto found = core::compare_rates(a, exposure_a, b, exposure_b, kLevel);
+    return Json{{"ratio", number_json(found.ratio.mean)},
+                {"low", number_json(found.ratio.low)},
+                {"high", number_json(found.ratio.high)},
+                {"p", number_json(found.p)},
+                {"counts", {a, b}}};
+  };
+  Json classes = Json::object();
+  for (const auto type : graph::all_event_types()) {
+    const auto i = static_cast<std::size_t>(type);
+    classes[std::string(graph::name(type))] = test(counts_a[i], counts_b[i]);
+  }
+  classes["all"] = test(std::accumulate(counts_a.begin(), counts_a.end(), 0.),
+                        std::accumulate(counts_b.begin(), counts_b.end(), 0.));
+  return {{"level", kLevel}, {"classes", std::move(classes)}};
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/clip.hpp"
+#include "core/io/read_options.hpp"
+
+namespace emberfold::io {
+
+/// Reads the mask of a clip, as large as the clip is stored: an image, which counts for every frame, or a
+/// clip of as many frames. A pixel counts where it is brighter than half of the brightest value so far, so
+/// that masks of 0 and 1 do as well as those of 0 and 255.
+class MaskClip {
+ public:
+  /// `options`: of the clip; the frames are those that it takes. Throws core::IoError where it cannot be
+  /// read, core::InputError where it has another size, or nothing in it counts.
+  MaskClip(const ReadOptions& options, cv::Size size);
+  /// Returns the next frame's mask, CV_8U, 255 where structure counts. core::InputError after the last.
+  cv::Mat next();
+  void rewind();
+
+ private:
+  std::string name_;
+  std::unique_ptr<core::FrameSource> source_;
+  cv::Mat only_;  ///< of an image
+  double brightest_ = 0;
+
+  cv::Mat read();
+};
+
+}  // namespace emberfold::io

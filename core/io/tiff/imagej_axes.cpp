@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+#include "core/io/tiff/axes.hpp"
+#include "core/text/format_number.hpp"
+
+namespace emberfold::io {
+
+namespace {
+
+// Lines of KEY=VALUE.
+using Fields = std::map<std::string, std::string>;
+
+Fields read_fields(const std::string& text) {
+  Fields fields;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    if (const auto equals = line.find('='); equals != std::string::npos)
+      fields[line.substr(0, equals)] = line.substr(equals + 1);
+    begin = end + 1;
+  }
+  return fields;
+}
+
+std::string word(const Fields& fields, const std::string& key) {
+  const auto found = fields.find(key);
+  return found == fields.end() ? std::string() : found->second;
+}
+
+double number(const Fields& fields, const std::string& key, double otherwise) {
+  const auto found = fields.find(key);
+  if (found == fields.end()) return otherwise;
+  const double value = std::strtod(found->second.c_str(), nullptr);
+  return std::isfinite(value) ? value : otherwise;
+}
+
+std::int64_t count(const Fields& fields, const std::string& key) {
+  const double value = number(fields, key, 1);
+  return value >= 1 && value < 1e9 ? std::llround(value) : 1;
+}
+
+std::optional<double> interval(const Fields& fields) {
+  const std::string named = word(fields, "tunit");
+  const auto unit = seconds_of(named.empty() ? "s" : named);
+  if (const double step = number(fields, "finterval", 0); step > 0 && unit) return step * *unit;
+  if (const double fps = number(fields, "fps", 0); fps > 0) return 1 / fps;
+  return std::nullopt;
+}
+
+}  // namespace
+
+TiffAxes read_imagej_axes(const std::vector<TiffPage>& pages) {
+  const Fields fields = read_fields(pages.front().description);
+  TiffAxes axes = plain_axes(pages);
+  const std::int64_t channels = count(fields, "channels"), slices = count(fields, "slices"),
+                     frames = count(fields, "frames");
+  const auto in_file = static_cast<std::int64_t>(pages.size());
+  if (channels * slices == 1 && frames == 1) {
+    // "images" alone: a plain stack
+  } else if (channels <= in_file && slices <= in_file && channels * slices * frames == in_file) {
+    // The channel changes fastest, then the slice, then the frame: the order of `planes`.
+    axes.channels = static_cast<int>(channels), axes.slices = static_cast<int>(slices);
+    axes.frames = static_cast<int>(frames);
+    if (frames == 1 && slices > 1) axes.slices_are_frames = true;
+  } else {
+    axes.doubts.push_back("its head tells of " + std::to_string(channels) + " channels, " +
+                          std::to_string(slices) + " slices and " + std::to_string(frames) +
+                          " frames, which are not the " + std::to_string(in_file) +
+                          " pages that it has; every page is taken as a frame");
+  }
+  const TiffPage& first = pages.front();
+  if (const auto unit = um_of(word(fields, "unit")); unit && first.pixels_a_unit > 0) {
+    axes.pixel_um = *unit / first.pixels_a_unit;
+    if (std::abs(first.aspect - 1) > 0.01)
+      axes.doubts.push_back("its pixels are " + core::significant_text(1 / first.aspect, 3) +
+                            " times as high as wide; they are taken as square, of the width");
+  }
+  axes.interval = interval(fields);
+  return axes;
+}
+
+}  // namespace emberfold::io

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <utility>
+
+#include "core/error.hpp"
+#include "core/io/tiff/axes.hpp"
+#include "core/io/tiff/xml_tags.hpp"
+#include "core/text/format_number.hpp"
+
+namespace emberfold::io {
+
+namespace {
+
+constexpr int kMissing = -1;
+constexpr double kUneven = 0.25;  // share of the interval by which frames may come early or late
+
+std::string word(const XmlTag& tag, const std::string& key) {
+  const auto found = tag.attributes.find(key);
+  return found == tag.attributes.end() ? std::string() : found->second;
+}
+
+std::optional<double> number(const XmlTag& tag, const std::string& key) {
+  const std::string text = word(tag, key);
+  char* stop = nullptr;
+  const double value = std::strtod(text.c_str(), &stop);
+  return text.empty() || *stop != '\0' || !std::isfinite(value) ? std::nullopt : std::optional(value);
+}
+
+std::optional<int> whole(const XmlTag& tag, const std::string& key) {
+  const auto value = number(tag, key);
+  if (!value || *value < 0 || *value > 1e9) return std::nullopt;
+  return static_cast<int>(*value);
+}
+
+/// Which pages a TiffData element lists.
+struct PageRun {
+  std::optional<int> page, planes;
+  int channel = 0, slice = 0, frame = 0;
+};
+
+/// What of the first image's <Pixels> counts here.
+struct Pixels {
+  bool found = false;
+  std::string order = "XYZCT";
+  int channels = 1, slices = 1, frames = 1;
+  std::optional<double> pixel_um, pixel_high_um, interval;
+  std::vector<PageRun> runs;
+  std::vector<std::pair<int, double>> times;  ///< frame, s
+  std::set<std::string> files;
+};
+
+std::optional<double> measured(const XmlTag& tag, const std::string& key, const char* usual,
+                               std::optional<double> (*size)(std::string_view)) {
+  const auto value = number(tag, key);
+  const std::string unit = word(tag, key + "Unit");
+  const auto one = size(unit.empty() ? usual : unit);
+  if (!value || *value <= 0 || !one) return std::nullopt;
+  return *value * *one;
+}
+
+void take_pixels(const XmlTag& tag, Pixels& pixels) {
+  pixels.found = true;
+  const std::string order = word(tag, "DimensionOrder");
+  constexpr std::string_view kDefault = "XYZCT";
+  if (std::ranges::is_permutation(order, kDefault) && order.starts_with("XY")) pixels.order = order;
+  pixels.channels = std::max(1, whole(tag, "SizeC").value_or(1));
+  pixels.slices = std::max(1, whole(tag, "SizeZ").value_or(1));
+  pixels.frames = std::max(1, whole(tag, "SizeT").value_or(1));
+  pixels.pixel_um = measured(tag, "PhysicalSizeX", "um", um_of);
+  pixels.pixel_high_um = measured(tag, "PhysicalSizeY", "um", um_of);
+  pixels.interval = measured(tag, "TimeIncrement", "s", seconds_of);
+}
+
+void take_run(const XmlTag& tag, Pixels& pixels) {
+  pixels.runs.push_back({whole(tag, "IFD"), whole(tag, "PlaneCount"), whole(tag, "FirstC").value_or(0),
+                         whole(tag, "FirstZ").value_or(0), whole(tag, "FirstT").value_or(0)});
+}
+
+void take_time(const XmlTag& tag, Pixels& pixels) {
+  const auto time = number(tag, "DeltaT");
+  const std::string unit = word(tag, "DeltaTUnit");
+  const auto seconds = seconds_of(unit.empty() ? "s" : unit);
+  if (time && seconds && whole(tag, "TheC").value_or(0) == 0 && whole(tag, "TheZ").value_or(0) == 0)
+    pixels.times.emplace_back(whole(tag, "TheT").value_or(0), *time * *seconds);
+}
+
+Pixels read_pixels(const std::string& text) {
+  Pixels pixels;
+  XmlTags tags(text);
+  while (const auto tag = tags.next()) {
+    if (tag->name == "/Pixels") break;  // of the first image
+    if (tag->name == "Pixels") take_pixels(*tag, pixels);
+    if (tag->name == "TiffData") take_run(*tag, pixels);
+    if (tag->name == "Plane") take_time(*tag, pixels);
+    if (tag->name == "UUID" && tag->attributes.contains("FileName"))
+      pixels.files.insert(word(*tag, "FileName"));
+  }
+  return pixels;
+}
+
+/// Puts pages into the planes of the axes, in the order that the file tells.
+class Placement {
+ public:
+  Placement(const std::string& order, TiffAxes& axes) : axes_(axes) {
+    for (const char c : order.substr(2)) {
+      order_.push_back(c);
+      sizes_.push_back(c == 'C' ? axes.channels : c == 'Z' ? axes.slices : axes.frames);
+    }
+    axes_.planes.assign(count(), kMissing);
+  }
+
+  [[nodiscard]] std::size_t count() const {
+    return static_cast<std::size_t>(axes_.channels) * static_cast<std::size_t>(axes_.slices) *
+           static_cast<std::size_t>(axes_.frames);
+  }
+
+  void place(const PageRun& run, std::size_t pages) {
+    const auto first = static_cast<std::size_t>(run.page.value_or(0));
+    const auto planes = static_cast<std::size_t>(run.planes.value_or(run.page ? 1 : static_cast<int>(pages)));
+    std::size_t at = 0, stride = 1;
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      const int begin = order_[i] == 'C' ? run.channel : order_[i] == 'Z' ? run.slice : run.frame;
+      at += static_cast<std::size_t>(begin) * stride;
+      stride *= static_cast<std::size_t>(sizes_[i]);
+    }
+    for (std::size_t k = 0; k < planes && first + k < pages && at + k < count(); ++k)
+      axes_.planes[plane(at + k)] = static_cast<int>(first + k);
+  }
+
+ private:
+  /// From the place in the file's order to that in ours.
+  [[nodiscard]] std::size_t plane(std::size_t at) const {
+    std::size_t channel = 0, slice = 0, frame = 0;
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      const auto size = static_cast<std::size_t>(sizes_[i]);
+      (order_[i] == 'C' ? channel : order_[i] == 'Z' ? slice : frame) = at % size;
+      at /= size;
+    }
+    const auto slices = static_cast<std::size_t>(axes_.slices),
+               channels = static_cast<std::size_t>(axes_.channels);
+    return (frame * slices + slice) * channels + channel;
+  }
+
+  TiffAxes& axes_;
+  std::string order_;
+  std::vector<int> sizes_;
+};
+
+/// Leaves out frames at the end that were planned but never taken; a gap before others is an error.
+void drop_missing(const std::filesystem::path& path, TiffAxes& axes) {
+  const auto each = static_cast<std::size_t>(axes.slices) * static_cast<std::size_t>(axes.channels);
+  const int planned = axes.frames;
+  const auto last = [&] {
+    return std::find(axes.planes.end() - static_cast<std::ptrdiff_t>(each), axes.planes.end(), kMissing);
+  };
+  while (axes.frames > 1 && last() != axes.planes.end()) {
+    axes.planes.resize(axes.planes.size() - each);
+    --axes.frames;
+  }
+  if (axes.frames < planned)
+    axes.doubts.push_back("only " + std::to_string(axes.frames) + " of the " + std::to_string(planned) +
+                          " frames that its head tells of are there whole");
+  const auto gap = std::ranges::find(axes.planes, kMissing);
+  if (gap != axes.planes.end())
+    throw core::IoError("cannot read " + path.string() + ": a plane of its frame " +
+                        std::to_string(static_cast<std::size_t>(gap - axes.planes.begin()) / each) +
+                        " is missing");
+}
+
+/// The usual interval between frames, from the times of single ones; told where they are uneven.
+void take_times(std::vector<std::pair<int, double>> times, TiffAxes& axes) {
+  std::ranges::sort(times);
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i)
+    if (times[i].first == times[i - 1].first + 1) steps.push_back(times[i].second - times[i - 1].second);
+  if (steps.empty()) return;
+  std::ranges::sort(steps);
+  const double middle = steps[steps.size() / 2];
+  if (middle <= 0) return;
+  if (!axes.interval) axes.interval = middle;
+  if (steps.front() < (1 - kUneven) * middle || steps.back() > (1 + kUneven) * middle)
+    axes.doubts.push_back(
+        "its frames are not evenly spaced in time (" + core::significant_text(steps.front(), 3) + " to " +
+        core::significant_text(steps.back(), 3) + " s apart); they are taken as if they were");
+}
+
+}  // namespace
+
+TiffAxes read_ome_axes(const std::filesystem::path& path, const std::vector<TiffPage>& pages) {
+  const Pixels pixels = read_pixels(pages.front().description);
+  if (pixels.files.size() > 1)
+    throw core::IoError("cannot read " + path.string() + ": its planes lie in " +
+                        std::to_string(pixels.files.size()) + " files (" + *pixels.files.begin() +
+                        " …); read is one file that holds them all");
+  TiffAxes axes = plain_axes(pages);
+  if (!pixels.found) return axes;
+  const auto in_file = static_cast<std::int64_t>(pages.size());
+  const auto samples = static_cast<int>(std::clamp<std::uint64_t>(pages.front().samples, 1, 4));
+  // A page in colour counts as so many channels there.
+  const int channels =
+      std::max(1, pixels.channels % samples == 0 ? pixels.channels / samples : pixels.channels);
+  const double planned = double(channels) * pixels.slices * pixels.frames;
+  if (planned > 4 * static_cast<double>(in_file) + 1e4 ||
+      (pixels.runs.empty() && planned < static_cast<double>(in_file))) {
+    axes.doubts.emplace_back(
+        "its head tells of another number of planes than it has pages; every page is taken as a frame");
+  } else {
+    axes.channels = channels, axes.slices = pixels.slices, axes.frames = pixels.frames;
+    Placement placement(pixels.order, axes);
+    if (pixels.runs.empty()) placement.place({}, pages.size());
+    for (const PageRun& run : pixels.runs) placement.place(run, pages.size());
+    drop_missing(path, axes);
+    axes.slices_are_frames = axes.frames == 1 && axes.slices > 1 && pixels.frames == 1;
+  }
+  axes.pixel_um = pixels.pixel_um;
+  axes.interval = pixels.interval;
+  if (pixels.pixel_um && pixels.pixel_high_um &&
+      std::abs(*pixels.pixel_high_um / *pixels.pixel_um - 1) > 0.01)
+    axes.doubts.push_back("its pixels are " +
+                          core::significant_text(*pixels.pixel_high_um / *pixels.pixel_um, 3) +
+                          " times as high as wide; they are taken as square, of the width");
+  take_times(pixels.times, axes);
+  return axes;
+}
+
+}  // namespace emberfold::io

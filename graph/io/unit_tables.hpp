@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <optional>
+#include <vector>
+
+#include "graph/events/events.hpp"
+#include "graph/motion_graph.hpp"
+
+namespace emberfold::graph {
+
+/// What a frame and a pixel are in the world; nothing where it is not known.
+struct Units {
+  std::optional<double> seconds;  ///< from frame to frame
+  std::optional<double> um;       ///< side of a pixel, µm
+};
+
+/// Writes events.csv with the columns time_s, x_um and y_um behind the others, where the units are known.
+/// Errors as for write_events.
+void write_events_csv(std::ostream& out, const std::vector<Event>& events, const Units& units);
+
+/// Writes strokes.csv with the columns time_s, x_um, y_um and length_um behind the others, where the units
+/// are known.
+void write_strokes(std::ostream& out, const MotionGraph& motion, const Units& units);
+
+/// The life of one stroke.
+struct StrokeLife {
+  std::uint32_t stroke = 0;
+  int first = 0, last = 0;  ///< frames
+  bool whole = false;       ///< it was neither there in the clip's first frame nor in its last
+  double length = 0;        ///< px, mean over its frames
+  double growth = 0;        ///< px a frame: slope of the length by least squares; 0 of one frame
+  double speed = 0;         ///< px a frame: mean distance of its middles in frames that follow each other
+  [[nodiscard]] int frames() const { return last - first + 1; }
+};
+
+/// Returns the lives of the strokes, by their identities, which must be set. O(vertices log vertices).
+std::vector<StrokeLife> stroke_lives(const MotionGraph& motion);
+
+/// Writes lives.csv, a row for each stroke: stroke, first, last, frames, whole (1 or 0), length, growth,
+/// speed, and where the units are known life_s, length_um, growth_um_s, speed_um_s (the last two need both
+/// units).
+void write_lives(std::ostream& out, const std::vector<StrokeLife>& lives, const Units& units);
+
+}  // namespace emberfold::graph
