@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import io
-from typing import Any, Dict, List, Optional, Tuple
+import os
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 import networkx as nx
 import numpy as np
 import pandas as pd
 
-from . import _native
+from . import _native, geff, store
 from .clip import Clip, ClipLike, open_clip
-from .progress import Progress, reporter
 from .graph import to_networkx
+from .progress import Progress, reporter
 
 QUALITIES = ("draft", "normal")
 
@@ -139,6 +141,10 @@ class Run:
                 parents.setdefault(after, []).append(before)
         return data, parents
 
+    def to_geff(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes strokes and their events as a GEFF, a folder; one that is there is replaced, other things are not."""
+        geff.write(self, Path(path))
+
     def __getstate__(self) -> Dict[str, Any]:
         state = dict(self.__dict__)
         if self.clip is not None and self.clip._state[0] == "array":
@@ -179,15 +185,23 @@ def _options(quality: str, given: Dict[str, Any]) -> _native.AnalyzeOptions:
     return options
 
 
-def analyze(clip: ClipLike, *, quality: str = "normal", progress: Progress = None, **options: Any) -> Run:
+def analyze(clip: ClipLike, *, quality: str = "normal", progress: Progress = None,
+            out: Union[None, str, "os.PathLike[str]"] = None, **options: Any) -> Run:
     """Finds strokes, their events and their model in a clip.
 
     quality: "draft" leaves out the correction of the model's rates by clips drawn from it, half of the time; the events are
     the same. Other arguments are the fields of AnalyzeOptions; groups of them are dicts: sketch={"sensitivity": 0.5}.
-    progress: True for a line on standard error, or a function of stage and share.
+    progress: True for a line on standard error, or a function of stage and share. out: a folder that keeps the run; asked
+    again for the same clip and options, it is read from there.
     """
     opened = open_clip(clip)
     asked = _options(quality, options)
-    with reporter(progress) as report:
-        found = _native.analyze(opened._data, asked, report)
+    folder = None if out is None else Path(out)
+    key = "" if folder is None else store.key_of(opened, asked)
+    found = None if folder is None else store.load(key, folder)
+    if found is None:
+        with reporter(progress) as report:
+            found = _native.analyze(opened._data, asked, report)
+        if folder is not None:
+            store.save(found, key, folder)
     return Run(opened, found, asked)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 import pickle
-import time
 
 import numpy as np
 import pytest
@@ -71,6 +70,6 @@ def test_comparisons():
     same = ef.compare(clip, clip, strokes=False)
     assert (same.table["distance"].dropna() == 0).all() and same.psnr == 100
     other = ef.compare(clip, ef.dytex.learn(clip, components=6).synthesize(32), strokes=False)
-    assert other.table.loc["temporal_db", "distance"] >= 0 if "temporal_db" in other.table.index else len(other.table) > 5
+    assert (other.table["distance"].dropna() > 0).any() and len(other.table) == len(same.table)
     models = ef.compare_models(clip, hybrid=False, star=False, strokes=False)
     assert "noise_floor" in models.table and len(models.predictions)
