@@ -21,8 +21,8 @@ using Strides = std::array<std::int64_t, 4>;
 /// Reads the frames of an array in memory that somebody else holds.
 class ArraySource final : public core::FrameSource {
  public:
-  ArraySource(const std::byte* data, const Strides& strides, core::ClipInfo info)
-      : data_(data), strides_(strides), info_(std::move(info)) {}
+  ArraySource(const std::byte* data, const Strides& strides, const core::ClipInfo& info)
+      : data_(data), strides_(strides), info_(info) {}
   [[nodiscard]] const core::ClipInfo& info() const override { return info_; }
   void rewind() override { position_ = 0; }
   cv::Mat next() override {
@@ -143,7 +143,7 @@ io::ReadOptions reading(const FilePart& part) {
 
 }  // namespace
 
-ClipData::ClipData(py::array array, std::optional<double> fps, std::optional<double> white)
+ClipData::ClipData(const py::array& array, std::optional<double> fps, std::optional<double> white)
     : array_(array), data_(static_cast<const std::byte*>(array.data())), info_(info_of(array)) {
   for (py::ssize_t i = 0; i < array.ndim(); ++i) strides_[static_cast<std::size_t>(i)] = array.strides(i);
   set_fps(info_, fps);

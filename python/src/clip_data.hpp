@@ -33,7 +33,7 @@ struct FilePart {
 class ClipData {
  public:
   /// `array`: T × H × W or T × H × W × 3, of any strides. ValueError for others.
-  ClipData(py::array array, std::optional<double> fps, std::optional<double> white);
+  ClipData(const py::array& array, std::optional<double> fps, std::optional<double> white);
   ClipData(FilePart part, std::optional<double> fps);
 
   [[nodiscard]] const core::ClipInfo& info() const { return info_; }
