@@ -29,6 +29,7 @@ from ._native import (
     QuiltOptions,
     SketchSequence,
     StartOptions,
+    __version__,
 )
 from .clip import Clip, write_video
 from .clip import open_clip as open  # noqa: A001, as ef.open

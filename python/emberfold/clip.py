@@ -48,9 +48,9 @@ class Clip:
             return self._data.array[first:None if count is None else first + count]
         return self._data.read(first, -1 if count is None else count)
 
-    def __array__(self, dtype: Any = None) -> np.ndarray:
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
         frames = self.read()
-        return frames if dtype is None else frames.astype(dtype, copy=False)
+        return frames if dtype is None and not copy else frames.astype(dtype or frames.dtype, copy=bool(copy))
 
     def __iter__(self) -> Iterator[np.ndarray]:
         return iter(self.read())

@@ -3,6 +3,7 @@
 
 PYBIND11_MODULE(_native, module) {
   module.doc() = "The libraries of emberfold; use the package emberfold, which is made of them.";
+  module.attr("__version__") = EMBERFOLD_VERSION;
   emberfold::python::bind_core(module);
   emberfold::python::bind_clip(module);
   emberfold::python::bind_graph(module);

@@ -38,6 +38,12 @@ def test_an_array_is_not_copied():
     assert np.array_equal(np.asarray(clip), array[2:30:2, 4:14, 3:23])
 
 
+def test_a_clip_becomes_an_array_as_numpy_asks():
+    clip = ef.open(ripples())
+    assert not np.shares_memory(np.array(clip), ripples()) and np.asarray(clip, np.float32).dtype == np.float32
+    assert ef.__version__.count(".") == 2 and len(clip) == 40 and np.array_equal(clip[3:5], ripples()[3:5])
+
+
 def test_white_is_that_of_the_bits_in_use():
     assert ef.open(np.full((2, 3, 4), 9, np.uint8)).white == 255
     assert ef.open(np.full((2, 3, 4), 3000, np.uint16)).white == 4095
