@@ -70,7 +70,9 @@ def test_other_threads_run_meanwhile():
 
 
 def test_ctrl_c_ends_a_call_within_a_second():
-    code = ("import numpy as np, emberfold as ef\n"
+    # Where the tests run in the background of a shell, the signal is ignored unless asked for.
+    code = ("import signal, numpy as np, emberfold as ef\n"
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
             "clip = np.random.default_rng(0).integers(0, 255, (400, 240, 320), np.uint8)\n"
             "print('begun', flush=True)\n"
             "ef.analyze(clip)\n")
