@@ -81,8 +81,9 @@ class Worker {
           letterbox.end();
         }) {}
   ~Worker() {
-    thread_.request_stop();
-    join();
+    PyThreadState* const lock = PyEval_SaveThread();  // pybind11's way may throw
+    thread_ = std::jthread();                         // asks it to stop, and waits
+    PyEval_RestoreThread(lock);
   }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
