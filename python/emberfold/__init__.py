@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Models moving textures as graphs: strokes that are born, die, split, merge, connect and come apart.
+
+    import emberfold as ef
+    clip = ef.open("clip.tif", fps=30, pixel_size=0.065)
+    run = ef.analyze(clip)
+    run.events
+
+Clips are NumPy arrays, files, or what `ef.open` makes of them. Colours are red, green, blue; frames count from 0; places are
+pixels, x to the right and y down. Long calls leave the interpreter free and end at Ctrl-C.
+"""
+from . import dytex, graph, measures, sketch
+from ._native import (
+    AnalyzeOptions,
+    CalibrateOptions,
+    Cancelled,
+    ClipModel,
+    ClipSynthesisOptions,
+    CompareOptions,
+    ExtractOptions,
+    FillOptions,
+    InferOptions,
+    InputError,
+    IoError,
+    MatchOptions,
+    MotionGraph,
+    NumericalError,
+    OperatorRates,
+    QuiltOptions,
+    SketchSequence,
+    StartOptions,
+    __version__,
+)
+from .clip import Clip, write_video
+from .clip import open_clip as open  # noqa: A001, as ef.open
+from .comparison import Comparison, ModelComparison, compare, compare_models
+from .quilting import quilt, render_quilt
+from .run import Run, analyze
+
+__all__ = [
+    "AnalyzeOptions", "CalibrateOptions", "Cancelled", "Clip", "ClipModel", "ClipSynthesisOptions", "CompareOptions",
+    "Comparison", "ExtractOptions", "FillOptions", "InferOptions", "InputError", "IoError", "MatchOptions", "ModelComparison",
+    "MotionGraph", "NumericalError", "OperatorRates", "QuiltOptions", "Run", "SketchSequence", "StartOptions", "analyze",
+    "compare", "compare_models", "dytex", "graph", "measures", "open", "quilt", "render_quilt", "sketch", "write_video",
+]

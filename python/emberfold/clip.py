@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Clips: arrays and files that are read frame by frame."""
+from __future__ import annotations
+
+import os
+from typing import Any, Iterator, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _native
+from .progress import Progress, reporter
+
+ClipLike = Union["Clip", np.ndarray, str, "os.PathLike[str]"]
+Roi = Tuple[int, int, int, int]
+
+
+class Clip:
+    """A clip: a value that is never changed. An array is not copied; a file is read anew by every call.
+
+    fps: frames a second; pixel_size: µm, or None. np.asarray(clip) is its frames, T × H × W or T × H × W × 3.
+    """
+
+    def __init__(self, data: _native.ClipData, state: Tuple[Any, ...], pixel_size: Optional[float], name: str):
+        self._data, self._state = data, state
+        self._pixel_size, self._name = pixel_size, name
+
+    fps = property(lambda self: self._data.fps)
+    white = property(lambda self: self._data.white, doc="The value of white.")
+    width = property(lambda self: self._data.width)
+    height = property(lambda self: self._data.height)
+    dtype = property(lambda self: self._data.dtype)
+    name = property(lambda self: self._name)
+    pixel_size = property(lambda self: self._pixel_size, doc="Micrometres; None where it is not known.")
+
+    @property
+    def shape(self) -> Tuple[Optional[int], ...]:
+        """(T, H, W) or (T, H, W, 3); T is None where only reading would tell it."""
+        size = (self._data.frames, self.height, self.width)
+        return size if self._data.channels == 1 else size + (3,)
+
+    def __len__(self) -> int:
+        frames = self._data.frames
+        return len(self.read()) if frames is None else frames
+
+    def read(self, first: int = 0, count: Optional[int] = None) -> np.ndarray:
+        """Reads frames from `first` on, at most `count` of them. An array in memory is not copied."""
+        if self._data.array is not None:
+            return self._data.array[first:None if count is None else first + count]
+        return self._data.read(first, -1 if count is None else count)
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
+        frames = self.read()
+        return frames if dtype is None and not copy else frames.astype(dtype or frames.dtype, copy=bool(copy))
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter(self.read())
+
+    def __getitem__(self, index: Any) -> np.ndarray:
+        if isinstance(index, (int, np.integer)) and index >= 0 and self._data.array is None:
+            return self.read(int(index), 1)[0]
+        return self.read()[index]
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return _restore, (self._state, self._pixel_size, self._name)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Clip):
+            return NotImplemented
+        return (self.fps, self.pixel_size, self.shape) == (other.fps, other.pixel_size, other.shape) and bool(
+            np.array_equal(self.read(), other.read()))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        size = "" if self.pixel_size is None else f", pixel_size={self.pixel_size:g}"
+        return f"Clip({self.name}, shape={self.shape}, dtype={self.dtype}, fps={self.fps:g}{size})"
+
+    def _repr_html_(self) -> str:
+        from . import html
+        return html.clip(self)
+
+    def show(self, frame: int = 0) -> Any:
+        """Draws a frame with matplotlib and returns the figure."""
+        from . import plot
+        return plot.frame(self, frame)
+
+
+def _restore(state: Tuple[Any, ...], pixel_size: Optional[float], name: str) -> Clip:
+    data = _native.ClipData(*state[1:]) if state[0] == "array" else _native.ClipData.open(*state[1:])
+    return Clip(data, state, pixel_size, name)
+
+
+def _of_array(array: np.ndarray, frames: slice, fps: Optional[float], roi: Optional[Roi], white: Optional[float]) -> Tuple[Any, ...]:
+    if array.ndim not in (3, 4):
+        raise ValueError(f"clip has the shape {array.shape}; allowed are (T, H, W) and (T, H, W, 3), none 0")
+    array = array[frames]
+    if roi is not None:
+        x, y, width, height = roi
+        inside = x >= 0 and y >= 0 and width > 0 and height > 0
+        if not (inside and x + width <= array.shape[2] and y + height <= array.shape[1]):
+            raise ValueError(f"roi is {roi}; frames are {array.shape[2]}x{array.shape[1]}")
+        array = array[:, y:y + height, x:x + width]
+    if not array.dtype.isnative:
+        array = array.astype(array.dtype.newbyteorder("="))
+    return "array", array, fps, white
+
+
+def _of_file(path: str, frames: slice, fps: Optional[float], roi: Optional[Roi]) -> Tuple[Any, ...]:
+    first, last, step = frames.start or 0, frames.stop, frames.step or 1
+    if first < 0 or (last is not None and last <= first) or step < 1:
+        raise ValueError(f"frames is {frames}; of a file allowed are slices from 0 on, not empty, with a step from 1 on")
+    return "file", path, first, last, step, roi, fps
+
+
+def open_clip(clip: ClipLike, *, frames: Optional[slice] = None, fps: Optional[float] = None,
+              pixel_size: Optional[float] = None, roi: Optional[Roi] = None, white: Optional[float] = None) -> Clip:
+    """Opens a clip: a video, a folder or pattern of images, a TIFF, or an array (T, H, W[, 3]) of uint8, uint16 or float32.
+
+    frames: which of them; roi: x, y, width, height, px, and places are then counted from its corner. fps and pixel_size (µm)
+    give results seconds and micrometres. white: of an array, the value of white; unless given 255, and of 16 bits the largest
+    of the bits that the values need, of floats up to 1 it is 1.
+    """
+    if isinstance(clip, Clip):
+        if frames is None and roi is None and white is None and fps is None:
+            return clip if pixel_size is None else _restore(clip._state, pixel_size, clip.name)
+        pixel_size = clip.pixel_size if pixel_size is None else pixel_size
+        return open_clip(clip.read(), frames=frames, fps=clip.fps if fps is None else fps, pixel_size=pixel_size, roi=roi,
+                         white=clip.white if white is None else white)
+    if pixel_size is not None and not (np.isfinite(pixel_size) and pixel_size > 0):
+        raise ValueError(f"pixel_size is {pixel_size}; allowed is a number above 0, in micrometres")
+    frames = slice(None) if frames is None else frames
+    if not isinstance(frames, slice):
+        raise ValueError(f"frames is {frames!r}; allowed is a slice")
+    if isinstance(clip, (str, os.PathLike)):
+        if white is not None:
+            raise ValueError("white is for arrays; files tell their own")
+        path = os.fspath(clip)
+        return _restore(_of_file(path, frames, fps, roi), pixel_size, path)
+    if not isinstance(clip, np.ndarray):
+        raise ValueError(f"clip is a {type(clip).__name__}; allowed are an array, a path and a Clip")
+    return _restore(_of_array(clip, frames, fps, roi, white), pixel_size, "array")
+
+
+def data_of(clip: ClipLike, name: str = "clip", fps: Optional[float] = None) -> _native.ClipData:
+    """What the library reads; errors name the argument."""
+    try:
+        return open_clip(clip, fps=fps if isinstance(clip, np.ndarray) else None)._data
+    except ValueError as error:
+        if str(error).startswith("clip ") and name != "clip":
+            raise type(error)(name + str(error)[4:]) from None
+        raise
+
+
+def write_video(path: Union[str, "os.PathLike[str]"], clip: ClipLike, frames: Optional[int] = None, *,
+                fps: Optional[float] = None, progress: Progress = None) -> None:
+    """Writes a clip of uint8: .mp4 (H.264), .avi (lossless), or a folder of PNG."""
+    with reporter(progress) as report:
+        _native.write_video(os.fspath(path), data_of(clip, fps=fps), frames, report)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures with matplotlib, which is needed for nothing else. Figures belong to no window: notebooks show what is returned."""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ._native import EVENT_TYPES
+
+COLOURS = dict(zip(EVENT_TYPES, ("#2ca02c", "#d62728", "#ff7f0e", "#1f77b4", "#17becf", "#9467bd")))
+NEAR = 2  # frames before and after, whose events are drawn
+
+
+def _axes(width: float = 7, height: float = 4) -> Any:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots()
+
+
+def _image(axes: Any, clip: Any, t: int) -> None:
+    picture = np.clip(clip[t].astype(np.float32) / clip.white, 0, 1)
+    axes.imshow(picture, cmap="gray", vmin=0, vmax=1)
+
+
+def frame(clip: Any, t: int) -> Any:
+    figure, axes = _axes(5, 5 * clip.height / clip.width)
+    _image(axes, clip, t)
+    axes.set_axis_off()
+    return figure
+
+
+def graph(run: Any, t: int) -> Any:
+    from matplotlib.collections import LineCollection
+
+    figure, axes = _axes(6, 6 * run.motion.height / run.motion.width)
+    if run.clip is not None:
+        _image(axes, run.clip, t)
+    patches, edges = run.patches(t), run.edges(t)
+    places = np.column_stack([patches["x"], patches["y"]])
+    ends = np.searchsorted(patches["id"], edges)
+    axes.add_collection(LineCollection(places[ends], colors="#ffcc00", linewidths=1))
+    events = run.events[(run.events["frame"] - t).abs() <= NEAR]
+    for kind, rows in events.groupby("type", observed=True):
+        axes.plot(rows["x"], rows["y"], "o", fillstyle="none", color=COLOURS[kind], label=kind)
+    if len(events):
+        axes.legend(loc="upper right", fontsize="small")
+    axes.set(xlim=(-0.5, run.motion.width - 0.5), ylim=(run.motion.height - 0.5, -0.5), title=f"frame {t}", aspect="equal")
+    axes.set_axis_off()
+    return figure
+
+
+def _events(run: Any, axes: Any) -> None:
+    bins = np.linspace(0, run.frames / run.fps, min(run.frames, 40) + 1)
+    times = [run.events.loc[run.events["type"] == kind, "t_s"] for kind in EVENT_TYPES]
+    axes.hist(times, bins=bins, stacked=True, label=EVENT_TYPES, color=[COLOURS[kind] for kind in EVENT_TYPES])
+    axes.set(xlabel="s", ylabel="events")
+    axes.legend(fontsize="small")
+
+
+def _rates(run: Any, axes: Any) -> None:
+    rates = run.rates()
+    spread = [rates["per_s"] - rates["per_s_low"], rates["per_s_high"] - rates["per_s"]]
+    axes.bar(rates.index, rates["per_s"], yerr=spread, capsize=3, color=[COLOURS[kind] for kind in rates.index])
+    axes.set(ylabel="events a second, with 90 % intervals")
+
+
+def _tracks(run: Any, axes: Any) -> None:
+    for _, rows in run.strokes.groupby("stroke"):
+        axes.plot(rows["x"], rows["y"], linewidth=0.8)
+    axes.set(xlabel="x, px", ylabel="y, px", xlim=(0, run.motion.width), ylim=(run.motion.height, 0), aspect="equal")
+
+
+def of_run(run: Any, kind: str) -> Any:
+    kinds = {"events": _events, "rates": _rates, "tracks": _tracks}
+    if kind not in kinds:
+        raise ValueError(f"kind is {kind!r}; allowed is one of {', '.join(kinds)}")
+    figure, axes = _axes()
+    kinds[kind](run, axes)
+    return figure

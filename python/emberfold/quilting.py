@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Larger clips from small ones."""
+from __future__ import annotations
+
+from typing import Any, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _native
+from .clip import ClipLike, data_of
+from .progress import Progress, reporter
+
+
+def quilt(clip: ClipLike, *, forbidden: Optional[np.ndarray] = None, return_map: bool = False, progress: Progress = None,
+          **options: Any) -> Union[np.ndarray, Tuple[np.ndarray, np.ndarray]]:
+    """Enlarges a clip in space; returns its frames, of the clip's type, and with `return_map` the source coordinates too.
+
+    forbidden: (H, W), pixels that are not 0 are not copied. Other arguments are the fields of QuiltOptions: size=(512, 512).
+    """
+    if forbidden is not None and forbidden.dtype == bool:
+        forbidden = forbidden.astype(np.uint8)
+    with reporter(progress) as report:
+        frames, places = _native.quilt(data_of(clip), _native.QuiltOptions(**options), forbidden, report)
+    return (frames, places) if return_map else frames
+
+
+def render_quilt(map: np.ndarray, clip: ClipLike, *, progress: Progress = None) -> np.ndarray:  # noqa: A002
+    """Renders a map of quilt() from a clip, the same or another of that size."""
+    with reporter(progress) as report:
+        return _native.render_quilt(map, data_of(clip), report)
+
+
+quilt.__doc__ = f"{quilt.__doc__}\n\n{_native.quilt.__doc__}"

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The analysis of a clip."""
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple, Union
+
+import networkx as nx
+import numpy as np
+import pandas as pd
+
+from . import _native, geff, store
+from .clip import Clip, ClipLike, open_clip
+from .graph import to_networkx
+from .progress import Progress, reporter
+
+QUALITIES = ("draft", "normal")
+
+
+class Run:
+    """What was found in a clip: events, rates, graphs and the model that new clips are drawn from.
+
+    A value that can be pickled; of its clip it then keeps the file's name, but no array. Times are in s where the clip's fps
+    is right, places in µm where its pixel_size is known.
+    """
+
+    def __init__(self, clip: Optional[Clip], found: Dict[str, Any], options: _native.AnalyzeOptions):
+        self.clip, self.options = clip, options
+        self.motion: _native.MotionGraph = found["motion"]
+        self.model: _native.ClipModel = found["model"]
+        self.stages: Dict[str, float] = dict(found["stages"])
+        self.pixel_size = None if clip is None else clip.pixel_size
+        self._events, self._all_events, self._rates = found["events"], found["all_events"], found["rates"]
+
+    fps = property(lambda self: self.motion.fps)
+    frames = property(lambda self: len(self.motion), doc="Number of frames.")
+
+    @property
+    def events(self) -> pd.DataFrame:
+        """Events of probability 0.5 or more: t_s, x_um, y_um, frame, x, y, type, probability, before, after."""
+        return self._table(self._events)
+
+    @property
+    def all_events(self) -> pd.DataFrame:
+        """Events of any probability, else as `events`."""
+        return self._table(self._all_events)
+
+    def _table(self, events: List[Tuple[Any, ...]]) -> pd.DataFrame:
+        names = ["frame", "type", "x", "y", "probability", "before", "after"]
+        table = self._with_units(pd.DataFrame(events, columns=names))
+        table["type"] = pd.Categorical(table["type"], categories=_native.EVENT_TYPES)
+        return table[["t_s", "x_um", "y_um", "frame", "x", "y", "type", "probability", "before", "after"]]
+
+    def _with_units(self, table: pd.DataFrame) -> pd.DataFrame:
+        size = np.nan if self.pixel_size is None else self.pixel_size
+        table["t_s"] = table["frame"] / self.fps
+        table["x_um"], table["y_um"] = table["x"] * size, table["y"] * size
+        return table
+
+    def rates(self, by: Optional[str] = "type", interval: float = 0.9) -> pd.DataFrame:
+        """Rates of the events, a frame and a second, with credible intervals of probability `interval`.
+
+        by: "type", a row each; None: all events in one row.
+        """
+        if by not in ("type", None):
+            raise ValueError(f"by is {by!r}; allowed is 'type' or None")
+        if not 0 < interval < 1:
+            raise ValueError(f"interval is {interval}; allowed is a number between 0 and 1")
+        types = [e[1] for e in self._events]
+        counts = {t: types.count(t) for t in _native.EVENT_TYPES} if by else {"all": len(types)}
+        rows = []
+        for kind, count in counts.items():
+            gaps = max(1, self.frames - 1)
+            _, low, high = _native.rate_interval(count, gaps, probability=interval)
+            # Of what was never seen nothing says that it happens at all.
+            found = np.array([count / gaps, low if count else 0, high])
+            rows.append((kind, count, *found, *(found * self.fps)))
+        names = ["type", "events", "per_frame", "per_frame_low", "per_frame_high", "per_s", "per_s_low", "per_s_high"]
+        return pd.DataFrame(rows, columns=names).set_index("type")
+
+    def patches(self, frame: int) -> np.ndarray:
+        """The patches of a frame: a structured array, a view of the graph's own memory. `type` indexes PATCH_TYPES."""
+        return self.motion.patches(frame)
+
+    def edges(self, frame: int) -> np.ndarray:
+        """The edges of a frame, pairs of ids: a view, too."""
+        return self.motion.edges(frame)
+
+    def links(self, frame: int) -> np.ndarray:
+        """The links of a frame's patches to those of the frame before, pairs of ids (before, after): a view, too."""
+        return self.motion.links(frame)
+
+    def graph(self, frame: int) -> nx.Graph:
+        """The graph of a frame; nodes are ids of patches and carry their numbers."""
+        return to_networkx(self.motion, frame)
+
+    def genealogy(self) -> nx.DiGraph:
+        """Which strokes became which. Nodes are strokes, with their first and last frame, and the events of their birth and
+        death; edges lead from the strokes before an event to those after it and carry it."""
+        tree = nx.DiGraph()
+        for t in range(self.frames):
+            for stroke in np.unique(self.patches(t)["stroke"]).tolist():
+                node = tree.nodes.get(stroke)
+                if node is None:
+                    tree.add_node(stroke, first=t, last=t)
+                else:
+                    node["last"] = t
+        for frame, kind, x, y, probability, before, after in self._all_events:
+            event = {"frame": frame, "type": kind, "x": x, "y": y, "probability": probability}
+            if kind in ("birth", "death"):
+                for stroke in before + after:
+                    tree.add_node(stroke, **{kind: event})
+            for a in before:
+                for b in after:
+                    if tree.has_edge(a, b):
+                        tree.edges[a, b]["events"].append(event)
+                    else:
+                        tree.add_edge(a, b, events=[event], **event)
+        return tree
+
+    @property
+    def strokes(self) -> pd.DataFrame:
+        """Every stroke in every frame: its middle, length, patches, width, contrast, ends and junctions."""
+        return self._with_units(pd.read_csv(io.BytesIO(self.motion.strokes_csv())))
+
+    @property
+    def trajectories(self) -> pd.DataFrame:
+        """Every patch through time."""
+        return self._with_units(pd.read_csv(io.BytesIO(self.motion.trajectories_csv())))
+
+    def tracks(self) -> Tuple[np.ndarray, Dict[int, List[int]]]:
+        """Strokes as napari's layer Tracks takes them: rows of stroke, frame, y, x, and the parents of strokes."""
+        strokes = self.strokes[self.strokes["stroke"] > 0].sort_values(["stroke", "frame"])
+        data = strokes[["stroke", "frame", "y", "x"]].to_numpy(dtype=float)
+        known = set(strokes["stroke"])
+        parents: Dict[int, List[int]] = {}
+        for before, after in self.genealogy().edges:
+            if before in known and after in known:
+                parents.setdefault(after, []).append(before)
+        return data, parents
+
+    def to_geff(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes strokes and their events as a GEFF, a folder; one that is there is replaced, other things are not."""
+        geff.write(self, Path(path))
+
+    def __getstate__(self) -> Dict[str, Any]:
+        state = dict(self.__dict__)
+        if self.clip is not None and self.clip._state[0] == "array":
+            state["clip"] = None
+        return state
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Run):
+            return NotImplemented
+        return (self._all_events, self.motion, self.model) == (other._all_events, other.motion, other.model)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"Run({self.frames} frames, {len(self._events)} events)"
+
+    def _repr_html_(self) -> str:
+        from . import html
+        return html.run(self)
+
+    def show(self, frame: Optional[int] = None) -> Any:
+        """Draws a frame with its graph and the events around it; returns the figure."""
+        from . import plot
+        return plot.graph(self, self.frames // 2 if frame is None else frame)
+
+    def plot(self, kind: str = "events") -> Any:
+        """Plots "events" over time, "rates" or "tracks" with matplotlib; returns the figure."""
+        from . import plot
+        return plot.of_run(self, kind)
+
+
+def _options(quality: str, given: Dict[str, Any]) -> _native.AnalyzeOptions:
+    if quality not in QUALITIES:
+        raise ValueError(f"quality is {quality!r}; allowed is 'draft' or 'normal'")
+    options = _native.AnalyzeOptions(**given)
+    if quality == "draft" and "calibrate" not in given:
+        options.calibrate = {"calibrate": 0}  # what new clips look like is not checked; events are the same
+    return options
+
+
+def analyze(clip: ClipLike, *, quality: str = "normal", progress: Progress = None,
+            out: Union[None, str, "os.PathLike[str]"] = None, **options: Any) -> Run:
+    """Finds strokes, their events and their model in a clip.
+
+    quality: "draft" leaves out the correction of the model's rates by clips drawn from it, half of the time; the events are
+    the same. Other arguments are the fields of AnalyzeOptions; groups of them are dicts: sketch={"sensitivity": 0.5}.
+    progress: True for a line on standard error, or a function of stage and share. out: a folder that keeps the run; asked
+    again for the same clip and options, it is read from there.
+    """
+    opened = open_clip(clip)
+    asked = _options(quality, options)
+    folder = None if out is None else Path(out)
+    key = "" if folder is None else store.key_of(opened, asked)
+    found = None if folder is None else store.load(key, folder)
+    if found is None:
+        with reporter(progress) as report:
+            found = _native.analyze(opened._data, asked, report)
+        if folder is not None:
+            store.save(found, key, folder)
+    return Run(opened, found, asked)

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+// What each room gives to Python; called once, in this order.
+namespace emberfold::python {
+
+void bind_core(pybind11::module_& module);
+void bind_clip(pybind11::module_& module);
+void bind_graph(pybind11::module_& module);
+void bind_sketch(pybind11::module_& module);
+void bind_mcmc(pybind11::module_& module);
+void bind_dytex(pybind11::module_& module);
+void bind_quilt(pybind11::module_& module);
+void bind_measures(pybind11::module_& module);
+void bind_pipeline(pybind11::module_& module);
+void bind_compare(pybind11::module_& module);
+
+}  // namespace emberfold::python

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include <pybind11/stl.h>
+
+#include "mcmc/learning/operator_rates.hpp"
+#include "mcmc/model/motion_model.hpp"
+#include "mcmc/sampler/infer.hpp"
+#include "mcmc/simulation/synthesize.hpp"
+#include "python/src/arrays.hpp"
+#include "python/src/bind.hpp"
+#include "python/src/calls.hpp"
+#include "python/src/holders.hpp"
+#include "python/src/options.hpp"
+
+namespace emberfold::python {
+
+namespace {
+
+using mcmc::MotionModel;
+using mcmc::OperatorRates;
+
+/// A view of numbers that may be written to; `owner` holds them.
+py::array_t<double> numbers(double* data, std::vector<py::ssize_t> shape, const py::handle& owner) {
+  return py::array_t<double>(std::move(shape), data, owner);
+}
+
+/// Copies an array over numbers; the same ones, where it is a view of them.
+void assign(double* data, std::vector<py::ssize_t> shape, const py::array_t<double>& given,
+            const std::string& name) {
+  const auto whole = py::array_t<double, py::array::c_style>::ensure(given);
+  bool fits = given.ndim() == static_cast<py::ssize_t>(shape.size());
+  std::size_t count = 1;
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    fits = fits && given.shape(static_cast<py::ssize_t>(i)) == shape[i];
+    count *= static_cast<std::size_t>(shape[i]);
+  }
+  if (!fits || !whole)
+    throw py::value_error(name + " has the shape " + py::str(given.attr("shape")).cast<std::string>() +
+                          "; allowed is " + py::str(py::cast(shape)).cast<std::string>());
+  std::memmove(data, whole.data(), count * sizeof(double));
+}
+
+using RatesClass = py::class_<OperatorRates>;
+
+void number(RatesClass& rates, const char* name, double OperatorRates::*member) {
+  rates.def_property(
+      name, [member](const OperatorRates& r) { return r.*member; },
+      [member, name](OperatorRates& r, double value) {
+        if (!(std::isfinite(value) && value >= 0))
+          throw py::value_error("rates." + std::string(name) + " is " + std::to_string(value) +
+                                "; allowed is a number from 0 on");
+        r.*member = value;
+      },
+      doc("mcmc::OperatorRates::" + std::string(name)));
+}
+
+void map(RatesClass& rates, const char* name, mcmc::CellMap OperatorRates::*member) {
+  const auto shape = [](const mcmc::CellMap& map) -> std::vector<py::ssize_t> {
+    return {map.rows, map.columns};
+  };
+  rates.def_property(
+      name,
+      [member, shape](const py::object& self) {
+        auto& map = self.cast<OperatorRates&>().*member;
+        return numbers(map.values.data(), shape(map), self);
+      },
+      [member, shape, name](OperatorRates& r, const py::array_t<double>& given) {
+        auto& map = r.*member;
+        assign(map.values.data(), shape(map), given, "rates." + std::string(name));
+      },
+      doc("mcmc::OperatorRates::" + std::string(name)));
+}
+
+void by_size(RatesClass& rates, const char* name,
+             std::array<double, mcmc::kSizeClasses> OperatorRates::*member) {
+  constexpr auto kCount = static_cast<py::ssize_t>(mcmc::kSizeClasses);
+  rates.def_property(
+      name,
+      [member](const py::object& self) {
+        return numbers((self.cast<OperatorRates&>().*member).data(), {kCount}, self);
+      },
+      [member, name](OperatorRates& r, const py::array_t<double>& given) {
+        assign((r.*member).data(), {kCount}, given, "rates." + std::string(name));
+      },
+      doc("mcmc::OperatorRates::" + std::string(name)));
+}
+
+void bind_rates(py::module_& module) {
+  RatesClass rates(module, "OperatorRates", doc("mcmc::OperatorRates"));
+  number(rates, "split", &OperatorRates::split);
+  number(rates, "merge", &OperatorRates::merge);
+  number(rates, "connect", &OperatorRates::connect);
+  number(rates, "disconnect", &OperatorRates::disconnect);
+  number(rates, "reach", &OperatorRates::reach);
+  number(rates, "split_gap", &OperatorRates::split_gap);
+  number(rates, "disconnect_gap", &OperatorRates::disconnect_gap);
+  number(rates, "refractory_period", &OperatorRates::refractory_period);
+  map(rates, "birth", &OperatorRates::birth);
+  map(rates, "death", &OperatorRates::death);
+  map(rates, "separation", &OperatorRates::separation);
+  by_size(rates, "birth_by_size", &OperatorRates::birth_by_size);
+  by_size(rates, "death_by_size", &OperatorRates::death_by_size);
+  rates.def("__repr__", [](const OperatorRates& r) {
+    return "OperatorRates(split=" + std::to_string(r.split) + ", merge=" + std::to_string(r.merge) +
+           ", connect=" + std::to_string(r.connect) + ", disconnect=" + std::to_string(r.disconnect) + ")";
+  });
+}
+
+void bind_autoregression(py::module_& module) {
+  using mcmc::Autoregression;
+  OptionsClass<Autoregression>(module, "Autoregression", "mcmc::Autoregression")
+      .field("a1", &Autoregression::a1)
+      .field("a2", &Autoregression::a2)
+      .field("coupling", &Autoregression::coupling)
+      .field("noise", &Autoregression::noise)
+      .field("range", &Autoregression::range)
+      .field("measurement", &Autoregression::measurement)
+      .finish();
+  module.def("spectral_radius", &mcmc::spectral_radius, py::arg("motion"), doc("mcmc::spectral_radius"));
+  module.def("stationary_deviation", &mcmc::stationary_deviation, py::arg("motion"),
+             doc("mcmc::stationary_deviation"));
+}
+
+}  // namespace
+
+void bind_mcmc(py::module_& module) {
+  bind_autoregression(module);
+  bind_rates(module);
+  py::class_<MotionModel>(module, "MotionModel", doc("mcmc::MotionModel"))
+      .def_readonly("width", &MotionModel::width, doc("mcmc::MotionModel::width"))
+      .def_readonly("height", &MotionModel::height, doc("mcmc::MotionModel::height"))
+      .def_readonly("fps", &MotionModel::fps)
+      .def_readonly("frames", &MotionModel::frames, doc("mcmc::MotionModel::frames"))
+      .def_readwrite("displacement", &MotionModel::displacement, doc("mcmc::MotionModel::displacement"))
+      .def_readwrite("contrast", &MotionModel::contrast, doc("mcmc::MotionModel::contrast"))
+      .def_readwrite("rates", &MotionModel::rates, doc("mcmc::MotionModel::rates"));
+  using Infer = mcmc::InferOptions;
+  OptionsClass<Infer>(module, "InferOptions", "mcmc::InferOptions")
+      .field("sweeps", &Infer::sweeps)
+      .field("burn_in", &Infer::burn_in)
+      .field("samples", &Infer::samples)
+      .field("proposals", &Infer::proposals)
+      .field("tempering_levels", &Infer::tempering_levels)
+      .finish();
+  module.def(
+      "rate_interval",
+      [](double events, double time, double variance, double prior_events, double prior_time,
+         double probability) {
+        const auto found = mcmc::rate_interval(events, time, variance, prior_events, prior_time, probability);
+        return py::make_tuple(found.mean, found.low, found.high);
+      },
+      py::arg("events"), py::arg("time"), py::arg("variance") = 0, py::arg("prior_events") = 0.5,
+      py::arg("prior_time") = 0, py::arg("probability") = 0.9, doc("mcmc::rate_interval"));
+  module.def(
+      "synthesize",
+      [](const MotionModel& given, int frames, std::uint64_t seed, bool stationary,
+         const py::object& progress) {
+        const MotionModel model = given;
+        mcmc::validate(model);
+        const auto start = stationary ? mcmc::Start::stationary : mcmc::Start::data;
+        return hold(call(progress, [&](const core::Context& context) {
+          return mcmc::synthesize(model, frames, seed, context, start);
+        }));
+      },
+      py::arg("model"), py::arg("frames"), py::arg("seed") = 1, py::arg("stationary") = false,
+      py::arg("progress") = py::none(), doc("mcmc::synthesize"));
+}
+
+}  // namespace emberfold::python

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+
+#include <pybind11/stl.h>
+
+#include "dytex/quilting/quilt.hpp"
+#include "dytex/quilting/quilt_map.hpp"
+#include "dytex/quilting/render.hpp"
+#include "dytex/quilting/trajectories.hpp"
+#include "python/src/arrays.hpp"
+#include "python/src/bind.hpp"
+#include "python/src/calls.hpp"
+#include "python/src/clip_data.hpp"
+#include "python/src/options.hpp"
+
+namespace emberfold::python {
+
+namespace {
+
+/// Renders the source's frames by a map, some at a time so that a stop is heard.
+py::array render(const dytex::QuiltMap& map, const dytex::Trajectories& source, const py::object& progress) {
+  const auto& info = source.info();
+  FrameArray out(source.frames(), map.size.height, map.size.width, info.channels, info.depth);
+  const std::array<const dytex::Trajectories*, 1> sources{&source};
+  run_interruptibly(progress, [&](const core::Context& context) {
+    for (int t = 0; t < source.frames(); t += source.chunk_frames()) {
+      context.check();
+      const int count = std::min(source.chunk_frames(), source.frames() - t);
+      const auto frames = dytex::render_quilt(map, sources, {}, t, count);
+      for (int i = 0; i < count; ++i) out.put(t + i, frames[static_cast<std::size_t>(i)]);
+      context.report("render", double(t + count) / source.frames());
+    }
+  });
+  return out.array();
+}
+
+py::array map_array(const dytex::QuiltMap& map) {
+  const std::vector<py::ssize_t> shape{map.size.height, map.size.width, 3};
+  const auto array = dytex::to_array(map);
+  return py::array_t<std::int32_t>(shape, std::get<std::vector<std::int32_t>>(array.data).data());
+}
+
+dytex::Trajectories read(const ClipData& clip, const py::object& progress) {
+  return call(progress, [&](const core::Context& context) {
+    return dytex::read_trajectories(*clip.open(), {}, context);
+  });
+}
+
+py::tuple quilt(const ClipData& clip, const dytex::QuiltOptions& options, const py::object& forbidden,
+                const py::object& progress) {
+  const auto source = read(clip, progress);
+  dytex::QuiltSource part{&source, {}, {}};
+  if (!forbidden.is_none()) part.forbidden = to_mask(forbidden.cast<py::array>(), "forbidden");
+  const auto result = call(progress, [&](const core::Context& context) {
+    return dytex::quilt(std::array{part}, options, context);
+  });
+  return py::make_tuple(render(result.map, source, progress), map_array(result.map));
+}
+
+py::array render_quilt(const py::array_t<std::int32_t, py::array::c_style>& map, const ClipData& clip,
+                       const py::object& progress) {
+  core::NpyArray array;
+  for (py::ssize_t i = 0; i < map.ndim(); ++i) array.shape.push_back(static_cast<std::size_t>(map.shape(i)));
+  array.data = std::vector<std::int32_t>(map.data(), map.data() + map.size());
+  const auto source = read(clip, progress);
+  return render(dytex::quilt_map(array, std::array{source.size()}), source, progress);
+}
+
+}  // namespace
+
+void bind_quilt(py::module_& module) {
+  using Quilt = dytex::QuiltOptions;
+  OptionsClass<Quilt>(module, "QuiltOptions", "dytex::QuiltOptions")
+      .field("size", &Quilt::size)
+      .field("block", &Quilt::block)
+      .field("overlap", &Quilt::overlap)
+      .field("components", &Quilt::components)
+      .field("tolerance", &Quilt::tolerance)
+      .field("floor", &Quilt::floor)
+      .field("apart", &Quilt::apart)
+      .field("guide_weight", &Quilt::guide_weight)
+      .field("tileable", &Quilt::tileable)
+      .field("exact", &Quilt::exact)
+      .field("seed", &Quilt::seed)
+      .finish();
+  module.def("quilt", quilt, py::arg("clip"), py::arg("options") = Quilt{}, py::arg("forbidden") = py::none(),
+             py::arg("progress") = py::none(), doc("dytex::quilt"));
+  module.def("render_quilt", render_quilt, py::arg("map"), py::arg("clip"), py::arg("progress") = py::none(),
+             doc("dytex::render_quilt"));
+}
+
+}  // namespace emberfold::python

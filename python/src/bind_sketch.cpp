@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/reconstruct.hpp"
+#include "pipeline/sketch_clip.hpp"
+#include "python/src/arrays.hpp"
+#include "python/src/bind.hpp"
+#include "python/src/calls.hpp"
+#include "python/src/clip_data.hpp"
+#include "python/src/holders.hpp"
+#include "python/src/options.hpp"
+#include "sketch/extract.hpp"
+#include "sketch/inpainting/fill.hpp"
+
+namespace emberfold::python {
+
+namespace {
+
+void bind_options(py::module_& module) {
+  using Extract = sketch::ExtractOptions;
+  OptionsClass<Extract>(module, "ExtractOptions", "sketch::ExtractOptions")
+      .field("sensitivity", &Extract::sensitivity)
+      .field("finest_scale", &Extract::finest_scale)
+      .field("scales", &Extract::scales)
+      .field("significance", &Extract::significance)
+      .field("hysteresis", &Extract::hysteresis)
+      .field("min_contrast", &Extract::min_contrast)
+      .field("min_length", &Extract::min_length)
+      .field("min_evidence", &Extract::min_evidence)
+      .field("spacing", &Extract::spacing)
+      .field("steady", &Extract::steady)
+      .field("edges", &Extract::edges)
+      .field("colour", &Extract::colour)
+      .field("blobs", &Extract::blobs)
+      .field("budget", &Extract::budget)
+      .finish();
+  OptionsClass<sketch::FillOptions>(module, "FillOptions", "sketch::FillOptions")
+      .field("tolerance", &sketch::FillOptions::tolerance)
+      .field("max_iterations", &sketch::FillOptions::max_iterations)
+      .finish();
+}
+
+Sketch extract(const py::array& levels, const sketch::ExtractOptions& options) {
+  const cv::Mat frame = to_levels(levels, "levels");
+  return hold(call(py::none(), [&](const core::Context&) {
+    graph::SketchSequence sketch{frame.cols, frame.rows, core::ClipInfo{}.fps, {}};
+    sketch.append(sketch::extract(frame, options));
+    return sketch;
+  }));
+}
+
+py::array fill(const py::array& levels, const py::array& mask, const sketch::FillOptions& options) {
+  const cv::Mat frame = to_levels(levels, "levels"), held = to_mask(mask, "mask");
+  const auto filled =
+      call(py::none(), [&](const core::Context&) { return sketch::fill(frame, held, options); });
+  return to_array(filled.levels);
+}
+
+py::array reconstruct(const py::array& levels, const Sketch& sketch, const sketch::FillOptions& options) {
+  const cv::Mat frame = to_levels(levels, "levels");
+  if (sketch.graphs->frames.size() != 1)
+    throw py::value_error("sketch has " + std::to_string(sketch.graphs->frames.size()) +
+                          " frames; allowed is 1");
+  return to_array(call(py::none(), [&](const core::Context&) {
+    return pipeline::reconstruct(frame, sketch.graphs->frames.front(), pipeline::PatchDrawing::fitted,
+                                 options)
+        .bytes;
+  }));
+}
+
+}  // namespace
+
+void bind_sketch(py::module_& module) {
+  bind_options(module);
+  module.def("extract", extract, py::arg("levels"), py::arg("options") = sketch::ExtractOptions{},
+             doc("sketch::extract"));
+  module.def("fill", fill, py::arg("levels"), py::arg("mask"), py::arg("options") = sketch::FillOptions{},
+             doc("sketch::fill"));
+  module.def("reconstruct", reconstruct, py::arg("levels"), py::arg("sketch"),
+             py::arg("options") = sketch::FillOptions{}, doc("pipeline::reconstruct"));
+  module.def(
+      "estimate_noise", [](const py::array& luma) { return sketch::estimate_noise(to_levels(luma, "luma")); },
+      py::arg("luma"), doc("sketch::estimate_noise"));
+  module.def(
+      "sketch_clip",
+      [](const ClipData& clip, const sketch::ExtractOptions& options, const py::object& progress) {
+        return hold(call(progress, [&](const core::Context& context) {
+          return pipeline::sketch_clip(*clip.open(), options, context).sketch;
+        }));
+      },
+      py::arg("clip"),
+      py::arg("options") = sketch::ExtractOptions{.sensitivity = pipeline::kSteadySensitivity},
+      py::arg("progress") = py::none(), doc("pipeline::sketch_clip"));
+}
+
+}  // namespace emberfold::python
