@@ -20,7 +20,7 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr int kReach = 10;               // frames to each side of an event
-constexpr double kSlip = 1.5;            // px across, of a patch that is carried along
+constexpr double kSlipAcross = 1.5;      // px across, of a patch that is carried along
 constexpr int kLevelFrames = 4;          // in which what appears is taken to be there in full
 constexpr double kLeastLevel = 0.15;     // of a patch's own amplitude
 constexpr double kMostMeasurements = 3;  // independent ones in a frame, of a stroke
@@ -38,7 +38,7 @@ bool is_of_stroke(graph::EventType type) {
 /// How strongly a path shows: a stroke on average, a joint at its weakest.
 double path_amplitude(const cv::Mat& levels, const Path& path, bool of_stroke) {
   std::vector<double> all;
-  for (const graph::Patch& patch : path) all.push_back(sketch::measure_amplitude(levels, patch, kSlip));
+  for (const graph::Patch& patch : path) all.push_back(sketch::measure_amplitude(levels, patch, kSlipAcross));
   const std::size_t count = of_stroke ? all.size() : std::max<std::size_t>(1, all.size() / kWeakest);
   std::ranges::sort(all);
   return std::accumulate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), 0.0) /
