@@ -7,15 +7,14 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dytex/measures/optical_flow.hpp"
+#include "pipeline/frame_motion.hpp"
 #include "sketch/steadying/steady_sketch.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
 
-constexpr std::size_t kNeighbours = 3;    // to each side
-constexpr double kMostVectors = 1 << 14;  // of the motion: more makes no sketch steadier
+constexpr std::size_t kNeighbours = 3;  // to each side
 
 // Follows one motion and then the next; both of frames of this size, in vectors of one grid.
 cv::Mat followed_by(const cv::Mat& motion, const cv::Mat& next, cv::Size frame) {
@@ -63,15 +62,7 @@ void SteadyFrames::push(std::vector<FrameReading> readings, cv::Mat mask) {
 
 std::size_t SteadyFrames::prepare(bool last, const core::Context& context) {
   if (!is_on_) return waiting();
-  std::vector<std::size_t> pairs;
-  for (std::size_t i = 0; i + 1 < entries_.size(); ++i)
-    if (entries_[i].on.empty()) pairs.push_back(i);
-  core::parallel_for(pairs.size(), context, [&](std::size_t k) {
-    Entry& entry = entries_[pairs[k]];
-    const cv::Mat1f& next = entries_[pairs[k] + 1].luma;
-    entry.on = dytex::optical_flow(entry.luma, next, kMostVectors);
-    entry.back = dytex::optical_flow(next, entry.luma, kMostVectors);
-  });
+  compute_motion(entries_, context);
   return last ? waiting() : waiting() - std::min(waiting(), kNeighbours);
 }
 

@@ -11,6 +11,7 @@
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "graph/events/event_clusters.hpp"
 #include "mcmc/inference/change_posterior.hpp"
 #include "pipeline/inference/event_paths.hpp"
 #include "sketch/refinement/amplitude.hpp"
@@ -109,15 +110,6 @@ class Reading {
   std::size_t done_ = 0;
 };
 
-enum class Family { birth, death, separation, union_ };
-
-Family family_of(graph::EventType type) {
-  using enum graph::EventType;
-  if (type == birth) return Family::birth;
-  if (type == death) return Family::death;
-  return type == split || type == disconnect ? Family::separation : Family::union_;
-}
-
 /// Adds the events of another reading. One that both have is kept once, with the smaller factor; one that
 /// either lacks is doubtful.
 void add_events(const std::vector<Weighed>& others, std::vector<Weighed>& events) {
@@ -131,8 +123,8 @@ void add_events(const std::vector<Weighed>& others, std::vector<Weighed>& events
     for (std::size_t k = 0; k < others.size(); ++k) {
       const graph::Event &a = events[i].traced.event, &b = others[k].traced.event;
       const double apart = distance(a.position, b.position);
-      if (family_of(a.type) == family_of(b.type) && std::abs(a.frame - b.frame) <= kSameFrames &&
-          apart <= kSamePlace)
+      if (graph::detail::family(a.type) == graph::detail::family(b.type) &&
+          std::abs(a.frame - b.frame) <= kSameFrames && apart <= kSamePlace)
         pairs.push_back({apart, i, k});
     }
   std::ranges::sort(pairs);

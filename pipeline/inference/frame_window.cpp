@@ -2,18 +2,12 @@
 #include "pipeline/inference/frame_window.hpp"
 
 #include <utility>
-#include <vector>
 
 #include "core/clip.hpp"
-#include "core/parallel.hpp"
-#include "dytex/measures/optical_flow.hpp"
+#include "pipeline/frame_motion.hpp"
 #include "sketch/steadying/carried_sketch.hpp"
 
 namespace emberfold::pipeline {
-
-namespace {
-constexpr double kMostVectors = 1 << 14;  // of the motion
-}
 
 void FrameWindow::push(cv::Mat levels) {
   cv::Mat1f luma = core::luma(levels);
@@ -21,15 +15,7 @@ void FrameWindow::push(cv::Mat levels) {
 }
 
 void FrameWindow::prepare(const core::Context& context) {
-  std::vector<std::size_t> pairs;
-  for (std::size_t i = 0; i + 1 < entries_.size(); ++i)
-    if (entries_[i].on.empty()) pairs.push_back(i);
-  core::parallel_for(pairs.size(), context, [&](std::size_t k) {
-    Entry& entry = entries_[pairs[k]];
-    const cv::Mat1f& next = entries_[pairs[k] + 1].luma;
-    entry.on = dytex::optical_flow(entry.luma, next, kMostVectors);
-    entry.back = dytex::optical_flow(next, entry.luma, kMostVectors);
-  });
+  compute_motion(entries_, context);
 }
 
 void FrameWindow::drop_before(int frame) {

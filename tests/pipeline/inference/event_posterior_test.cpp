@@ -49,6 +49,25 @@ std::vector<graph::Event> posterior(const core::Clip& clip, const graph::MotionG
   return pipeline::event_posterior(source, {&motion, 1});
 }
 
+/// Leaves out the patches of a frame for which is_out(frame, patch) holds, and matches what is left.
+template <class IsOut>
+graph::MotionGraph matched_without(const graph::MotionGraph& motion, const IsOut& is_out) {
+  graph::SketchSequence left = motion.sketch;
+  left.frames.clear();
+  for (int t = 0; t < kFrames; ++t) {
+    const graph::AttributeGraph& g = motion.sketch.frames[static_cast<std::size_t>(t)];
+    const auto is_gone = [&](const graph::Vertex& v) { return is_out(t, v.patch); };
+    std::vector<graph::Vertex> vertices;
+    std::ranges::remove_copy_if(g.vertices(), std::back_inserter(vertices), is_gone);
+    std::vector<graph::Edge> edges;
+    std::ranges::copy_if(g.edges(), std::back_inserter(edges), [&](const graph::Edge& e) {
+      return !is_gone(g.vertices()[g.index_of(e.a)]) && !is_gone(g.vertices()[g.index_of(e.b)]);
+    });
+    left.append({std::move(vertices), std::move(edges)});
+  }
+  return graph::match(left, {});
+}
+
 /// The highest probability of an event of this class near here.
 double probability(const std::vector<graph::Event>& events, EventType type, int frame, Point place) {
   double best = 0;
@@ -89,24 +108,10 @@ TEST_CASE("Events that were put into the graphs alone are not believed", "[poste
       film([](Point p, int) { return 80 + line(p, 40, 15, 105) + line(p, 110, 15, 105); }, 2);
   graph::MotionGraph motion = matched(clip);
   REQUIRE(graph::stroke_events(motion).empty());
-  graph::SketchSequence broken = motion.sketch;
-  broken.frames.clear();
-  for (int t = 0; t < kFrames; ++t) {
-    const graph::AttributeGraph& g = motion.sketch.frames[static_cast<std::size_t>(t)];
-    std::vector<graph::Vertex> vertices;
-    const auto is_out = [&](const graph::Vertex& v) {
-      const bool lost = t >= 8 && t < 20 && v.patch.position.x < 75;
-      const bool gap = t >= 14 && v.patch.position.x > 75 && std::abs(v.patch.position.y - 60) < 8;
-      return lost || gap;
-    };
-    std::ranges::remove_copy_if(g.vertices(), std::back_inserter(vertices), is_out);
-    std::vector<graph::Edge> edges;
-    std::ranges::copy_if(g.edges(), std::back_inserter(edges), [&](const graph::Edge& e) {
-      return !is_out(g.vertices()[g.index_of(e.a)]) && !is_out(g.vertices()[g.index_of(e.b)]);
-    });
-    broken.append({std::move(vertices), std::move(edges)});
-  }
-  motion = graph::match(broken, {});
+  motion = matched_without(motion, [](int t, const graph::Patch& patch) {
+    const auto [x, y] = patch.position;
+    return (t >= 8 && t < 20 && x < 75) || (t >= 14 && x > 75 && std::abs(y - 60) < 8);
+  });
   const auto read = graph::stroke_events(motion);
   REQUIRE(read.size() == 3);  // a death, a birth, a split
   for (const graph::Event& e : posterior(clip, motion)) {
@@ -138,18 +143,8 @@ TEST_CASE("An event that one reading lacks is less likely", "[posterior]") {
   const graph::MotionGraph motion = matched(clip);
   const auto alone = posterior(clip, motion);
   REQUIRE(alone.size() == 1);
-  graph::MotionGraph without = motion;  // its second stroke is in no frame
-  without.sketch.frames.clear();
-  for (const graph::AttributeGraph& g : motion.sketch.frames) {
-    const auto is_out = [](const graph::Vertex& v) { return v.patch.position.x > 75; };
-    std::vector<graph::Vertex> vertices;
-    std::ranges::remove_copy_if(g.vertices(), std::back_inserter(vertices), is_out);
-    std::vector<graph::Edge> edges;
-    std::ranges::copy_if(g.edges(), std::back_inserter(edges),
-                         [&](const graph::Edge& e) { return !is_out(g.vertices()[g.index_of(e.a)]); });
-    without.sketch.append({std::move(vertices), std::move(edges)});
-  }
-  without = graph::match(without.sketch, {});
+  const graph::MotionGraph without =
+      matched_without(motion, [](int, const graph::Patch& patch) { return patch.position.x > 75; });
   REQUIRE(graph::stroke_events(without).empty());
   for (const bool first : {true, false}) {
     core::ClipSource source(clip);

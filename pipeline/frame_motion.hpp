@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/context.hpp"
+#include "core/parallel.hpp"
+#include "dytex/measures/optical_flow.hpp"
+
+namespace emberfold::pipeline {
+
+/// Computes the motion between neighbouring entries that have none yet, in parallel: `on`, from the frame
+/// `luma` to the next, and `back`, from there. At most 2^14 vectors each: more make no sketch steadier.
+/// `entries`: by index, in order of the frames. Throws core::Cancelled.
+template <class Entries>
+void compute_motion(Entries& entries, const core::Context& context) {
+  constexpr double kMostVectors = 1 << 14;
+  std::vector<std::size_t> pairs;
+  for (std::size_t i = 0; i + 1 < entries.size(); ++i)
+    if (entries[i].on.empty()) pairs.push_back(i);
+  core::parallel_for(pairs.size(), context, [&](std::size_t k) {
+    auto& entry = entries[pairs[k]];
+    const cv::Mat1f& next = entries[pairs[k] + 1].luma;
+    entry.on = dytex::optical_flow(entry.luma, next, kMostVectors);
+    entry.back = dytex::optical_flow(next, entry.luma, kMostVectors);
+  });
+}
+
+}  // namespace emberfold::pipeline
