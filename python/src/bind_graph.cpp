@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "core/error.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/unit_tables.hpp"
 #include "graph/matching/match.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
@@ -165,7 +167,14 @@ void bind_text(py::class_<Motion>& motion) {
   };
   write("to_jsonl", graph::write_motion, doc("graph::write_motion"));
   write("trajectories_csv", graph::write_trajectories, doc("graph::write_trajectories"));
-  write("strokes_csv", graph::write_strokes, doc("graph::write_strokes"));
+  motion.def(
+      "strokes_csv",
+      [](const Motion& held, std::optional<double> seconds, std::optional<double> um) {
+        std::ostringstream out;
+        graph::write_strokes(out, *held.graphs, {seconds, um});
+        return bytes_of(out);
+      },
+      py::arg("seconds") = py::none(), py::arg("um") = py::none(), doc("graph::write_strokes"));
   motion.def_static(
       "from_jsonl",
       [](const std::string& text, const std::string& name) {

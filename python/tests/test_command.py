@@ -30,7 +30,7 @@ def test_analyze(folder):
         run = ef.analyze(clip)
         for name, made in (("events.json", ef.graph.events_json(run._events)),
                            ("events_all.json", ef.graph.events_json(run._all_events)),
-                           ("motion.jsonl", run.motion.to_jsonl()), ("strokes.csv", run.motion.strokes_csv())):
+                           ("motion.jsonl", run.motion.to_jsonl()), ("strokes.csv", run.motion.strokes_csv(1 / 30))):
             assert (folder / "run" / name).read_bytes() == made, name
         run.model.write(str(folder / "model"))
         files = sorted(path.name for path in (folder / "run/model").iterdir())
