@@ -137,6 +137,8 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
                                    render_options(model.motion, model.background, options.fill), context);
   if (!residual.empty()) model.residual = std::move(residual);
   for (const auto& note : fitted.notes) context.warn("model: " + note);
+  clock.begin("footage");
+  model.footage = gather_footage(source, context);
   if (options.texture > 0) {
     clock.begin("texture");
     analysis.texture = learn_texture(source, sketch, options.texture, model, context);

@@ -19,7 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTexturePart = "texture";  // the folder beside model.json
-constexpr std::array kFills = {ModelFill::diffusion, ModelFill::texture, ModelFill::dytex};
+constexpr std::array kFills = {ModelFill::footage, ModelFill::diffusion, ModelFill::texture,
+                               ModelFill::dytex};
 
 bool never_changes(const mcmc::OperatorRates& rates) {
   const auto zero = [](double rate) { return rate == 0; };
@@ -67,7 +68,13 @@ std::optional<ResidualTexture> residual_of(const core::ModelArchive& archive, co
   return residual;
 }
 
-/// Reads all but the residual and the parts.
+/// Reads the footage; nothing where the archive holds none.
+std::optional<Footage> footage_of(const core::ModelArchive& archive, const ClipModel& model) {
+  auto footage = read_footage(archive, {model.motion.width, model.motion.height});
+  return footage.empty() ? std::nullopt : std::optional(std::move(footage));
+}
+
+/// Reads all but the residual, the footage and the parts.
 ClipModel strokes_and_background(const core::ModelArchive& archive) {
   ClipModel model;
   model.motion = mcmc::motion_model(archive);
@@ -83,6 +90,7 @@ core::ModelArchive to_archive(const ClipModel& model) {
   sketch::add_background(archive, model.background);
   if (model.residual) add_residual(archive, *model.residual);
   sketch::add_sharpening(archive, model.sharpening);
+  if (model.footage) add_footage(archive, *model.footage);
   if (model.texture) archive.parts[kTexturePart] = dytex::to_archive(*model.texture, dytex::Precision::f16);
   return archive;
 }
@@ -90,6 +98,7 @@ core::ModelArchive to_archive(const ClipModel& model) {
 ClipModel clip_model(const core::ModelArchive& archive) {
   ClipModel model = strokes_and_background(archive);
   model.residual = residual_of(archive, model);
+  model.footage = footage_of(archive, model);
   if (const auto part = archive.parts.find(kTexturePart); part != archive.parts.end()) {
     model.texture = dytex::linear_dynamic_texture(part->second);
     check_size(*model.texture, model.motion, "the texture between the strokes");
@@ -98,6 +107,7 @@ ClipModel clip_model(const core::ModelArchive& archive) {
 }
 
 std::string_view name(ModelFill fill) {
+  if (fill == ModelFill::footage) return "footage";
   if (fill == ModelFill::diffusion) return "diffusion";
   return fill == ModelFill::texture ? "texture" : "dytex";
 }
@@ -114,7 +124,7 @@ std::string why_undrawable(const mcmc::MotionModel& model) {
   return {};
 }
 
-ClipModel read_clip_model(const std::string& folder, ModelFill fill) {
+ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fill) {
   io::ModelLimits limits;
   limits.parts = false;
   const auto archive = io::read_model(folder, io::kMotionFormat, limits);
@@ -127,7 +137,13 @@ ClipModel read_clip_model(const std::string& folder, ModelFill fill) {
         throw core::IoError(
             "holds no residual of its clip to draw a texture from; 'emberfold analyze' measures it");
     }
-    if (const auto why = why_undrawable(model.motion); !why.empty()) throw core::IoError(why);
+    if (!fill || fill == ModelFill::footage) {
+      model.footage = footage_of(archive, model);
+      if (fill && !model.footage)
+        throw core::IoError("holds no frames of its clip; 'emberfold analyze' keeps them");
+    }
+    if (const auto why = why_undrawable(model.motion); !model.footage && !why.empty())
+      throw core::IoError(why);
   } catch (const core::IoError& error) {
     throw core::IoError(folder + ": " + error.what());
   }

@@ -9,6 +9,7 @@
 #include "core/model_archive.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/model/motion_model.hpp"
+#include "pipeline/footage/footage.hpp"
 #include "pipeline/residual_texture.hpp"
 #include "sketch/background/still_background.hpp"
 #include "sketch/rendering/sharpening.hpp"
@@ -22,6 +23,7 @@ struct ClipModel {
   sketch::Sharpening sharpening;
   std::optional<ResidualTexture> residual = {};             ///< for ModelFill::texture
   std::optional<dytex::LinearDynamicTexture> texture = {};  ///< for ModelFill::dytex
+  std::optional<Footage> footage = {};                      ///< for ModelFill::footage
 };
 
 /// Packs a model for its folder: model.json and arrays.
@@ -35,8 +37,9 @@ ClipModel clip_model(const core::ModelArchive& archive);
 /// Returns why no clip can be drawn from a model (no exemplars, all rates 0); empty if one can.
 std::string why_undrawable(const mcmc::MotionModel& model);
 
-/// Fill between the strokes of a new clip.
+/// What a new clip is made of: the clip's own frames, or strokes and a fill between them.
 enum class ModelFill {
+  footage,    ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
   diffusion,  ///< levels that diffuse from the strokes and the still background
   texture,    ///< diffusion and on it a Gaussian texture with the statistics of the clip's residual
   dytex       ///< a linear dynamic texture learned from the pixels between the strokes
@@ -45,10 +48,10 @@ std::string_view name(ModelFill fill);
 /// Returns the fill of that name; nothing for an unknown name.
 std::optional<ModelFill> model_fill(std::string_view name);
 
-/// Reads a model from its folder, with only the parts that `fill` needs.
+/// Reads a model from its folder, with only the parts that `fill` needs; without a fill: its footage, if any.
 /// Throws core::IoError, naming the folder, where it is no such model, of a newer version, cannot be drawn
 /// from (no exemplars, all rates 0), or lacks that part.
-ClipModel read_clip_model(const std::string& folder, ModelFill fill);
+ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fill);
 
 /// Finds the sharpening at which the mean gradient on the patches' flanks over 60 frames is `wanted`.
 /// `wanted`: levels/px, the clip's own. Throws core::Cancelled.

@@ -10,26 +10,36 @@ namespace emberfold::pipeline {
 
 namespace {
 
+ModelFill chosen_fill(const ClipModel& model, const ClipSynthesisOptions& options) {
+  return options.fill_kind.value_or(model.footage ? ModelFill::footage : ModelFill::diffusion);
+}
+
 void check(const ClipModel& model, const ClipSynthesisOptions& options) {
-  core::check_range("ClipSynthesisOptions.residual_speed", options.residual_speed, -100, 100);
+  core::check_range("ClipSynthesisOptions.speed", options.speed, -100, 100);
   options.fill.validate();
+  const auto fill = chosen_fill(model, options);
+  if (fill == ModelFill::footage && !model.footage)
+    throw core::InputError("the model holds no frames of its clip");
+  if (fill == ModelFill::footage) return;
   if (const auto why = why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
-  if (options.between == ModelFill::texture && !model.residual)
+  if (options.loop) throw core::InputError("ClipSynthesisOptions.loop is for a model's footage alone");
+  if (fill == ModelFill::texture && !model.residual)
     throw core::InputError("the model holds no residual of its clip to draw a texture from");
-  if (options.between == ModelFill::dytex && !model.texture)
+  if (fill == ModelFill::dytex && !model.texture)
     throw core::InputError("the model holds no texture of what lies between the strokes");
 }
 
-FrameSynthesis begin(const std::shared_ptr<const ClipModel>& model, const ClipSynthesisOptions& options) {
+FrameSynthesis begin_strokes(const std::shared_ptr<const ClipModel>& model, ModelFill fill,
+                             const ClipSynthesisOptions& options) {
   auto look = sketch::apply_sharpening(render_options(model->motion, model->background, options.fill),
                                        model->sharpening);
-  if (options.between == ModelFill::dytex) {
+  if (fill == ModelFill::dytex) {
     const std::shared_ptr<const dytex::LinearDynamicTexture> texture(model, &*model->texture);
     return hybrid_frames(model->motion, texture, std::move(look), options.seed, options.start);
   }
-  if (options.between == ModelFill::texture)
+  if (fill == ModelFill::texture)
     return residual_frames(model->motion, *model->residual, std::move(look), options.seed, options.start,
-                           options.residual_speed);
+                           options.speed);
   return {mcmc::Synthesis(model->motion, options.seed, options.start), std::move(look)};
 }
 
@@ -39,16 +49,38 @@ ClipSynthesis::ClipSynthesis(ClipModel model, const ClipSynthesisOptions& option
                              const core::Context& context)
     : options_(options), context_(context) {
   check(model, options);
+  fill_kind_ = chosen_fill(model, options);
   model_ = std::make_shared<const ClipModel>(std::move(model));
-  frames_.emplace(begin(model_, options_));
-  const auto& look = frames_->look();
-  info_ = {look.size.width, look.size.height, look.channels, CV_8U, model_->motion.fps, 255, {}};
+  begin();
+  const double fps = model_->motion.fps;
+  if (footage_) {
+    const auto& clip = *model_->footage;
+    info_ = {clip.size.width, clip.size.height, clip.channels, CV_8U, fps, 255, {}};
+  } else {
+    const auto& look = frames_->look();
+    info_ = {look.size.width, look.size.height, look.channels, CV_8U, fps, 255, {}};
+  }
+}
+
+void ClipSynthesis::begin() {
+  if (fill_kind_ == ModelFill::footage)
+    footage_.emplace(decode(*model_->footage, context_),
+                     FootageSynthesisOptions{options_.seed, options_.speed, options_.loop}, context_);
+  else
+    frames_.emplace(begin_strokes(model_, fill_kind_, options_));
+}
+
+void ClipSynthesis::draw(int count, const std::function<void(cv::Mat)>& take) {
+  if (footage_)
+    footage_->each(count, take, context_);
+  else
+    frames_->each(count, take, context_);
 }
 
 cv::Mat ClipSynthesis::next() {
   if (ahead_.empty())
-    frames_->each(
-        frames_->batch(), [&](cv::Mat frame) { ahead_.push_back(std::move(frame)); }, context_);
+    draw(footage_ ? footage_->batch() : frames_->batch(),
+         [&](cv::Mat frame) { ahead_.push_back(std::move(frame)); });
   cv::Mat frame = std::move(ahead_.front());
   ahead_.pop_front();
   return frame;
@@ -56,7 +88,7 @@ cv::Mat ClipSynthesis::next() {
 
 void ClipSynthesis::rewind() {
   ahead_.clear();
-  frames_.emplace(begin(model_, options_));
+  begin();
 }
 
 void ClipSynthesis::each(int count, const std::function<void(cv::Mat)>& take) {
@@ -65,7 +97,7 @@ void ClipSynthesis::each(int count, const std::function<void(cv::Mat)>& take) {
     ahead_.pop_front();
     take(std::move(frame));
   }
-  frames_->each(count, take, context_);
+  draw(count, take);
 }
 
 }  // namespace emberfold::pipeline

@@ -13,6 +13,7 @@
 #include "core/context.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_model.hpp"
+#include "pipeline/footage/footage_synthesis.hpp"
 #include "pipeline/frame_synthesis.hpp"
 #include "sketch/inpainting/fill.hpp"
 
@@ -21,9 +22,10 @@ namespace emberfold::pipeline {
 /// Holds the settings of a ClipSynthesis.
 struct ClipSynthesisOptions {
   std::uint64_t seed = 1;
-  ModelFill between = ModelFill::diffusion;  ///< what lies between the strokes
-  mcmc::Start start = mcmc::Start::data;     ///< the clip's own strokes, or the model's stationary law
-  double residual_speed = 1;                 ///< of ModelFill::texture, −100…100; below 0 backwards
+  std::optional<ModelFill> fill_kind = {};  ///< none: the model's footage, or without one the diffusion
+  mcmc::Start start = mcmc::Start::data;    ///< the clip's own strokes, or the model's stationary law
+  double speed = 1;              ///< of the footage or the residual, −100…100, not 0; below 0 backwards
+  std::optional<int> loop = {};  ///< of the footage: frames after which the clip begins anew, ≥ 2
   sketch::FillOptions fill = {};
 };
 
@@ -34,7 +36,7 @@ struct ClipSynthesisOptions {
 ///     io::write_video("new.mp4", synthesis, 300);
 class ClipSynthesis final : public core::FrameSource {
  public:
-  /// Keeps a copy of the model. Throws core::InputError where it lacks the part that options.between needs.
+  /// Keeps a copy of the model. Throws core::InputError where it lacks the part that options.fill_kind needs.
   explicit ClipSynthesis(ClipModel model, const ClipSynthesisOptions& options = {},
                          const core::Context& context = {});
 
@@ -46,15 +48,26 @@ class ClipSynthesis final : public core::FrameSource {
   /// Draws the next `count` frames on several threads and hands them to `take`.
   /// They are handed over in order and one at a time, while the next ones are drawn. Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take);
-  /// Returns statistics of the frames drawn so far, those ahead of next() included.
-  [[nodiscard]] const SynthesisStatistics& statistics() const { return frames_->statistics(); }
+  /// Returns statistics of the strokes drawn so far, those ahead of next() included; nothing of a footage.
+  [[nodiscard]] const SynthesisStatistics* statistics() const {
+    return frames_ ? &frames_->statistics() : nullptr;
+  }
+  /// Returns the synthesis of the footage; nothing where strokes are drawn.
+  [[nodiscard]] const FootageSynthesis* footage() const { return footage_ ? &*footage_ : nullptr; }
+  /// Returns what the clip is made of.
+  [[nodiscard]] ModelFill fill_kind() const { return fill_kind_; }
 
  private:
+  void begin();
+  void draw(int count, const std::function<void(cv::Mat)>& take);
+
   std::shared_ptr<const ClipModel> model_;
   ClipSynthesisOptions options_;
   core::Context context_;
   core::ClipInfo info_;
+  ModelFill fill_kind_ = ModelFill::diffusion;
   std::optional<FrameSynthesis> frames_;
+  std::optional<FootageSynthesis> footage_;
   std::deque<cv::Mat> ahead_;
 };
 

@@ -111,7 +111,7 @@ ClipComparison compare(core::FrameSource& a, core::FrameSource& b, const Compare
 
 /// Holds a model of a comparison and the clip that was drawn from it.
 struct ModelResult {
-  std::string key, label;  ///< key: "motion_model", "hybrid", "linear_dynamic_texture" or "star"
+  std::string key, label;  ///< key: "motion_model", "hybrid", "footage", "linear_dynamic_texture" or "star"
   double parameters = 0;   ///< numbers that it takes to draw from the model
   ClipProfile drawn;
   ClipDistances distances;  ///< of the drawn clip from the source

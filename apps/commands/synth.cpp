@@ -28,7 +28,7 @@ namespace {
 
 pipeline::ModelFill parse_fill(const std::string& text) {
   if (const auto fill = pipeline::model_fill(text)) return *fill;
-  throw Misuse("--fill is " + text + "; allowed is one of diffusion, texture, dytex");
+  throw Misuse("--fill is " + text + "; allowed is one of footage, diffusion, texture, dytex");
 }
 
 using Json = nlohmann::ordered_json;
@@ -36,7 +36,8 @@ namespace fs = std::filesystem;
 
 struct Synth {
   std::string model, output, overlay, motion;
-  pipeline::ModelFill fill_kind = pipeline::ModelFill::diffusion;
+  std::optional<pipeline::ModelFill> fill_kind;
+  bool loop = false;
   int frames = 300;
   sketch::FillOptions fill;
   EditOptions edit;
@@ -51,11 +52,39 @@ std::unique_ptr<io::VideoWriter> create_output(const std::string& path, cv::Size
   }
 }
 
+/// Returns the option that only drawn strokes can fulfil; empty where none was given.
+std::string stroke_option(const Synth& asked) {
+  const auto& edit = asked.edit.edit;
+  if (!asked.motion.empty()) return "--motion";
+  if (!asked.overlay.empty()) return "--overlay";
+  if (asked.edit.start_name != "data") return "--start";
+  if (edit.intensity != 1) return "--intensity";
+  if (edit.flicker != 1) return "--flicker";
+  if (!asked.edit.birth_map.empty()) return "--birth-map";
+  if (asked.edit.strokes != "all") return "--strokes";
+  if (std::ranges::any_of(edit.rates, [](double rate) { return rate != 1; })) return "--set synth";
+  return {};
+}
+
+/// Chooses drawn strokes where an option needs them, and refuses options that exclude each other.
+void choose_fill(Synth& asked) {
+  using pipeline::ModelFill;
+  const auto option = stroke_option(asked);
+  if (!option.empty() && asked.fill_kind == ModelFill::footage)
+    throw Misuse(option + " is for clips of drawn strokes (--fill diffusion, texture or dytex), not footage");
+  if (!option.empty() && !asked.fill_kind) asked.fill_kind = ModelFill::diffusion;
+  if (asked.loop && asked.fill_kind && asked.fill_kind != ModelFill::footage)
+    throw Misuse("--loop is for clips made of footage; " + (option.empty() ? "--fill" : option) +
+                 " draws strokes");
+  if (asked.loop && asked.frames < 2) throw Misuse("--frames is 1; --loop needs at least 2");
+}
+
 void check(Synth& asked) {
   if (asked.frames < 1 || asked.frames > 1'000'000)
     throw Misuse("--frames is " + std::to_string(asked.frames) + "; allowed is 1 to 1000000");
   check_options(asked.fill, "fill");
   check(asked.edit);
+  choose_fill(asked);
 }
 
 /// The graphs with their links, where somebody asks for them: all are held.
@@ -157,16 +186,25 @@ Json statistics_json(const pipeline::SynthesisStatistics& drawn) {
           {"operators", counts}};
 }
 
+/// Figures of a clip made of footage; at a jump_cost of 1 jumps change as much as any frame does.
+Json footage_json(const pipeline::FootageSynthesis& drawn) {
+  const auto rounded = [](double value) { return std::round(100 * value) / 100; };
+  return {{"jump_cost", rounded(drawn.jump_cost())}, {"time_spread_frames", rounded(drawn.amplitude())}};
+}
+
 Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipeline::ClipSynthesis& frames,
                const Session& session) {
   Json summary = begin_summary("synth", session);
   summary["model"] = {{"folder", asked.model}, {"learned_from_frames", model.frames}};
   summary["model"].update(motion_model_figures(model));
   summary["clip"] = clip_json(asked.output, frames.info(), asked.frames);
-  summary["options"] = {{"synth", {{"frames", asked.frames}, {"fill", pipeline::name(asked.fill_kind)}}},
-                        {"edit", edit_json(asked.edit)},
-                        {"fill", options_json(asked.fill)}};
-  summary["synthesis"] = statistics_json(frames.statistics());
+  summary["options"] = {
+      {"synth",
+       {{"frames", asked.frames}, {"fill", pipeline::name(frames.fill_kind())}, {"loop", asked.loop}}},
+      {"edit", edit_json(asked.edit)},
+      {"fill", options_json(asked.fill)}};
+  summary["synthesis"] =
+      frames.footage() ? footage_json(*frames.footage()) : statistics_json(*frames.statistics());
   summary["files"] = {{asked.output, "the new clip"}};
   if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
   if (!asked.overlay.empty()) summary["files"][asked.overlay] = "the clip under its graph, with its events";
@@ -181,12 +219,19 @@ void run_synth(Synth asked, Session& session) {
   stages.begin("read");
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
   stages.begin("edit");
-  opened.motion = apply_edits(std::move(opened.motion), asked.edit, session);
   const auto& edit = asked.edit.edit;
-  edit_texture(opened, edit, session);
+  if (!opened.footage) {
+    opened.motion = apply_edits(std::move(opened.motion), asked.edit, session);
+    edit_texture(opened, edit, session);
+  }
   stages.begin("synthesize");
-  const pipeline::ClipSynthesisOptions options{session.common.seed, asked.fill_kind, asked.edit.start(),
-                                               edit.reverse ? -edit.speed : edit.speed, asked.fill};
+  const pipeline::ClipSynthesisOptions options{
+      .seed = session.common.seed,
+      .fill_kind = asked.fill_kind,
+      .start = asked.edit.start(),
+      .speed = edit.reverse ? -edit.speed : edit.speed,
+      .loop = asked.loop ? std::optional(asked.frames) : std::nullopt,
+      .fill = asked.fill};
   pipeline::ClipSynthesis frames(opened, options, session.context);
   Outputs outputs(asked, opened.motion, frames.info(), session);
   write_clips(asked, outputs, frames, session);
@@ -203,9 +248,8 @@ void run_synth(Synth asked, Session& session) {
 
 void add_synthesis(CLI::App& app, CommandLine& line) {
   auto* command = add_command(app, "synth", "Draw a new clip from a motion model", R"(
-  emberfold synth out/fire/model -o new_fire.mp4
-  emberfold synth out/fire/model -o new_fire.mp4 --fill dytex
-  emberfold synth out/fire/model -o frames --frames 1000 --seed 7 --motion new_fire.jsonl)");
+  emberfold synth out/fire/model -o new_fire.mp4 --loop --frames 120
+  emberfold synth out/fire/model -o frames --frames 1000 --fill diffusion --motion new_fire.jsonl)");
   const auto asked = std::make_shared<Synth>();
   command->add_option("MODEL", asked->model, "Read the model from this folder, DIR/model of analyze")
       ->required()
@@ -215,9 +259,10 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   command
       ->add_option_function<std::string>(
           "--fill", [asked](const std::string& text) { asked->fill_kind = parse_fill(text); },
-          "Draw diffusion, texture or dytex (of 'analyze --texture') between strokes")
+          "Make it of the clip's footage, or of strokes with diffusion, texture or dytex between")
       ->type_name("KIND")
-      ->default_str("diffusion");
+      ->default_str("footage");
+  command->add_flag("--loop", asked->loop, "Let the last frame lead to the first one");
   command->add_option("--motion", asked->motion, "Write the graphs and their links too, as motion.jsonl")
       ->type_name("FILE");
   command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")

@@ -10,6 +10,7 @@ namespace emberfold::apps {
 std::string drawn_clip_file(const std::string& key) {
   static const std::map<std::string, std::string> files{{"motion_model", "synthesized_motion.avi"},
                                                         {"hybrid", "synthesized_hybrid.avi"},
+                                                        {"footage", "synthesized_footage.avi"},
                                                         {"linear_dynamic_texture", "synthesized_dytex.avi"},
                                                         {"star", "synthesized_star.avi"}};
   const auto found = files.find(key);

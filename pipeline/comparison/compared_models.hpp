@@ -63,6 +63,8 @@ std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const StrokeMode
 /// Learns a linear dynamic texture of so many components from frames reduced by `scale` (0 … 1].
 std::optional<ComparedModel> texture_model(const TrainingInput& input, const KnownModels& known,
                                            int components, double scale = 1);
+/// Learns to predict by motion, and returns the model of new clips made of the clip's own frames.
+std::optional<ComparedModel> footage_model(const TrainingInput& input, const KnownModels& known);
 /// Learns a spatio-temporal auto-regression; `reach` as in dytex::StarOptions.
 std::optional<ComparedModel> star_model(const TrainingInput& input, int reach);
 

@@ -58,6 +58,7 @@ bool equal(const core::ModelArchive& a, const core::ModelArchive& b) {
 
 void bind_model(py::module_& module) {
   py::enum_<pipeline::ModelFill>(module, "ModelFill", doc("pipeline::ModelFill"))
+      .value("footage", pipeline::ModelFill::footage)
       .value("diffusion", pipeline::ModelFill::diffusion)
       .value("texture", pipeline::ModelFill::texture)
       .value("dytex", pipeline::ModelFill::dytex);
@@ -67,9 +68,10 @@ void bind_model(py::module_& module) {
   using Options = pipeline::ClipSynthesisOptions;
   OptionsClass<Options>(module, "ClipSynthesisOptions", "pipeline::ClipSynthesisOptions")
       .field("seed", &Options::seed)
-      .field("between", &Options::between)
+      .field("fill_kind", &Options::fill_kind)
       .field("start", &Options::start)
-      .field("residual_speed", &Options::residual_speed)
+      .field("speed", &Options::speed)
+      .field("loop", &Options::loop)
       .field("fill", &Options::fill)
       .finish();
   py::class_<ClipModel> model(module, "ClipModel", doc("pipeline::ClipModel"));
@@ -80,7 +82,7 @@ void bind_model(py::module_& module) {
           doc("mcmc::OperatorRates"))
       .def("synthesize", synthesize, py::arg("frames"), py::arg("progress") = py::none(),
            "Draws new frames as an array, uint8, T × H × W or T × H × W × 3. Other arguments are the fields "
-           "of ClipSynthesisOptions: seed, between, start, residual_speed, fill.")
+           "of ClipSynthesisOptions: seed, fill_kind, start, speed, loop, fill.")
       .def(
           "write",
           [](const ClipModel& m, const std::string& folder) {

@@ -358,7 +358,7 @@ TEST_CASE("analyze learns what lies between strokes where asked, and synth draws
   // The texture is one of its own right.
   CHECK(run_command({"dytex", "info", model + "/texture"}).exit == 0);
   const auto opened = pipeline::read_clip_model(model, pipeline::ModelFill::dytex);
-  pipeline::ClipSynthesis frames(opened, {.seed = 1, .between = pipeline::ModelFill::dytex});
+  pipeline::ClipSynthesis frames(opened, {.seed = 1, .fill_kind = pipeline::ModelFill::dytex});
   const auto drawn = read_clip(fs::path(folder) / "new.avi");
   REQUIRE(drawn.frames.size() == 30);
   for (std::size_t t = 0; t < 30; ++t) CHECK(same_pixels(drawn.frames[t], frames.next()));

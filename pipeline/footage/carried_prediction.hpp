@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+
+namespace emberfold::pipeline {
+
+/// Predicts frames from the newest ones of a clip: the frame moved on along its motion, that smoothed, the
+/// frame itself, and the one before, each less the mean image, added with weights that were learned by place.
+struct CarriedPrediction {
+  std::vector<int> steps;        ///< frames ahead that can be predicted, ascending
+  cv::Mat mean;                  ///< CV_32F, levels
+  std::vector<cv::Mat> weights;  ///< by step: CV_32FC4, a cell of 16 px each
+
+  /// Returns how many numbers it holds.
+  [[nodiscard]] double parameters() const;
+};
+
+/// Learns the weights by least squares from at most 24 starts in a clip, drawn towards those of the whole
+/// frame. Reads the clip twice and holds as many frames as the greatest step. Throws core::InputError for a
+/// clip with no frame to predict, core::Cancelled.
+CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<const int> steps,
+                                           const core::Context& context);
+
+/// Predicts the frames so many steps ahead, each one of model.steps, of the newest of `past`: levels
+/// (CV_32F), at least two.
+std::vector<cv::Mat> predict(const CarriedPrediction& model, std::span<const cv::Mat> past,
+                             std::span<const int> steps);
+
+}  // namespace emberfold::pipeline

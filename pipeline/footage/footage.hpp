@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "core/model_archive.hpp"
+
+// A clip's own frames as a part of its model: new clips can be made of them instead of being drawn from
+// nothing.
+namespace emberfold::pipeline {
+
+/// Holds the frames of a clip that differ from the ones before them, compressed (io::encode_frame).
+struct Footage {
+  cv::Size size;     ///< px
+  int channels = 1;  ///< 1 or 3
+  std::vector<std::vector<std::uint8_t>> frames;
+
+  [[nodiscard]] bool empty() const { return frames.empty(); }
+};
+
+/// Bytes of frames that a model keeps: 300 frames of 1280×720 in colour.
+constexpr std::size_t kMostFootage = std::size_t{3} * 1280 * 720 * 300;
+
+/// Reads a clip and keeps its first frames, as many as `most` bytes hold and at least two.
+/// Leaves out repeated frames, whose mean difference from the frame before is below a fifth of the median.
+/// Warns of frames that are not kept. Throws core::Cancelled.
+Footage gather_footage(core::FrameSource& source, const core::Context& context,
+                       std::size_t most = kMostFootage);
+
+/// Decompresses the frames: CV_8U. Throws core::IoError where one is broken, core::Cancelled.
+std::vector<cv::Mat> decode(const Footage& footage, const core::Context& context = {});
+
+/// Adds the arrays "footage" and "footage_ends" to a motion model's archive, about a tenth of the frames'
+/// bytes.
+void add_footage(core::ModelArchive& archive, const Footage& footage);
+/// Reads the footage; empty where the archive has none. Looks into the first frame alone.
+/// Throws core::IoError, naming the array, where the arrays are no frames of that size.
+Footage read_footage(const core::ModelArchive& archive, cv::Size frame);
+
+}  // namespace emberfold::pipeline

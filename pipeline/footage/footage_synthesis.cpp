@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/footage/footage_synthesis.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/clip/frame_stream.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "pipeline/footage/motion_scale.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr double kStretch = 0.15;      // share by which content is stretched where it moves
+constexpr double kRange = 1.0 / 3;     // of the smaller side: over which the time front is smooth
+constexpr double kMostAmplitude = 10;  // frames: slow clips need no more to look new
+constexpr double kLeastMotion = 0.5;   // px a frame: what moves less is not worth more stretching
+// Errors of frames drawn between their neighbours: up to kKnown times differ freely, from kUnknown on not at
+// all, since what lies between two frames is not known.
+constexpr double kKnown = 0.6, kUnknown = 0.8;
+constexpr double kRate = 0.2;                      // SD by which local time runs faster or slower
+constexpr float kMixFrom = 0.35F, kMixTo = 0.65F;  // share of a frame's time at which the next one mixes in
+constexpr float kStill = 0.02F;                    // px: moved by less, pixels are copied
+
+std::shared_ptr<const std::vector<cv::Mat>> in_playing_order(std::vector<cv::Mat> footage,
+                                                             const FootageSynthesisOptions& options) {
+  if (!(std::abs(options.speed) <= 100) || options.speed == 0)
+    throw core::InputError("FootageSynthesisOptions.speed is " + std::to_string(options.speed) +
+                           "; allowed is -100 to 100, but not 0");
+  if (options.loop && *options.loop < 2)
+    throw core::InputError("FootageSynthesisOptions.loop is " + std::to_string(*options.loop) +
+                           "; allowed is 2 or more");
+  if (footage.size() < 2) throw core::InputError("a footage of one frame has no motion to play");
+  if (options.speed < 0) std::ranges::reverse(footage);
+  return std::make_shared<const std::vector<cv::Mat>>(std::move(footage));
+}
+
+TimeFront make_front(const std::vector<cv::Mat>& footage, const FootageSynthesisOptions& options,
+                     const core::Context& context) {
+  const double range = kRange * std::min(footage.front().cols, footage.front().rows);
+  const auto scale = measure_motion_scale(footage, context);
+  const double known = std::clamp((kUnknown - scale.between_error) / (kUnknown - kKnown), 0.0, 1.0);
+  const double slope = known * kStretch / std::max(kLeastMotion, scale.speed);
+  const double amplitude =
+      std::min({slope * range, kMostAmplitude, static_cast<double>(footage.size()) / 10});
+  return {amplitude, range, kRate * std::abs(options.speed), options.seed, options.loop};
+}
+
+std::optional<int> played_loop(const FootageSynthesisOptions& options) {
+  if (!options.loop) return {};
+  return std::max(2, static_cast<int>(std::lround(*options.loop * std::abs(options.speed))));
+}
+
+/// A prepared moment: its frame, and its motion to the next one.
+struct Source {
+  const cv::Mat *frame, *motion;
+};
+
+/// Samples a motion field of fewer vectors than the frame has pixels.
+cv::Vec2f motion_at(const cv::Mat& motion, float x, float y) {
+  x = std::clamp(x, 0.F, static_cast<float>(motion.cols - 1));
+  y = std::clamp(y, 0.F, static_cast<float>(motion.rows - 1));
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const int right = std::min(left + 1, motion.cols - 1), below = std::min(top + 1, motion.rows - 1);
+  const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
+  const auto *a = motion.ptr<cv::Vec2f>(top), *b = motion.ptr<cv::Vec2f>(below);
+  return (1 - v) * ((1 - u) * a[left] + u * a[right]) + v * ((1 - u) * b[left] + u * b[right]);
+}
+
+std::array<float, 4> catmull_rom(float t) {
+  return {t * (-0.5F + t * (1 - 0.5F * t)), 1 + t * t * (-2.5F + 1.5F * t), t * (0.5F + t * (2 - 1.5F * t)),
+          t * t * (-0.5F + 0.5F * t)};
+}
+
+/// Adds `weight` times the frame's levels at (x, y) to `sum`; beyond the border are its last pixels.
+template <int Channels>
+void add_levels(const cv::Mat& frame, float x, float y, float weight, std::array<float, Channels>& sum) {
+  const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
+  const auto across = catmull_rom(x - static_cast<float>(left)),
+             down = catmull_rom(y - static_cast<float>(top));
+  std::array<int, 4> columns{};
+  for (int j = 0; j < 4; ++j)
+    columns[static_cast<std::size_t>(j)] = Channels * std::clamp(left - 1 + j, 0, frame.cols - 1);
+  for (int i = 0; i < 4; ++i) {
+    const auto* const row = frame.ptr<std::uint8_t>(std::clamp(top - 1 + i, 0, frame.rows - 1));
+    const float w = weight * down[static_cast<std::size_t>(i)];
+    for (std::size_t j = 0; j < 4; ++j)
+      for (std::size_t c = 0; c < Channels; ++c)
+        sum[c] += w * across[j] * static_cast<float>(row[static_cast<std::size_t>(columns[j]) + c]);
+  }
+}
+
+/// Draws a frame whose pixels show the times `begin` + offsets; sources[i] is moment `first` + i.
+template <int Channels>
+cv::Mat draw(const std::vector<Source>& sources, std::int64_t first, double begin, const cv::Mat1f& offsets) {
+  cv::Mat out(offsets.size(), CV_8UC(Channels));
+  const cv::Size size = offsets.size(), vectors = sources.front().motion->size();
+  const float to_x = static_cast<float>(vectors.width) / static_cast<float>(size.width);
+  const float to_y = static_cast<float>(vectors.height) / static_cast<float>(size.height);
+  for (int y = 0; y < size.height; ++y) {
+    auto* const row = out.ptr<std::uint8_t>(y);
+    for (int x = 0; x < size.width; ++x) {
+      const double time = begin + double{offsets(y, x)} - static_cast<double>(first);
+      const auto k = static_cast<std::size_t>(time);
+      const float f = static_cast<float>(time - static_cast<double>(k));
+      const auto px = static_cast<float>(x), py = static_cast<float>(y);
+      const auto v = motion_at(*sources[k].motion, (px + 0.5F) * to_x - 0.5F, (py + 0.5F) * to_y - 0.5F);
+      const float next = std::clamp((f - kMixFrom) / (kMixTo - kMixFrom), 0.F, 1.F);
+      std::array<float, Channels> sum{};
+      const auto add = [&](const cv::Mat& frame, float moved, float weight) {
+        if (std::abs(moved * v[0]) < kStill && std::abs(moved * v[1]) < kStill) {
+          for (int c = 0; c < Channels; ++c)
+            sum[static_cast<std::size_t>(c)] +=
+                weight * static_cast<float>(frame.ptr<std::uint8_t>(y)[Channels * x + c]);
+        } else {
+          add_levels<Channels>(frame, px - moved * v[0], py - moved * v[1], weight, sum);
+        }
+      };
+      if (next < 1) add(*sources[k].frame, f, 1 - next);
+      if (next > 0) add(*sources[k + 1].frame, f - 1, next);
+      for (std::size_t c = 0; c < Channels; ++c)
+        row[static_cast<std::size_t>(Channels * x) + c] = cv::saturate_cast<std::uint8_t>(sum[c]);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+FootageSynthesis::FootageSynthesis(std::vector<cv::Mat> footage, const FootageSynthesisOptions& options,
+                                   const core::Context& context)
+    : footage_(in_playing_order(std::move(footage), options)),
+      options_(options),
+      front_(make_front(*footage_, options, context)),
+      played_(footage_, PlayOrder(compare_moments(*footage_, context), options.seed, played_loop(options))) {}
+
+double FootageSynthesis::time(std::int64_t frame) const {
+  const double step =
+      options_.loop ? double(*played_loop(options_)) / *options_.loop : std::abs(options_.speed);
+  return std::ceil(front_.bound()) + 1 + step * static_cast<double>(frame);
+}
+
+int FootageSynthesis::batch() const {
+  const auto& frame = footage_->front();
+  const auto most = core::frames_at_once(frame.cols, frame.rows, frame.channels());
+  return std::max(1, static_cast<int>(static_cast<double>(most) / std::max(1.0, std::abs(options_.speed))));
+}
+
+void FootageSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
+                            const core::Context& context) {
+  while (count > 0) {
+    const int some = std::min(count, batch());
+    const auto first = static_cast<std::int64_t>(std::floor(time(next_) - front_.bound()));
+    const auto last = static_cast<std::int64_t>(std::floor(time(next_ + some - 1) + front_.bound())) + 1;
+    played_.prepare(first, last + 1, context);
+    std::vector<Source> sources;
+    for (auto n = first; n <= last; ++n) sources.push_back({&played_.frame(n), &played_.motion(n)});
+    std::vector<cv::Mat> drawn(static_cast<std::size_t>(some));
+    core::parallel_for(drawn.size(), context, [&](std::size_t i) {
+      const auto n = next_ + static_cast<std::int64_t>(i);
+      const auto offsets = front_.at(static_cast<double>(n), footage_->front().size());
+      drawn[i] = footage_->front().channels() == 3 ? draw<3>(sources, first, time(n), offsets)
+                                                   : draw<1>(sources, first, time(n), offsets);
+    });
+    for (auto& frame : drawn) {
+      take(std::move(frame));
+      ++next_;
+      --count;
+    }
+  }
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/context.hpp"
+#include "pipeline/footage/played_frames.hpp"
+#include "pipeline/footage/time_front.hpp"
+
+namespace emberfold::pipeline {
+
+/// Holds the settings of a FootageSynthesis.
+struct FootageSynthesisOptions {
+  std::uint64_t seed = 1;
+  double speed = 1;              ///< frames of the footage a frame, −100…100 but 0; below 0 backwards
+  std::optional<int> loop = {};  ///< frames after which the clip repeats itself exactly, ≥ 2
+};
+
+/// Draws new frames of a footage without end.
+/// The footage is played with jumps between like moments (PlayOrder), and every place runs a little before or
+/// behind its neighbours (TimeFront), so frames are new compositions of the clip; what lies between two of
+/// its frames is moved along the motion between them. How much times differ is bounded by the motion: content
+/// is stretched by some 15 %. The same at any number of threads.
+class FootageSynthesis {
+ public:
+  /// `footage`: frames of a clip, CV_8U, 1 or 3 channels, of one size.
+  /// Throws core::InputError for options out of range and a footage of fewer than two frames.
+  FootageSynthesis(std::vector<cv::Mat> footage, const FootageSynthesisOptions& options,
+                   const core::Context& context = {});
+
+  /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take` in order.
+  /// Throws core::Cancelled.
+  void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {});
+  /// Returns the best number of frames to ask for at once: 1…16.
+  [[nodiscard]] int batch() const;
+  /// Returns how visible the jumps so far are: their cost over the change between neighbouring frames.
+  [[nodiscard]] double jump_cost() const { return played_.order().relative_cost(); }
+  /// SD of the times that a frame shows at once, frames.
+  [[nodiscard]] double amplitude() const { return front_.bound() / 3; }
+
+ private:
+  [[nodiscard]] double time(std::int64_t frame) const;
+
+  std::shared_ptr<const std::vector<cv::Mat>> footage_;
+  FootageSynthesisOptions options_;
+  TimeFront front_;
+  PlayedFrames played_;
+  std::int64_t next_ = 0;
+};
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/context.hpp"
+
+namespace emberfold::pipeline {
+
+/// Holds how fast a footage moves, and how well its motion explains it.
+struct MotionScale {
+  double speed = 0;  ///< px a frame: upper quartile where pixels change
+  /// Mean error of frames drawn half way between their neighbours, over the mean difference to the frame
+  /// before; 0…1 and more, 0 without motion.
+  double between_error = 0;
+};
+
+/// Measures both from up to 16 places of a footage of at least two frames, CV_8U. Throws core::Cancelled.
+MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core::Context& context);
+
+}  // namespace emberfold::pipeline

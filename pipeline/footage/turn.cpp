@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/footage/turn.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dytex/measures/optical_flow.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr double kMostVectors = 1 << 15;
+constexpr int kAlikeSide = 5;    // px: side of the neighbourhood whose mean difference is still or not
+constexpr float kMostNoise = 3;  // grey levels: mean differences above twice this are motion
+constexpr int kSide = 80;        // px of the pictures that are compared, at most
+constexpr double kNearby = 3;    // px of those: SD of the place over which likeness is meant
+constexpr double kMiddle =
+    0.3;  // cost of turning at the way's ends instead of its middle, of the mean difference
+constexpr double kDuration = 3;  // moments in which a place turns
+
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+cv::Mat1f luma_of(const cv::Mat& frame) {
+  cv::Mat grey = frame, levels;
+  if (frame.channels() == 3) cv::cvtColor(frame, grey, cv::COLOR_BGR2GRAY);
+  grey.convertTo(levels, CV_32F);
+  return levels;
+}
+
+/// Takes the motion from where two frames of luma differ by no more than noise.
+void still_where_alike(cv::Mat& motion, const cv::Mat1f& frame, const cv::Mat1f& next) {
+  cv::Mat difference, nearby;
+  cv::absdiff(frame, next, difference);
+  cv::blur(difference, nearby, {kAlikeSide, kAlikeSide});
+  cv::Mat1f alike;
+  cv::resize(nearby, alike, motion.size(), 0, 0, cv::INTER_AREA);
+  std::vector<float> levels(alike.begin(), alike.end());
+  const auto low = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 5);
+  std::ranges::nth_element(levels, low);
+  const float noise = std::min(kMostNoise, 1.5F * *low + 0.25F);
+  for (int y = 0; y < motion.rows; ++y)
+    for (int x = 0; x < motion.cols; ++x)
+      motion.at<cv::Vec2f>(y, x) *= std::clamp(alike(y, x) / noise - 1, 0.F, 1.F);
+}
+
+/// Returns the frame as it would be after `share` of its motion.
+cv::Mat moved(const cv::Mat& frame, const cv::Mat& motion, double share) {
+  cv::Mat full, out;
+  cv::resize(motion, full, frame.size(), 0, 0, cv::INTER_LINEAR);
+  cv::Mat2f from(frame.size());
+  for (int y = 0; y < from.rows; ++y)
+    for (int x = 0; x < from.cols; ++x) {
+      const auto& v = full.at<cv::Vec2f>(y, x);
+      from(y, x) = {static_cast<float>(x - share * double{v[0]}),
+                    static_cast<float>(y - share * double{v[1]})};
+    }
+  cv::remap(frame, out, from, cv::noArray(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  return out;
+}
+
+/// Returns how much two frames differ about each place, grey levels, at most kSide px a side.
+cv::Mat1f local_difference(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat difference, grey, small, levels;
+  cv::absdiff(a, b, difference);
+  grey = luma_of(difference);
+  const double factor = std::min(1.0, double(kSide) / std::max(a.cols, a.rows));
+  cv::resize(grey, small,
+             {std::max(1, static_cast<int>(a.cols * factor)), std::max(1, static_cast<int>(a.rows * factor))},
+             0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(small, levels, {}, kNearby);
+  return levels;
+}
+
+}  // namespace
+
+cv::Mat footage_motion(const cv::Mat& frame, const cv::Mat& next) {
+  const auto before = luma_of(frame), after = luma_of(next);
+  cv::Mat motion = dytex::optical_flow(before, after, kMostVectors);
+  still_where_alike(motion, before, after);
+  return motion;
+}
+
+cv::Mat draw_between(const cv::Mat& a, const cv::Mat& b, double share) {
+  cv::Mat mixed;
+  cv::addWeighted(moved(a, footage_motion(a, b), share), 1 - share, moved(b, footage_motion(b, a), 1 - share),
+                  share, 0, mixed);
+  return mixed;
+}
+
+cv::Mat1f turning_places(const std::vector<cv::Mat>& footage, const PlayedMoment& moment) {
+  cv::Mat1f best, least;
+  const int from = moment.frame - moment.place, to = moment.other - moment.place;
+  for (int d = 1 - moment.half; d < moment.half || d == 1 - moment.half; ++d) {
+    auto difference = local_difference(footage[static_cast<std::size_t>(from + d)],
+                                       footage[static_cast<std::size_t>(to + d)]);
+    const double aside = kMiddle * cv::mean(difference)[0] * std::abs(d) / moment.half;
+    difference += aside;
+    if (best.empty()) {
+      best = cv::Mat1f(difference.size(), static_cast<float>(d));
+      least = difference;
+      continue;
+    }
+    best.setTo(static_cast<float>(d), difference < least);
+    least = cv::min(least, difference);
+  }
+  cv::Mat1f smooth;
+  cv::GaussianBlur(best, smooth, {}, kNearby);
+  return smooth;
+}
+
+cv::Mat draw_turn(const std::vector<cv::Mat>& footage, const PlayedMoment& moment, const cv::Mat1f& places) {
+  const auto& a = footage[static_cast<std::size_t>(moment.frame)];
+  const auto& b = footage[static_cast<std::size_t>(moment.other)];
+  const double share = smooth_step((moment.place + moment.half + 0.5) / (2 * moment.half));
+  const cv::Mat from_a = moved(a, footage_motion(a, b), share);
+  const cv::Mat from_b = moved(b, footage_motion(b, a), 1 - share);
+  cv::Mat turning;
+  cv::resize(places, turning, a.size(), 0, 0, cv::INTER_LINEAR);
+  cv::Mat out(a.size(), a.type());
+  const int channels = a.channels();
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      const double t = moment.place + 0.5 - double{turning.at<float>(y, x)};
+      const double w = smooth_step(t / kDuration + 0.5);
+      for (int c = 0; c < channels; ++c) {
+        const int i = x * channels + c;
+        out.ptr<std::uint8_t>(y)[i] = cv::saturate_cast<std::uint8_t>(
+            (1 - w) * from_a.ptr<std::uint8_t>(y)[i] + w * from_b.ptr<std::uint8_t>(y)[i]);
+      }
+    }
+  return out;
+}
+
+}  // namespace emberfold::pipeline
