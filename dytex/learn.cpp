@@ -165,14 +165,19 @@ void make_C(FrameBlocks& frame_blocks, const FrameSums& seen, const Eigen::Matri
   detail::orthonormalise(texture.C, context);
 }
 
-/// Says where clips drawn from the model vary much more or less than the clip itself.
-void compare_variance(LearnResult& result) {
-  const LinearDynamicTexture& texture = result.texture;
-  const Eigen::Index n = texture.components();
+/// Scales the noise where clips of the source's length would vary much more or less than the source.
+void match_variance(LearnResult& result) {
+  LinearDynamicTexture& texture = result.texture;
+  const Eigen::Index n = texture.components(), frames = texture.states.cols();
   if (n == 0) return;
-  const double drawn = stationary_covariance(texture.A, texture.B).diagonal().head(n).sum();
-  const double seen = texture.states.topRows(n).squaredNorm() / static_cast<double>(texture.states.cols());
-  if (const auto note = detail::variance_note(drawn, seen)) result.notes.push_back(*note);
+  const double drawn = detail::variance_within(texture.A, texture.B, frames).head(n).sum();
+  const double seen = texture.states.topRows(n).squaredNorm() / static_cast<double>(frames);
+  const auto note = detail::variance_note(drawn, seen);
+  if (!note) return;
+  result.notes.push_back(*note);
+  if (!(drawn > 0)) return;
+  texture.B *= std::sqrt(seen / drawn);
+  result.notes.back() += ": its noise is scaled to the clip's variance";
 }
 
 /// The variance that the components leave, by its degrees of freedom: n directions of the frames and of time,
@@ -265,7 +270,7 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
   context.check();
   make_C(frame_blocks, seen, component_weights(blocks, n, to_levels), single, texture, context);
   texture.mean = (seen.mean * to_levels).cast<float>();
-  compare_variance(result);
+  match_variance(result);
   result.passes = frame_blocks.passes();
   return result;
 }

@@ -37,8 +37,9 @@ namespace fs = std::filesystem;
 struct Synth {
   std::string model, output, overlay, motion;
   std::optional<pipeline::ModelFill> fill_kind;
-  bool loop = false;
   int frames = 300;
+  std::optional<int> loop;
+  bool asked_frames = false;
   sketch::FillOptions fill;
   EditOptions edit;
 };
@@ -76,7 +77,9 @@ void choose_fill(Synth& asked) {
   if (asked.loop && asked.fill_kind && asked.fill_kind != ModelFill::footage)
     throw Misuse("--loop is for clips made of footage; " + (option.empty() ? "--fill" : option) +
                  " draws strokes");
-  if (asked.loop && asked.frames < 2) throw Misuse("--frames is 1; --loop needs at least 2");
+  if (asked.loop && *asked.loop < 2)
+    throw Misuse("--loop is " + std::to_string(*asked.loop) + "; allowed is 2 or more");
+  if (asked.loop && !asked.asked_frames) asked.frames = *asked.loop;
 }
 
 void check(Synth& asked) {
@@ -198,11 +201,12 @@ Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipelin
   summary["model"] = {{"folder", asked.model}, {"learned_from_frames", model.frames}};
   summary["model"].update(motion_model_figures(model));
   summary["clip"] = clip_json(asked.output, frames.info(), asked.frames);
-  summary["options"] = {
-      {"synth",
-       {{"frames", asked.frames}, {"fill", pipeline::name(frames.fill_kind())}, {"loop", asked.loop}}},
-      {"edit", edit_json(asked.edit)},
-      {"fill", options_json(asked.fill)}};
+  summary["options"] = {{"synth",
+                         {{"frames", asked.frames},
+                          {"fill", pipeline::name(frames.fill_kind())},
+                          {"loop", asked.loop ? Json(*asked.loop) : Json(nullptr)}}},
+                        {"edit", edit_json(asked.edit)},
+                        {"fill", options_json(asked.fill)}};
   summary["synthesis"] =
       frames.footage() ? footage_json(*frames.footage()) : statistics_json(*frames.statistics());
   summary["files"] = {{asked.output, "the new clip"}};
@@ -225,13 +229,12 @@ void run_synth(Synth asked, Session& session) {
     edit_texture(opened, edit, session);
   }
   stages.begin("synthesize");
-  const pipeline::ClipSynthesisOptions options{
-      .seed = session.common.seed,
-      .fill_kind = asked.fill_kind,
-      .start = asked.edit.start(),
-      .speed = edit.reverse ? -edit.speed : edit.speed,
-      .loop = asked.loop ? std::optional(asked.frames) : std::nullopt,
-      .fill = asked.fill};
+  const pipeline::ClipSynthesisOptions options{.seed = session.common.seed,
+                                               .fill_kind = asked.fill_kind,
+                                               .start = asked.edit.start(),
+                                               .speed = edit.reverse ? -edit.speed : edit.speed,
+                                               .loop = asked.loop,
+                                               .fill = asked.fill};
   pipeline::ClipSynthesis frames(opened, options, session.context);
   Outputs outputs(asked, opened.motion, frames.info(), session);
   write_clips(asked, outputs, frames, session);
@@ -248,21 +251,21 @@ void run_synth(Synth asked, Session& session) {
 
 void add_synthesis(CLI::App& app, CommandLine& line) {
   auto* command = add_command(app, "synth", "Draw a new clip from a motion model", R"(
-  emberfold synth out/fire/model -o new_fire.mp4 --loop --frames 120
+  emberfold synth out/fire/model -o endless.mp4 --loop 120
   emberfold synth out/fire/model -o frames --frames 1000 --fill diffusion --motion new_fire.jsonl)");
   const auto asked = std::make_shared<Synth>();
   command->add_option("MODEL", asked->model, "Read the model from this folder, DIR/model of analyze")
       ->required()
       ->type_name("");
   add_clip_output(*command, asked->output);
-  add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
+  auto* frames = add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   command
       ->add_option_function<std::string>(
           "--fill", [asked](const std::string& text) { asked->fill_kind = parse_fill(text); },
-          "Make it of the clip's footage, or of strokes with diffusion, texture or dytex between")
+          "Make it of footage, or of strokes and diffusion, texture or dytex")
       ->type_name("KIND")
       ->default_str("footage");
-  command->add_flag("--loop", asked->loop, "Let the last frame lead to the first one");
+  command->add_option("--loop", asked->loop, "Draw N frames that repeat without a seam")->type_name("N");
   command->add_option("--motion", asked->motion, "Write the graphs and their links too, as motion.jsonl")
       ->type_name("FILE");
   command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")
@@ -270,7 +273,8 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   const auto settings = add_settings(*command, line);
   add_edit_options(*command, *settings, asked->edit);
   settings->add("fill", asked->fill);
-  finish_command(*command, line, asked, run_synth);
+  finish_command(*command, line, asked, run_synth,
+                 [asked, frames] { asked->asked_frames = frames->count() > 0; });
 }
 
 }  // namespace emberfold::apps

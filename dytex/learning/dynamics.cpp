@@ -233,6 +233,29 @@ std::optional<std::string> variance_note(double drawn, double seen) {
          " times the variance of the clip it was learned from";
 }
 
+Eigen::VectorXd variance_within(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::Index frames) {
+  const Eigen::MatrixXd P = stationary_covariance(A, B);
+  // sum = I + A + … + A^(f−1) and weighted = Σ (f − j) A^j for f = 0, doubled and continued up to `frames`.
+  const Eigen::Index n = A.rows();
+  Eigen::MatrixXd power = Eigen::MatrixXd::Identity(n, n), sum = Eigen::MatrixXd::Zero(n, n), weighted = sum;
+  Eigen::Index f = 0, bit = 1;
+  while (bit <= frames / 2) bit *= 2;
+  for (; bit > 0; bit /= 2) {
+    weighted += static_cast<double>(f) * sum + power * weighted;
+    sum += (power * sum).eval();
+    power = (power * power).eval();
+    f *= 2;
+    if ((frames & bit) == 0) continue;
+    sum += power;
+    weighted += sum;
+    power = (power * A).eval();
+    ++f;
+  }
+  const auto t = static_cast<double>(frames);
+  // The covariance of a clip's mean is Σ over its pairs of frames.
+  return P.diagonal() - (2 * (weighted * P).diagonal() - t * P.diagonal()) / (t * t);
+}
+
 Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options,
                       const core::Context& context) {
   Dynamics result;

@@ -33,6 +33,11 @@ struct Dynamics {
 /// None where both variances (`drawn`, `seen`) lie within a factor of 1.5.
 std::optional<std::string> variance_note(double drawn, double seen);
 
+/// Returns the expected variance over time of each number of the state in clips of so many frames, drawn from
+/// the stationary state, about each clip's own mean: below the stationary variance, far below where poles are
+/// slow. A is stable. O(n³ log frames).
+Eigen::VectorXd variance_within(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::Index frames);
+
 /// Fits x(t+1) = A x(t) + B v(t) to every block by itself, with common noise. With `lags` or an innovations
 /// form, the state's first n numbers are the components, and the others follow in the same order. InputError
 /// where frames are too few. For the closed form O(n² τ + n³).

@@ -18,11 +18,11 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kCell = 16;        // px: side of the cells that have weights of their own
-constexpr int kMostStarts = 24;  // that weights are learned from
-constexpr double kShared = 4;    // weights of the whole frame count as so many cells
-constexpr double kSmooth = 2;    // px: SD of the smoothed candidate
-constexpr int kRounds = 2;       // of finding where a pixel comes from
+constexpr int kCell = 16;         // px: side of the cells that have weights of their own
+constexpr int kMostStarts = 24;   // that weights are learned from
+constexpr double kShared = 0.05;  // of a cell's own moments have those of the whole frame
+constexpr double kSmooth = 2;     // px: SD of the smoothed candidate
+constexpr int kRounds = 2;        // of finding where a pixel comes from
 constexpr int kCandidates = 4;
 
 using Candidates = std::array<cv::Mat, kCandidates>;  // levels less the mean image
@@ -93,14 +93,18 @@ void add_moments(const Candidates& candidates, const cv::Mat& truth, std::vector
   }
 }
 
-/// Solves for each cell's weights, with what the whole frame says as kShared cells of its mean.
+/// Solves for each cell's weights, drawn a little towards those of the whole frame.
 cv::Mat solve_weights(const std::vector<Moments>& cells, cv::Size grid) {
   Moments all = Moments::zeros();
   for (const auto& cell : cells) all += cell;
-  const Moments shared = all * (kShared / double(cells.size()));
+  const auto size = [](const Moments& m) {
+    double sum = 1e-9;
+    for (int k = 0; k < kCandidates; ++k) sum += m(k, k);
+    return sum;
+  };
   cv::Mat weights(grid, CV_32FC(kCandidates));
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Moments m = cells[i] + shared;
+    const Moments m = cells[i] + all * (kShared * size(cells[i]) / size(all));
     cv::Matx<double, kCandidates, kCandidates> left = m.get_minor<kCandidates, kCandidates>(0, 0);
     const double ridge = 1e-6 * cv::trace(left) + 1e-9;
     for (int k = 0; k < kCandidates; ++k) left(k, k) += ridge;

@@ -148,9 +148,9 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
   CHECK(read_clip(overlay).frames.size() == 40);
 
   for (const auto& path : {folder, mp4})
-    REQUIRE(
-        run_command({"synth", made.model, "-o", path.string(), "--frames", "40", "--seed", "5", "-q"}).exit ==
-        0);
+    REQUIRE(run_command({"synth", made.model, "-o", path.string(), "--frames", "40", "--seed", "5", "-q",
+                         "--fill", "diffusion"})
+                .exit == 0);
   const auto pictures = read_clip(folder), video = read_clip(mp4);
   REQUIRE(pictures.frames.size() == 40);
   CHECK(video.frames.size() == 40);
@@ -160,8 +160,12 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
 TEST_CASE("a grey clip's model draws grey frames") {
   const Learned made(12, false);
   const auto out = made.temp / "new.avi";
-  REQUIRE(run_command({"synth", made.model, "-o", out.string(), "--frames", "3", "-q"}).exit == 0);
-  CHECK(read_clip(out).info.channels == 1);
+  for (const char* fill : {"footage", "diffusion"}) {
+    REQUIRE(run_command({"synth", made.model, "-o", out.string(), "--frames", "3", "-q", "--overwrite",
+                         "--fill", fill})
+                .exit == 0);
+    CHECK(read_clip(out).info.channels == 1);
+  }
 }
 
 TEST_CASE("models and new clips are the same bytes at any number of threads, and others for another seed") {
@@ -172,8 +176,11 @@ TEST_CASE("models and new clips are the same bytes at any number of threads, and
     REQUIRE(run_command({"synth", folder + "/model", "-o", folder + "/new.avi", "--motion",
                          folder + "/new.jsonl", "--frames", "50", "--threads", threads, "-q"})
                 .exit == 0);
+    REQUIRE(run_command({"synth", folder + "/model", "-o", folder + "/footage.avi", "--frames", "50",
+                         "--threads", threads, "-q"})
+                .exit == 0);
   }
-  std::vector<std::string> names{"new.avi", "new.jsonl"};
+  std::vector<std::string> names{"new.avi", "new.jsonl", "footage.avi"};
   for (const auto& entry : fs::directory_iterator(made.temp / "1/model"))
     names.push_back("model/" + entry.path().filename().string());
   CHECK(names.size() > 5);
@@ -184,10 +191,12 @@ TEST_CASE("models and new clips are the same bytes at any number of threads, and
     CHECK(one == bytes_of(made.temp / "2" / name));
     CHECK(one == bytes_of(made.temp / "8" / name));
   }
-  REQUIRE(run_command({"synth", made.model, "-o", (made.temp / "other.avi").string(), "--frames", "50",
-                       "--seed", "2", "-q"})
-              .exit == 0);
-  CHECK(bytes_of(made.temp / "other.avi") != bytes_of(made.temp / "1/new.avi"));
+  for (const auto& [fill, same] : {std::pair("footage", "footage.avi"), std::pair("diffusion", "new.avi")}) {
+    REQUIRE(run_command({"synth", made.model, "-o", (made.temp / "other.avi").string(), "--frames", "50",
+                         "--seed", "2", "-q", "--overwrite", "--fill", fill})
+                .exit == 0);
+    CHECK(bytes_of(made.temp / "other.avi") != bytes_of(made.temp / "1" / same));
+  }
 }
 
 TEST_CASE("what is no motion model is refused by name, and nothing is written") {
@@ -288,7 +297,9 @@ TEST_CASE("an interrupted synth leaves what was drawn, whole and of one length")
   CHECK(std::distance(fs::directory_iterator(made.temp.path()), fs::directory_iterator()) == 5);
   // They are those that a shorter clip has.
   const auto shorter = made.temp / "shorter.avi";
-  REQUIRE(run_command({"synth", made.model, "-o", shorter.string(), "--frames", "5", "-q"}).exit == 0);
+  REQUIRE(
+      run_command({"synth", made.model, "-o", shorter.string(), "--frames", "5", "-q", "--fill", "diffusion"})
+          .exit == 0);
   const auto five = read_clip(shorter);
   for (std::size_t t = 0; t < std::min<std::size_t>(5, count); ++t)
     CHECK(same_pixels(five.frames[t], clip.frames[t]));
@@ -472,4 +483,55 @@ TEST_CASE("models that nothing can be drawn from are refused with the reason") {
   archive = mcmc::to_archive(good);
   archive.arrays["sharpening"] = {{1}, false, std::vector<double>{1}};
   refused(archive, {"5/model", "sharpening.npy is not two numbers"});
+}
+
+TEST_CASE("synth makes a clip of the model's footage unless strokes are asked for") {
+  const Learned made;
+  const auto draw = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"synth",  made.model, "-o", (made.temp / name).string(),
+                                       "--json", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return nlohmann::json::parse(result.out);
+  };
+  const auto summary = draw("new.avi", {"--frames", "40", "--loop", "20"});
+  CHECK(summary["options"]["synth"]["fill"] == "footage");
+  CHECK(summary["options"]["synth"]["loop"] == 20);
+  CHECK(summary["synthesis"]["jump_cost"].get<double>() > 0);
+  const auto frames = read_clip(made.temp / "new.avi").frames;
+  REQUIRE(frames.size() == 40);
+  for (std::size_t t = 0; t < 20; ++t) CHECK(cv::norm(frames[t], frames[t + 20], cv::NORM_L1) == 0);
+  // Strokes of the clip are bright lines on a ground; those of a footage have the clip's levels.
+  const auto source = read_clip(made.clip).frames;
+  CHECK(std::abs(cv::mean(frames[5])[0] - cv::mean(source[5])[0]) < 5);
+  for (const std::vector<std::string>& more :
+       std::vector<std::vector<std::string>>{{"--motion", (made.temp / "new.jsonl").string()},
+                                             {"--intensity", "2"},
+                                             {"--start", "stationary"},
+                                             {"--strokes", "coarse"},
+                                             {"--set", "synth.births=2"}}) {
+    auto arguments = more;
+    arguments.insert(arguments.end(), {"--frames", "3", "--overwrite"});
+    CHECK(draw("strokes.avi", arguments)["options"]["synth"]["fill"] == "diffusion");
+    arguments = {"synth", made.model, "-o", (made.temp / "no.avi").string(), "--fill", "footage"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_refused(arguments, 2, {more[0], "footage"}, made.temp / "no.avi");
+  }
+  const auto refuse = [&](const std::vector<std::string>& more, int exit,
+                          const std::vector<std::string>& what) {
+    std::vector<std::string> arguments{"synth", made.model, "-o", (made.temp / "no.avi").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_refused(arguments, exit, what, made.temp / "no.avi");
+  };
+  refuse({"--loop", "1"}, 2, {"--loop is 1", "2 or more"});
+  refuse({"--loop", "9", "--fill", "diffusion"}, 2, {"--loop", "--fill draws strokes"});
+  refuse({"--loop", "9", "--flicker", "2"}, 2, {"--loop", "--flicker draws strokes"});
+  const auto bytes = made.temp / "a/model/footage.npy";
+  fs::resize_file(bytes, fs::file_size(bytes) - 1);
+  refuse({"--frames", "2"}, 1, {"footage.npy"});
+  fs::remove(bytes);
+  refuse({"--fill", "footage"}, 1, {"holds no frames of its clip"});
+  CHECK(draw("older.avi", {"--frames", "3"})["options"]["synth"]["fill"] == "diffusion");
 }
