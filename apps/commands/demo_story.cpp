@@ -45,7 +45,8 @@ ReportClips make_clips(core::FrameSource& source, const Comparison& comparison,
                        const io::OutputFolder& output, const Session& session) {
   std::vector<std::unique_ptr<core::FrameSource>> drawn;
   std::vector<NamedSource> clips{{"Source", &source}};
-  for (const auto& [file, name] : {std::pair{"synthesized_motion.avi", "Motion model"},
+  for (const auto& [file, name] : {std::pair{"synthesized_footage.avi", "Clip's footage"},
+                                   std::pair{"synthesized_motion.avi", "Motion model"},
                                    std::pair{"synthesized_dytex.avi", "Linear dynamic texture"}}) {
     if (std::ranges::find(comparison.files, file) == comparison.files.end()) continue;
     drawn.push_back(open_clip(output.staged(file).string(), {}, {}));
@@ -58,7 +59,8 @@ void list_files(const Comparison& comparison, Json& files) {
   const std::map<std::string, const char*> about = {
       {"measures.json", "how close the models come to the clip"},
       {"side_by_side.mp4", "the clip and those drawn from its models"},
-      {"synthesized_motion.avi", "a new clip from the motion model"},
+      {"synthesized_footage.avi", "a new clip made of the clip's own frames"},
+      {"synthesized_motion.avi", "a new clip of strokes, from the motion model"},
       {"synthesized_dytex.avi", "a new clip from the linear dynamic texture"}};
   files["dytex/"] = "a linear dynamic texture: 'emberfold dytex synth' draws from it";
   for (const auto& file : comparison.files)
@@ -77,7 +79,7 @@ std::optional<double> value_at(const Json& measures, std::initializer_list<const
 }  // namespace
 
 ReportMeasures measures_table(const Json& measures) {
-  ReportMeasures table{{"Motion model", "Linear dynamic texture", "Held against"}, {}, {}};
+  ReportMeasures table{{"Clip's footage", "Motion model", "Linear dynamic texture", "Held against"}, {}, {}};
   const auto psnr = [&](const char* way) {
     return value_at(measures, {"prediction", "methods", way, "psnr"});
   };
@@ -88,16 +90,16 @@ ReportMeasures measures_table(const Json& measures) {
       {"Prediction, dB PSNR",
        "Every frame of the second half, predicted from those before it by models of the first. "
        "More is closer. Held against: the frame before shown again.",
-       {psnr("motion_model"), psnr("linear_dynamic_texture"), psnr("frame_before")}});
+       {psnr("footage"), psnr("motion_model"), psnr("linear_dynamic_texture"), psnr("frame_before")}});
   for (const auto& [key, name, about] :
        {std::tuple{"temporal_db", "Spectrum in time, dB apart",
                    "How far the power at each frequency in time lies from the source's. Less is closer. Held "
                    "against: the source's own halves."},
         std::tuple{"radial_db", "Spectrum in space, dB apart", "The same of frequencies in space."}})
-    table.rows.push_back(
-        {name,
-         about,
-         {apart("motion_model", key), apart("linear_dynamic_texture", key), apart("noise_floor", key)}});
+    table.rows.push_back({name,
+                          about,
+                          {apart("footage", key), apart("motion_model", key),
+                           apart("linear_dynamic_texture", key), apart("noise_floor", key)}});
   const auto mean = psnr("mean_image"),
              sketch = value_at(measures, {"reconstruction", "motion_model", "psnr"});
   const auto decibels = [](double value) {

@@ -17,7 +17,7 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr double kMostVectors = 1 << 15;
-constexpr int kAlikeSide = 5;    // px: side of the neighbourhood whose mean difference is still or not
+constexpr int kAlikeSide = 3;    // vectors: side of the place whose mean difference tells whether it moves
 constexpr float kMostNoise = 3;  // grey levels: mean differences above twice this are motion
 constexpr int kSide = 80;        // px of the pictures that are compared, at most
 constexpr double kNearby = 3;    // px of those: SD of the place over which likeness is meant
@@ -37,13 +37,24 @@ cv::Mat1f luma_of(const cv::Mat& frame) {
   return levels;
 }
 
+/// Returns the luma of a frame of at most kMostVectors pixels.
+cv::Mat1f small_luma(const cv::Mat& frame) {
+  const double factor = std::min(1.0, std::sqrt(kMostVectors / (double(frame.cols) * frame.rows)));
+  if (factor >= 1) return luma_of(frame);
+  cv::Mat small;
+  cv::resize(frame, small,
+             {std::max(1, static_cast<int>(frame.cols * factor)),
+              std::max(1, static_cast<int>(frame.rows * factor))},
+             0, 0, cv::INTER_AREA);
+  return luma_of(small);
+}
+
 /// Takes the motion from where two frames of luma differ by no more than noise.
 void still_where_alike(cv::Mat& motion, const cv::Mat1f& frame, const cv::Mat1f& next) {
-  cv::Mat difference, nearby;
+  cv::Mat difference;
   cv::absdiff(frame, next, difference);
-  cv::blur(difference, nearby, {kAlikeSide, kAlikeSide});
   cv::Mat1f alike;
-  cv::resize(nearby, alike, motion.size(), 0, 0, cv::INTER_AREA);
+  cv::blur(difference, alike, {kAlikeSide, kAlikeSide});
   std::vector<float> levels(alike.begin(), alike.end());
   const auto low = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 5);
   std::ranges::nth_element(levels, low);
@@ -84,9 +95,10 @@ cv::Mat1f local_difference(const cv::Mat& a, const cv::Mat& b) {
 }  // namespace
 
 cv::Mat footage_motion(const cv::Mat& frame, const cv::Mat& next) {
-  const auto before = luma_of(frame), after = luma_of(next);
+  const auto before = small_luma(frame), after = small_luma(next);
   cv::Mat motion = dytex::optical_flow(before, after, kMostVectors);
   still_where_alike(motion, before, after);
+  motion = motion.mul(cv::Scalar(double(frame.cols) / motion.cols, double(frame.rows) / motion.rows));
   return motion;
 }
 

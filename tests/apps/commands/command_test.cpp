@@ -466,7 +466,7 @@ TEST_CASE("demo makes its clip, and what it scores is what the score command say
   CHECK(clip.frames.size() == summary["clip"]["frames"]);
   // the whole story: both models, a clip drawn from each, how close they come, all on one page
   for (const auto& [name, about] : summary["files"].items()) CHECK(fs::exists(out / name));
-  for (const char* name : {"synthesized_motion.avi", "synthesized_dytex.avi"}) {
+  for (const char* name : {"synthesized_footage.avi", "synthesized_motion.avi", "synthesized_dytex.avi"}) {
     const auto made = core::read_all(*apps::open_clip((out / name).string(), {}, {}));
     CHECK(made.frames.size() == clip.frames.size());
     CHECK(made.frames[0].size() == clip.frames[0].size());

@@ -19,7 +19,8 @@ using namespace emberfold::test;
 namespace {
 
 const std::vector<std::string> kDrawn{"synthesized_motion.avi", "synthesized_hybrid.avi",
-                                      "synthesized_dytex.avi", "synthesized_star.avi"};
+                                      "synthesized_footage.avi", "synthesized_dytex.avi",
+                                      "synthesized_star.avi"};
 
 std::string write_clip(const fs::path& path, const core::Clip& clip) {
   const auto writer = io::create_video(path, clip.frames[0].size(), 25, clip.frames[0].channels() == 3);
@@ -67,11 +68,12 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
   CHECK(measures["prediction"]["first_frame"] == 20);
   CHECK(measures["prediction"]["steps"] == Json({1, 2, 4, 8}));
   for (const char* way :
-       {"motion_model", "hybrid", "linear_dynamic_texture", "star", "frame_before", "mean_image"})
+       {"motion_model", "hybrid", "footage", "linear_dynamic_texture", "star", "frame_before", "mean_image"})
     CHECK(measures["prediction"]["methods"][way]["psnr"] > 10);
   for (const char* way : {"motion_model", "hybrid", "linear_dynamic_texture"})
     CHECK(measures["reconstruction"][way]["ssim"] > 0.1);
-  for (const char* way : {"motion_model", "hybrid", "linear_dynamic_texture", "star", "noise_floor"})
+  for (const char* way :
+       {"motion_model", "hybrid", "footage", "linear_dynamic_texture", "star", "noise_floor"})
     for (const char* measure : {"temporal_db", "radial_db", "autocorrelation", "patterns", "flow_px",
                                 "crease_sharpness", "si", "ti", "stroke_events"})
       CHECK(measures["synthesis"][way][measure] >= 0);
@@ -107,7 +109,7 @@ TEST_CASE("compare draws clips of any length and predicts with what it may learn
       run({"--frames", "40", "--set", "compare.strokes=false", "--set", "compare.hybrid=false"});
   CHECK(longer["synthesis"]["frames"] == 40);
   CHECK_FALSE(longer["synthesis"]["motion_model"].contains("strokes"));
-  CHECK(longer["models"].size() == 2);
+  CHECK(longer["models"].size() == 3);
   CHECK(
       core::read_all(*apps::open_clip((temp / "out/synthesized_dytex.avi").string(), {}, {})).frames.size() ==
       40);

@@ -138,20 +138,20 @@ TEST_CASE("a page carries models and clips only where there are some, and no tex
 TEST_CASE("the table of measures has each figure in its place, and a gap where there is none") {
   const Json measures = Json::parse(R"({
     "prediction": {"methods": {"frame_before": {"psnr": 30.5}, "mean_image": {"psnr": 20.04},
-      "motion_model": {"psnr": 19.5}}},
+      "motion_model": {"psnr": 19.5}, "footage": {"psnr": 21.5}}},
     "reconstruction": {"motion_model": {"psnr": 25.25}},
     "synthesis": {"noise_floor": {"temporal_db": 0.5, "radial_db": 1.5},
       "motion_model": {"temporal_db": 2.5, "radial_db": 6.5}}})");
   const auto table = measures_table(measures);
-  REQUIRE(table.columns.size() == 3);
+  REQUIRE(table.columns.size() == 4);
   REQUIRE(table.rows.size() == 3);
   using Values = std::vector<std::optional<double>>;
-  CHECK(table.rows[0].values == Values{19.5, std::nullopt, 30.5});
-  CHECK(table.rows[1].values == Values{2.5, std::nullopt, 0.5});
-  CHECK(table.rows[2].values == Values{6.5, std::nullopt, 1.5});
+  CHECK(table.rows[0].values == Values{21.5, 19.5, std::nullopt, 30.5});
+  CHECK(table.rows[1].values == Values{std::nullopt, 2.5, std::nullopt, 0.5});
+  CHECK(table.rows[2].values == Values{std::nullopt, 6.5, std::nullopt, 1.5});
   CHECK(contains(table.note, "20.0 dB"));
   CHECK(contains(table.note, "25.2"));
-  for (const auto& row : measures_table(Json::object()).rows) CHECK(row.values == Values(3));
+  for (const auto& row : measures_table(Json::object()).rows) CHECK(row.values == Values(4));
 }
 
 TEST_CASE("clips lie side by side in one video, frame by frame") {
