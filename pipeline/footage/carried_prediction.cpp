@@ -18,11 +18,11 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kCell = 16;         // px: side of the cells that have weights of their own
-constexpr int kMostStarts = 24;   // that weights are learned from
-constexpr double kShared = 0.05;  // of a cell's own moments have those of the whole frame
-constexpr double kSmooth = 2;     // px: SD of the smoothed candidate
-constexpr int kRounds = 2;        // of finding where a pixel comes from
+constexpr int kWeightCell = 16;    // px: side of the cells that have weights of their own
+constexpr int kMostLearned = 24;   // that weights are learned from
+constexpr double kShared = 0.05;   // of a cell's own moments have those of the whole frame
+constexpr double kSmooth = 2;      // px: SD of the smoothed candidate
+constexpr int kTracingRounds = 2;  // of finding where a pixel comes from
 constexpr int kCandidates = 4;
 
 using Candidates = std::array<cv::Mat, kCandidates>;  // levels less the mean image
@@ -43,7 +43,7 @@ cv::Mat carry_on(const cv::Mat& frame, const cv::Mat& motion, int steps) {
   for (int y = 0; y < from.rows; ++y)
     for (int x = 0; x < from.cols; ++x) from(y, x) = {static_cast<float>(x), static_cast<float>(y)};
   const cv::Mat2f places = from.clone();
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kTracingRounds; ++round) {
     cv::Mat there;
     cv::remap(motion, there, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     cv::scaleAdd(there, -steps, places, from);
@@ -61,7 +61,7 @@ Candidates make_candidates(const cv::Mat& before, const cv::Mat& newest, const c
   return {cv::Mat(carried - mean), cv::Mat(smooth - mean), cv::Mat(newest - mean), cv::Mat(before - mean)};
 }
 
-cv::Mat mean_image(core::FrameSource& source, const core::Context& context, int& frames) {
+cv::Mat clip_mean(core::FrameSource& source, const core::Context& context, int& frames) {
   cv::Mat sum, mean;
   frames = 0;
   source.rewind();
@@ -77,13 +77,13 @@ cv::Mat mean_image(core::FrameSource& source, const core::Context& context, int&
 
 /// Adds the products of the candidates with each other and with the truth, by cells.
 void add_moments(const Candidates& candidates, const cv::Mat& truth, std::vector<Moments>& cells) {
-  const int channels = truth.channels(), across = core::count_cells(truth.size(), kCell).width;
+  const int channels = truth.channels(), across = core::count_cells(truth.size(), kWeightCell).width;
   for (int y = 0; y < truth.rows; ++y) {
     std::array<const float*, kCandidates> rows{};
     for (std::size_t k = 0; k < kCandidates; ++k) rows[k] = candidates[k].ptr<float>(y);
     const auto* const wanted = truth.ptr<float>(y);
     for (int i = 0; i < truth.cols * channels; ++i) {
-      auto& m = cells[static_cast<std::size_t>(y / kCell * across + i / channels / kCell)];
+      auto& m = cells[static_cast<std::size_t>(y / kWeightCell * across + i / channels / kWeightCell)];
       for (int a = 0; a < kCandidates; ++a) {
         const double left{rows[static_cast<std::size_t>(a)][i]};
         for (int b = 0; b < kCandidates; ++b) m(a, b) += left * double{rows[static_cast<std::size_t>(b)][i]};
@@ -130,14 +130,14 @@ double CarriedPrediction::parameters() const {
 CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<const int> steps,
                                            const core::Context& context) {
   int frames = 0;
-  CarriedPrediction model{{steps.begin(), steps.end()}, mean_image(source, context, frames), {}};
+  CarriedPrediction model{{steps.begin(), steps.end()}, clip_mean(source, context, frames), {}};
   const int most = frames - 2;  // the first start has a frame before it, the last one a frame behind
   if (steps.empty() || most < 1)
     throw core::InputError("a clip of " + std::to_string(frames) + " frames shows no motion to predict by");
-  const cv::Size grid = core::count_cells(model.mean.size(), kCell);
+  const cv::Size grid = core::count_cells(model.mean.size(), kWeightCell);
   std::vector<std::vector<Moments>> moments(
       steps.size(), std::vector<Moments>(static_cast<std::size_t>(grid.area()), Moments::zeros()));
-  const int count = std::min(kMostStarts, most);
+  const int count = std::min(kMostLearned, most);
   std::map<int, Start> starts;
   for (int i = 0; i < count; ++i) starts[1 + i * most / count];
   cv::Mat before;
@@ -169,7 +169,7 @@ std::vector<cv::Mat> predict(const CarriedPrediction& model, std::span<const cv:
   for (const int step : steps) {
     const auto at = static_cast<std::size_t>(std::ranges::find(model.steps, step) - model.steps.begin());
     const auto candidates = make_candidates(before, newest, motion, model.mean, step);
-    const cv::Mat weights = core::spread_cells(model.weights[at], kCell);
+    const cv::Mat weights = core::spread_cells(model.weights[at], kWeightCell);
     cv::Mat out = model.mean.clone();
     const int channels = out.channels();
     for (int y = 0; y < out.rows; ++y) {

@@ -17,14 +17,14 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kSide = 80;         // px: larger pictures are reduced before they are compared
-constexpr double kBlur = 1;       // px: small shifts are no difference
-constexpr int kMostHalf = 4;      // frames: about a quarter of a second of movement
-constexpr int kShortestJump = 6;  // frames: shorter jumps repeat or skip what was just seen
+constexpr int kComparedSide = 80;  // px: larger pictures are reduced before they are compared
+constexpr double kBlur = 1;        // px: small shifts are no difference
+constexpr int kMostHalf = 4;       // frames: about a quarter of a second of movement
+constexpr int kShortestJump = 6;   // frames: shorter jumps repeat or skip what was just seen
 constexpr std::size_t kBestJumps = 20;
 
 cv::Mat small_picture(const cv::Mat& frame) {
-  const double factor = std::min(1.0, double(kSide) / std::max(frame.cols, frame.rows));
+  const double factor = std::min(1.0, double(kComparedSide) / std::max(frame.cols, frame.rows));
   cv::Mat small, levels, smooth;
   const cv::Size size(std::max(1, static_cast<int>(std::lround(frame.cols * factor))),
                       std::max(1, static_cast<int>(std::lround(frame.rows * factor))));

@@ -13,7 +13,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr std::uint32_t kPurpose = 0x6a756d70;      // of the random stream
+constexpr std::uint32_t kOrderStream = 0x6a756d70;  // of the random stream
 constexpr int kShortestRun = 20, kLongestRun = 60;  // frames before a jump, less in short footages
 constexpr double kChoice = 0.3;      // a jump's weight falls by e for so much more of the best squared cost
 constexpr int kLongestTurn = 10;     // half of the frames that a jump takes
@@ -36,7 +36,7 @@ PlayOrder::PlayOrder(LikeMoments moments, std::uint64_t seed, std::optional<int>
       loop_(loop),
       played_(static_cast<std::size_t>(moments_.frames)) {
   const int n = moments_.frames, begin = moments_.half;
-  core::Rng rng(seed_, {kPurpose, 0});
+  core::Rng rng(seed_, {kOrderStream, 0});
   const int first =
       begin + static_cast<int>(rng.below(static_cast<std::uint32_t>(std::max(1, n / 3 - begin))));
   if (loop_)
@@ -89,7 +89,7 @@ void PlayOrder::draw_run() {
   }
   const double least = *std::ranges::min_element(costs);
   for (auto& cost : costs) cost = std::exp(-(cost - least) / kChoice);
-  core::Rng rng(seed_, {kPurpose, static_cast<std::uint32_t>(runs_.size())});
+  core::Rng rng(seed_, {kOrderStream, static_cast<std::uint32_t>(runs_.size())});
   const auto [a, b] = jumps[rng.categorical(costs)];
   run.last = a;
   for (int t = run.first; t <= a; ++t) ++played_[static_cast<std::size_t>(t)];

@@ -13,16 +13,16 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr std::uint32_t kPurpose = 0x66726f6e;  // of the random stream
-constexpr int kWaves = 16;                      // enough for a field that is about normally distributed
-constexpr int kCell = 8;                        // px between the places where the waves are summed
+constexpr std::uint32_t kFrontStream = 0x66726f6e;  // of the random stream
+constexpr int kWaves = 16;                          // enough for a field that is about normally distributed
+constexpr int kWaveCell = 8;                        // px between the places where the waves are summed
 
 }  // namespace
 
 TimeFront::TimeFront(double amplitude, double range, double rate, std::uint64_t seed, std::optional<int> loop)
     : amplitude_(amplitude) {
   constexpr double turn = 2 * std::numbers::pi;
-  core::Rng rng(seed, {kPurpose});
+  core::Rng rng(seed, {kFrontStream});
   const double frequency = amplitude > 0 ? rate / amplitude : 0;  // rad a frame: SD of offset' = rate
   for (int i = 0; i < kWaves; ++i) {
     Wave wave{rng.normal() / range, rng.normal() / range, rng.normal() * frequency, rng.uniform(0, turn)};
@@ -33,23 +33,24 @@ TimeFront::TimeFront(double amplitude, double range, double rate, std::uint64_t 
 
 cv::Mat1f TimeFront::at(double n, cv::Size size) const {
   // One cell more on each side, so that places between cells have neighbours.
-  cv::Mat1f cells(size.height / kCell + 3, size.width / kCell + 3);
+  cv::Mat1f cells(size.height / kWaveCell + 3, size.width / kWaveCell + 3);
   const double scale = amplitude_ * std::sqrt(2.0 / kWaves);
   for (int i = 0; i < cells.rows; ++i)
     for (int j = 0; j < cells.cols; ++j) {
       double sum = 0;
       for (const auto& wave : waves_)
-        sum += std::cos(wave.x * (j - 1) * kCell + wave.y * (i - 1) * kCell + wave.t * n + wave.phase);
+        sum +=
+            std::cos(wave.x * (j - 1) * kWaveCell + wave.y * (i - 1) * kWaveCell + wave.t * n + wave.phase);
       cells(i, j) = static_cast<float>(std::clamp(scale * sum, -bound(), bound()));
     }
   // cv::resize would align the pictures' borders, not the places.
   cv::Mat1f offsets(size);
   for (int y = 0; y < size.height; ++y) {
-    const int i = y / kCell + 1;
-    const float v = static_cast<float>(y % kCell) / kCell;
+    const int i = y / kWaveCell + 1;
+    const float v = static_cast<float>(y % kWaveCell) / kWaveCell;
     for (int x = 0; x < size.width; ++x) {
-      const int j = x / kCell + 1;
-      const float u = static_cast<float>(x % kCell) / kCell;
+      const int j = x / kWaveCell + 1;
+      const float u = static_cast<float>(x % kWaveCell) / kWaveCell;
       offsets(y, x) = (1 - v) * ((1 - u) * cells(i, j) + u * cells(i, j + 1)) +
                       v * ((1 - u) * cells(i + 1, j) + u * cells(i + 1, j + 1));
     }

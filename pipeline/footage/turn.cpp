@@ -19,7 +19,7 @@ namespace {
 constexpr double kMostVectors = 1 << 15;
 constexpr int kAlikeSide = 3;    // vectors: side of the place whose mean difference tells whether it moves
 constexpr float kMostNoise = 3;  // grey levels: mean differences above twice this are motion
-constexpr int kSide = 80;        // px of the pictures that are compared, at most
+constexpr int kTurnSide = 80;    // px of the pictures that are compared, at most
 constexpr double kNearby = 3;    // px of those: SD of the place over which likeness is meant
 constexpr double kMiddle =
     0.3;  // cost of turning at the way's ends instead of its middle, of the mean difference
@@ -79,12 +79,12 @@ cv::Mat moved(const cv::Mat& frame, const cv::Mat& motion, double share) {
   return out;
 }
 
-/// Returns how much two frames differ about each place, grey levels, at most kSide px a side.
+/// Returns how much two frames differ about each place, grey levels, at most kTurnSide px a side.
 cv::Mat1f local_difference(const cv::Mat& a, const cv::Mat& b) {
   cv::Mat difference, grey, small, levels;
   cv::absdiff(a, b, difference);
   grey = luma_of(difference);
-  const double factor = std::min(1.0, double(kSide) / std::max(a.cols, a.rows));
+  const double factor = std::min(1.0, double(kTurnSide) / std::max(a.cols, a.rows));
   cv::resize(grey, small,
              {std::max(1, static_cast<int>(a.cols * factor)), std::max(1, static_cast<int>(a.rows * factor))},
              0, 0, cv::INTER_AREA);

@@ -478,8 +478,9 @@ TEST_CASE("demo makes its clip, and what it scores is what the score command say
   CHECK_FALSE(fs::exists(out / "strip.mp4"));
   const auto page = bytes_of(out / "report.html");
   CHECK(page.size() < 8'000'000);
-  for (const char* part : {"\"clips\":{\"names\":[\"Source\",\"Motion model\",\"Linear dynamic texture\"]",
-                           "\"measures\":{", "\"eigenvalues\":[", "\"learned\":{\"motion\":{"})
+  for (const char* part :
+       {"\"clips\":{\"names\":[\"Source\",\"Clip's footage\",\"Motion model\",\"Linear dynamic texture\"]",
+        "\"measures\":{", "\"eigenvalues\":[", "\"learned\":{\"motion\":{"})
     CHECK(contains(page, part));
   check_refused({"demo", "-o", (temp / "other").string(), "--clip", "water"}, 2, {"--clip", "water", "cloth"},
                 temp / "other");

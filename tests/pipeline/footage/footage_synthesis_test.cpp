@@ -26,7 +26,7 @@ namespace {
 const cv::Size kSize(96, 72);
 
 /// Waves that travel to the right, a picture without motion below them.
-std::vector<cv::Mat> waves(int frames, int channels = 1) {
+std::vector<cv::Mat> travelling_waves(int frames, int channels = 1) {
   std::vector<cv::Mat> clip;
   core::Rng rng(4);
   cv::Mat1b ground(kSize);
@@ -62,8 +62,8 @@ bool equal(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
       a, b, [](const cv::Mat& x, const cv::Mat& y) { return cv::norm(x, y, cv::NORM_L1) == 0; });
 }
 
-/// Displacement to the right from a frame to the next, px, by the phase of the waves' first harmonic in a
-/// row.
+/// Displacement to the right from a frame to the next, px, by the phase of the travelling_waves' first
+/// harmonic in a row.
 double step(const cv::Mat& a, const cv::Mat& b, int row) {
   const auto phase = [&](const cv::Mat& frame) {
     double re = 0, im = 0;
@@ -85,9 +85,11 @@ double mean_step(const std::vector<cv::Mat>& frames) {
 
 }  // namespace
 
-TEST_CASE("footage synthesis: waves travel as in the clip, at its contrast, and what stands still is kept") {
+TEST_CASE(
+    "footage synthesis: travelling_waves travel as in the clip, at its contrast, and what stands still is "
+    "kept") {
   const int channels = GENERATE(1, 3);
-  const auto footage = waves(80, channels);
+  const auto footage = travelling_waves(80, channels);
   FootageSynthesis synthesis(footage, {.seed = 3});
   CHECK(synthesis.amplitude() > 0.5);
   const auto frames = draw(synthesis, 120);
@@ -104,7 +106,7 @@ TEST_CASE("footage synthesis: waves travel as in the clip, at its contrast, and 
 }
 
 TEST_CASE("footage synthesis: frames are compositions of several times, not copies") {
-  const auto footage = waves(80);
+  const auto footage = travelling_waves(80);
   const auto frames = draw(footage, {.seed = 3}, 40);
   const cv::Rect moving(0, 4, kSize.width, 40);
   for (const auto& frame : frames) {
@@ -116,14 +118,14 @@ TEST_CASE("footage synthesis: frames are compositions of several times, not copi
 }
 
 TEST_CASE("footage synthesis: speed and direction are those asked for") {
-  const auto footage = waves(80);
+  const auto footage = travelling_waves(80);
   CHECK(mean_step(draw(footage, {.seed = 1, .speed = 0.5}, 60)) == Approx(0.75).margin(0.1));
   CHECK(mean_step(draw(footage, {.seed = 1, .speed = 2}, 60)) == Approx(3).margin(0.2));
   CHECK(mean_step(draw(footage, {.seed = 1, .speed = -1}, 60)) == Approx(-1.5).margin(0.1));
 }
 
 TEST_CASE("footage synthesis: a loop repeats itself to the byte") {
-  const auto footage = waves(60);
+  const auto footage = travelling_waves(60);
   const auto frames = draw(footage, {.seed = 2, .speed = GENERATE(1.0, -1.0), .loop = 48}, 96);
   CHECK(equal({frames.begin(), frames.begin() + 48}, {frames.begin() + 48, frames.end()}));
   // The last frame leads to the first one as each to the next.
@@ -132,7 +134,7 @@ TEST_CASE("footage synthesis: a loop repeats itself to the byte") {
 }
 
 TEST_CASE("footage synthesis: the same bytes at any number of threads and of calls, others of another seed") {
-  const auto footage = waves(40);
+  const auto footage = travelling_waves(40);
   const auto all = draw(footage, {.seed = 7}, 40);
   {
     const core::ThreadLimit limit(1);
@@ -160,14 +162,14 @@ TEST_CASE("footage synthesis: what motion does not explain is played, not stretc
 
 TEST_CASE("footage synthesis: short and still footages give clips, too") {
   const int count = GENERATE(2, 3, 6);
-  const auto frames = draw(waves(count), {.seed = 1}, 25);
+  const auto frames = draw(travelling_waves(count), {.seed = 1}, 25);
   CHECK(frames.size() == 25);
   const std::vector<cv::Mat> still(static_cast<std::size_t>(count), cv::Mat1b(9, 11, std::uint8_t{40}));
   for (const auto& frame : draw(still, {.seed = 1}, 12)) CHECK(cv::norm(frame, still[0], cv::NORM_INF) == 0);
 }
 
 TEST_CASE("footage synthesis: options out of range are refused, and a stop stops it") {
-  const auto footage = waves(10);
+  const auto footage = travelling_waves(10);
   CHECK(message_of<core::InputError>([&] { FootageSynthesis(footage, {.speed = 0}); }) ==
         "FootageSynthesisOptions.speed is 0.000000; allowed is -100 to 100, but not 0");
   CHECK_THROWS_AS(FootageSynthesis(footage, {.loop = 1}), core::InputError);
