@@ -192,7 +192,9 @@ Json statistics_json(const pipeline::SynthesisStatistics& drawn) {
 /// Figures of a clip made of footage; at a jump_cost of 1 jumps change as much as any frame does.
 Json footage_json(const pipeline::FootageSynthesis& drawn) {
   const auto rounded = [](double value) { return std::round(100 * value) / 100; };
-  return {{"jump_cost", rounded(drawn.jump_cost())}, {"time_spread_frames", rounded(drawn.amplitude())}};
+  return {{"jump_cost", rounded(drawn.jump_cost())},
+          {"time_spread_frames", rounded(drawn.amplitude())},
+          {"copied_share", rounded(drawn.copied_share())}};
 }
 
 Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipeline::ClipSynthesis& frames,
@@ -239,8 +241,12 @@ void run_synth(Synth asked, Session& session) {
   Outputs outputs(asked, opened.motion, frames.info(), session);
   write_clips(asked, outputs, frames, session);
   stages.end();
-  session.console.say(std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " +
-                      asked.output);
+  const auto* const footage = frames.footage();
+  session.console.say(
+      std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " + asked.output +
+      (footage != nullptr ? "; " + std::to_string(std::lround(100 * footage->copied_share())) +
+                                " % of what moves is as in one frame of the clip"
+                          : ""));
   if (!session.common.json) return;
   Json summary = summarise(asked, opened.motion, frames, session);
   end_summary(summary, session, stages);

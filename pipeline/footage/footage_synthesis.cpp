@@ -27,6 +27,7 @@ constexpr double kLeastMotion = 0.5;   // px a frame: what moves less is not wor
 constexpr double kKnown = 0.6, kUnknown = 0.8;
 constexpr double kRate = 0.2;                      // SD by which local time runs faster or slower
 constexpr float kMixFrom = 0.35F, kMixTo = 0.65F;  // share of a frame's time at which the next one mixes in
+constexpr int kCopiedEvery = 4;                    // frames: where copied pixels are counted
 constexpr float kStill = 0.02F;                    // px: moved by less, pixels are copied
 
 std::shared_ptr<const std::vector<cv::Mat>> in_playing_order(std::vector<cv::Mat> footage,
@@ -139,7 +140,8 @@ FootageSynthesis::FootageSynthesis(std::vector<cv::Mat> footage, const FootageSy
     : footage_(in_playing_order(std::move(footage), options)),
       options_(options),
       front_(make_front(*footage_, options, context)),
-      played_(footage_, PlayOrder(compare_moments(*footage_, context), options.seed, played_loop(options))) {}
+      played_(footage_, PlayOrder(compare_moments(*footage_, context), options.seed, played_loop(options))),
+      copied_(*footage_) {}
 
 double FootageSynthesis::time(std::int64_t frame) const {
   const double step =
@@ -170,6 +172,7 @@ void FootageSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
                                                    : draw<1>(sources, first, time(n), offsets);
     });
     for (auto& frame : drawn) {
+      if (next_ % kCopiedEvery == 0) copied_.add(frame);
       take(std::move(frame));
       ++next_;
       --count;

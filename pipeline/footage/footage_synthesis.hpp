@@ -10,6 +10,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
+#include "pipeline/footage/copied_share.hpp"
 #include "pipeline/footage/played_frames.hpp"
 #include "pipeline/footage/time_front.hpp"
 
@@ -41,6 +42,9 @@ class FootageSynthesis {
   [[nodiscard]] int batch() const;
   /// Returns how visible the jumps so far are: their cost over the change between neighbouring frames.
   [[nodiscard]] double jump_cost() const { return played_.order().relative_cost(); }
+  /// Returns how much of what moves is copied from one frame of the footage, 0…1, in every fourth frame so
+  /// far.
+  [[nodiscard]] double copied_share() const { return copied_.mean(); }
   /// SD of the times that a frame shows at once, frames.
   [[nodiscard]] double amplitude() const { return front_.bound() / 3; }
 
@@ -51,6 +55,7 @@ class FootageSynthesis {
   FootageSynthesisOptions options_;
   TimeFront front_;
   PlayedFrames played_;
+  CopiedShare copied_;
   std::int64_t next_ = 0;
 };
 

@@ -20,7 +20,8 @@ constexpr double kMoves = 6;          // grey levels: SD over time of a pixel th
 constexpr std::size_t kPlaces = 16;   // where the motion is measured
 constexpr std::size_t kMoments = 32;  // by which the deviations over time are measured
 
-/// Returns where pixels move: 255, or 0.
+}  // namespace
+
 cv::Mat1b moving_pixels(const std::vector<cv::Mat>& footage) {
   cv::Mat sum, squares, levels;
   const std::size_t step = std::max<std::size_t>(1, footage.size() / kMoments);
@@ -45,8 +46,6 @@ cv::Mat1b moving_pixels(const std::vector<cv::Mat>& footage) {
   cv::compare(variance, kMoves * kMoves, moves, cv::CMP_GT);
   return moves;
 }
-
-}  // namespace
 
 MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core::Context& context) {
   const cv::Mat1b moves = moving_pixels(footage);

@@ -17,6 +17,9 @@ struct MotionScale {
   double between_error = 0;
 };
 
+/// Returns where pixels of a footage move: 255 where their SD over time is above 6 levels, else 0.
+cv::Mat1b moving_pixels(const std::vector<cv::Mat>& footage);
+
 /// Measures both from up to 16 places of a footage of at least two frames, CV_8U. Throws core::Cancelled.
 MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core::Context& context);
 

@@ -92,8 +92,11 @@ TEST_CASE(
   const auto footage = travelling_waves(80, channels);
   FootageSynthesis synthesis(footage, {.seed = 3});
   CHECK(synthesis.amplitude() > 0.5);
+  CHECK(synthesis.copied_share() == 0);
   const auto frames = draw(synthesis, 120);
   REQUIRE(frames.size() == 120);
+  CHECK(synthesis.copied_share() > 0.01);
+  CHECK(synthesis.copied_share() < 0.7);
   const cv::Rect still(0, 54, kSize.width, kSize.height - 54), moving(0, 4, kSize.width, 40);
   cv::Scalar mean, wanted_mean, deviation, wanted;
   for (const auto& frame : frames) {
@@ -156,7 +159,9 @@ TEST_CASE("footage synthesis: what motion does not explain is played, not stretc
   }
   FootageSynthesis synthesis(noise, {.seed = 1});
   CHECK(synthesis.amplitude() == 0);
-  for (const auto& frame : draw(synthesis, 30))
+  const auto frames = draw(synthesis, 30);
+  CHECK(synthesis.copied_share() == 1);
+  for (const auto& frame : frames)
     CHECK(std::ranges::any_of(noise, [&](const cv::Mat& n) { return cv::norm(n, frame, cv::NORM_L1) == 0; }));
 }
 
