@@ -41,6 +41,14 @@ void check_options(const AnalyzeOptions& options) {
                            "; allowed is 0 (none) to 500");
 }
 
+/// Names the curves of the motion graph.
+void group_curves(Analysis& analysis, core::StageClock& clock, const core::Context& context) {
+  clock.begin("curves");
+  auto grouped = graph::identify_curves(std::move(analysis.motion), context);
+  analysis.motion = std::move(grouped.motion);
+  analysis.joints = std::move(grouped.joints);
+}
+
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.
 void infer_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
                   Analysis& analysis, mcmc::FitResult& fitted, core::StageClock& clock,
@@ -57,6 +65,7 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
       clock.begin("events");
       analysis.all_events = event_posterior(source, std::array{analysis.motion, backwards}, context);
     }
+    group_curves(analysis, clock, context);
     clock.begin("learn");
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
@@ -68,6 +77,8 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
     analysis.all_events = std::move(sampled.events);
     fitted = std::move(sampled.fitted);
     analysis.sampled = std::move(sampled.sampler);
+    group_curves(analysis, clock, context);
+    clock.begin("learn");
   }
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
                        [](const graph::Event& event) { return event.probability >= kLikely; });
@@ -121,7 +132,6 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   if (options.keep_sketch) analysis.sketched = sketches.clip;
   mcmc::FitResult fitted;
   infer_motion(source, sketches, options, analysis, fitted, clock, context);
-
   const auto& sketch = analysis.motion.sketch;
   ClipModel& model = analysis.model;
   model.background = sketch::estimate_background(sketches.clip.grounds);

@@ -10,6 +10,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/stage_clock.hpp"
+#include "graph/curves/curve_identity.hpp"
 #include "graph/events/events.hpp"
 #include "graph/matching/match.hpp"
 #include "graph/motion_graph.hpp"
@@ -55,10 +56,11 @@ struct LearnedTexture {
 
 /// Holds the results of analyze().
 struct Analysis {
-  SketchedClip sketched;  ///< empty without AnalyzeOptions::keep_sketch
-  graph::MotionGraph motion;
-  std::vector<graph::Event> events;      ///< of probability 0.5 or more
-  std::vector<graph::Event> all_events;  ///< of any probability
+  SketchedClip sketched;                  ///< empty without AnalyzeOptions::keep_sketch
+  graph::MotionGraph motion;              ///< with strokes and curves
+  std::vector<graph::CurveJoint> joints;  ///< where curves go on or touch
+  std::vector<graph::Event> events;       ///< of probability 0.5 or more
+  std::vector<graph::Event> all_events;   ///< of any probability
   ClipModel model;
   /// Rates of births, deaths, splits, merges, connects and disconnects, a frame, with their intervals.
   std::array<mcmc::RateInterval, 6> rates{};

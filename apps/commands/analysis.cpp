@@ -18,6 +18,7 @@
 #include "apps/units/event_units.hpp"
 #include "core/io/model_folder.hpp"
 #include "graph/events/event_score.hpp"
+#include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
 
 namespace emberfold::apps {
@@ -26,16 +27,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void write_data(io::OutputFolder& output, const graph::MotionGraph& motion,
-                const std::vector<graph::Event>& events, const std::vector<graph::Event>& all_events,
-                const graph::Units& units) {
+void write_data(io::OutputFolder& output, const pipeline::Analysis& found, const graph::Units& units) {
+  const auto& motion = found.motion;
+  const auto& events = found.events;
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
   output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
   output.write("events.json", [&](std::ostream& out) { graph::write_events(out, events); });
-  output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, all_events); });
+  output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, found.all_events); });
   output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, events, units); });
   output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion, units); });
+  output.write("curves.csv", [&](std::ostream& out) { graph::write_curves(out, motion, units); });
+  output.write("joints.csv", [&](std::ostream& out) { graph::write_joints(out, found.joints, units); });
 }
 
 Json per_frame_json(const graph::MotionGraph& motion, const std::vector<graph::Event>& events) {
@@ -76,13 +79,16 @@ Json sketch_json(const Json& per_frame, const Pictures& pictures) {
 }
 
 Json motion_json(const graph::MotionGraph& motion) {
-  std::set<std::uint32_t> strokes;
+  std::set<std::uint32_t> strokes, curves;
   std::size_t links = 0;
   for (const auto& graph : motion.sketch.frames)
-    for (const auto& vertex : graph.vertices()) strokes.insert(vertex.subgraph.value);
+    for (const auto& vertex : graph.vertices())
+      strokes.insert(vertex.subgraph.value), curves.insert(vertex.curve.value);
   for (const auto& gap : motion.links) links += gap.size();
-  return {
-      {"strokes", strokes.size()}, {"links", links}, {"trajectories", graph::trajectories(motion).size()}};
+  return {{"strokes", strokes.size()},
+          {"curves", curves.size()},
+          {"links", links},
+          {"trajectories", graph::trajectories(motion).size()}};
 }
 
 /// Counts the events that are sure, likely or doubtful; of `all` that were looked at.
@@ -105,20 +111,23 @@ Json events_json(const std::vector<graph::Event>& events, std::size_t frames) {
 }
 
 Json files_json(bool reconstruction) {
-  Json files = {{"events.json", "the events of strokes"},
-                {"events.csv", "the same as a table"},
-                {"events_all.json", "those less probable too"},
-                {"motion.jsonl", "graphs and their links, a line a frame"},
-                {"sketch.jsonl", "the graphs alone"},
-                {"trajectories.csv", "every patch through time"},
-                {"model/", "what was learned: 'emberfold synth' draws new clips from it"},
-                {"strokes.csv", "every stroke through time"},
-                {"lives.csv", "how long each stroke lives, grows and moves"},
-                {"birth_map.png", "where strokes are born"},
-                {"death_map.png", "where they die"},
-                {"overlay.mp4", "the clip with its graph and events"},
-                {"matches/", "neighbouring frames, matched"},
-                {"summary.json", "all figures"}};
+  Json files = {
+      {"events.json", "the events of strokes"},
+      {"events.csv", "the same as a table"},
+      {"events_all.json", "those less probable too"},
+      {"motion.jsonl", "graphs and their links, a line a frame"},
+      {"sketch.jsonl", "the graphs alone"},
+      {"trajectories.csv", "every patch through time"},
+      {"model/", "what was learned: 'emberfold synth' draws new clips from it"},
+      {"strokes.csv", "every stroke through time"},
+      {"curves.csv", "every curve through time: its name stays where it touches and crosses others"},
+      {"joints.csv", "where one curve goes on, or two touch"},
+      {"lives.csv", "how long each stroke lives, grows and moves"},
+      {"birth_map.png", "where strokes are born"},
+      {"death_map.png", "where they die"},
+      {"overlay.mp4", "the clip with its graph and events"},
+      {"matches/", "neighbouring frames, matched"},
+      {"summary.json", "all figures"}};
   if (reconstruction) files["reconstruction.avi"] = "the clip drawn from its sketch";
   return files;
 }
@@ -220,7 +229,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   io::write_model(output, "model", to_archive(found.model));
   const auto units = units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
-  write_data(output, found.motion, found.events, found.all_events, units);
+  write_data(output, found, units);
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
   write_drift(output, *source);
   made.stages.begin("pictures");

@@ -28,11 +28,12 @@ void run_analyze(const Analyze& asked, Session& session) {
   check_options(options.infer, "infer");
   check_options(options.fill, "fill");
   check_options(options.calibrate, "calibrate");
-  require_apart({asked.reading.clip, asked.reading.options.mask}, asked.output,
-                {"overlay.mp4", "reconstruction.avi", "birth_map.png", "death_map.png", "matches", "model",
-                 "events.json", "events.csv", "events_all.json", "motion.jsonl", "sketch.jsonl",
-                 "trajectories.csv", "strokes.csv", "lives.csv", "drift.csv", "report.html", "summary.json"},
-                session.common);
+  require_apart(
+      {asked.reading.clip, asked.reading.options.mask}, asked.output,
+      {"overlay.mp4", "reconstruction.avi", "birth_map.png", "death_map.png", "matches", "model",
+       "events.json", "events.csv", "events_all.json", "motion.jsonl", "sketch.jsonl", "trajectories.csv",
+       "strokes.csv", "curves.csv", "joints.csv", "lives.csv", "drift.csv", "report.html", "summary.json"},
+      session.common);
   io::OutputFolder output(asked.output, session.common.existing());
   output.protect({asked.reading.clip, asked.reading.options.mask});
   auto analysis = analyze_clip(asked.reading.clip, options, output, session);
