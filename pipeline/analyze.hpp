@@ -33,10 +33,11 @@ struct AnalyzeOptions {
   StartOptions starts = {};
   mcmc::InferOptions infer = {};
   CalibrateOptions calibrate = {};
-  int texture = 0;           ///< components of the texture between the strokes, 1…500; 0: none is learned
-  bool bottom_up = false;    ///< the match as it is, each event of probability 1
-  bool sample = false;       ///< sample graphs and links, too; events then have the samples' shares
-  bool keep_sketch = false;  ///< keep sketches as extracted, and the backgrounds of the frames
+  int texture = 0;            ///< components of the texture between the strokes, 1…500; 0: none is learned
+  bool bottom_up = false;     ///< the match as it is, each event of probability 1
+  bool curve_events = false;  ///< events of curves, to which touching and crossing is none, not of strokes
+  bool sample = false;        ///< sample graphs and links, too; events then have the samples' shares
+  bool keep_sketch = false;   ///< keep sketches as extracted, and the backgrounds of the frames
   std::uint64_t seed = 1;
   std::string clip = "the clip";  ///< its name in messages
 };

@@ -17,9 +17,12 @@
 #include "apps/report/report_sampler.hpp"
 #include "apps/units/event_units.hpp"
 #include "core/io/model_folder.hpp"
+#include "graph/curves/curve_strokes.hpp"
 #include "graph/events/event_score.hpp"
+#include "graph/io/contact_tables.hpp"
 #include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/network_table.hpp"
 
 namespace emberfold::apps {
 
@@ -27,7 +30,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void write_data(io::OutputFolder& output, const pipeline::Analysis& found, const graph::Units& units) {
+void write_data(io::OutputFolder& output, const pipeline::Analysis& found, bool of_curves,
+                const graph::Units& units) {
   const auto& motion = found.motion;
   const auto& events = found.events;
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
@@ -37,6 +41,13 @@ void write_data(io::OutputFolder& output, const pipeline::Analysis& found, const
   output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, events, units); });
   output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion, units); });
+  const auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
+  const auto contacts = graph::event_contacts(read, events);
+  output.write("named_events.csv",
+               [&](std::ostream& out) { graph::write_named_events(out, events, contacts, units); });
+  output.write("contacts.csv",
+               [&](std::ostream& out) { graph::write_contacts(out, graph::curve_contacts(motion), units); });
+  output.write("network.csv", [&](std::ostream& out) { graph::write_network(out, motion, units); });
   output.write("curves.csv", [&](std::ostream& out) { graph::write_curves(out, motion, units); });
   output.write("joints.csv", [&](std::ostream& out) { graph::write_joints(out, found.joints, units); });
 }
@@ -122,6 +133,9 @@ Json files_json(bool reconstruction) {
       {"strokes.csv", "every stroke through time"},
       {"curves.csv", "every curve through time: its name stays where it touches and crosses others"},
       {"joints.csv", "where one curve goes on, or two touch"},
+      {"named_events.csv", "whether tips or sides met and parted at the events"},
+      {"contacts.csv", "which curves touch and cross, and how long"},
+      {"network.csv", "length, tips, junctions, loops and meshes of each frame"},
       {"lives.csv", "how long each stroke lives, grows and moves"},
       {"birth_map.png", "where strokes are born"},
       {"death_map.png", "where they die"},
@@ -175,6 +189,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
                         {"starts", options_json(options.starts)},
                         {"infer", options_json(options.infer)},
                         {"bottom_up", options.bottom_up},
+                        {"curve_events", options.curve_events},
                         {"sample", options.sample},
                         {"calibrate", options_json(options.calibrate)},
                         {"texture", options.texture},
@@ -229,7 +244,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   io::write_model(output, "model", to_archive(found.model));
   const auto units = units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
-  write_data(output, found, units);
+  write_data(output, found, options.curve_events, units);
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
   write_drift(output, *source);
   made.stages.begin("pictures");
