@@ -125,6 +125,16 @@ AttributeGraph AttributeGraph::with_subgraphs(std::span<const SubgraphId> subgra
   return result;
 }
 
+AttributeGraph AttributeGraph::with_curves(std::span<const CurveId> curves) const {
+  if (curves.size() != size()) {
+    throw core::InputError("attribute graph: " + std::to_string(curves.size()) + " curve identities for " +
+                           std::to_string(size()) + " vertices");
+  }
+  AttributeGraph result = *this;
+  for (std::size_t i = 0; i < size(); ++i) result.vertices_[i].curve = curves[i];
+  return result;
+}
+
 AttributeGraph without_anchors(const AttributeGraph& graph) {
   const auto is_one = [](const Vertex& vertex) { return is_anchor(vertex.patch); };
   if (std::ranges::none_of(graph.vertices(), is_one)) return graph;

@@ -22,11 +22,19 @@ struct SubgraphId {
   auto operator<=>(const SubgraphId&) const = default;
 };
 
-/// A patch with its identity and that of its stroke.
+/// Identifies a curve (a path through junctions and crossings) through time; unique in its clip. 0: not
+/// identified yet.
+struct CurveId {
+  std::uint32_t value = 0;
+  auto operator<=>(const CurveId&) const = default;
+};
+
+/// A patch with its identity and that of its stroke and its curve.
 struct Vertex {
   VertexId id;
   SubgraphId subgraph;
   Patch patch;
+  CurveId curve = {};
   bool operator==(const Vertex&) const = default;
 };
 
@@ -62,6 +70,9 @@ class AttributeGraph {
   /// Returns a copy with other stroke identities, one for each vertex in order.
   /// Throws InputError if their number differs from size().
   [[nodiscard]] AttributeGraph with_subgraphs(std::span<const SubgraphId> subgraphs) const;
+
+  /// Returns a copy with other curve identities, one for each vertex in order; errors likewise.
+  [[nodiscard]] AttributeGraph with_curves(std::span<const CurveId> curves) const;
 
   bool operator==(const AttributeGraph& other) const {
     return vertices_ == other.vertices_ && edges_ == other.edges_;

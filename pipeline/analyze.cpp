@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "graph/curves/curve_strokes.hpp"
 #include "graph/matching/time_reversal.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
@@ -36,9 +37,35 @@ void check_options(const AnalyzeOptions& options) {
   options.calibrate.validate();
   if (options.bottom_up && options.sample)
     throw core::InputError("AnalyzeOptions.bottom_up and sample exclude each other");
+  if (options.curve_events && options.sample)
+    throw core::InputError("AnalyzeOptions.curve_events and sample exclude each other");
   if (options.texture < 0 || options.texture > 500)
     throw core::InputError("AnalyzeOptions.texture is " + std::to_string(options.texture) +
                            "; allowed is 0 (none) to 500");
+}
+
+/// Names the curves of the motion graph.
+void group_curves(Analysis& analysis, core::StageClock& clock, const core::Context& context) {
+  clock.begin("curves");
+  auto grouped = graph::identify_curves(std::move(analysis.motion), context);
+  analysis.motion = std::move(grouped.motion);
+  analysis.joints = std::move(grouped.joints);
+}
+
+/// Finds the events of the matched clip, of strokes or of curves as `options` ask.
+std::vector<graph::Event> find_events(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                      const AnalyzeOptions& options, const graph::MotionGraph& motion,
+                                      core::StageClock& clock, const core::Context& context) {
+  clock.begin("events");
+  const bool of_curves = options.curve_events;
+  auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
+  if (options.bottom_up) return graph::stroke_events(read);
+  // Matched backwards, velocities that are carried on decide otherwise where the match is in doubt.
+  auto backwards = graph::reverse_time(
+      graph::match(graph::reverse_time(sketch), options.match, context.with_progress({})));
+  if (of_curves)
+    backwards = graph::curves_as_strokes(graph::identify_curves(std::move(backwards), context).motion);
+  return event_posterior(source, std::array{std::move(read), std::move(backwards)}, context);
 }
 
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.
@@ -48,15 +75,8 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
   clock.begin("match");
   if (!options.sample) {
     analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
-    if (options.bottom_up) {
-      analysis.all_events = graph::stroke_events(analysis.motion);
-    } else {
-      // Matched backwards, velocities that are carried on decide otherwise where the match is in doubt.
-      const auto backwards = graph::reverse_time(
-          graph::match(graph::reverse_time(sketches.clip.sketch), options.match, context.with_progress({})));
-      clock.begin("events");
-      analysis.all_events = event_posterior(source, std::array{analysis.motion, backwards}, context);
-    }
+    group_curves(analysis, clock, context);
+    analysis.all_events = find_events(source, sketches.clip.sketch, options, analysis.motion, clock, context);
     clock.begin("learn");
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
@@ -68,6 +88,8 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
     analysis.all_events = std::move(sampled.events);
     fitted = std::move(sampled.fitted);
     analysis.sampled = std::move(sampled.sampler);
+    group_curves(analysis, clock, context);
+    clock.begin("learn");
   }
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
                        [](const graph::Event& event) { return event.probability >= kLikely; });
@@ -121,7 +143,6 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   if (options.keep_sketch) analysis.sketched = sketches.clip;
   mcmc::FitResult fitted;
   infer_motion(source, sketches, options, analysis, fitted, clock, context);
-
   const auto& sketch = analysis.motion.sketch;
   ClipModel& model = analysis.model;
   model.background = sketch::estimate_background(sketches.clip.grounds);

@@ -10,6 +10,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/stage_clock.hpp"
+#include "graph/curves/curve_identity.hpp"
 #include "graph/events/events.hpp"
 #include "graph/matching/match.hpp"
 #include "graph/motion_graph.hpp"
@@ -32,10 +33,11 @@ struct AnalyzeOptions {
   StartOptions starts = {};
   mcmc::InferOptions infer = {};
   CalibrateOptions calibrate = {};
-  int texture = 0;           ///< components of the texture between the strokes, 1…500; 0: none is learned
-  bool bottom_up = false;    ///< the match as it is, each event of probability 1
-  bool sample = false;       ///< sample graphs and links, too; events then have the samples' shares
-  bool keep_sketch = false;  ///< keep sketches as extracted, and the backgrounds of the frames
+  int texture = 0;            ///< components of the texture between the strokes, 1…500; 0: none is learned
+  bool bottom_up = false;     ///< the match as it is, each event of probability 1
+  bool curve_events = false;  ///< events of curves, to which touching and crossing is none, not of strokes
+  bool sample = false;        ///< sample graphs and links, too; events then have the samples' shares
+  bool keep_sketch = false;   ///< keep sketches as extracted, and the backgrounds of the frames
   std::uint64_t seed = 1;
   std::string clip = "the clip";  ///< its name in messages
 };
@@ -55,10 +57,11 @@ struct LearnedTexture {
 
 /// Holds the results of analyze().
 struct Analysis {
-  SketchedClip sketched;  ///< empty without AnalyzeOptions::keep_sketch
-  graph::MotionGraph motion;
-  std::vector<graph::Event> events;      ///< of probability 0.5 or more
-  std::vector<graph::Event> all_events;  ///< of any probability
+  SketchedClip sketched;                  ///< empty without AnalyzeOptions::keep_sketch
+  graph::MotionGraph motion;              ///< with strokes and curves
+  std::vector<graph::CurveJoint> joints;  ///< where curves go on or touch
+  std::vector<graph::Event> events;       ///< of probability 0.5 or more
+  std::vector<graph::Event> all_events;   ///< of any probability
   ClipModel model;
   /// Rates of births, deaths, splits, merges, connects and disconnects, a frame, with their intervals.
   std::array<mcmc::RateInterval, 6> rates{};

@@ -17,8 +17,12 @@
 #include "apps/report/report_sampler.hpp"
 #include "apps/units/event_units.hpp"
 #include "core/io/model_folder.hpp"
+#include "graph/curves/curve_strokes.hpp"
 #include "graph/events/event_score.hpp"
+#include "graph/io/contact_tables.hpp"
+#include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/network_table.hpp"
 
 namespace emberfold::apps {
 
@@ -26,16 +30,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void write_data(io::OutputFolder& output, const graph::MotionGraph& motion,
-                const std::vector<graph::Event>& events, const std::vector<graph::Event>& all_events,
+void write_data(io::OutputFolder& output, const pipeline::Analysis& found, bool of_curves,
                 const graph::Units& units) {
+  const auto& motion = found.motion;
+  const auto& events = found.events;
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
   output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
   output.write("events.json", [&](std::ostream& out) { graph::write_events(out, events); });
-  output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, all_events); });
+  output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, found.all_events); });
   output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, events, units); });
   output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion, units); });
+  const auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
+  const auto contacts = graph::event_contacts(read, events);
+  output.write("named_events.csv",
+               [&](std::ostream& out) { graph::write_named_events(out, events, contacts, units); });
+  output.write("contacts.csv",
+               [&](std::ostream& out) { graph::write_contacts(out, graph::curve_contacts(motion), units); });
+  output.write("network.csv", [&](std::ostream& out) { graph::write_network(out, motion, units); });
+  output.write("curves.csv", [&](std::ostream& out) { graph::write_curves(out, motion, units); });
+  output.write("joints.csv", [&](std::ostream& out) { graph::write_joints(out, found.joints, units); });
 }
 
 Json per_frame_json(const graph::MotionGraph& motion, const std::vector<graph::Event>& events) {
@@ -76,13 +90,16 @@ Json sketch_json(const Json& per_frame, const Pictures& pictures) {
 }
 
 Json motion_json(const graph::MotionGraph& motion) {
-  std::set<std::uint32_t> strokes;
+  std::set<std::uint32_t> strokes, curves;
   std::size_t links = 0;
   for (const auto& graph : motion.sketch.frames)
-    for (const auto& vertex : graph.vertices()) strokes.insert(vertex.subgraph.value);
+    for (const auto& vertex : graph.vertices())
+      strokes.insert(vertex.subgraph.value), curves.insert(vertex.curve.value);
   for (const auto& gap : motion.links) links += gap.size();
-  return {
-      {"strokes", strokes.size()}, {"links", links}, {"trajectories", graph::trajectories(motion).size()}};
+  return {{"strokes", strokes.size()},
+          {"curves", curves.size()},
+          {"links", links},
+          {"trajectories", graph::trajectories(motion).size()}};
 }
 
 /// Counts the events that are sure, likely or doubtful; of `all` that were looked at.
@@ -105,20 +122,26 @@ Json events_json(const std::vector<graph::Event>& events, std::size_t frames) {
 }
 
 Json files_json(bool reconstruction) {
-  Json files = {{"events.json", "the events of strokes"},
-                {"events.csv", "the same as a table"},
-                {"events_all.json", "those less probable too"},
-                {"motion.jsonl", "graphs and their links, a line a frame"},
-                {"sketch.jsonl", "the graphs alone"},
-                {"trajectories.csv", "every patch through time"},
-                {"model/", "what was learned: 'emberfold synth' draws new clips from it"},
-                {"strokes.csv", "every stroke through time"},
-                {"lives.csv", "how long each stroke lives, grows and moves"},
-                {"birth_map.png", "where strokes are born"},
-                {"death_map.png", "where they die"},
-                {"overlay.mp4", "the clip with its graph and events"},
-                {"matches/", "neighbouring frames, matched"},
-                {"summary.json", "all figures"}};
+  Json files = {
+      {"events.json", "the events of strokes"},
+      {"events.csv", "the same as a table"},
+      {"events_all.json", "those less probable too"},
+      {"motion.jsonl", "graphs and their links, a line a frame"},
+      {"sketch.jsonl", "the graphs alone"},
+      {"trajectories.csv", "every patch through time"},
+      {"model/", "what was learned: 'emberfold synth' draws new clips from it"},
+      {"strokes.csv", "every stroke through time"},
+      {"curves.csv", "every curve through time: its name stays where it touches and crosses others"},
+      {"joints.csv", "where one curve goes on, or two touch"},
+      {"named_events.csv", "whether tips or sides met and parted at the events"},
+      {"contacts.csv", "which curves touch and cross, and how long"},
+      {"network.csv", "length, tips, junctions, loops and meshes of each frame"},
+      {"lives.csv", "how long each stroke lives, grows and moves"},
+      {"birth_map.png", "where strokes are born"},
+      {"death_map.png", "where they die"},
+      {"overlay.mp4", "the clip with its graph and events"},
+      {"matches/", "neighbouring frames, matched"},
+      {"summary.json", "all figures"}};
   if (reconstruction) files["reconstruction.avi"] = "the clip drawn from its sketch";
   return files;
 }
@@ -166,6 +189,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
                         {"starts", options_json(options.starts)},
                         {"infer", options_json(options.infer)},
                         {"bottom_up", options.bottom_up},
+                        {"curve_events", options.curve_events},
                         {"sample", options.sample},
                         {"calibrate", options_json(options.calibrate)},
                         {"texture", options.texture},
@@ -220,7 +244,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   io::write_model(output, "model", to_archive(found.model));
   const auto units = units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
-  write_data(output, found.motion, found.events, found.all_events, units);
+  write_data(output, found, options.curve_events, units);
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
   write_drift(output, *source);
   made.stages.begin("pictures");

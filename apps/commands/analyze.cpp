@@ -29,9 +29,11 @@ void run_analyze(const Analyze& asked, Session& session) {
   check_options(options.fill, "fill");
   check_options(options.calibrate, "calibrate");
   require_apart({asked.reading.clip, asked.reading.options.mask}, asked.output,
-                {"overlay.mp4", "reconstruction.avi", "birth_map.png", "death_map.png", "matches", "model",
-                 "events.json", "events.csv", "events_all.json", "motion.jsonl", "sketch.jsonl",
-                 "trajectories.csv", "strokes.csv", "lives.csv", "drift.csv", "report.html", "summary.json"},
+                {"overlay.mp4",  "reconstruction.avi", "birth_map.png",    "death_map.png",   "matches",
+                 "model",        "events.json",        "events.csv",       "events_all.json", "motion.jsonl",
+                 "sketch.jsonl", "trajectories.csv",   "strokes.csv",      "curves.csv",      "joints.csv",
+                 "network.csv",  "contacts.csv",       "named_events.csv", "lives.csv",       "drift.csv",
+                 "report.html",  "summary.json"},
                 session.common);
   io::OutputFolder output(asked.output, session.common.existing());
   output.protect({asked.reading.clip, asked.reading.options.mask});
@@ -59,10 +61,13 @@ void add_analyze(CLI::App& app, CommandLine& line) {
   auto& options = asked->options;
   auto* bottom_up = command->add_flag("--bottom-up", options.bottom_up,
                                       "Take the match as it is: every event has probability 1");
+  auto* curve_events = command->add_flag("--curve-events", options.curve_events,
+                                         "Events of curves, not of strokes: to touch and to cross is none");
   command
       ->add_flag("--sample", options.sample,
                  "Sample graphs and links by MCMC (slow; see docs/method/sampler.md)")
-      ->excludes(bottom_up);
+      ->excludes(bottom_up)
+      ->excludes(curve_events);
   add_sketch_options(*command, options.sketch);
   command->add_flag("--reconstruction", options.reconstruction,
                     "Write reconstruction.avi too, and measure the PSNR of every frame");

@@ -17,9 +17,9 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr std::array<std::string_view, 15> kVertexKeys = {
-    "id",       "subgraph", "type",   "x",     "y",    "theta", "width",   "blur",
-    "contrast", "left",     "middle", "right", "cost", "gain",  "evidence"};
+constexpr std::array<std::string_view, 16> kVertexKeys = {
+    "id",       "subgraph", "type",   "x",     "y",    "theta", "width",    "blur",
+    "contrast", "left",     "middle", "right", "cost", "gain",  "evidence", "curve"};
 enum VertexKey : unsigned {
   kId,
   kSubgraph,
@@ -35,9 +35,10 @@ enum VertexKey : unsigned {
   kRight,
   kCost,
   kGain,
-  kEvidence
+  kEvidence,
+  kCurve
 };
-constexpr unsigned kOptionalKeys = 1U << kCost | 1U << kGain | 1U << kEvidence;
+constexpr unsigned kOptionalKeys = 1U << kCost | 1U << kGain | 1U << kEvidence | 1U << kCurve;
 constexpr unsigned kAnchorKeys = 1U << kId | 1U << kType | 1U << kX | 1U << kY | 1U << kMiddle;
 constexpr std::array<std::string_view, 4> kFrameKeys = {"frame", "vertices", "edges", "links"};
 enum FrameKey : unsigned { kFrame, kVertices, kEdges, kLinks };
@@ -258,7 +259,7 @@ class Handler {
 
   bool vertex_number(double value, bool is_id, std::uint32_t id) {
     Vertex& vertex = line.vertices.back();
-    if (key_ <= kSubgraph && !is_id) {
+    if ((key_ <= kSubgraph || key_ == kCurve) && !is_id) {
       fail(vertex_name() + in_quotes(kVertexKeys[key_]) + " must be a whole number from 0 to 4294967295");
     }
     switch (key_) {
@@ -267,6 +268,9 @@ class Handler {
         return true;
       case kSubgraph:
         vertex.subgraph = {id};
+        return true;
+      case kCurve:
+        vertex.curve = {id};
         return true;
       case kType:
         return other("a number");

@@ -59,6 +59,7 @@ void append_vertex(std::string& text, const Vertex& vertex, const SketchSequence
   text += "{\"id\":";
   core::append_number(text, vertex.id.value);
   append_field(text, "subgraph", vertex.subgraph.value);
+  if (vertex.curve.value != 0) append_field(text, "curve", vertex.curve.value);
   text += ",\"type\":\"";
   text += name(patch.type);
   text += '"';
@@ -99,7 +100,7 @@ std::string header_line(const SketchSequence& sketch, std::size_t frames, bool l
   }
   std::string text = "{\"format\":\"";
   text += links ? "emberfold.motion" : "emberfold.sketch";
-  text += "\",\"version\":1";
+  text += links ? "\",\"version\":2" : "\",\"version\":1";
   append_field(text, "width", static_cast<std::uint32_t>(sketch.width));
   append_field(text, "height", static_cast<std::uint32_t>(sketch.height));
   append_field(text, "fps", sketch.fps);

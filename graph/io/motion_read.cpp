@@ -53,8 +53,10 @@ Header parse_header(std::string_view text, bool needs_links) {
                         (needs_links ? "" : " or \"emberfold.sketch\""));
   }
   const auto version = read_whole_number(object, "version", 1, ~std::uint64_t{0});
-  if (version > 1) {
-    throw core::IoError("format version " + std::to_string(version) + " is newer than this program's, 1");
+  const std::uint64_t newest = header.motion ? 2 : 1;
+  if (version > newest) {
+    throw core::IoError("format version " + std::to_string(version) + " is newer than this program's, " +
+                        std::to_string(newest));
   }
   if (needs_links && !header.motion) {
     throw core::IoError(

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <ostream>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
 #include "core/text/json_reader.hpp"
+#include "graph/curves/curve_strokes.hpp"
 #include "graph/events/joints.hpp"
+#include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
 #include "graph/io/unit_tables.hpp"
 
@@ -80,7 +84,7 @@ class Line {
 
 void write_text(std::ostream& out, const std::string& text) {
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!out.flush()) throw core::IoError("strokes could not be written: the stream failed");
+  if (!out.flush()) throw core::IoError("a table could not be written: the stream failed");
 }
 
 /// The slope of lengths over frames, by least squares.
@@ -113,7 +117,90 @@ StrokeLife life_of(std::span<const Row> rows, std::size_t clip_frames) {
   return life;
 }
 
+/// The rows of a curve's pieces in one frame as one.
+struct CurveRow {
+  Row whole;  ///< its middle is that of the longest piece
+  std::uint32_t pieces = 1, touches = 0;
+};
+
+/// Returns how many edges lead from each curve to others, by (curve, frame).
+std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> touches_of(const MotionGraph& motion) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> touches;
+  for (std::uint32_t t = 0; t < motion.sketch.frames.size(); ++t) {
+    const AttributeGraph& graph = motion.sketch.frames[t];
+    for (const Edge& edge : graph.edges()) {
+      const CurveId a = graph.vertices()[graph.index_of(edge.a)].curve,
+                    b = graph.vertices()[graph.index_of(edge.b)].curve;
+      if (a != b) ++touches[{a.value, t}], ++touches[{b.value, t}];
+    }
+  }
+  return touches;
+}
+
+std::vector<CurveRow> curve_rows(const MotionGraph& motion) {
+  std::vector<CurveRow> rows;
+  double longest = 0;
+  for (const Row& piece : all_rows(curves_as_strokes(motion))) {
+    if (rows.empty() || rows.back().whole.stroke != piece.stroke || rows.back().whole.frame != piece.frame) {
+      rows.push_back({piece});
+      longest = piece.length;
+      continue;
+    }
+    auto& [whole, pieces, touches] = rows.back();
+    const double patches = whole.patches + piece.patches;
+    whole.width = (whole.width * whole.patches + piece.width * piece.patches) / patches;
+    whole.contrast = (whole.contrast * whole.patches + piece.contrast * piece.patches) / patches;
+    if (piece.length > longest) whole.middle = piece.middle, longest = piece.length;
+    whole.patches += piece.patches, whole.length += piece.length;
+    ++pieces;
+  }
+  const auto touches = touches_of(motion);
+  for (CurveRow& row : rows) {
+    const auto at = touches.find({row.whole.stroke, row.whole.frame});
+    if (at != touches.end()) row.touches = at->second;
+  }
+  return rows;
+}
+
 }  // namespace
+
+void write_curves(std::ostream& out, const MotionGraph& motion, const Units& units) {
+  std::string text = "curve,frame,x,y,length,patches,width,contrast,pieces,touches";
+  if (units.seconds) text += ",time_s";
+  if (units.um) text += ",x_um,y_um,length_um";
+  text += '\n';
+  for (const auto& [row, pieces, touches] : curve_rows(motion)) {
+    Line line(text);
+    line.add(row.stroke), line.add(row.frame);
+    for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value);
+    line.add(row.patches);
+    for (const double value : {row.width, row.contrast}) line.add(value);
+    line.add(pieces), line.add(touches);
+    if (units.seconds) line.add(row.frame * *units.seconds);
+    if (units.um)
+      for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value * *units.um);
+    line.end();
+  }
+  write_text(out, text);
+}
+
+void write_joints(std::ostream& out, const std::vector<CurveJoint>& joints, const Units& units) {
+  std::string text = "frame,x,y,curve_a,curve_b,junction,probability";
+  if (units.seconds) text += ",time_s";
+  if (units.um) text += ",x_um,y_um";
+  text += '\n';
+  for (const CurveJoint& joint : joints) {
+    Line line(text);
+    line.add(static_cast<std::uint32_t>(joint.frame));
+    line.add(joint.position.x), line.add(joint.position.y);
+    line.add(joint.a.value), line.add(joint.b.value);
+    line.add(static_cast<std::uint32_t>(joint.at_junction)), line.add(joint.probability);
+    if (units.seconds) line.add(joint.frame * *units.seconds);
+    if (units.um) line.add(joint.position.x * *units.um), line.add(joint.position.y * *units.um);
+    line.end();
+  }
+  write_text(out, text);
+}
 
 void write_strokes(std::ostream& out, const MotionGraph& motion) {
   write_strokes(out, motion, {});

@@ -51,6 +51,7 @@ py::dtype vertex_dtype() {
   add("cost", "f8", kPatch + offsetof(Patch, cost));
   add("gain", "f8", kPatch + offsetof(Patch, gain));
   add("evidence", "f8", kPatch + offsetof(Patch, evidence));
+  add("curve", "u4", offsetof(Vertex, curve));
   return {names, formats, offsets, static_cast<py::ssize_t>(sizeof(Vertex))};
 }
 

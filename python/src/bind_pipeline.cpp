@@ -130,6 +130,7 @@ void bind_options(py::module_& module) {
       .field("calibrate", &Options::calibrate)
       .field("texture", &Options::texture)
       .field("bottom_up", &Options::bottom_up)
+      .field("curve_events", &Options::curve_events)
       .field("sample", &Options::sample)
       .field("seed", &Options::seed)
       .field("clip", &Options::clip)

@@ -117,7 +117,7 @@ TEST_CASE("any number of threads writes the same bytes") {
         run_command({"analyze", clip, "-o", (temp / threads).string(), "--threads", threads, "-q"}).exit ==
         0);
   for (const char* name : {"sketch.jsonl", "motion.jsonl", "events.json", "events.csv", "trajectories.csv",
-                           "strokes.csv", "birth_map.png", "death_map.png"}) {
+                           "strokes.csv", "curves.csv", "joints.csv", "birth_map.png", "death_map.png"}) {
     INFO(name);
     const auto one = bytes_of(temp / "1" / name);
     CHECK(one.size() > 100);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/error.hpp"
+#include "graph/curves/curve_identity.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clock.hpp"
 #include "tests/support/graphs.hpp"
@@ -55,9 +56,19 @@ std::string good() {
 
 }  // namespace
 
+TEST_CASE("Motion of version 1 has no curves, one of version 2 has", "[graph][io]") {
+  for (const auto& frame : read(good()).sketch.frames)
+    for (const auto& v : frame.vertices()) CHECK(v.curve == graph::CurveId{});
+  const auto with =
+      replaced(replaced(good(), R"("version":1)", R"("version":2)"), R"("id":2,)", R"("id":2,"curve":7,)");
+  CHECK(read(with).sketch.frames[1].vertices()[0].curve == graph::CurveId{7});
+  CHECK_THAT(refusal(replaced(with, R"("curve":7)", R"("curve":-7)")),
+             test::Contains("\"curve\" must be a whole number"));
+}
+
 TEST_CASE("Motion and sketch files read back the same, bit for bit", "[graph][io]") {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    graph::MotionGraph motion = graph::identify(test::random_motion(seed, 4, 15));
+    auto motion = graph::identify_curves(graph::identify(test::random_motion(seed, 4, 15))).motion;
     motion.sketch.fps = 30000.0 / 1001;
     const std::string text = written(motion);
     CHECK(read(text) == motion);
@@ -128,7 +139,7 @@ TEST_CASE("Every bad motion file is refused with name, line and cause", "[graph]
       {"emberfold.motion", "emberfold.sketch", "line 1", "no links"},
       {"emberfold.motion", "some\\nthing", "line 1", "the format is \"some?thing\""},
       {R"("format":"emberfold.motion",)", "", "line 1", "names no \"format\""},
-      {R"("version":1)", R"("version":2)", "line 1", "version 2 is newer"},
+      {R"("version":1)", R"("version":3)", "line 1", "version 3 is newer"},
       {R"("version":1)", R"("version":0)", "line 1", "\"version\" must be a whole number from 1"},
       {R"("version":1)", R"("version":"1")", "line 1", "\"version\""},
       {R"("width":320)", R"("width":0)", "line 1", "\"width\" must be a whole number from 1 to 65536"},

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/io/network_table.hpp"
+
+#include <numeric>
+#include <ostream>
+#include <string>
+
+#include "core/error.hpp"
+#include "core/text/json_reader.hpp"
+
+namespace emberfold::graph {
+
+namespace {
+
+struct MeshSizes {
+  double mean = 0, median = 0;  ///< px²; 0 without meshes
+};
+
+MeshSizes mesh_sizes(const std::vector<double>& meshes) {
+  if (meshes.empty()) return {};
+  const std::size_t n = meshes.size();
+  const double sum = std::accumulate(meshes.begin(), meshes.end(), 0.0);
+  return {sum / static_cast<double>(n), (meshes[(n - 1) / 2] + meshes[n / 2]) / 2};
+}
+
+void add_row(std::string& text, std::uint32_t t, const NetworkFigures& f, const NetworkChanges& changes,
+             const Units& units) {
+  const auto add = [&](auto value) {
+    text += ',';
+    core::append_number(text, value);
+  };
+  const MeshSizes sizes = mesh_sizes(f.meshes);
+  core::append_number(text, t);
+  add(f.length), add(f.components), add(f.longest);
+  for (const auto count : {f.points, f.tips, f.junctions_3, f.junctions_4, f.junctions_more, f.branches,
+                           f.loops, static_cast<std::uint32_t>(f.meshes.size())})
+    add(count);
+  add(sizes.mean), add(sizes.median), add(f.tortuosity);
+  for (const auto count : {changes.births, changes.deaths, changes.unions, changes.separations}) add(count);
+  if (units.seconds) add(t * *units.seconds);
+  if (units.um) {
+    const double um = *units.um;
+    for (const double value : {f.length * um, f.longest * um, sizes.mean * um * um, sizes.median * um * um})
+      add(value);
+  }
+  text += '\n';
+}
+
+}  // namespace
+
+void write_network(std::ostream& out, const MotionGraph& motion, const Units& units) {
+  std::string text =
+      "frame,length,components,longest,points,tips,junctions_3,junctions_4,junctions_more,branches,loops,"
+      "meshes,"
+      "mesh_mean,mesh_median,tortuosity,births,deaths,unions,separations";
+  if (units.seconds) text += ",time_s";
+  if (units.um) text += ",length_um,longest_um,mesh_mean_um2,mesh_median_um2";
+  text += '\n';
+  const auto changes = network_changes(motion);
+  for (std::uint32_t t = 0; t < changes.size(); ++t)
+    add_row(text, t, network_figures(motion.sketch.frames[t]), changes[t], units);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!out.flush()) throw core::IoError("a table could not be written: the stream failed");
+}
+
+}  // namespace emberfold::graph
