@@ -12,6 +12,7 @@
 #include "core/error.hpp"
 #include "core/math/robust.hpp"
 #include "core/text/check_range.hpp"
+#include "sketch/detection/boundaries.hpp"
 #include "sketch/detection/colour.hpp"
 #include "sketch/detection/contrast_gaps.hpp"
 #include "sketch/detection/crease_map.hpp"
@@ -174,7 +175,15 @@ std::vector<Chain> find_strong_curves(const Searched& frame, const ExtractOption
   return remove_lobe_curves(remove_hooks(std::move(chains)), space, ridges.index.size());
 }
 
-std::vector<Chain> find_curves(const Searched& frame, const ExtractOptions& options, const Limits& limits) {
+std::vector<Chain> find_curves(const Searched& frame, const cv::Mat& levels, const ExtractOptions& options,
+                               const Limits& limits, const cv::Mat1f* given) {
+  if (given != nullptr)
+    return trace_given_curves(*given, frame.space, {limits.probability, false, options.scales});
+  if (options.boundaries) {
+    constexpr int kScales = 2;  // of the crests of such a map
+    const cv::Mat1f found = find_boundaries(options.colour ? levels : cv::Mat(core::luma(levels)));
+    return trace_given_curves(found, frame.space, {limits.probability, true, kScales});
+  }
   std::vector<Chain> chains = find_strong_curves(frame, options, limits);
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   const auto without_crumbs = [&](std::vector<Chain>& from) {
@@ -200,9 +209,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
   NoiseLevels ground = measure_noise_levels(space, noise);
   if (options.colour && levels.channels() == 3) add_colour(space, ground, levels, options);
-  std::vector<Chain> chains = probability != nullptr
-                                  ? trace_given_curves(*probability, space, limits.probability)
-                                  : find_curves({space, ground, noise}, options, limits);
+  std::vector<Chain> chains = find_curves({space, ground, noise}, levels, options, limits, probability);
   const CurveNetwork network =
       prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
   std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
@@ -212,7 +219,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
   graph::AttributeGraph strokes =
       refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
              axes, {options.spacing, options.blobs, nullptr});
-  if (probability == nullptr) strokes = remove_flank_curves(strokes, limits.of_step);
+  if (probability == nullptr && !options.boundaries) strokes = remove_flank_curves(strokes, limits.of_step);
   strokes = with_evidence_of_curves(strokes);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
   if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});

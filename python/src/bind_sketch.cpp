@@ -28,6 +28,7 @@ void bind_options(py::module_& module) {
       .field("spacing", &Extract::spacing)
       .field("steady", &Extract::steady)
       .field("edges", &Extract::edges)
+      .field("boundaries", &Extract::boundaries)
       .field("colour", &Extract::colour)
       .field("blobs", &Extract::blobs)
       .field("budget", &Extract::budget)
