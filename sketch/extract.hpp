@@ -33,6 +33,9 @@ struct ExtractOptions {
   /// 0…1: share of the frame that patches, blobs included, may show; those of most gain come first. 0: all
   /// that pay.
   double budget = 0;
+  /// px, 64…16384: a frame that is wider or higher is sketched in parts that are not, in parallel, which
+  /// bounds the memory; its thresholds are those of the whole frame.
+  int tile = 2048;
 
   void validate() const;
 };

@@ -39,6 +39,7 @@ void visit_fields(MaybeConst<sketch::ExtractOptions> auto& o, auto&& visit) {
   visit("blobs", o.blobs, "", "Add blobs where the fill between strokes leaves more than noise");
   visit("budget", o.budget, "SHARE",
         "Keep the patches that gain most on this share of the frame; 0: all that pay");
+  visit("tile", o.tile, "PX", "Sketch larger frames in parts of at most this side");
 }
 
 void visit_fields(MaybeConst<graph::MatchOptions> auto& o, auto&& visit) {

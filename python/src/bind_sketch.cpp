@@ -32,6 +32,7 @@ void bind_options(py::module_& module) {
       .field("colour", &Extract::colour)
       .field("blobs", &Extract::blobs)
       .field("budget", &Extract::budget)
+      .field("tile", &Extract::tile)
       .finish();
   OptionsClass<sketch::FillOptions>(module, "FillOptions", "sketch::FillOptions")
       .field("tolerance", &sketch::FillOptions::tolerance)
