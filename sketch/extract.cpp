@@ -9,9 +9,12 @@
 #include <opencv2/core.hpp>
 
 #include "core/clip.hpp"
+#include "core/context.hpp"
 #include "core/error.hpp"
 #include "core/math/robust.hpp"
+#include "core/parallel.hpp"
 #include "core/text/check_range.hpp"
+#include "sketch/detection/boundaries.hpp"
 #include "sketch/detection/colour.hpp"
 #include "sketch/detection/contrast_gaps.hpp"
 #include "sketch/detection/crease_map.hpp"
@@ -29,6 +32,7 @@
 #include "sketch/refinement/coding_length.hpp"
 #include "sketch/refinement/pursuit.hpp"
 #include "sketch/refinement/refine.hpp"
+#include "sketch/tiling/tiles.hpp"
 
 namespace emberfold::sketch {
 
@@ -83,19 +87,6 @@ graph::AttributeGraph with_evidence_of_curves(const graph::AttributeGraph& graph
   return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
 }
 
-// The two axes of colour as further channels of both.
-void add_colour(ScaleSpace& space, NoiseLevels& ground, const cv::Mat& levels,
-                const ExtractOptions& options) {
-  int channel = 0;
-  for (const cv::Mat1f& colour : compute_opponent_colours(levels)) {
-    ScaleSpace more = scale_space(colour, options.finest_scale, options.scales, ++channel);
-    const NoiseLevels own = measure_noise_levels(more, estimate_noise(colour));
-    space.insert(space.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-    ground.second.insert(ground.second.end(), own.second.begin(), own.second.end());
-    ground.first.insert(ground.first.end(), own.first.begin(), own.first.end());
-  }
-}
-
 }  // namespace
 
 void ExtractOptions::validate() const {
@@ -109,6 +100,7 @@ void ExtractOptions::validate() const {
   core::check_at_least("ExtractOptions.min_evidence", min_evidence, 0);
   core::check_range("ExtractOptions.spacing", spacing, 2, 100);
   core::check_range("ExtractOptions.budget", budget, 0, 1);
+  core::check_range("ExtractOptions.tile", tile, 64, 16384);
 }
 
 double estimate_noise(const cv::Mat& luma) {
@@ -140,10 +132,100 @@ void append(std::vector<Chain>& chains, std::vector<Chain> more) {
 
 // A frame as it is searched for curves.
 struct Searched {
-  const ScaleSpace& space;
-  const NoiseLevels& ground;
-  double noise;
+  double noise = 1;
+  ScaleSpace space;
+  NoiseLevels ground;
+  std::vector<CodingContext> axes;
+  std::vector<double> usual;  // see find_weak_curves(); empty: of this frame
 };
+
+// Luma, and with `colour` the two axes of colour.
+std::vector<cv::Mat1f> channels_of(const cv::Mat& levels, const ExtractOptions& options) {
+  std::vector<cv::Mat1f> channels{core::luma(levels)};
+  if (options.colour && levels.channels() == 3)
+    for (cv::Mat1f& colour : compute_opponent_colours(levels)) channels.push_back(std::move(colour));
+  return channels;
+}
+
+// What of a frame does not depend on the place; of each channel but for the averaged responses.
+struct Statistics {
+  std::vector<double> noise;
+  NoiseLevels ground;
+  std::vector<CodingContext> axes;  // with the channels themselves
+  std::vector<double> usual;
+};
+
+Statistics begin_statistics(std::vector<cv::Mat1f> channels) {
+  Statistics of;
+  for (cv::Mat1f& channel : channels) {
+    of.noise.push_back(estimate_noise(channel));
+    of.axes.push_back(prepare_coding(std::move(channel), kColourAxes[of.axes.size()]));
+  }
+  return of;
+}
+
+ScaleSpace build_scale_space(const std::vector<CodingContext>& axes, const ExtractOptions& options) {
+  ScaleSpace space;
+  for (std::size_t c = 0; c < axes.size(); ++c)
+    for (ScaleLevel& level :
+         scale_space(axes[c].luma, options.finest_scale, options.scales, static_cast<int>(c)))
+      space.push_back(std::move(level));
+  return space;
+}
+
+Searched prepare(const cv::Mat& levels, const ExtractOptions& options) {
+  Statistics of = begin_statistics(channels_of(levels, options));
+  ScaleSpace space = build_scale_space(of.axes, options);
+  DerivativeSamples samples;
+  add_samples(space, whole_frame(levels.size()), samples);
+  NoiseLevels ground = measure_noise_levels(std::move(samples), space, of.noise);
+  return {of.noise[0], std::move(space), std::move(ground), std::move(of.axes), {}};
+}
+
+// A part of a frame that has these statistics.
+Searched prepare(const cv::Mat& part, const ExtractOptions& options, const Statistics& of) {
+  std::vector<CodingContext> axes = of.axes;
+  std::vector<cv::Mat1f> channels = channels_of(part, options);
+  for (std::size_t c = 0; c < axes.size(); ++c) axes[c].luma = std::move(channels[c]);
+  ScaleSpace space = build_scale_space(axes, options);
+  return {of.noise[0], std::move(space), of.ground, std::move(axes), of.usual};
+}
+
+// visit(i, the i-th tile's part of the frame), in parallel.
+template <class Visit>
+void visit_tiles(const std::vector<Tile>& tiles, const cv::Mat& levels, const Visit& visit) {
+  core::parallel_for(tiles.size(), core::Context{},
+                     [&](std::size_t i) { visit(i, levels(tiles[i].read).clone()); });
+}
+
+// Of the whole frame, measured tile by tile.
+Statistics measure_statistics(const cv::Mat& levels, const std::vector<Tile>& tiles,
+                              const ExtractOptions& options) {
+  Statistics of = begin_statistics(channels_of(levels, options));
+  for (CodingContext& axis : of.axes) axis.luma.release();
+  std::vector<DerivativeSamples> derivatives(tiles.size());
+  std::vector<ResponseSamples> responses(tiles.size());
+  ScaleSpace first;  // its kernels' noise
+  visit_tiles(tiles, levels, [&](std::size_t i, const cv::Mat& part) {
+    ScaleSpace space = prepare(part, options, of).space;
+    const FramePart at{levels.size(), tiles[i].read.tl(), tiles[i].core};
+    add_samples(space, at, derivatives[i]);
+    if (!options.boundaries) add_samples(space, at, options.edges, responses[i]);
+    if (i == 0) first = std::move(space);
+  });
+  const auto append = [](auto& to, const auto& from) {
+    to.resize(std::max(to.size(), from.size()));
+    for (std::size_t k = 0; k < from.size(); ++k) to[k].insert(to[k].end(), from[k].begin(), from[k].end());
+  };
+  for (std::size_t i = 1; i < tiles.size(); ++i) {
+    append(derivatives[0].second, derivatives[i].second);
+    append(derivatives[0].first, derivatives[i].first);
+    append(responses[0], responses[i]);
+  }
+  of.ground = measure_noise_levels(std::move(derivatives[0]), first, of.noise);
+  of.usual = usual_responses(std::move(responses[0]));
+  return of;
+}
 
 // Curves whose points stand out one by one.
 std::vector<Chain> find_strong_curves(const Searched& frame, const ExtractOptions& options,
@@ -174,7 +256,15 @@ std::vector<Chain> find_strong_curves(const Searched& frame, const ExtractOption
   return remove_lobe_curves(remove_hooks(std::move(chains)), space, ridges.index.size());
 }
 
-std::vector<Chain> find_curves(const Searched& frame, const ExtractOptions& options, const Limits& limits) {
+std::vector<Chain> find_curves(const Searched& frame, const cv::Mat& levels, const ExtractOptions& options,
+                               const Limits& limits, const cv::Mat1f* given) {
+  if (given != nullptr)
+    return trace_given_curves(*given, frame.space, {limits.probability, false, options.scales});
+  if (options.boundaries) {
+    constexpr int kScales = 2;  // of the crests of such a map
+    const cv::Mat1f found = find_boundaries(options.colour ? levels : cv::Mat(core::luma(levels)));
+    return trace_given_curves(found, frame.space, {limits.probability, true, kScales});
+  }
   std::vector<Chain> chains = find_strong_curves(frame, options, limits);
   // Crumbs at junctions and ends, where scales disagree: ends would meet them instead of each other.
   const auto without_crumbs = [&](std::vector<Chain>& from) {
@@ -187,35 +277,59 @@ std::vector<Chain> find_curves(const Searched& frame, const ExtractOptions& opti
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
   chains = cut_at_contrast_gaps(chains, frame.space, {kHalf, frame.noise});
   without_crumbs(chains);
-  append(chains, find_weak_curves(chains, frame.space, frame.noise, limits.weak));
+  append(chains, find_weak_curves(chains, frame.space, frame.noise, limits.weak, frame.usual));
   return chains;
 }
 
-// The sketch of a frame, with the curves that are found or given.
-graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options,
-                              const cv::Mat1f* probability) {
-  const Limits limits = make_limits(options);
-  const cv::Mat1f luma = core::luma(levels);
-  const double noise = estimate_noise(luma);
-  ScaleSpace space = scale_space(luma, options.finest_scale, options.scales);
-  NoiseLevels ground = measure_noise_levels(space, noise);
-  if (options.colour && levels.channels() == 3) add_colour(space, ground, levels, options);
-  std::vector<Chain> chains = probability != nullptr
-                                  ? trace_given_curves(*probability, space, limits.probability)
-                                  : find_curves({space, ground, noise}, options, limits);
+// The strokes of a frame or a part, along the curves that are found or given.
+graph::AttributeGraph find_strokes(const Searched& frame, const cv::Mat& levels,
+                                   const ExtractOptions& options, const cv::Mat1f* given) {
+  std::vector<Chain> chains = find_curves(frame, levels, options, make_limits(options), given);
   const CurveNetwork network =
-      prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
-  std::vector<CodingContext> axes{prepare_coding(luma, kColourAxes[0])};
-  if (space.back().channel > 0)
-    for (cv::Mat1f& colour : compute_opponent_colours(levels))
-      axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
-  graph::AttributeGraph strokes =
-      refine(smooth_patches(place_patches(network, space, levels, options.spacing, noise), noise), levels,
-             axes, {options.spacing, options.blobs, nullptr});
-  if (probability == nullptr) strokes = remove_flank_curves(strokes, limits.of_step);
+      prune_short_curves(merge_crossings(join_free_ends(std::move(chains), frame.space)), options.min_length);
+  return refine(
+      smooth_patches(place_patches(network, frame.space, levels, options.spacing, frame.noise), frame.noise),
+      levels, frame.axes, {options.spacing, options.blobs, nullptr});
+}
+
+// The strokes of a frame in parts, with the statistics of the whole.
+graph::AttributeGraph find_strokes_in_tiles(const Statistics& of, const std::vector<Tile>& tiles,
+                                            const cv::Mat& levels, const ExtractOptions& options,
+                                            const cv::Mat1f* given) {
+  std::vector<graph::AttributeGraph> sketches(tiles.size());
+  visit_tiles(tiles, levels, [&](std::size_t i, const cv::Mat& part) {
+    const cv::Mat1f curves = given != nullptr ? (*given)(tiles[i].read).clone() : cv::Mat1f();
+    sketches[i] =
+        find_strokes(prepare(part, options, of), part, options, given != nullptr ? &curves : nullptr);
+  });
+  return join_tiles(tiles, sketches, options.spacing);
+}
+
+std::vector<Tile> tiles_of(cv::Size frame, const ExtractOptions& options) {
+  constexpr double kMargin = 128, kScales = 16;  // px; of the coarsest scale
+  const double coarsest = options.finest_scale * std::exp2(0.5 * (options.scales - 1));
+  return make_tiles(frame, options.tile, static_cast<int>(std::ceil(std::max(kMargin, kScales * coarsest))));
+}
+
+// The sketch of a frame, with the curves that are found or given.
+graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options, const cv::Mat1f* given) {
+  double noise = 0, unexplained = 0;  // grey levels
+  graph::AttributeGraph strokes;
+  if (levels.cols > options.tile || levels.rows > options.tile) {
+    const std::vector<Tile> tiles = tiles_of(levels.size(), options);
+    const Statistics statistics = measure_statistics(levels, tiles, options);
+    noise = statistics.noise[0], unexplained = statistics.axes[0].noise;
+    strokes = find_strokes_in_tiles(statistics, tiles, levels, options, given);
+  } else {
+    const Searched frame = prepare(levels, options);
+    noise = frame.noise, unexplained = frame.axes[0].noise;
+    strokes = find_strokes(frame, levels, options, given);
+  }
+  if (given == nullptr && !options.boundaries)
+    strokes = remove_flank_curves(strokes, make_limits(options).of_step);
   strokes = with_evidence_of_curves(strokes);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
-  if (options.blobs) return pursue(strokes, levels, {axes[0].noise, 1, true});
+  if (options.blobs) return pursue(strokes, levels, {unexplained, 1, true});
   return strokes;
 }
 

@@ -21,15 +21,21 @@ struct ExtractOptions {
   double min_contrast = 2;    ///< grey levels, ≥ 0: fainter strokes are left out
   double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
   double min_evidence =
-      28;               ///< SD, ≥ 0: least root of the sum of the squared significances of a curve's points
-  double spacing = 5;   ///< px, 2…100: from patch to patch along a curve
-  bool steady = true;   ///< of a clip: sketches agree with those before and after (steadying/)
-  bool edges = true;    ///< step edges too, not only ridges and valleys
+      28;              ///< SD, ≥ 0: least root of the sum of the squared significances of a curve's points
+  double spacing = 5;  ///< px, 2…100: from patch to patch along a curve
+  bool steady = true;  ///< of a clip: sketches agree with those before and after (steadying/)
+  bool edges = true;   ///< step edges too, not only ridges and valleys
+  /// Boundaries of things in photographs instead: steps where the brightness or the texture of both sides
+  /// differs, with `colour` also where their colours do.
+  bool boundaries = false;
   bool colour = false;  ///< structure from two axes of colour too, not only from luma
   bool blobs = false;   ///< blobs too, where the fill between the strokes leaves more than noise
   /// 0…1: share of the frame that patches, blobs included, may show; those of most gain come first. 0: all
   /// that pay.
   double budget = 0;
+  /// px, 64…16384: a frame that is wider or higher is sketched in parts that are not, in parallel, which
+  /// bounds the memory; its thresholds are those of the whole frame.
+  int tile = 2048;
 
   void validate() const;
 };

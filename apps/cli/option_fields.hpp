@@ -34,10 +34,12 @@ void visit_fields(MaybeConst<sketch::ExtractOptions> auto& o, auto&& visit) {
   visit("spacing", o.spacing, "PX", "Distance of neighbouring patches along a curve");
   visit("steady", o.steady, "", "Make the sketches of a clip agree with those before and after");
   visit("edges", o.edges, "", "Detect step edges beside ridges and valleys");
+  visit("boundaries", o.boundaries, "", "Sketch the boundaries of things in photographs instead");
   visit("colour", o.colour, "", "Detect structure in two axes of colour too, not only in luma");
   visit("blobs", o.blobs, "", "Add blobs where the fill between strokes leaves more than noise");
   visit("budget", o.budget, "SHARE",
         "Keep the patches that gain most on this share of the frame; 0: all that pay");
+  visit("tile", o.tile, "PX", "Sketch larger frames in parts of at most this side");
 }
 
 void visit_fields(MaybeConst<graph::MatchOptions> auto& o, auto&& visit) {

@@ -28,9 +28,11 @@ void bind_options(py::module_& module) {
       .field("spacing", &Extract::spacing)
       .field("steady", &Extract::steady)
       .field("edges", &Extract::edges)
+      .field("boundaries", &Extract::boundaries)
       .field("colour", &Extract::colour)
       .field("blobs", &Extract::blobs)
       .field("budget", &Extract::budget)
+      .field("tile", &Extract::tile)
       .finish();
   OptionsClass<sketch::FillOptions>(module, "FillOptions", "sketch::FillOptions")
       .field("tolerance", &sketch::FillOptions::tolerance)

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <utility>
 
-#include "core/math/robust.hpp"
 #include "core/math/simd_clones.hpp"
 #include "sketch/detection/crease_map.hpp"
 
@@ -157,20 +156,6 @@ EMBERFOLD_SIMD_CLONES void step_row(const std::array<const float*, 3>& magnitude
   }
 }
 
-// From one sample to the next, odd, so that samples can lie alike seen from either border.
-int sample_step(double sigma, cv::Size frame) {
-  constexpr double kEnough = 19000;
-  const double step = std::max(1.5 * sigma, std::sqrt(frame.area() / kEnough));
-  return 2 * static_cast<int>(std::min(0.5 * step, 50.0)) + 1;
-}
-
-// The first sample, as far from its border as the last is from the other.
-int first_sample(int size, int step) {
-  int first = 0;
-  while ((size - 1 - 2 * first) % step != 0) ++first;
-  return first;
-}
-
 // Level at which points are searched, and its limits.
 struct AtLevel {
   int number;
@@ -294,35 +279,6 @@ cv::Mat1i make_empty_index(cv::Size frame) {
   cv::Mat1i index(frame);
   std::fill_n(index[0], index.total(), -1);
   return index;
-}
-
-NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise) {
-  NoiseLevels ground;
-  for (const ScaleLevel& level : space) {
-    const int width = level.smooth.cols - 2, height = level.smooth.rows - 2;
-    // Neighbours nearer than 1.5 σ hardly differ, and some 20 000 values give the median to a hundredth.
-    const int step = sample_step(level.sigma, {width, height});
-    std::vector<float> second, first;
-    const auto samples =
-        2 * static_cast<std::size_t>(width / step + 1) * static_cast<std::size_t>(height / step + 1);
-    second.reserve(samples);
-    first.reserve(samples);
-    const int down = std::min(step, std::max(height - 1, 1)), across = std::min(step, std::max(width - 1, 1));
-    for (int y = first_sample(height, down); y < height; y += down) {
-      const float *above = level.smooth[y], *here = level.smooth[y + 1], *below = level.smooth[y + 2];
-      for (int x = first_sample(width, across); x < width; x += across) {
-        const Hessian h = hessian_of(above + x, here + x, below + x);
-        const Point g = gradient_of(above + x, here + x, below + x);
-        second.insert(second.end(), {std::abs(h.xx), std::abs(h.yy)});
-        first.insert(first.end(), {static_cast<float>(std::abs(g.x)), static_cast<float>(std::abs(g.y))});
-      }
-    }
-    ground.second.push_back(std::max(noise * level.hessian_sd,
-                                     core::kMadToSd * double{core::median_of_positive(std::move(second))}));
-    ground.first.push_back(std::max(noise * level.gradient_sd,
-                                    core::kMadToSd * double{core::median_of_positive(std::move(first))}));
-  }
-  return ground;
 }
 
 CreaseLines find_lines(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits) {

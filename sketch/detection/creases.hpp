@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "graph/patch.hpp"
+#include "sketch/detection/noise_levels.hpp"
 #include "sketch/detection/scale_space.hpp"
 
 namespace emberfold::sketch {
@@ -34,14 +35,6 @@ struct CreaseMap {
 
 /// Returns the index of a map without points.
 cv::Mat1i make_empty_index(cv::Size frame);
-
-/// Holds the SD of the second (lines) and first (steps) derivatives on structureless ground, for each level.
-struct NoiseLevels {
-  std::vector<double> second, first;
-};
-/// Measures the noise of each level. `noise`: SD of the white noise in grey levels. Ground that is textured
-/// or has correlated noise responds more than white noise; the level's own median response counts then.
-NoiseLevels measure_noise_levels(const ScaleSpace& space, double noise);
 
 /// Holds the thresholds of crease points.
 struct CreaseLimits {

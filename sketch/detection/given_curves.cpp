@@ -69,11 +69,12 @@ double contrast_as(CreaseKind kind, const CreasePoint& p, const ScaleLevel& leve
 }
 
 /// Lines' and steps' normalised responses grow with σ like σ^{3/2} and σ^{1/2}: contrast ÷ √σ in both cases.
-Reading read_curve(const Chain& chain, const ScaleSpace& space) {
+Reading read_curve(const Chain& chain, const ScaleSpace& space, bool only_steps) {
   Reading best;
   double most = -1;
   for (std::size_t k = 0; k < space.size() && space[k].channel == 0; ++k)
     for (const CreaseKind kind : {CreaseKind::ridge, CreaseKind::valley, CreaseKind::step}) {
+      if (only_steps && kind != CreaseKind::step) continue;
       double sum = 0;
       for (const CreasePoint& p : chain.points) sum += contrast_as(kind, p, space[k]);
       const double mean = sum / static_cast<double>(chain.points.size());
@@ -97,14 +98,15 @@ void turn_to_brighter(Chain& chain, const ScaleLevel& level) {
 
 }  // namespace
 
-std::vector<Chain> trace_given_curves(const cv::Mat1f& probability, const ScaleSpace& space, double begins) {
+std::vector<Chain> trace_given_curves(const cv::Mat1f& probability, const ScaleSpace& space,
+                                      GivenCurveLimits limits) {
   constexpr double kGoesOn = 0.5, kIndependent = 5, kMostNats = 7;  // of `begins`; px
-  const ScaleSpace marks = scale_space(cv::Mat1f(cv::Mat(kWhite * probability)), space.front().sigma,
-                                       static_cast<int>(space.size()));
-  std::vector<Chain> chains =
-      remove_hooks(trace_curves(find_crests(probability, marks, kGoesOn * begins), marks, {begins}));
+  const ScaleSpace marks =
+      scale_space(cv::Mat1f(cv::Mat(kWhite * probability)), space.front().sigma, limits.scales);
+  std::vector<Chain> chains = remove_hooks(
+      trace_curves(find_crests(probability, marks, kGoesOn * limits.begins), marks, {limits.begins}));
   for (Chain& chain : chains) {
-    const Reading read = read_curve(chain, space);
+    const Reading read = read_curve(chain, space, limits.only_steps);
     chain.kind = read.kind;
     if (chain.kind == CreaseKind::step) turn_to_brighter(chain, space[read.level]);
     for (CreasePoint& p : chain.points) {

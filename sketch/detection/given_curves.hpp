@@ -9,11 +9,18 @@
 
 namespace emberfold::sketch {
 
-/// Traces curves along the crests of a map of probabilities, 0…1, that come from elsewhere. A curve begins
-/// where it reaches `begins` and goes on down to half of that; crests of thick and of thin marks alike. Luma
-/// tells whether a curve is a bright line, a dark line or a step, whichever has the greatest contrast along
-/// it, and its scale. A point's evidence is −ln(1 − p) over 5 px, at most 7 nats. `space`: of the frame,
+/// Holds how given curves are read.
+struct GivenCurveLimits {
+  double begins;            ///< probability at which a curve begins
+  bool only_steps = false;  ///< else luma tells whether a curve is a bright line, a dark line or a step
+  int scales = 5;           ///< of the marks, from the frame's finest on, each √2 above the one before
+};
+
+/// Traces curves along the crests of a map of probabilities, 0…1. A curve goes on down to half of where it
+/// begins; crests of thick and of thin marks alike. What has the greatest contrast along a curve tells its
+/// kind and its scale. A point's evidence is −ln(1 − p) over 5 px, at most 7 nats. `space`: of the frame,
 /// whose size the map has. O(pixels · levels).
-std::vector<Chain> trace_given_curves(const cv::Mat1f& probability, const ScaleSpace& space, double begins);
+std::vector<Chain> trace_given_curves(const cv::Mat1f& probability, const ScaleSpace& space,
+                                      GivenCurveLimits limits);
 
 }  // namespace emberfold::sketch

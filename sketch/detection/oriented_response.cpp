@@ -234,26 +234,10 @@ cv::Mat1d blurred(const cv::Mat1d& map, double sigma) {
   return along(along(map));
 }
 
-double median_of(const cv::Mat1f& map) {
-  constexpr std::size_t kEnough = 20000;
-  const int step = 2 * static_cast<int>(0.5 * std::sqrt(static_cast<double>(map.total()) / kEnough)) + 1;
-  std::vector<float> values;
-  const auto first = [step](int size) {  // as far from its border as the last is from the other
-    int at = 0;
-    while (at + 1 < size && (size - 1 - 2 * at) % step != 0) ++at;
-    return std::min(at, std::max(0, (size - 1) / 2));
-  };
-  for (int y = first(map.rows); y < map.rows; y += step)
-    for (int x = first(map.cols); x < map.cols; x += step) values.push_back(map(y, x));
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return double{*middle};
-}
-
 // Local RMS of the responses across, of which single great ones (crossings, corners) count as three medians.
-cv::Mat1f local_ground(const cv::Mat1f& across, double least) {
+cv::Mat1f local_ground(const cv::Mat1f& across, double usual, double least) {
   const int columns = cells(across.cols), rows = cells(across.rows);
-  const double most = std::max(3 * median_of(across), least);
+  const double most = std::max(3 * usual, least);
   cv::Mat1d sum(rows, columns, 0.0), count(rows, columns, 0.0);
   // Whole numbers: their sums are the same in any order, and so in a mirrored frame.
   for (int y = 0; y < across.rows; ++y)
@@ -275,6 +259,26 @@ cv::Mat1f local_ground(const cv::Mat1f& across, double least) {
 }
 
 }  // namespace
+
+void sample_across(const cv::Mat1f& across, const FramePart& part, std::vector<float>& samples) {
+  constexpr std::size_t kEnough = 20000;
+  const auto total = static_cast<double>(part.frame.width) * part.frame.height;
+  const int step = 2 * static_cast<int>(0.5 * std::sqrt(total / kEnough)) + 1;
+  const auto first = [step](int size) {  // as far from its border as the last is from the other
+    int at = 0;
+    while (at + 1 < size && (size - 1 - 2 * at) % step != 0) ++at;
+    return std::min(at, std::max(0, (size - 1) / 2));
+  };
+  for (int y = first(part.frame.height); y < part.frame.height; y += step)
+    for (int x = first(part.frame.width); x < part.frame.width; x += step)
+      if (part.core.contains({x, y})) samples.push_back(across(y - part.origin.y, x - part.origin.x));
+}
+
+double usual_response(std::vector<float> samples) {
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  std::nth_element(samples.begin(), middle, samples.end());
+  return double{*middle};
+}
 
 void OrientedResponse::ground_row(int y, std::vector<float>& row) const {
   const auto place = [](int at, int size, int count) {  // between the middles of cells
@@ -298,7 +302,7 @@ void OrientedResponse::ground_row(int y, std::vector<float>& row) const {
 }
 
 OrientedResponse compute_oriented_response(const ScaleLevel& level, Derivative order, double along,
-                                           double noise) {
+                                           double noise, double usual) {
   OrientedResponse r;
   place_taps(r, level.sigma, along);
   const cv::Size size(level.smooth.cols - 2, level.smooth.rows - 2);
@@ -307,8 +311,8 @@ OrientedResponse compute_oriented_response(const ScaleLevel& level, Derivative o
   const Derivatives d = compute_derivatives(level, order, r.reach);
   r.negative = cv::Mat1f(size, 0.0F), r.positive = cv::Mat1f(size, 0.0F);
   r.negative_way = cv::Mat1b(size, std::uint8_t{0}), r.positive_way = cv::Mat1b(size, std::uint8_t{0});
-  cv::Mat1f across(size, 0.0F), strongest(kStrip, size.width), negative_way(kStrip, size.width),
-      positive_way(kStrip, size.width);
+  r.across = cv::Mat1f(size, 0.0F);
+  cv::Mat1f strongest(kStrip, size.width), negative_way(kStrip, size.width), positive_way(kStrip, size.width);
   Strip strip(d, r, size.width);
   for (int y0 = 0; y0 < size.height; y0 += kStrip) {
     const int rows = std::min(kStrip, size.height - y0);
@@ -318,7 +322,7 @@ OrientedResponse compute_oriented_response(const ScaleLevel& level, Derivative o
       for (int y = 0; y < rows; ++y)
         strip.raise(way, y,
                     {r.negative[y0 + y], r.positive[y0 + y], negative_way[y], positive_way[y], strongest[y],
-                     across[y0 + y]});
+                     r.across[y0 + y]});
     }
     for (int y = 0; y < rows; ++y) {
       narrow_row(negative_way[y], size.width, r.negative_way[y0 + y]);
@@ -327,7 +331,12 @@ OrientedResponse compute_oriented_response(const ScaleLevel& level, Derivative o
   }
   const double sd = order == Derivative::first ? level.gradient_sd : level.hessian_sd,
                total = std::max(along, level.sigma);
-  r.ground = local_ground(across, noise * sd * std::sqrt(level.sigma / total));
+  if (usual <= 0) {
+    std::vector<float> samples;
+    sample_across(r.across, whole_frame(size), samples);
+    usual = usual_response(std::move(samples));
+  }
+  r.ground = local_ground(r.across, usual, noise * sd * std::sqrt(level.sigma / total));
   return r;
 }
 

@@ -148,12 +148,33 @@ void visit_pixels(const OrientedResponse& response, Visit visit) {
   }
 }
 
-CreaseLines find_line_points(const ScaleSpace& space, double noise, const WeakCurveLimits& limits) {
+bool shows_lines(const ScaleLevel& level) {
+  return level.channel == 0 && level.octave >= kFirstOctave && level.octave <= kLastOctave;
+}
+
+bool shows_steps(const ScaleLevel& level) {
+  return level.channel == 0 && level.octave == kStepOctave;
+}
+
+// The frame that is searched, and what is usual in it, or in that of which it is a part.
+struct Searched {
+  const ScaleSpace& space;
+  double noise;
+  const std::vector<double>& usual;
+
+  [[nodiscard]] OrientedResponse response(std::size_t level, Derivative order) const {
+    const std::size_t at = level + (order == Derivative::first ? space.size() : 0);
+    return compute_oriented_response(space[level], order, kAlong, noise, usual.empty() ? 0 : usual[at]);
+  }
+};
+
+CreaseLines find_line_points(const Searched& frame, const WeakCurveLimits& limits) {
+  const ScaleSpace& space = frame.space;
   CreaseMapBuilder ridges(space, CreaseKind::ridge), valleys(space, CreaseKind::valley);
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
-    if (level.channel != 0 || level.octave < kFirstOctave || level.octave > kLastOctave) continue;
-    const OrientedResponse r = compute_oriented_response(level, Derivative::second, kAlong, noise);
+    if (!shows_lines(level)) continue;
+    const OrientedResponse r = frame.response(k, Derivative::second);
     const OrientedLevel of{level, r, static_cast<int>(k)};
     const double contrast = limits.contrast / line_contrast(level.sigma);
     visit_pixels(r, [&](int x, int y, double ground) {
@@ -166,12 +187,13 @@ CreaseLines find_line_points(const ScaleSpace& space, double noise, const WeakCu
   return {ridges.finish(), valleys.finish()};
 }
 
-CreaseMap find_step_points(const ScaleSpace& space, double noise, const WeakCurveLimits& limits) {
+CreaseMap find_step_points(const Searched& frame, const WeakCurveLimits& limits) {
+  const ScaleSpace& space = frame.space;
   CreaseMapBuilder steps(space, CreaseKind::step);
   for (std::size_t k = 0; k < space.size(); ++k) {
     const ScaleLevel& level = space[k];
-    if (level.channel != 0 || level.octave != kStepOctave) continue;
-    const OrientedResponse r = compute_oriented_response(level, Derivative::first, kAlong, noise);
+    if (!shows_steps(level)) continue;
+    const OrientedResponse r = frame.response(k, Derivative::first);
     const OrientedLevel of{level, r, static_cast<int>(k)};
     const double response = limits.response + kStepsMore,
                  contrast = 2 * limits.contrast / step_contrast(level.sigma);
@@ -257,8 +279,27 @@ void add_densely(const Chain& chain, std::vector<CreasePoint>& to) {
 
 }  // namespace
 
+void add_samples(const ScaleSpace& space, const FramePart& part, bool steps, ResponseSamples& samples) {
+  samples.resize(2 * space.size());
+  const auto add = [&](std::size_t level, Derivative order, std::vector<float>& to) {
+    sample_across(compute_oriented_response(space[level], order, kAlong, 0).across, part, to);
+  };
+  for (std::size_t k = 0; k < space.size(); ++k) {
+    if (shows_lines(space[k])) add(k, Derivative::second, samples[k]);
+    if (steps && shows_steps(space[k])) add(k, Derivative::first, samples[space.size() + k]);
+  }
+}
+
+std::vector<double> usual_responses(ResponseSamples samples) {
+  std::vector<double> usual;
+  for (std::vector<float>& values : samples)
+    usual.push_back(values.empty() ? 0 : usual_response(std::move(values)));
+  return usual;
+}
+
 std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const ScaleSpace& space, double noise,
-                                    const WeakCurveLimits& limits) {
+                                    const WeakCurveLimits& limits, const std::vector<double>& usual) {
+  const Searched searched{space, noise, usual};
   constexpr double kSeed = 0.6;          // SD more where a curve begins
   constexpr double kLeastOfPiece = 1.5;  // nats
   constexpr double kOfFlank = 1.3;  // more of a flank's contrast: lines with a flat core have such flanks
@@ -279,7 +320,7 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
     for (const Chain& chain : remove_hooks(trace_curves(map, space, {begins})))
       if (evidence(chain) >= limits.evidence) add_pieces(chain, same, opposite, found);
   };
-  CreaseLines lines = find_line_points(space, noise, limits);
+  CreaseLines lines = find_line_points(searched, limits);
   for (CreaseMap* map : {&lines.ridges, &lines.valleys}) {
     thin_parallel_points(*map, space);
     const bool bright = map->kind == CreaseKind::ridge;
@@ -293,7 +334,7 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
   erase_short();
   if (!limits.steps) return found;
   draw(found);
-  CreaseMap steps = find_step_points(space, noise, limits);
+  CreaseMap steps = find_step_points(searched, limits);
   remove_flanks(steps, lines_drawn, space, kOfFlank * limits.of_flank);
   thin_parallel_points(steps, space);
   trace(steps, limits.response + kStepsMore + kSeed, all, all);

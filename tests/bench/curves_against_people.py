@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scores sketches and their peers against curves that people drew.
 
-    curves_against_people.py PROGRAM FOLDER [--bright] [--edges] [--sensitivity S ...]
+    curves_against_people.py PROGRAM FOLDER [--bright] [--edges] [--boundaries [--colour]] [--sensitivity S ...]
 
 FOLDER holds N.png and N_truth.png (white curves; thinned), and if there are N_second.png (a second person) and N_where.png
 (where curves count). Such sets are DRIVE (vessels of the retina, two people), CrackForest (cracks in roads) and BSDS500
-(boundaries; --edges). PROGRAM is emberfold. Peers, in the same run: scikit-image's sato + skeletonize, with --edges
+(boundaries; --edges, --boundaries). PROGRAM is emberfold. Peers, in the same run: scikit-image's sato + skeletonize, with --edges
 OpenCV's Canny, each at its best threshold. All pictures are pooled:
 P = drawn pixels within 2 px of the truth / drawn, R = truth within 2 px of what is drawn / truth.
 Needs python3-numpy, python3-scipy, python3-skimage and python3-opencv.
@@ -37,10 +37,12 @@ def read_pictures(folder):
                "second": None if second is None else skeletonize(second > 127)}
 
 
-def sketch(program, picture, sensitivity, bright, edges, folder):
+def sketch(program, picture, sensitivity, given, folder):
     out = os.path.join(folder, os.path.basename(picture["base"]))
-    command = [program, "sketch", picture["base"] + ".png", "-o", out, "--grey", "-q", "--sensitivity", str(sensitivity)]
-    subprocess.run(command + ([] if edges else ["--no-edges"]), check=True, stdout=subprocess.DEVNULL)
+    command = [program, "sketch", picture["base"] + ".png", "-o", out, "-q", "--sensitivity", str(sensitivity)]
+    command += ["--set", "sketch.colour=true"] if given.colour else ["--grey"]
+    command += ["--set", "sketch.boundaries=true"] if given.boundaries else []
+    subprocess.run(command + ([] if given.edges else ["--no-edges"]), check=True, stdout=subprocess.DEVNULL)
     with open(os.path.join(out, "sketch.jsonl")) as lines:
         frame = json.loads(lines.read().splitlines()[1])
     at = {v["id"]: v for v in frame["vertices"]}
@@ -48,7 +50,7 @@ def sketch(program, picture, sensitivity, bright, edges, folder):
     for ids in frame["edges"]:
         ends = [at[i] for i in ids]
         is_step = any(v["width"] == 0 for v in ends)
-        if not is_step and not any((v["contrast"] > 0) == bright for v in ends):
+        if not is_step and not any((v["contrast"] > 0) == given.bright for v in ends):
             continue
         cv2.line(drawn, *[(round(v["x"]), round(v["y"])) for v in ends], 1, 1)
     return drawn > 0
@@ -72,6 +74,8 @@ def main():
     parser.add_argument("folder")
     parser.add_argument("--bright", action="store_true", help="the curves are brighter than their ground")
     parser.add_argument("--edges", action="store_true", help="steps count too")
+    parser.add_argument("--boundaries", action="store_true", help="boundaries of things in photographs are sketched")
+    parser.add_argument("--colour", action="store_true", help="colour is looked at, too")
     parser.add_argument("--sensitivity", type=float, nargs="+", default=[0, 0.25, 0.5, 0.6, 0.75, 1])
     given = parser.parse_args()
     pictures = list(read_pictures(given.folder))
@@ -80,7 +84,7 @@ def main():
     print(f"{len(pictures)} pictures")
     for sensitivity in given.sensitivity:
         with tempfile.TemporaryDirectory() as folder:
-            drawn = [sketch(given.program, p, sensitivity, given.bright, given.edges, folder) for p in pictures]
+            drawn = [sketch(given.program, p, sensitivity, given, folder) for p in pictures]
         print(score(f"emberfold --sensitivity {sensitivity:g}", [count(d, p) for d, p in zip(drawn, pictures)])[1])
     if all(p["second"] is not None for p in pictures):
         print(score("a second person", [count(p["second"], p) for p in pictures])[1])
