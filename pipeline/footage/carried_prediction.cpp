@@ -83,7 +83,8 @@ void add_moments(const Candidates& candidates, const cv::Mat& truth, std::vector
     for (std::size_t k = 0; k < kCandidates; ++k) rows[k] = candidates[k].ptr<float>(y);
     const auto* const wanted = truth.ptr<float>(y);
     for (int i = 0; i < truth.cols * channels; ++i) {
-      auto& m = cells[static_cast<std::size_t>(y / kWeightCell * across + i / channels / kWeightCell)];
+      const int cell = y / kWeightCell * across + i / channels / kWeightCell;
+      auto& m = cells[static_cast<std::size_t>(cell)];
       for (int a = 0; a < kCandidates; ++a) {
         const double left{rows[static_cast<std::size_t>(a)][i]};
         for (int b = 0; b < kCandidates; ++b) m(a, b) += left * double{rows[static_cast<std::size_t>(b)][i]};

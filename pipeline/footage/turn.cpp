@@ -113,8 +113,9 @@ cv::Mat1f turning_places(const std::vector<cv::Mat>& footage, const PlayedMoment
   cv::Mat1f best, least;
   const int from = moment.frame - moment.place, to = moment.other - moment.place;
   for (int d = 1 - moment.half; d < moment.half || d == 1 - moment.half; ++d) {
-    auto difference = local_difference(footage[static_cast<std::size_t>(from + d)],
-                                       footage[static_cast<std::size_t>(to + d)]);
+    const int before = from + d, after = to + d;
+    auto difference = local_difference(footage[static_cast<std::size_t>(before)],
+                                       footage[static_cast<std::size_t>(after)]);
     const double aside = kMiddle * cv::mean(difference)[0] * std::abs(d) / moment.half;
     difference += aside;
     if (best.empty()) {
