@@ -9,11 +9,10 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr std::uint32_t kLeastWay = 3;        // patches to each side of a place where properties are compared
-constexpr std::uint32_t kLeastWayAtKnot = 5;  // likewise where a side ends at a knot: lines blend there
-constexpr std::uint32_t kGap = 6;             // patches without a partner that may lie between two sides
-constexpr int kDetour = 4;                    // edges that the way between their partners may be longer
-constexpr int kRounds = 2;                    // of looking for each change of an arc between the others
+constexpr std::uint32_t kLeastWay = 3;  // patches to each side of a place where properties are compared
+constexpr std::uint32_t kGap = 6;       // patches without a partner that may lie between two sides
+constexpr int kDetour = 4;              // edges that the way between their partners may be longer
+constexpr int kRounds = 2;              // of looking for each change of an arc between the others
 
 /// A place between two neighbours of an arc.
 struct Change {
@@ -25,12 +24,7 @@ struct Change {
 Change strongest_change(const FrameArcs& frame, std::uint32_t arc, std::uint32_t begin, std::uint32_t end,
                         const JointScales& scales, const ArcCuts& cuts) {
   Change best;
-  const Arc& whole = frame.arcs[arc];
-  const bool from_knot = begin == 0 && whole.front_knot != kNoIndex;
-  const bool to_knot = end == whole.path.size() && whole.back_knot != kNoIndex;
-  const std::uint32_t low = from_knot ? kLeastWayAtKnot : kLeastWay,
-                      high = to_knot ? kLeastWayAtKnot : kLeastWay;
-  for (std::uint32_t k = begin + low - 1; k + high < end; ++k) {
+  for (std::uint32_t k = begin + kLeastWay - 1; k + kLeastWay < end; ++k) {
     const double evidence =
         joint_evidence(look_at_joint(frame, {.arc = arc, .index = k}, cuts), scales).total();
     if (evidence < best.evidence) best = {k, evidence};

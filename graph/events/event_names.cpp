@@ -21,7 +21,7 @@ class EndsOf {
  public:
   explicit EndsOf(const MotionGraph& motion) : motion_(motion) {}
   bool near_end(std::size_t t, std::uint32_t vertex) {
-    if (!frame_ || *frame_ != t) {
+    if (frame_ != t) {
       detail::ShortestPaths paths(motion_.sketch.frames[t]);
       near_end_ = detail::find_vertices_near_ends(motion_.sketch.frames[t], paths);
       frame_ = t;
@@ -31,7 +31,7 @@ class EndsOf {
 
  private:
   const MotionGraph& motion_;
-  std::optional<std::size_t> frame_;
+  std::size_t frame_ = ~std::size_t{0};  ///< none yet
   std::vector<bool> near_end_;
 };
 
