@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +10,8 @@
 #include "apps/builtin/open_clip.hpp"
 #include "core/io/clip_reader.hpp"
 #include "core/io/clip_writer.hpp"
+#include "graph/curves/curve_strokes.hpp"
+#include "graph/events/events.hpp"
 #include "graph/io/motion_io.hpp"
 #include "tests/apps/commands/run_command.hpp"
 #include "tests/support/catch.hpp"
@@ -107,6 +111,28 @@ TEST_CASE("analyze writes everything it names, each readable and in agreement") 
   CHECK(entries(temp / "out/matches") >= 1);
   for (const auto& entry : fs::directory_iterator(temp / "out"))
     CHECK_FALSE(contains(entry.path().filename().string(), ".part"));
+}
+
+TEST_CASE("analyze tells the events of curves where asked, and figures of the network in each frame") {
+  const TempFolder temp;
+  const auto clip = write_clip(temp / "clip", 160, 120, 12);
+  REQUIRE(run_command({"analyze", clip, "-o", (temp / "out").string(), "--bottom-up", "--curve-events", "-q",
+                       "--set", "calibrate.calibrate=0"})
+              .exit == 0);
+  std::ifstream motion_file(temp / "out/motion.jsonl"), events_file(temp / "out/events.json");
+  const auto motion = graph::read_motion(motion_file, "motion.jsonl");
+  CHECK(graph::read_events(events_file, "events.json") ==
+        graph::stroke_events(graph::curves_as_strokes(motion)));
+  const auto lines = [&](const char* name) {
+    std::ifstream file(temp / "out" / name);
+    return std::count(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>(), '\n');
+  };
+  CHECK(lines("network.csv") == 13);
+  CHECK(lines("curves.csv") > 12);
+  CHECK(lines("contacts.csv") >= 1);
+  const auto refused =
+      run_command({"analyze", clip, "-o", (temp / "no").string(), "--curve-events", "--sample"});
+  CHECK(refused.exit == 2);
 }
 
 TEST_CASE("any number of threads writes the same bytes") {
