@@ -101,6 +101,9 @@ void ExtractOptions::validate() const {
   core::check_range("ExtractOptions.spacing", spacing, 2, 100);
   core::check_range("ExtractOptions.budget", budget, 0, 1);
   core::check_range("ExtractOptions.tile", tile, 64, 16384);
+  if (boundaries && !edges)
+    throw core::InputError(
+        "ExtractOptions.boundaries is true; allowed is false without edges, as which boundaries are drawn");
 }
 
 double estimate_noise(const cv::Mat& luma) {

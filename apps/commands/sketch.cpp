@@ -58,6 +58,8 @@ SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, co
     throw Misuse("--patches learned needs a dictionary: give --learn-dictionary or --dictionary FOLDER");
   if (!asked.evidence.empty() && asked.dictionary.any())
     throw Misuse("--evidence cannot go with a dictionary: its patches are those of curves that are found");
+  if (!asked.evidence.empty() && request.extract.boundaries)
+    throw Misuse("--evidence cannot go with sketch.boundaries: either tells where the curves are");
   const int regions = request.ground.texture.regions;
   const auto& texture = request.ground.texture;
   if (regions != 0 && (regions < texture.fewest || regions > texture.most))
