@@ -11,8 +11,8 @@ from ._native import (EVENT_TYPES, PATCH_DTYPE, PATCH_TYPES, MatchOptions, Motio
                       stroke_events, trajectories)
 from .progress import Progress, reporter
 
-__all__ = ["EVENT_TYPES", "PATCH_DTYPE", "PATCH_TYPES", "MatchOptions", "MotionGraph", "SketchSequence", "events_json", "match",
-           "stroke_events", "to_networkx", "trajectories"]
+__all__ = ["EVENT_TYPES", "PATCH_DTYPE", "PATCH_TYPES", "MatchOptions", "MotionGraph", "SketchSequence", "events_json",
+           "identify_curves", "match", "stroke_events", "to_networkx", "trajectories"]
 
 
 def match(sketch: SketchSequence, *, progress: Progress = None, **options: Any) -> MotionGraph:
@@ -21,7 +21,14 @@ def match(sketch: SketchSequence, *, progress: Progress = None, **options: Any) 
         return _native.match(sketch, MatchOptions(**options), report)
 
 
+def identify_curves(motion: MotionGraph, *, progress: Progress = None) -> MotionGraph:
+    """The same graphs with the identities of their curves."""
+    with reporter(progress) as report:
+        return _native.identify_curves(motion, report)
+
+
 match.__doc__ = f"{match.__doc__}\n\n{_native.match.__doc__}"
+identify_curves.__doc__ = f"{identify_curves.__doc__}\n\n{_native.identify_curves.__doc__}"
 
 
 def to_networkx(graphs: Union[MotionGraph, SketchSequence], frame: int) -> nx.Graph:

@@ -10,6 +10,7 @@
 #include <pybind11/stl.h>
 
 #include "core/error.hpp"
+#include "graph/curves/curve_identity.hpp"
 #include "graph/io/motion_io.hpp"
 #include "graph/io/unit_tables.hpp"
 #include "graph/matching/match.hpp"
@@ -290,6 +291,14 @@ void bind_graph(py::module_& module) {
       },
       py::arg("sketch"), py::arg("options") = graph::MatchOptions{}, py::arg("progress") = py::none(),
       doc("graph::match"));
+  module.def(
+      "identify_curves",
+      [](const Motion& motion, const py::object& progress) {
+        return hold(call(progress, [&](const core::Context& context) {
+          return graph::identify_curves(*motion.graphs, context).motion;
+        }));
+      },
+      py::arg("motion"), py::arg("progress") = py::none(), doc("graph::identify_curves"));
   module.def(
       "stroke_events", [](const Motion& motion) { return event_list(graph::stroke_events(*motion.graphs)); },
       py::arg("motion"), doc("graph::stroke_events"));

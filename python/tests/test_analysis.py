@@ -101,7 +101,7 @@ def test_runs_are_values(run):
 def test_steps_give_what_analyze_gives():
     clip = bars(12)
     sketch = ef.sketch.sketch_clip(clip)
-    motion = ef.graph.match(sketch)
+    motion = ef.graph.identify_curves(ef.graph.match(sketch))
     run = ef.analyze(clip, quality="draft", bottom_up=True)
     assert motion.to_jsonl() == run.motion.to_jsonl()
     assert ef.graph.events_json(ef.graph.stroke_events(motion)) == ef.graph.events_json(run._events)
