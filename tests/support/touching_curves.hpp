@@ -107,7 +107,8 @@ struct TouchingCurves {
       }
     }
     const auto is_tip = [](const auto& ids, std::size_t k) { return k == 0 || k + 1 == ids.size(); };
-    if (least > 5) return;
+    const auto is_gone = [&](std::uint32_t v) { return std::ranges::find(gone_, v) != gone_.end(); };
+    if (least > 5 || is_gone(a[i]) || is_gone(b[j])) return;
     if (is_tip(a, i) || is_tip(b, j)) return frame.edge(std::min(a[i], b[j]), std::max(a[i], b[j]));
     const std::uint32_t kept = a[i], taken = b[j];
     if (kept == taken) return;

@@ -55,10 +55,11 @@ TEST_CASE("Curves that cross keep their names in 98 % of frames", "[graph][curve
     for (std::uint32_t k = 0; k < count; ++k) {
       // spread over half a turn, so that no two lie along each other; they pass the middle at different times
       const double angle = kPi * (k + rng.uniform(-0.2, 0.2)) / count, way = rng.uniform(-30, 30);
+      const double bend = rng.uniform(-0.002, 0.002), length = rng.uniform(90, 140),
+                   aside = rng.uniform(-20, 20);
       const graph::Point along{std::cos(angle), std::sin(angle)}, normal{-along.y, along.x};
-      curves.push_back(moving_line(graph::Point{160, 120} + normal * way + along * rng.uniform(-20, 20),
-                                   normal * (-way / 8), angle, rng.uniform(90, 140), 40, 0,
-                                   rng.uniform(-0.002, 0.002)));
+      curves.push_back(moving_line(graph::Point{160, 120} + normal * way + along * aside, normal * (-way / 8),
+                                   angle, length, 40, 0, bend));
     }
     kept.add(TouchingCurves(curves, 17, seed), count);
   }
