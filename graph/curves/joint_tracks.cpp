@@ -6,6 +6,7 @@
 #include <optional>
 #include <tuple>
 
+#include "core/math/robust.hpp"
 #include "core/parallel.hpp"
 
 namespace emberfold::graph::detail {
@@ -232,12 +233,6 @@ double apart_beyond(const ClipArcs& clip, std::size_t t, const JointSite& site, 
   return sum;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Gives each joint the odds of all frames in which it is followed.
 void sum_up(const ClipArcs& clip, const JointScales& scales, std::vector<std::vector<TimedJoint>>& joints) {
   for (std::size_t t = 0; t < joints.size(); ++t) {
@@ -273,7 +268,8 @@ void JointRecord::add(const TimedJoint& joint, double sense) {
 
 double JointRecord::odds(const JointScales& scales) const {
   const auto n = static_cast<double>(turn.size());
-  const JointLook usual{median(stronger), median(wider), median(patches), median(turn), 2 * other_kind > n};
+  const JointLook usual{core::median(stronger), core::median(wider), core::median(patches),
+                        core::median(turn), 2 * other_kind > n};
   const JointEvidence evidence = joint_evidence(usual, scales);
   const double frames = n / (1 + kDependence * (n - 1));
   return (kPriorInside * inside + kPriorAtKnot * (n - inside)) / n + evidence.properties * frames +

@@ -5,25 +5,14 @@
 #include <string>
 
 #include "core/error.hpp"
-#include "core/text/json_reader.hpp"
+#include "graph/io/table_text.hpp"
 
 namespace emberfold::graph {
 
 namespace {
 
-template <class Number>
-void add(std::string& text, Number value) {
-  if (!text.empty() && text.back() != '\n') text += ',';
-  core::append_number(text, value);
-}
-
-void add_place(std::string& text, Point place, const Units& units) {
-  if (units.um) add(text, place.x * *units.um), add(text, place.y * *units.um);
-}
-
-void write_text(std::ostream& out, const std::string& text) {
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!out.flush()) throw core::IoError("a table could not be written: the stream failed");
+void add_place(detail::TableLine& line, Point place, const Units& units) {
+  if (units.um) line.add(place.x * *units.um), line.add(place.y * *units.um);
 }
 
 }  // namespace
@@ -34,16 +23,17 @@ void write_contacts(std::ostream& out, const std::vector<CurveContact>& contacts
   if (units.um) text += ",x_um,y_um";
   text += '\n';
   for (const CurveContact& contact : contacts) {
-    add(text, contact.a.value), add(text, contact.b.value);
+    detail::TableLine line(text);
+    line.add(contact.a.value), line.add(contact.b.value);
     for (const int value : {contact.crosses ? 1 : 0, contact.first, contact.last, contact.from_start ? 1 : 0,
                             contact.to_end ? 1 : 0})
-      add(text, static_cast<std::uint32_t>(value));
-    add(text, contact.position.x), add(text, contact.position.y);
-    if (units.seconds) add(text, contact.first * *units.seconds), add(text, contact.last * *units.seconds);
-    add_place(text, contact.position, units);
-    text += '\n';
+      line.add(static_cast<std::uint32_t>(value));
+    line.add(contact.position.x), line.add(contact.position.y);
+    if (units.seconds) line.add(contact.first * *units.seconds), line.add(contact.last * *units.seconds);
+    add_place(line, contact.position, units);
+    line.end();
   }
-  write_text(out, text);
+  detail::write_table(out, text);
 }
 
 void write_named_events(std::ostream& out, std::span<const Event> events, std::span<const Contact> contacts,
@@ -57,18 +47,16 @@ void write_named_events(std::ostream& out, std::span<const Event> events, std::s
   text += '\n';
   for (std::size_t k = 0; k < events.size(); ++k) {
     const Event& event = events[k];
-    add(text, static_cast<std::uint32_t>(event.frame));
-    add(text, event.position.x), add(text, event.position.y);
-    text += ',';
-    text += name(event.type);
-    text += ',';
-    text += name(contacts[k]);
-    add(text, event.probability);
-    if (units.seconds) add(text, event.frame * *units.seconds);
-    add_place(text, event.position, units);
-    text += '\n';
+    detail::TableLine line(text);
+    line.add(static_cast<std::uint32_t>(event.frame));
+    line.add(event.position.x), line.add(event.position.y);
+    line.add_name(name(event.type)), line.add_name(name(contacts[k]));
+    line.add(event.probability);
+    if (units.seconds) line.add(event.frame * *units.seconds);
+    add_place(line, event.position, units);
+    line.end();
   }
-  write_text(out, text);
+  detail::write_table(out, text);
 }
 
 }  // namespace emberfold::graph

@@ -5,8 +5,7 @@
 #include <ostream>
 #include <string>
 
-#include "core/error.hpp"
-#include "core/text/json_reader.hpp"
+#include "graph/io/table_text.hpp"
 
 namespace emberfold::graph {
 
@@ -25,25 +24,23 @@ MeshSizes mesh_sizes(const std::vector<double>& meshes) {
 
 void add_row(std::string& text, std::uint32_t t, const NetworkFigures& f, const NetworkChanges& changes,
              const Units& units) {
-  const auto add = [&](auto value) {
-    text += ',';
-    core::append_number(text, value);
-  };
+  detail::TableLine line(text);
   const MeshSizes sizes = mesh_sizes(f.meshes);
-  core::append_number(text, t);
-  add(f.length), add(f.components), add(f.longest);
+  line.add(t);
+  line.add(f.length), line.add(f.components), line.add(f.longest);
   for (const auto count : {f.points, f.tips, f.junctions_3, f.junctions_4, f.junctions_more, f.branches,
                            f.loops, static_cast<std::uint32_t>(f.meshes.size())})
-    add(count);
-  add(sizes.mean), add(sizes.median), add(f.tortuosity);
-  for (const auto count : {changes.births, changes.deaths, changes.unions, changes.separations}) add(count);
-  if (units.seconds) add(t * *units.seconds);
+    line.add(count);
+  line.add(sizes.mean), line.add(sizes.median), line.add(f.tortuosity);
+  for (const auto count : {changes.births, changes.deaths, changes.unions, changes.separations})
+    line.add(count);
+  if (units.seconds) line.add(t * *units.seconds);
   if (units.um) {
     const double um = *units.um;
     for (const double value : {f.length * um, f.longest * um, sizes.mean * um * um, sizes.median * um * um})
-      add(value);
+      line.add(value);
   }
-  text += '\n';
+  line.end();
 }
 
 }  // namespace
@@ -59,8 +56,7 @@ void write_network(std::ostream& out, const MotionGraph& motion, const Units& un
   const auto changes = network_changes(motion);
   for (std::uint32_t t = 0; t < changes.size(); ++t)
     add_row(text, t, network_figures(motion.sketch.frames[t]), changes[t], units);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!out.flush()) throw core::IoError("a table could not be written: the stream failed");
+  detail::write_table(out, text);
 }
 
 }  // namespace emberfold::graph

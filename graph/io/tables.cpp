@@ -8,12 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.hpp"
-#include "core/text/json_reader.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "graph/events/joints.hpp"
 #include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/table_text.hpp"
 #include "graph/io/unit_tables.hpp"
 
 namespace emberfold::graph {
@@ -63,28 +62,6 @@ std::vector<Row> all_rows(const MotionGraph& motion) {
   }
   std::ranges::stable_sort(rows, {}, &Row::stroke);
   return rows;
-}
-
-/// A line of a table.
-class Line {
- public:
-  explicit Line(std::string& text) : text_(text) {}
-  template <class Number>
-  void add(Number value) {
-    if (!first_) text_ += ',';
-    first_ = false;
-    core::append_number(text_, value);
-  }
-  void end() { text_ += '\n'; }
-
- private:
-  std::string& text_;
-  bool first_ = true;
-};
-
-void write_text(std::ostream& out, const std::string& text) {
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!out.flush()) throw core::IoError("a table could not be written: the stream failed");
 }
 
 /// The slope of lengths over frames, by least squares.
@@ -170,7 +147,7 @@ void write_curves(std::ostream& out, const MotionGraph& motion, const Units& uni
   if (units.um) text += ",x_um,y_um,length_um";
   text += '\n';
   for (const auto& [row, pieces, touches] : curve_rows(motion)) {
-    Line line(text);
+    detail::TableLine line(text);
     line.add(row.stroke), line.add(row.frame);
     for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value);
     line.add(row.patches);
@@ -181,7 +158,7 @@ void write_curves(std::ostream& out, const MotionGraph& motion, const Units& uni
       for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value * *units.um);
     line.end();
   }
-  write_text(out, text);
+  detail::write_table(out, text);
 }
 
 void write_joints(std::ostream& out, const std::vector<CurveJoint>& joints, const Units& units) {
@@ -190,7 +167,7 @@ void write_joints(std::ostream& out, const std::vector<CurveJoint>& joints, cons
   if (units.um) text += ",x_um,y_um";
   text += '\n';
   for (const CurveJoint& joint : joints) {
-    Line line(text);
+    detail::TableLine line(text);
     line.add(static_cast<std::uint32_t>(joint.frame));
     line.add(joint.position.x), line.add(joint.position.y);
     line.add(joint.a.value), line.add(joint.b.value);
@@ -199,7 +176,7 @@ void write_joints(std::ostream& out, const std::vector<CurveJoint>& joints, cons
     if (units.um) line.add(joint.position.x * *units.um), line.add(joint.position.y * *units.um);
     line.end();
   }
-  write_text(out, text);
+  detail::write_table(out, text);
 }
 
 void write_strokes(std::ostream& out, const MotionGraph& motion) {
@@ -212,7 +189,7 @@ void write_strokes(std::ostream& out, const MotionGraph& motion, const Units& un
   if (units.um) text += ",x_um,y_um,length_um";
   text += '\n';
   for (const Row& row : all_rows(motion)) {
-    Line line(text);
+    detail::TableLine line(text);
     line.add(row.stroke), line.add(row.frame);
     for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value);
     line.add(row.patches);
@@ -223,7 +200,7 @@ void write_strokes(std::ostream& out, const MotionGraph& motion, const Units& un
       for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value * *units.um);
     line.end();
   }
-  write_text(out, text);
+  detail::write_table(out, text);
 }
 
 std::vector<StrokeLife> stroke_lives(const MotionGraph& motion) {
@@ -246,7 +223,7 @@ void write_lives(std::ostream& out, const std::vector<StrokeLife>& lives, const 
   if (both) text += ",growth_um_s,speed_um_s";
   text += '\n';
   for (const StrokeLife& life : lives) {
-    Line line(text);
+    detail::TableLine line(text);
     line.add(life.stroke);
     for (const int value : {life.first, life.last, life.frames(), life.whole ? 1 : 0})
       line.add(static_cast<std::uint32_t>(value));
@@ -257,7 +234,7 @@ void write_lives(std::ostream& out, const std::vector<StrokeLife>& lives, const 
       for (const double value : {life.growth, life.speed}) line.add(value * *units.um / *units.seconds);
     line.end();
   }
-  write_text(out, text);
+  detail::write_table(out, text);
 }
 
 }  // namespace emberfold::graph

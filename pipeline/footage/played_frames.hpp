@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -33,9 +34,16 @@ class PlayedFrames {
     PlayedMoment shown;
     cv::Mat frame, motion;
   };
+  using Turn = std::tuple<int, int, int>;  // the frames of both runs at its middle, and its half
+  [[nodiscard]] static Turn turn_of(const PlayedMoment& shown) {
+    return {shown.frame - shown.place, shown.other - shown.place, shown.half};
+  }
+  void find_turning_places(const std::vector<Moment*>& moments, const core::Context& context);
+
   std::shared_ptr<const std::vector<cv::Mat>> footage_;
   PlayOrder order_;
   std::map<std::int64_t, Moment> moments_;
+  std::map<Turn, cv::Mat1f> turning_places_;  // of the moments drawn last
 };
 
 }  // namespace emberfold::pipeline

@@ -112,10 +112,10 @@ cv::Mat draw_between(const cv::Mat& a, const cv::Mat& b, double share) {
 cv::Mat1f turning_places(const std::vector<cv::Mat>& footage, const PlayedMoment& moment) {
   cv::Mat1f best, least;
   const int from = moment.frame - moment.place, to = moment.other - moment.place;
-  for (int d = 1 - moment.half; d < moment.half || d == 1 - moment.half; ++d) {
+  for (int d = 1 - moment.half; d < moment.half; ++d) {
     const int before = from + d, after = to + d;
-    auto difference = local_difference(footage[static_cast<std::size_t>(before)],
-                                       footage[static_cast<std::size_t>(after)]);
+    auto difference =
+        local_difference(footage[static_cast<std::size_t>(before)], footage[static_cast<std::size_t>(after)]);
     const double aside = kMiddle * cv::mean(difference)[0] * std::abs(d) / moment.half;
     difference += aside;
     if (best.empty()) {
