@@ -14,6 +14,7 @@
 #include "dytex/measures/ssim.hpp"
 #include "pipeline/comparison/clip_measures.hpp"
 #include "pipeline/comparison/compared_models.hpp"
+#include "pipeline/mean_image.hpp"
 
 namespace emberfold::pipeline {
 
@@ -40,20 +41,6 @@ FrameError frame_error(const cv::Mat& made, const cv::Mat& truth) {
   const cv::Mat levels = round_to_bytes(made);
   return {dytex::mean_square_error(levels, truth),
           dytex::structural_similarity(core::luma(levels), core::luma(truth))};
-}
-
-cv::Mat mean_image(core::FrameSource& source, int frames, const core::Context& context) {
-  core::ClipRange first_part(source, 0, frames);
-  cv::Mat sum, mean;
-  for (cv::Mat frame = first_part.next(); !frame.empty(); frame = first_part.next()) {
-    context.check();
-    cv::Mat levels;
-    core::to_levels(frame, source.info()).convertTo(levels, CV_64F);
-    sum = sum.empty() ? levels : cv::Mat(sum + levels);
-  }
-  sum /= frames;
-  sum.convertTo(mean, CV_32F);
-  return mean;
 }
 
 // Returns the models, and before them two methods that need none.
@@ -153,7 +140,8 @@ std::vector<int> prediction_steps(int most) {
 PredictionMeasures measure_prediction(core::FrameSource& source, int first, int frames,
                                       std::span<const int> steps, std::span<const ComparedModel> models,
                                       const core::Context& context) {
-  const auto methods = add_baselines(mean_image(source, first, context), models);
+  core::ClipRange first_part(source, 0, first);
+  const auto methods = add_baselines(mean_image(first_part, context).levels, models);
   // A frame is predicted from the one before it.
   const int count = std::min(kMostStarts, frames - first);
   const auto start_frame = [&](int i) {

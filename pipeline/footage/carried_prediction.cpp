@@ -13,6 +13,7 @@
 #include "core/math/cell_grid.hpp"
 #include "core/parallel.hpp"
 #include "pipeline/footage/turn.hpp"
+#include "pipeline/mean_image.hpp"
 
 namespace emberfold::pipeline {
 
@@ -59,20 +60,6 @@ Candidates make_candidates(const cv::Mat& before, const cv::Mat& newest, const c
   cv::Mat smooth;
   cv::GaussianBlur(carried, smooth, {}, kSmooth);
   return {cv::Mat(carried - mean), cv::Mat(smooth - mean), cv::Mat(newest - mean), cv::Mat(before - mean)};
-}
-
-cv::Mat clip_mean(core::FrameSource& source, const core::Context& context, int& frames) {
-  cv::Mat sum, mean;
-  frames = 0;
-  source.rewind();
-  for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next(), ++frames) {
-    context.check();
-    cv::Mat levels;
-    core::to_levels(frame, source.info()).convertTo(levels, CV_64F);
-    sum = sum.empty() ? levels : cv::Mat(sum + levels);
-  }
-  if (frames > 0) cv::Mat(sum / frames).convertTo(mean, CV_32F);
-  return mean;
 }
 
 /// Adds the products of the candidates with each other and with the truth, by cells.
@@ -130,8 +117,8 @@ double CarriedPrediction::parameters() const {
 
 CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<const int> steps,
                                            const core::Context& context) {
-  int frames = 0;
-  CarriedPrediction model{{steps.begin(), steps.end()}, clip_mean(source, context, frames), {}};
+  const auto [mean, frames] = mean_image(source, context);
+  CarriedPrediction model{{steps.begin(), steps.end()}, mean, {}};
   const int most = frames - 2;  // the first start has a frame before it, the last one a frame behind
   if (steps.empty() || most < 1)
     throw core::InputError("a clip of " + std::to_string(frames) + " frames shows no motion to predict by");

@@ -7,8 +7,6 @@
 
 #include <opencv2/core.hpp>
 
-#include "pipeline/footage/motion_scale.hpp"
-
 namespace emberfold::pipeline {
 
 namespace {
@@ -31,9 +29,9 @@ int count_same(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-CopiedShare::CopiedShare(const std::vector<cv::Mat>& footage) {
+CopiedShare::CopiedShare(const std::vector<cv::Mat>& footage, const cv::Mat1b& moves) {
   std::vector<cv::Point> moving;
-  cv::findNonZero(moving_pixels(footage), moving);
+  cv::findNonZero(moves, moving);
   const std::size_t stride = moving.size() / kMostPixels + 1;
   for (std::size_t i = 0; i < moving.size(); i += stride) pixels_.push_back(moving[i]);
   for (const auto& frame : footage) footage_.push_back(picked(frame));

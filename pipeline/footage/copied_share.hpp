@@ -11,8 +11,9 @@ namespace emberfold::pipeline {
 /// Measures how much of new frames is copied from single frames of a footage.
 class CopiedShare {
  public:
-  /// Looks at up to 4096 pixels that move, evenly spread. `footage`: CV_8U, of one size.
-  explicit CopiedShare(const std::vector<cv::Mat>& footage);
+  /// Looks at up to 4096 pixels that move, evenly spread. `footage`: CV_8U, of one size; `moves`: its
+  /// moving_pixels.
+  CopiedShare(const std::vector<cv::Mat>& footage, const cv::Mat1b& moves);
 
   /// Adds a new frame. O(frames of the footage).
   void add(const cv::Mat& frame);

@@ -12,7 +12,6 @@
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "pipeline/footage/motion_scale.hpp"
 
 namespace emberfold::pipeline {
 
@@ -44,9 +43,8 @@ std::shared_ptr<const std::vector<cv::Mat>> in_playing_order(std::vector<cv::Mat
 }
 
 TimeFront make_front(const std::vector<cv::Mat>& footage, const FootageSynthesisOptions& options,
-                     const core::Context& context) {
+                     const MotionScale& scale) {
   const double range = kRange * std::min(footage.front().cols, footage.front().rows);
-  const auto scale = measure_motion_scale(footage, context);
   const double known = std::clamp((kUnknown - scale.between_error) / (kUnknown - kKnown), 0.0, 1.0);
   const double slope = known * kStretch / std::max(kLeastMotion, scale.speed);
   const double amplitude =
@@ -139,9 +137,10 @@ FootageSynthesis::FootageSynthesis(std::vector<cv::Mat> footage, const FootageSy
                                    const core::Context& context)
     : footage_(in_playing_order(std::move(footage), options)),
       options_(options),
-      front_(make_front(*footage_, options, context)),
+      scale_(measure_motion_scale(*footage_, context)),
+      front_(make_front(*footage_, options, scale_)),
       played_(footage_, PlayOrder(compare_moments(*footage_, context), options.seed, played_loop(options))),
-      copied_(*footage_) {}
+      copied_(*footage_, scale_.moves) {}
 
 double FootageSynthesis::time(std::int64_t frame) const {
   const double step =

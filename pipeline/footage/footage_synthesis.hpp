@@ -11,6 +11,7 @@
 
 #include "core/context.hpp"
 #include "pipeline/footage/copied_share.hpp"
+#include "pipeline/footage/motion_scale.hpp"
 #include "pipeline/footage/played_frames.hpp"
 #include "pipeline/footage/time_front.hpp"
 
@@ -53,6 +54,7 @@ class FootageSynthesis {
 
   std::shared_ptr<const std::vector<cv::Mat>> footage_;
   FootageSynthesisOptions options_;
+  MotionScale scale_;
   TimeFront front_;
   PlayedFrames played_;
   CopiedShare copied_;

@@ -48,8 +48,8 @@ cv::Mat1b moving_pixels(const std::vector<cv::Mat>& footage) {
 }
 
 MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core::Context& context) {
-  const cv::Mat1b moves = moving_pixels(footage);
-  if (cv::countNonZero(moves) == 0) return {};
+  MotionScale scale{moving_pixels(footage)};
+  if (cv::countNonZero(scale.moves) == 0) return scale;
   const std::size_t places = std::min(kPlaces, footage.size() - 1);
   std::vector<std::vector<float>> speeds(places);
   std::vector<double> errors(places), changes(places);
@@ -57,7 +57,7 @@ MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core
     const std::size_t t = i * (footage.size() - 1) / places;
     const cv::Mat motion = footage_motion(footage[t], footage[t + 1]);
     cv::Mat1b where;
-    cv::resize(moves, where, motion.size(), 0, 0, cv::INTER_NEAREST);
+    cv::resize(scale.moves, where, motion.size(), 0, 0, cv::INTER_NEAREST);
     for (int y = 0; y < motion.rows; ++y)
       for (int x = 0; x < motion.cols; ++x)
         if (where(y, x) != 0) speeds[i].push_back(static_cast<float>(cv::norm(motion.at<cv::Vec2f>(y, x))));
@@ -66,7 +66,6 @@ MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core
     errors[i] = cv::norm(between, footage[t + 1], cv::NORM_L1);
     changes[i] = cv::norm(footage[t], footage[t + 1], cv::NORM_L1);
   });
-  MotionScale scale;
   std::vector<float> all;
   for (const auto& some : speeds) all.insert(all.end(), some.begin(), some.end());
   if (all.empty()) return scale;

@@ -11,6 +11,7 @@ namespace emberfold::pipeline {
 
 /// Holds how fast a footage moves, and how well its motion explains it.
 struct MotionScale {
+  cv::Mat1b moves;   ///< moving_pixels of the footage
   double speed = 0;  ///< px a frame: upper quartile where pixels change
   /// Mean error of frames drawn half way between their neighbours, over the mean difference to the frame
   /// before; 0…1 and more, 0 without motion.
