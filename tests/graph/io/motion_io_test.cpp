@@ -8,9 +8,9 @@
 #include "core/error.hpp"
 #include "graph/curves/curve_identity.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/clock.hpp"
 #include "tests/support/graphs.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/sanitizer.hpp"
 
 using namespace emberfold;
 using test::contains;
