@@ -2,16 +2,15 @@
 #include "pipeline/analyze.hpp"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <utility>
 
 #include "core/error.hpp"
 #include "graph/curves/curve_strokes.hpp"
-#include "graph/matching/time_reversal.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
 #include "pipeline/frame_synthesis.hpp"
+#include "pipeline/inference/clip_readings.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "sketch/background/static_pixels.hpp"
 #include "sketch/rendering/sharpening.hpp"
@@ -60,12 +59,8 @@ std::vector<graph::Event> find_events(core::FrameSource& source, const graph::Sk
   const bool of_curves = options.curve_events;
   auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
   if (options.bottom_up) return graph::stroke_events(read);
-  // Matched backwards, velocities that are carried on decide otherwise where the match is in doubt.
-  auto backwards = graph::reverse_time(
-      graph::match(graph::reverse_time(sketch), options.match, context.with_progress({})));
-  if (of_curves)
-    backwards = graph::curves_as_strokes(graph::identify_curves(std::move(backwards), context).motion);
-  return event_posterior(source, std::array{std::move(read), std::move(backwards)}, context);
+  return event_posterior(source, match_readings(sketch, std::move(read), options.match, of_curves, context),
+                         context);
 }
 
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.

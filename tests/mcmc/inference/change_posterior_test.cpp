@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
@@ -113,22 +114,54 @@ TEST_CASE("Beyond the frames that can be followed, absence does not count", "[ch
   CHECK(mcmc::log_change_factor(series) > lost);
 }
 
+TEST_CASE("Each kind of evidence moves the odds of a change its own way", "[change]") {
+  mcmc::ChangeEvidence usual;
+  usual.log_factor = 5, usual.agreement = 0.5, usual.since = 5, usual.until = 8;
+  for (const bool of_stroke : {true, false}) {
+    usual.of_stroke = of_stroke;
+    const double odds = mcmc::change_log_odds(usual);
+    const auto with = [&](auto change) {
+      mcmc::ChangeEvidence evidence = usual;
+      change(evidence);
+      return mcmc::change_log_odds(evidence);
+    };
+    CHECK(with([](auto& e) { e.log_factor = 10; }) > odds);
+    CHECK(with([](auto& e) { e.agreement = 1; }) > odds);
+    CHECK(with([](auto& e) { e.agreement = 0.25; }) < odds);
+    CHECK(with([](auto& e) { e.since = 2; }) < odds);
+    CHECK(with([](auto& e) { e.until = 2; }) < odds);
+    // Time has no sense here, and what is long enough ago does not count.
+    CHECK(with([](auto& e) { std::swap(e.since, e.until); }) == odds);
+    CHECK(with([](auto& e) { e.since = 12, e.until = 12; }) ==
+          with([](auto& e) { e.since = 1e9, e.until = 1e9; }));
+  }
+}
+
 TEST_CASE("The share of true changes is learned from all of a clip", "[change]") {
-  // As many factors on each side as the share says, all of one size.
-  for (const double share : {0.05, 0.5, 0.95}) {
-    std::vector<double> factors;
-    for (int i = 0; i < 1000; ++i) factors.push_back(i < 1000 * share ? 3 : -3);
-    const double found = mcmc::estimate_change_share(factors);
+  // Log odds of a model that holds for the usual share; here another share of the changes is true.
+  const auto logistic = [](double x) { return 1 / (1 + std::exp(-x)); };
+  const double usual = std::log(0.12 / 0.88);
+  for (const double share : {0.02, 0.12, 0.5, 0.9}) {
+    std::vector<double> odds;
+    for (int i = 0; i < 4000; ++i) odds.push_back((i < 4000 * share ? 4 : -4) + usual);
+    const double found = mcmc::estimate_change_share(odds);
     INFO("share " << share << ", found " << found);
-    CHECK(std::abs(found - share) < 0.06);
-    const auto p = mcmc::change_probabilities(factors);
-    for (std::size_t i = 0; i < p.size(); i += 100) {
-      const double odds = std::exp(0.3 * factors[i]) * found / (1 - found);
-      CHECK_THAT(p[i], WithinAbs(odds / (1 + odds), 1e-12));
+    // The fixed point, by bisection.
+    double low = 1e-6, high = 1 - 1e-6;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (low + high), shift = std::log(middle / (1 - middle)) - usual;
+      double sum = 0.5;
+      for (const double o : odds) sum += logistic(std::clamp(o, -4.0, 4.0) + shift);
+      (sum / 4001 > middle ? low : high) = middle;
     }
+    CHECK_THAT(found, WithinAbs(low, 1e-6));
+    CHECK(std::abs(found - share) < 0.03 + 0.1 * share);
+    const auto p = mcmc::change_probabilities(odds);
+    const double shift = 0.6 * std::clamp(std::log(found / (1 - found)) - usual, -4.0, 4.0);
+    for (std::size_t i = 0; i < p.size(); i += 400)
+      CHECK_THAT(p[i], WithinAbs(logistic(odds[i] + shift), 1e-12));
   }
   CHECK(mcmc::change_probabilities({}).empty());
-  CHECK(mcmc::change_probabilities(std::vector{0.0}).at(0) == 0.5);
 }
 
 TEST_CASE("Series that make no sense are refused", "[change]") {
