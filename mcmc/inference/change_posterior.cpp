@@ -14,16 +14,15 @@ namespace emberfold::mcmc {
 namespace {
 
 namespace tuning {
-constexpr double kSpread = 0.25;          // SD of an amplitude about 1 or 0
-constexpr double kImageSpread = 0.2;      // its part that does not scale with the level
-constexpr double kOutlier = 0.05;         // share of amplitudes that may be anything
-constexpr double kOutlierRange = 3;       // of amplitudes
-constexpr double kPerMeasurement = 0.7;   // neighbouring patches are not independent
-constexpr double kMostOfFrame = 6;        // nats that one frame counts
-constexpr double kOfReading = 0.1;        // nats a frame for what the graphs say
-constexpr double kSwitch = 0.02;          // prior probability of a change, a frame
-constexpr std::size_t kTolerance = 2;     // frames
-constexpr double kMostFactor = 40 / 3.0;  // nats
+constexpr double kSpread = 0.25;         // SD of an amplitude about 1 or 0
+constexpr double kImageSpread = 0.2;     // its part that does not scale with the level
+constexpr double kOutlier = 0.05;        // share of amplitudes that may be anything
+constexpr double kOutlierRange = 3;      // of amplitudes
+constexpr double kPerMeasurement = 0.7;  // neighbouring patches are not independent
+constexpr double kMostOfFrame = 6;       // nats that one frame counts
+constexpr double kOfReading = 0.1;       // nats a frame for what the graphs say
+constexpr double kSwitch = 0.02;         // prior probability of a change, a frame
+constexpr std::size_t kTolerance = 2;    // frames
 
 // Weights of the log-linear model, fitted by tests/bench/fit_event_weights.py (docs/method/events.md).
 constexpr double kIntercept = -8.78;
@@ -33,7 +32,7 @@ constexpr double kShortSide = 1.10, kLongSide = 0.85;  // of a logarithm of fram
 constexpr double kAgreement = 4.20;
 constexpr double kLongEnough = 12;    // frames
 constexpr double kUsualShare = 0.12;  // of true changes among those that the weights were fitted to
-constexpr double kShareWeight = 0.6;  // of a clip's own share, on the scale of log odds
+constexpr double kShareWeight = 0.5;  // of a clip's own share, on the scale of log odds
 constexpr double kMostLogOdds = 4;    // of one change, in the estimate of the share
 constexpr double kMostShift = 4;      // of log odds by the share
 constexpr double kPseudo = 0.5;       // true and false changes that are counted beforehand, each
@@ -125,7 +124,7 @@ double log_change_factor(const ChangeSeries& series) {
   const std::vector<double> nothing(count, 0.0);
   const double posterior = change_probability(frame_evidence(series), series.appears, first, last);
   const double prior = change_probability(nothing, series.appears, first, last);
-  return std::clamp(log_odds(posterior) - log_odds(prior), -tuning::kMostFactor, tuning::kMostFactor);
+  return std::clamp(log_odds(posterior) - log_odds(prior), -kMostChangeFactor, kMostChangeFactor);
 }
 
 double change_log_odds(const ChangeEvidence& evidence) {
@@ -137,24 +136,27 @@ double change_log_odds(const ChangeEvidence& evidence) {
          kLongSide * log_frames(std::max(evidence.since, evidence.until)) + kAgreement * evidence.agreement;
 }
 
-double estimate_change_share(std::span<const double> log_odds) {
+double estimate_change_share(std::span<const ChangeEvidence> changes) {
   constexpr int kIterations = 200;
+  std::vector<double> certain;
+  for (const ChangeEvidence& change : changes)
+    if (change.agreement >= 1)
+      certain.push_back(std::clamp(change_log_odds(change), -tuning::kMostLogOdds, tuning::kMostLogOdds));
   double share = tuning::kUsualShare;
   for (int i = 0; i < kIterations; ++i) {
     const double shift = share_shift(share);
     double sum = tuning::kPseudo;
-    for (const double odds : log_odds)
-      sum += logistic(std::clamp(odds, -tuning::kMostLogOdds, tuning::kMostLogOdds) + shift);
-    share = sum / (static_cast<double>(log_odds.size()) + 2 * tuning::kPseudo);
+    for (const double odds : certain) sum += logistic(odds + shift);
+    share = sum / (static_cast<double>(certain.size()) + 2 * tuning::kPseudo);
   }
   return share;
 }
 
-std::vector<double> change_probabilities(std::span<const double> log_odds) {
-  const double shift = tuning::kShareWeight * std::clamp(share_shift(estimate_change_share(log_odds)),
+std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes) {
+  const double shift = tuning::kShareWeight * std::clamp(share_shift(estimate_change_share(changes)),
                                                          -tuning::kMostShift, tuning::kMostShift);
   std::vector<double> result;
-  for (const double odds : log_odds) result.push_back(logistic(odds + shift));
+  for (const ChangeEvidence& change : changes) result.push_back(logistic(change_log_odds(change) + shift));
   return result;
 }
 

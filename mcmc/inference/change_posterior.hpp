@@ -21,13 +21,16 @@ struct ChangeSeries {
   std::size_t followed = 0;  ///< 0: in all frames
 };
 
+/// Largest log_change_factor(), nats.
+inline constexpr double kMostChangeFactor = 40 / 3.0;
+
 /// Returns the logarithm of the Bayes factor of a change near the one read from the graphs against none.
 ///
 /// The patches are on or off in every frame, a two-state Markov chain. An amplitude is normal about 1 or 0,
 /// or, once in 20 times, anything. Compared are the posterior odds of a change in the right sense within 2
 /// frames of `at` and the prior odds of it; forward and backward sums are exact (Baum, Petrie, Soules & Weiss
-/// 1970). At most ±40/3 nats. Throws core::InputError for an amplitude that is not finite or an `at` out of
-/// range. O(frames).
+/// 1970). At most ±kMostChangeFactor. Throws core::InputError for an amplitude that is not finite or an `at`
+/// out of range. O(frames).
 double log_change_factor(const ChangeSeries& series);
 
 /// Holds all that speaks for one change of a clip's graphs.
@@ -39,19 +42,19 @@ struct ChangeEvidence {
   double since = 1e9, until = 1e9;
 };
 
-/// Returns the log odds of a change in a clip in which as many of those read are true as usual.
+/// Returns the log odds of a change in a clip in which the usual share of those read is true.
 /// A log-linear model (logistic regression) whose weights were fitted to made clips with known events and to
 /// real pictures that stand still or sway (docs/method/events.md).
 double change_log_odds(const ChangeEvidence& evidence);
 
-/// Estimates the share of true changes among all that were read from a clip, from their log odds.
+/// Estimates the share of true changes among those that all readings of a clip have.
 /// The fixed point of Saerens, Latinne & Decaestecker (2002): the odds are corrected for the share, which is
 /// the mean of the probabilities. O(changes · iterations).
-double estimate_change_share(std::span<const double> log_odds);
+double estimate_change_share(std::span<const ChangeEvidence> changes);
 
 /// Computes the probability of each change of a clip, from its log odds and the share of true ones.
 /// In a clip in which nothing happens a change is believed on more evidence than in one full of events.
 /// O(changes · iterations).
-std::vector<double> change_probabilities(std::span<const double> log_odds);
+std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes);
 
 }  // namespace emberfold::mcmc

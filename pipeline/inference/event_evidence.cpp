@@ -31,6 +31,7 @@ constexpr std::size_t kFollowed = 3;  // frames in which what joins two strokes 
 constexpr int kSameFrames = 2;        // between two readings of one event
 constexpr double kSamePlace = 10;     // px
 constexpr double kSameJoint = 15;     // px between opposite events of one place
+constexpr double kLeastLogOdds = -4;  // that the images at their best would have to reach
 constexpr std::size_t kWeakest = 3;   // one in so many patches of a joint decides whether it is open
 
 using graph::detail::Family;
@@ -65,9 +66,9 @@ double level_beside(const mcmc::ChangeSeries& series) {
   return std::max(kLeastLevel, levels[levels.size() / 2]);
 }
 
-/// Measures what the images show of an event whose frames are all in the window.
-mcmc::ChangeEvidence measure_event(const graph::TracedEvent& traced, const MotionIndex& motion,
-                                   const FrameWindow& window, int frames) {
+/// Returns the log Bayes factor of an event whose frames are all in the window.
+double measure_factor(const graph::TracedEvent& traced, const MotionIndex& motion, const FrameWindow& window,
+                      int frames) {
   const graph::Event& event = traced.event;
   const bool of_stroke = is_of_stroke(event.type);
   const int first = std::max(0, event.frame - kReach), last = std::min(frames - 1, event.frame + kReach - 1);
@@ -85,72 +86,25 @@ mcmc::ChangeEvidence measure_event(const graph::TracedEvent& traced, const Motio
     series.amplitude.push_back(most);
   }
   series.level = level_beside(series);
-  mcmc::ChangeEvidence evidence;
-  evidence.of_stroke = of_stroke;
-  evidence.log_factor = mcmc::log_change_factor(series);
-  return evidence;
+  return mcmc::log_change_factor(series);
 }
 
-/// The events of one motion graph, measured in order of their frames.
-class Reading {
- public:
+/// One motion graph of the clip, its events, and where its patches are.
+struct Reading {
   explicit Reading(const graph::MotionGraph& motion)
-      : index_(motion), frames_(static_cast<int>(motion.sketch.frames.size())) {
-    traced_ = graph::trace_stroke_events(motion);
-    events_.resize(traced_.size());
-    for (std::size_t i = 0; i < traced_.size(); ++i) events_[i].event = traced_[i].event;
-  }
-  /// Measures all events whose frames come before `end` and are in the window.
-  void measure(const FrameWindow& window, int end, const core::Context& context) {
-    std::size_t ready = done_;
-    while (ready < traced_.size() && std::min(frames_, traced_[ready].event.frame + kReach) <= end) ++ready;
-    core::parallel_for(ready - done_, context, [&](std::size_t k) {
-      events_[done_ + k].evidence = measure_event(traced_[done_ + k], index_, window, frames_);
-    });
-    done_ = ready;
-  }
-  [[nodiscard]] const std::vector<WeighedEvent>& events() const { return events_; }
-
- private:
-  MotionIndex index_;
-  int frames_;
-  std::vector<graph::TracedEvent> traced_;
-  std::vector<WeighedEvent> events_;
-  std::size_t done_ = 0;
+      : index(motion), traced(graph::trace_stroke_events(motion)) {}
+  MotionIndex index;
+  std::vector<graph::TracedEvent> traced;
 };
 
-/// Measures the events of all readings while the clip is read once.
-void measure_readings(core::FrameSource& source, std::span<Reading> readings, std::size_t frames,
-                      const core::Context& context) {
-  FrameWindow window;
-  const auto measure = [&](int end) {
-    window.prepare(context);
-    for (Reading& reading : readings) reading.measure(window, end, context);
-    window.drop_before(end - 2 * kReach);
-  };
-  const auto& info = source.info();
-  const int batch = static_cast<int>(core::frames_at_once(info.width, info.height, info.channels));
-  const int read = core::stream_frames(
-      source, "events", frames, context,
-      [&](int, const cv::Mat& frame) { return core::to_levels(frame, info); },
-      [&](int t, cv::Mat levels) {
-        window.push(std::move(levels));
-        if ((t + 1) % batch == 0) measure(t + 1);
-      });
-  if (static_cast<std::size_t>(read) != frames)
-    throw core::InputError("events: the clip has " + std::to_string(read) + " frames, its graphs " +
-                           std::to_string(frames));
-  measure(read);
-}
-
-/// An event of any reading, and in how many readings it was found.
-struct Pooled {
+/// An event of some readings: for each of these its number and that of the event in it.
+struct PooledEvent {
   WeighedEvent weighed;
-  int readings = 1;
+  std::vector<std::pair<std::size_t, std::size_t>> members;
 };
 
-/// Adds the events of another reading. One that was there already is kept once, with the smaller factor.
-void add_events(const std::vector<WeighedEvent>& others, bool names_strokes, std::vector<Pooled>& events) {
+/// Adds the events of a reading. One that was there already is kept once.
+void add_events(const Reading& reading, std::size_t number, std::vector<PooledEvent>& events) {
   struct Pair {
     double apart = 0;
     std::size_t known = 0, other = 0;
@@ -158,29 +112,28 @@ void add_events(const std::vector<WeighedEvent>& others, bool names_strokes, std
   };
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < events.size(); ++i)
-    for (std::size_t k = 0; k < others.size(); ++k) {
-      const graph::Event &a = events[i].weighed.event, &b = others[k].event;
-      if (graph::detail::family(a.type) != graph::detail::family(b.type) ||
-          std::abs(a.frame - b.frame) > kSameFrames)
+    for (std::size_t k = 0; k < reading.traced.size(); ++k) {
+      const graph::Event &a = events[i].weighed.event, &b = reading.traced[k].event;
+      if (std::abs(a.frame - b.frame) > kSameFrames ||
+          graph::detail::family(a.type) != graph::detail::family(b.type))
         continue;
       const double apart = distance(a.position, b.position);
       if (apart <= kSamePlace) pairs.push_back({apart, i, k});
     }
   std::ranges::sort(pairs);
-  std::vector<bool> is_taken(events.size(), false), is_known(others.size(), false);
+  std::vector<bool> is_taken(events.size(), false), is_known(reading.traced.size(), false);
   for (const Pair& pair : pairs) {
     if (is_taken[pair.known] || is_known[pair.other]) continue;
     is_taken[pair.known] = is_known[pair.other] = true;
-    auto& known = events[pair.known].weighed.evidence;
-    const auto& other = others[pair.other].evidence;
-    known.log_factor = std::min(known.log_factor, other.log_factor);
-    events[pair.known].readings += 1;
+    events[pair.known].members.emplace_back(number, pair.other);
   }
-  for (std::size_t k = 0; k < others.size(); ++k) {
+  for (std::size_t k = 0; k < is_known.size(); ++k) {
     if (is_known[k]) continue;
-    events.push_back({others[k]});
-    auto& event = events.back().weighed.event;
-    if (!names_strokes) event.before.clear(), event.after.clear();
+    PooledEvent& added = events.emplace_back();
+    added.weighed.event = reading.traced[k].event;
+    added.weighed.evidence.of_stroke = is_of_stroke(added.weighed.event.type);
+    added.members.emplace_back(number, k);
+    if (number > 0) added.weighed.event.before.clear(), added.weighed.event.after.clear();
   }
 }
 
@@ -203,14 +156,72 @@ void find_opposites(WeighedEvent& weighed, std::span<const Reading> readings) {
   const graph::Event& event = weighed.event;
   const Family sought = opposite(graph::detail::family(event.type));
   for (const Reading& reading : readings)
-    for (const WeighedEvent& other : reading.events()) {
-      if (graph::detail::family(other.event.type) != sought || other.event.frame == event.frame ||
-          distance(other.event.position, event.position) > kSameJoint)
+    for (const graph::TracedEvent& traced : reading.traced) {
+      const graph::Event& other = traced.event;
+      if (graph::detail::family(other.type) != sought || other.frame == event.frame ||
+          distance(other.position, event.position) > kSameJoint)
         continue;
-      const double frames = std::abs(other.event.frame - event.frame);
-      double& side = other.event.frame < event.frame ? weighed.evidence.since : weighed.evidence.until;
-      side = std::min(side, frames);
+      double& side = other.frame < event.frame ? weighed.evidence.since : weighed.evidence.until;
+      side = std::min(side, static_cast<double>(std::abs(other.frame - event.frame)));
     }
+}
+
+/// One measurement: of an event in one of its readings.
+struct Measurement {
+  int frame = 0;
+  std::size_t pooled = 0, reading = 0, event = 0;
+  double log_factor = 0;
+};
+
+/// Lists what has to be measured, in order of the frames: each event in the steadied readings that have it,
+/// otherwise in the others. Events that no image could make likely are left out.
+std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
+                                           std::span<const Reading> readings, std::size_t steadied) {
+  std::vector<Measurement> result;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    mcmc::ChangeEvidence best = events[i].weighed.evidence;
+    best.log_factor = mcmc::kMostChangeFactor;
+    if (mcmc::change_log_odds(best) < kLeastLogOdds) continue;
+    const bool is_steadied = events[i].members.front().first < steadied;
+    for (const auto& [reading, event] : events[i].members)
+      if (!is_steadied || reading < steadied)
+        result.push_back({readings[reading].traced[event].event.frame, i, reading, event});
+  }
+  std::ranges::stable_sort(result, {}, &Measurement::frame);
+  return result;
+}
+
+/// Measures all while the clip is read once.
+void measure_all(core::FrameSource& source, std::span<const Reading> readings, int frames,
+                 std::span<Measurement> measurements, const core::Context& context) {
+  FrameWindow window;
+  std::size_t done = 0;
+  const auto measure = [&](int end) {
+    window.prepare(context);
+    std::size_t ready = done;
+    while (ready < measurements.size() && std::min(frames, measurements[ready].frame + kReach) <= end)
+      ++ready;
+    core::parallel_for(ready - done, context, [&](std::size_t k) {
+      Measurement& one = measurements[done + k];
+      const Reading& reading = readings[one.reading];
+      one.log_factor = measure_factor(reading.traced[one.event], reading.index, window, frames);
+    });
+    done = ready;
+    window.drop_before(end - 2 * kReach);
+  };
+  const auto& info = source.info();
+  const int batch = static_cast<int>(core::frames_at_once(info.width, info.height, info.channels));
+  const int read = core::stream_frames(
+      source, "events", frames, context,
+      [&](int, const cv::Mat& frame) { return core::to_levels(frame, info); },
+      [&](int t, cv::Mat levels) {
+        window.push(std::move(levels));
+        if ((t + 1) % batch == 0) measure(t + 1);
+      });
+  if (read != frames)
+    throw core::InputError("events: the clip has " + std::to_string(read) + " frames, its graphs " +
+                           std::to_string(frames));
+  measure(read);
 }
 
 }  // namespace
@@ -227,15 +238,27 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
                                std::to_string(motion.sketch.frames.size()) + " frames");
       all.emplace_back(motion);
     }
-  measure_readings(source, all, frames, context);
-  std::vector<Pooled> pooled;
-  for (std::size_t k = 0; k < all.size(); ++k) add_events(all[k].events(), k == 0, pooled);
-  const auto unsteadied = std::span<const Reading>(all).subspan(readings.steadied.size());
+  const std::size_t steadied = readings.steadied.size();
+  std::vector<PooledEvent> pooled;
+  for (std::size_t k = 0; k < all.size(); ++k) add_events(all[k], k, pooled);
+  for (PooledEvent& event : pooled) {
+    auto& evidence = event.weighed.evidence;
+    evidence.agreement = static_cast<double>(event.members.size()) / static_cast<double>(all.size());
+    find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied));
+  }
+  auto measurements = plan_measurements(pooled, all, steadied);
+  measure_all(source, all, static_cast<int>(frames), measurements, context);
+  for (PooledEvent& event : pooled) event.weighed.evidence.log_factor = mcmc::kMostChangeFactor;
+  std::vector<bool> is_measured(pooled.size(), false);
+  for (const Measurement& one : measurements) {
+    double& factor = pooled[one.pooled].weighed.evidence.log_factor;
+    factor = std::min(factor, one.log_factor);
+    is_measured[one.pooled] = true;
+  }
   std::vector<WeighedEvent> result;
-  for (Pooled& event : pooled) {
-    event.weighed.evidence.agreement = event.readings / static_cast<double>(all.size());
-    find_opposites(event.weighed, unsteadied);
-    result.push_back(std::move(event.weighed));
+  for (std::size_t i = 0; i < pooled.size(); ++i) {
+    if (!is_measured[i]) pooled[i].weighed.evidence.log_factor = -mcmc::kMostChangeFactor;
+    result.push_back(std::move(pooled[i].weighed));
   }
   return result;
 }

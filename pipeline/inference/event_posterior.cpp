@@ -10,14 +10,14 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipR
   const auto weighed = weigh_events(source, readings, context);
   std::vector<graph::Event> events;
   for (const bool of_stroke : {true, false}) {
-    std::vector<double> log_odds;
+    std::vector<mcmc::ChangeEvidence> changes;
     const std::size_t first = events.size();
     for (const WeighedEvent& one : weighed) {
       if (one.evidence.of_stroke != of_stroke) continue;
       events.push_back(one.event);
-      log_odds.push_back(mcmc::change_log_odds(one.evidence));
+      changes.push_back(one.evidence);
     }
-    const auto probabilities = mcmc::change_probabilities(log_odds);
+    const auto probabilities = mcmc::change_probabilities(changes);
     for (std::size_t k = 0; k < probabilities.size(); ++k) events[first + k].probability = probabilities[k];
   }
   graph::sort_events(events);

@@ -11,8 +11,8 @@
 namespace emberfold::pipeline {
 
 /// Finds the events of a matched clip, each with the probability that the clip shows it.
-/// What speaks for each (weigh_events) is combined by mcmc::change_log_odds and mcmc::change_probabilities,
-/// for events of strokes and of joints apart (docs/method/events.md). Sorted as by graph::sort_events. The
+/// What speaks for each (weigh_events) is combined by mcmc::change_probabilities, for events of strokes
+/// and of joints apart (docs/method/events.md). Sorted as by graph::sort_events. The
 /// same bytes at any number of threads. Throws as weigh_events does.
 std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipReadings& readings,
                                           const core::Context& context = {});

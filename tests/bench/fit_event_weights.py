@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits the weights with which the evidence for an event is combined into its probability.
 
-    fit_event_weights.py EVENT_EVIDENCE FOLDER... [--family A,B ...] [--keep DIR] [--power 0.6]
+    fit_event_weights.py EVENT_EVIDENCE FOLDER... [--family A,B ...] [--keep DIR] [--power 0.5]
 
 FOLDERs hold a clip.avi and a truth.json each: scenes with known events, real pictures that stand still or sway (without
 an event, or with painted ones). EVENT_EVIDENCE is the program of that name in tests/bench. Printed are, for each folder,
@@ -87,12 +87,12 @@ def fit(tables, labels, penalty=0.3, of_clip=1.0):
     return weights[: x.shape[1]]
 
 
-def probabilities(odds, usual, power):
+def probabilities(odds, in_all, usual, power):
     """Corrects the odds for the clip's own share of true events (Saerens, Latinne & Decaestecker 2002)."""
-    shift, share = 0.0, usual
+    certain, shift, share = np.clip(odds[in_all], -MOST, MOST), 0.0, usual
     for _ in range(200):
         shift = np.log(share / (1 - share)) - np.log(usual / (1 - usual))
-        share = (logistic(np.clip(odds, -MOST, MOST) + shift).sum() + 0.5) / (len(odds) + 1)
+        share = (logistic(certain + shift).sum() + 0.5) / (len(certain) + 1)
     return logistic(odds + power * np.clip(shift, -4, 4))
 
 
@@ -101,7 +101,7 @@ def estimate(table, weights, usual, power):
     for stroke in (0, 1):
         some = table[:, 1] == stroke
         if some.any():
-            p[some] = probabilities(odds[some], usual, power)
+            p[some] = probabilities(odds[some], table[some, -1] >= 1, usual, power)
     return p
 
 
@@ -121,8 +121,8 @@ def main():
     parser.add_argument("folders", nargs="+", type=pathlib.Path)
     parser.add_argument("--family", action="append", default=[])
     parser.add_argument("--keep", type=pathlib.Path)
-    parser.add_argument("--power", type=float, default=0.6, help="of a clip's own share of true events")
-    parser.add_argument("--usual", type=float, default=0.12, help="usual share of true events")
+    parser.add_argument("--power", type=float, default=0.5, help="of a clip's own share of true events")
+    parser.add_argument("--usual", type=float, default=0.4, help="usual share of true events among those of all readings")
     asked = parser.parse_args()
     data = {f.name: read_evidence(asked.program, f, asked.keep) for f in asked.folders}
     tables = {n: features(rows) for n, (rows, _) in data.items()}

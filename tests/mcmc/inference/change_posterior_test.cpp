@@ -138,28 +138,37 @@ TEST_CASE("Each kind of evidence moves the odds of a change its own way", "[chan
 }
 
 TEST_CASE("The share of true changes is learned from all of a clip", "[change]") {
-  // Log odds of a model that holds for the usual share; here another share of the changes is true.
   const auto logistic = [](double x) { return 1 / (1 + std::exp(-x)); };
-  const double usual = std::log(0.12 / 0.88);
-  for (const double share : {0.02, 0.12, 0.5, 0.9}) {
-    std::vector<double> odds;
-    for (int i = 0; i < 4000; ++i) odds.push_back((i < 4000 * share ? 4 : -4) + usual);
-    const double found = mcmc::estimate_change_share(odds);
+  const double usual = std::log(0.4 / 0.6);
+  double last = 0;
+  for (const double share : {0.02, 0.2, 0.5, 0.9}) {
+    // Changes that show clearly and changes that do not, of which `share` says how many of each there are.
+    std::vector<mcmc::ChangeEvidence> changes(2000);
+    for (std::size_t i = 0; i < changes.size(); ++i)
+      changes[i].log_factor = static_cast<double>(i) < 2000 * share ? 13 : -13;
+    const double found = mcmc::estimate_change_share(changes);
     INFO("share " << share << ", found " << found);
     // The fixed point, by bisection.
     double low = 1e-6, high = 1 - 1e-6;
     for (int i = 0; i < 60; ++i) {
       const double middle = 0.5 * (low + high), shift = std::log(middle / (1 - middle)) - usual;
       double sum = 0.5;
-      for (const double o : odds) sum += logistic(std::clamp(o, -4.0, 4.0) + shift);
-      (sum / 4001 > middle ? low : high) = middle;
+      for (const auto& change : changes)
+        sum += logistic(std::clamp(mcmc::change_log_odds(change), -4.0, 4.0) + shift);
+      (sum / 2001 > middle ? low : high) = middle;
     }
     CHECK_THAT(found, WithinAbs(low, 1e-6));
-    CHECK(std::abs(found - share) < 0.03 + 0.1 * share);
-    const auto p = mcmc::change_probabilities(odds);
-    const double shift = 0.6 * std::clamp(std::log(found / (1 - found)) - usual, -4.0, 4.0);
-    for (std::size_t i = 0; i < p.size(); i += 400)
-      CHECK_THAT(p[i], WithinAbs(logistic(odds[i] + shift), 1e-12));
+    CHECK(found > last);
+    last = found;
+    const auto p = mcmc::change_probabilities(changes);
+    const double shift = 0.5 * std::clamp(std::log(found / (1 - found)) - usual, -4.0, 4.0);
+    for (std::size_t i = 0; i < p.size(); i += 200)
+      CHECK_THAT(p[i], WithinAbs(logistic(mcmc::change_log_odds(changes[i]) + shift), 1e-12));
+    // What some reading lacks does not tell how many are true.
+    std::vector<mcmc::ChangeEvidence> more = changes;
+    more.resize(3000);
+    for (std::size_t i = 2000; i < 3000; ++i) more[i].agreement = 0.75, more[i].log_factor = -13;
+    CHECK(mcmc::estimate_change_share(more) == found);
   }
   CHECK(mcmc::change_probabilities({}).empty());
 }
