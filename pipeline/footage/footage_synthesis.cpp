@@ -20,10 +20,10 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kStretch = 0.15;      // share by which content is stretched where it moves
-constexpr double kRange = 1.0 / 3;     // of the smaller side: over which the time front is smooth
-constexpr double kMostAmplitude = 10;  // frames: slow clips need no more to look new
-constexpr double kLeastMotion = 0.5;   // px a frame: what moves less is not worth more stretching
+constexpr double kStretch = 0.15;     // share by which content is stretched where it moves
+constexpr double kRange = 1.0 / 3;    // of the smaller side: over which the time front is smooth
+constexpr double kMostAmplitude = 5;  // frames: slow clips need no more to look new
+constexpr double kLeastMotion = 0.5;  // px a frame: what moves less is not worth more stretching
 // Errors of frames drawn between their neighbours: up to kKnown times differ freely, from kUnknown on not at
 // all, since what lies between two frames is not known.
 constexpr double kKnown = 0.6, kUnknown = 0.8;
@@ -34,7 +34,7 @@ constexpr double kFewTimes = 0.5;                  // frames: amplitude below wh
 constexpr int kPlays = 3;                          // enough that none fills most of the frame
 constexpr int kApart = 6;                          // frames between those that stand side by side, at least
 constexpr std::uint64_t kPlayStream = 0x706c6179;  // between the seeds of plays
-constexpr double kLead = 4;                        // frames by which times differ in the first frame
+constexpr double kLead = 2;                        // frames by which times differ in the first frame
 constexpr double kLeadRate = 0.3;                  // frames more by each frame of the footage
 constexpr float kStill = 0.1F;                     // px: moved by less, pixels are copied
 

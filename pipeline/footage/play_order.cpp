@@ -42,12 +42,13 @@ PlayOrder::PlayOrder(LikeMoments moments, PlayOrderOptions options)
     begin_first_run();
 }
 
-/// Begins early, since a footage that drifts is played to its end.
+/// Begins early, and with the first frame where the footage drifts and is played to its end.
 void PlayOrder::begin_first_run() {
   const int begin = moments_.half, some = std::max(1, moments_.frames / kFirstPart - begin);
   core::Rng rng(options_.seed, {kOrderStream, 0});
   const int first = begin + static_cast<int>(rng.below(static_cast<std::uint32_t>(some)));
   add_run(first, first);
+  if (find_jumps(runs_.front()).empty()) runs_.front().first = runs_.front().last = 0;
   if (!options_.beside) return;
   double least = std::numeric_limits<double>::infinity();
   for (int f = begin; f < moments_.frames * 3 / 4; ++f)
