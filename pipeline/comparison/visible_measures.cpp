@@ -59,8 +59,8 @@ cv::Mat1b find_moving(const std::vector<cv::Mat>& source) {
   return moves;
 }
 
-double share(double value, double reference) {
-  return value / std::max(reference, kLeast);
+double share(double value, double reference, double least) {
+  return std::max(value, reference) < least ? 1 : value / std::max(reference, least);
 }
 
 }  // namespace
@@ -179,11 +179,12 @@ VisibleFigures VisibleMeasures::measure(std::vector<cv::Mat> clip, const core::C
     if (picture.size() != moves_.size())
       cv::resize(cv::Mat(picture), picture, moves_.size(), 0, 0, cv::INTER_AREA);
   VisibleFigures out;
-  if (!places_.empty()) out.complete = share(mean_distance(patches(clip, kBasePatches, 2), context), base_);
+  if (!places_.empty())
+    out.complete = share(mean_distance(patches(clip, kBasePatches, 2), context), base_, kLeastDistance);
   const Motion own = motion(clip, context);
-  out.flow = share(own.flow, motion_.flow);
-  out.variance = share(own.variance, motion_.variance);
-  out.difference = share(own.difference, motion_.difference);
+  out.flow = share(own.flow, motion_.flow, kLeastFlow);
+  out.variance = share(own.variance, motion_.variance, kLeastVariance);
+  out.difference = share(own.difference, motion_.difference, kLeastDifference);
   CopiedShare copied(source_, moves_);
   for (std::size_t t = 0; t < clip.size(); t += kCopiedEvery) copied.add(clip[t]);
   out.copied = copied.mean();
