@@ -193,6 +193,8 @@ Json statistics_json(const pipeline::SynthesisStatistics& drawn) {
 Json footage_json(const pipeline::FootageSynthesis& drawn) {
   const auto rounded = [](double value) { return std::round(100 * value) / 100; };
   return {{"jump_cost", rounded(drawn.jump_cost())},
+          {"plays", drawn.plays()},
+          {"plays_back", drawn.plays_back()},
           {"time_spread_frames", rounded(drawn.amplitude())},
           {"copied_share", rounded(drawn.copied_share())}};
 }
@@ -244,9 +246,11 @@ void run_synth(Synth asked, Session& session) {
   const auto* const footage = frames.footage();
   session.console.say(
       std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " + asked.output +
-      (footage != nullptr ? "; " + std::to_string(std::lround(100 * footage->copied_share())) +
-                                " % of what moves is as in one frame of the clip"
-                          : ""));
+      (footage != nullptr
+           ? "; " + std::to_string(std::lround(100 * footage->copied_share())) +
+                 " % of what moves is as in one frame of the clip" +
+                 (footage->plays_back() ? "; it has no like moments and is played back, too" : "")
+           : ""));
   if (!session.common.json) return;
   Json summary = summarise(asked, opened.motion, frames, session);
   end_summary(summary, session, stages);

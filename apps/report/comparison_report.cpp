@@ -141,6 +141,25 @@ std::string distances_table(const Json& measures) {
   return table.html();
 }
 
+// What a person sees of the clips.
+std::string visible_table(const Json& measures) {
+  std::vector<DistanceColumn> columns = distance_columns(measures);
+  std::erase_if(columns,
+                [&](const auto& one) { return !distances_of(measures, one.key).contains("visible"); });
+  if (columns.empty()) return {};
+  Table table;
+  std::vector<std::string> head{"beside " + source_of(measures)};
+  for (const auto& one : columns) head.push_back(escape_html(one.label));
+  table.head(head);
+  for (const auto& measure : visible_measures()) {
+    std::vector<std::string> cells;
+    for (const auto& one : columns)
+      cells.push_back(text_of(at(distances_of(measures, one.key), {"visible", measure.key}), 2));
+    table.row(std::string(measure.name) + "<small>" + measure.about + "</small>", cells);
+  }
+  return table.html();
+}
+
 // Stressed where it is the best of its column.
 std::string prediction_cell(const Json& method, const Json& methods, std::size_t step) {
   const auto& own = method["by_step"]["psnr"][step];
@@ -332,6 +351,9 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
       "</h1>\n<p class=\"meta\"><code>" + escape_html(summary.value("command_line", "")) +
       "</code></p></header>\n<main>\n";
   const bool pair = measures.contains("other");
+  if (!comparison.sheet.empty())
+    page += section("To the eye", "A row for each clip, from its beginning to its end: contact_sheet.png.",
+                    figure(comparison.sheet, "contact sheet", 900'000, 2400) + visible_table(measures));
   page += section("What the measures say", "", list_of(measures["words"]));
   if (!measures["warnings"].empty()) page += section("Warnings", "", list_of(measures["warnings"]));
   std::string pictures;
