@@ -37,6 +37,7 @@ struct CommonOptions {
   int threads = 0;         ///< 0: as many as the machine has; up to 1024
   bool json = false;       ///< print summary.json's content
   bool quiet = false;      ///< no progress and no messages but warnings and errors
+  ProgressForm progress = ProgressForm::text;
   bool overwrite = false;  ///< replace clips and files that are no earlier results
   void validate() const;
   [[nodiscard]] io::Existing existing() const { return overwrite ? io::Existing::all : io::Existing::own; }

@@ -111,6 +111,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
     return kDone;
   }
   console.set_quiet(line.common.quiet);
+  console.set_form(line.common.progress);
   return run(console, line, command_line_text(count, words));
 }
 

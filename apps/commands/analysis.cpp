@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/summary.hpp"
+#include "apps/commands/run_estimate.hpp"
 #include "apps/pictures/pictures.hpp"
 #include "apps/pictures/rate_map.hpp"
 #include "apps/report/report_model.hpp"
@@ -238,6 +241,14 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   Analysis made;
   made.clip = shown_name.empty() ? name : shown_name;
   const auto source = open_clip(name, options.read, session);
+  std::error_code error;
+  const bool has_sketch =
+      stages != nullptr && std::filesystem::exists(output.path() / "stages/sketch/columns.json", error);
+  if (const auto estimate =
+          has_sketch ? std::nullopt : estimate_run(*source, options, session.common.threads)) {
+    session.console.say(words_of(*estimate, source->info()));
+    session.console.plan(estimate->stages);
+  }
   pipeline::AnalyzeOptions asked = static_cast<const pipeline::AnalyzeOptions&>(options);
   asked.seed = session.common.seed, asked.clip = made.clip;
   made.found = pipeline::analyze(*source, asked, session.context, stages);

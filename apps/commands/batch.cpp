@@ -88,11 +88,14 @@ class Queue {
         Session& session)
       : asked_(asked), entries_(entries), waiting_(std::move(waiting)), session_(session) {}
 
-  /// Analyses all clips that wait. Throws core::Cancelled, with those that run stopped.
+  /// Analyses all clips that wait, until the user asks to stop.
   void run() {
     const std::size_t all = waiting_.size();
     while (next_ < all || !running_.empty()) {
-      if (session_.context.cancelled()) return;
+      if (session_.context.cancelled()) {
+        for (const auto& one : running_) one.process->stop();
+        return;  // ~ChildProcess waits for their ends
+      }
       while (next_ < all && running_.size() < static_cast<std::size_t>(asked_.jobs)) start(waiting_[next_++]);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       std::erase_if(running_, [&](Running& one) { return note_end(one); });
