@@ -96,10 +96,25 @@ void run_analyze(const Analyze& asked, Session& session) {
   }
 }
 
+/// Sets what --quality stands for.
+void apply_quality(const std::string& quality, AnalyzeOptions& options) {
+  if (quality == "normal") return;
+  if (quality == "draft") {
+    options.bottom_up = true;
+    options.calibrate.calibrate = 0;
+    return;
+  }
+  if (quality != "sure") throw Misuse("--quality is " + quality + "; allowed is draft, normal or sure");
+  if (options.bottom_up || options.curve_events)
+    throw Misuse("--quality sure samples graphs, which --bottom-up and --curve-events exclude");
+  options.sample = true;
+}
+
 }  // namespace
 
 AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session) {
   AnalyzeOptions options = asked.options;
+  apply_quality(asked.quality, options);
   options.read = check_reading(asked.reading, session);
   if (options.texture < 0 || options.texture > 500)
     throw Misuse("--texture is " + std::to_string(options.texture) + "; allowed is 0 to 500");
@@ -114,6 +129,11 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
 
 void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& line) {
   auto& options = asked.options;
+  command
+      .add_option("--quality", asked.quality,
+                  "draft: events as matched; normal: with their probability; sure: sample graphs (slow)")
+      ->type_name("draft|normal|sure")
+      ->default_str(asked.quality);
   auto* const bottom_up = command.add_flag("--bottom-up", options.bottom_up,
                                            "Take the match as it is: every event has probability 1");
   auto* const curve_events =

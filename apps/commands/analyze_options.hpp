@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "apps/cli/command_line.hpp"
 #include "apps/commands/analysis.hpp"
 
@@ -10,6 +12,7 @@ namespace emberfold::apps {
 struct AskedAnalysis {
   Reading reading;
   AnalyzeOptions options;
+  std::string quality = "normal";
 };
 
 /// Adds the options of an analysis but for those of reading.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/stages/analysis_stages.hpp"
 
-#include <atomic>
+#include <algorithm>
 #include <fstream>
 #include <stop_token>
 #include <string>
@@ -120,7 +120,6 @@ TEST_CASE("a sketch that was stopped goes on where it was, and is the same") {
   CountingSource stopped(clip, &stop, 40);
   CHECK_THROWS_AS(stages.sketch(stopped, {}, core::Context(stop.get_token())), core::Cancelled);
   REQUIRE(fs::exists(temp / "run/stages/sketch_parts/0/columns.json"));
-  std::atomic<int> sketched = 0;
   CountingSource again(clip);
   CHECK(same(stages.sketch(again, {}, {}), whole));
   CHECK_FALSE(fs::exists(temp / "run/stages/sketch_parts"));
