@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "apps/batch/batch_manifest.hpp"
 #include "apps/batch/batch_plan.hpp"
+#include "core/error.hpp"
 #include "tests/apps/commands/command_check.hpp"
 
 using namespace emberfold;
@@ -60,7 +62,7 @@ TEST_CASE("a plan names runs by what the clips' paths differ in") {
   CHECK(names({clips + "/wild/a.*"}) == std::vector<std::string>{"a.avi", "a.mp4"});
   write_strokes(temp / "clips/frames", {96, 72}, 4, 3);
   CHECK(names({clips + "/frames", clips + "/wild/b.avi"}) == std::vector<std::string>{"frames", "wild/b"});
-  for (const std::string wrong : {clips + "/none*", clips + "/frames/*.png", std::string("-")})
+  for (const std::string& wrong : {clips + "/none*", clips + "/frames/*.png", std::string("-")})
     CHECK_THROWS_AS(apps::plan_runs({wrong}), core::InputError);
 }
 

@@ -29,7 +29,7 @@ void check_same_run(const fs::path& a, const fs::path& b) {
 
 TEST_CASE("a run that was stopped, even killed, goes on where it was and ends the same") {
   const TempFolder temp;
-  const auto clip = write_strokes(temp / "clip.avi", {320, 240}, 48, 14);
+  const auto clip = write_strokes(temp / "clip.avi", {200, 150}, 40, 9);
   const auto analyze = [&](const std::string& out) {
     return std::vector<std::string>{"analyze", clip, "-o", (temp / out).string(), "--threads", "1"};
   };
