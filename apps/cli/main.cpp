@@ -84,7 +84,11 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   app.set_version_flag("--version", std::string("emberfold ") + apps::kVersion, "Print the version");
   app.require_subcommand(0, 1);
   apps::CommandLine line;
+  line.words.assign(words + 1, words + count);
   apps::add_analyze(app, line);
+  apps::add_batch(app, line);
+  apps::add_gather(app, line);
+  apps::add_export(app, line);
   apps::add_synthesis(app, line);
   apps::add_sketch(app, line);
   apps::add_compare(app, line);
@@ -107,6 +111,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
     return kDone;
   }
   console.set_quiet(line.common.quiet);
+  console.set_form(line.common.progress);
   return run(console, line, command_line_text(count, words));
 }
 

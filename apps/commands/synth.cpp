@@ -10,6 +10,7 @@
 #include "apps/cli/edit_options.hpp"
 #include "apps/cli/interrupt.hpp"
 #include "apps/cli/summary.hpp"
+#include "apps/commands/corrected_model.hpp"
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
 #include "apps/report/report_model.hpp"
@@ -229,6 +230,7 @@ void run_synth(Synth asked, Session& session) {
   stages.begin("edit");
   const auto& edit = asked.edit.edit;
   if (!opened.footage) {
+    correct_rates_once(opened, session.context);
     opened.motion = apply_edits(std::move(opened.motion), asked.edit, session);
     edit_texture(opened, edit, session);
   }
