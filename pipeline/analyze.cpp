@@ -91,6 +91,11 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
     group_curves(analysis, clock, context);
     clock.begin("learn");
   }
+  if (options.review) {
+    const std::size_t gaps = analysis.motion.sketch.frames.size() - 1;
+    analysis.reviewed = apply_review(analysis.all_events, *options.review, gaps, options.seed);
+    analysis.all_events = analysis.reviewed->events;
+  }
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
                        [](const graph::Event& event) { return event.probability >= kLikely; });
 }

@@ -6,6 +6,8 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/commands/analysis.hpp"
+#include "core/io/files.hpp"
+#include "graph/io/review_io.hpp"
 
 namespace emberfold::apps {
 
@@ -13,7 +15,7 @@ namespace {
 
 struct Analyze {
   Reading reading;
-  std::string output;
+  std::string output, review;
   AnalyzeOptions options;
 };
 
@@ -28,15 +30,20 @@ void run_analyze(const Analyze& asked, Session& session) {
   check_options(options.infer, "infer");
   check_options(options.fill, "fill");
   check_options(options.calibrate, "calibrate");
-  require_apart({asked.reading.clip, asked.reading.options.mask}, asked.output,
+  if (!asked.review.empty()) {
+    auto in = io::open_file(asked.review);
+    options.review = graph::read_review(in, asked.review);
+  }
+  const std::vector<std::string> inputs{asked.reading.clip, asked.reading.options.mask, asked.review};
+  require_apart(inputs, asked.output,
                 {"overlay.mp4",  "reconstruction.avi", "birth_map.png",    "death_map.png",   "matches",
                  "model",        "events.json",        "events.csv",       "events_all.json", "motion.jsonl",
                  "sketch.jsonl", "trajectories.csv",   "strokes.csv",      "curves.csv",      "joints.csv",
                  "network.csv",  "contacts.csv",       "named_events.csv", "lives.csv",       "drift.csv",
-                 "report.html",  "summary.json"},
+                 "report.html",  "review.html",        "topology.csv",     "tips.csv",        "summary.json"},
                 session.common);
   io::OutputFolder output(asked.output, session.common.existing());
-  output.protect({asked.reading.clip, asked.reading.options.mask});
+  output.protect(inputs);
   auto analysis = analyze_clip(asked.reading.clip, options, output, session);
   finish_analysis(analysis, output, session);
   output.commit();
@@ -68,6 +75,11 @@ void add_analyze(CLI::App& app, CommandLine& line) {
                  "Sample graphs and links by MCMC (slow; see docs/method/sampler.md)")
       ->excludes(bottom_up)
       ->excludes(curve_events);
+  command
+      ->add_option(
+          "--review", asked->review,
+          "Take the answers of this review.json (see review.html) as facts, infer the other events anew")
+      ->type_name("FILE");
   add_sketch_options(*command, options.sketch);
   command->add_flag("--reconstruction", options.reconstruction,
                     "Write reconstruction.avi too, and measure the PSNR of every frame");

@@ -31,12 +31,16 @@ std::vector<Pair> near_pairs(std::span<const Event> events, std::span<const Revi
     auto at = std::ranges::lower_bound(by_frame, event.frame - kSameFrames, {},
                                        [&](std::size_t k) { return review[k].event.frame; });
     for (; at != by_frame.end() && review[*at].event.frame <= event.frame + kSameFrames; ++at) {
-      const Event& other = review[*at].event;
-      const double apart = distance(event.position, other.position);
-      if (detail::family(event.type) != detail::family(other.type) || !(apart <= kSamePlace)) continue;
-      const double frames = std::abs(event.frame - other.frame);
-      pairs.push_back(
-          {apart / kSamePlace + frames / kSameFrames + (event.type == other.type ? 0 : 1), i, *at});
+      const ReviewedEvent& other = review[*at];
+      const double apart = distance(event.position, other.event.position);
+      // An event of the class that was given instead may be the same, too.
+      const EventType given = other.answer == Answer::other ? other.type : other.event.type;
+      const bool is_alike = detail::family(event.type) == detail::family(other.event.type) ||
+                            detail::family(event.type) == detail::family(given);
+      if (!is_alike || !(apart <= kSamePlace)) continue;
+      const double frames = std::abs(event.frame - other.event.frame);
+      const bool is_same_type = event.type == other.event.type || event.type == given;
+      pairs.push_back({apart / kSamePlace + frames / kSameFrames + (is_same_type ? 0 : 1), i, *at});
     }
   }
   std::ranges::sort(pairs, {}, [](const Pair& p) { return std::tuple(p.apart, p.event, p.entry); });

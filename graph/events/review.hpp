@@ -34,8 +34,9 @@ std::optional<Event> told_event(const ReviewedEvent& reviewed);
 std::vector<Event> told_events(std::span<const ReviewedEvent> review);
 
 /// Finds what was said of each of the events: an entry of the review of the same family (birth, death, union,
-/// separation) within 2 frames and 10 px, one to one, the nearest first. Returns for each event the index of
-/// its entry or `review.size()`. Entries that were added have no event. O(n log n) in pairs so near.
+/// separation; that of the class given instead counts too) within 2 frames and 10 px, one to one, the nearest
+/// first. Returns for each event the index of its entry or `review.size()`. Entries that were added have no
+/// event. O(n log n) in pairs so near.
 std::vector<std::size_t> find_answers(std::span<const Event> events, std::span<const ReviewedEvent> review);
 
 /// Drops the events that a review leaves open: those that lie nearer, in the sense of find_answers, to an

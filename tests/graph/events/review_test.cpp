@@ -123,6 +123,10 @@ TEST_CASE("Answers find their events, whatever the order, and also a little besi
   CHECK_FALSE(finds(event(13, EventType::split, 50, 50)));
   CHECK_FALSE(finds(event(10, EventType::split, 61, 50)));
   CHECK_FALSE(finds(event(10, EventType::merge, 50, 50)));
+  const std::vector<ReviewedEvent> other{
+      {event(9, EventType::birth, 50, 50), Answer::other, EventType::merge}};
+  CHECK(graph::find_answers(std::vector{event(9, EventType::merge, 50, 50)}, other)[0] == 0);
+  CHECK(graph::find_answers(std::vector{event(9, EventType::birth, 50, 50)}, other)[0] == 0);
 }
 
 TEST_CASE("A reviewed file scores what was answered and leaves the rest out", "[graph][events]") {
