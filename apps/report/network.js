@@ -1,3 +1,13 @@
+/** A table of numbers in a box of its own. */
+function numberTable(box, caption, head, lines) {
+  const table = plainTable(caption, head, lines);
+  table.style.margin = "0";
+  table.caption.style.padding = "8px 12px";
+  for (const cell of table.querySelectorAll("tr > :not(:first-child)")) cell.className = "number";
+  box.style.marginTop = "14px";
+  box.append(table);
+}
+
 /** Figures of the network by frame, what changed its topology, and that both agree. */
 function buildNetwork() {
   const series = data.network, balance = summary.topology;
@@ -21,8 +31,7 @@ function buildNetwork() {
     .map(([name, row]) => [name.replace("_", " "), number(row.count), ...keys.map((key) => sign(row[key]))]);
   lines.push(["all of them", "", ...keys.map((key) => sign(balance.said[key]))],
     ["last frame less first", "", ...keys.map((key) => sign(balance.measured[key]))]);
-  $("balance").append(plainTable("What changed the topology, of any probability", ["", "number", "tips", "branches", "components", "loops"], lines));
-  for (const cell of document.querySelectorAll("#balance tr > :not(:first-child)")) cell.className = "number";
+  numberTable($("balance"), "What changed the topology, of any probability", ["", "number", "tips", "branches", "components", "loops"], lines);
   $("balance-caption").textContent = `In ${number(balance.balanced)} of ${number(balance.gaps)} gaps between frames, tips, branches, components and loops change by what is told of it ` +
     "(a single patch has two tips; a junction of three arms is one branch, of four two). topology.csv has each change, tips.csv what tips do.";
 }
@@ -37,7 +46,6 @@ function buildReview() {
     "They are facts here; the others were inferred anew from them. Intervals hold 90 % of what is then left open. Nothing is known of what neither program nor person saw.";
   const digits = (value) => (value >= 100 ? 0 : value >= 1 ? 1 : 3);
   const cell = (interval) => interval ? `${number(interval.mean, digits(interval.mean))} (${number(interval.low, digits(interval.mean))} to ${number(interval.high, digits(interval.mean))})` : "\u2013";
-  $("review-table").append(plainTable("Corrected by the review", ["", "events", "a frame", "a second"],
-    entries(review.classes).map(([name, row]) => [name, cell(row.count), cell(row.a_frame), cell(row.a_second)])));
-  for (const item of document.querySelectorAll("#review-table tr > :not(:first-child)")) item.className = "number";
+  numberTable($("review-table"), "Corrected by the review", ["", "events", "a frame", "a second"],
+    entries(review.classes).map(([name, row]) => [name, cell(row.count), cell(row.a_frame), cell(row.a_second)]));
 }

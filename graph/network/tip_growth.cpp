@@ -16,6 +16,7 @@ namespace emberfold::graph {
 namespace {
 
 constexpr std::size_t kLongestPart = 200;  // frames; bounds the time
+constexpr std::size_t kShortestPart = 3;   // frames: a tip that is missed for one jumps there and back
 constexpr double kLeastNoise = 0.25;       // px, SD of a tip's place: no sketch is more exact
 constexpr double kLeastWay = 3;            // px of a growth
 constexpr double kErrors = 3;              // standard errors that a rate is at least
@@ -113,8 +114,11 @@ std::vector<std::size_t> cut_way(const LineFits& fits, std::size_t count, double
   std::vector<double> cost(count, std::numeric_limits<double>::max());
   std::vector<std::size_t> from(count, 0);
   cost[0] = -penalty;
-  for (std::size_t last = 1; last < count; ++last) {
-    for (std::size_t first = last > kLongestPart ? last - kLongestPart : 0; first < last; ++first) {
+  const std::size_t shortest = std::min(kShortestPart, count - 1);
+  for (std::size_t last = shortest; last < count; ++last) {
+    for (std::size_t first = last > kLongestPart ? last - kLongestPart : 0; first + shortest <= last;
+         ++first) {
+      if (first > 0 && first < shortest) continue;  // no part ends there
       const double all = cost[first] + fits.fit(first, last).residual / (noise * noise) + penalty;
       if (all < cost[last]) cost[last] = all, from[last] = first;
     }
@@ -123,6 +127,14 @@ std::vector<std::size_t> cut_way(const LineFits& fits, std::size_t count, double
   for (std::size_t at = count - 1; at > 0; at = from[at]) ends.push_back(at);
   std::ranges::reverse(ends);
   return ends;
+}
+
+/// Returns the running median of three; the ends stay.
+std::vector<double> without_spikes(const std::vector<double>& way) {
+  std::vector<double> result = way;
+  for (std::size_t k = 1; k + 1 < way.size(); ++k)
+    result[k] = std::clamp(way[k], std::min(way[k - 1], way[k + 1]), std::max(way[k - 1], way[k + 1]));
+  return result;
 }
 
 }  // namespace
@@ -140,7 +152,7 @@ std::vector<TipMotion> tip_motions(const MotionGraph& motion) {
   for (const TipTrack& track : tracks) {
     if (track.way.size() < kLeastFrames) continue;
     ++number;
-    const LineFits fits(track.way);
+    const LineFits fits(without_spikes(track.way));
     std::size_t first = 0;
     for (const std::size_t last : cut_way(fits, track.way.size(), noise)) {
       const auto fit = fits.fit(first, last);

@@ -29,11 +29,12 @@ struct TipMotion {
 
 /// Follows the tips of all curves and finds when they grow, retract and pause.
 /// A tip's way is the sum of its steps along the direction in which its curve ends, in the frame of the
-/// picture: a curve that slides along itself grows at one end and retracts at the other. The way is cut into
-/// straight parts by least squares, at 3 ln(frames) of twice the log likelihood for a part (optimal
-/// partitioning, Jackson et al. 2005), its noise taken from the second differences of all ways. A part is a
-/// growth or retraction where it leads 3 px or farther and its rate exceeds three standard errors. Tips seen
-/// in fewer than 3 frames are left out. Sorted by tip, then frame. O(200 · tips · frames).
+/// picture: a curve that slides along itself grows at one end and retracts at the other. The way, its running
+/// median of three frames, is cut into straight parts of three frames or more by least squares, at 3
+/// ln(frames) of twice the log likelihood for a part (optimal partitioning, Jackson et al. 2005), its noise
+/// taken from the second differences of all ways. A part is a growth or retraction where it leads 3 px or
+/// farther and its rate exceeds three standard errors. Tips seen in fewer than 3 frames are left out. Sorted
+/// by tip, then frame. O(200 · tips · frames).
 std::vector<TipMotion> tip_motions(const MotionGraph& motion);
 
 /// Writes tips.csv: tip, curve, phase, first, last (frames), x, y, x_end, y_end (px), length (px), rate,

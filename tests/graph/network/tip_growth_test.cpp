@@ -95,6 +95,21 @@ TEST_CASE("Tips that only tremble, and a curve that moves across itself, do not 
         static_cast<std::ptrdiff_t>(motions.size()));
 }
 
+TEST_CASE("A tip that is missed in single frames does not grow", "[graph][network]") {
+  std::vector<graph::AttributeGraph> frames;
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links;
+  for (int t = 0; t < 40; ++t) {
+    test::Frame frame;
+    frame.line(test::segment({50, 100}, {t % 9 == 5 ? 109.0 : 120.0, 100}, 15));
+    frames.push_back(frame.graph());
+    if (t == 0) continue;
+    links.emplace_back();
+    for (std::uint32_t v = 0; v < 15; ++v) links.back().emplace_back(v, v);
+  }
+  for (const TipMotion& one : graph::tip_motions(graph::identify(test::motion(frames, links))))
+    CHECK(one.phase == TipPhase::pause);
+}
+
 TEST_CASE("The table of tips, in px and in units", "[graph][io]") {
   const std::vector<TipMotion> motions{{3, {7}, TipPhase::growth, 4, 8, {1, 2}, {9, 2}, 2, 0.25}};
   std::ostringstream plain, with, broken;
