@@ -152,6 +152,11 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     infer_motion(source, sketches, options, analysis, fitted, clock, context);
     if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events});
   }
+  if (options.review) {
+    const std::size_t gaps = analysis.motion.sketch.frames.size() - 1;
+    analysis.reviewed = apply_review(analysis.all_events, *options.review, gaps, options.seed);
+    analysis.all_events = analysis.reviewed->events;
+  }
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
                        [](const graph::Event& event) { return event.probability >= kLikely; });
   if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());

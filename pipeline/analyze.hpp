@@ -12,6 +12,7 @@
 #include "core/stage_clock.hpp"
 #include "graph/curves/curve_identity.hpp"
 #include "graph/events/events.hpp"
+#include "graph/events/review.hpp"
 #include "graph/matching/match.hpp"
 #include "graph/motion_graph.hpp"
 #include "mcmc/learning/fit.hpp"
@@ -19,6 +20,7 @@
 #include "pipeline/calibration.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/readings.hpp"
+#include "pipeline/review/review_calibration.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/inpainting/fill.hpp"
@@ -38,6 +40,8 @@ struct AnalyzeOptions {
   bool curve_events = false;  ///< events of curves, to which touching and crossing is none, not of strokes
   bool sample = false;        ///< sample graphs and links, too; events then have the samples' shares
   bool keep_sketch = false;   ///< keep sketches as extracted, and the backgrounds of the frames
+  /// What a person said of the clip's events: taken as facts, the others are inferred anew (apply_review).
+  std::optional<std::vector<graph::ReviewedEvent>> review = {};
   std::uint64_t seed = 1;
   std::string clip = "the clip";  ///< its name in messages
 };
@@ -60,6 +64,7 @@ struct Analysis {
   /// Rates of births, deaths, splits, merges, connects and disconnects, a frame, with their intervals.
   std::array<mcmc::RateInterval, 6> rates{};
   std::optional<mcmc::InferResult> sampled;  ///< with AnalyzeOptions::sample
+  std::optional<ReviewedClip> reviewed;      ///< with AnalyzeOptions::review; its events are all_events
   std::optional<LearnedTexture> texture;
   std::vector<core::StageTime> stages;
 };

@@ -95,6 +95,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   apps::add_dytex(app, line);
   apps::add_quilt(app, line);
   apps::add_score(app, line);
+  apps::add_bench_events(app, line);
   apps::add_demo(app, line);
   apps::add_help(app, line);
   try {

@@ -17,7 +17,10 @@
 #include "apps/pictures/pictures.hpp"
 #include "apps/pictures/rate_map.hpp"
 #include "apps/report/report_model.hpp"
+#include "apps/report/report_network.hpp"
 #include "apps/report/report_sampler.hpp"
+#include "apps/review/review_page.hpp"
+#include "apps/review/review_summary.hpp"
 #include "apps/units/event_units.hpp"
 #include "core/io/model_folder.hpp"
 #include "graph/curves/curve_strokes.hpp"
@@ -26,6 +29,7 @@
 #include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
 #include "graph/io/network_table.hpp"
+#include "graph/network/tip_growth.hpp"
 
 namespace emberfold::apps {
 
@@ -33,8 +37,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void write_data(io::OutputFolder& output, const pipeline::Analysis& found, bool of_curves,
-                const graph::Units& units) {
+void write_data(io::OutputFolder& output, const pipeline::Analysis& found,
+                std::span<const graph::TopologyChange> changes, bool of_curves, const graph::Units& units) {
   const auto& motion = found.motion;
   const auto& events = found.events;
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
@@ -49,6 +53,9 @@ void write_data(io::OutputFolder& output, const pipeline::Analysis& found, bool 
   output.write("contacts.csv",
                [&](std::ostream& out) { graph::write_contacts(out, graph::curve_contacts(motion), units); });
   output.write("network.csv", [&](std::ostream& out) { graph::write_network(out, motion, units); });
+  output.write("topology.csv", [&](std::ostream& out) { graph::write_topology(out, changes, units); });
+  output.write("tips.csv",
+               [&](std::ostream& out) { graph::write_tips(out, graph::tip_motions(motion), units); });
   output.write("curves.csv", [&](std::ostream& out) { graph::write_curves(out, motion, units); });
   output.write("joints.csv", [&](std::ostream& out) { graph::write_joints(out, found.joints, units); });
 }
@@ -136,6 +143,9 @@ Json files_json(bool reconstruction, bool keeps) {
       {"joints.csv", "where one curve goes on, or two touch"},
       {"named_events.csv", "whether tips or sides met and parted at the events"},
       {"contacts.csv", "which curves touch and cross, and how long"},
+      {"topology.csv", "each change of topology and what it adds to tips, branches, components and loops"},
+      {"tips.csv", "when each tip grows, retracts and pauses, and how fast"},
+      {"review.html", "asks whether doubtful events happened; 'analyze --review' takes the answers"},
       {"network.csv", "length, tips, junctions, loops and meshes of each frame"},
       {"lives.csv", "how long each stroke lives, grows and moves"},
       {"birth_map.png", "where strokes are born"},
@@ -258,11 +268,17 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   if (stages == nullptr) io::write_model(output, "model", to_archive(found.model));
   const auto units = units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
-  write_data(output, found, options.curve_events, units);
+  const auto changes = graph::topology_changes(found.motion);
+  write_data(output, found, changes, options.curve_events, units);
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
   write_drift(output, *source);
   made.stages.begin("pictures");
   Pictures pictures = write_pictures(*source, found, options, output, session);
+  const auto& asked_events = found.reviewed ? found.reviewed->asked : found.all_events;
+  const auto page =
+      make_review_page(*source, made.clip, static_cast<int>(found.motion.sketch.frames.size()), asked_events,
+                       asked.review.value_or(std::vector<graph::ReviewedEvent>()), session);
+  output.write("review.html", [&](std::ostream& out) { out << page; });
   made.stages.end();
 
   Json summary = begin_summary("analyze", session);
@@ -271,6 +287,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   summary = analysis_json(found, options, pictures, std::move(summary));
   summary["rates"] = event_rates_json(found.events, found.motion, units, counting_share(*source));
   summary["strokes"] = lives_json(lives, units);
+  summary["topology"] = balance_json(found.motion, changes);
+  if (found.reviewed) summary["review"] = review_json(*found.reviewed, units);
   if (truth) {
     const graph::ScoreOptions tolerance;
     summary["score"] = score_json(graph::score_events(*truth, found.events, tolerance));

@@ -2,8 +2,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -13,6 +15,7 @@
 #include "apps/commands/run_folder.hpp"
 #include "apps/units/event_units.hpp"
 #include "core/io/files.hpp"
+#include "graph/io/review_io.hpp"
 
 namespace emberfold::apps {
 
@@ -21,8 +24,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Analyze : AskedAnalysis {
-  std::string output;
+  std::string output, review;
 };
+
+std::vector<std::string> inputs_of(const Analyze& asked) {
+  return {asked.reading.clip, asked.reading.options.mask, asked.review};
+}
 
 Json read_summary(const std::string& folder) {
   auto in = io::open_file(std::filesystem::path(folder) / "summary.json");
@@ -43,7 +50,7 @@ void tell_done(const std::string& folder, bool before, const Json& summary, Sess
 void publish_events(const Analyze& asked, const pipeline::Analysis& found, const graph::Units& units,
                     const Session& session) {
   io::OutputFolder early(asked.output, session.common.existing());
-  early.protect({asked.reading.clip, asked.reading.options.mask});
+  early.protect(inputs_of(asked));
   write_events(early, found, units);
   early.commit();
   std::error_code ignored;
@@ -55,7 +62,7 @@ void publish_events(const Analyze& asked, const pipeline::Analysis& found, const
 Json make_run(const Analyze& asked, const AnalyzeOptions& options, const std::optional<RunKeys>& keys,
               Session& session) {
   io::OutputFolder output(asked.output, session.common.existing());
-  output.protect({asked.reading.clip, asked.reading.options.mask});
+  output.protect(inputs_of(asked));
   std::optional<pipeline::AnalysisStages> stages;
   if (keys) {
     note_begun(asked.output);
@@ -73,15 +80,19 @@ Json make_run(const Analyze& asked, const AnalyzeOptions& options, const std::op
 }
 
 void run_analyze(const Analyze& asked, Session& session) {
-  const AnalyzeOptions options = check_analysis(asked, session);
-  require_apart({asked.reading.clip, asked.reading.options.mask}, asked.output,
+  AnalyzeOptions options = check_analysis(asked, session);
+  if (!asked.review.empty()) {
+    auto in = io::open_file(asked.review);
+    options.review = graph::read_review(in, asked.review);
+  }
+  require_apart(inputs_of(asked), asked.output,
                 {"overlay.mp4",  "reconstruction.avi", "birth_map.png",    "death_map.png",   "matches",
                  "model",        "events.json",        "events.csv",       "events_all.json", "motion.jsonl",
                  "sketch.jsonl", "trajectories.csv",   "strokes.csv",      "curves.csv",      "joints.csv",
                  "network.csv",  "contacts.csv",       "named_events.csv", "lives.csv",       "drift.csv",
-                 "report.html",  "summary.json"},
+                 "report.html",  "review.html",        "topology.csv",     "tips.csv",        "summary.json"},
                 session.common);
-  const auto keys = run_keys(asked.reading.clip, options, session.common.seed);
+  const auto keys = run_keys(asked.reading.clip, asked.review, options, session.common.seed);
   if (keys && is_done(asked.output, keys->run)) {
     tell_done(asked.output, true, read_summary(asked.output), session);
     return;
@@ -167,6 +178,11 @@ void add_analyze(CLI::App& app, CommandLine& line) {
   const auto asked = std::make_shared<Analyze>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
+  command
+      ->add_option(
+          "--review", asked->review,
+          "Take the answers of this review.json (see review.html) as facts, infer the other events anew")
+      ->type_name("FILE");
   add_analysis_options(*command, *asked, line);
   finish_command(*command, line, asked, run_analyze);
 }

@@ -30,7 +30,8 @@ std::string hash(std::initializer_list<std::string> texts) {
 
 }  // namespace
 
-std::optional<RunKeys> run_keys(const std::string& clip, const AnalyzeOptions& options, std::uint64_t seed) {
+std::optional<RunKeys> run_keys(const std::string& clip, const std::string& review,
+                                const AnalyzeOptions& options, std::uint64_t seed) {
   const std::string number = std::to_string(seed);
   const auto input = clip.starts_with("builtin:") ? clip + number : io::clip_identity(clip);
   if (input.empty()) return std::nullopt;
@@ -47,7 +48,7 @@ std::optional<RunKeys> run_keys(const std::string& clip, const AnalyzeOptions& o
                              flags({options.bottom_up, options.curve_events, options.sample})});
   keys.stages.model = hash({keys.stages.motion, options_json(options.fill).dump(),
                             options_json(options.calibrate).dump(), std::to_string(options.texture)});
-  keys.run = hash({keys.stages.model, clip, flags({options.reconstruction})});
+  keys.run = hash({keys.stages.model, clip, io::clip_identity(review), flags({options.reconstruction})});
   return keys;
 }
 

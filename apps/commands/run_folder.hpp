@@ -16,8 +16,10 @@ struct RunKeys {
   std::string run;  ///< of all, pictures and report included
 };
 
-/// Returns the keys of an analysis; nothing for a clip that cannot be told from another, a pipe.
-std::optional<RunKeys> run_keys(const std::string& clip, const AnalyzeOptions& options, std::uint64_t seed);
+/// Returns the keys of an analysis; nothing for a clip that cannot be told from another, a pipe. `review`:
+/// the file of reviewed events, or empty.
+std::optional<RunKeys> run_keys(const std::string& clip, const std::string& review,
+                                const AnalyzeOptions& options, std::uint64_t seed);
 
 /// Returns whether the folder holds all that a run with this key makes.
 bool is_done(const std::string& folder, const std::string& key);

@@ -6,7 +6,9 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
 #include "core/io/files.hpp"
+#include "graph/events/review.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/review_io.hpp"
 
 namespace emberfold::apps {
 
@@ -19,11 +21,11 @@ struct Score {
 
 void run_score(const Score& asked, const Session& session) {
   check_options(asked.options, "score");
-  const auto read = [](const std::string& name) {
-    auto in = io::open_file(name);
-    return graph::read_events(in, name);
-  };
-  const auto score = graph::score_events(read(asked.truth), read(asked.events), asked.options);
+  auto truth_file = io::open_file(asked.truth);
+  const auto truth = graph::read_truth(truth_file, asked.truth);
+  auto events_file = io::open_file(asked.events);
+  const auto found = graph::drop_open_events(graph::read_events(events_file, asked.events), truth);
+  const auto score = graph::score_events(graph::told_events(truth), found, asked.options);
   session.print(session.common.json ? json_text(score_json(score)) : score_table(score));
 }
 
@@ -32,9 +34,10 @@ void run_score(const Score& asked, const Session& session) {
 void add_score(CLI::App& app, CommandLine& line) {
   auto* command = add_command(app, "score", "Score found events against true ones: precision, recall, F1", R"(
   emberfold score truth.json out/fire/events.json
-  emberfold score truth.json out/fire/events.json --frames 1 --set score.radius=10 --json)");
+  emberfold score truth.json out/fire/events.json --frames 1 --set score.radius=10 --json
+  emberfold score review.json out/fire/events.json)");
   const auto asked = std::make_shared<Score>();
-  command->add_option("TRUTH", asked->truth, "Read the true events from this truth.json")
+  command->add_option("TRUTH", asked->truth, "Read the true events from this truth.json or review.json")
       ->required()
       ->type_name("");
   command->add_option("EVENTS", asked->events, "Read the found events from this events.json")

@@ -11,6 +11,7 @@
 #include "apps/pictures/draw.hpp"
 #include "apps/report/report_assets.hpp"
 #include "apps/report/report_data.hpp"
+#include "apps/report/report_network.hpp"
 
 namespace emberfold::apps {
 
@@ -112,6 +113,7 @@ std::string make_report(const ReportInput& input, const Json& summary) {
                {"summary", std::move(figures)},
                {"events", report_events(input.events)},
                {"series", report_series(motion, input.events)},
+               {"network", report_network(motion)},
                {"strokes", report_stroke_paths(motion)},
                {"patches", report_patch_paths(motion)}};
   std::vector<int> numbers;

@@ -276,6 +276,8 @@ buildPaths();
 buildClips();
 buildLearned();
 buildSeries();
+buildNetwork();
+buildReview();
 buildMatches();
 buildScore();
 buildMaking();

@@ -59,4 +59,25 @@ void write_named_events(std::ostream& out, std::span<const Event> events, std::s
   detail::write_table(out, text);
 }
 
+void write_topology(std::ostream& out, std::span<const TopologyChange> changes, const Units& units) {
+  std::string text = "frame,change,contact,x,y,tips,branches,components,loops,length";
+  if (units.seconds) text += ",time_s";
+  if (units.um) text += ",x_um,y_um,length_um";
+  text += '\n';
+  for (const TopologyChange& change : changes) {
+    detail::TableLine line(text);
+    line.add(static_cast<std::uint32_t>(change.frame));
+    line.add_name(name(change.change)), line.add_name(name(change.contact));
+    line.add(change.position.x), line.add(change.position.y);
+    for (const int value : {change.tips, change.branches, change.components, change.loops})
+      line.add_name(std::to_string(value));
+    line.add(change.length);
+    if (units.seconds) line.add(change.frame * *units.seconds);
+    add_place(line, change.position, units);
+    if (units.um) line.add(change.length * *units.um);
+    line.end();
+  }
+  detail::write_table(out, text);
+}
+
 }  // namespace emberfold::graph

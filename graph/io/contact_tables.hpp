@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "graph/events/event_names.hpp"
+#include "graph/events/topology_changes.hpp"
 #include "graph/io/unit_tables.hpp"
 
 namespace emberfold::graph {
@@ -20,5 +21,10 @@ void write_contacts(std::ostream& out, const std::vector<CurveContact>& contacts
 /// each event. Throws InputError for another number of contacts, IoError if the stream fails.
 void write_named_events(std::ostream& out, std::span<const Event> events, std::span<const Contact> contacts,
                         const Units& units);
+
+/// Writes topology.csv: frame, change, contact, x, y (px), tips, branches, components, loops (what it adds to
+/// those), length (px), and where the units are known time_s, x_um, y_um, length_um. Throws IoError if the
+/// stream fails.
+void write_topology(std::ostream& out, std::span<const TopologyChange> changes, const Units& units);
 
 }  // namespace emberfold::graph

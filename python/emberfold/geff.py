@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Strokes as a GEFF, the exchange format of tracking tools: a folder in the format zarr 2, written without zarr."""
+"""Strokes or curves as a GEFF, the exchange format of tracking tools: a folder in the format zarr 2, written without zarr."""
 from __future__ import annotations
 
 import json
@@ -63,17 +63,28 @@ def _axis(name: str, kind: str, unit: str, values: np.ndarray) -> Dict[str, Any]
     return axis
 
 
-def write(run: Any, path: Path) -> None:
-    """A node is a stroke in a frame; edges lead to the next frame and, at events, from stroke to stroke."""
+def _curve_edges(rows: Dict[Tuple[int, int], int]) -> Tuple[np.ndarray, np.ndarray]:
+    """Pairs of nodes: each curve from one frame in which it is seen to the next."""
+    keys = list(rows)
+    pairs = [(rows[a], rows[b]) for a, b in zip(keys, keys[1:]) if a[0] == b[0]]
+    return np.array(pairs, np.uint64).reshape(-1, 2), np.ones(len(pairs))
+
+
+def write(run: Any, path: Path, of: str = "strokes") -> None:
+    """A node is a stroke (a curve) in a frame; edges lead to the next frame and, at events of strokes, from stroke to stroke."""
+    if of not in ("strokes", "curves"):
+        raise ValueError(f"of is {of!r}; allowed is strokes or curves")
     if path.exists() and not (path / ".zattrs").exists():
         raise FileExistsError(f"{path} is there and no GEFF; it is left alone")
-    strokes = run.strokes[run.strokes["stroke"] > 0].sort_values(["stroke", "frame"])
-    rows = {key: node for node, key in enumerate(zip(strokes["stroke"].tolist(), strokes["frame"].tolist()))}
+    name = of[:-1]
+    table = run.strokes if of == "strokes" else run.curves
+    table = table[table[name] > 0].sort_values([name, "frame"])
+    rows = {key: node for node, key in enumerate(zip(table[name].tolist(), table["frame"].tolist()))}
     scale, unit = (1.0, "pixel") if run.pixel_size is None else (run.pixel_size, "micrometer")
-    nodes = {"t": strokes["t_s"].to_numpy(float), "y": strokes["y"].to_numpy(float) * scale,
-             "x": strokes["x"].to_numpy(float) * scale, "frame": strokes["frame"].to_numpy(np.int64),
-             "stroke": strokes["stroke"].to_numpy(np.int64), "length": strokes["length"].to_numpy(float) * scale}
-    pairs, probability = _edges(run, rows)
+    nodes = {"t": table["frame"].to_numpy(float) / run.fps, "y": table["y"].to_numpy(float) * scale,
+             "x": table["x"].to_numpy(float) * scale, "frame": table["frame"].to_numpy(np.int64),
+             name: table[name].to_numpy(np.int64), "length": table["length"].to_numpy(float) * scale}
+    pairs, probability = _edges(run, rows) if of == "strokes" else _curve_edges(rows)
     part = path.with_name(path.name + ".part")
     shutil.rmtree(part, ignore_errors=True)
     _group(part)
@@ -81,7 +92,7 @@ def write(run: Any, path: Path) -> None:
              "axes": [_axis("t", "time", "second", nodes["t"]), _axis("y", "space", unit, nodes["y"]),
                       _axis("x", "space", unit, nodes["x"])],
              "display_hints": {"display_horizontal": "x", "display_vertical": "y", "display_time": "t"},
-             "node_props_metadata": _items(part / "nodes", np.arange(len(strokes), dtype=np.uint64), nodes),
+             "node_props_metadata": _items(part / "nodes", np.arange(len(table), dtype=np.uint64), nodes),
              "edge_props_metadata": _items(part / "edges", pairs, {"probability": probability})}
     (part / ".zattrs").write_text(json.dumps({"geff": about}, indent=1))
     shutil.rmtree(path, ignore_errors=True)

@@ -74,10 +74,31 @@ def _tracks(run: Any, axes: Any) -> None:
     axes.set(xlabel="x, px", ylabel="y, px", xlim=(0, run.motion.width), ylim=(run.motion.height, 0), aspect="equal")
 
 
+def _network(run: Any) -> Any:
+    """Length, tips, junctions, loops and components of each frame, one below the other."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    table = run.network
+    unit = "um" if "length_um" in table else "px"
+    junctions = table["junctions_3"] + table["junctions_4"] + table["junctions_more"]
+    parts = {f"length, {unit}": table["length_um" if unit == "um" else "length"], "tips": table["tips"], "junctions": junctions,
+             "loops": table["loops"], "components": table["components"]}
+    figure = Figure(figsize=(7, 1.4 * len(parts)), layout="constrained")
+    FigureCanvasAgg(figure)
+    for axes, (name, values) in zip(figure.subplots(len(parts), 1, sharex=True), parts.items()):
+        axes.plot(table["time_s"], values, linewidth=1)
+        axes.set(ylabel=name, ylim=(0, None))
+    axes.set(xlabel="s")
+    return figure
+
+
 def of_run(run: Any, kind: str) -> Any:
+    if kind == "network":
+        return _network(run)
     kinds = {"events": _events, "rates": _rates, "tracks": _tracks}
     if kind not in kinds:
-        raise ValueError(f"kind is {kind!r}; allowed is one of {', '.join(kinds)}")
+        raise ValueError(f"kind is {kind!r}; allowed is one of {', '.join(kinds)}, network")
     figure, axes = _axes()
     kinds[kind](run, axes)
     return figure

@@ -125,6 +125,31 @@ class Run:
         """Every stroke in every frame: its middle, length, patches, width, contrast, ends and junctions."""
         return self._with_units(pd.read_csv(io.BytesIO(self.motion.strokes_csv())))
 
+    def _table(self, write: Any) -> pd.DataFrame:
+        """A table of the motion graph, in seconds and micrometres where these are known."""
+        return pd.read_csv(io.BytesIO(write(1 / self.fps, self.pixel_size)))
+
+    @property
+    def curves(self) -> pd.DataFrame:
+        """Every curve in every frame: a path through junctions and crossings, whose name stays where curves touch."""
+        return self._table(self.motion.curves_csv)
+
+    @property
+    def network(self) -> pd.DataFrame:
+        """What each frame is as a network: length, tips, junctions, loops, meshes, components, tortuosity."""
+        return self._table(self.motion.network_csv)
+
+    @property
+    def topology(self) -> pd.DataFrame:
+        """Each change of topology and what it adds to tips, branches, components and loops: the sums over a frame are what
+        the network's figures change by."""
+        return self._table(self.motion.topology_csv)
+
+    @property
+    def tips(self) -> pd.DataFrame:
+        """When each tip grows, retracts and pauses, and how fast."""
+        return self._table(self.motion.tips_csv)
+
     @property
     def trajectories(self) -> pd.DataFrame:
         """Every patch through time."""
@@ -141,9 +166,10 @@ class Run:
                 parents.setdefault(after, []).append(before)
         return data, parents
 
-    def to_geff(self, path: Union[str, "os.PathLike[str]"]) -> None:
-        """Writes strokes and their events as a GEFF, a folder; one that is there is replaced, other things are not."""
-        geff.write(self, Path(path))
+    def to_geff(self, path: Union[str, "os.PathLike[str]"], of: str = "strokes") -> None:
+        """Writes strokes and their events, or `of` "curves", as a GEFF, a folder; one that is there is replaced, other things
+        are not. Curves go on through touches and crossings; their edges join a curve's frames, also over gaps."""
+        geff.write(self, Path(path), of)
 
     def __getstate__(self) -> Dict[str, Any]:
         state = dict(self.__dict__)
@@ -171,7 +197,7 @@ class Run:
         return plot.graph(self, self.frames // 2 if frame is None else frame)
 
     def plot(self, kind: str = "events") -> Any:
-        """Plots "events" over time, "rates" or "tracks" with matplotlib; returns the figure."""
+        """Plots "events" over time, "rates", "tracks" or "network" with matplotlib; returns the figure."""
         from . import plot
         return plot.of_run(self, kind)
 

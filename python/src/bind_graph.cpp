@@ -11,9 +11,13 @@
 
 #include "core/error.hpp"
 #include "graph/curves/curve_identity.hpp"
+#include "graph/io/contact_tables.hpp"
+#include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/network_table.hpp"
 #include "graph/io/unit_tables.hpp"
 #include "graph/matching/match.hpp"
+#include "graph/network/tip_growth.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"
@@ -169,14 +173,32 @@ void bind_text(py::class_<Motion>& motion) {
   };
   write("to_jsonl", graph::write_motion, doc("graph::write_motion"));
   write("trajectories_csv", graph::write_trajectories, doc("graph::write_trajectories"));
-  motion.def(
-      "strokes_csv",
-      [](const Motion& held, std::optional<double> seconds, std::optional<double> um) {
-        std::ostringstream out;
-        graph::write_strokes(out, *held.graphs, {seconds, um});
-        return bytes_of(out);
+  const auto write_in_units = [&](const char* name, auto writer, const char* text) {
+    motion.def(
+        name,
+        [writer](const Motion& held, std::optional<double> seconds, std::optional<double> um) {
+          std::ostringstream out;
+          writer(out, *held.graphs, graph::Units{seconds, um});
+          return bytes_of(out);
+        },
+        py::arg("seconds") = py::none(), py::arg("um") = py::none(), text);
+  };
+  using Table = void (*)(std::ostream&, const graph::MotionGraph&, const graph::Units&);
+  write_in_units("strokes_csv", static_cast<Table>(graph::write_strokes), doc("graph::write_strokes"));
+  write_in_units("curves_csv", graph::write_curves, doc("graph::write_curves"));
+  write_in_units("network_csv", graph::write_network, doc("graph::write_network"));
+  write_in_units(
+      "topology_csv",
+      [](std::ostream& out, const graph::MotionGraph& graphs, const graph::Units& units) {
+        graph::write_topology(out, graph::topology_changes(graphs), units);
       },
-      py::arg("seconds") = py::none(), py::arg("um") = py::none(), doc("graph::write_strokes"));
+      doc("graph::write_topology"));
+  write_in_units(
+      "tips_csv",
+      [](std::ostream& out, const graph::MotionGraph& graphs, const graph::Units& units) {
+        graph::write_tips(out, graph::tip_motions(graphs), units);
+      },
+      doc("graph::write_tips"));
   motion.def_static(
       "from_jsonl",
       [](const std::string& text, const std::string& name) {

@@ -60,6 +60,33 @@ def test_geff_holds_strokes_and_events(run, tmp_path):
     assert set(split["after"]) <= set(props["stroke"][heads])
 
 
+def test_geff_of_curves_follows_them(run, tmp_path):
+    run.to_geff(tmp_path / "curves.geff", of="curves")
+    ids, edges = read_zarr(tmp_path / "curves.geff/nodes/ids"), read_zarr(tmp_path / "curves.geff/edges/ids")
+    about = json.loads((tmp_path / "curves.geff/.zattrs").read_text())["geff"]
+    props = {name: read_zarr(tmp_path / "curves.geff/nodes/props" / name / "values") for name in about["node_props_metadata"]}
+    curve, frame = props["curve"], props["frame"]
+    assert len(ids) == len(run.curves) > 0
+    assert (curve[edges[:, 0]] == curve[edges[:, 1]]).all() and (frame[edges[:, 0]] < frame[edges[:, 1]]).all()
+    assert len(edges) == len(ids) - len(set(curve))  # one track for each curve
+    with pytest.raises(ValueError, match="strokes or curves"):
+        run.to_geff(tmp_path / "x.geff", of="patches")
+
+
+def test_tables_of_the_network_balance(run):
+    network, topology = run.network.set_index("frame"), run.topology
+    said = topology.groupby("frame")[["tips", "branches", "components", "loops"]].sum()
+    said = said.reindex(network.index[1:], fill_value=0)
+    network["tips"] += 2 * network["points"]
+    assert (network[said.columns].diff().iloc[1:] == said).all().all()
+    assert {"branch_extruded", "branch_retracted", "ring_closed", "ring_opened", "t1", "birth", "death", "split", "merge",
+            "connect", "disconnect"} >= set(topology["change"])
+    tips = run.tips
+    assert (tips["first"] < tips["last"]).all() and set(tips["phase"]) <= {"growth", "retraction", "pause"}
+    assert np.allclose(tips["rate_px_s"], tips["rate"] * run.fps)
+    assert len(run.plot("network").axes) == 5
+
+
 def test_tracks_mean_what_naparis_layer_takes(run):
     data, parents = run.tracks()
     assert data.shape[1] == 4 and np.issubdtype(data.dtype, np.floating)

@@ -126,6 +126,12 @@ TEST_CASE("analyze tells the events of curves where asked, and figures of the ne
   CHECK(lines("network.csv") == 13);
   CHECK(lines("curves.csv") > 12);
   CHECK(lines("contacts.csv") >= 1);
+  // the figures of the network change as the changes of topology say, also in a sketched clip
+  const Json topology = Json::parse(bytes_of(temp / "out/summary.json"))["topology"];
+  CHECK((topology["gaps"] == 11 && topology["balanced"] == 11));
+  CHECK(topology["said"] == topology["measured"]);
+  CHECK(lines("topology.csv") >= 1);
+  CHECK(lines("tips.csv") > 1);
   const auto refused =
       run_command({"analyze", clip, "-o", (temp / "no").string(), "--curve-events", "--sample"});
   CHECK(refused.exit == 2);
@@ -139,7 +145,8 @@ TEST_CASE("any number of threads writes the same bytes") {
         run_command({"analyze", clip, "-o", (temp / threads).string(), "--threads", threads, "-q"}).exit ==
         0);
   for (const char* name : {"sketch.jsonl", "motion.jsonl", "events.json", "events.csv", "trajectories.csv",
-                           "strokes.csv", "curves.csv", "joints.csv", "birth_map.png", "death_map.png"}) {
+                           "strokes.csv", "curves.csv", "joints.csv", "topology.csv", "tips.csv",
+                           "review.html", "birth_map.png", "death_map.png"}) {
     INFO(name);
     const auto one = bytes_of(temp / "1" / name);
     CHECK(one.size() > 100);

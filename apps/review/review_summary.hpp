@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "graph/io/unit_tables.hpp"
+#include "pipeline/review/review_calibration.hpp"
+
+namespace emberfold::apps {
+
+/// Returns what summary.json tells of a review: {"yes", "no", "other", "added", "unmatched", "shift",
+/// "slope":
+/// {"strokes", "joints"}, "level", "classes": {class and "all": {"count", "a_frame", "a_second"}}}, each of
+/// the last three {"mean", "low", "high"}, a_second null where the frame rate is not known.
+nlohmann::ordered_json review_json(const pipeline::ReviewedClip& reviewed, const graph::Units& units);
+
+}  // namespace emberfold::apps

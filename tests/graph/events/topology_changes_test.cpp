@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/events/topology_changes.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <sstream>
+
+#include "core/error.hpp"
+#include "graph/io/contact_tables.hpp"
+#include "graph/network/network_figures.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/graphs.hpp"
+
+using namespace emberfold;
+using graph::Change;
+using graph::Contact;
+using graph::TopologyChange;
+
+namespace {
+
+struct Sums {
+  int tips = 0, branches = 0, components = 0, loops = 0;
+  bool operator==(const Sums&) const = default;
+};
+Sums figures_of(const graph::AttributeGraph& graph) {
+  const auto f = graph::network_figures(graph);
+  return {static_cast<int>(f.tips + 2 * f.points), static_cast<int>(f.branches),
+          static_cast<int>(f.components), static_cast<int>(f.loops)};
+}
+
+/// Whether in every frame the figures change by the sums over the changes.
+bool is_balanced(const graph::MotionGraph& motion, const std::vector<TopologyChange>& changes) {
+  for (std::size_t t = 1; t < motion.sketch.frames.size(); ++t) {
+    Sums said = figures_of(motion.sketch.frames[t - 1]);
+    for (const TopologyChange& c : changes) {
+      if (c.frame != static_cast<int>(t)) continue;
+      said.tips += c.tips, said.branches += c.branches, said.components += c.components,
+          said.loops += c.loops;
+    }
+    if (said != figures_of(motion.sketch.frames[t])) return false;
+  }
+  return true;
+}
+
+/// Two frames whose vertices have the same numbers, the second with more of them.
+std::vector<TopologyChange> changes_to(const test::Frame& a, const test::Frame& b) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> links;
+  for (std::uint32_t v = 0; v < std::min(a.vertices.size(), b.vertices.size()); ++v) links.emplace_back(v, v);
+  const auto motion = graph::identify(test::motion({a.graph(), b.graph()}, {links}));
+  const auto changes = graph::topology_changes(motion);
+  CHECK(is_balanced(motion, changes));
+  return changes;
+}
+
+/// Two forks d px apart: one beside the other or, `turned`, one above the other, with four arms to the
+/// corners.
+graph::AttributeGraph two_forks(double d, bool turned, double sway) {
+  test::Frame frame;
+  const graph::Point middle{100 + sway, 100}, half = turned ? graph::Point{0, d / 2} : graph::Point{d / 2, 0};
+  const auto edge = frame.line({middle - half, middle, middle + half});
+  for (int k = 0; k < 4; ++k) {
+    const graph::Point out{k % 2 == 0 ? -1.0 : 1.0, k < 2 ? -1.0 : 1.0};
+    const auto arm = frame.line(test::segment(middle + out * 12, middle + out * 40, 5));
+    const bool first = (turned ? out.y : out.x) < 0;
+    frame.edge(first ? edge : edge + 2, arm);
+  }
+  return frame.graph();
+}
+
+/// Frames of forks that come together and part, the other way where `turns`; all patches are linked.
+graph::MotionGraph closing_forks(bool turns, int flips) {
+  std::vector<graph::AttributeGraph> frames;
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links;
+  for (int t = 0; t < 20; ++t) {
+    const double d = flips > 0 ? 4 : std::abs(t - 9.5) * 2;
+    const bool turned = flips > 0 ? t / flips % 2 == 1 : turns && t >= 10;
+    frames.push_back(two_forks(d, turned, 0.4 * t));
+    if (t == 0) continue;
+    links.emplace_back();
+    for (std::uint32_t v = 0; v < 23; ++v) links.back().emplace_back(v, v);
+  }
+  return graph::identify(test::motion(frames, links));
+}
+
+}  // namespace
+
+TEST_CASE("In every frame of any motion graph the figures change as the events say", "[graph][events]") {
+  int rings = 0, branches = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const auto motion = graph::identify(test::random_motion(seed, 6, 8));
+    const auto changes = graph::topology_changes(motion);
+    REQUIRE(is_balanced(motion, changes));
+    // the six classes are the events
+    const auto events = graph::stroke_events(motion);
+    CHECK(std::ranges::count_if(changes, [](const TopologyChange& c) {
+            return c.change <= Change::disconnect;
+          }) == static_cast<std::ptrdiff_t>(events.size()));
+    for (const TopologyChange& c : changes) {
+      CHECK(c.tips - c.branches == 2 * (c.components - c.loops));
+      rings += c.change == Change::ring_closed || c.change == Change::ring_opened ? 1 : 0;
+      branches += c.change == Change::branch_extruded || c.change == Change::branch_retracted ? 1 : 0;
+    }
+  }
+  CHECK((rings > 50 && branches > 50));
+}
+
+TEST_CASE("A branch that grows out of a line, and goes, is one change with a length", "[graph][events]") {
+  test::Frame line;
+  line.line(test::segment({20, 100}, {120, 100}, 11));
+  test::Frame fork = line;
+  fork.edge(5, fork.line(test::segment({70, 108}, {70, 124}, 3)));
+  for (const bool grows : {true, false}) {
+    const auto changes = grows ? changes_to(line, fork) : changes_to(fork, line);
+    REQUIRE(changes.size() == 1);
+    CHECK(changes[0].change == (grows ? Change::branch_extruded : Change::branch_retracted));
+    CHECK(changes[0].position == graph::Point{70, 124});
+    CHECK(changes[0].length == 24);
+    CHECK((changes[0].tips == (grows ? 1 : -1) && changes[0].branches == changes[0].tips));
+  }
+}
+
+TEST_CASE("A ring closes tip to tip, tip to side and by a bridge", "[graph][events]") {
+  test::Frame open;
+  std::vector<graph::Point> arc;
+  for (int k = 0; k < 20; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 21;
+    arc.push_back({100 + 40 * std::cos(angle), 100 + 40 * std::sin(angle)});
+  }
+  open.line(arc);
+  const auto closes = [&](std::uint32_t a, std::uint32_t b, Contact contact) {
+    test::Frame closed = open;
+    closed.edge(a, b);
+    for (const bool closing : {true, false}) {
+      const auto changes = closing ? changes_to(open, closed) : changes_to(closed, open);
+      REQUIRE(changes.size() == 1);
+      CHECK(changes[0].change == (closing ? Change::ring_closed : Change::ring_opened));
+      CHECK(changes[0].contact == contact);
+      CHECK(changes[0].loops == (closing ? 1 : -1));
+      CHECK(graph::distance(changes[0].position, {100, 100}) < 45);
+    }
+  };
+  closes(0, 19, Contact::tip_tip);
+  closes(0, 10, Contact::tip_side);
+  closes(4, 15, Contact::side_side);
+}
+
+TEST_CASE("A swap of neighbours is one change that adds nothing", "[graph][events]") {
+  const auto motion = closing_forks(true, 0);
+  const auto changes = graph::topology_changes(motion);
+  CHECK(is_balanced(motion, changes));
+  REQUIRE(changes.size() == 1);
+  CHECK(changes[0].change == Change::t1);
+  CHECK((changes[0].frame >= 9 && changes[0].frame <= 12));
+  CHECK(graph::distance(changes[0].position, {104, 100}) < 3);
+  // forks that part as they met, and those of a crossing that take turns, swap nothing
+  CHECK(graph::find_neighbour_swaps(closing_forks(false, 0)).empty());
+  for (const int flips : {1, 2, 3}) CHECK(graph::find_neighbour_swaps(closing_forks(false, flips)).empty());
+}
+
+TEST_CASE("The table of changes, in px and in units", "[graph][io]") {
+  std::ostringstream plain, with, broken;
+  TopologyChange change{4, Change::branch_retracted, {1, 2}, Contact::none, -1, -1, 0, 0, 8};
+  graph::write_topology(plain, std::vector{change}, {});
+  CHECK(plain.str() ==
+        "frame,change,contact,x,y,tips,branches,components,loops,length\n"
+        "4,branch_retracted,,1,2,-1,-1,0,0,8\n");
+  graph::write_topology(with, std::vector{change}, {0.5, 0.5});
+  CHECK(test::Contains(",length,time_s,x_um,y_um,length_um\n4,branch_retracted,,1,2,-1,-1,0,0,8,2,0.5,1,4\n")
+            .match(with.str()));
+  broken.setstate(std::ios::failbit);
+  CHECK_THROWS_AS(graph::write_topology(broken, std::vector{change}, {}), core::IoError);
+}
