@@ -237,20 +237,22 @@ void add_networks(LineScene& scene, core::Rng& rng) {
   }
 }
 
-/// Filaments that drift and turn, touching and crossing each other, of unlike contrast.
+/// Filaments that move to and fro and turn, touching and crossing each other, of unlike contrast.
 void add_filaments(LineScene& scene, core::Rng& rng) {
-  constexpr int kFilaments = 10;
+  constexpr int kFilaments = 9;
   for (int k = 0; k < kFilaments; ++k) {
-    const double length = rng.uniform(70, 130), angle = rng.uniform(0, pi), spin = rng.uniform(-0.008, 0.008);
-    const cv::Point2d middle(rng.uniform(70, 250), rng.uniform(60, 180));
-    const cv::Point2d velocity(rng.uniform(-0.7, 0.7), rng.uniform(-0.5, 0.5));
+    const double length = rng.uniform(45, 75), angle = rng.uniform(0, pi), spin = rng.uniform(-0.012, 0.012);
+    const cv::Point2d middle(70 + 90 * (k % 3) + rng.uniform(-12, 12),
+                             64 + 56 * (k / 3) + rng.uniform(-8, 8));
+    const double heading = rng.uniform(0, 2 * pi), phase = rng.uniform(0, 2 * pi);
+    const double turn = 2 * pi / rng.uniform(60, 110);
+    const cv::Point2d way = rng.uniform(18, 32) * cv::Point2d(std::cos(heading), std::sin(heading));
     SceneLine line{{}, rng.uniform(45, 110), rng.uniform(1.4, 1.9), {}, {}};
     for (double s = -length / 2; s <= length / 2; s += 2) line.rest.push_back(middle);
-    const double half = scene.frames / 2.0;
     line.move = [=](double share, int t) {
       const double now = angle + spin * t, s = (share - 0.5) * length, bow = 0.0015 * s * s;
       const cv::Point2d along(std::cos(now), std::sin(now));
-      return s * along + bow * cv::Point2d(-along.y, along.x) + velocity * (t - half);
+      return s * along + bow * cv::Point2d(-along.y, along.x) + std::sin(turn * t + phase) * way;
     };
     scene.lines.push_back(line);
   }

@@ -30,12 +30,13 @@ const std::vector<Value>& values(const io::Columns& columns, const std::string& 
 }
 
 template <class Value>
-void add(io::Columns& columns, const std::string& name, std::vector<std::size_t> row,
+void add(io::Columns& columns, const std::string& name, const std::vector<std::size_t>& row,
          std::vector<Value> data) {
   std::size_t size = 1;
   for (const std::size_t length : row) size *= length;
-  row.insert(row.begin(), size == 0 ? 0 : data.size() / size);
-  columns.arrays[name] = {std::move(row), false, std::move(data)};
+  std::vector<std::size_t> shape(row.size() + 1, size == 0 ? 0 : data.size() / size);
+  std::ranges::copy(row, shape.begin() + 1);
+  columns.arrays[name] = {std::move(shape), false, std::move(data)};
 }
 
 /// Returns the places where frames begin, checked to ascend from 0 to `count`.
