@@ -141,9 +141,8 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
 void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& line) {
   auto& options = asked.options;
   command
-      .add_option("--quality", asked.quality,
-                  "draft: events as matched; normal: with their probability; sure: sample graphs (slow)")
-      ->type_name("draft|normal|sure")
+      .add_option("--quality", asked.quality, "draft, normal (events weighed) or sure (graphs sampled; slow)")
+      ->type_name("HOW")
       ->default_str(asked.quality);
   auto* const bottom_up = command.add_flag("--bottom-up", options.bottom_up,
                                            "Take the match as it is: every event has probability 1");

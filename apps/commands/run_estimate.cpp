@@ -14,16 +14,15 @@ namespace emberfold::apps {
 
 namespace {
 
-// Of what a stage takes a frame, measured on six recorded clips (docs/benchmarks.md): shares of the time that
-// the frame's first sketch takes, and what pixels and patches take besides.
-constexpr double kSketch = 2.0;
-constexpr double kEvents = 1.2, kBottomUp = 0.15;
-constexpr double kModel = 0.8;
-constexpr double kPictures = 0.6;
+// What a stage takes, in units of the time of the first frame's sketch: of each frame, and of a model, which
+// is learned from clips drawn of it and some frames of the clip, whatever its length. Measured on clips of
+// 36,000 and 920,000 pixels (docs/benchmarks.md).
+constexpr double kSketch = 1.0;
+constexpr double kEvents = 0.45, kBottomUp = 0.12;
+constexpr double kPictures = 0.5;
+constexpr double kModel = 120;
 // MB: of the program, of each pixel of a frame, of each patch in each frame.
-constexpr double kProgramMb = 90, kPixelMb = 550e-6, kPatchMb = 1.6e-3;
-// Seconds of a frame's pictures and files, whatever is on it.
-constexpr double kPixelSeconds = 60e-9;
+constexpr double kProgramMb = 170, kPixelMb = 450e-6, kPatchMb = 1.6e-3;
 
 double processor_seconds() {
   timespec now{};
@@ -36,7 +35,7 @@ double processor_seconds() {
 std::optional<RunEstimate> estimate_run(core::FrameSource& source, const pipeline::AnalyzeOptions& options,
                                         int threads) {
   const auto& info = source.info();
-  if (!info.frames || *info.frames < 2) return std::nullopt;
+  if (!info.frames || *info.frames < 2 || options.sample) return std::nullopt;
   source.rewind();
   const cv::Mat frame = source.next();
   source.rewind();
@@ -48,14 +47,14 @@ std::optional<RunEstimate> estimate_run(core::FrameSource& source, const pipelin
   const double pixels = double(info.width) * info.height;
   RunEstimate found;
   found.frames = static_cast<double>(*info.frames);
-  const auto stage = [&](const char* name, std::vector<std::string> reports, double share, double more) {
-    found.stages.push_back({name, std::move(reports), found.frames * (share * one + more)});
+  const auto stage = [&](const char* name, std::vector<std::string> reports, double sketches) {
+    found.stages.push_back({name, std::move(reports), sketches * one});
     found.processor_seconds += found.stages.back().seconds;
   };
-  stage("sketch", {}, kSketch, 0);
-  stage("events", {"match", "events"}, options.bottom_up ? kBottomUp : kEvents, 0);
-  stage("model", {"fit", "balance", "synthesize", "render"}, kModel, 0);
-  stage("pictures", {}, kPictures, kPixelSeconds * pixels);
+  stage("sketch", {}, kSketch * found.frames);
+  stage("events", {"match", "events"}, (options.bottom_up ? kBottomUp : kEvents) * found.frames);
+  stage("model", {"fit", "balance", "synthesize", "render"}, kModel);
+  stage("pictures", {}, kPictures * found.frames);
   const double cores = std::max(1U, std::thread::hardware_concurrency());
   found.seconds = found.processor_seconds / std::clamp(threads > 0 ? double(threads) : cores, 1., cores);
   found.memory_mb = kProgramMb + kPixelMb * pixels * info.channels / 3 +

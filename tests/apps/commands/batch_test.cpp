@@ -38,7 +38,8 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 std::map<std::string, std::string> states(const fs::path& folder) {
   std::map<std::string, std::string> found;
-  for (const auto& run : json_of(folder / "batch.json")["runs"]) found[run["run"]] = run["state"];
+  const Json manifest = json_of(folder / "batch.json");
+  for (const auto& run : manifest["runs"]) found[run["run"]] = run["state"];
   return found;
 }
 

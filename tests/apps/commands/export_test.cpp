@@ -46,12 +46,13 @@ TEST_CASE("a run is exported as tables, GEFF, TrackMate and GraphML, alike in wh
       {"export", run, "--jsonl", "--csv", "--geff", "--trackmate", "--graphml", "-o", out, "--json"});
   INFO(result.err);
   REQUIRE(result.exit == 0);
-  for (const auto& file : Json::parse(result.out)["files"]) CHECK(fs::exists(file.get<std::string>()));
+  const Json told = Json::parse(result.out);
+  for (const auto& file : told["files"]) CHECK(fs::exists(file.get<std::string>()));
   for (const char* name : {"motion.jsonl", "events.csv", "strokes.csv", "trajectories.csv"})
     CHECK(bytes_of(made.temp / "out" / name) == bytes_of(made.temp / "run" / name));
 
   const auto tree = apps::make_stroke_tree(made.motion, made.events);
-  REQUIRE(tree.rows.size() > 50);
+  REQUIRE(tree.rows.size() > 30);
   const auto lines = bytes_of(made.temp / "out/strokes.csv");
   CHECK(static_cast<std::size_t>(std::ranges::count(lines, '\n')) == tree.rows.size() + 1);
   const auto branches = static_cast<std::size_t>(
