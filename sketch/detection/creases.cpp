@@ -27,14 +27,6 @@ struct Principals {
   explicit Principals(int width) : x(static_cast<std::size_t>(width)), gradient(x.size()) {
     for (auto* column : {&xx, &xy, &yy, &value, &nx, &ny}) column->resize(x.size());
   }
-
-  // Of three pixels of each of three rows.
-  void add(int column, const float* up, const float* mid, const float* down) {
-    const Hessian h = hessian_of(up, mid, down);
-    x[count] = column, gradient[count] = gradient_of(up, mid, down);
-    xx[count] = h.xx, xy[count] = h.xy, yy[count] = h.yy;
-    ++count;
-  }
 };
 
 // Squares of single precision neither overflow nor vanish in double precision.
@@ -92,10 +84,9 @@ class FoundRow {
 
 // find_lines for a whole row in single precision: the eigenvalue of greater magnitude where it reaches
 // `least` and the subpixel place lies near enough, 0 elsewhere. The thousandth given away is more than single
-// precision loses. `responses`: the eigenvalues of all pixels, times `normalise`.
+// precision loses.
 EMBERFOLD_SIMD_CLONES void line_row(const float* up, const float* mid, const float* down, int width,
-                                    float least, float normalise, float* __restrict out,
-                                    float* __restrict responses) {
+                                    float least, float* __restrict out) {
   const float enough = 0.999F * least, reach = 1.001F * static_cast<float>(kPixelReach);
   for (int x = 0; x < width; ++x) {
     const float left = mid[x], here = 2 * mid[x + 1], right = mid[x + 2], above = up[x + 1],
@@ -114,18 +105,6 @@ EMBERFOLD_SIMD_CLONES void line_row(const float* up, const float* mid, const flo
     const float longer = std::max(std::abs(nx), std::abs(ny));
     const bool is_line = (size >= enough) & (slope * longer <= reach * (size * (nx * nx + ny * ny)));
     out[x] = is_line ? value : 0.0F;
-    responses[x] = normalise * value;
-  }
-}
-
-// Drops what one of two other scales shows more of, in the same pixel and of the same sign.
-EMBERFOLD_SIMD_CLONES void keep_greatest_row(const float* own, const float* finer, const float* coarser,
-                                             int width, float* __restrict found) {
-  constexpr float kLeastShare = 0.9F;  // of the greatest: what is as good may lie in another pixel there
-  for (int x = 0; x < width; ++x) {
-    const float sign = own[x] < 0 ? -kLeastShare : kLeastShare;
-    const float rival = std::max(sign * finer[x], sign * coarser[x]);
-    found[x] = std::abs(own[x]) >= rival ? found[x] : 0.0F;
   }
 }
 
@@ -305,36 +284,29 @@ cv::Mat1i make_empty_index(cv::Size frame) {
 CreaseLines find_lines(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits) {
   CreaseMapBuilder ridges(space, CreaseKind::ridge), valleys(space, CreaseKind::valley);
   const int width = ridges.size().width, height = ridges.size().height;
-  const auto row = [](const ScaleLevel& level, int y) {
-    return std::array{level.smooth[y], level.smooth[y + 1], level.smooth[y + 2]};
-  };
-  std::vector<AtLevel> at;
-  for (std::size_t k = 0; k < space.size(); ++k) {
-    const double sigma = space[k].sigma, least = std::max(limits.significance * ground.second[k],
-                                                          limits.contrast / line_contrast(sigma));
-    at.push_back({static_cast<int>(k), ground.second[k], least, std::pow(sigma, 1.5)});
-  }
-  std::vector<FoundRow> found(space.size(), FoundRow(width));
-  cv::Mat1f responses(static_cast<int>(space.size()), width);
+  FoundRow found(width);
   Principals places(width);
-  for (int y = 0; y < height; ++y) {
-    for (std::size_t k = 0; k < space.size(); ++k) {
-      const auto [up, mid, down] = row(space[k], y);
-      line_row(up, mid, down, width, static_cast<float>(at[k].least), static_cast<float>(at[k].normalise),
-               found[k].values(), responses[static_cast<int>(k)]);
-    }
-    for (std::size_t k = 0; k < space.size(); ++k) {
-      const auto own = static_cast<int>(k);
-      const bool finest = space[k].octave == 0, coarsest = k + 1 == space.size() || space[k + 1].octave == 0;
-      keep_greatest_row(responses[own], responses[finest ? own : own - 1],
-                        responses[coarsest ? own : own + 1], width, found[k].values());
-      const auto [up, mid, down] = row(space[k], y);
+  for (std::size_t k = 0; k < space.size(); ++k) {
+    const ScaleLevel& level = space[k];
+    const double least =
+        std::max(limits.significance * ground.second[k], limits.contrast / line_contrast(level.sigma));
+    const AtLevel of{static_cast<int>(k), ground.second[k], least, std::pow(level.sigma, 1.5)};
+    for (int y = 0; y < height; ++y) {
+      const float *up = level.smooth[y], *mid = level.smooth[y + 1], *down = level.smooth[y + 2];
+      line_row(up, mid, down, width, static_cast<float>(least), found.values());
       places.count = 0;
-      found[k].visit([&](int x) { places.add(x, up + x, mid + x, down + x); });
+      found.visit([&](int x) {
+        const float *above = up + x, *here = mid + x, *below = down + x;
+        const Hessian h = hessian_of(above, here, below);
+        places.x[places.count] = x;
+        places.gradient[places.count] = gradient_of(above, here, below);
+        places.xx[places.count] = h.xx, places.xy[places.count] = h.xy, places.yy[places.count] = h.yy;
+        ++places.count;
+      });
       principal_row(places.xx.data(), places.xy.data(), places.yy.data(), static_cast<int>(places.count),
                     places.value.data(), places.nx.data(), places.ny.data());
       for (std::size_t i = 0; i < places.count; ++i)
-        put_line(places.value[i] < 0 ? ridges : valleys, places, i, y, space[k], at[k]);
+        put_line(places.value[i] < 0 ? ridges : valleys, places, i, y, level, of);
     }
   }
   return {ridges.finish(), valleys.finish()};

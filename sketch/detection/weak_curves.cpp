@@ -67,7 +67,7 @@ double mean_along(const OrientedLevel& of, std::size_t way, Point at) {
 // slope would vanish.
 double response_of_both_sides(const OrientedLevel& of, std::size_t way, Point place, Point normal,
                               double response) {
-  constexpr double kSide = 1.73, kOfSide = 0.242, kOfDifference = 0.65, kSlope = 0.6,
+  constexpr double kSide = 1.73, kOfSide = 0.242, kOfDifference = 0.65, kSlope = 0.4,
                    kLeastSlope = 0.3 / kPixel;
   const double sigma = of.level.sigma;
   const auto mean = [&](double away) { return mean_along(of, way, place + normal * away); };
@@ -124,14 +124,22 @@ void put_line(CreaseMapBuilder& map, const OrientedLevel& of, const cv::Mat1f& r
 // Puts the step through a pixel into the map, likewise. `n`: towards its brighter side.
 void put_step(CreaseMapBuilder& map, const OrientedLevel& of, const cv::Mat1f& response, Point n, int x,
               int y, PointLimits limits) {
-  constexpr double kFar = 2.5;  // σ: a slope that goes on so far is shading
+  constexpr double kFar = 2.5, kSmooth = 2;  // σ: a slope that goes on so far is shading
   const double here = double{response(y, x)}, sigma = of.level.sigma;
   const auto t = find_greatest(response, x, y, n);
   if (!t) return;
   const auto at = [&](double away) {
     return core::sample_bilinear(response, x + away * n.x, y + away * n.y);
   };
-  const double rise = here - 0.5 * (at(kFar * sigma) + at(-kFar * sigma)), z = rise / limits.ground;
+  // Mirrored at the frame's border, a slope bends there: its inner side is looked at.
+  const auto whole = [&](double way) {
+    const double reach = (kFar + kSmooth) * sigma + 1;
+    return lies_inside(map.size(), {x + way * reach * n.x, y + way * reach * n.y});
+  };
+  const bool ahead = whole(1), behind = whole(-1);
+  const double far_ahead = at(ahead || !behind ? kFar * sigma : -kFar * sigma),
+               far_behind = at(behind || !ahead ? -kFar * sigma : kFar * sigma);
+  const double rise = here - 0.5 * (far_ahead + far_behind), z = rise / limits.ground;
   if (z < limits.response) return;
   map.put(x, y,
           {{x + *t * n.x, y + *t * n.y},
