@@ -2,7 +2,7 @@
 #include "apps/batch/batch_manifest.hpp"
 
 #include <cerrno>
-#include <iterator>
+#include <sstream>
 #include <system_error>
 
 #include <fcntl.h>
@@ -57,9 +57,10 @@ std::vector<BatchEntry> read_manifest(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(path, error)) return {};
   auto in = io::open_file(path);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::ostringstream text;
+  text << in.rdbuf();
   try {
-    const auto value = core::parse_json(text);
+    const auto value = core::parse_json(text.str());
     if (value.at("format") != kFormat) throw core::IoError("it is of another format");
     if (value.at("version") != kVersionOfFile) throw core::IoError("it is of another version");
     std::vector<BatchEntry> entries;
