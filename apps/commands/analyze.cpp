@@ -76,9 +76,8 @@ void add_analyze(CLI::App& app, CommandLine& line) {
       ->excludes(bottom_up)
       ->excludes(curve_events);
   command
-      ->add_option(
-          "--review", asked->review,
-          "Take the answers of this review.json (see review.html) as facts, infer the other events anew")
+      ->add_option("--review", asked->review,
+                   "Take this review.json's answers as facts (review.html makes it)")
       ->type_name("FILE");
   add_sketch_options(*command, options.sketch);
   command->add_flag("--reconstruction", options.reconstruction,
