@@ -178,9 +178,8 @@ void add_analyze(CLI::App& app, CommandLine& line) {
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
   command
-      ->add_option(
-          "--review", asked->review,
-          "Take the answers of this review.json (see review.html) as facts, infer the other events anew")
+      ->add_option("--review", asked->review,
+                   "Take this review.json's answers as facts (review.html makes it)")
       ->type_name("FILE");
   add_analysis_options(*command, *asked, line);
   finish_command(*command, line, asked, run_analyze);

@@ -87,7 +87,7 @@ void add_bench_events(CLI::App& app, CommandLine& line) {
   for (const SceneKind kind : all_scene_kinds()) names.emplace_back(name(kind));
   command
       ->add_option("--only", asked->kinds,
-                   "Make these kinds alone: strokes, flames, folds, ripples, networks, filaments, sway")
+                   "Only these: strokes, flames, folds, ripples, networks, filaments, sway")
       ->delimiter(',')
       ->type_name("KIND,...")
       ->check(CLI::IsMember(names).description(""));

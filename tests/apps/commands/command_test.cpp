@@ -267,7 +267,7 @@ TEST_CASE("an overview, help that opens with examples and shows the defaults, th
   CHECK(overview.exit == 0);
   for (const char* word : {"Examples:", "analyze", "sketch", "synth", "dytex", "compare", "score", "demo"})
     CHECK(contains(overview.out, word));
-  for (const char* command : {"analyze", "sketch", "synth", "compare", "score", "demo"}) {
+  for (const char* command : {"analyze", "sketch", "synth", "compare", "score", "bench-events", "demo"}) {
     const auto help = run_command({command, "--help"});
     CHECK(help.exit == 0);
     CHECK(help.err.empty());
@@ -285,7 +285,7 @@ TEST_CASE("an overview, help that opens with examples and shows the defaults, th
 TEST_CASE("the help of every command fits on one screen") {
   std::vector<std::vector<std::string>> commands{{}};
   for (const char* one : {"analyze", "batch", "gather", "export", "sketch", "synth", "compare", "score",
-                          "demo", "quilt", "dytex"})
+                          "bench-events", "demo", "quilt", "dytex"})
     commands.push_back({one});
   for (const char* one : {"learn", "edit", "synth", "compose", "page", "info", "forecast", "curve",
                           "distance", "classify", "compress"})
