@@ -2,17 +2,18 @@
 #include "pipeline/analyze.hpp"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <utility>
 
 #include "core/error.hpp"
 #include "graph/curves/curve_strokes.hpp"
-#include "graph/matching/time_reversal.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
 #include "pipeline/frame_synthesis.hpp"
+#include "pipeline/inference/clip_readings.hpp"
 #include "pipeline/inference/event_posterior.hpp"
+#include "pipeline/rate_correction.hpp"
+#include "pipeline/stages/analysis_stages.hpp"
 #include "sketch/background/static_pixels.hpp"
 #include "sketch/rendering/sharpening.hpp"
 
@@ -60,12 +61,8 @@ std::vector<graph::Event> find_events(core::FrameSource& source, const graph::Sk
   const bool of_curves = options.curve_events;
   auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
   if (options.bottom_up) return graph::stroke_events(read);
-  // Matched backwards, velocities that are carried on decide otherwise where the match is in doubt.
-  auto backwards = graph::reverse_time(
-      graph::match(graph::reverse_time(sketch), options.match, context.with_progress({})));
-  if (of_curves)
-    backwards = graph::curves_as_strokes(graph::identify_curves(std::move(backwards), context).motion);
-  return event_posterior(source, std::array{std::move(read), std::move(backwards)}, context);
+  return event_posterior(source, match_readings(sketch, std::move(read), options.match, of_curves, context),
+                         context);
 }
 
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.
@@ -91,29 +88,25 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
     group_curves(analysis, clock, context);
     clock.begin("learn");
   }
-  if (options.review) {
-    const std::size_t gaps = analysis.motion.sketch.frames.size() - 1;
-    analysis.reviewed = apply_review(analysis.all_events, *options.review, gaps, options.seed);
-    analysis.all_events = analysis.reviewed->events;
-  }
-  std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
-                       [](const graph::Event& event) { return event.probability >= kLikely; });
 }
 
-/// Corrects the model's rates by what is seen in clips drawn from it.
-std::optional<Calibration> calibrate_rates(const StartSketches& sketches, const sketch::RenderOptions& look,
-                                           const AnalyzeOptions& options, const Analysis& analysis,
-                                           mcmc::FitResult& fitted, core::StageClock& clock,
-                                           const core::Context& context) {
+/// Tells what the model's rates are to be corrected by when strokes are first drawn of it.
+std::optional<RateCorrection> rate_correction(const StartSketches& sketches, const AnalyzeOptions& options,
+                                              const Analysis& analysis, const mcmc::FitResult& fitted,
+                                              const core::Context& context) {
   if (options.calibrate.calibrate == 0) return std::nullopt;
-  clock.begin("calibrate");
   std::optional<graph::MotionGraph> matched;
   if (options.sample) matched = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
   const auto& motion = matched ? *matched : analysis.motion;
-  Calibration result{mcmc::event_statistics(motion, graph::stroke_events(motion)), {}};
-  const ReadingAndDrawing how{options.sketch, options.match, look};
-  result.rounds = calibrate(fitted, result.source, how, options.calibrate, options.seed, context);
-  return result;
+  const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
+  if (source.patches <= 0 || fitted.model.exemplars.empty()) return std::nullopt;
+  return RateCorrection{options.calibrate.calibrate,
+                        options.seed,
+                        source,
+                        fitted.observed,
+                        options.sketch,
+                        options.match,
+                        options.fill};
 }
 
 /// Learns the texture between the strokes into the model; nothing where the clip is none to learn from.
@@ -133,42 +126,92 @@ std::optional<LearnedTexture> learn_texture(core::FrameSource& source, const gra
   }
 }
 
+/// Sketches the clip and the copies that its readings need, or reads what is kept of it.
+StartSketches sketch_readings(core::FrameSource& source, const AnalyzeOptions& options,
+                              const AnalysisStages* stages, const core::Context& context) {
+  StartOptions starts = options.starts;
+  if (!options.sample) starts.chains = 1;
+  if (stages == nullptr || options.sample)
+    return sketch_starts(source, options.sketch, starts, options.seed, context);
+  return {stages->sketch(source, options.sketch, context), {}};
+}
+
+/// Finds motion and events, or reads those that are kept; the model is learned where it is not kept.
+void find_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
+                 const AnalysisStages* stages, bool has_model, Analysis& analysis, mcmc::FitResult& fitted,
+                 core::StageClock& clock, const core::Context& context) {
+  const bool keeps = stages != nullptr && !options.sample;
+  auto kept = keeps ? stages->read_motion() : std::nullopt;
+  if (kept) {
+    analysis.motion = std::move(kept->motion);
+    analysis.joints = std::move(kept->joints);
+    analysis.all_events = std::move(kept->all_events);
+    clock.begin("learn");
+    if (!has_model) fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
+  } else {
+    infer_motion(source, sketches, options, analysis, fitted, clock, context);
+    if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events});
+  }
+  if (options.review) {
+    const std::size_t gaps = analysis.motion.sketch.frames.size() - 1;
+    analysis.reviewed = apply_review(analysis.all_events, *options.review, gaps, options.seed);
+    analysis.all_events = analysis.reviewed->events;
+  }
+  std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
+                       [](const graph::Event& event) { return event.probability >= kLikely; });
+  if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());
+}
+
+/// Learns all that new clips are drawn with. `fitted`: how the strokes move.
+LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketches,
+                         const AnalyzeOptions& options, const Analysis& analysis, mcmc::FitResult fitted,
+                         core::StageClock& clock, const core::Context& context) {
+  const auto& sketch = analysis.motion.sketch;
+  LearnedModel learned;
+  ClipModel& model = learned.model;
+  model.background = sketch::estimate_background(sketches.clip.grounds);
+  model.background.static_pixels = sketch::find_static_pixels(source, context);
+  const double gradient = sketch::measure_clip_flank_gradient(source, sketch, context).mean();
+  model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
+  model.correction = rate_correction(sketches, options, analysis, fitted, context);
+  learned.rates = fitted.events_per_frame;
+  learned.notes = std::move(fitted.notes);
+  model.motion = std::move(fitted.model);
+  auto residual = measure_residual(source, sketch.frames,
+                                   render_options(model.motion, model.background, options.fill), context);
+  if (!residual.empty()) model.residual = std::move(residual);
+  clock.begin("footage");
+  model.footage = gather_footage(source, context);
+  if (options.texture > 0) {
+    clock.begin("texture");
+    learned.texture = learn_texture(source, sketch, options.texture, model, context);
+  }
+  return learned;
+}
+
 }  // namespace
 
-Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const core::Context& context) {
+Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const core::Context& context,
+                 const AnalysisStages* stages) {
   check_options(options);
   Analysis analysis;
   core::StageClock clock;
   clock.begin("sketch");
   if (source.info().frames) check_two_frames(options.clip, *source.info().frames);
-  StartOptions starts = options.starts;
-  if (!options.sample) starts.chains = 1;
-  auto sketches = sketch_starts(source, options.sketch, starts, options.seed, context);
+  const auto sketches = sketch_readings(source, options, stages, context);
   check_two_frames(options.clip, static_cast<std::int64_t>(sketches.clip.sketch.frames.size()));
   if (options.keep_sketch) analysis.sketched = sketches.clip;
+  auto learned = stages != nullptr ? stages->read_model() : std::nullopt;
   mcmc::FitResult fitted;
-  infer_motion(source, sketches, options, analysis, fitted, clock, context);
-  const auto& sketch = analysis.motion.sketch;
-  ClipModel& model = analysis.model;
-  model.background = sketch::estimate_background(sketches.clip.grounds);
-  model.background.static_pixels = sketch::find_static_pixels(source, context);
-  const double gradient = sketch::measure_clip_flank_gradient(source, sketch, context).mean();
-  model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
-  const auto look = sketch::apply_sharpening(render_options(fitted.model, model.background, options.fill),
-                                             model.sharpening);
-  analysis.calibration = calibrate_rates(sketches, look, options, analysis, fitted, clock, context);
-  analysis.rates = fitted.events_per_frame;
-  model.motion = std::move(fitted.model);
-  auto residual = measure_residual(source, sketch.frames,
-                                   render_options(model.motion, model.background, options.fill), context);
-  if (!residual.empty()) model.residual = std::move(residual);
-  for (const auto& note : fitted.notes) context.warn("model: " + note);
-  clock.begin("footage");
-  model.footage = gather_footage(source, context);
-  if (options.texture > 0) {
-    clock.begin("texture");
-    analysis.texture = learn_texture(source, sketch, options.texture, model, context);
+  find_motion(source, sketches, options, stages, learned.has_value(), analysis, fitted, clock, context);
+  if (!learned) {
+    learned = learn_model(source, sketches, options, analysis, std::move(fitted), clock, context);
+    if (stages != nullptr) stages->keep_model(*learned);
   }
+  for (const auto& note : learned->notes) context.warn("model: " + note);
+  analysis.model = std::move(learned->model);
+  analysis.rates = learned->rates;
+  analysis.texture = learned->texture;
   clock.end();
   analysis.stages = clock.ended();
   return analysis;

@@ -46,12 +46,6 @@ struct AnalyzeOptions {
   std::string clip = "the clip";  ///< its name in messages
 };
 
-/// Holds event statistics of the clip and of clips drawn from its model, by which the rates were corrected.
-struct Calibration {
-  mcmc::EventStatistics source;
-  std::vector<mcmc::EventStatistics> rounds;
-};
-
 /// Holds figures of the texture learned between the strokes.
 struct LearnedTexture {
   Eigen::Index components = 0;
@@ -71,14 +65,17 @@ struct Analysis {
   std::array<mcmc::RateInterval, 6> rates{};
   std::optional<mcmc::InferResult> sampled;  ///< with AnalyzeOptions::sample
   std::optional<ReviewedClip> reviewed;      ///< with AnalyzeOptions::review; its events are all_events
-  std::optional<Calibration> calibration;
   std::optional<LearnedTexture> texture;
   std::vector<core::StageTime> stages;
 };
 
+class AnalysisStages;
+
 /// Analyses a clip: sketches, motion, events and the model that new clips are drawn from.
 /// Events have the probability that the images show them (event_posterior), unless options ask otherwise.
-/// Reads the clip five times, frame by frame, and keeps all graphs. Equal clips, options and seeds give equal
+/// Reads the clip five times, frame by frame, and keeps all graphs. The model's rates are learned, and wait
+/// to be corrected where strokes are drawn of it (RateCorrection). `stages`: keeps what each stage makes, and
+/// gives what an earlier call kept. Equal clips, options and seeds give equal
 /// results at any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError
 /// for a clip of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:
 ///
@@ -86,6 +83,6 @@ struct Analysis {
 ///     auto result = pipeline::analyze(*clip, {});
 ///     io::write_model("flag_model", to_archive(result.model));
 Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options = {},
-                 const core::Context& context = {});
+                 const core::Context& context = {}, const AnalysisStages* stages = nullptr);
 
 }  // namespace emberfold::pipeline

@@ -15,7 +15,8 @@ namespace emberfold::pipeline {
 
 /// Holds the settings of calibrate().
 struct CalibrateOptions {
-  int calibrate = 2;  ///< 0…20 rounds; 0: rates stay as they were learned from the graphs
+  /// 0…20 rounds, made when strokes are first drawn from the model; 0: rates stay as they were learned.
+  int calibrate = 2;
 
   void validate() const;
 };

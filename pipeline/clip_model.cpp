@@ -80,6 +80,7 @@ ClipModel strokes_and_background(const core::ModelArchive& archive) {
   model.motion = mcmc::motion_model(archive);
   model.background = sketch::read_background(archive, {model.motion.width, model.motion.height});
   model.sharpening = sketch::read_sharpening(archive);
+  model.correction = read_rate_correction(archive);
   return model;
 }
 
@@ -90,6 +91,7 @@ core::ModelArchive to_archive(const ClipModel& model) {
   sketch::add_background(archive, model.background);
   if (model.residual) add_residual(archive, *model.residual);
   sketch::add_sharpening(archive, model.sharpening);
+  if (model.correction) add_rate_correction(archive, *model.correction);
   if (model.footage) add_footage(archive, *model.footage);
   if (model.texture) archive.parts[kTexturePart] = dytex::to_archive(*model.texture, dytex::Precision::f16);
   return archive;

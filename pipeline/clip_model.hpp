@@ -10,6 +10,7 @@
 #include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "pipeline/footage/footage.hpp"
+#include "pipeline/rate_correction.hpp"
 #include "pipeline/residual_texture.hpp"
 #include "sketch/background/still_background.hpp"
 #include "sketch/rendering/sharpening.hpp"
@@ -24,6 +25,7 @@ struct ClipModel {
   std::optional<ResidualTexture> residual = {};             ///< for ModelFill::texture
   std::optional<dytex::LinearDynamicTexture> texture = {};  ///< for ModelFill::dytex
   std::optional<Footage> footage = {};                      ///< for ModelFill::footage
+  std::optional<RateCorrection> correction = {};            ///< to be made before strokes are drawn
 };
 
 /// Packs a model for its folder: model.json and arrays.

@@ -50,6 +50,7 @@ ClipSynthesis::ClipSynthesis(ClipModel model, const ClipSynthesisOptions& option
     : options_(options), context_(context) {
   check(model, options);
   fill_kind_ = chosen_fill(model, options);
+  if (fill_kind_ != ModelFill::footage) correct_rates(model, context);
   model_ = std::make_shared<const ClipModel>(std::move(model));
   begin();
   const double fps = model_->motion.fps;

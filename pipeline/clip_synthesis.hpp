@@ -36,7 +36,9 @@ struct ClipSynthesisOptions {
 ///     io::write_video("new.mp4", synthesis, 300);
 class ClipSynthesis final : public core::FrameSource {
  public:
-  /// Keeps a copy of the model. Throws core::InputError where it lacks the part that options.fill_kind needs.
+  /// Keeps a copy of the model, whose rates are corrected first where strokes are drawn of them and they wait
+  /// for it (correct_rates). Throws core::InputError where it lacks the part that options.fill_kind needs;
+  /// core::Cancelled.
   explicit ClipSynthesis(ClipModel model, const ClipSynthesisOptions& options = {},
                          const core::Context& context = {});
 

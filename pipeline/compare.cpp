@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include <opencv2/core.hpp>
 
@@ -44,8 +45,17 @@ struct ClipPair {
   SourceMeasures measures_a;
   ClipMeasures measures_b;
   ClipStrokes strokes_a, strokes_b;
-  double square_error = 0, similarity = 0;  // sums over frames
+  double square_error = 0, similarity = 0;                // sums over frames
+  std::vector<cv::Mat> pictures_a = {}, pictures_b = {};  // visible_pictures
 };
+
+void add_luma(std::span<const cv::Mat> levels, auto& measures, std::vector<cv::Mat>& pictures,
+              const core::Context& context) {
+  const auto luma = levels_to_luma(levels);
+  measures.add(luma, context);
+  for (const auto& one : luma)
+    if (pictures.size() < VisibleMeasures::kMostFrames) pictures.push_back(visible_picture(one));
+}
 
 void pass_on(const CompareObserver& observer, int first, std::span<const cv::Mat> a,
              std::span<const cv::Mat> b) {
@@ -63,8 +73,8 @@ void measure_pair(ClipPair& pair, bool with_psnr, bool with_strokes, const core:
   for (int t = 0; t < most; t += kBatch) {
     context.report("compare", double(t) / most);
     const auto a = next_levels(pair.a, kBatch, context), b = next_levels(pair.b, kBatch, context);
-    pair.measures_a.add(levels_to_luma(a), context);
-    pair.measures_b.add(levels_to_luma(b), context);
+    add_luma(a, pair.measures_a, pair.pictures_a, context);
+    add_luma(b, pair.measures_b, pair.pictures_b, context);
     if (with_strokes) {
       pair.strokes_a.add(a, context);
       pair.strokes_b.add(b, context);
@@ -136,6 +146,8 @@ ClipComparison compare(core::FrameSource& a, core::FrameSource& b, const Compare
   out.a = clip_profile(pair.measures_a.all, strokes_a);
   out.b = clip_profile(pair.measures_b, strokes_b);
   out.distances = clip_distances(pair.measures_b, strokes_b, pair.measures_a.all, strokes_a);
+  out.distances.visible =
+      VisibleMeasures(std::move(pair.pictures_a), context).measure(std::move(pair.pictures_b), context);
   out.noise_floor = noise_floor(pair.measures_a, series ? &*series : nullptr);
   if (with_psnr) {
     out.psnr = dytex::psnr(pair.square_error / out.frames_a);

@@ -8,16 +8,18 @@
 namespace emberfold::pipeline {
 
 SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions& options,
-                         const core::Context& context) {
+                         const core::Context& context, SketchedClip begun, const KeepSketch& keep) {
   struct Frame {
     graph::AttributeGraph graph;
     sketch::FrameBackground ground;
   };
   const auto& info = source.info();
-  SketchedClip clip;
+  SketchedClip clip = std::move(begun);
+  std::size_t kept = clip.grounds.size();
+  const std::size_t at_once = core::frames_at_once(info.width, info.height, info.channels);
   clip.sketch.width = info.width, clip.sketch.height = info.height, clip.sketch.fps = info.fps;
   stream_steady_frames(
-      source, "sketch", options, context,
+      source, "sketch", options, context, static_cast<int>(kept), [](int) {},
       [&](int, const cv::Mat& levels) {
         return std::vector<FrameReading>{{levels, sketch::extract(levels, options)}};
       },
@@ -29,7 +31,11 @@ SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions
       [&](int, Frame made) {
         clip.sketch.append(made.graph);
         clip.grounds.push_back(std::move(made.ground));
+        if (!keep || clip.grounds.size() - kept < at_once) return;
+        keep(clip, kept);
+        kept = clip.grounds.size();
       });
+  if (keep && kept < clip.grounds.size()) keep(clip, kept);
   return clip;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "core/clip.hpp"
@@ -21,8 +23,13 @@ struct SketchedClip {
   std::vector<sketch::FrameBackground> grounds;
 };
 
-/// Sketches a clip from its first frame, some frames on several threads at once. Throws core::Cancelled.
+/// Receives the frames from `first` on that are sketched by now.
+using KeepSketch = std::function<void(const SketchedClip& clip, std::size_t first)>;
+
+/// Sketches a clip from its first frame, some frames on several threads at once. `begun`: frames that an
+/// earlier call kept; the result is the same with them. `keep` is called after every few frames, and in any
+/// case after the last, for those that it has not been given yet. Throws core::Cancelled.
 SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions& options,
-                         const core::Context& context);
+                         const core::Context& context, SketchedClip begun = {}, const KeepSketch& keep = {});
 
 }  // namespace emberfold::pipeline

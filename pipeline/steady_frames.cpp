@@ -14,8 +14,6 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr std::size_t kNeighbours = 3;  // to each side
-
 // Follows one motion and then the next; both of frames of this size, in vectors of one grid.
 cv::Mat followed_by(const cv::Mat& motion, const cv::Mat& next, cv::Size frame) {
   const auto across = static_cast<float>(motion.cols) / static_cast<float>(frame.width),
@@ -63,7 +61,7 @@ void SteadyFrames::push(std::vector<FrameReading> readings, cv::Mat mask) {
 std::size_t SteadyFrames::prepare(bool last, const core::Context& context) {
   if (!is_on_) return waiting();
   compute_motion(entries_, context);
-  return last ? waiting() : waiting() - std::min(waiting(), kNeighbours);
+  return last ? waiting() : waiting() - std::min(waiting(), std::size_t{kNeighbours});
 }
 
 cv::Mat SteadyFrames::motion(std::size_t from, std::size_t to) const {
@@ -119,7 +117,7 @@ std::vector<FrameReading> SteadyFrames::steady(std::size_t i) const {
 
 void SteadyFrames::drop(std::size_t count) {
   first_ += count;
-  const std::size_t gone = first_ - std::min(first_, is_on_ ? kNeighbours : 0);
+  const std::size_t gone = first_ - std::min(first_, is_on_ ? std::size_t{kNeighbours} : 0);
   entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(gone));
   first_ -= gone;
 }

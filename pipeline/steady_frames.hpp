@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -34,6 +35,8 @@ graph::AttributeGraph inside_mask(const graph::AttributeGraph& graph, const cv::
 /// flow of the first readings' luma.
 class SteadyFrames {
  public:
+  static constexpr int kNeighbours = 3;  ///< frames to each side
+
   /// Steadies nothing where `options.steady` is off, or patches are chosen by what they gain (budget, blobs).
   explicit SteadyFrames(const sketch::ExtractOptions& options)
       : options_(options), is_on_(options.steady && options.budget <= 0 && !options.blobs) {}
@@ -68,28 +71,33 @@ class SteadyFrames {
   std::size_t first_ = 0;  // entry that is not finished; those before are neighbours
 };
 
-/// Sketches a clip from its first frame, in batches. What the source's mask leaves out (core::mask_of) is no
-/// part of the steadied sketches. Calls before(t) for each frame in order, then read(t, levels) in parallel,
-/// which returns its readings, then finish(t, readings) in parallel with the steadied sketches, then take(t,
-/// result) in order. Returns the number of frames. Throws core::Cancelled.
+/// Sketches a clip in batches, from its first frame that is not among the `known` ones on; of those only the
+/// last three are read again, as neighbours, and nothing is called for their results. What the source's mask
+/// leaves out (core::mask_of) is no part of the steadied sketches. Calls before(t) for each frame in order,
+/// then read(t, levels) in parallel, which returns its readings, then finish(t, readings) in parallel with
+/// the steadied sketches, then take(t, result) in order. Returns the number of frames. Throws
+/// core::Cancelled.
 template <class Before, class Read, class Finish, class Take>
 int stream_steady_frames(core::FrameSource& source, std::string_view stage,
-                         const sketch::ExtractOptions& options, const core::Context& context,
+                         const sketch::ExtractOptions& options, const core::Context& context, int known,
                          const Before& before, const Read& read, const Finish& finish, const Take& take) {
   using Result = decltype(finish(0, std::vector<FrameReading>{}));
   const auto& info = source.info();
   const std::size_t at_once = core::frames_at_once(info.width, info.height, info.channels);
   SteadyFrames frames(options);
   std::deque<cv::Mat> masks;  // of the frames that were read and not pushed yet
-  int done = 0;
+  const int first = std::max(0, known - SteadyFrames::kNeighbours);
+  int done = first;
   const auto settle = [&](bool last) {
     const std::size_t count = frames.prepare(last, context);
     std::vector<std::optional<Result>> results(count);
     core::parallel_for(count, context, [&](std::size_t i) {
-      results[i].emplace(finish(done + static_cast<int>(i), frames.steady(i)));
+      const int t = done + static_cast<int>(i);
+      if (t >= known) results[i].emplace(finish(t, frames.steady(i)));
     });
     for (auto& result : results) {
-      take(done++, std::move(*result));
+      if (result) take(done, std::move(*result));
+      ++done;
       context.check();
     }
     frames.drop(count);
@@ -100,8 +108,14 @@ int stream_steady_frames(core::FrameSource& source, std::string_view stage,
         masks.push_back(core::mask_of(source));
         before(t);
       },
-      [&](int t, const cv::Mat& frame) { return read(t, core::to_levels(frame, info)); },
-      [&](int, std::vector<FrameReading> readings) {
+      [&](int t, const cv::Mat& frame) {
+        return t >= first ? read(t, core::to_levels(frame, info)) : std::vector<FrameReading>();
+      },
+      [&](int t, std::vector<FrameReading> readings) {
+        if (t < first) {
+          masks.pop_front();
+          return;
+        }
         frames.push(std::move(readings), std::move(masks.front()));
         masks.pop_front();
         if (frames.waiting() > at_once) settle(false);
@@ -110,13 +124,13 @@ int stream_steady_frames(core::FrameSource& source, std::string_view stage,
   return done;
 }
 
-/// Sketches a clip as above, without before().
+/// Sketches a clip as above, without before() or known frames.
 template <class Read, class Finish, class Take>
 int stream_steady_frames(core::FrameSource& source, std::string_view stage,
                          const sketch::ExtractOptions& options, const core::Context& context,
                          const Read& read, const Finish& finish, const Take& take) {
   return stream_steady_frames(
-      source, stage, options, context, [](int) {}, read, finish, take);
+      source, stage, options, context, 0, [](int) {}, read, finish, take);
 }
 
 }  // namespace emberfold::pipeline

@@ -56,9 +56,9 @@ struct Limits {
 };
 
 Limits make_limits(const ExtractOptions& options) {
-  constexpr double kEvidence = 7, kEvidenceOctaves = 6;  // nats at 0.5; factors of two from 0 to 1
-  constexpr double kOctaves = 2;                         // of the significance below 0.5
-  constexpr double kBegins = 2.8, kMoreSensitive = 1.6;  // SD of a response up to 0.5, and less above
+  constexpr double kEvidence = 6.5, kEvidenceOctaves = 6;  // nats at 0.5; factors of two from 0 to 1
+  constexpr double kOctaves = 2;                           // of the significance below 0.5
+  constexpr double kBegins = 2.8, kMoreSensitive = 1.6;    // SD of a response up to 0.5, and less above
   const double more = options.sensitivity - 0.5, strict = std::exp2(kOctaves * std::max(0.0, -more));
   // A line explains the steps on its flanks; the more sensitive, the less.
   constexpr double kExplains = 0.5;

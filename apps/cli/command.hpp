@@ -37,6 +37,7 @@ struct CommonOptions {
   int threads = 0;         ///< 0: as many as the machine has; up to 1024
   bool json = false;       ///< print summary.json's content
   bool quiet = false;      ///< no progress and no messages but warnings and errors
+  ProgressForm progress = ProgressForm::text;
   bool overwrite = false;  ///< replace clips and files that are no earlier results
   void validate() const;
   [[nodiscard]] io::Existing existing() const { return overwrite ? io::Existing::all : io::Existing::own; }
@@ -67,6 +68,7 @@ class Settings;
 /// The command that the command line names, with its options.
 struct CommandLine {
   CommonOptions common;
+  std::vector<std::string> words;  ///< as they were typed, without the program
   std::function<void(Session&)> run;
   std::map<std::string, std::shared_ptr<Settings>> settings;  ///< by command, "dytex learn"
 };
@@ -80,6 +82,9 @@ void add_demo(CLI::App& app, CommandLine& line);
 void add_dytex(CLI::App& app, CommandLine& line);
 void add_compare(CLI::App& app, CommandLine& line);
 void add_quilt(CLI::App& app, CommandLine& line);
+void add_batch(CLI::App& app, CommandLine& line);
+void add_gather(CLI::App& app, CommandLine& line);
+void add_export(CLI::App& app, CommandLine& line);
 
 /// Returns the peak memory of the process, MB.
 double peak_memory_mb();

@@ -76,6 +76,18 @@ void add_common(CLI::App& command, CommonOptions& common) {
       .add_flag("--overwrite", common.overwrite,
                 "Replace clips and files that are there, also those that no emberfold command wrote")
       ->group(kCommonGroup);
+  command
+      .add_option_function<std::string>(
+          "--progress",
+          [&common](const std::string& form) {
+            if (form != "text" && form != "json")
+              throw Misuse("--progress is " + form + "; allowed is text or json");
+            common.progress = form == "json" ? ProgressForm::json : ProgressForm::text;
+          },
+          "Tell progress and messages as text, or as a JSON object a line")
+      ->type_name("text|json")
+      ->default_str("text")
+      ->group(kCommonGroup);
   command.add_flag("-q,--quiet", common.quiet, "Print nothing but warnings and errors")->group(kCommonGroup);
 }
 

@@ -2,14 +2,25 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
+
+#include "apps/cli/run_progress.hpp"
 
 namespace emberfold::apps {
 
-/// Writes progress and messages to standard error. On a terminal progress is one line that is rewritten:
-/// stage, percentage, time left; elsewhere one line for each stage. When quiet, only warnings and errors are
-/// written. Use from one thread at a time.
+/// How progress and messages are written.
+enum class ProgressForm {
+  text,  ///< on a terminal one line that is rewritten, elsewhere one line for each stage
+  json   ///< an object a line, for programs: progress ten times a second at most, messages, warnings, errors
+};
+
+/// Writes progress and messages to standard error. A line of progress tells the stage, how much of it is done
+/// and the time left; of all stages where they are planned. When quiet, only warnings and errors are written.
+/// Use from one thread at a time.
 class Console {
  public:
   Console();
@@ -18,6 +29,9 @@ class Console {
   Console& operator=(const Console&) = delete;
 
   void set_quiet(bool quiet) { quiet_ = quiet; }
+  void set_form(ProgressForm form) { form_ = form; }
+  /// Tells the stages that are to come, so that progress is that of all of them.
+  void plan(std::vector<PlannedStage> stages) { plan_.emplace(std::move(stages)); }
   void progress(std::string_view stage, double fraction);
   void say(const std::string& text);
   void warn(const std::string& text);
@@ -26,10 +40,15 @@ class Console {
  private:
   using Clock = std::chrono::steady_clock;
   void clear_line();
+  void put_json(const std::string& kind, const std::string& text);
+  /// Writes progress as it is to be seen on a terminal.
+  void show(const RunProgress::State& state);
 
+  ProgressForm form_ = ProgressForm::text;
+  std::optional<RunProgress> plan_;
   bool quiet_ = false, terminal_ = false, line_is_open_ = false;
   std::string stage_;
-  Clock::time_point began_, shown_;
+  Clock::time_point made_ = Clock::now(), began_, shown_;
 };
 
 /// Formats a duration: "7 s", "3 min 5 s", "2 h 10 min".

@@ -3,16 +3,13 @@
 #include <iostream>
 #include <new>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
 
 #include "apps/cli/command.hpp"
 #include "apps/cli/help.hpp"
 #include "apps/cli/interrupt.hpp"
+#include "core/freed_memory.hpp"
 #include "core/io/require_apart.hpp"
 #include "core/parallel.hpp"
 
@@ -34,15 +31,6 @@ std::string command_line_text(int count, char** words) {
   std::string text = "emberfold";
   for (int i = 1; i < count; ++i) text += " " + quoted(words[i]);
   return text;
-}
-
-// Frames are drawn in images that come and go by the dozen. Given back to the system each time, their pages
-// cost a third of the time when they are touched again.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-#endif
 }
 
 int run(apps::Console& console, const apps::CommandLine& line, const std::string& text) {
@@ -84,7 +72,11 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   app.set_version_flag("--version", std::string("emberfold ") + apps::kVersion, "Print the version");
   app.require_subcommand(0, 1);
   apps::CommandLine line;
+  line.words.assign(words + 1, words + count);
   apps::add_analyze(app, line);
+  apps::add_batch(app, line);
+  apps::add_gather(app, line);
+  apps::add_export(app, line);
   apps::add_synthesis(app, line);
   apps::add_sketch(app, line);
   apps::add_compare(app, line);
@@ -108,6 +100,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
     return kDone;
   }
   console.set_quiet(line.common.quiet);
+  console.set_form(line.common.progress);
   return run(console, line, command_line_text(count, words));
 }
 
@@ -116,7 +109,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
 int main(int count, char** words) {
   // Beyond a limit on file sizes a write shall fail, like on a full disk, not end the process.
   std::signal(SIGXFSZ, SIG_IGN);
-  keep_freed_memory();
+  core::keep_freed_memory();
   apps::Console console;
   try {
     return parse_and_run(count, words, console);

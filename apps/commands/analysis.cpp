@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/summary.hpp"
+#include "apps/commands/run_estimate.hpp"
 #include "apps/pictures/pictures.hpp"
 #include "apps/pictures/rate_map.hpp"
 #include "apps/report/report_model.hpp"
@@ -40,9 +43,7 @@ void write_data(io::OutputFolder& output, const pipeline::Analysis& found,
   const auto& events = found.events;
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
   output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
-  output.write("events.json", [&](std::ostream& out) { graph::write_events(out, events); });
-  output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, found.all_events); });
-  output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, events, units); });
+  write_events(output, found, units);
   output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion, units); });
   const auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
@@ -128,7 +129,7 @@ Json events_json(const std::vector<graph::Event>& events, std::size_t frames) {
   return {{"total", events.size()}, {"per_frame", std::round(per_frame * 1000) / 1000}, {"classes", classes}};
 }
 
-Json files_json(bool reconstruction) {
+Json files_json(bool reconstruction, bool keeps) {
   Json files = {
       {"events.json", "the events of strokes"},
       {"events.csv", "the same as a table"},
@@ -152,6 +153,7 @@ Json files_json(bool reconstruction) {
       {"overlay.mp4", "the clip with its graph and events"},
       {"matches/", "neighbouring frames, matched"},
       {"summary.json", "all figures"}};
+  if (keeps) files["stages/"] = "what each step made: the same command goes on from there";
   if (reconstruction) files["reconstruction.avi"] = "the clip drawn from its sketch";
   return files;
 }
@@ -182,11 +184,9 @@ Json census_json(const mcmc::EventStatistics& census) {
   return {{"patches", rounded(census.patches)}, {"strokes", rounded(strokes)}, {"events", events}};
 }
 
-Json calibration_json(const std::optional<pipeline::Calibration>& calibration) {
-  if (!calibration) return nullptr;
-  Json rounds = Json::array();
-  for (const auto& seen : calibration->rounds) rounds.push_back(census_json(seen));
-  return {{"source", census_json(calibration->source)}, {"rounds", rounds}};
+Json correction_json(const std::optional<pipeline::RateCorrection>& correction) {
+  if (!correction) return nullptr;
+  return {{"source", census_json(correction->source)}, {"rounds", correction->rounds}};
 }
 
 Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& options, const Pictures& pictures,
@@ -210,7 +210,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   summary["events"] = events_json(found.events, motion.sketch.frames.size());
   if (!options.bottom_up) summary["events"].update(certainty_json(found.all_events));
   summary["model"] = motion_model_figures(found.model.motion);
-  summary["calibration"] = calibration_json(found.calibration);
+  summary["calibration"] = correction_json(found.model.correction);
   const auto& sharpening = found.model.sharpening;
   summary["model"]["blur_share"] = std::round(sharpening.blur_share * 1000) / 1000;
   summary["model"]["contrast_gain"] = std::round(sharpening.contrast_gain * 1000) / 1000;
@@ -239,19 +239,33 @@ Pictures write_pictures(core::FrameSource& source, const pipeline::Analysis& fou
 
 }  // namespace
 
+void write_events(io::OutputFolder& output, const pipeline::Analysis& found, const graph::Units& units) {
+  output.write("events.json", [&](std::ostream& out) { graph::write_events(out, found.events); });
+  output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, found.all_events); });
+  output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, found.events, units); });
+}
+
 Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io::OutputFolder& output,
                       Session& session, const std::optional<std::vector<graph::Event>>& truth,
-                      const std::string& shown_name) {
+                      const std::string& shown_name, const pipeline::AnalysisStages* stages) {
   Analysis made;
   made.clip = shown_name.empty() ? name : shown_name;
   const auto source = open_clip(name, options.read, session);
+  std::error_code error;
+  const bool has_sketch =
+      stages != nullptr && std::filesystem::exists(output.path() / "stages/sketch/columns.json", error);
+  if (const auto estimate =
+          has_sketch ? std::nullopt : estimate_run(*source, options, session.common.threads)) {
+    session.console.say(words_of(*estimate, source->info()));
+    session.console.plan(estimate->stages);
+  }
   pipeline::AnalyzeOptions asked = static_cast<const pipeline::AnalyzeOptions&>(options);
   asked.seed = session.common.seed, asked.clip = made.clip;
-  made.found = pipeline::analyze(*source, asked, session.context);
+  made.found = pipeline::analyze(*source, asked, session.context, stages);
   const auto& found = made.found;
   made.stages.add(found.stages);
   made.stages.begin("write");
-  io::write_model(output, "model", to_archive(found.model));
+  if (stages == nullptr) io::write_model(output, "model", to_archive(found.model));
   const auto units = units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
   const auto changes = graph::topology_changes(found.motion);
@@ -280,7 +294,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
     summary["score"] = score_json(graph::score_events(*truth, found.events, tolerance));
     summary["score"]["tolerance"] = options_json(tolerance);
   }
-  summary["files"] = files_json(options.reconstruction);
+  summary["files"] = files_json(options.reconstruction, stages != nullptr);
   summary["per_frame"] = per_frame_json(found.motion, found.events);
   made.summary = std::move(summary);
   made.report = std::move(pictures.report);

@@ -12,7 +12,9 @@
 #include "core/io/clip_reader.hpp"
 #include "core/io/staged_output.hpp"
 #include "graph/events/events.hpp"
+#include "graph/io/unit_tables.hpp"
 #include "pipeline/analyze.hpp"
+#include "pipeline/stages/analysis_stages.hpp"
 
 namespace emberfold::apps {
 
@@ -32,12 +34,16 @@ struct Analysis {
 };
 
 /// From a clip to what the report tells: sketches, motion, events, motion model, overlay video, pictures, all
-/// but report and summary written into `output`, which the caller commits. Reads the clip twice and keeps of
-/// it a batch of frames. With `truth` the events are scored against it. `shown_name`: how the clip is called
-/// where that is not its name. core::IoError for a clip of fewer than two frames.
+/// but report and summary written into `output`, which the caller commits. With `stages` the model is kept
+/// there instead, and what an earlier call made is not made again. Reads the clip twice and keeps of it a
+/// batch of frames. With `truth` the events are scored against it. `shown_name`: how the clip is called where
+/// that is not its name. core::IoError for a clip of fewer than two frames.
 Analysis analyze_clip(const std::string& clip, const AnalyzeOptions& options, io::OutputFolder& output,
                       Session& session, const std::optional<std::vector<graph::Event>>& truth = {},
-                      const std::string& shown_name = {});
+                      const std::string& shown_name = {}, const pipeline::AnalysisStages* stages = nullptr);
+
+/// Writes events.json, events_all.json and events.csv.
+void write_events(io::OutputFolder& output, const pipeline::Analysis& found, const graph::Units& units);
 
 /// Writes report.html and summary.json, with what the caller added to both.
 void finish_analysis(Analysis& analysis, io::OutputFolder& output, const Session& session);

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
-#include "apps/commands/analysis.hpp"
+#include "apps/commands/analyze_options.hpp"
+#include "apps/commands/run_folder.hpp"
+#include "apps/units/event_units.hpp"
 #include "core/io/files.hpp"
 #include "graph/io/review_io.hpp"
 
@@ -13,14 +21,111 @@ namespace emberfold::apps {
 
 namespace {
 
-struct Analyze {
-  Reading reading;
+using Json = nlohmann::ordered_json;
+
+struct Analyze : AskedAnalysis {
   std::string output, review;
-  AnalyzeOptions options;
 };
 
+std::vector<std::string> inputs_of(const Analyze& asked) {
+  return {asked.reading.clip, asked.reading.options.mask, asked.review};
+}
+
+Json read_summary(const std::string& folder) {
+  auto in = io::open_file(std::filesystem::path(folder) / "summary.json");
+  Json summary = Json::parse(in, nullptr, false);
+  if (summary.is_discarded())
+    throw core::IoError(folder + "/summary.json is damaged; remove it to analyze again");
+  return summary;
+}
+
+void tell_done(const std::string& folder, bool before, const Json& summary, Session& session) {
+  const auto report = (std::filesystem::path(folder) / "report.html").string();
+  session.console.say(summary["events"]["total"].dump() + " events in " + summary["clip"]["frames"].dump() +
+                      " frames; the report is " + report + (before ? ", as it was" : ""));
+  if (session.common.json) session.print(json_text(summary));
+}
+
+/// Writes the events as soon as they are known. What an older run told of others is removed.
+void publish_events(const Analyze& asked, const pipeline::Analysis& found, const graph::Units& units,
+                    const Session& session) {
+  io::OutputFolder early(asked.output, session.common.existing());
+  early.protect(inputs_of(asked));
+  write_events(early, found, units);
+  early.commit();
+  std::error_code ignored;
+  for (const char* name : {"report.html", "summary.json"})
+    std::filesystem::remove(std::filesystem::path(asked.output) / name, ignored);
+}
+
+/// Makes what is missing of a run. Without keys nothing is kept in between.
+Json make_run(const Analyze& asked, const AnalyzeOptions& options, const std::optional<RunKeys>& keys,
+              Session& session) {
+  io::OutputFolder output(asked.output, session.common.existing());
+  output.protect(inputs_of(asked));
+  std::optional<pipeline::AnalysisStages> stages;
+  if (keys) {
+    note_begun(asked.output);
+    stages.emplace(asked.output, keys->stages);
+    stages->on_events = [&](const pipeline::Analysis& found, const core::ClipInfo& info) {
+      publish_events(asked, found, units_of(info), session);
+    };
+  }
+  auto analysis =
+      analyze_clip(asked.reading.clip, options, output, session, {}, {}, stages ? &*stages : nullptr);
+  finish_analysis(analysis, output, session);
+  output.commit();
+  if (keys) note_done(asked.output, keys->run);
+  return std::move(analysis.summary);
+}
+
 void run_analyze(const Analyze& asked, Session& session) {
+  AnalyzeOptions options = check_analysis(asked, session);
+  if (!asked.review.empty()) {
+    auto in = io::open_file(asked.review);
+    options.review = graph::read_review(in, asked.review);
+  }
+  require_apart(inputs_of(asked), asked.output,
+                {"overlay.mp4",  "reconstruction.avi", "birth_map.png",    "death_map.png",   "matches",
+                 "model",        "events.json",        "events.csv",       "events_all.json", "motion.jsonl",
+                 "sketch.jsonl", "trajectories.csv",   "strokes.csv",      "curves.csv",      "joints.csv",
+                 "network.csv",  "contacts.csv",       "named_events.csv", "lives.csv",       "drift.csv",
+                 "report.html",  "review.html",        "topology.csv",     "tips.csv",        "summary.json"},
+                session.common);
+  const auto keys = run_keys(asked.reading.clip, asked.review, options, session.common.seed);
+  if (keys && is_done(asked.output, keys->run)) {
+    tell_done(asked.output, true, read_summary(asked.output), session);
+    return;
+  }
+  try {
+    const auto summary = make_run(asked, options, keys, session);
+    tell_done(asked.output, false, summary, session);
+  } catch (const core::Cancelled&) {
+    std::error_code error;
+    if (!keys || !std::filesystem::exists(std::filesystem::path(asked.output) / "stages", error)) throw;
+    throw core::Cancelled("what was done is kept in " + asked.output + ", the same command goes on");
+  }
+}
+
+/// Sets what --quality stands for.
+void apply_quality(const std::string& quality, AnalyzeOptions& options) {
+  if (quality == "normal") return;
+  if (quality == "draft") {
+    options.bottom_up = true;
+    options.calibrate.calibrate = 0;
+    return;
+  }
+  if (quality != "sure") throw Misuse("--quality is " + quality + "; allowed is draft, normal or sure");
+  if (options.bottom_up || options.curve_events)
+    throw Misuse("--quality sure samples graphs, which --bottom-up and --curve-events exclude");
+  options.sample = true;
+}
+
+}  // namespace
+
+AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session) {
   AnalyzeOptions options = asked.options;
+  apply_quality(asked.quality, options);
   options.read = check_reading(asked.reading, session);
   if (options.texture < 0 || options.texture > 500)
     throw Misuse("--texture is " + std::to_string(options.texture) + "; allowed is 0 to 500");
@@ -30,31 +135,38 @@ void run_analyze(const Analyze& asked, Session& session) {
   check_options(options.infer, "infer");
   check_options(options.fill, "fill");
   check_options(options.calibrate, "calibrate");
-  if (!asked.review.empty()) {
-    auto in = io::open_file(asked.review);
-    options.review = graph::read_review(in, asked.review);
-  }
-  const std::vector<std::string> inputs{asked.reading.clip, asked.reading.options.mask, asked.review};
-  require_apart(inputs, asked.output,
-                {"overlay.mp4",  "reconstruction.avi", "birth_map.png",    "death_map.png",   "matches",
-                 "model",        "events.json",        "events.csv",       "events_all.json", "motion.jsonl",
-                 "sketch.jsonl", "trajectories.csv",   "strokes.csv",      "curves.csv",      "joints.csv",
-                 "network.csv",  "contacts.csv",       "named_events.csv", "lives.csv",       "drift.csv",
-                 "report.html",  "review.html",        "topology.csv",     "tips.csv",        "summary.json"},
-                session.common);
-  io::OutputFolder output(asked.output, session.common.existing());
-  output.protect(inputs);
-  auto analysis = analyze_clip(asked.reading.clip, options, output, session);
-  finish_analysis(analysis, output, session);
-  output.commit();
-  const auto& summary = analysis.summary;
-  const auto report = (output.path() / "report.html").string();
-  session.console.say(summary["events"]["total"].dump() + " events in " + summary["clip"]["frames"].dump() +
-                      " frames; the report is " + report);
-  if (session.common.json) session.print(json_text(summary));
+  return options;
 }
 
-}  // namespace
+void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& line) {
+  auto& options = asked.options;
+  command
+      .add_option("--quality", asked.quality, "draft, normal (events weighed) or sure (graphs sampled; slow)")
+      ->type_name("HOW")
+      ->default_str(asked.quality);
+  auto* const bottom_up = command.add_flag("--bottom-up", options.bottom_up,
+                                           "Take the match as it is: every event has probability 1");
+  auto* const curve_events =
+      command.add_flag("--curve-events", options.curve_events,
+                       "Events of curves, not of strokes: to touch and to cross is none");
+  command
+      .add_flag("--sample", options.sample,
+                "Sample graphs and links by MCMC (slow; see docs/method/sampler.md)")
+      ->excludes(bottom_up)
+      ->excludes(curve_events);
+  add_sketch_options(command, options.sketch);
+  command.add_flag("--reconstruction", options.reconstruction,
+                   "Write reconstruction.avi too, and measure the PSNR of every frame");
+  add_number(command, "--texture", options.texture, "N",
+             "Learn N components of what lies between strokes (synth --fill dytex)");
+  const auto settings = add_settings(command, line);
+  settings->add("sketch", options.sketch);
+  settings->add("match", options.match);
+  settings->add("starts", options.starts);
+  settings->add("infer", options.infer);
+  settings->add("calibrate", options.calibrate);
+  settings->add("fill", options.fill);
+}
 
 void add_analyze(CLI::App& app, CommandLine& line) {
   auto* command = add_command(app, "analyze",
@@ -65,32 +177,11 @@ void add_analyze(CLI::App& app, CommandLine& line) {
   const auto asked = std::make_shared<Analyze>();
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
-  auto& options = asked->options;
-  auto* bottom_up = command->add_flag("--bottom-up", options.bottom_up,
-                                      "Take the match as it is: every event has probability 1");
-  auto* curve_events = command->add_flag("--curve-events", options.curve_events,
-                                         "Events of curves, not of strokes: to touch and to cross is none");
-  command
-      ->add_flag("--sample", options.sample,
-                 "Sample graphs and links by MCMC (slow; see docs/method/sampler.md)")
-      ->excludes(bottom_up)
-      ->excludes(curve_events);
   command
       ->add_option("--review", asked->review,
                    "Take this review.json's answers as facts (review.html makes it)")
       ->type_name("FILE");
-  add_sketch_options(*command, options.sketch);
-  command->add_flag("--reconstruction", options.reconstruction,
-                    "Write reconstruction.avi too, and measure the PSNR of every frame");
-  add_number(*command, "--texture", options.texture, "N",
-             "Learn N components of what lies between strokes (synth --fill dytex)");
-  const auto settings = add_settings(*command, line);
-  settings->add("sketch", options.sketch);
-  settings->add("match", options.match);
-  settings->add("starts", options.starts);
-  settings->add("infer", options.infer);
-  settings->add("calibrate", options.calibrate);
-  settings->add("fill", options.fill);
+  add_analysis_options(*command, *asked, line);
   finish_command(*command, line, asked, run_analyze);
 }
 

@@ -12,6 +12,7 @@
 #include "apps/commands/demo_story.hpp"
 #include "core/io/clip_writer.hpp"
 #include "graph/io/motion_io.hpp"
+#include "pipeline/rate_correction.hpp"
 
 namespace emberfold::apps {
 
@@ -65,6 +66,7 @@ void run_demo(const Demo& asked, Session& session) {
   // Reads the file rather than the clip in memory, as the printed command does.
   auto analysis = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
                                "builtin:" + asked.clip);
+  pipeline::correct_rates(analysis.found.model, session.context);
   const auto source = open_clip(output.staged("clip.avi").string(), {}, {});
   add_model_clips(*source, options, analysis, output, session);
   finish_analysis(analysis, output, session);

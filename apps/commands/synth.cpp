@@ -10,6 +10,7 @@
 #include "apps/cli/edit_options.hpp"
 #include "apps/cli/interrupt.hpp"
 #include "apps/cli/summary.hpp"
+#include "apps/commands/corrected_model.hpp"
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
 #include "apps/report/report_model.hpp"
@@ -193,6 +194,8 @@ Json statistics_json(const pipeline::SynthesisStatistics& drawn) {
 Json footage_json(const pipeline::FootageSynthesis& drawn) {
   const auto rounded = [](double value) { return std::round(100 * value) / 100; };
   return {{"jump_cost", rounded(drawn.jump_cost())},
+          {"plays", drawn.plays()},
+          {"plays_back", drawn.plays_back()},
           {"time_spread_frames", rounded(drawn.amplitude())},
           {"copied_share", rounded(drawn.copied_share())}};
 }
@@ -227,6 +230,7 @@ void run_synth(Synth asked, Session& session) {
   stages.begin("edit");
   const auto& edit = asked.edit.edit;
   if (!opened.footage) {
+    correct_rates_once(opened, session.context);
     opened.motion = apply_edits(std::move(opened.motion), asked.edit, session);
     edit_texture(opened, edit, session);
   }
@@ -244,9 +248,11 @@ void run_synth(Synth asked, Session& session) {
   const auto* const footage = frames.footage();
   session.console.say(
       std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " + asked.output +
-      (footage != nullptr ? "; " + std::to_string(std::lround(100 * footage->copied_share())) +
-                                " % of what moves is as in one frame of the clip"
-                          : ""));
+      (footage != nullptr
+           ? "; " + std::to_string(std::lround(100 * footage->copied_share())) +
+                 " % of what moves is as in one frame of the clip" +
+                 (footage->plays_back() ? "; it has no like moments and is played back, too" : "")
+           : ""));
   if (!session.common.json) return;
   Json summary = summarise(asked, opened.motion, frames, session);
   end_summary(summary, session, stages);

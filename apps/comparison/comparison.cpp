@@ -7,6 +7,7 @@
 #include "apps/cli/summary.hpp"
 #include "apps/comparison/comparison_json.hpp"
 #include "apps/comparison/comparison_words.hpp"
+#include "apps/pictures/pictures.hpp"
 #include "apps/units/event_units.hpp"
 #include "core/error.hpp"
 #include "core/text/format_number.hpp"
@@ -90,7 +91,7 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip,
     return result;
   });
   Comparison comparison;
-  comparison.files = {"measures.json", "side_by_side.mp4"};
+  comparison.files = {"measures.json", "side_by_side.mp4", "contact_sheet.png"};
   Json& measures = comparison.measures = begin_measures(found.scale);
   measures["clip"] = clip_json(clip, source.info(), found.frames);
   measures["seed"] = session.common.seed;
@@ -109,6 +110,7 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip,
   if (found.size_curve) measures["size_curve"] = size_curve_json(*found.size_curve);
   finish_measures(measures, output, session);
   comparison.pictures = films.take_pictures();
+  write_png(output, "contact_sheet.png", comparison.sheet = films.contact_sheet());
   return comparison;
 }
 
@@ -135,7 +137,12 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
   if (!found.psnr) measures["psnr_missing"] = found.no_psnr_reason;
   measures["curves"] = curves_json({{"source", &found.a.curves}, {"other", &found.b.curves}}, found.scale);
   finish_measures(measures, output, session);
-  return {std::move(measures), {"measures.json", "side_by_side.mp4"}, films.take_pictures()};
+  const cv::Mat sheet = films.contact_sheet();
+  write_png(output, "contact_sheet.png", sheet);
+  return {std::move(measures),
+          {"measures.json", "side_by_side.mp4", "contact_sheet.png"},
+          films.take_pictures(),
+          sheet};
 }
 
 }  // namespace emberfold::apps

@@ -19,6 +19,7 @@ struct Comparison {
   nlohmann::ordered_json measures;  ///< the content of measures.json
   std::vector<std::string> files;   ///< what was written into the output, by name
   std::vector<ComparedFrame> pictures = {};
+  cv::Mat sheet = {};  ///< contact_sheet.png, CV_8UC3
 };
 
 /// Compares a clip with models of it (pipeline::compare_models). Writes a clip drawn from each model,

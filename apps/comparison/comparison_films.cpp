@@ -2,17 +2,26 @@
 #include "apps/comparison/comparison_films.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
+#include <opencv2/imgproc.hpp>
+
 namespace emberfold::apps {
 
+namespace {
+
+constexpr int kMoments = 6;        // of the contact sheet, for each clip
+constexpr int kSheetHeight = 240;  // px of its pictures
+
+}  // namespace
+
 std::string drawn_clip_file(const std::string& key) {
-  static const std::map<std::string, std::string> files{{"motion_model", "synthesized_motion.avi"},
-                                                        {"hybrid", "synthesized_hybrid.avi"},
-                                                        {"footage", "synthesized_footage.avi"},
-                                                        {"linear_dynamic_texture", "synthesized_dytex.avi"},
-                                                        {"star", "synthesized_star.avi"}};
+  static const std::map<std::string, std::string> files{
+      {"motion_model", "synthesized_motion.avi"}, {"hybrid", "synthesized_hybrid.avi"},
+      {"footage", "synthesized_footage.avi"},     {"linear_dynamic_texture", "synthesized_dytex.avi"},
+      {"star", "synthesized_star.avi"},           {"video_loop", "video_loop.avi"}};
   const auto found = files.find(key);
   return found == files.end() ? "" : found->second;
 }
@@ -50,9 +59,37 @@ void ComparisonFilms::write(int first, std::span<const std::vector<cv::Mat>> cli
     for (const auto& clip : clips) row.push_back(clip[i]);
     beside_->write(row);
     const int frame = first + static_cast<int>(i);
+    add_to_sheet(frame, row);
     if (frame == shortest_ / 4 || frame == shortest_ * 3 / 4)
       pictures_.push_back({frame, compose_rows(row, labels_, in_row_)});
   }
+}
+
+/// Keeps a small picture of each clip where the sheet shows one.
+void ComparisonFilms::add_to_sheet(int frame, std::span<const cv::Mat> row) {
+  const int moments = std::min(kMoments, shortest_), next = static_cast<int>(sheet_.size());
+  if (next == moments || frame < (2 * next + 1) * shortest_ / (2 * moments)) return;
+  auto& pictures = sheet_.emplace_back();
+  for (const auto& picture : row) {
+    cv::Mat small;
+    const double factor = double(kSheetHeight) / picture.rows;
+    cv::resize(picture, small,
+               {std::max(1, static_cast<int>(std::lround(picture.cols * factor))), kSheetHeight}, 0, 0,
+               factor < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+    pictures.push_back(small);
+  }
+  sheet_frames_.push_back(frame);
+}
+
+cv::Mat ComparisonFilms::contact_sheet() const {
+  std::vector<cv::Mat> pictures;
+  std::vector<std::string> labels;
+  for (std::size_t clip = 0; clip < labels_.size(); ++clip)
+    for (std::size_t moment = 0; moment < sheet_.size(); ++moment) {
+      pictures.push_back(sheet_[moment][clip]);
+      labels.push_back(moment == 0 ? labels_[clip] : "frame " + std::to_string(sheet_frames_[moment]));
+    }
+  return pictures.empty() ? cv::Mat() : compose_rows(pictures, labels, sheet_.size());
 }
 
 void ComparisonFilms::finish() {

@@ -37,11 +37,13 @@ class ComparisonFilms {
   /// Ends all files.
   void finish();
   std::vector<ComparedFrame> take_pictures() { return std::move(pictures_); }
+  /// Returns a picture with a row for each clip: its frames at six moments, CV_8UC3.
+  [[nodiscard]] cv::Mat contact_sheet() const;
 
  private:
   void begin(std::span<const pipeline::ObservedClip> clips);
   void write(int first, std::span<const std::vector<cv::Mat>> clips);
-  [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> row) const;
+  void add_to_sheet(int frame, std::span<const cv::Mat> row);
 
   const io::OutputFolder& output_;
   std::vector<std::string> labels_;
@@ -50,6 +52,8 @@ class ComparisonFilms {
   std::optional<SideBySide> beside_;
   std::vector<std::unique_ptr<io::VideoWriter>> writers_;  ///< by clip; null where it has no file
   std::vector<ComparedFrame> pictures_;
+  std::vector<std::vector<cv::Mat>> sheet_;  ///< by moment and clip
+  std::vector<int> sheet_frames_;            ///< by moment
 };
 
 }  // namespace emberfold::apps

@@ -2,6 +2,7 @@
 #include "apps/comparison/comparison_json.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "apps/cli/summary.hpp"
@@ -89,6 +90,12 @@ Json stroke_distances_json(const pipeline::StrokeDistances& distances) {
           {"inside", std::move(inside)}};
 }
 
+Json visible_json(const pipeline::VisibleFigures& figures) {
+  return {{"complete", rounded_json(figures.complete)}, {"flow", rounded_json(figures.flow)},
+          {"variance", rounded_json(figures.variance)}, {"difference", rounded_json(figures.difference)},
+          {"copied", rounded_json(figures.copied)},     {"moves_alike", figures.moves_alike()}};
+}
+
 Json quality_json(const std::optional<pipeline::FrameQuality>& quality) {
   if (!quality) return nullptr;
   return {{"psnr", rounded_json(quality->psnr)}, {"ssim", rounded_json(quality->ssim)}};
@@ -140,6 +147,7 @@ Json profile_json(const pipeline::ClipProfile& profile) {
 Json distances_json(const pipeline::ClipDistances& distances) {
   Json out = pixel_distances_json(distances.pixels);
   if (distances.strokes) out.update(stroke_distances_json(*distances.strokes));
+  if (distances.visible) out["visible"] = visible_json(*distances.visible);
   return out;
 }
 
@@ -192,6 +200,18 @@ std::vector<pipeline::MeasureDescription> all_measures() {
                                                 pipeline::pixel_measures().end());
   all.insert(all.end(), pipeline::stroke_measures().begin(), pipeline::stroke_measures().end());
   return all;
+}
+
+std::span<const VisibleMeasure> visible_measures() {
+  static constexpr std::array<VisibleMeasure, 5> kMeasures{{
+      {"complete", "Complete",
+       "distance to what the source shows, 1 as its own halves; more: something is missing"},
+      {"flow", "Flow", "speed of the fastest motion, share of the source's"},
+      {"variance", "Variance", "over time, share of the source's"},
+      {"difference", "Difference", "from frame to frame, share of the source's"},
+      {"copied", "Copied", "share of what moves that is as in one frame of the source"},
+  }};
+  return kMeasures;
 }
 
 std::vector<DistanceColumn> distance_columns(const Json& measures) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,8 +26,8 @@ nlohmann::ordered_json curves_json(const NamedCurves& clips, const pipeline::Mea
 /// Describes one clip: {"figures", "strokes"}, these where they were sought.
 nlohmann::ordered_json profile_json(const pipeline::ClipProfile& profile);
 
-/// Lists distances by the keys of all_measures(), and "inside": which figures of strokes lie in the
-/// reference's intervals.
+/// Lists distances by the keys of all_measures(), "inside": which figures of strokes lie in the reference's
+/// intervals, and "visible": pipeline::VisibleFigures.
 nlohmann::ordered_json distances_json(const pipeline::ClipDistances& distances);
 
 /// Lists how well each method predicts, by steps and by frames.
@@ -42,6 +43,13 @@ void write_measures(const nlohmann::ordered_json& measures, io::OutputFolder& ou
 
 /// Returns all measures in the order of tables and reports: of pixels, then of strokes.
 std::vector<pipeline::MeasureDescription> all_measures();
+
+/// Describes a figure of "visible".
+struct VisibleMeasure {
+  const char *key, *name, *about;
+};
+/// Returns the figures of "visible", in the order of tables and reports.
+std::span<const VisibleMeasure> visible_measures();
 
 /// Names a column of a table of distances: a model, another clip, or the noise floor.
 struct DistanceColumn {

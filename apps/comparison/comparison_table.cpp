@@ -35,6 +35,7 @@ std::string heading(const std::string& label) {
   constexpr std::size_t kWidth = 13;
   std::string text = label == "linear dynamic texture" ? "dyn. texture"
                      : label == "the other clip"       ? "other clip"
+                     : label == "video-texture loop"   ? "loop"
                                                        : label;
   if (text.size() > kWidth - 1) text = text.substr(0, kWidth - 1);
   return std::string(kWidth - text.size(), ' ') + text;
@@ -85,12 +86,31 @@ std::string rate_table(const Json& measures) {
   return out;
 }
 
+/// What a person sees of the clips.
+std::string visible_table(const Json& measures, const std::vector<DistanceColumn>& columns) {
+  std::string rows;
+  for (const auto& measure : visible_measures()) {
+    std::string cells = "  ";
+    for (const auto& one : columns) {
+      const auto& distances = distances_of(measures, one.key);
+      cells += cell(distances.contains("visible") ? distances["visible"] : Json(nullptr), measure.key, 2);
+    }
+    if (cells.find_first_of("0123456789") != std::string::npos) rows += row(measure.name, cells);
+  }
+  if (rows.empty()) return {};
+  std::string head = "to the eye, source's is 1";
+  head.resize(32, ' ');
+  for (const auto& one : columns) head += heading(one.label);
+  return head + "\n" + rows + "\n";
+}
+
 }  // namespace
 
 std::string comparison_table(const Json& measures) {
   std::string out;
   if (measures.contains("prediction") && !measures["prediction"].is_null()) out += prediction_table(measures);
   const auto columns = distance_columns(measures);
+  out = visible_table(measures, columns) + out;
   std::string head = "how far from the source";
   head.resize(32, ' ');
   for (const auto& one : columns) head += heading(one.label);

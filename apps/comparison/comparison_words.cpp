@@ -201,6 +201,44 @@ std::vector<std::string> stroke_words(const Json& measures) {
   return words;
 }
 
+std::string visible_text(const Json& visible) {
+  const auto figure = [&](const char* key) { return visible[key].get<double>(); };
+  return "completeness " + number(figure("complete"), 2) + " (1 as the source's own halves), " +
+         number(figure("flow"), 2) + " of its flow, " + number(figure("variance"), 2) + " of its variance, " +
+         number(figure("difference"), 2) + " of its change from frame to frame; " +
+         number(100 * figure("copied"), 0) + " % of what moves is as in one frame of it";
+}
+
+// The verdict: which new clip a person would take for the source, beside the loop that only repeats it.
+std::vector<std::string> verdict_words(const Json& measures) {
+  if (measures.contains("other")) {
+    const auto& other = distances_of(measures, "other");
+    if (!other.contains("visible")) return {};
+    return {"To the eye the other clip beside the first: " + visible_text(other["visible"]) + "."};
+  }
+  const Json* best = nullptr;
+  std::string label, loop;
+  // Moving alike comes first, since what hardly moves is complete where little happens.
+  const auto rank = [](const Json& visible) {
+    return std::pair{visible["moves_alike"].get<bool>() ? 0 : 1, visible["complete"].get<double>()};
+  };
+  for (const auto& one : distance_columns(measures)) {
+    const auto& distances = distances_of(measures, one.key);
+    if (!distances.contains("visible")) continue;
+    const auto& visible = distances["visible"];
+    if (one.key == "video_loop")
+      loop = " The loop of the clip itself, the peer to beat, has completeness " +
+             number(visible["complete"].get<double>(), 2) + " and is copied by " +
+             number(100 * visible["copied"].get<double>(), 0) + " %.";
+    else if (best == nullptr || rank(visible) < rank(*best))
+      best = &visible, label = one.label;
+  }
+  if (best == nullptr) return {};
+  return {"To the eye the new clip of the " + label + " is nearest to the source" +
+          ((*best)["moves_alike"].get<bool>() ? ": " : ", though none moves as it does: ") +
+          visible_text(*best) + "." + loop};
+}
+
 std::vector<std::string> pair_words(const Json& measures) {
   std::vector<std::string> same, apart;
   const auto &other = distances_of(measures, "other"), &floor = distances_of(measures, "noise_floor");
@@ -229,12 +267,13 @@ bool at_floor(double distance, double floor) {
 
 std::vector<std::string> comparison_words(const Json& measures) {
   if (measures.contains("other")) {
-    auto words = pair_words(measures);
+    auto words = verdict_words(measures);
+    for (auto& text : pair_words(measures)) words.push_back(std::move(text));
     for (auto& text : stroke_words(measures)) words.push_back(std::move(text));
     return words;
   }
-  auto words = synthesis_words(measures);
-  for (auto* more : {&hybrid_words, &prediction_words, &stroke_words})
+  auto words = verdict_words(measures);
+  for (auto* more : {&synthesis_words, &hybrid_words, &prediction_words, &stroke_words})
     for (auto& text : more(measures)) words.push_back(std::move(text));
   return words;
 }

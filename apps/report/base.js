@@ -1,6 +1,8 @@
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const $ = (id) => document.getElementById(id);
+/** A colour of the style sheet, which knows whether the screen is light or dark. */
+const themed = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 const clip = data.clip, summary = data.summary, classes = data.classes;
 
 /** An element with attributes and children; text is always set as text. */
@@ -79,6 +81,7 @@ window.addEventListener("resize", () => {
   lastWidth = window.innerWidth;
   drawings.forEach((again) => again());
 });
+window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawings.forEach((again) => again()));
 window.addEventListener("beforeprint", () => drawings.forEach((again) => again()));
 
 /** Round steps that divide a range in about `count` parts. */
@@ -99,8 +102,8 @@ function axes(context, width, height, x, y, options = {}) {
   const share = (v, [from, to]) => (v - from) / (to - from || 1);
   const px = (v) => left + share(v, x) * (right - left), py = (v) => bottom - share(v, y) * (bottom - top);
   context.font = font;
-  context.fillStyle = "#5b6270";
-  context.strokeStyle = "#e4e8ed";
+  context.fillStyle = themed("soft");
+  context.strokeStyle = themed("line");
   context.lineWidth = 1;
   context.textAlign = "center";
   context.textBaseline = "top";
@@ -120,7 +123,7 @@ function axes(context, width, height, x, y, options = {}) {
       context.moveTo(left, py(v));
       context.lineTo(right, py(v));
       context.stroke();
-      context.fillStyle = options.yColour ?? "#5b6270";
+      context.fillStyle = options.yColour ?? themed("soft");
       context.fillText(number(v, v % 1 ? (Math.abs(v) < .1 ? 2 : 1) : 0), left - 6, py(v));
     }
   }

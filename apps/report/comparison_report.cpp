@@ -31,8 +31,17 @@ constexpr const char* kStyle =
     ".measures th:first-child,.measures td:first-child{text-align:left}"
     ".measures .best{font-weight:700}.measures .floor{opacity:.65}"
     ".measures small{opacity:.65;display:block;font-weight:400}"
-    ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:16px}"
-    "figure{margin:0}figure img{width:100%}";
+    ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(420px,100%),1fr));gap:16px}"
+    "figure{margin:0}figure img{width:100%}.plots img{border-radius:4px}"
+    ".verdict li:first-child{font-size:18px;font-weight:620;list-style:none;margin-left:-1.2em}"
+    "ul{padding-left:1.2em;overflow-wrap:anywhere}video{width:100%;background:#111;border-radius:4px}";
+
+constexpr const char* kFilm =
+    "<video src=\"side_by_side.mp4\" controls loop muted playsinline preload=\"metadata\" aria-label=\"All "
+    "clips, in "
+    "step\"></video>\n<p class=\"bar\"><a href=\"side_by_side.mp4\" download>the film</a> <a "
+    "href=\"measures.json\" "
+    "download>all measures</a> <a href=\"summary.json\" download>summary</a></p>\n";
 
 std::string text_of(const Json& value, int digits) {
   if (!value.is_number()) return "–";
@@ -69,7 +78,9 @@ class Table {
                cells[static_cast<std::size_t>(i)] + "</td>";
     text_ += "</tr>\n";
   }
-  [[nodiscard]] std::string html() const { return "<table class=\"measures\">" + text_ + "</table>\n"; }
+  [[nodiscard]] std::string html() const {
+    return "<div class=\"table-box\"><table class=\"measures\">" + text_ + "</table></div>\n";
+  }
 
  private:
   std::string text_;
@@ -138,6 +149,25 @@ std::string distances_table(const Json& measures) {
               cells, best_of(values, false), floor);
   }
   if (measures.contains("models")) table.row(sizes_name, size_cells(measures, columns));
+  return table.html();
+}
+
+// What a person sees of the clips.
+std::string visible_table(const Json& measures) {
+  std::vector<DistanceColumn> columns = distance_columns(measures);
+  std::erase_if(columns,
+                [&](const auto& one) { return !distances_of(measures, one.key).contains("visible"); });
+  if (columns.empty()) return {};
+  Table table;
+  std::vector<std::string> head{"beside " + source_of(measures)};
+  for (const auto& one : columns) head.push_back(escape_html(one.label));
+  table.head(head);
+  for (const auto& measure : visible_measures()) {
+    std::vector<std::string> cells;
+    for (const auto& one : columns)
+      cells.push_back(text_of(at(distances_of(measures, one.key), {"visible", measure.key}), 2));
+    table.row(std::string(measure.name) + "<small>" + measure.about + "</small>", cells);
+  }
   return table.html();
 }
 
@@ -332,18 +362,23 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
       "</h1>\n<p class=\"meta\"><code>" + escape_html(summary.value("command_line", "")) +
       "</code></p></header>\n<main>\n";
   const bool pair = measures.contains("other");
-  page += section("What the measures say", "", list_of(measures["words"]));
+  if (!comparison.sheet.empty())
+    page += section("To the eye", "A row for each clip, from its beginning to its end: contact_sheet.png.",
+                    figure(comparison.sheet, "contact sheet", 900'000, 2400) + visible_table(measures));
+  page +=
+      section("What the measures say", "", "<div class=\"verdict\">" + list_of(measures["words"]) + "</div>");
   if (!measures["warnings"].empty()) page += section("Warnings", "", list_of(measures["warnings"]));
   std::string pictures;
   for (const auto& [frame, picture] : comparison.pictures)
     pictures += figure(picture, "frame " + std::to_string(frame) + " of each clip", 900'000, 2400);
+  pictures = kFilm + pictures;
   page += section(
       "Side by side",
       std::string(
           pair ? ""
                : "Clips drawn from a model are new ones: they look like the source as far as the model "
                  "goes, and do not follow it. ") +
-          "All frames: side_by_side.mp4.",
+          "The film plays where the report lies in its folder, beside side_by_side.mp4.",
       pictures);
   page += section("Distances",
                   "0 is no difference. The noise floor is how far the first and the second half of " +

@@ -129,11 +129,11 @@ function buildLanes() {
     laneScale = {...frame, lane};
     classes.forEach((kind, k) => {
       const y = frame.top + lane * (k + .5);
-      context.fillStyle = filter.shown[k] ? "#3b404a" : "#b3b9c3";
+      context.fillStyle = filter.shown[k] ? themed("ink") : themed("faint");
       context.textAlign = "right";
       context.textBaseline = "middle";
       context.fillText(kind.name, frame.left - 10, y);
-      context.strokeStyle = "#e4e8ed";
+      context.strokeStyle = themed("line");
       context.beginPath();
       context.moveTo(frame.left, y);
       context.lineTo(frame.right, y);
@@ -161,7 +161,7 @@ function buildLanes() {
     context.globalAlpha = 1;
     if (selected < 0) return;
     const x = frame.px(events.frame[selected]);
-    context.strokeStyle = "#b4451f";
+    context.strokeStyle = themed("accent");
     context.lineWidth = 1;
     context.beginPath();
     context.moveTo(x, frame.top - 4);

@@ -166,7 +166,7 @@ function heatMap(name, map, factor, relative) {
     for (const i of own) {
       context.beginPath();
       context.arc((events.x[i] + .5) * scale, (events.y[i] + .5) * height / clip.height, own.length > 400 ? 1.2 : 1.8, 0, 7);
-      context.fillStyle = "#23262d";
+      context.fillStyle = themed("ink");
       context.fill();
     }
     context.restore();
@@ -177,7 +177,7 @@ function heatMap(name, map, factor, relative) {
       context.fillRect(x, height + 5, 1, 8);
     }
     context.font = font;
-    context.fillStyle = "#5b6270";
+    context.fillStyle = themed("soft");
     context.textBaseline = "top";
     [["left", 0], ["center", .5], ["right", 1]].forEach(([align, share]) => {
       context.textAlign = align;
@@ -192,7 +192,7 @@ function driftMap(canvas, map) {
     drawBackdrop(context, width, height, "rgba(255,255,255,.72)");
     const scale = width / clip.width, every = Math.max(1, Math.ceil(map.columns / 14));
     const longest = every * map.cell * scale * .9;
-    context.strokeStyle = context.fillStyle = "#8a2f10";
+    context.strokeStyle = context.fillStyle = themed("accent");
     context.lineWidth = 1.4;
     for (let row = Math.floor(every / 2); row < map.rows; row += every)
       for (let column = Math.floor(every / 2); column < map.columns; column += every) {
@@ -238,7 +238,7 @@ function buildCircle(learned) {
   if (!texture.length && !own.length) { $("circle-figure").hidden = true; return; }
   drawing($("circle"), (context, width, height) => {
     const r = Math.min(width, height) / 2 - 14, x0 = width / 2, y0 = height / 2;
-    context.strokeStyle = "#dfe3e8";
+    context.strokeStyle = themed("line");
     context.lineWidth = 1;
     context.beginPath();
     context.moveTo(x0 - r - 8, y0);
@@ -246,7 +246,7 @@ function buildCircle(learned) {
     context.moveTo(x0, y0 - r - 8);
     context.lineTo(x0, y0 + r + 8);
     context.stroke();
-    context.strokeStyle = "#8a91a0";
+    context.strokeStyle = themed("faint");
     context.beginPath();
     context.arc(x0, y0, r, 0, 2 * Math.PI);
     context.stroke();
@@ -258,7 +258,7 @@ function buildCircle(learned) {
     }
     context.lineWidth = 2;
     for (const {of, re, im} of own) {
-      context.strokeStyle = of === "sway" ? "#b4451f" : "#3d8b37";
+      context.strokeStyle = of === "sway" ? themed("accent") : "#3d8b37";
       const x = x0 + re * r, y = y0 - im * r;
       context.beginPath();
       context.moveTo(x - 5, y - 5);

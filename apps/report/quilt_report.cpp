@@ -14,6 +14,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kStyle =
+    ".pair{display:grid;grid-template-columns:1fr 2fr;gap:16px;margin-bottom:16px}"
+    ".halves{display:grid;grid-template-columns:1fr 1fr;gap:16px}.verdict{font-size:18px;font-weight:620}"
+    "@media (max-width:600px){.pair,.halves{grid-template-columns:1fr}}";
+
 std::string tile_html(const std::string& name, const std::string& value, const std::string& more) {
   return "<div><dt>" + name + "</dt><dd>" + value + "</dd><dd class=\"sub\">" + more + "</dd></div>\n";
 }
@@ -25,8 +30,24 @@ std::string figure_html(const cv::Mat& picture, const std::string& caption, std:
 }
 
 std::string side_by_side_html(const std::string& left, const std::string& right) {
-  return "<div style=\"display:grid;grid-template-columns:1fr 2fr;gap:16px;margin-bottom:16px\">" + left +
-         right + "</div>\n";
+  return "<div class=\"pair\">" + left + right + "</div>\n";
+}
+
+/// Says first whether the quilt is one that passes for its source.
+std::string verdict(const Json& quilt) {
+  const double seams = quilt.value("seam_ratio", 0.0), piece = quilt.value("largest_piece", 0.0),
+               shown = quilt.value("source_share", 0.0);
+  constexpr double kUnseen = 1.3, kSeen = 2.5, kLarge = 0.25, kLittle = 0.5;
+  std::string text = seams < kUnseen ? "Seams hardly show"
+                     : seams < kSeen ? "Seams show where one looks for them"
+                                     : "Seams show";
+  text += ": levels step " + core::fixed_text(seams, 1) + " times as much across them as elsewhere.";
+  if (piece > kLarge)
+    text += " A piece of " + core::fixed_text(100 * piece, 0) +
+            " % of the output is the source as it is; smaller blocks vary more.";
+  if (shown < kLittle)
+    text += " Only " + core::fixed_text(100 * shown, 0) + " % of the source is shown, so things repeat.";
+  return text;
 }
 
 std::string tiles_html(const Json& quilt) {
@@ -58,9 +79,15 @@ std::string make_quilt_report(const std::string& clip, const QuiltPictures& pict
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Quilt of " +
       escape_html(clip) + "</title>\n<style>";
   page += kReportStyle;
+  page += kStyle;
   page += "</style></head>\n<body><header><p class=\"brand\">emberfold <span>quilt</span></p>\n<h1>" +
           escape_html(clip) + "</h1>\n<p class=\"meta\"><code>" +
           escape_html(summary.value("command_line", "")) + "</code></p></header>\n<main>\n";
+  page += "<section><p class=\"verdict\">" + verdict(summary["quilt"]) +
+          "</p>\n<p class=\"bar\"><a href=\"map.npy\" download>the map</a> <a href=\"map.png\" download>its "
+          "picture</a> "
+          "<a href=\"seams.png\" download>the seams</a> <a href=\"summary.json\" download>all "
+          "figures</a></p></section>\n";
   page += tiles_html(summary["quilt"]);
   page +=
       "<section><div class=\"head\"><h2>Source and quilt</h2><p>The same moments; every pixel of the quilt "
@@ -74,7 +101,7 @@ std::string make_quilt_report(const std::string& clip, const QuiltPictures& pict
       "source; "
       "lightness: place down. Even slopes are copied as they are. Seams are the same in every "
       "frame.</p></div>\n"
-      "<div style=\"display:grid;grid-template-columns:1fr 1fr;gap:16px\">" +
+      "<div class=\"halves\">" +
       figure_html(pictures.map, "map", kPicture) + figure_html(pictures.seams, "seams", kPicture) +
       "</div></section>\n";
   page += "<section><div class=\"head\"><h2>All figures</h2></div><pre style=\"overflow:auto\">" +

@@ -2,7 +2,7 @@
 
 const chainColours = ["#0068be", "#d68100", "#009268", "#c83232", "#96469a", "#5b6270", "#7a5a00", "#30a0b0"];
 const svgText = (text, attributes) => {
-  const node = makeSvg("text", {"font-size": 11, fill: "#5b6270", ...attributes});
+  const node = makeSvg("text", {"font-size": 11, fill: themed("soft"), ...attributes});
   node.textContent = text;
   return node;
 };
@@ -44,7 +44,7 @@ function drawTrace(trace, sampler) {
   const px = (i) => left + i * sampler.step / Math.max(1, sampler.length - 1) * (right - left);
   const py = (v) => bottom - Math.min(1.05, Math.max(-.05, (v - low) / (high - low))) * (bottom - top);
   const burnt = left + Math.min(1, sampler.burn_in / Math.max(1, sampler.length - 1)) * (right - left);
-  svg.append(makeSvg("rect", {x: left, y: top, width: right - left, height: bottom - top, fill: "#f7f8fa"}));
+  svg.append(makeSvg("rect", {x: left, y: top, width: right - left, height: bottom - top, fill: themed("ground")}));
   if (sampler.burn_in > 0) svg.append(makeSvg("rect", {x: left, y: top, width: burnt - left, height: bottom - top, fill: "#e2e6ec"}));
   trace.chains.forEach((chain, c) => {
     let d = "", pen = "M";
@@ -77,7 +77,7 @@ function buildProbabilities(probabilities) {
   const title = makeSvg("title");
   title.textContent = "Events by probability";
   svg.append(title);
-  svg.append(makeSvg("rect", {x: left, y: 10, width: bar * 5, height: base - 10, fill: "#f1f3f6"}));
+  svg.append(makeSvg("rect", {x: left, y: 10, width: bar * 5, height: base - 10, fill: themed("hover")}));
   svg.append(svgText("less likely than not: in events_all.json only", {x: left + 6, y: 22}));
   totals.forEach((total, k) => {
     const x = left + bar * k;
@@ -90,7 +90,7 @@ function buildProbabilities(probabilities) {
     });
     if (total > 0) svg.append(svgText(number(total), {x: x + bar / 2, y: y - 4, "text-anchor": "middle"}));
   });
-  svg.append(makeSvg("path", {d: `M${left} ${base}H${right}`, stroke: "#8a91a0", "stroke-width": 1}));
+  svg.append(makeSvg("path", {d: `M${left} ${base}H${right}`, stroke: themed("faint"), "stroke-width": 1}));
   for (let k = 0; k <= 10; k += 1) svg.append(svgText((k / 10).toFixed(1), {x: left + bar * k, y: base + 14, "text-anchor": k === 0 ? "start" : k === 10 ? "end" : "middle"}));
   svg.append(svgText("probability", {x: right, y: base + 28, "text-anchor": "end"}));
   $("probabilities").append(svg);
@@ -107,9 +107,9 @@ function buildRateIntervals(rates) {
   const at = (v) => 4 + 112 * Math.min(1, Math.max(0, ((v > 0 ? Math.log10(v) : low) - low) / (high - low)));
   const whisker = (rate) => {
     const svg = makeSvg("svg", {viewBox: "0 0 120 14", class: "whisker", "aria-hidden": "true"});
-    svg.append(makeSvg("path", {d: "M4 7H116", stroke: "#e4e8ed", "stroke-width": 1}));
-    svg.append(makeSvg("path", {d: `M${at(rate.low).toFixed(1)} 7H${at(rate.high).toFixed(1)}`, stroke: "#b4451f", "stroke-width": 3, "stroke-linecap": "round"}));
-    svg.append(makeSvg("circle", {cx: at(rate.rate).toFixed(1), cy: 7, r: 3.5, fill: "#fff", stroke: "#b4451f", "stroke-width": 2}));
+    svg.append(makeSvg("path", {d: "M4 7H116", stroke: themed("line"), "stroke-width": 1}));
+    svg.append(makeSvg("path", {d: `M${at(rate.low).toFixed(1)} 7H${at(rate.high).toFixed(1)}`, stroke: themed("accent"), "stroke-width": 3, "stroke-linecap": "round"}));
+    svg.append(makeSvg("circle", {cx: at(rate.rate).toFixed(1), cy: 7, r: 3.5, fill: "#fff", stroke: themed("accent"), "stroke-width": 2}));
     return svg;
   };
   $("rate-intervals").append(tableBox("Rates, with what holds 90 % of their probability", ["", "rate", "from", "to", `10${raised(low)} to 10${raised(high)}`],

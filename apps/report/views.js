@@ -172,7 +172,7 @@ function buildPaths() {
       context.fillRect(x0 + i, height - 20, 1.5, 9);
     }
     context.font = font;
-    context.fillStyle = "#5b6270";
+    context.fillStyle = themed("soft");
     context.textBaseline = "middle";
     context.textAlign = "right";
     context.fillText("frame 0", x0 - 8, height - 15);
@@ -196,18 +196,18 @@ function buildSeries() {
   const {step: bin, strokes, patches} = data.series, xs = strokes.map((_, i) => Math.min(lastFrame, i * bin + (bin - 1) / 2));
   drawing($("series"), (context, width, height) => {
     const left = 44, right = 48, topOf = (list) => Math.max(1, ...list) * 1.12;
-    const a = axes(context, width, height, [0, lastFrame], [0, topOf(patches)], {left, right, yColour: "#0068be"});
+    const a = axes(context, width, height, [0, lastFrame], [0, topOf(patches)], {left, right, yColour: themed("blue")});
     const most = topOf(strokes), py = (v) => a.bottom - v / most * (a.bottom - a.top);
     context.textAlign = "left";
     context.textBaseline = "middle";
-    context.fillStyle = "#b4451f";
+    context.fillStyle = themed("accent");
     for (const v of ticks(0, most, (a.bottom - a.top) / 36, true)) context.fillText(number(v), a.right + 7, py(v));
-    polyline(context, xs.map(a.px), patches.map(a.py), "#0068be");
-    polyline(context, xs.map(a.px), strokes.map(py), "#b4451f");
+    polyline(context, xs.map(a.px), patches.map(a.py), themed("blue"));
+    polyline(context, xs.map(a.px), strokes.map(py), themed("accent"));
     context.textBaseline = "top";
-    context.fillStyle = "#0068be";
+    context.fillStyle = themed("blue");
     context.fillText("patches (left)", a.left + 4, a.bottom + 19);
-    context.fillStyle = "#b4451f";
+    context.fillStyle = themed("accent");
     context.fillText("strokes (right)", a.left + 100, a.bottom + 19);
   });
 }

@@ -109,7 +109,7 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
   sketch::ExtractOptions extract = request.extract;
   if (dictionary != nullptr && !dictionary->graphs.empty()) extract.steady = false;  // they are already
   pipeline::stream_steady_frames(
-      source, "sketch", extract, session.context,
+      source, "sketch", extract, session.context, 0,
       [&](int t) {
         if (request.evidence != nullptr) request.evidence->read(t);
       },

@@ -100,7 +100,14 @@ Json event_rates_json(const std::vector<graph::Event>& events, const graph::Moti
     classes[std::string(graph::name(type))] =
         rates(static_cast<double>(std::ranges::count(events, type, &graph::Event::type)));
   classes["all"] = rates(static_cast<double>(events.size()));
-  return {{"level", kLevel}, {"classes", std::move(classes)}};
+  const auto exposure = [](const std::optional<double>& value) {
+    return value ? number_json(*value) : Json(nullptr);
+  };
+  return {
+      {"level", kLevel},
+      {"counted_in",
+       {{"frames", frames}, {"s", exposure(seconds)}, {"s_mm2", exposure(area)}, {"s_mm", exposure(length)}}},
+      {"classes", std::move(classes)}};
 }
 
 Json lives_json(const std::vector<graph::StrokeLife>& lives, const graph::Units& units) {

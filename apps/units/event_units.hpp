@@ -17,9 +17,10 @@ namespace emberfold::apps {
 /// Returns what a frame and a pixel of the clip are.
 graph::Units units_of(const core::ClipInfo& info);
 
-/// Returns {"level", "classes": {class and "all": {"count", "a_frame", "a_second", "a_second_and_mm2",
-/// "a_second_and_mm_of_stroke"}}}: each a mean with an exact 90 % interval, null where a unit is not known.
-/// `share`: of the frame in which structure counts.
+/// Returns {"level", "counted_in": {"frames", "s", "s_mm2", "s_mm"} (gaps between frames; seconds times area
+/// and times length of stroke), "classes": {class and "all": {"count", "a_frame", "a_second",
+/// "a_second_and_mm2", "a_second_and_mm_of_stroke"}}}: each a mean with an exact 90 % interval, null where a
+/// unit is not known. `share`: of the frame in which structure counts.
 nlohmann::ordered_json event_rates_json(const std::vector<graph::Event>& events,
                                         const graph::MotionGraph& motion, const graph::Units& units,
                                         double share);

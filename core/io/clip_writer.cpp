@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -68,7 +69,8 @@ class VideoFileWriter final : public VideoWriter {
         part_(scratch_path(path_.parent_path(),
                            mp4 ? ".mp4" : ".avi")),  // the container follows from the extension
         size_(size),
-        colour_(colour || mp4) {
+        colour_(colour || mp4),
+        mp4_(mp4) {
     if (fs::is_directory(path_)) fail(path_, "a folder has this name");
     errno = 0;
     if (!std::ofstream(part_, std::ios::binary | std::ios::trunc))
@@ -80,7 +82,7 @@ class VideoFileWriter final : public VideoWriter {
     const std::vector<int> params{cv::VIDEOWRITER_PROP_IS_COLOR, colour_ ? 1 : 0,
                                   cv::VIDEOWRITER_PROP_HW_ACCELERATION, cv::VIDEO_ACCELERATION_NONE};
     const OneProcessor one_thread;
-    const CleanMemory clean;
+    const auto clean = clean_memory();
     if (!video_.open(part_.string(), cv::CAP_FFMPEG, code, fps, even, params)) {
       discard();
       fail(path_, std::string("FFmpeg offers no ") + (mp4 ? "H.264" : "FFV1") + " encoder for " +
@@ -98,7 +100,7 @@ class VideoFileWriter final : public VideoWriter {
     cv::Mat whole = fitted(frame, size_, colour_, false, path_);
     if (size_.width % 2 != 0 || size_.height % 2 != 0)
       cv::copyMakeBorder(whole, whole, 0, size_.height % 2, 0, size_.width % 2, cv::BORDER_REPLICATE);
-    const CleanMemory clean;
+    const auto clean = clean_memory();
     video_.write(whole);
     ++frames_;
   }
@@ -106,7 +108,7 @@ class VideoFileWriter final : public VideoWriter {
   void finish() override {
     if (!video_.isOpened()) throw core::InputError(path_.string() + ": the clip is finished");
     {
-      const CleanMemory clean;
+      const auto clean = clean_memory();
       video_.release();
     }
     if (frames_ == 0) throw core::InputError(path_.string() + ": a clip needs at least one frame");
@@ -128,6 +130,11 @@ class VideoFileWriter final : public VideoWriter {
     fs::remove(part_, ignored);
   }
 
+  // For H.264 alone: FFV1 takes 140 bytes a pixel for every frame, and reads none that it did not write.
+  [[nodiscard]] std::unique_ptr<CleanMemory> clean_memory() const {
+    return mp4_ ? std::make_unique<CleanMemory>() : nullptr;
+  }
+
   [[nodiscard]] long long frames_in_file() const {
     const cv::VideoCapture file(fs::absolute(part_).string(), cv::CAP_FFMPEG);
     return file.isOpened() ? std::llround(file.get(cv::CAP_PROP_FRAME_COUNT)) : 0;
@@ -135,7 +142,7 @@ class VideoFileWriter final : public VideoWriter {
 
   fs::path path_, part_;
   cv::Size size_;
-  bool colour_;
+  bool colour_, mp4_;
   cv::VideoWriter video_;
   long long frames_ = 0;
 };

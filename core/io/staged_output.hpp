@@ -12,7 +12,7 @@ namespace emberfold::io {
 
 /// Says which files an output folder may replace.
 enum class Existing {
-  own,  ///< those in a folder that emberfold made: whose summary.json or model.json is one of its own
+  own,  ///< those in a folder that emberfold made: whose summary.json, model.json or stages are its own
   all,
 };
 

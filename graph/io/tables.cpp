@@ -19,11 +19,7 @@ namespace emberfold::graph {
 
 namespace {
 
-struct Row {
-  std::uint32_t stroke = 0, frame = 0, patches = 0, ends = 0, junctions = 0;
-  Point middle;
-  double length = 0, width = 0, contrast = 0;
-};
+using Row = StrokeRow;
 
 /// Returns a row for each component, by its lowest vertex.
 std::vector<Row> rows_of(const AttributeGraph& graph, std::uint32_t frame) {
@@ -51,16 +47,6 @@ std::vector<Row> rows_of(const AttributeGraph& graph, std::uint32_t frame) {
     row.width /= row.patches;
     row.contrast /= row.patches;
   }
-  return rows;
-}
-
-std::vector<Row> all_rows(const MotionGraph& motion) {
-  std::vector<Row> rows;
-  for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t) {
-    const auto more = rows_of(motion.sketch.frames[t], static_cast<std::uint32_t>(t));
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
-  std::ranges::stable_sort(rows, {}, &Row::stroke);
   return rows;
 }
 
@@ -117,7 +103,7 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> touches_of(cons
 std::vector<CurveRow> curve_rows(const MotionGraph& motion) {
   std::vector<CurveRow> rows;
   double longest = 0;
-  for (const Row& piece : all_rows(curves_as_strokes(motion))) {
+  for (const Row& piece : stroke_rows(curves_as_strokes(motion))) {
     if (rows.empty() || rows.back().whole.stroke != piece.stroke || rows.back().whole.frame != piece.frame) {
       rows.push_back({piece});
       longest = piece.length;
@@ -179,6 +165,16 @@ void write_joints(std::ostream& out, const std::vector<CurveJoint>& joints, cons
   detail::write_table(out, text);
 }
 
+std::vector<StrokeRow> stroke_rows(const MotionGraph& motion) {
+  std::vector<StrokeRow> rows;
+  for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t) {
+    const auto more = rows_of(motion.sketch.frames[t], static_cast<std::uint32_t>(t));
+    rows.insert(rows.end(), more.begin(), more.end());
+  }
+  std::ranges::stable_sort(rows, {}, &StrokeRow::stroke);
+  return rows;
+}
+
 void write_strokes(std::ostream& out, const MotionGraph& motion) {
   write_strokes(out, motion, {});
 }
@@ -188,7 +184,7 @@ void write_strokes(std::ostream& out, const MotionGraph& motion, const Units& un
   if (units.seconds) text += ",time_s";
   if (units.um) text += ",x_um,y_um,length_um";
   text += '\n';
-  for (const Row& row : all_rows(motion)) {
+  for (const Row& row : stroke_rows(motion)) {
     detail::TableLine line(text);
     line.add(row.stroke), line.add(row.frame);
     for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value);
@@ -204,7 +200,7 @@ void write_strokes(std::ostream& out, const MotionGraph& motion, const Units& un
 }
 
 std::vector<StrokeLife> stroke_lives(const MotionGraph& motion) {
-  const auto rows = all_rows(motion);
+  const auto rows = stroke_rows(motion);
   std::vector<StrokeLife> lives;
   for (std::size_t begin = 0; begin < rows.size();) {
     std::size_t end = begin;

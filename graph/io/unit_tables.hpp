@@ -21,6 +21,16 @@ struct Units {
 /// Errors as for write_events.
 void write_events_csv(std::ostream& out, const std::vector<Event>& events, const Units& units);
 
+/// A stroke in one frame, as a row of strokes.csv.
+struct StrokeRow {
+  std::uint32_t stroke = 0, frame = 0, patches = 0, ends = 0, junctions = 0;
+  Point middle;                                ///< px, half way along the longest of its shortest paths
+  double length = 0, width = 0, contrast = 0;  ///< px, px, luma
+};
+
+/// Returns a row for every stroke and frame, stroke after stroke.
+std::vector<StrokeRow> stroke_rows(const MotionGraph& motion);
+
 /// Writes strokes.csv with the columns time_s, x_um, y_um and length_um behind the others, where the units
 /// are known.
 void write_strokes(std::ostream& out, const MotionGraph& motion, const Units& units);

@@ -13,7 +13,6 @@ namespace emberfold::mcmc {
 
 namespace {
 
-// Chosen on the swaying pictures and the made scenes together (docs/benchmarks.md); none is critical.
 namespace tuning {
 constexpr double kSpread = 0.25;         // SD of an amplitude about 1 or 0
 constexpr double kImageSpread = 0.2;     // its part that does not scale with the level
@@ -24,9 +23,19 @@ constexpr double kMostOfFrame = 6;       // nats that one frame counts
 constexpr double kOfReading = 0.1;       // nats a frame for what the graphs say
 constexpr double kSwitch = 0.02;         // prior probability of a change, a frame
 constexpr std::size_t kTolerance = 2;    // frames
-constexpr double kPower = 0.3;           // of a factor in its event's probability
-constexpr double kMostFactor = 4;        // nats, in the estimate of the share, and after the power
-constexpr double kPseudo = 1;            // true and false changes that the prior of π is worth, each
+
+// Weights of the log-linear model, fitted by tests/bench/fit_event_weights.py (docs/method/events.md).
+constexpr double kIntercept = -8.78;
+constexpr double kOfStroke = -0.91;
+constexpr double kStrokeFactor = 0.26, kJointFactor = 0.19;  // of a nat
+constexpr double kShortSide = 1.10, kLongSide = 0.85;  // of a logarithm of frames without opposite change
+constexpr double kAgreement = 4.20;
+constexpr double kLongEnough = 12;    // frames
+constexpr double kUsualShare = 0.12;  // of true changes among those that the weights were fitted to
+constexpr double kShareWeight = 0.5;  // of a clip's own share, on the scale of log odds
+constexpr double kMostLogOdds = 4;    // of one change, in the estimate of the share
+constexpr double kMostShift = 4;      // of log odds by the share
+constexpr double kPseudo = 0.5;       // true and false changes that are counted beforehand, each
 }  // namespace tuning
 
 double log_sum(double a, double b) {
@@ -94,6 +103,11 @@ double logistic(double x) {
   return 1 / (1 + std::exp(-x));
 }
 
+/// Returns by how much log odds are larger where this share of the changes is true than where the usual is.
+double share_shift(double share) {
+  return log_odds(share) - log_odds(tuning::kUsualShare);
+}
+
 }  // namespace
 
 double log_change_factor(const ChangeSeries& series) {
@@ -110,26 +124,39 @@ double log_change_factor(const ChangeSeries& series) {
   const std::vector<double> nothing(count, 0.0);
   const double posterior = change_probability(frame_evidence(series), series.appears, first, last);
   const double prior = change_probability(nothing, series.appears, first, last);
-  constexpr double kMost = tuning::kMostFactor / tuning::kPower;
-  return std::clamp(log_odds(posterior) - log_odds(prior), -kMost, kMost);
+  return std::clamp(log_odds(posterior) - log_odds(prior), -kMostChangeFactor, kMostChangeFactor);
 }
 
-double estimate_change_share(std::span<const double> log_factors) {
+double change_log_odds(const ChangeEvidence& evidence) {
+  using namespace tuning;
+  const double of_factor = evidence.of_stroke ? kStrokeFactor : kJointFactor;
+  const auto log_frames = [](double frames) { return std::log(std::clamp(frames, 1.0, kLongEnough)); };
+  return kIntercept + (evidence.of_stroke ? kOfStroke : 0) + of_factor * evidence.log_factor +
+         kShortSide * log_frames(std::min(evidence.since, evidence.until)) +
+         kLongSide * log_frames(std::max(evidence.since, evidence.until)) + kAgreement * evidence.agreement;
+}
+
+double estimate_change_share(std::span<const ChangeEvidence> changes) {
   constexpr int kIterations = 200;
-  double share = 0.5;
+  std::vector<double> certain;
+  for (const ChangeEvidence& change : changes)
+    if (change.agreement >= 1)
+      certain.push_back(std::clamp(change_log_odds(change), -tuning::kMostLogOdds, tuning::kMostLogOdds));
+  double share = tuning::kUsualShare;
   for (int i = 0; i < kIterations; ++i) {
+    const double shift = share_shift(share);
     double sum = tuning::kPseudo;
-    for (const double factor : log_factors)
-      sum += logistic(std::clamp(factor, -tuning::kMostFactor, tuning::kMostFactor) + log_odds(share));
-    share = sum / (static_cast<double>(log_factors.size()) + 2 * tuning::kPseudo);
+    for (const double odds : certain) sum += logistic(odds + shift);
+    share = sum / (static_cast<double>(certain.size()) + 2 * tuning::kPseudo);
   }
   return share;
 }
 
-std::vector<double> change_probabilities(std::span<const double> log_factors) {
-  const double prior = log_odds(estimate_change_share(log_factors));
+std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes) {
+  const double shift = tuning::kShareWeight * std::clamp(share_shift(estimate_change_share(changes)),
+                                                         -tuning::kMostShift, tuning::kMostShift);
   std::vector<double> result;
-  for (const double factor : log_factors) result.push_back(logistic(tuning::kPower * factor + prior));
+  for (const ChangeEvidence& change : changes) result.push_back(logistic(change_log_odds(change) + shift));
   return result;
 }
 

@@ -21,23 +21,40 @@ struct ChangeSeries {
   std::size_t followed = 0;  ///< 0: in all frames
 };
 
+/// Largest log_change_factor(), nats.
+inline constexpr double kMostChangeFactor = 40 / 3.0;
+
 /// Returns the logarithm of the Bayes factor of a change near the one read from the graphs against none.
 ///
 /// The patches are on or off in every frame, a two-state Markov chain. An amplitude is normal about 1 or 0,
 /// or, once in 20 times, anything. Compared are the posterior odds of a change in the right sense within 2
 /// frames of `at` and the prior odds of it; forward and backward sums are exact (Baum, Petrie, Soules & Weiss
-/// 1970). At most ±40/3 nats. Throws core::InputError for an amplitude that is not finite or an `at` out of
-/// range. O(frames).
+/// 1970). At most ±kMostChangeFactor. Throws core::InputError for an amplitude that is not finite or an `at`
+/// out of range. O(frames).
 double log_change_factor(const ChangeSeries& series);
 
-/// Estimates the share π of true changes among all that were read from a clip, from their factors.
-/// π maximises the posterior of all of them under a Beta(2, 2) prior (EM), each factor at most e^±4; so a
-/// clip in which nothing happens has few, and one full of events has many. O(changes · iterations).
-double estimate_change_share(std::span<const double> log_factors);
+/// Holds all that speaks for one change of a clip's graphs.
+struct ChangeEvidence {
+  double log_factor = 0;  ///< log_change_factor() of what the images show, nats
+  bool of_stroke = true;  ///< a birth or death; else a joint of two strokes opens or closes
+  double agreement = 1;   ///< share of the readings of the clip that have the change, 0…1
+  /// Frames to the nearest opposite change in the same place, before and after; long where there is none.
+  double since = 1e9, until = 1e9;
+};
 
-/// Computes the probability of each change of a clip, from its factor and the share of true ones.
-/// Errors of the measurements are not independent from frame to frame, so that here a factor counts to the
-/// power 0.3. O(changes · iterations).
-std::vector<double> change_probabilities(std::span<const double> log_factors);
+/// Returns the log odds of a change in a clip in which the usual share of those read is true.
+/// A log-linear model (logistic regression) whose weights were fitted to made clips with known events and to
+/// real pictures that stand still or sway (docs/method/events.md).
+double change_log_odds(const ChangeEvidence& evidence);
+
+/// Estimates the share of true changes among those that all readings of a clip have.
+/// The fixed point of Saerens, Latinne & Decaestecker (2002): the odds are corrected for the share, which is
+/// the mean of the probabilities. O(changes · iterations).
+double estimate_change_share(std::span<const ChangeEvidence> changes);
+
+/// Computes the probability of each change of a clip, from its log odds and the share of true ones.
+/// In a clip in which nothing happens a change is believed on more evidence than in one full of events.
+/// O(changes · iterations).
+std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes);
 
 }  // namespace emberfold::mcmc

@@ -9,13 +9,13 @@ ClipProfile clip_profile(const ClipMeasures& pixels, const OptionalStrokes& stro
 
 ClipDistances clip_distances(const ClipMeasures& pixels, const OptionalStrokes& strokes,
                              const ClipMeasures& reference, const OptionalStrokes& reference_strokes) {
-  ClipDistances out{pixel_distances(pixels, reference), {}};
+  ClipDistances out{pixel_distances(pixels, reference), {}, {}};
   if (strokes && reference_strokes) out.strokes = stroke_distances(*strokes, *reference_strokes);
   return out;
 }
 
 ClipDistances noise_floor(const SourceMeasures& source, const mcmc::StrokeSeries* strokes) {
-  ClipDistances out{pixel_distances(source.first, source.second), {}};
+  ClipDistances out{pixel_distances(source.first, source.second), {}, {}};
   if (strokes == nullptr) return out;
   const int half = source.frames / 2;
   out.strokes = stroke_distances(mcmc::stroke_statistics(select_frames(*strokes, 0, half)),

@@ -11,6 +11,7 @@
 #include "mcmc/learning/stroke_statistics.hpp"
 #include "pipeline/comparison/clip_measures.hpp"
 #include "pipeline/comparison/clip_strokes.hpp"
+#include "pipeline/comparison/visible_measures.hpp"
 
 namespace emberfold::pipeline {
 
@@ -25,6 +26,7 @@ struct ClipProfile {
 struct ClipDistances {
   PixelDistances pixels;
   std::optional<StrokeDistances> strokes;  ///< none where strokes were not sought
+  std::optional<VisibleFigures> visible;   ///< none of the noise floor
 
   bool operator==(const ClipDistances&) const = default;
 };

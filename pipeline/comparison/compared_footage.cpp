@@ -1,14 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <utility>
+#include <vector>
 
+#include "core/clip.hpp"
 #include "core/clip/clip_range.hpp"
 #include "pipeline/comparison/compared_models.hpp"
 #include "pipeline/footage/carried_prediction.hpp"
 #include "pipeline/footage/footage.hpp"
 #include "pipeline/footage/footage_synthesis.hpp"
+#include "pipeline/footage/like_moments.hpp"
 
 namespace emberfold::pipeline {
+
+namespace {
+
+/// Finds the jump back with the least cost that leaves a run of at least a third of the frames: its first and
+/// last frame.
+std::pair<int, int> find_loop(const LikeMoments& moments) {
+  const int n = moments.frames;
+  std::pair<int, int> best{0, n - 1};
+  float least = std::numeric_limits<float>::infinity();
+  for (int first = 0; first < n; ++first)
+    for (int last = first + std::max(1, n / 3); last < n; ++last)
+      if (moments.cost(last, first) < least) {
+        least = moments.cost(last, first);
+        best = {first, last};
+      }
+  return best;
+}
+
+}  // namespace
 
 std::optional<ComparedModel> footage_model(const TrainingInput& input, const KnownModels& known) {
   return learn_or_warn("no footage", input.context, [&] {
@@ -39,6 +63,30 @@ std::optional<ComparedModel> footage_model(const TrainingInput& input, const Kno
     };
     return model;
   });
+}
+
+ComparedModel loop_model(const TrainingInput& input) {
+  core::ClipRange learned_part(input.source, 0, input.learned_frames);
+  std::vector<cv::Mat> frames;
+  for (cv::Mat frame = learned_part.next(); !frame.empty(); frame = learned_part.next()) {
+    frames.push_back(core::to_bytes(core::to_levels(frame, input.source.info())));
+    input.context.check();
+  }
+  const auto [first, last] = find_loop(compare_moments(frames, input.context));
+  frames.erase(frames.begin() + last + 1, frames.end());
+  frames.erase(frames.begin(), frames.begin() + first);
+  ComparedModel model{"video_loop", "video-texture loop"};
+  model.parameters = static_cast<double>(frames.size()) * static_cast<double>(frames.front().total()) *
+                     frames.front().channels();
+  model.begin_clip = [frames = std::make_shared<const std::vector<cv::Mat>>(
+                          std::move(frames))]() -> ComparedModel::NextFrames {
+    return [frames, t = std::size_t{0}](int count) mutable {
+      std::vector<cv::Mat> drawn;
+      for (int i = 0; i < count; ++i) drawn.push_back((*frames)[t++ % frames->size()].clone());
+      return drawn;
+    };
+  };
+  return model;
 }
 
 }  // namespace emberfold::pipeline

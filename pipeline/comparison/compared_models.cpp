@@ -149,6 +149,7 @@ std::vector<ComparedModel> learn_models(const TrainingInput& input, const KnownM
   add(footage_model(input, known));
   add(texture_model(input, known, input.options.learn.components));
   if (input.options.star) add(star_model(input, dytex::StarOptions{}.reach));
+  models.push_back(loop_model(input));
   return models;
 }
 

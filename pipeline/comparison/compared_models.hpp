@@ -29,7 +29,8 @@ struct ComparedModel {
   double parameters = 0;   ///< numbers that it holds
   /// Begins a new clip and returns the function that draws its next frames, CV_8U.
   std::function<NextFrames()> begin_clip = {};
-  /// Predicts the frames so many steps (ascending, of TrainingInput's) ahead: levels, or CV_8U.
+  /// Predicts the frames so many steps (ascending, of TrainingInput's) ahead: levels, or CV_8U. Empty for a
+  /// model that does not predict.
   std::function<std::vector<cv::Mat>(const PastFrames&, std::span<const int> steps)> predict = {};
   /// Draws the newest frame as the model reconstructs it. Empty for a model without reconstruction.
   std::function<cv::Mat(const PastFrames&)> reconstruct = {};
@@ -65,6 +66,9 @@ std::optional<ComparedModel> texture_model(const TrainingInput& input, const Kno
                                            int components, double scale = 1);
 /// Learns to predict by motion, and returns the model of new clips made of the clip's own frames.
 std::optional<ComparedModel> footage_model(const TrainingInput& input, const KnownModels& known);
+/// Returns the clip's first part itself, played again and again from its likest moments on (a video texture):
+/// a peer that looks real and has nothing new.
+ComparedModel loop_model(const TrainingInput& input);
 /// Learns a spatio-temporal auto-regression; `reach` as in dytex::StarOptions.
 std::optional<ComparedModel> star_model(const TrainingInput& input, int reach);
 

@@ -22,13 +22,20 @@ struct DrawnClip {
   ComparedModel::NextFrames next;
   ClipMeasures measures;
   ClipStrokes strokes;
+  std::vector<cv::Mat> pictures = {};  // visible_pictures
 };
 
 struct Drawing {
   int drawn_frames = 0;  // of the models' clips
   SourceMeasures source;
+  std::vector<cv::Mat> pictures;  // of the source
   std::vector<DrawnClip> clips;
 };
+
+void add_pictures(std::vector<cv::Mat>& pictures, std::span<const cv::Mat> luma) {
+  for (const auto& one : luma)
+    if (pictures.size() < VisibleMeasures::kMostFrames) pictures.push_back(visible_picture(one));
+}
 
 std::vector<DrawnClip> begin_clips(std::span<const ComparedModel> models, const core::ClipInfo& info,
                                    const ClipMeasures& blank, const CompareOptions& options) {
@@ -52,7 +59,9 @@ std::vector<cv::Mat> draw_frames(DrawnClip& clip, int count, bool with_strokes,
                                  const core::Context& context) {
   auto frames = clip.next(count);
   const auto levels = bytes_to_levels(frames);
-  clip.measures.add(levels_to_luma(levels), context);
+  const auto luma = levels_to_luma(levels);
+  clip.measures.add(luma, context);
+  add_pictures(clip.pictures, luma);
   if (with_strokes) clip.strokes.add(levels, context);
   return frames;
 }
@@ -67,7 +76,9 @@ void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, co
     const auto levels = next_levels(source, std::clamp(frames - t, 0, kBatch), context);
     if (std::ssize(levels) < std::min(frames - t, kBatch))
       throw core::IoError("the clip has become shorter while it was read");
-    drawing.source.add(levels_to_luma(levels), context);
+    const auto luma = levels_to_luma(levels);
+    drawing.source.add(luma, context);
+    add_pictures(drawing.pictures, luma);
     std::vector<std::vector<cv::Mat>> batch(1);
     if (observer.take)
       for (const auto& one : levels) batch[0].push_back(core::to_bytes(one));
@@ -82,12 +93,14 @@ void add_results(const Drawing& drawing, const mcmc::StrokeSeries* series, const
                  ModelComparison& out) {
   OptionalStrokes source_strokes;
   if (series != nullptr) source_strokes = mcmc::stroke_statistics(*series);
+  const VisibleMeasures visible(drawing.pictures, context);
   for (const auto& clip : drawing.clips) {
     OptionalStrokes strokes;
     if (source_strokes) strokes = mcmc::stroke_statistics(clip.strokes.series(context));
     out.models.push_back({clip.model->key, clip.model->label, clip.model->parameters,
                           clip_profile(clip.measures, strokes),
                           clip_distances(clip.measures, strokes, drawing.source.all, source_strokes)});
+    out.models.back().distances.visible = visible.measure(clip.pictures, context);
   }
   out.noise_floor = noise_floor(drawing.source, series);
   out.source = clip_profile(drawing.source.all, source_strokes);
@@ -117,7 +130,7 @@ ModelComparison compare_models(core::FrameSource& source, const CompareOptions& 
 
   const cv::Size size(info.width, info.height);
   out.scale = measure_scale(std::min(out.frames / 2, out.drawn_frames), size);
-  Drawing drawing{out.drawn_frames, SourceMeasures(size, out.scale, out.frames), {}};
+  Drawing drawing{out.drawn_frames, SourceMeasures(size, out.scale, out.frames), {}, {}};
   drawing.clips = begin_clips(models, info, ClipMeasures(size, out.scale, out.drawn_frames), options);
   announce(observer, info, drawing);
   draw_all(source, drawing, options.strokes, context, observer);

@@ -2,6 +2,7 @@
 #include "pipeline/comparison/prediction.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include <opencv2/core.hpp>
@@ -54,7 +55,8 @@ std::vector<ComparedModel> add_baselines(const cv::Mat& mean, std::span<const Co
   methods[1].predict = [mean](const PastFrames&, std::span<const int> steps) {
     return std::vector<cv::Mat>(steps.size(), mean);
   };
-  methods.insert(methods.end(), models.begin(), models.end());
+  std::ranges::copy_if(models, std::back_inserter(methods),
+                       [](const ComparedModel& model) { return model.predict != nullptr; });
   return methods;
 }
 

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/clip/clip_range.hpp"
 #include "core/error.hpp"
 #include "core/math/cell_grid.hpp"
 #include "core/parallel.hpp"
@@ -125,6 +126,11 @@ CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<
   const cv::Size grid = core::count_cells(model.mean.size(), kWeightCell);
   std::vector<std::vector<Moments>> moments(
       steps.size(), std::vector<Moments>(static_cast<std::size_t>(grid.area()), Moments::zeros()));
+  // Each half is learned from beside the other's mean image: its own would look nearer than that of the whole
+  // part is to frames to come.
+  core::ClipRange first_half(source, 0, frames / 2), second_half(source, frames / 2, frames);
+  const std::array<cv::Mat, 2> others{mean_image(second_half, context).levels,
+                                      mean_image(first_half, context).levels};
   const int count = std::min(kMostLearned, most);
   std::map<int, Start> starts;
   for (int i = 0; i < count; ++i) starts[1 + i * most / count];
@@ -134,12 +140,12 @@ CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<
     const cv::Mat levels = core::to_levels(source.next(), source.info());
     context.check();
     std::erase_if(starts, [&](const auto& start) { return start.first + steps.back() < t; });
-    const cv::Mat truth = levels - model.mean;
     core::parallel_for(steps.size(), context, [&](std::size_t s) {
       const auto start = starts.find(t - steps[s]);
       if (start == starts.end() || start->second.newest.empty()) return;
       const auto& [old, newest, motion] = start->second;
-      add_moments(make_candidates(old, newest, motion, model.mean, steps[s]), truth, moments[s]);
+      const cv::Mat& other = others[start->first < frames / 2 ? 0 : 1];
+      add_moments(make_candidates(old, newest, motion, other, steps[s]), levels - other, moments[s]);
     });
     if (const auto start = starts.find(t); start != starts.end())
       start->second = {before, levels, motion_into(before, levels)};

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,22 +14,29 @@
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "pipeline/footage/seams.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kStretch = 0.15;      // share by which content is stretched where it moves
-constexpr double kRange = 1.0 / 3;     // of the smaller side: over which the time front is smooth
-constexpr double kMostAmplitude = 10;  // frames: slow clips need no more to look new
-constexpr double kLeastMotion = 0.5;   // px a frame: what moves less is not worth more stretching
+constexpr double kStretch = 0.15;     // share by which content is stretched where it moves
+constexpr double kRange = 1.0 / 3;    // of the smaller side: over which the time front is smooth
+constexpr double kMostAmplitude = 5;  // frames: slow clips need no more to look new
+constexpr double kLeastMotion = 0.5;  // px a frame: what moves less is not worth more stretching
 // Errors of frames drawn between their neighbours: up to kKnown times differ freely, from kUnknown on not at
 // all, since what lies between two frames is not known.
 constexpr double kKnown = 0.6, kUnknown = 0.8;
 constexpr double kRate = 0.2;                      // SD by which local time runs faster or slower
 constexpr float kMixFrom = 0.35F, kMixTo = 0.65F;  // share of a frame's time at which the next one mixes in
 constexpr int kCopiedEvery = 4;                    // frames: where copied pixels are counted
-constexpr float kStill = 0.02F;                    // px: moved by less, pixels are copied
+constexpr double kFewTimes = 0.5;                  // frames: amplitude below which plays stand side by side
+constexpr int kPlays = 3;                          // enough that none fills most of the frame
+constexpr int kApart = 6;                          // frames between those that stand side by side, at least
+constexpr std::uint64_t kPlayStream = 0x706c6179;  // between the seeds of plays
+constexpr double kLead = 2;                        // frames by which times differ in the first frame
+constexpr double kLeadRate = 0.3;                  // frames more by each frame of the footage
+constexpr float kStill = 0.1F;                     // px: moved by less, pixels are copied
 
 std::shared_ptr<const std::vector<cv::Mat>> in_playing_order(std::vector<cv::Mat> footage,
                                                              const FootageSynthesisOptions& options) {
@@ -55,6 +64,30 @@ TimeFront make_front(const std::vector<cv::Mat>& footage, const FootageSynthesis
 std::optional<int> played_loop(const FootageSynthesisOptions& options) {
   if (!options.loop) return {};
   return std::max(2, static_cast<int>(std::lround(*options.loop * std::abs(options.speed))));
+}
+
+/// Returns the plays of a footage: several side by side where the times of a single one may hardly differ.
+PlayedFrames make_plays(const std::shared_ptr<const std::vector<cv::Mat>>& footage,
+                        const FootageSynthesisOptions& options, const MotionScale& scale, double amplitude,
+                        const core::Context& context) {
+  const auto moments = compare_moments(*footage, context);
+  const auto loop = played_loop(options);
+  const int plays = amplitude < kFewTimes ? kPlays : 1;
+  const auto seams = std::make_shared<const Seams>(*footage, scale.moves, plays);
+  std::vector<std::shared_ptr<PlayOrder>> orders;
+  for (int i = 0; i < plays; ++i) {
+    PlayOrderOptions order{.seed = options.seed + kPlayStream * static_cast<std::uint64_t>(i), .loop = loop};
+    if (loop) order.shift = *loop * i / plays;
+    if (i > 0)
+      order.beside = [seams, other = orders.back(), seam = i - 1,
+                      apart = std::min(kApart, moments.frames / 4)](std::int64_t moment, int frame) {
+        const auto shown = other->at(moment).frame;
+        return std::abs(shown - frame) < apart ? std::numeric_limits<double>::infinity()
+                                               : seams->visibility(seam, shown, frame);
+      };
+    orders.push_back(std::make_shared<PlayOrder>(moments, std::move(order)));
+  }
+  return {footage, std::move(orders), seams, loop};
 }
 
 /// A prepared moment: its frame, and its motion to the next one.
@@ -111,7 +144,9 @@ cv::Mat draw(const std::vector<Source>& sources, std::int64_t first, double begi
       const float f = static_cast<float>(time - static_cast<double>(k));
       const auto px = static_cast<float>(x), py = static_cast<float>(y);
       const auto v = motion_at(*sources[k].motion, (px + 0.5F) * to_x - 0.5F, (py + 0.5F) * to_y - 0.5F);
-      const float next = std::clamp((f - kMixFrom) / (kMixTo - kMixFrom), 0.F, 1.F);
+      const float whole = std::round(f);
+      const bool still = std::abs((f - whole) * v[0]) < kStill && std::abs((f - whole) * v[1]) < kStill;
+      const float next = still ? whole : std::clamp((f - kMixFrom) / (kMixTo - kMixFrom), 0.F, 1.F);
       std::array<float, Channels> sum{};
       const auto add = [&](const cv::Mat& frame, float moved, float weight) {
         if (std::abs(moved * v[0]) < kStill && std::abs(moved * v[1]) < kStill) {
@@ -139,13 +174,20 @@ FootageSynthesis::FootageSynthesis(std::vector<cv::Mat> footage, const FootageSy
       options_(options),
       scale_(measure_motion_scale(*footage_, context)),
       front_(make_front(*footage_, options, scale_)),
-      played_(footage_, PlayOrder(compare_moments(*footage_, context), options.seed, played_loop(options))),
+      played_(make_plays(footage_, options, scale_, amplitude(), context)),
       copied_(*footage_, scale_.moves) {}
 
+double FootageSynthesis::step() const {
+  return options_.loop ? double(*played_loop(options_)) / *options_.loop : std::abs(options_.speed);
+}
+
+double FootageSynthesis::bound(std::int64_t frame) const {
+  if (options_.loop) return front_.bound();
+  return std::min(front_.bound(), kLead + kLeadRate * step() * static_cast<double>(frame));
+}
+
 double FootageSynthesis::time(std::int64_t frame) const {
-  const double step =
-      options_.loop ? double(*played_loop(options_)) / *options_.loop : std::abs(options_.speed);
-  return std::ceil(front_.bound()) + 1 + step * static_cast<double>(frame);
+  return std::ceil(bound(0)) + 1 + step() * static_cast<double>(frame);
 }
 
 int FootageSynthesis::batch() const {
@@ -158,15 +200,16 @@ void FootageSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
                             const core::Context& context) {
   while (count > 0) {
     const int some = std::min(count, batch());
-    const auto first = static_cast<std::int64_t>(std::floor(time(next_) - front_.bound()));
-    const auto last = static_cast<std::int64_t>(std::floor(time(next_ + some - 1) + front_.bound())) + 1;
+    const auto first = static_cast<std::int64_t>(std::floor(time(next_) - bound(next_)));
+    const auto last =
+        static_cast<std::int64_t>(std::floor(time(next_ + some - 1) + bound(next_ + some - 1))) + 1;
     played_.prepare(first, last + 1, context);
     std::vector<Source> sources;
     for (auto n = first; n <= last; ++n) sources.push_back({&played_.frame(n), &played_.motion(n)});
     std::vector<cv::Mat> drawn(static_cast<std::size_t>(some));
     core::parallel_for(drawn.size(), context, [&](std::size_t i) {
       const auto n = next_ + static_cast<std::int64_t>(i);
-      const auto offsets = front_.at(static_cast<double>(n), footage_->front().size());
+      const auto offsets = front_.at(static_cast<double>(n), footage_->front().size(), bound(n));
       drawn[i] = footage_->front().channels() == 3 ? draw<3>(sources, first, time(n), offsets)
                                                    : draw<1>(sources, first, time(n), offsets);
     });

@@ -42,15 +42,21 @@ class FootageSynthesis {
   /// Returns the best number of frames to ask for at once: 1…16.
   [[nodiscard]] int batch() const;
   /// Returns how visible the jumps so far are: their cost over the change between neighbouring frames.
-  [[nodiscard]] double jump_cost() const { return played_.order().relative_cost(); }
+  [[nodiscard]] double jump_cost() const { return played_.jump_cost(); }
   /// Returns how much of what moves is copied from one frame of the footage, 0…1, in every fourth frame so
   /// far.
   [[nodiscard]] double copied_share() const { return copied_.mean(); }
+  /// Returns how many plays of the footage stand side by side.
+  [[nodiscard]] int plays() const { return played_.plays(); }
+  /// Tells whether parts of the footage so far were played backwards, since it has no like moments.
+  [[nodiscard]] bool plays_back() const { return played_.plays_back(); }
   /// SD of the times that a frame shows at once, frames.
   [[nodiscard]] double amplitude() const { return front_.bound() / 3; }
 
  private:
+  [[nodiscard]] double step() const;
   [[nodiscard]] double time(std::int64_t frame) const;
+  [[nodiscard]] double bound(std::int64_t frame) const;
 
   std::shared_ptr<const std::vector<cv::Mat>> footage_;
   FootageSynthesisOptions options_;

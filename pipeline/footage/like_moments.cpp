@@ -20,7 +20,7 @@ namespace {
 constexpr int kComparedSide = 80;  // px: larger pictures are reduced before they are compared
 constexpr double kBlur = 1;        // px: small shifts are no difference
 constexpr int kMostHalf = 4;       // frames: about a quarter of a second of movement
-constexpr int kShortestJump = 6;   // frames: shorter jumps repeat or skip what was just seen
+constexpr int kShortestJump = 25;  // frames: shorter jumps repeat or skip what was just seen
 constexpr std::size_t kBestJumps = 20;
 
 cv::Mat small_picture(const cv::Mat& frame) {

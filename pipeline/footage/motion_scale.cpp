@@ -18,7 +18,30 @@ namespace {
 
 constexpr double kMoves = 6;          // grey levels: SD over time of a pixel that moves
 constexpr std::size_t kPlaces = 16;   // where the motion is measured
+constexpr std::size_t kMostStep = 8;  // frames between those that are compared
+constexpr double kChange = 4;         // grey levels by which they differ where pixels move
 constexpr std::size_t kMoments = 32;  // by which the deviations over time are measured
+
+/// Measures at frames so far apart that they differ by more than noise.
+double between_error(const std::vector<cv::Mat>& footage, const cv::Mat1b& moves,
+                     const core::Context& context) {
+  const double levels = double(cv::countNonZero(moves)) * footage.front().channels();
+  double error = 0;
+  for (std::size_t step = 1; step <= kMostStep && 2 * step < footage.size(); step *= 2) {
+    const std::size_t room = footage.size() - 2 * step, places = std::min(kPlaces, room);
+    std::vector<double> errors(places), changes(places);
+    core::parallel_for(places, context, [&](std::size_t i) {
+      const std::size_t t = i * room / places;
+      const cv::Mat between = draw_between(footage[t], footage[t + 2 * step], 0.5);
+      errors[i] = cv::norm(between, footage[t + step], cv::NORM_L1, moves);
+      changes[i] = cv::norm(footage[t], footage[t + step], cv::NORM_L1, moves);
+    });
+    const double change = core::median(changes);
+    error = change > 0 ? core::median(errors) / change : 0;
+    if (change > kChange * levels) break;
+  }
+  return error;
+}
 
 }  // namespace
 
@@ -52,7 +75,6 @@ MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core
   if (cv::countNonZero(scale.moves) == 0) return scale;
   const std::size_t places = std::min(kPlaces, footage.size() - 1);
   std::vector<std::vector<float>> speeds(places);
-  std::vector<double> errors(places), changes(places);
   core::parallel_for(places, context, [&](std::size_t i) {
     const std::size_t t = i * (footage.size() - 1) / places;
     const cv::Mat motion = footage_motion(footage[t], footage[t + 1]);
@@ -61,10 +83,6 @@ MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core
     for (int y = 0; y < motion.rows; ++y)
       for (int x = 0; x < motion.cols; ++x)
         if (where(y, x) != 0) speeds[i].push_back(static_cast<float>(cv::norm(motion.at<cv::Vec2f>(y, x))));
-    if (t + 2 >= footage.size()) return;
-    const cv::Mat between = draw_between(footage[t], footage[t + 2], 0.5);
-    errors[i] = cv::norm(between, footage[t + 1], cv::NORM_L1);
-    changes[i] = cv::norm(footage[t], footage[t + 1], cv::NORM_L1);
   });
   std::vector<float> all;
   for (const auto& some : speeds) all.insert(all.end(), some.begin(), some.end());
@@ -72,8 +90,7 @@ MotionScale measure_motion_scale(const std::vector<cv::Mat>& footage, const core
   const auto at = all.begin() + static_cast<std::ptrdiff_t>(all.size() * 3 / 4);
   std::ranges::nth_element(all, at);
   scale.speed = double{*at};
-  const double change = core::median(changes);
-  scale.between_error = change > 0 ? core::median(errors) / change : 0;
+  scale.between_error = between_error(footage, scale.moves, context);
   return scale;
 }
 

@@ -2,6 +2,7 @@
 #include "pipeline/footage/play_order.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -14,39 +15,51 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr std::uint32_t kOrderStream = 0x6a756d70;  // of the random stream
-constexpr int kShortestRun = 20, kLongestRun = 60;  // frames before a jump, less in short footages
+constexpr int kShortestRun = 20;                    // frames before a jump, less in short footages
+constexpr int kSpan = 60;            // frames, at most half of the footage: a run as long as could be wished
 constexpr double kChoice = 0.3;      // a jump's weight falls by e for so much more of the best squared cost
 constexpr int kLongestTurn = 10;     // half of the frames that a jump takes
 constexpr double kTurn = 4;          // half of the frames of a jump that costs twice the usual change
-constexpr double kAgain = 0.5;       // what was shown once already costs so much more
-constexpr double kLeastRoom = 0.05;  // weight of a jump to where the footage ends at once
+constexpr double kLike = 4;          // cost, of the usual change, up to which moments are alike
+constexpr double kLeastRoom = 0.05;  // share of a span that a jump to where the footage ends at once has
+constexpr int kFirstPart = 8;        // part of the footage in which an order begins
+constexpr std::size_t kMostJumps = 200;          // that are held against other plays
+constexpr std::array kLaterOn = {1, 7, 13, 19};  // frames after a jump that are held against other plays
 
 int shortest_run(int frames) {
   return std::min(kShortestRun, std::max(1, frames / 5));
 }
-int longest_run(int frames) {
-  return std::min(kLongestRun, std::max(1, frames / 2));
-}
 
 }  // namespace
 
-PlayOrder::PlayOrder(LikeMoments moments, std::uint64_t seed, std::optional<int> loop)
+PlayOrder::PlayOrder(LikeMoments moments, PlayOrderOptions options)
     : moments_(std::move(moments)),
-      seed_(seed),
-      loop_(loop),
+      options_(std::move(options)),
       played_(static_cast<std::size_t>(moments_.frames)) {
-  const int n = moments_.frames, begin = moments_.half;
-  core::Rng rng(seed_, {kOrderStream, 0});
-  const int first =
-      begin + static_cast<int>(rng.below(static_cast<std::uint32_t>(std::max(1, n / 3 - begin))));
-  if (loop_)
-    close_loop(*loop_);
+  if (options_.loop)
+    close_loop(*options_.loop);
   else
-    add_run(first, first);
+    begin_first_run();
+}
+
+/// Begins early, and with the first frame where the footage drifts and is played to its end.
+void PlayOrder::begin_first_run() {
+  const int begin = moments_.half, some = std::max(1, moments_.frames / kFirstPart - begin);
+  core::Rng rng(options_.seed, {kOrderStream, 0});
+  const int first = begin + static_cast<int>(rng.below(static_cast<std::uint32_t>(some)));
+  add_run(first, first);
+  if (find_jumps(runs_.front()).empty()) runs_.front().first = runs_.front().last = 0;
+  if (!options_.beside) return;
+  double least = std::numeric_limits<double>::infinity();
+  for (int f = begin; f < moments_.frames * 3 / 4; ++f)
+    if (const double cost = options_.beside(0, f); cost < least) {
+      least = cost;
+      runs_.front().first = runs_.front().last = f;
+    }
 }
 
 void PlayOrder::add_run(int first, int last) {
-  runs_.push_back({runs_.empty() ? 0 : end(runs_.back()), first, last, 0});
+  runs_.push_back({runs_.empty() ? 0 : runs_.back().end(), first, last, 0});
 }
 
 /// Sets how long the turn from a run to the next one takes, which begins with frame `next`: at most
@@ -56,45 +69,86 @@ void PlayOrder::set_half(std::size_t run, int next, int room) {
   const double relative = double{moments_.cost(r.last, next)} / std::max(1e-6, moments_.change);
   const int wanted = std::clamp(static_cast<int>(std::lround(kTurn * (relative - 1))), 0, kLongestTurn);
   const int before = run == 0 ? 0 : runs_[run - 1].half;
-  const int length = r.last - r.first + 1;
   runs_[run].half =
-      std::max(0, std::min({wanted, moments_.frames - 1 - r.last, next, length - before, room}));
+      std::max(0, std::min({wanted, moments_.frames - 1 - r.last, next, r.length() - before, room}));
+}
+
+/// Returns the jumps from a run to moments like those that are left.
+std::vector<PlayOrder::Jump> PlayOrder::find_jumps(const Run& run) const {
+  const int n = moments_.frames, last_way_out = n - 1 - moments_.half;
+  const int span = std::min(kSpan, std::max(1, n / 2));
+  // Where less was shown so far is the better way on: means over the spans behind each frame.
+  std::vector<double> sums{0}, shown;
+  for (const int times : played_) sums.push_back(sums.back() + times);
+  for (int b = 0; b < n; ++b) {
+    const int seen = std::min(n - b, span);
+    shown.push_back((sums[static_cast<std::size_t>(b + seen)] - sums[static_cast<std::size_t>(b)]) / seen);
+  }
+  std::vector<Jump> jumps;
+  for (int a = std::min(run.first + shortest_run(n), last_way_out); a <= last_way_out; ++a)
+    for (int b = 0; b < n; ++b) {
+      const double cost{moments_.cost(a, b)};
+      if (!(cost <= kLike * moments_.change)) continue;
+      const double relative = cost / std::max(1e-6, moments_.best);
+      const double again = 1 + shown[static_cast<std::size_t>(b)];
+      const double room = std::clamp(double(last_way_out - b) / span, kLeastRoom, 1.0);
+      const double length = std::clamp(double(a - run.first + 1) / span, 0.0, 1.0);
+      jumps.push_back({a, b, relative * relative * again * again / (room * room * length)});
+    }
+  return jumps;
+}
+
+/// Keeps the best jumps and weighs how they fit beside the other plays.
+void PlayOrder::add_neighbours_cost(const Run& run, std::vector<Jump>& jumps) const {
+  if (!options_.beside) return;
+  std::ranges::stable_sort(jumps, {}, &Jump::cost);
+  jumps.resize(std::min(jumps.size(), kMostJumps));
+  auto held = jumps;
+  for (auto& jump : held)
+    for (const int d : kLaterOn) {
+      const int frame = std::min(jump.to + d, moments_.frames - 1);
+      const double cost = options_.beside(run.begin + jump.from - run.first + 1 + d, frame);
+      jump.cost += cost * cost / double(kLaterOn.size());
+    }
+  std::erase_if(held, [](const Jump& jump) { return !std::isfinite(jump.cost); });
+  if (!held.empty()) jumps = std::move(held);
+}
+
+/// Plays on to the end and from there backwards to the beginning.
+void PlayOrder::turn_back() {
+  const int n = moments_.frames;
+  runs_.back().last = n - 1;
+  if (n > 2) add_run(n - 2, 1);
+  add_run(0, 0);
 }
 
 /// Decides where the last run ends and which one follows.
 void PlayOrder::draw_run() {
-  auto& run = runs_.back();
-  const int n = moments_.frames, last_way_out = n - 1 - moments_.half;
-  const int from = std::min(run.first + shortest_run(n), last_way_out);
-  const int to = std::min(run.first + longest_run(n), last_way_out);
-  const double span = shortest_run(n) + longest_run(n);
-  std::vector<double> costs;
-  std::vector<std::pair<int, int>> jumps;
-  for (int a = from; a <= to; ++a)
-    for (int b = 0; b < n; ++b) {
-      if (!std::isfinite(moments_.cost(a, b))) continue;
-      const double room = std::clamp(2 * (last_way_out - b) / span, kLeastRoom, 1.0);
-      // Where less was shown so far is the better way on.
-      double shown = 0;
-      for (int t = b; t < std::min(n, b + shortest_run(n)); ++t)
-        shown += double(played_[static_cast<std::size_t>(t)]) / shortest_run(n);
-      const double cost = double{moments_.cost(a, b)} / std::max(1e-6, moments_.best);
-      costs.push_back(cost * cost * (1 + kAgain * shown) / room);
-      jumps.emplace_back(a, b);
-    }
-  if (jumps.empty()) {  // too short a footage: over and over
-    run.last = n - 1;
-    add_run(0, 0);
-    return;
-  }
-  const double least = *std::ranges::min_element(costs);
-  for (auto& cost : costs) cost = std::exp(-(cost - least) / kChoice);
-  core::Rng rng(seed_, {kOrderStream, static_cast<std::uint32_t>(runs_.size())});
-  const auto [a, b] = jumps[rng.categorical(costs)];
-  run.last = a;
-  for (int t = run.first; t <= a; ++t) ++played_[static_cast<std::size_t>(t)];
-  set_half(runs_.size() - 1, b, (1 + std::min(shortest_run(n), last_way_out - b)) / 2);
+  const auto before = runs_.size() - 1;
+  auto jumps = find_jumps(runs_[before]);
+  if (jumps.empty()) return turn_back();
+  add_neighbours_cost(runs_[before], jumps);
+  const double least = std::ranges::min(jumps, {}, &Jump::cost).cost;
+  std::vector<double> weights;
+  for (const auto& jump : jumps) weights.push_back(std::exp(-(jump.cost - least) / kChoice));
+  core::Rng rng(options_.seed, {kOrderStream, static_cast<std::uint32_t>(runs_.size())});
+  const auto& [a, b, cost] = jumps[rng.categorical(weights)];
+  runs_[before].last = a;
+  for (int t = runs_[before].first; t <= a; ++t) ++played_[static_cast<std::size_t>(t)];
+  const int room = moments_.frames - 1 - moments_.half - b;
+  set_half(before, b, (1 + std::min(shortest_run(moments_.frames), room)) / 2);
   add_run(b, b);
+}
+
+/// Plays a part of the footage on and back, as often as it takes, unless the loop is longer than that.
+bool PlayOrder::close_loop_backwards(int frames) {
+  const int way = frames / 2;  // frames from one turning point to the other
+  if (way < 1 || way > moments_.frames - 1) return false;
+  const int first = (moments_.frames - 1 - way) / 2, last = first + way;
+  add_run(first, last);
+  // An odd loop shows the last frame twice.
+  if (frames - way > 1) add_run(frames % 2 == 0 ? last - 1 : last, first + 1);
+  return true;
 }
 
 /// Finds an order of that many frames that ends where it begins.
@@ -130,14 +184,17 @@ void PlayOrder::close_loop(int frames) {
       firsts = std::move(some);
     }
   }
+  const double alike = kLike * moments_.change;
+  if (!(best <= alike * alike * count) && close_loop_backwards(frames)) return;
   for (std::size_t i = 0; i < firsts.size(); ++i) add_run(firsts[i], firsts[i] + lengths[i] - 1);
   for (std::size_t i = 0; i < firsts.size(); ++i)
     set_half(i, firsts[(i + 1) % firsts.size()], lengths.back() / 2);
 }
 
 PlayedMoment PlayOrder::at(std::int64_t n) {
-  if (loop_) n = (n % *loop_ + *loop_) % *loop_;
-  while (!loop_ && (runs_.size() < 2 || end(runs_[runs_.size() - 2]) <= n)) draw_run();
+  const auto loop = options_.loop;
+  if (loop) n = ((n + options_.shift) % *loop + *loop) % *loop;
+  while (!loop && (runs_.size() < 2 || runs_[runs_.size() - 2].end() <= n)) draw_run();
   // The runs before and behind the nearest jump.
   const auto behind = std::ranges::upper_bound(runs_, n, {}, &Run::begin);
   const auto i = static_cast<std::size_t>(behind - runs_.begin()) - 1;
@@ -148,16 +205,21 @@ PlayedMoment PlayOrder::at(std::int64_t n) {
     return PlayedMoment{runs_[from].last + 1 + place, runs_[to].first + place, runs_[from].half, place};
   };
   const std::size_t before = i > 0 ? i - 1 : runs_.size() - 1, next = i + 1 < runs_.size() ? i + 1 : 0;
-  if ((i > 0 || loop_) && n - run.begin < runs_[before].half) return turn(before, i, n - run.begin);
-  const bool decided = loop_ || i + 1 < runs_.size();
-  if (decided && end(run) - n <= run.half) return turn(i, next, n - end(run));
-  return {run.first + static_cast<int>(n - run.begin)};
+  if ((i > 0 || loop) && n - run.begin < runs_[before].half) return turn(before, i, n - run.begin);
+  const bool decided = loop || i + 1 < runs_.size();
+  if (decided && run.end() - n <= run.half) return turn(i, next, n - run.end());
+  const int d = static_cast<int>(n - run.begin);
+  return {run.last < run.first ? run.first - d : run.first + d};
+}
+
+bool PlayOrder::plays_back() const {
+  return std::ranges::any_of(runs_, [](const Run& run) { return run.last < run.first; });
 }
 
 double PlayOrder::relative_cost() const {
   double sum = 0;
   int jumps = 0;
-  for (std::size_t i = 0; i + 1 < runs_.size() + (loop_ ? 1 : 0); ++i) {
+  for (std::size_t i = 0; i + 1 < runs_.size() + (options_.loop ? 1 : 0); ++i) {
     const float cost = moments_.cost(runs_[i].last, runs_[(i + 1) % runs_.size()].first);
     if (!std::isfinite(cost)) continue;
     sum += double{cost};

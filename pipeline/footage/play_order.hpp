@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -20,34 +22,56 @@ struct PlayedMoment {
   bool operator==(const PlayedMoment&) const = default;
 };
 
+/// Holds the settings of a PlayOrder.
+struct PlayOrderOptions {
+  std::uint64_t seed = 1;
+  std::optional<int> loop = {};  ///< after so many frames, at least 2, the order begins anew
+  int shift = 0;                 ///< of a loop: moments by which it is ahead of the order without shift
+  /// Cost of showing a frame at a moment, beside other plays of the footage: 1 is usual, infinite what must
+  /// not be. Empty: none. Called while the order is drawn, with ascending moments.
+  std::function<double(std::int64_t moment, int frame)> beside = {};
+};
+
 /// Plays a footage without end: frame by frame, and now and then on from a moment like the one that is left.
-/// A jump is drawn by its cost among those of the next frames; it takes the longer, the less alike the
-/// moments are. Equal seeds play equal orders.
+/// A jump is drawn by its cost, how often the next frames were shown, and how long it can go on from there;
+/// it takes the longer, the less alike the moments are. Where the footage has no like moments, as one that
+/// drifts, it is played to its end and back. Equal options play equal orders.
 class PlayOrder {
  public:
-  /// `loop`: after so many frames, at least 2, the order begins anew, by a jump like the others.
-  PlayOrder(LikeMoments moments, std::uint64_t seed, std::optional<int> loop = {});
+  explicit PlayOrder(LikeMoments moments, PlayOrderOptions options = {});
 
   /// Returns what moment n ≥ 0 shows. Moments may be asked for in any order.
   PlayedMoment at(std::int64_t n);
   /// Returns the mean cost of the jumps so far over the mean change between neighbouring frames; 0 without.
   [[nodiscard]] double relative_cost() const;
+  /// Tells whether any frames so far were played backwards.
+  [[nodiscard]] bool plays_back() const;
 
  private:
   struct Run {
     std::int64_t begin = 0;   // moment of its first frame
-    int first = 0, last = 0;  // frames
+    int first = 0, last = 0;  // frames; last < first: backwards
     int half = 0;             // frames on each side of its end that turn into the next run's
+
+    [[nodiscard]] int length() const { return std::abs(last - first) + 1; }
+    [[nodiscard]] std::int64_t end() const { return begin + length(); }
+  };
+  struct Jump {
+    int from = 0, to = 0;  // frames
+    double cost = 0;       // squared, of the best jumps', with all that makes it better or worse
   };
   void add_run(int first, int last);
   void set_half(std::size_t run, int next, int room);
+  void begin_first_run();
   void draw_run();
+  [[nodiscard]] std::vector<Jump> find_jumps(const Run& run) const;
+  void add_neighbours_cost(const Run& run, std::vector<Jump>& jumps) const;
+  void turn_back();
   void close_loop(int frames);
-  [[nodiscard]] std::int64_t end(const Run& run) const { return run.begin + run.last - run.first + 1; }
+  bool close_loop_backwards(int frames);
 
   LikeMoments moments_;
-  std::uint64_t seed_;
-  std::optional<int> loop_;
+  PlayOrderOptions options_;
   std::vector<Run> runs_;
   std::vector<int> played_;  // how often each frame was
 };

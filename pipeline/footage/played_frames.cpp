@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/footage/played_frames.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -10,22 +11,77 @@
 
 namespace emberfold::pipeline {
 
-PlayedFrames::PlayedFrames(std::shared_ptr<const std::vector<cv::Mat>> footage, PlayOrder order)
-    : footage_(std::move(footage)), order_(std::move(order)) {}
+namespace {
+
+constexpr int kAhead = 4;  // moments that a seam looks ahead, so that it need not leave at once
+
+/// The frame that a moment shows more of.
+int shown_frame(const PlayedMoment& moment) {
+  return moment.half > 0 && moment.place >= 0 ? moment.other : moment.frame;
+}
+
+}  // namespace
+
+PlayedFrames::PlayedFrames(std::shared_ptr<const std::vector<cv::Mat>> footage,
+                           std::vector<std::shared_ptr<PlayOrder>> orders, std::shared_ptr<const Seams> seams,
+                           std::optional<int> loop)
+    : footage_(std::move(footage)), orders_(std::move(orders)), seams_(std::move(seams)), loop_(loop) {}
+
+double PlayedFrames::jump_cost() const {
+  double sum = 0;
+  for (const auto& order : orders_) sum += order->relative_cost();
+  return sum / static_cast<double>(orders_.size());
+}
+
+bool PlayedFrames::plays_back() const {
+  return std::ranges::any_of(orders_, [](const auto& order) { return order->plays_back(); });
+}
+
+SeamLines PlayedFrames::next_seams(std::int64_t n, const SeamLines& before) {
+  std::vector<std::vector<int>> shown(kAhead + 1);
+  for (int d = 0; d <= kAhead; ++d)
+    for (const auto& order : orders_)
+      shown[static_cast<std::size_t>(d)].push_back(shown_frame(order->at(n + d)));
+  return seams_->next(shown, before);
+}
+
+/// Returns the seams of moment n, at least that of the last call; in loops those of the second round, which
+/// follow from the first one's end.
+SeamLines PlayedFrames::seams_at(std::int64_t n) {
+  if (orders_.size() < 2) return {};
+  if (loop_ && loop_seams_.empty())
+    for (int t = 0; t < 2 * *loop_; ++t) {
+      newest_seams_ = next_seams(t, newest_seams_);
+      if (t >= *loop_) loop_seams_.push_back(newest_seams_);
+    }
+  if (loop_) return loop_seams_[static_cast<std::size_t>(n % *loop_)];
+  while (seams_next_ <= n) newest_seams_ = next_seams(seams_next_++, newest_seams_);
+  return newest_seams_;
+}
+
+cv::Mat PlayedFrames::draw(const Moment& moment) const {
+  std::vector<cv::Mat> frames;
+  for (const auto& shown : moment.shown)
+    frames.push_back(shown.half > 0 ? draw_turn(*footage_, shown, turning_places_.at(turn_of(shown)))
+                                    : (*footage_)[static_cast<std::size_t>(shown.frame)]);
+  return frames.size() == 1 ? frames.front() : seams_->join(frames, moment.seams);
+}
 
 /// Finds the turning places of turns that begin; all moments of a turn share them.
 void PlayedFrames::find_turning_places(const std::vector<Moment*>& moments, const core::Context& context) {
   std::map<Turn, cv::Mat1f> places;
   std::vector<std::pair<const PlayedMoment*, cv::Mat1f*>> missing;
-  for (const auto* moment : moments) {
-    if (moment->shown.half == 0) continue;
-    const auto [at, added] = places.try_emplace(turn_of(moment->shown));
-    if (!added) continue;
+  const auto find = [&](const PlayedMoment& shown) {
+    if (shown.half == 0) return;
+    const auto [at, added] = places.try_emplace(turn_of(shown));
+    if (!added) return;
     if (const auto known = turning_places_.find(at->first); known != turning_places_.end())
       at->second = known->second;
     else
-      missing.emplace_back(&moment->shown, &at->second);
-  }
+      missing.emplace_back(&shown, &at->second);
+  };
+  for (const auto* moment : moments)
+    for (const auto& shown : moment->shown) find(shown);
   core::parallel_for(missing.size(), context, [&](std::size_t i) {
     *missing[i].second = turning_places(*footage_, *missing[i].first);
   });
@@ -39,17 +95,13 @@ void PlayedFrames::prepare(std::int64_t first, std::int64_t last, const core::Co
   for (std::int64_t n = first; n <= last; ++n) {
     auto& moment = moments_[n];
     if (moment.frame.empty()) {
-      moment.shown = order_.at(n);
+      for (const auto& order : orders_) moment.shown.push_back(order->at(n));
+      moment.seams = seams_at(n);
       still.push_back(&moment);
     }
   }
-  const auto& frames = *footage_;
   find_turning_places(still, context);
-  core::parallel_for(still.size(), context, [&](std::size_t i) {
-    const auto& shown = still[i]->shown;
-    still[i]->frame = shown.half > 0 ? draw_turn(frames, shown, turning_places_.at(turn_of(shown)))
-                                     : frames[static_cast<std::size_t>(shown.frame)];
-  });
+  core::parallel_for(still.size(), context, [&](std::size_t i) { still[i]->frame = draw(*still[i]); });
   for (std::int64_t n = first; n < last; ++n) {
     auto& moment = moments_.at(n);
     if (!moment.motion.empty()) continue;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -11,13 +12,18 @@
 
 #include "core/context.hpp"
 #include "pipeline/footage/play_order.hpp"
+#include "pipeline/footage/seams.hpp"
 
 namespace emberfold::pipeline {
 
-/// Draws the moments of a played footage and the motion between them, a window of them at a time.
+/// Draws the moments of a played footage and the motion between them, a window of them at a time. Several
+/// plays at once stand side by side, each in its part of the frame (Seams).
 class PlayedFrames {
  public:
-  PlayedFrames(std::shared_ptr<const std::vector<cv::Mat>> footage, PlayOrder order);
+  /// `orders`: one for each of the seams' plays; `loop`: after how many moments they begin anew.
+  PlayedFrames(std::shared_ptr<const std::vector<cv::Mat>> footage,
+               std::vector<std::shared_ptr<PlayOrder>> orders, std::shared_ptr<const Seams> seams,
+               std::optional<int> loop = {});
 
   /// Draws the moments from `first` to `last` that are not there yet, and forgets those before `first`.
   /// Throws core::Cancelled.
@@ -27,11 +33,16 @@ class PlayedFrames {
   /// Returns the motion from a prepared moment, not the last one, to the next: px, CV_32FC2, at about half of
   /// the frame's size at most 2^15 vectors.
   [[nodiscard]] const cv::Mat& motion(std::int64_t n) const { return moments_.at(n).motion; }
-  [[nodiscard]] const PlayOrder& order() const { return order_; }
+  /// Returns the mean of the plays' relative costs of jumps.
+  [[nodiscard]] double jump_cost() const;
+  [[nodiscard]] int plays() const { return static_cast<int>(orders_.size()); }
+  /// Tells whether any frames so far were played backwards.
+  [[nodiscard]] bool plays_back() const;
 
  private:
   struct Moment {
-    PlayedMoment shown;
+    std::vector<PlayedMoment> shown;  // by play
+    SeamLines seams;
     cv::Mat frame, motion;
   };
   using Turn = std::tuple<int, int, int>;  // the frames of both runs at its middle, and its half
@@ -39,9 +50,17 @@ class PlayedFrames {
     return {shown.frame - shown.place, shown.other - shown.place, shown.half};
   }
   void find_turning_places(const std::vector<Moment*>& moments, const core::Context& context);
+  [[nodiscard]] SeamLines seams_at(std::int64_t n);
+  [[nodiscard]] SeamLines next_seams(std::int64_t n, const SeamLines& before);
+  [[nodiscard]] cv::Mat draw(const Moment& moment) const;
 
   std::shared_ptr<const std::vector<cv::Mat>> footage_;
-  PlayOrder order_;
+  std::vector<std::shared_ptr<PlayOrder>> orders_;
+  std::shared_ptr<const Seams> seams_;
+  std::optional<int> loop_;
+  SeamLines newest_seams_;  // of the moment before seams_next_
+  std::int64_t seams_next_ = 0;
+  std::vector<SeamLines> loop_seams_;  // of a whole loop
   std::map<std::int64_t, Moment> moments_;
   std::map<Turn, cv::Mat1f> turning_places_;  // of the moments drawn last
 };

@@ -31,17 +31,17 @@ TimeFront::TimeFront(double amplitude, double range, double rate, std::uint64_t 
   }
 }
 
-cv::Mat1f TimeFront::at(double n, cv::Size size) const {
+cv::Mat1f TimeFront::at(double n, cv::Size size, double most) const {
   // One cell more on each side, so that places between cells have neighbours.
   cv::Mat1f cells(size.height / kWaveCell + 3, size.width / kWaveCell + 3);
-  const double scale = amplitude_ * std::sqrt(2.0 / kWaves);
+  const double scale = most / 3 * std::sqrt(2.0 / kWaves);
   for (int i = 0; i < cells.rows; ++i)
     for (int j = 0; j < cells.cols; ++j) {
       double sum = 0;
       for (const auto& wave : waves_)
         sum +=
             std::cos(wave.x * (j - 1) * kWaveCell + wave.y * (i - 1) * kWaveCell + wave.t * n + wave.phase);
-      cells(i, j) = static_cast<float>(std::clamp(scale * sum, -bound(), bound()));
+      cells(i, j) = static_cast<float>(std::clamp(scale * sum, -most, most));
     }
   // cv::resize would align the pictures' borders, not the places.
   cv::Mat1f offsets(size);

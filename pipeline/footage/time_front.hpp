@@ -17,8 +17,9 @@ class TimeFront {
   /// local time runs faster or slower. `loop`: the field repeats after so many frames.
   TimeFront(double amplitude, double range, double rate, std::uint64_t seed, std::optional<int> loop = {});
 
-  /// Returns the offsets at frame n, frames, CV_32F, |offset| ≤ bound(). O(pixels).
-  [[nodiscard]] cv::Mat1f at(double n, cv::Size size) const;
+  /// Returns the offsets at frame n, frames, CV_32F, |offset| ≤ `most` ≤ bound(), in that proportion.
+  /// O(pixels).
+  [[nodiscard]] cv::Mat1f at(double n, cv::Size size, double most) const;
   /// Greatest offset, frames: 3 SD.
   [[nodiscard]] double bound() const { return 3 * amplitude_; }
 

@@ -87,7 +87,7 @@ struct Answered {
 Answered take_answers(std::span<const Event> events, std::span<const graph::ReviewedEvent> review) {
   Answered result;
   ReviewedClip& clip = result.clip;
-  clip.asked.assign(events.begin(), events.end());
+  clip.asked = std::vector(events.begin(), events.end());
   const auto entries = graph::find_answers(events, review);
   std::vector<bool> is_found(review.size(), false);
   for (std::size_t k = 0; k < events.size(); ++k) {

@@ -215,8 +215,8 @@ def analyze(clip: ClipLike, *, quality: str = "normal", progress: Progress = Non
             out: Union[None, str, "os.PathLike[str]"] = None, **options: Any) -> Run:
     """Finds strokes, their events and their model in a clip.
 
-    quality: "draft" leaves out the correction of the model's rates by clips drawn from it, half of the time; the events are
-    the same. Other arguments are the fields of AnalyzeOptions; groups of them are dicts: sketch={"sensitivity": 0.5}.
+    quality: "draft" leaves out the correction of the model's rates by clips drawn from it, which is otherwise made when its
+    strokes are first drawn or its rates are asked for; the events are the same. Other arguments are the fields of AnalyzeOptions; groups of them are dicts: sketch={"sensitivity": 0.5}.
     progress: True for a line on standard error, or a function of stage and share. out: a folder that keeps the run; asked
     again for the same clip and options, it is read from there.
     """

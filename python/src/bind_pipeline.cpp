@@ -31,9 +31,12 @@ py::array synthesize(const ClipModel& given, int frames, const py::object& progr
   const auto how =
       py::type::of<pipeline::ClipSynthesisOptions>()(**options).cast<pipeline::ClipSynthesisOptions>();
   // A copy, since the model's rates may be changed by another thread meanwhile.
-  const ClipModel model = given;
+  ClipModel model = given;
   mcmc::validate(model.motion);
   if (const auto why = pipeline::why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
+  const auto usual = model.footage ? pipeline::ModelFill::footage : pipeline::ModelFill::diffusion;
+  if (how.fill_kind.value_or(usual) != pipeline::ModelFill::footage)
+    run_interruptibly(progress, [&](const core::Context& context) { pipeline::correct_rates(model, context); });
   const auto info = pipeline::ClipSynthesis(model, how).info();
   FrameArray out(frames, info.height, info.width, info.channels, CV_8U);
   run_interruptibly(progress, [&](const core::Context& context) {
@@ -78,7 +81,11 @@ void bind_model(py::module_& module) {
   model.def_readonly("motion", &ClipModel::motion, doc("pipeline::ClipModel::motion"))
       .def_property_readonly("texture", [](const ClipModel& m) { return m.texture; })
       .def_property_readonly(
-          "rates", [](ClipModel& m) -> mcmc::OperatorRates& { return m.motion.rates; },
+          "rates",
+          [](ClipModel& m) -> mcmc::OperatorRates& {
+            pipeline::correct_rates(m);  // before someone changes them
+            return m.motion.rates;
+          },
           doc("mcmc::OperatorRates"))
       .def("synthesize", synthesize, py::arg("frames"), py::arg("progress") = py::none(),
            "Draws new frames as an array, uint8, T × H × W or T × H × W × 3. Other arguments are the fields "

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same bytes as the command."""
 import os
+import re
 import subprocess
 
 import numpy as np
@@ -37,6 +38,36 @@ def test_analyze(folder):
         assert files == sorted(path.name for path in (folder / "model").iterdir())
         for name in files:
             assert (folder / "run/model" / name).read_bytes() == (folder / "model" / name).read_bytes(), name
+
+
+def test_export_geff(folder):
+    """A GEFF as zarr reads it, held against what the format asks for."""
+    import zarr
+
+    command("export", folder / "run", "--geff", "-o", folder / "exported", "--overwrite")
+    root = zarr.open_group(str(folder / "exported/run.geff"), mode="r")
+    about = root.attrs["geff"]
+    assert re.fullmatch(r"\d+\.\d+(\.\d+)?", about["geff_version"]) and about["directed"] is True
+    nodes, edges = root["nodes/ids"][:], root["edges/ids"][:]
+    assert nodes.ndim == 1 and edges.ndim == 2 and edges.shape[1] == 2
+    assert nodes.dtype == edges.dtype and np.issubdtype(nodes.dtype, np.unsignedinteger)
+    assert len(np.unique(nodes)) == len(nodes) and np.isin(edges, nodes).all()
+    assert len(np.unique(edges, axis=0)) == len(edges) and (edges[:, 0] != edges[:, 1]).all()
+    for part, ids in (("node", nodes), ("edge", edges)):
+        told = about[part + "_props_metadata"]
+        assert set(told) == set(root[part + "s/props"].group_keys())
+        for name, prop in told.items():
+            values = root[f"{part}s/props/{name}/values"][:]
+            assert prop["identifier"] == name and values.dtype.name == prop["dtype"] and len(values) == len(ids)
+    for axis in about["axes"]:
+        values = root[f"nodes/props/{axis['name']}/values"][:]
+        assert axis["type"] in ("time", "space", "channel") and isinstance(axis["unit"], str)
+        assert axis["min"] == values.min() and axis["max"] == values.max()
+    frame, stroke = root["nodes/props/frame/values"][:], root["nodes/props/stroke/values"][:]
+    assert (frame[edges[:, 0]] < frame[edges[:, 1]]).all()
+    run = ef.analyze(folder / "clip.avi")
+    rows = run.strokes[run.strokes["stroke"] > 0]
+    assert sorted(zip(frame, stroke)) == sorted(zip(rows["frame"], rows["stroke"]))
 
 
 def test_synth(folder):

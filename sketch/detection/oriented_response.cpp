@@ -19,8 +19,8 @@ using graph::Point;
 namespace {
 
 constexpr int kWays = 16, kTurned = kWays / 2, kStrip = 32;  // directions; rows that are worked on at once
-constexpr int kCell = 8;                                     // px: cells of the ground
-constexpr double kGroundReach = 20;  // px: SD of the window in which the ground is measured
+constexpr int kCell = 4;                                     // px: cells of the ground
+constexpr double kGroundReach = 10;  // px: SD of the window in which the ground is measured
 constexpr int kUnit = 1 << 12;       // of a response that is averaged, against the greatest that counts
 
 // Derivatives of a level with a margin to all sides, so that taps beyond the frame's border read its mirror
@@ -132,7 +132,7 @@ Point unit_vector(int way) {
 
 // Taps are as far apart as the level's smoothness allows.
 void place_taps(OrientedResponse& r, double sigma, double along) {
-  constexpr double kApart = 1.6, kReach = 2.2;
+  constexpr double kApart = 1.2, kReach = 2.2;
   const double extra = std::sqrt(std::max(along * along - sigma * sigma, 0.0)), apart = kApart * sigma;
   const int count = extra > 0.5 * sigma ? static_cast<int>(std::ceil(kReach * extra / apart)) : 0;
   double sum = 0;

@@ -10,6 +10,7 @@
 #include "core/math/bilinear.hpp"
 #include "core/math/fast_round.hpp"
 #include "sketch/detection/crease_map.hpp"
+#include "sketch/detection/half_resolution.hpp"
 #include "sketch/detection/oriented_response.hpp"
 
 namespace emberfold::sketch {
@@ -18,7 +19,10 @@ using graph::Point;
 
 namespace {
 
-constexpr double kAlong = 4;                      // px: SD of the averaging along a line
+// The search is for what is smooth over 1.7 px and more: at half the resolution. Lengths below are in its
+// pixels but where they are said to be of the frame.
+constexpr double kPixel = 2;                      // px of the frame
+constexpr double kAlong = 4 / kPixel;             // SD of the averaging along a line
 constexpr int kFirstOctave = 1, kLastOctave = 3;  // half octaves, of lines
 constexpr int kStepOctave = 1;
 // SD by which the gradients of texture exceed second derivatives: shading has them everywhere.
@@ -31,21 +35,26 @@ struct OrientedLevel {
   int number;
 };
 
-// The mean of the level along a way, `away` px beside pixel (x, y).
-double mean_beside(const OrientedLevel& of, std::size_t way, int x, int y, Point away) {
+// The mean of the level along a way through a place, bilinear between pixels.
+double mean_along(const OrientedLevel& of, std::size_t way, Point at) {
   const OrientedResponse& r = of.response;
   const cv::Mat1f& smooth = of.level.smooth;
   const int width = smooth.cols - 2, height = smooth.rows - 2, reach = r.reach;
-  const int column = core::fast_round(x + away.x), row = core::fast_round(y + away.y);
-  const auto mean = [&](const auto& at) {
-    float sum = r.weights[0] * at(column, row);
+  const int column = static_cast<int>(std::floor(at.x)), row = static_cast<int>(std::floor(at.y));
+  const auto fx = static_cast<float>(at.x - column), fy = static_cast<float>(at.y - row);
+  const auto mean = [&](const auto& level) {
+    const auto between = [&](int u, int v) {
+      return (1 - fy) * ((1 - fx) * level(u, v) + fx * level(u + 1, v)) +
+             fy * ((1 - fx) * level(u, v + 1) + fx * level(u + 1, v + 1));
+    };
+    float sum = r.weights[0] * between(column, row);
     for (std::size_t i = 0; i < r.taps[way].size(); ++i) {
       const cv::Point tap = r.taps[way][i];
-      sum += r.weights[i + 1] * (at(column - tap.x, row - tap.y) + at(column + tap.x, row + tap.y));
+      sum += r.weights[i + 1] * (between(column - tap.x, row - tap.y) + between(column + tap.x, row + tap.y));
     }
     return double{sum};
   };
-  if (column >= reach && row >= reach && column + reach < width && row + reach < height)
+  if (column >= reach && row >= reach && column + 1 + reach < width && row + 1 + reach < height)
     return mean([&](int u, int v) { return smooth(v + 1, u + 1); });
   return mean([&](int u, int v) {
     return smooth(std::clamp(v, 0, height - 1) + 1, std::clamp(u, 0, width - 1) + 1);
@@ -56,11 +65,12 @@ double mean_beside(const OrientedLevel& of, std::size_t way, int x, int y, Point
 // Both sides of a second derivative's filter lie about √3 σ off the line and have 0.242/σ² of its weight
 // each. Beside a line the greatest response of the other sign lies 0.87 of the profile's SD from where the
 // slope would vanish.
-double response_of_both_sides(const OrientedLevel& of, std::size_t way, int x, int y, Point normal,
+double response_of_both_sides(const OrientedLevel& of, std::size_t way, Point place, Point normal,
                               double response) {
-  constexpr double kSide = 1.73, kOfSide = 0.242, kOfDifference = 0.7, kSlope = 0.4, kLeastSlope = 0.3;  // px
+  constexpr double kSide = 1.73, kOfSide = 0.242, kOfDifference = 0.65, kSlope = 0.4,
+                   kLeastSlope = 0.3 / kPixel;
   const double sigma = of.level.sigma;
-  const auto mean = [&](double away) { return mean_beside(of, way, x, y, normal * away); };
+  const auto mean = [&](double away) { return mean_along(of, way, place + normal * away); };
   if (0.5 * std::abs(mean(1) - mean(-1)) > (kSlope * sigma + kLeastSlope) * response) return 0;
   const double difference = std::abs(mean(kSide * sigma) - mean(-kSide * sigma));
   return response - kOfDifference * kOfSide / (sigma * sigma) * difference;
@@ -102,30 +112,34 @@ void put_line(CreaseMapBuilder& map, const OrientedLevel& of, const cv::Mat1f& r
     return;
   const auto t = find_greatest(response, x, y, n);
   if (!t) return;
-  const double z = response_of_both_sides(of, way, x, y, n, here) / limits.ground;
+  const Point place{x + *t * n.x, y + *t * n.y};
+  const double z = response_of_both_sides(of, way, place, n, here) / limits.ground;
   if (z < limits.response) return;
   map.put(x, y,
-          {{x + *t * n.x, y + *t * n.y},
-           0,
-           z,
-           here * normalise,
-           here * line_contrast(sigma),
-           of.number,
-           point_evidence(std::min(z, kUsualResponse + kMostCounted), std::max(kAlong, sigma))},
+          {place, 0, z, here * normalise, here * line_contrast(sigma), of.number,
+           point_evidence(std::min(z, kUsualResponse + kMostCounted), kPixel * std::max(kAlong, sigma))},
           n);
 }
 
 // Puts the step through a pixel into the map, likewise. `n`: towards its brighter side.
 void put_step(CreaseMapBuilder& map, const OrientedLevel& of, const cv::Mat1f& response, Point n, int x,
               int y, PointLimits limits) {
-  constexpr double kFar = 2.5;  // σ: a slope that goes on so far is shading
+  constexpr double kFar = 2.5, kSmooth = 2;  // σ: a slope that goes on so far is shading
   const double here = double{response(y, x)}, sigma = of.level.sigma;
   const auto t = find_greatest(response, x, y, n);
   if (!t) return;
   const auto at = [&](double away) {
     return core::sample_bilinear(response, x + away * n.x, y + away * n.y);
   };
-  const double rise = here - 0.5 * (at(kFar * sigma) + at(-kFar * sigma)), z = rise / limits.ground;
+  // Mirrored at the frame's border, a slope bends there: its inner side is looked at.
+  const auto whole = [&](double way) {
+    const double reach = (kFar + kSmooth) * sigma + 1;
+    return lies_inside(map.size(), {x + way * reach * n.x, y + way * reach * n.y});
+  };
+  const bool ahead = whole(1), behind = whole(-1);
+  const double far_ahead = at(ahead || !behind ? kFar * sigma : -kFar * sigma),
+               far_behind = at(behind || !ahead ? -kFar * sigma : kFar * sigma);
+  const double rise = here - 0.5 * (far_ahead + far_behind), z = rise / limits.ground;
   if (z < limits.response) return;
   map.put(x, y,
           {{x + *t * n.x, y + *t * n.y},
@@ -134,7 +148,8 @@ void put_step(CreaseMapBuilder& map, const OrientedLevel& of, const cv::Mat1f& r
            rise * std::sqrt(sigma),
            rise * step_contrast(sigma),
            of.number,
-           point_evidence(std::min(z - kStepsMore, kUsualResponse + kMostCounted), std::max(kAlong, sigma))},
+           point_evidence(std::min(z - kStepsMore, kUsualResponse + kMostCounted),
+                          kPixel * std::max(kAlong, sigma))},
           n);
 }
 
@@ -156,7 +171,7 @@ bool shows_steps(const ScaleLevel& level) {
   return level.channel == 0 && level.octave == kStepOctave;
 }
 
-// The frame that is searched, and what is usual in it, or in that of which it is a part.
+// The halved frame that is searched, and what is usual in it, or in that of which it is a part.
 struct Searched {
   const ScaleSpace& space;
   double noise;
@@ -266,27 +281,18 @@ void add_pieces(const Chain& chain, const Drawn& same, const Drawn& opposite, st
   }
 }
 
-// Adds a curve's points and those midway between: the ways across them then meet every pixel beside it.
-void add_densely(const Chain& chain, std::vector<CreasePoint>& to) {
-  for (std::size_t i = 0; i < chain.points.size(); ++i) {
-    to.push_back(chain.points[i]);
-    if (i == 0) continue;
-    CreasePoint midway = chain.points[i];
-    midway.position = (midway.position + chain.points[i - 1].position) * 0.5;
-    to.push_back(midway);
-  }
-}
-
 }  // namespace
 
 void add_samples(const ScaleSpace& space, const FramePart& part, bool steps, ResponseSamples& samples) {
   samples.resize(2 * space.size());
+  const ScaleSpace half = HalfResolution(space.front().frame.size()).halved(space);
+  const FramePart at = HalfResolution::halved(part);
   const auto add = [&](std::size_t level, Derivative order, std::vector<float>& to) {
-    sample_across(compute_oriented_response(space[level], order, kAlong, 0).across, part, to);
+    sample_across(compute_oriented_response(half[level], order, kAlong, 0).across, at, to);
   };
-  for (std::size_t k = 0; k < space.size(); ++k) {
-    if (shows_lines(space[k])) add(k, Derivative::second, samples[k]);
-    if (steps && shows_steps(space[k])) add(k, Derivative::first, samples[space.size() + k]);
+  for (std::size_t k = 0; k < half.size(); ++k) {
+    if (shows_lines(half[k])) add(k, Derivative::second, samples[k]);
+    if (steps && shows_steps(half[k])) add(k, Derivative::first, samples[half.size() + k]);
   }
 }
 
@@ -299,30 +305,35 @@ std::vector<double> usual_responses(ResponseSamples samples) {
 
 std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const ScaleSpace& space, double noise,
                                     const WeakCurveLimits& limits, const std::vector<double>& usual) {
-  const Searched searched{space, noise, usual};
+  const cv::Size frame = space.front().frame.size();
+  const HalfResolution halving(frame);
+  const ScaleSpace half = halving.halved(space);
+  const Searched searched{half, noise, usual};
   constexpr double kSeed = 0.6;          // SD more where a curve begins
   constexpr double kLeastOfPiece = 1.5;  // nats
   constexpr double kOfFlank = 1.3;  // more of a flank's contrast: lines with a flat core have such flanks
-  const cv::Size frame = space.front().frame.size();
   Drawn ridges(frame), valleys(frame), all(frame);
   CreaseMap lines_drawn;
   const auto draw = [&](const std::vector<Chain>& chains) {
     for (const Chain& chain : chains) {
       if (chain.kind == CreaseKind::ridge) ridges.add(chain);
       if (chain.kind == CreaseKind::valley) valleys.add(chain);
-      if (chain.kind != CreaseKind::step) add_densely(chain, lines_drawn.points);
+      if (chain.kind != CreaseKind::step)
+        for (const CreasePoint& p : chain.points) lines_drawn.points.push_back(halving.halved(p));
       all.add(chain);
     }
   };
   draw(strong);
   std::vector<Chain> found;
   const auto trace = [&](const CreaseMap& map, double begins, const Drawn& same, const Drawn& opposite) {
-    for (const Chain& chain : remove_hooks(trace_curves(map, space, {begins})))
+    std::vector<Chain> chains = trace_curves(map, half, {begins});
+    for (Chain& chain : chains) chain = halving.to_frame(chain);
+    for (const Chain& chain : remove_hooks(std::move(chains)))
       if (evidence(chain) >= limits.evidence) add_pieces(chain, same, opposite, found);
   };
   CreaseLines lines = find_line_points(searched, limits);
   for (CreaseMap* map : {&lines.ridges, &lines.valleys}) {
-    thin_parallel_points(*map, space);
+    thin_parallel_points(*map, half);
     const bool bright = map->kind == CreaseKind::ridge;
     trace(*map, limits.response + kSeed, bright ? ridges : valleys, bright ? valleys : ridges);
   }
@@ -335,8 +346,8 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
   if (!limits.steps) return found;
   draw(found);
   CreaseMap steps = find_step_points(searched, limits);
-  remove_flanks(steps, lines_drawn, space, kOfFlank * limits.of_flank);
-  thin_parallel_points(steps, space);
+  remove_flanks(steps, lines_drawn, half, kOfFlank * limits.of_flank);
+  thin_parallel_points(steps, half);
   trace(steps, limits.response + kStepsMore + kSeed, all, all);
   erase_short();
   return found;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""How near new clips come to what a person sees in their source: python3 tests/bench/new_clips.py BINARY CLIP …
+"""How near new clips come to what a person sees in their source: python3 tests/bench/new_clips.py BINARY [--whole] CLIP …
 
 Models are learned from the first half of each clip, of at most 100 frames and 320 px across, and draw as many frames as the
 clip has. Against the clip, where it moves (SD over time above 8 levels), at half size:
@@ -8,6 +8,7 @@ complete    patches of 3 frames and 7×7 px of the second half: mean distance to
             the nearest of the first half, in 16 principal components; 1 as the first half itself
 flow        95th percentile of optical flow, share of the clip's; difference: mean |frame − next|; variance: over time
 copied      share of moving pixels within 2 levels of those of one frame of the clip, mean over frames
+With --whole the model learns from all frames, and only the new clip of footage is drawn.
 Peers: the linear dynamic texture of the same half, and the half played in a loop from its best jump (video texture).
 Needs NumPy, SciPy and OpenCV."""
 import subprocess
@@ -78,7 +79,8 @@ def loop(frames, count):
 def main():
     binary = str(Path(sys.argv[1]).resolve())
     print(f"{'clip':18}{'drawn':10}{'complete':>9}{'flow':>7}{'difference':>11}{'variance':>9}{'copied':>8}")
-    for path in map(Path, sys.argv[2:]):
+    whole = "--whole" in sys.argv
+    for path in (Path(word) for word in sys.argv[2:] if word != "--whole"):
         frames, fps = read(path)
         source, half = small(frames), len(frames) // 2
         deviation = source.std(0)
@@ -91,14 +93,16 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             def run(*words):
                 subprocess.run([binary, *map(str, words), "-q"], cwd=folder, check=True, stderr=subprocess.DEVNULL)
-            write(Path(folder) / "half.avi", frames[:half], fps)
-            run("analyze", "half.avi", "-o", "run", "--bottom-up", "--set", "calibrate.calibrate=0")
+            write(Path(folder) / "learned.avi", frames if whole else frames[:half], fps)
+            run("analyze", "learned.avi", "-o", "run", "--bottom-up", "--set", "calibrate.calibrate=0")
             run("synth", "run/model", "-o", "footage.avi", "--frames", len(frames))
-            run("synth", "run/model", "-o", "strokes.avi", "--frames", len(frames), "--fill", "diffusion")
-            run("dytex", "learn", "half.avi", "-o", "texture")
-            run("dytex", "synth", "texture", "-o", "texture.avi", "--frames", len(frames))
-            drawn = {name: read(Path(folder) / f"{name}.avi")[0] for name in ("footage", "texture", "strokes")}
-        drawn["loop"] = loop(frames[:half], len(frames))
+            drawn = {"footage": read(Path(folder) / "footage.avi")[0]}
+            if not whole:
+                run("synth", "run/model", "-o", "strokes.avi", "--frames", len(frames), "--fill", "diffusion")
+                run("dytex", "learn", "learned.avi", "-o", "texture")
+                run("dytex", "synth", "texture", "-o", "texture.avi", "--frames", len(frames))
+                drawn |= {name: read(Path(folder) / f"{name}.avi")[0] for name in ("texture", "strokes")}
+                drawn["loop"] = loop(frames[:half], len(frames))
         of_source = flow(source, where), np.abs(np.diff(source, axis=0))[:, where].mean(), source.var(0)[where].mean()
         for name, clip in drawn.items():
             clip = small(clip)
@@ -107,7 +111,7 @@ def main():
             shares = np.array([flow(clip, where), np.abs(np.diff(clip, axis=0))[:, where].mean(),
                                clip.var(0)[where].mean()]) / of_source
             print(f"{path.stem:18}{name:10}{complete:9.2f}{shares[0]:7.2f}{shares[1]:11.2f}{shares[2]:9.2f}"
-                  f"{copied(clip, source[:half], where):8.2f}", flush=True)
+                  f"{copied(clip, source if whole else source[:half], where):8.2f}", flush=True)
 
 
 if __name__ == "__main__":

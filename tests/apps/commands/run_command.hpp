@@ -72,4 +72,9 @@ inline CommandResult run_command(const std::vector<std::string>& arguments,
   return result;
 }
 
+/// The number of files and folders in a folder.
+inline std::size_t entries(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
 }  // namespace emberfold::test

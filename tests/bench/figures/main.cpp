@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/freed_memory.hpp"
 #include "tests/bench/figures/measures.hpp"
 #include "tests/bench/figures/table.hpp"
 
@@ -85,6 +86,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 int main(int count, char** words) {
+  emberfold::core::keep_freed_memory();  // as the command does
   try {
     run(parse({words + 1, words + count}));
     return 0;

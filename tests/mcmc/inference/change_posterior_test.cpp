@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
@@ -113,22 +114,63 @@ TEST_CASE("Beyond the frames that can be followed, absence does not count", "[ch
   CHECK(mcmc::log_change_factor(series) > lost);
 }
 
+TEST_CASE("Each kind of evidence moves the odds of a change its own way", "[change]") {
+  mcmc::ChangeEvidence usual;
+  usual.log_factor = 5, usual.agreement = 0.5, usual.since = 5, usual.until = 8;
+  for (const bool of_stroke : {true, false}) {
+    usual.of_stroke = of_stroke;
+    const double odds = mcmc::change_log_odds(usual);
+    const auto with = [&](auto change) {
+      mcmc::ChangeEvidence evidence = usual;
+      change(evidence);
+      return mcmc::change_log_odds(evidence);
+    };
+    CHECK(with([](auto& e) { e.log_factor = 10; }) > odds);
+    CHECK(with([](auto& e) { e.agreement = 1; }) > odds);
+    CHECK(with([](auto& e) { e.agreement = 0.25; }) < odds);
+    CHECK(with([](auto& e) { e.since = 2; }) < odds);
+    CHECK(with([](auto& e) { e.until = 2; }) < odds);
+    // Time has no sense here, and what is long enough ago does not count.
+    CHECK(with([](auto& e) { std::swap(e.since, e.until); }) == odds);
+    CHECK(with([](auto& e) { e.since = 12, e.until = 12; }) ==
+          with([](auto& e) { e.since = 1e9, e.until = 1e9; }));
+  }
+}
+
 TEST_CASE("The share of true changes is learned from all of a clip", "[change]") {
-  // As many factors on each side as the share says, all of one size.
-  for (const double share : {0.05, 0.5, 0.95}) {
-    std::vector<double> factors;
-    for (int i = 0; i < 1000; ++i) factors.push_back(i < 1000 * share ? 3 : -3);
-    const double found = mcmc::estimate_change_share(factors);
+  const auto logistic = [](double x) { return 1 / (1 + std::exp(-x)); };
+  const double usual = std::log(0.4 / 0.6);
+  double last = 0;
+  for (const double share : {0.02, 0.2, 0.5, 0.9}) {
+    // Changes that show clearly and changes that do not, of which `share` says how many of each there are.
+    std::vector<mcmc::ChangeEvidence> changes(2000);
+    for (std::size_t i = 0; i < changes.size(); ++i)
+      changes[i].log_factor = static_cast<double>(i) < 2000 * share ? 13 : -13;
+    const double found = mcmc::estimate_change_share(changes);
     INFO("share " << share << ", found " << found);
-    CHECK(std::abs(found - share) < 0.06);
-    const auto p = mcmc::change_probabilities(factors);
-    for (std::size_t i = 0; i < p.size(); i += 100) {
-      const double odds = std::exp(0.3 * factors[i]) * found / (1 - found);
-      CHECK_THAT(p[i], WithinAbs(odds / (1 + odds), 1e-12));
+    // The fixed point, by bisection.
+    double low = 1e-6, high = 1 - 1e-6;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (low + high), shift = std::log(middle / (1 - middle)) - usual;
+      double sum = 0.5;
+      for (const auto& change : changes)
+        sum += logistic(std::clamp(mcmc::change_log_odds(change), -4.0, 4.0) + shift);
+      (sum / 2001 > middle ? low : high) = middle;
     }
+    CHECK_THAT(found, WithinAbs(low, 1e-6));
+    CHECK(found > last);
+    last = found;
+    const auto p = mcmc::change_probabilities(changes);
+    const double shift = 0.5 * std::clamp(std::log(found / (1 - found)) - usual, -4.0, 4.0);
+    for (std::size_t i = 0; i < p.size(); i += 200)
+      CHECK_THAT(p[i], WithinAbs(logistic(mcmc::change_log_odds(changes[i]) + shift), 1e-12));
+    // What some reading lacks does not tell how many are true.
+    std::vector<mcmc::ChangeEvidence> more = changes;
+    more.resize(3000);
+    for (std::size_t i = 2000; i < 3000; ++i) more[i].agreement = 0.75, more[i].log_factor = -13;
+    CHECK(mcmc::estimate_change_share(more) == found);
   }
   CHECK(mcmc::change_probabilities({}).empty());
-  CHECK(mcmc::change_probabilities(std::vector{0.0}).at(0) == 0.5);
 }
 
 TEST_CASE("Series that make no sense are refused", "[change]") {

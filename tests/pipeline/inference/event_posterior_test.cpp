@@ -2,7 +2,6 @@
 #include "pipeline/inference/event_posterior.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 
@@ -46,12 +45,13 @@ graph::MotionGraph matched(const core::Clip& clip) {
 
 std::vector<graph::Event> posterior(const core::Clip& clip, const graph::MotionGraph& motion) {
   core::ClipSource source(clip);
-  return pipeline::event_posterior(source, {&motion, 1});
+  return pipeline::event_posterior(source, {{motion}, {}});
 }
 
 /// Leaves out the patches of a frame for which is_out(frame, patch) holds, and matches what is left.
 template <class IsOut>
-graph::MotionGraph matched_without(const graph::MotionGraph& motion, const IsOut& is_out) {
+graph::MotionGraph matched_without(const graph::MotionGraph& motion, const IsOut& is_out,
+                                   int flicker = graph::MatchOptions{}.flicker) {
   graph::SketchSequence left = motion.sketch;
   left.frames.clear();
   for (int t = 0; t < kFrames; ++t) {
@@ -65,7 +65,9 @@ graph::MotionGraph matched_without(const graph::MotionGraph& motion, const IsOut
     });
     left.append({std::move(vertices), std::move(edges)});
   }
-  return graph::match(left, {});
+  graph::MatchOptions options;
+  options.flicker = flicker;
+  return graph::match(left, options);
 }
 
 /// The highest probability of an event of this class near here.
@@ -149,11 +151,52 @@ TEST_CASE("An event that one reading lacks is less likely", "[posterior]") {
   for (const bool first : {true, false}) {
     core::ClipSource source(clip);
     const auto events =
-        pipeline::event_posterior(source, first ? std::array{motion, without} : std::array{without, motion});
+        pipeline::event_posterior(source, first ? pipeline::ClipReadings{{motion, without}, {}}
+                                                : pipeline::ClipReadings{{without, motion}, {}});
     REQUIRE(events.size() == 1);
     CHECK(events[0].probability < alone[0].probability);
     CHECK(events[0].probability > 0.5);
     CHECK(events[0].after.empty() == !first);
+  }
+}
+
+TEST_CASE("What comes and goes in the sketches as they are is believed less", "[posterior]") {
+  const core::Clip clip = film(
+      [](Point p, int t) { return 80 + line(p, 40, 15, 105) + (t >= 12 ? line(p, 110, 15, 105) : 0); }, 2);
+  const graph::MotionGraph motion = matched(clip);
+  const auto flickers = matched_without(
+      motion, [](int t, const graph::Patch& patch) { return patch.position.x > 75 && (t == 14 || t == 17); },
+      0);
+  const auto probability_with = [&](const graph::MotionGraph& unsteadied) {
+    core::ClipSource source(clip);
+    return probability(pipeline::event_posterior(source, {{motion}, {unsteadied}}), EventType::birth, 12,
+                       {110, 60});
+  };
+  CHECK(probability_with(flickers) < probability_with(motion));
+}
+
+TEST_CASE("Readings of a clip are the same, reversed, for the clip played backwards", "[posterior]") {
+  const core::Clip clip = film(
+      [](Point p, int t) {
+        const double x = 8 * std::sin(0.5 * t);
+        return 80 + line(p, 60 + x, 15, t < 12 ? 105 : 60) + line(p, 75 - x, 15, 105);
+      },
+      3);
+  core::ClipSource source(clip);
+  const auto sketch = pipeline::sketch_clip(source, {.sensitivity = pipeline::kSteadySensitivity}, {}).sketch;
+  const auto reversed = graph::reverse_time(sketch);
+  const auto forwards = pipeline::match_readings(sketch, graph::match(sketch, {}), {}, false);
+  const auto backwards = pipeline::match_readings(reversed, graph::match(reversed, {}), {}, false);
+  REQUIRE(forwards.steadied.size() == 2);
+  REQUIRE(forwards.unsteadied.size() == 2);
+  const auto changes = [](const graph::MotionGraph& motion) {
+    auto events = graph::stroke_events(motion);
+    for (graph::Event& e : events) e.before.clear(), e.after.clear();  // strokes are numbered from the start
+    return events;
+  };
+  for (const std::size_t k : {0U, 1U}) {
+    CHECK(changes(forwards.steadied[k]) == graph::reverse_time(changes(backwards.steadied[1 - k]), kFrames));
+    CHECK(changes(forwards.unsteadied[k]) == graph::reverse_time(changes(backwards.unsteadied[1 - k]), kFrames));
   }
 }
 
@@ -162,4 +205,6 @@ TEST_CASE("A clip of another length than its graphs is refused", "[posterior]") 
   const graph::MotionGraph motion = matched(clip);
   clip.frames.pop_back();
   CHECK_THROWS_AS(posterior(clip, motion), core::InputError);
+  core::ClipSource source(clip);
+  CHECK_THROWS_AS(pipeline::event_posterior(source, {}), core::InputError);
 }

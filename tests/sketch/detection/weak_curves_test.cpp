@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sketch/detection/half_resolution.hpp"
 #include "sketch/detection/oriented_response.hpp"
 #include "sketch/extract.hpp"
 #include "tests/support/catch.hpp"
@@ -75,22 +76,24 @@ TEST_CASE("Averaging along a line changes neither its response nor its direction
 
 TEST_CASE("The ground follows the noise, and a line does not raise it", "[sketch][weak]") {
   const cv::Mat1f flat(240, 320, 100.0F);
-  for (const int number : {1, 3}) {
-    const OrientedResponse r = sketch::compute_oriented_response(level_of(with_noise(flat, 5, 3), number),
-                                                                 Derivative::second, 4, 0.29);
+  const auto halved_level_of = [](const cv::Mat1f& frame, std::size_t number) {
+    return sketch::HalfResolution(frame.size()).halved(sketch::scale_space(frame, 1.2, 4))[number];
+  };
+  for (const std::size_t number : {1U, 3U}) {
+    const sketch::ScaleLevel level = halved_level_of(with_noise(flat, 5, 3), number);
+    const OrientedResponse r = sketch::compute_oriented_response(level, Derivative::second, 2, 0.29);
     // Across the strongest of 16 directions the response of white noise is a little less than in any
     // direction.
-    const sketch::ScaleLevel level = level_of(flat, number);
-    const double any = 5 * level.hessian_sd * std::sqrt(level.sigma / 4);
+    const double any = 5 * level.hessian_sd * std::sqrt(level.sigma / 2);
     for (int y = 0; y < r.ground.rows; ++y)
       for (int x = 0; x < r.ground.cols; ++x) {
         CHECK(double{r.ground(y, x)} > 0.4 * any);
         CHECK(double{r.ground(y, x)} < 1.3 * any);
       }
   }
-  const auto ground_beside = [](double height) {
+  const auto ground_beside = [&](double height) {
     const OrientedResponse r = sketch::compute_oriented_response(
-        level_of(with_noise(line(0.3, 2, height), 5, 3), 2), Derivative::second, 4, 0.29);
+        halved_level_of(with_noise(line(0.3, 2, height), 5, 3), 2), Derivative::second, 2, 0.29);
     return double{r.ground(r.ground.rows / 2, r.ground.cols / 2)};
   };
   CHECK(ground_beside(80) < 1.4 * ground_beside(0));

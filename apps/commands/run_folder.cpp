@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/commands/run_folder.hpp"
+
+#include <filesystem>
+#include <initializer_list>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/summary.hpp"
+#include "core/fingerprint.hpp"
+#include "core/io/clip_identity.hpp"
+#include "core/io/column_folder.hpp"
+
+namespace emberfold::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path whole_run(const std::string& folder) {
+  return fs::path(folder) / "stages" / "run";
+}
+
+std::string hash(std::initializer_list<std::string> texts) {
+  core::Fingerprint sum;
+  for (const auto& text : texts) sum.add(text);
+  return sum.text();
+}
+
+}  // namespace
+
+std::optional<RunKeys> run_keys(const std::string& clip, const std::string& review,
+                                const AnalyzeOptions& options, std::uint64_t seed) {
+  const std::string number = std::to_string(seed);
+  const auto input = clip.starts_with("builtin:") ? clip + number : io::clip_identity(clip);
+  if (input.empty()) return std::nullopt;
+  const auto flags = [](std::initializer_list<bool> list) {
+    std::string text;
+    for (const bool flag : list) text += flag ? '1' : '0';
+    return text;
+  };
+  RunKeys keys;
+  keys.stages.sketch = hash({kVersion, input, io::clip_identity(options.read.mask),
+                             reading_json(options.read).dump(), options_json(options.sketch).dump()});
+  keys.stages.motion = hash({keys.stages.sketch, number, options_json(options.match).dump(),
+                             options_json(options.starts).dump(), options_json(options.infer).dump(),
+                             flags({options.bottom_up, options.curve_events, options.sample})});
+  keys.stages.model = hash({keys.stages.motion, options_json(options.fill).dump(),
+                            options_json(options.calibrate).dump(), std::to_string(options.texture)});
+  keys.run = hash({keys.stages.model, clip, io::clip_identity(review), flags({options.reconstruction})});
+  return keys;
+}
+
+bool is_done(const std::string& folder, const std::string& key) {
+  std::error_code error;
+  return fs::exists(fs::path(folder) / "summary.json", error) &&
+         fs::exists(fs::path(folder) / "report.html", error) &&
+         io::read_columns(whole_run(folder), key).has_value();
+}
+
+void note_done(const std::string& folder, const std::string& key) {
+  io::write_columns(whole_run(folder), {key, {}, {}});
+}
+
+void note_begun(const std::string& folder) {
+  std::error_code ignored;
+  fs::remove_all(whole_run(folder), ignored);
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/context.hpp"
+
+namespace emberfold::pipeline {
+
+/// Holds what a person sees of a drawn clip beside its source, where the source moves.
+struct VisibleFigures {
+  /// Distance of the source's patches of 3 frames and 7×7 px to the nearest ones of the clip, over that to
+  /// the nearest of the source's first half: 1 as that, above 1 the clip lacks what the source shows.
+  double complete = 0;
+  double flow = 0;        ///< 95th percentile of the speed of optical flow, share of the source's
+  double variance = 0;    ///< over time, share of the source's
+  double difference = 0;  ///< mean difference of neighbouring frames, share of the source's
+  double copied = 0;  ///< 0…1, of pixels within 2 levels of those of one frame of the source (CopiedShare)
+
+  /// Tells whether flow, variance and difference all lie within 0.7…1.4.
+  [[nodiscard]] bool moves_alike() const;
+
+  bool operator==(const VisibleFigures&) const = default;
+};
+
+/// Returns the picture by which a frame's luma (CV_32F) is measured: CV_8U, half its size, and at most 2^16
+/// px.
+cv::Mat visible_picture(const cv::Mat& luma);
+
+/// Measures drawn clips against a source: where its SD over time is above 8 levels, or at the 15 % of the
+/// pixels that move most. Patches are those of the source's second half, compared in 16 principal components.
+class VisibleMeasures {
+ public:
+  /// Number of a clip's first frames that are measured.
+  static constexpr std::size_t kMostFrames = 200;
+
+  /// `source`: visible_pictures of at least 8 frames. Takes some 0.1 s a thousand patches.
+  VisibleMeasures(std::vector<cv::Mat> source, const core::Context& context);
+
+  /// Measures a clip of at least 3 visible_pictures; reduces them to the source's size. The same at any
+  /// number of threads. Throws core::Cancelled.
+  [[nodiscard]] VisibleFigures measure(std::vector<cv::Mat> clip, const core::Context& context) const;
+
+ private:
+  struct Motion {
+    double flow = 0, variance = 0, difference = 0;
+  };
+  [[nodiscard]] cv::Mat patches(std::span<const cv::Mat> clip, int count, std::uint32_t stream) const;
+  [[nodiscard]] Motion motion(const std::vector<cv::Mat>& clip, const core::Context& context) const;
+  [[nodiscard]] double mean_distance(const cv::Mat& base, const core::Context& context) const;
+
+  std::vector<cv::Mat> source_;
+  cv::Mat1b moves_;
+  std::vector<cv::Point> places_;  // patches' middles
+  cv::Mat mean_, axes_;            // of patches
+  cv::Mat second_half_;            // its patches, in components
+  double base_ = 1;                // their distance to the first half's
+  Motion motion_;
+};
+
+}  // namespace emberfold::pipeline

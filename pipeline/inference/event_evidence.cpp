@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/inference/event_evidence.hpp"
+
+#include <algorithm>
+#include <compare>
+#include <cstdlib>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "core/clip/frame_stream.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "graph/events/event_clusters.hpp"
+#include "pipeline/inference/event_paths.hpp"
+#include "sketch/refinement/amplitude.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr int kReach = 10;               // frames to each side of an event
+constexpr double kSlipAcross = 1.5;      // px across, of a patch that is carried along
+constexpr int kLevelFrames = 4;          // in which what appears is taken to be there in full
+constexpr double kLeastLevel = 0.15;     // of a patch's own amplitude
+constexpr double kMostMeasurements = 3;  // independent ones in a frame, of a stroke
+constexpr double kMeasurementsOfJoint = 2;
+constexpr std::size_t kFollowed = 3;  // frames in which what joins two strokes can be told apart from them
+constexpr int kSameFrames = 2;        // between two readings of one event
+constexpr double kSamePlace = 10;     // px
+constexpr double kSameJoint = 15;     // px between opposite events of one place
+constexpr double kLeastLogOdds = -4;  // that the images at their best would have to reach
+constexpr std::size_t kWeakest = 3;   // one in so many patches of a joint decides whether it is open
+
+using graph::detail::Family;
+
+bool is_of_stroke(graph::EventType type) {
+  return type == graph::EventType::birth || type == graph::EventType::death;
+}
+
+bool appears(graph::EventType type) {
+  using enum graph::EventType;
+  return type == birth || type == merge || type == connect;
+}
+
+/// How strongly a path shows: a stroke on average, a joint at its weakest.
+double path_amplitude(const cv::Mat& levels, const Path& path, bool of_stroke) {
+  std::vector<double> all;
+  for (const graph::Patch& patch : path) all.push_back(sketch::measure_amplitude(levels, patch, kSlipAcross));
+  const std::size_t count = of_stroke ? all.size() : std::max<std::size_t>(1, all.size() / kWeakest);
+  std::ranges::sort(all);
+  return std::accumulate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), 0.0) /
+         static_cast<double>(count);
+}
+
+/// Returns the upper median of the amplitudes of the frames next to the change in which the path is there.
+double level_beside(const mcmc::ChangeSeries& series) {
+  std::vector<double> levels;
+  for (std::size_t k = 0; k < kLevelFrames; ++k) {
+    if (series.appears ? series.at + k >= series.amplitude.size() : k >= series.at) break;
+    levels.push_back(series.amplitude[series.appears ? series.at + k : series.at - 1 - k]);
+  }
+  std::ranges::sort(levels);
+  return std::max(kLeastLevel, levels[levels.size() / 2]);
+}
+
+/// Returns the log Bayes factor of an event whose frames are all in the window.
+double measure_factor(const graph::TracedEvent& traced, const MotionIndex& motion, const FrameWindow& window,
+                      int frames) {
+  const graph::Event& event = traced.event;
+  const bool of_stroke = is_of_stroke(event.type);
+  const int first = std::max(0, event.frame - kReach), last = std::min(frames - 1, event.frame + kReach - 1);
+  const auto guesses = follow_event(traced, motion, window, first, last);
+  mcmc::ChangeSeries series;
+  series.at = static_cast<std::size_t>(event.frame - first);
+  series.appears = appears(event.type);
+  series.weight =
+      of_stroke ? std::min(kMostMeasurements, static_cast<double>(traced.path.size())) : kMeasurementsOfJoint;
+  series.followed = of_stroke ? 0 : kFollowed;
+  for (int t = first; t <= last; ++t) {
+    double most = -std::numeric_limits<double>::max();
+    for (const Path& path : guesses[static_cast<std::size_t>(t - first)])
+      most = std::max(most, path_amplitude(window.levels(t), path, of_stroke));
+    series.amplitude.push_back(most);
+  }
+  series.level = level_beside(series);
+  return mcmc::log_change_factor(series);
+}
+
+/// One motion graph of the clip, its events, and where its patches are.
+struct Reading {
+  explicit Reading(const graph::MotionGraph& motion)
+      : index(motion), traced(graph::trace_stroke_events(motion)) {}
+  MotionIndex index;
+  std::vector<graph::TracedEvent> traced;
+};
+
+/// An event of some readings: for each of these its number and that of the event in it.
+struct PooledEvent {
+  WeighedEvent weighed;
+  std::vector<std::pair<std::size_t, std::size_t>> members;
+};
+
+/// Adds the events of a reading. One that was there already is kept once.
+void add_events(const Reading& reading, std::size_t number, std::vector<PooledEvent>& events) {
+  struct Pair {
+    double apart = 0;
+    std::size_t known = 0, other = 0;
+    auto operator<=>(const Pair&) const = default;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < events.size(); ++i)
+    for (std::size_t k = 0; k < reading.traced.size(); ++k) {
+      const graph::Event &a = events[i].weighed.event, &b = reading.traced[k].event;
+      if (std::abs(a.frame - b.frame) > kSameFrames ||
+          graph::detail::family(a.type) != graph::detail::family(b.type))
+        continue;
+      const double apart = distance(a.position, b.position);
+      if (apart <= kSamePlace) pairs.push_back({apart, i, k});
+    }
+  std::ranges::sort(pairs);
+  std::vector<bool> is_taken(events.size(), false), is_known(reading.traced.size(), false);
+  for (const Pair& pair : pairs) {
+    if (is_taken[pair.known] || is_known[pair.other]) continue;
+    is_taken[pair.known] = is_known[pair.other] = true;
+    events[pair.known].members.emplace_back(number, pair.other);
+  }
+  for (std::size_t k = 0; k < is_known.size(); ++k) {
+    if (is_known[k]) continue;
+    PooledEvent& added = events.emplace_back();
+    added.weighed.event = reading.traced[k].event;
+    added.weighed.evidence.of_stroke = is_of_stroke(added.weighed.event.type);
+    added.members.emplace_back(number, k);
+    if (number > 0) added.weighed.event.before.clear(), added.weighed.event.after.clear();
+  }
+}
+
+Family opposite(Family family) {
+  switch (family) {
+    case Family::birth:
+      return Family::death;
+    case Family::death:
+      return Family::birth;
+    case Family::unite:
+      return Family::separate;
+    case Family::separate:
+      return Family::unite;
+  }
+  return family;
+}
+
+/// Finds how many frames lie between the event and opposite ones in its place.
+void find_opposites(WeighedEvent& weighed, std::span<const Reading> readings) {
+  const graph::Event& event = weighed.event;
+  const Family sought = opposite(graph::detail::family(event.type));
+  for (const Reading& reading : readings)
+    for (const graph::TracedEvent& traced : reading.traced) {
+      const graph::Event& other = traced.event;
+      if (graph::detail::family(other.type) != sought || other.frame == event.frame ||
+          distance(other.position, event.position) > kSameJoint)
+        continue;
+      double& side = other.frame < event.frame ? weighed.evidence.since : weighed.evidence.until;
+      side = std::min(side, static_cast<double>(std::abs(other.frame - event.frame)));
+    }
+}
+
+/// One measurement: of an event in one of its readings.
+struct Measurement {
+  int frame = 0;
+  std::size_t pooled = 0, reading = 0, event = 0;
+  double log_factor = 0;
+};
+
+/// Lists what has to be measured, in order of the frames: each event in the steadied readings that have it,
+/// otherwise in the others. Events that no image could make likely are left out.
+std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
+                                           std::span<const Reading> readings, std::size_t steadied) {
+  std::vector<Measurement> result;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    mcmc::ChangeEvidence best = events[i].weighed.evidence;
+    best.log_factor = mcmc::kMostChangeFactor;
+    if (mcmc::change_log_odds(best) < kLeastLogOdds) continue;
+    const bool is_steadied = events[i].members.front().first < steadied;
+    for (const auto& [reading, event] : events[i].members)
+      if (!is_steadied || reading < steadied)
+        result.push_back({readings[reading].traced[event].event.frame, i, reading, event});
+  }
+  std::ranges::stable_sort(result, {}, &Measurement::frame);
+  return result;
+}
+
+/// Measures all while the clip is read once.
+void measure_all(core::FrameSource& source, std::span<const Reading> readings, int frames,
+                 std::span<Measurement> measurements, const core::Context& context) {
+  FrameWindow window;
+  std::size_t done = 0;
+  const auto measure = [&](int end) {
+    window.prepare(context);
+    std::size_t ready = done;
+    while (ready < measurements.size() && std::min(frames, measurements[ready].frame + kReach) <= end)
+      ++ready;
+    core::parallel_for(ready - done, context, [&](std::size_t k) {
+      Measurement& one = measurements[done + k];
+      const Reading& reading = readings[one.reading];
+      one.log_factor = measure_factor(reading.traced[one.event], reading.index, window, frames);
+    });
+    done = ready;
+    window.drop_before(end - 2 * kReach);
+  };
+  const auto& info = source.info();
+  const int batch = static_cast<int>(core::frames_at_once(info.width, info.height, info.channels));
+  const int read = core::stream_frames(
+      source, "events", frames, context,
+      [&](int, const cv::Mat& frame) { return core::to_levels(frame, info); },
+      [&](int t, cv::Mat levels) {
+        window.push(std::move(levels));
+        if ((t + 1) % batch == 0) measure(t + 1);
+      });
+  if (read != frames)
+    throw core::InputError("events: the clip has " + std::to_string(read) + " frames, its graphs " +
+                           std::to_string(frames));
+  measure(read);
+}
+
+}  // namespace
+
+std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipReadings& readings,
+                                       const core::Context& context) {
+  if (readings.steadied.empty()) throw core::InputError("events: no reading of the clip");
+  std::vector<Reading> all;
+  const std::size_t frames = readings.steadied.front().sketch.frames.size();
+  for (const auto* some : {&readings.steadied, &readings.unsteadied})
+    for (const graph::MotionGraph& motion : *some) {
+      if (motion.sketch.frames.size() != frames)
+        throw core::InputError("events: readings of " + std::to_string(frames) + " and " +
+                               std::to_string(motion.sketch.frames.size()) + " frames");
+      all.emplace_back(motion);
+    }
+  const std::size_t steadied = readings.steadied.size();
+  std::vector<PooledEvent> pooled;
+  for (std::size_t k = 0; k < all.size(); ++k) add_events(all[k], k, pooled);
+  for (PooledEvent& event : pooled) {
+    auto& evidence = event.weighed.evidence;
+    evidence.agreement = static_cast<double>(event.members.size()) / static_cast<double>(all.size());
+    find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied));
+  }
+  auto measurements = plan_measurements(pooled, all, steadied);
+  measure_all(source, all, static_cast<int>(frames), measurements, context);
+  for (PooledEvent& event : pooled) event.weighed.evidence.log_factor = mcmc::kMostChangeFactor;
+  std::vector<bool> is_measured(pooled.size(), false);
+  for (const Measurement& one : measurements) {
+    double& factor = pooled[one.pooled].weighed.evidence.log_factor;
+    factor = std::min(factor, one.log_factor);
+    is_measured[one.pooled] = true;
+  }
+  std::vector<WeighedEvent> result;
+  for (std::size_t i = 0; i < pooled.size(); ++i) {
+    if (!is_measured[i]) pooled[i].weighed.evidence.log_factor = -mcmc::kMostChangeFactor;
+    result.push_back(std::move(pooled[i].weighed));
+  }
+  return result;
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/rate_correction.hpp"
+
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "core/text/json_reader.hpp"
+#include "pipeline/calibration.hpp"
+#include "pipeline/clip_model.hpp"
+#include "pipeline/frame_synthesis.hpp"
+#include "sketch/rendering/sharpening.hpp"
+
+namespace emberfold::sketch {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ExtractOptions, sensitivity, finest_scale, scales,
+                                                significance, hysteresis, min_contrast, min_length,
+                                                min_evidence, spacing, steady, edges, boundaries, colour,
+                                                blobs, budget, tile)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(FillOptions, tolerance, max_iterations)
+}  // namespace emberfold::sketch
+
+namespace emberfold::graph {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(MatchOptions, max_motion, sigma_across, sigma_along,
+                                                sigma_angle, sigma_contrast, sigma_count, sigma_shape,
+                                                sigma_degree, flicker)
+}  // namespace emberfold::graph
+
+namespace emberfold::mcmc {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EventStatistics, strokes, events, patches)
+}  // namespace emberfold::mcmc
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr const char* kName = "correction";
+
+}  // namespace
+
+void add_rate_correction(core::ModelArchive& archive, const RateCorrection& correction) {
+  auto text = nlohmann::ordered_json::parse(archive.text);
+  nlohmann::json made = {{"rounds", correction.rounds}, {"seed", correction.seed},
+                         {"source", correction.source}, {"observed", correction.observed},
+                         {"sketch", correction.sketch}, {"match", correction.match},
+                         {"fill", correction.fill}};
+  text[kName] = std::move(made);
+  archive.text = text.dump(1) + "\n";
+}
+
+std::optional<RateCorrection> read_rate_correction(const core::ModelArchive& archive) {
+  const auto text = core::parse_json(archive.text);
+  const auto found = text.find(kName);
+  if (found == text.end()) return std::nullopt;
+  try {
+    RateCorrection correction{found->at("rounds"),   found->at("seed"),   found->at("source"),
+                              found->at("observed"), found->at("sketch"), found->at("match"),
+                              found->at("fill")};
+    CalibrateOptions{correction.rounds}.validate();
+    correction.sketch.validate(), correction.match.validate(), correction.fill.validate();
+    return correction;
+  } catch (const nlohmann::json::exception&) {
+    throw core::IoError("motion model: \"correction\" in model.json lacks numbers");
+  } catch (const core::InputError& error) {
+    throw core::IoError("motion model: \"correction\" in model.json: " + std::string(error.what()));
+  }
+}
+
+std::vector<mcmc::EventStatistics> correct_rates(ClipModel& model, const core::Context& context) {
+  if (!model.correction) return {};
+  const RateCorrection& task = *model.correction;
+  const auto look =
+      sketch::apply_sharpening(render_options(model.motion, model.background, task.fill), model.sharpening);
+  mcmc::FitResult fitted;
+  fitted.model = model.motion, fitted.observed = task.observed;
+  auto seen =
+      calibrate(fitted, task.source, {task.sketch, task.match, look}, {task.rounds}, task.seed, context);
+  model.motion = std::move(fitted.model);
+  model.correction.reset();
+  return seen;
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/stages/analysis_stages.hpp"
+
+#include <cstdint>
+#include <span>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "core/fingerprint.hpp"
+#include "core/io/column_folder.hpp"
+#include "core/io/model_folder.hpp"
+#include "core/text/json_reader.hpp"
+#include "pipeline/stages/graph_columns.hpp"
+
+namespace emberfold::pipeline {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kParts = "sketch_parts";
+constexpr std::size_t kLeastFrames = 2;  // with fewer it is no clip, and nothing of it is kept
+
+io::Columns sketch_columns(const std::string& key, const SketchedClip& clip, std::size_t first) {
+  io::Columns columns{key, {}, {}};
+  add_graphs(columns, std::span(clip.sketch.frames).subspan(first));
+  add_grounds(columns, std::span(clip.grounds).subspan(first));
+  return columns;
+}
+
+/// Appends the frames of columns; false where they are damaged.
+bool append_sketch(SketchedClip& clip, const io::Columns& columns) {
+  try {
+    const auto graphs = read_graphs(columns);
+    auto grounds = read_grounds(columns);
+    if (graphs.size() != grounds.size()) return false;
+    for (const auto& graph : graphs) clip.sketch.append(graph);
+    for (auto& ground : grounds) clip.grounds.push_back(std::move(ground));
+    return true;
+  } catch (const core::IoError&) {
+    return false;
+  }
+}
+
+void set_size(SketchedClip& clip, const core::ClipInfo& info) {
+  clip.sketch.width = info.width, clip.sketch.height = info.height, clip.sketch.fps = info.fps;
+}
+
+constexpr std::size_t kJoint = 7, kEvent = 5;
+
+void add_joints(io::Columns& columns, const std::vector<graph::CurveJoint>& joints) {
+  std::vector<double> rows;
+  for (const auto& j : joints)
+    rows.insert(rows.end(), {double(j.frame), j.position.x, j.position.y, double(j.a.value),
+                             double(j.b.value), j.probability, j.at_junction ? 1. : 0.});
+  columns.arrays["joints"] = {{joints.size(), kJoint}, false, std::move(rows)};
+}
+
+/// Events, and their strokes as rows (event, 0 before or 1 after, stroke).
+void add_events(io::Columns& columns, const std::vector<graph::Event>& events) {
+  std::vector<double> rows;
+  std::vector<std::int64_t> strokes;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const auto& e = events[i];
+    rows.insert(rows.end(), {double(e.frame), double(static_cast<int>(e.type)), e.position.x, e.position.y,
+                             e.probability});
+    for (const auto& [side, list] : {std::pair(0, &e.before), std::pair(1, &e.after)})
+      for (const auto& stroke : *list)
+        strokes.insert(strokes.end(), {static_cast<std::int64_t>(i), side, stroke.value});
+  }
+  columns.arrays["events"] = {{events.size(), kEvent}, false, std::move(rows)};
+  columns.arrays["event_strokes"] = {{strokes.size() / 3, 3}, false, std::move(strokes)};
+}
+
+template <class Value>
+const std::vector<Value>& rows_of(const io::Columns& columns, const char* name, std::size_t row) {
+  const auto& data = std::get<std::vector<Value>>(columns.arrays.at(name).data);
+  if (data.size() % row != 0) throw core::IoError("a column is cut off");
+  return data;
+}
+
+std::vector<graph::CurveJoint> read_joints(const io::Columns& columns) {
+  const auto& rows = rows_of<double>(columns, "joints", kJoint);
+  const auto curve = [](double value) { return graph::CurveId{static_cast<std::uint32_t>(value)}; };
+  std::vector<graph::CurveJoint> joints;
+  for (std::size_t i = 0; i < rows.size(); i += kJoint)
+    joints.push_back({static_cast<int>(rows[i]),
+                      {rows[i + 1], rows[i + 2]},
+                      curve(rows[i + 3]),
+                      curve(rows[i + 4]),
+                      rows[i + 5],
+                      rows[i + 6] != 0});
+  return joints;
+}
+
+std::vector<graph::Event> read_events(const io::Columns& columns) {
+  const auto& rows = rows_of<double>(columns, "events", kEvent);
+  const auto& strokes = rows_of<std::int64_t>(columns, "event_strokes", 3);
+  std::vector<graph::Event> events;
+  for (std::size_t i = 0; i < rows.size(); i += kEvent)
+    events.push_back({static_cast<int>(rows[i]),
+                      static_cast<graph::EventType>(static_cast<int>(rows[i + 1])),
+                      {rows[i + 2], rows[i + 3]},
+                      rows[i + 4],
+                      {},
+                      {}});
+  for (std::size_t i = 0; i < strokes.size(); i += 3) {
+    auto& event = events.at(static_cast<std::size_t>(strokes[i]));
+    auto& side = strokes[i + 1] == 0 ? event.before : event.after;
+    side.push_back({static_cast<std::uint32_t>(strokes[i + 2])});
+  }
+  return events;
+}
+
+nlohmann::json learned_json(const LearnedModel& learned) {
+  auto rates = nlohmann::json::array();
+  for (const auto& rate : learned.rates) rates.push_back({rate.mean, rate.low, rate.high});
+  nlohmann::json text = {{"rates", rates}, {"notes", learned.notes}};
+  if (const auto& texture = learned.texture)
+    text["texture"] = {texture->components, texture->hidden_share, texture->r};
+  return text;
+}
+
+void read_learned(const nlohmann::json& text, LearnedModel& learned) {
+  for (std::size_t i = 0; i < learned.rates.size(); ++i) {
+    const auto& rate = text.at("rates").at(i);
+    learned.rates[i] = {rate.at(0), rate.at(1), rate.at(2)};
+  }
+  learned.notes = text.at("notes").get<std::vector<std::string>>();
+  if (text.contains("texture"))
+    learned.texture = {text.at("texture").at(0), text.at("texture").at(1), text.at("texture").at(2)};
+}
+
+/// The model as it lies there now; what was kept of it counts for this one alone.
+std::string model_mark(const core::ModelArchive& archive) {
+  return core::Fingerprint().add(archive.text).text();
+}
+
+}  // namespace
+
+AnalysisStages::AnalysisStages(fs::path run, StageKeys keys)
+    : run_(std::move(run)), folder_(run_ / "stages"), keys_(std::move(keys)) {}
+
+SketchedClip AnalysisStages::read_parts(int* parts) const {
+  SketchedClip clip;
+  for (*parts = 0;; ++*parts) {
+    const auto columns = io::read_columns(folder_ / kParts / std::to_string(*parts), keys_.sketch);
+    if (!columns || !append_sketch(clip, *columns)) return clip;
+  }
+}
+
+SketchedClip AnalysisStages::sketch(core::FrameSource& source, const sketch::ExtractOptions& options,
+                                    const core::Context& context) const {
+  std::error_code ignored;
+  if (const auto whole = io::read_columns(folder_ / "sketch", keys_.sketch)) {
+    SketchedClip clip;
+    if (append_sketch(clip, *whole)) {
+      set_size(clip, source.info());
+      return clip;
+    }
+  }
+  int parts = 0;
+  auto begun = read_parts(&parts);
+  if (parts == 0) fs::remove_all(folder_ / kParts, ignored);
+  auto clip = sketch_clip(source, options, context, std::move(begun),
+                          [&](const SketchedClip& made, std::size_t first) {
+                            if (made.grounds.size() < kLeastFrames) return;
+                            io::write_columns(folder_ / kParts / std::to_string(parts++),
+                                              sketch_columns(keys_.sketch, made, first));
+                          });
+  if (clip.grounds.size() < kLeastFrames) return clip;
+  io::write_columns(folder_ / "sketch", sketch_columns(keys_.sketch, clip, 0));
+  fs::remove_all(folder_ / kParts, ignored);
+  return clip;
+}
+
+std::optional<FoundMotion> AnalysisStages::read_motion() const {
+  const auto columns = io::read_columns(folder_ / "motion", keys_.motion);
+  if (!columns) return std::nullopt;
+  try {
+    FoundMotion found;
+    found.motion.sketch.frames = read_graphs(*columns);
+    found.motion.links = read_links(*columns);
+    const auto size = nlohmann::json::parse(columns->text);
+    found.motion.sketch.width = size.at("width"), found.motion.sketch.height = size.at("height");
+    found.motion.sketch.fps = size.at("fps");
+    graph::validate(found.motion);
+    found.joints = read_joints(*columns);
+    found.all_events = read_events(*columns);
+    return found;
+  } catch (const std::exception&) {  // a file that is damaged in whatever way: found again
+    return std::nullopt;
+  }
+}
+
+void AnalysisStages::keep_motion(const FoundMotion& found) const {
+  const auto& sketch = found.motion.sketch;
+  const nlohmann::json size = {{"width", sketch.width}, {"height", sketch.height}, {"fps", sketch.fps}};
+  io::Columns columns{keys_.motion, size.dump(), {}};
+  add_graphs(columns, sketch.frames);
+  add_links(columns, found.motion);
+  add_joints(columns, found.joints);
+  add_events(columns, found.all_events);
+  io::write_columns(folder_ / "motion", columns);
+}
+
+std::optional<LearnedModel> AnalysisStages::read_model() const {
+  const auto columns = io::read_columns(folder_ / "model", keys_.model);
+  if (!columns) return std::nullopt;
+  try {
+    const auto text = nlohmann::json::parse(columns->text);
+    const auto archive = io::read_model(run_ / "model", io::kMotionFormat);
+    if (text.at("model") != model_mark(archive)) return std::nullopt;
+    LearnedModel learned{clip_model(archive), {}, {}, {}};
+    read_learned(text, learned);
+    return learned;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+void AnalysisStages::keep_model(const LearnedModel& learned) const {
+  const auto archive = to_archive(learned.model);
+  io::write_model(run_ / "model", archive);
+  auto text = learned_json(learned);
+  text["model"] = model_mark(archive);
+  io::write_columns(folder_ / "model", {keys_.model, text.dump(), {}});
+}
+
+}  // namespace emberfold::pipeline

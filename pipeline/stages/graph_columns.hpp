@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/io/column_folder.hpp"
+#include "graph/motion_graph.hpp"
+#include "pipeline/sketch_clip.hpp"
+
+// Graphs as columns: every number of every patch in its own bits, so that what is read back is what was
+// written.
+namespace emberfold::pipeline {
+
+/// Adds the graphs of frames. `frames` (frames + 1 × 2, int64): where each frame's patches and edges begin;
+/// of the patches `numbers` (× 9, float64: x y theta width blur contrast cost gain evidence), `levels` (× 9,
+/// float32: left, middle, right of blue, green, red), `types` (uint8: PatchType) and `ids` (× 3, int64:
+/// vertex, stroke, curve); `edges` (× 2, int32): which patches of their frame they join.
+void add_graphs(io::Columns& columns, std::span<const graph::AttributeGraph> frames);
+/// Reads the graphs. Throws core::IoError where the columns do not fit each other.
+std::vector<graph::AttributeGraph> read_graphs(const io::Columns& columns);
+
+/// Adds the backgrounds of frames, all of one size: `cells` (frames × rows × columns × channels, float32),
+/// `open` (frames × rows × columns, uint8), `seen` (frames × 2 × rows × columns × channels, uint8).
+void add_grounds(io::Columns& columns, std::span<const sketch::FrameBackground> grounds);
+std::vector<sketch::FrameBackground> read_grounds(const io::Columns& columns);
+
+/// Adds links: `links` (× 2, int64: vertices) and `link_frames` (frames + 1, int64: where each frame's
+/// begin).
+void add_links(io::Columns& columns, const graph::MotionGraph& motion);
+std::vector<std::vector<graph::Link>> read_links(const io::Columns& columns);
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "apps/exporting/stroke_tree.hpp"
+#include "apps/exporting/tracking_files.hpp"
+#include "graph/events/events.hpp"
+#include "graph/io/motion_io.hpp"
+#include "tests/apps/commands/command_check.hpp"
+
+using namespace emberfold;
+using namespace emberfold::test;
+
+namespace {
+
+struct ExportedRun {
+  TempFolder temp;
+  graph::MotionGraph motion;
+  std::vector<graph::Event> events;
+
+  ExportedRun() {
+    const auto clip = write_strokes(temp / "clip.avi", {160, 120}, 14, 9);
+    REQUIRE(run_command({"analyze", clip, "-o", (temp / "run").string(), "-q", "--bottom-up", "--fps", "10",
+                         "--pixel-size", "2um"})
+                .exit == 0);
+    std::ifstream motion_file(temp / "run/motion.jsonl"), events_file(temp / "run/events.json");
+    motion = graph::read_motion(motion_file, "motion.jsonl");
+    events = graph::read_events(events_file, "events.json");
+  }
+};
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("a run is exported as tables, GEFF, TrackMate and GraphML, alike in what they hold") {
+  const ExportedRun made;
+  const auto run = (made.temp / "run").string(), out = (made.temp / "out").string();
+  const auto result = run_command(
+      {"export", run, "--jsonl", "--csv", "--geff", "--trackmate", "--graphml", "-o", out, "--json"});
+  INFO(result.err);
+  REQUIRE(result.exit == 0);
+  const Json told = Json::parse(result.out);
+  for (const auto& file : told["files"]) CHECK(fs::exists(file.get<std::string>()));
+  for (const char* name : {"motion.jsonl", "events.csv", "strokes.csv", "trajectories.csv"})
+    CHECK(bytes_of(made.temp / "out" / name) == bytes_of(made.temp / "run" / name));
+
+  const auto tree = apps::make_stroke_tree(made.motion, made.events);
+  REQUIRE(tree.rows.size() > 30);
+  const auto lines = bytes_of(made.temp / "out/strokes.csv");
+  CHECK(static_cast<std::size_t>(std::ranges::count(lines, '\n')) == tree.rows.size() + 1);
+  const auto branches = static_cast<std::size_t>(
+      std::ranges::count_if(tree.links, [](const auto& link) { return !link.event.empty(); }));
+  CHECK(branches > 2);
+
+  const Json about = Json::parse(bytes_of(made.temp / "out/run.geff/.zattrs"))["geff"];
+  CHECK(about["directed"] == true);
+  CHECK(about["axes"][0]["unit"] == "second");
+  CHECK(about["axes"][1]["unit"] == "micrometer");
+  const Json ids = Json::parse(bytes_of(made.temp / "out/run.geff/nodes/ids/.zarray")),
+             edges = Json::parse(bytes_of(made.temp / "out/run.geff/edges/ids/.zarray"));
+  CHECK(ids["shape"] == Json({tree.rows.size()}));
+  CHECK(edges["shape"] == Json({tree.links.size(), 2}));
+  CHECK(fs::file_size(made.temp / "out/run.geff/edges/ids/0.0") == 16 * tree.links.size());
+  CHECK(fs::file_size(made.temp / "out/run.geff/nodes/props/x/values/0") == 8 * tree.rows.size());
+
+  const auto spots = bytes_of(made.temp / "out/trackmate.xml");
+  CHECK(count(spots, "<Spot ") == tree.rows.size());
+  CHECK(count(spots, "<Edge ") == tree.links.size());
+  CHECK(contains(spots, "timeinterval=\"0.1\""));
+  const auto genealogy = bytes_of(made.temp / "out/genealogy.graphml");
+  std::set<std::uint32_t> strokes;
+  for (const auto& row : tree.rows) strokes.insert(row.stroke);
+  CHECK(count(genealogy, "<node ") == strokes.size());
+  CHECK(count(genealogy, "<edge ") == branches);
+
+  REQUIRE(run_command({"export", run, "--geff", "-q"}).exit == 0);
+  CHECK(fs::exists(made.temp / "run/run.geff/.zattrs"));
+}
+
+TEST_CASE("an export that cannot be is refused in one line") {
+  const TempFolder temp;
+  check_one_line({"export", temp.path().string(), "--csv", "-q"}, 1, {"no finished run"});
+  check_one_line({"export", temp.path().string(), "-q"}, 2, {"--geff"});
+  check_one_line({"export", (temp / "none").string(), "--geff", "-q"}, 1, {"none"});
+}

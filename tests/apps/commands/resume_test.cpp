@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+
+#include "tests/apps/commands/command_check.hpp"
+
+using namespace emberfold;
+using namespace emberfold::test;
+
+namespace {
+
+Json json_of(const fs::path& file) {
+  return Json::parse(bytes_of(file));
+}
+
+/// All that a run leaves but for times, paths and the stages themselves.
+void check_same_run(const fs::path& a, const fs::path& b) {
+  for (const char* name : {"events.json", "events_all.json", "events.csv", "motion.jsonl", "sketch.jsonl",
+                           "strokes.csv", "curves.csv", "model/model.json", "overlay.mp4"}) {
+    INFO(name);
+    CHECK(bytes_of(a / name) == bytes_of(b / name));
+  }
+  const Json one = json_of(a / "summary.json"), other = json_of(b / "summary.json");
+  for (const char* part :
+       {"sketch", "motion", "events", "model", "rates", "strokes", "calibration", "per_frame"})
+    CHECK(one[part] == other[part]);
+}
+
+}  // namespace
+
+TEST_CASE("a run that was stopped, even killed, goes on where it was and ends the same") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip.avi", {200, 150}, 40, 9);
+  const auto analyze = [&](const std::string& out) {
+    return std::vector<std::string>{"analyze", clip, "-o", (temp / out).string(), "--threads", "1"};
+  };
+  REQUIRE(run_command(analyze("whole")).exit == 0);
+  const auto run = temp / "run";
+  const auto stop_when = [&](const fs::path& there, int signal) {
+    CommandOptions options;
+    options.signal = signal;
+    options.interrupt_if = [&, there] { return fs::exists(there); };
+    return run_command(analyze("run"), options);
+  };
+  const auto in_sketch = stop_when(run / "stages/sketch_parts/0", SIGKILL);
+  CHECK(in_sketch.exit == 128 + SIGKILL);
+  const auto part = fs::last_write_time(run / "stages/sketch_parts/0/columns.json");
+  const auto again = stop_when(run / "stages/sketch_parts/1", SIGTERM);
+  INFO(again.err);
+  CHECK(again.exit == 130);
+  CHECK(contains(again.err, "the same command goes on"));
+  CHECK(fs::last_write_time(run / "stages/sketch_parts/0/columns.json") == part);
+  const auto after_events = stop_when(run / "events.json", SIGINT);
+  INFO(after_events.err);
+  CHECK(after_events.exit == 130);
+  CHECK(bytes_of(run / "events.json") == bytes_of(temp / "whole/events.json"));
+  CHECK_FALSE(fs::exists(run / "report.html"));
+  const auto last = run_command(analyze("run"));
+  INFO(last.err);
+  CHECK(last.exit == 0);
+  CHECK_FALSE(contains(last.err, "emberfold: match"));
+  check_same_run(run, temp / "whole");
+  CHECK(entries(run) == entries(temp / "whole"));
+}
+
+TEST_CASE("a run that is done is not done again; other options make what depends on them") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip.avi", {120, 90}, 10, 8);
+  const auto run = temp / "run";
+  const auto analyze = [&](const std::vector<std::string>& more) {
+    return run_command(joined({"analyze", clip, "-o", run.string(), "--json"}, more));
+  };
+  const auto first = analyze({});
+  INFO(first.err);
+  REQUIRE(first.exit == 0);
+  const auto page = fs::last_write_time(run / "report.html");
+  const auto second = analyze({});
+  CHECK(second.exit == 0);
+  CHECK(second.out == first.out);
+  CHECK(fs::last_write_time(run / "report.html") == page);
+  const auto told = [](const CommandResult& result, const char* stage) {
+    return contains(result.err, std::string("emberfold: ") + stage + "\n");
+  };
+  CHECK(told(first, "sketch"));
+  CHECK_FALSE(told(second, "sketch"));
+
+  const auto more = analyze({"--reconstruction"});
+  CHECK(more.exit == 0);
+  CHECK(fs::exists(run / "reconstruction.avi"));
+  CHECK_FALSE(told(more, "sketch"));
+  CHECK_FALSE(told(more, "match"));
+  const auto other_match = analyze({"--set", "match.flicker=0"});
+  CHECK(other_match.exit == 0);
+  CHECK_FALSE(told(other_match, "sketch"));
+  CHECK(told(other_match, "match"));
+  const auto fresh = temp / "fresh";
+  REQUIRE(run_command({"analyze", clip, "-o", fresh.string(), "--set", "match.flicker=0", "-q"}).exit == 0);
+  check_same_run(run, fresh);
+  write_strokes(temp / "clip.avi", {120, 90}, 10, 5);  // the clip itself is another now
+  CHECK(told(analyze({"--set", "match.flicker=0"}), "sketch"));
+
+  fs::resize_file(run / "stages/sketch/numbers.npy", 200);
+  CHECK(told(analyze({}), "sketch"));
+}
+
+TEST_CASE("the model of a run that is drawn from stays as it is, and its correction is made once") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip.avi", {120, 90}, 12, 8);
+  REQUIRE(run_command({"analyze", clip, "-o", (temp / "run").string(), "-q", "--bottom-up"}).exit == 0);
+  const auto model = temp / "run/model";
+  const auto before = bytes_of(model / "model.json");
+  ::setenv("XDG_CACHE_HOME", (temp / "cache").c_str(), 1);
+  const auto draw = [&](const char* out) {
+    return run_command(
+        {"synth", model.string(), "-o", (temp / out).string(), "--frames", "4", "--fill", "diffusion"});
+  };
+  const auto first = draw("a"), second = draw("b");
+  ::unsetenv("XDG_CACHE_HOME");
+  REQUIRE(first.exit == 0);
+  REQUIRE(second.exit == 0);
+  CHECK(contains(first.err, "calibrate"));
+  CHECK_FALSE(contains(second.err, "calibrate"));
+  CHECK(bytes_of(temp / "a/frame_00003.png") == bytes_of(temp / "b/frame_00003.png"));
+  CHECK(bytes_of(model / "model.json") == before);
+}
