@@ -20,7 +20,7 @@ namespace {
 constexpr double kSketch = 1.0;
 constexpr double kEvents = 0.45, kBottomUp = 0.12;
 constexpr double kPictures = 0.5;
-constexpr double kModel = 120;
+constexpr double kModel = 100;
 // MB: of the program, of each pixel of a frame, of each patch in each frame.
 constexpr double kProgramMb = 170, kPixelMb = 450e-6, kPatchMb = 1.6e-3;
 

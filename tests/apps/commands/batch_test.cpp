@@ -67,7 +67,7 @@ TEST_CASE("a plan names runs by what the clips' paths differ in") {
     CHECK_THROWS_AS(apps::plan_runs({wrong}), core::InputError);
 }
 
-TEST_CASE("a batch analyses clips that can be, says why others cannot, and does nothing twice") {
+TEST_CASE("a batch analyses clips that can be, says why others cannot, and does nothing twice", "[slow]") {
   const TempFolder temp;
   make_clips(temp);
   const auto runs = temp / "runs";

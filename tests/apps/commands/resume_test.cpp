@@ -27,7 +27,7 @@ void check_same_run(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-TEST_CASE("a run that was stopped, even killed, goes on where it was and ends the same") {
+TEST_CASE("a run that was stopped, even killed, goes on where it was and ends the same", "[slow]") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip.avi", {200, 150}, 40, 9);
   const auto analyze = [&](const std::string& out) {
