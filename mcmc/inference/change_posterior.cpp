@@ -31,7 +31,7 @@ constexpr double kStrokeFactor = 0.26, kJointFactor = 0.19;  // of a nat
 constexpr double kShortSide = 1.10, kLongSide = 0.85;  // of a logarithm of frames without opposite change
 constexpr double kAgreement = 4.20;
 constexpr double kLongEnough = 12;    // frames
-constexpr double kUsualShare = 0.12;  // of true changes among those that the weights were fitted to
+constexpr double kUsualShare = 0.4;   // of true changes among those that all readings have
 constexpr double kShareWeight = 0.5;  // of a clip's own share, on the scale of log odds
 constexpr double kMostLogOdds = 4;    // of one change, in the estimate of the share
 constexpr double kMostShift = 4;      // of log odds by the share
@@ -137,19 +137,21 @@ double change_log_odds(const ChangeEvidence& evidence) {
 }
 
 double estimate_change_share(std::span<const ChangeEvidence> changes) {
-  constexpr int kIterations = 200;
+  constexpr int kHalvings = 50;
   std::vector<double> certain;
   for (const ChangeEvidence& change : changes)
     if (change.agreement >= 1)
       certain.push_back(std::clamp(change_log_odds(change), -tuning::kMostLogOdds, tuning::kMostLogOdds));
-  double share = tuning::kUsualShare;
-  for (int i = 0; i < kIterations; ++i) {
-    const double shift = share_shift(share);
+  // What the share implies less the share falls from a positive to a negative number: bisection.
+  double low = 0, high = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double share = 0.5 * (low + high), shift = share_shift(share);
     double sum = tuning::kPseudo;
     for (const double odds : certain) sum += logistic(odds + shift);
-    share = sum / (static_cast<double>(certain.size()) + 2 * tuning::kPseudo);
+    const bool is_more = sum > share * (static_cast<double>(certain.size()) + 2 * tuning::kPseudo);
+    (is_more ? low : high) = share;
   }
-  return share;
+  return 0.5 * (low + high);
 }
 
 std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes) {

@@ -49,12 +49,12 @@ double change_log_odds(const ChangeEvidence& evidence);
 
 /// Estimates the share of true changes among those that all readings of a clip have.
 /// The fixed point of Saerens, Latinne & Decaestecker (2002): the odds are corrected for the share, which is
-/// the mean of the probabilities. O(changes · iterations).
+/// the mean of the probabilities, one half of a true and of a false change counted beforehand. O(changes).
 double estimate_change_share(std::span<const ChangeEvidence> changes);
 
 /// Computes the probability of each change of a clip, from its log odds and the share of true ones.
 /// In a clip in which nothing happens a change is believed on more evidence than in one full of events.
-/// O(changes · iterations).
+/// O(changes).
 std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes);
 
 }  // namespace emberfold::mcmc

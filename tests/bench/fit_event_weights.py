@@ -89,10 +89,14 @@ def fit(tables, labels, penalty=0.3, of_clip=1.0):
 
 def probabilities(odds, in_all, usual, power):
     """Corrects the odds for the clip's own share of true events (Saerens, Latinne & Decaestecker 2002)."""
-    certain, shift, share = np.clip(odds[in_all], -MOST, MOST), 0.0, usual
-    for _ in range(200):
+    certain, low, high = np.clip(odds[in_all], -MOST, MOST), 0.0, 1.0
+    for _ in range(50):
+        share = (low + high) / 2
         shift = np.log(share / (1 - share)) - np.log(usual / (1 - usual))
-        share = (logistic(certain + shift).sum() + 0.5) / (len(certain) + 1)
+        if logistic(certain + shift).sum() + 0.5 > share * (len(certain) + 1):
+            low = share
+        else:
+            high = share
     return logistic(odds + power * np.clip(shift, -4, 4))
 
 

@@ -116,6 +116,11 @@ TEST_CASE("Events that were put into the graphs alone are not believed", "[poste
   });
   const auto read = graph::stroke_events(motion);
   REQUIRE(read.size() == 3);  // a death, a birth, a split
+  core::ClipSource source(clip);
+  for (const auto& [event, evidence] : pipeline::weigh_events(source, {{motion}, {}})) {
+    INFO(graph::name(event.type) << " in frame " << event.frame);
+    CHECK(evidence.log_factor < -3);
+  }
   for (const graph::Event& e : posterior(clip, motion)) {
     INFO(graph::name(e.type) << " in frame " << e.frame);
     CHECK(e.probability < 0.2);
@@ -196,7 +201,8 @@ TEST_CASE("Readings of a clip are the same, reversed, for the clip played backwa
   };
   for (const std::size_t k : {0U, 1U}) {
     CHECK(changes(forwards.steadied[k]) == graph::reverse_time(changes(backwards.steadied[1 - k]), kFrames));
-    CHECK(changes(forwards.unsteadied[k]) == graph::reverse_time(changes(backwards.unsteadied[1 - k]), kFrames));
+    CHECK(changes(forwards.unsteadied[k]) ==
+          graph::reverse_time(changes(backwards.unsteadied[1 - k]), kFrames));
   }
 }
 
