@@ -32,7 +32,7 @@ constexpr double kFastest = 0.95;                   // quantile of the speeds
 constexpr int kMostFlows = 50;                      // pairs of frames whose flow is measured
 constexpr std::size_t kCopiedEvery = 5;             // frames: where copied pixels are counted
 // Below these a source counts as still, and a clip as it: px, levels², levels, levels.
-constexpr double kLeastFlow = 0.01, kLeastVariance = 0.25, kLeastDifference = 0.1, kLeastDistance = 1;
+constexpr double kLeastFlow = 0.01, kLeastVariance = 0.25, kLeastDifference = 0.1, kLeastDistance = 0.1;
 
 cv::Mat deviation_over_time(const std::vector<cv::Mat>& clip, cv::Mat* variance = nullptr) {
   cv::Mat sum = cv::Mat::zeros(clip.front().size(), CV_32F), squares = sum.clone(), levels;

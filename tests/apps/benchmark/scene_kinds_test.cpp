@@ -82,7 +82,7 @@ TEST_CASE("true events lie where lines change, inside the picture") {
 }
 
 TEST_CASE(
-    "equal seeds give equal scenes at any number of threads; nothing happens to filaments and pictures") {
+    "equal seeds give equal scenes at any number of threads, nothing happens to filaments and pictures") {
   for (const SceneKind kind : all_scene_kinds()) {
     const SceneOptions options{3, 60, {}};
     const MadeScene a = make_scene(kind, options);
