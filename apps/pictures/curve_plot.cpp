@@ -17,10 +17,10 @@ namespace emberfold::apps {
 namespace {
 
 const cv::Scalar kFaint(226, 222, 218);
-// Blue, vermilion, green, purple, orange, sky: told apart by the colour-blind too (Okabe, Ito 2008).
-const std::array<cv::Scalar, 6> kColours = {cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213),
-                                            cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
-                                            cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86)};
+// Blue, vermilion, green, purple, orange, sky, black: told apart by the colour-blind too (Okabe, Ito 2008).
+const std::array<cv::Scalar, 7> kColours = {
+    cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213),   cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
+    cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86), cv::Scalar(60, 60, 60)};
 const cv::Rect kBox(86, 44, 900 - 86 - 24, 540 - 44 - 62);
 
 // Maps the values of one axis to 0…1 and chooses its ticks.
@@ -127,7 +127,7 @@ void draw_curve(cv::Mat& picture, const Curve& curve, const cv::Scalar& colour, 
 
 const cv::Scalar& colour_of(const CurvePlot& plot, std::size_t i) {
   const int own = plot.curves[i].colour;
-  return kColours[own < 0 ? i % kColours.size() : static_cast<std::size_t>(own)];
+  return kColours[(own < 0 ? i : static_cast<std::size_t>(own)) % kColours.size()];
 }
 
 // Chooses the corner where the legend covers fewest pixels of curves (CV_8U, not 0 on a curve).
