@@ -34,9 +34,9 @@ class Misuse : public core::InputError {
 /// Options of every command.
 struct CommonOptions {
   std::uint64_t seed = 1;
-  int threads = 0;         ///< 0: as many as the machine has; up to 1024
-  bool json = false;       ///< print summary.json's content
-  bool quiet = false;      ///< no progress and no messages but warnings and errors
+  int threads = 0;     ///< 0: as many as the machine has; up to 1024
+  bool json = false;   ///< print summary.json's content
+  bool quiet = false;  ///< no progress and no messages but warnings and errors
   ProgressForm progress = ProgressForm::text;
   bool overwrite = false;  ///< replace clips and files that are no earlier results
   void validate() const;

@@ -36,7 +36,8 @@ py::array synthesize(const ClipModel& given, int frames, const py::object& progr
   if (const auto why = pipeline::why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
   const auto usual = model.footage ? pipeline::ModelFill::footage : pipeline::ModelFill::diffusion;
   if (how.fill_kind.value_or(usual) != pipeline::ModelFill::footage)
-    run_interruptibly(progress, [&](const core::Context& context) { pipeline::correct_rates(model, context); });
+    run_interruptibly(progress,
+                      [&](const core::Context& context) { pipeline::correct_rates(model, context); });
   const auto info = pipeline::ClipSynthesis(model, how).info();
   FrameArray out(frames, info.height, info.width, info.channels, CV_8U);
   run_interruptibly(progress, [&](const core::Context& context) {
