@@ -118,7 +118,8 @@ double CarriedPrediction::parameters() const {
 
 CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<const int> steps,
                                            const core::Context& context) {
-  const auto [mean, frames] = mean_image(source, context);
+  const auto [mean, counted] = mean_image(source, context);
+  const int frames = counted;
   CarriedPrediction model{{steps.begin(), steps.end()}, mean, {}};
   const int most = frames - 2;  // the first start has a frame before it, the last one a frame behind
   if (steps.empty() || most < 1)

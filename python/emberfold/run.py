@@ -125,30 +125,30 @@ class Run:
         """Every stroke in every frame: its middle, length, patches, width, contrast, ends and junctions."""
         return self._with_units(pd.read_csv(io.BytesIO(self.motion.strokes_csv())))
 
-    def _table(self, write: Any) -> pd.DataFrame:
+    def _read_table(self, write: Any) -> pd.DataFrame:
         """A table of the motion graph, in seconds and micrometres where these are known."""
         return pd.read_csv(io.BytesIO(write(1 / self.fps, self.pixel_size)))
 
     @property
     def curves(self) -> pd.DataFrame:
         """Every curve in every frame: a path through junctions and crossings, whose name stays where curves touch."""
-        return self._table(self.motion.curves_csv)
+        return self._read_table(self.motion.curves_csv)
 
     @property
     def network(self) -> pd.DataFrame:
         """What each frame is as a network: length, tips, junctions, loops, meshes, components, tortuosity."""
-        return self._table(self.motion.network_csv)
+        return self._read_table(self.motion.network_csv)
 
     @property
     def topology(self) -> pd.DataFrame:
         """Each change of topology and what it adds to tips, branches, components and loops: the sums over a frame are what
         the network's figures change by."""
-        return self._table(self.motion.topology_csv)
+        return self._read_table(self.motion.topology_csv)
 
     @property
     def tips(self) -> pd.DataFrame:
         """When each tip grows, retracts and pauses, and how fast."""
-        return self._table(self.motion.tips_csv)
+        return self._read_table(self.motion.tips_csv)
 
     @property
     def trajectories(self) -> pd.DataFrame:
