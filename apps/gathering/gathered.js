@@ -1,23 +1,3 @@
-"use strict";
-const data = JSON.parse(document.getElementById("data").textContent);
-const $ = (id) => document.getElementById(id);
-
-/** An element with attributes and children; text is always set as text. */
-function make(tag, attributes = {}, ...children) {
-  const node = document.createElement(tag);
-  for (const [key, value] of Object.entries(attributes)) {
-    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
-    else if (value !== null && value !== undefined) node.setAttribute(key, value);
-  }
-  node.append(...children);
-  return node;
-}
-function makeSvg(tag, attributes = {}, ...children) {
-  const node = document.createElementNS("http:" + "//www.w3.org/2000/svg", tag);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  node.append(...children);
-  return node;
-}
 const significant = (value) => value === null || value === undefined ? "\u2013" : String(+value.toPrecision(3));
 const per = {frame: "frame", second: "second", "second and mm2": "second and mm\u00b2"}[data.per];
 const types = Object.keys(data.groups[0].rates);

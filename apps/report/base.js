@@ -1,25 +1,7 @@
-"use strict";
-const data = JSON.parse(document.getElementById("data").textContent);
-const $ = (id) => document.getElementById(id);
 /** A colour of the style sheet, which knows whether the screen is light or dark. */
 const themed = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 const clip = data.clip, summary = data.summary, classes = data.classes;
 
-/** An element with attributes and children; text is always set as text. */
-function make(tag, attributes = {}, ...children) {
-  const node = document.createElement(tag);
-  for (const [key, value] of Object.entries(attributes)) {
-    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
-    else if (value !== null && value !== undefined) node.setAttribute(key, value);
-  }
-  node.append(...children);
-  return node;
-}
-function makeSvg(tag, attributes = {}) {
-  const node = document.createElementNS("http:" + "//www.w3.org/2000/svg", tag);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  return node;
-}
 const number = (value, digits = 0) =>
   value === null || value === undefined ? "\u2013"
     : value.toLocaleString("en", {minimumFractionDigits: digits, maximumFractionDigits: digits}).replace(/,/g, "\u202f");
