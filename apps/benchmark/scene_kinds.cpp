@@ -157,8 +157,8 @@ void add_folds(LineScene& scene, core::Rng& rng) {
 void add_ripples(LineScene& scene, core::Rng& rng) {
   constexpr double kLeast = 11, kMost = 27, kSigma = 1.8;
   for (int k = 0; k < 4; ++k) {
-    const cv::Point2d middle(84 + 152 * (k % 2) + rng.uniform(-6, 6),
-                             64 + 112 * (k / 2) + rng.uniform(-6, 6));
+    const int column = k % 2, row = k / 2;
+    const cv::Point2d middle(84 + 152 * column + rng.uniform(-6, 6), 64 + 112 * row + rng.uniform(-6, 6));
     const double angle = rng.uniform(-0.6, 0.6);
     const cv::Point2d half = kMost * cv::Point2d(std::cos(angle), std::sin(angle));
     const int born = time_at(scene, 0.1, 6, rng), touches = born + 22 + static_cast<int>(rng.below(10));
@@ -242,8 +242,8 @@ void add_filaments(LineScene& scene, core::Rng& rng) {
   constexpr int kFilaments = 9;
   for (int k = 0; k < kFilaments; ++k) {
     const double length = rng.uniform(45, 75), angle = rng.uniform(0, pi), spin = rng.uniform(-0.012, 0.012);
-    const cv::Point2d middle(70 + 90 * (k % 3) + rng.uniform(-12, 12),
-                             64 + 56 * (k / 3) + rng.uniform(-8, 8));
+    const int column = k % 3, row = k / 3;
+    const cv::Point2d middle(70 + 90 * column + rng.uniform(-12, 12), 64 + 56 * row + rng.uniform(-8, 8));
     const double heading = rng.uniform(0, 2 * pi), phase = rng.uniform(0, 2 * pi);
     const double turn = 2 * pi / rng.uniform(60, 110);
     const cv::Point2d way = rng.uniform(18, 32) * cv::Point2d(std::cos(heading), std::sin(heading));

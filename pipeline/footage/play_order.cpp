@@ -82,7 +82,8 @@ std::vector<PlayOrder::Jump> PlayOrder::find_jumps(const Run& run) const {
   for (const int times : played_) sums.push_back(sums.back() + times);
   for (int b = 0; b < n; ++b) {
     const int seen = std::min(n - b, span);
-    shown.push_back((sums[static_cast<std::size_t>(b + seen)] - sums[static_cast<std::size_t>(b)]) / seen);
+    const auto first = sums.begin() + b;
+    shown.push_back((first[seen] - *first) / seen);
   }
   std::vector<Jump> jumps;
   for (int a = std::min(run.first + shortest_run(n), last_way_out); a <= last_way_out; ++a)

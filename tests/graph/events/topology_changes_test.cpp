@@ -47,7 +47,7 @@ std::vector<TopologyChange> changes_to(const test::Frame& a, const test::Frame& 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> links;
   for (std::uint32_t v = 0; v < std::min(a.vertices.size(), b.vertices.size()); ++v) links.emplace_back(v, v);
   const auto motion = graph::identify(test::motion({a.graph(), b.graph()}, {links}));
-  const auto changes = graph::topology_changes(motion);
+  auto changes = graph::topology_changes(motion);
   CHECK(is_balanced(motion, changes));
   return changes;
 }

@@ -31,7 +31,7 @@ core::Clip moving_strokes(int frames) {
 /// Counts the frames that are read, and asks to stop after some of them.
 class CountingSource final : public core::FrameSource {
  public:
-  CountingSource(const core::Clip& clip, std::stop_source* stop = nullptr, int stop_after = 0)
+  explicit CountingSource(const core::Clip& clip, std::stop_source* stop = nullptr, int stop_after = 0)
       : source_(clip), stop_(stop), stop_after_(stop_after) {}
   [[nodiscard]] const core::ClipInfo& info() const override { return source_.info(); }
   cv::Mat next() override {
