@@ -29,7 +29,8 @@ void check_same_run(const fs::path& a, const fs::path& b) {
 
 TEST_CASE("a run that was stopped, even killed, goes on where it was and ends the same", "[slow]") {
   const TempFolder temp;
-  const auto clip = write_strokes(temp / "clip.avi", {200, 150}, 40, 9);
+  // So long that the sketch goes on well after its first two blocks.
+  const auto clip = write_strokes(temp / "clip.avi", {200, 150}, 120, 9);
   const auto analyze = [&](const std::string& out) {
     return std::vector<std::string>{"analyze", clip, "-o", (temp / out).string(), "--threads", "1"};
   };
