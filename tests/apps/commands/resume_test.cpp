@@ -109,13 +109,14 @@ TEST_CASE("the model of a run that is drawn from stays as it is, and its correct
   REQUIRE(run_command({"analyze", clip, "-o", (temp / "run").string(), "-q", "--bottom-up"}).exit == 0);
   const auto model = temp / "run/model";
   const auto before = bytes_of(model / "model.json");
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): no other thread here
   ::setenv("XDG_CACHE_HOME", (temp / "cache").c_str(), 1);
   const auto draw = [&](const char* out) {
     return run_command(
         {"synth", model.string(), "-o", (temp / out).string(), "--frames", "4", "--fill", "diffusion"});
   };
   const auto first = draw("a"), second = draw("b");
-  ::unsetenv("XDG_CACHE_HOME");
+  ::unsetenv("XDG_CACHE_HOME");  // NOLINT(concurrency-mt-unsafe): likewise
   REQUIRE(first.exit == 0);
   REQUIRE(second.exit == 0);
   CHECK(contains(first.err, "calibrate"));
