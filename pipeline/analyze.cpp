@@ -40,6 +40,8 @@ void check_options(const AnalyzeOptions& options) {
     throw core::InputError("AnalyzeOptions.bottom_up and sample exclude each other");
   if (options.curve_events && options.sample)
     throw core::InputError("AnalyzeOptions.curve_events and sample exclude each other");
+  if (options.in_noise && (options.bottom_up || options.sample))
+    throw core::InputError("AnalyzeOptions.in_noise excludes bottom_up and sample");
   if (options.texture < 0 || options.texture > 500)
     throw core::InputError("AnalyzeOptions.texture is " + std::to_string(options.texture) +
                            "; allowed is 0 (none) to 500");
@@ -54,15 +56,17 @@ void group_curves(Analysis& analysis, core::StageClock& clock, const core::Conte
 }
 
 /// Finds the events of the matched clip, of strokes or of curves as `options` ask.
-std::vector<graph::Event> find_events(core::FrameSource& source, const graph::SketchSequence& sketch,
+std::vector<graph::Event> find_events(core::FrameSource& source, const StartSketches& sketches,
                                       const AnalyzeOptions& options, const graph::MotionGraph& motion,
                                       core::StageClock& clock, const core::Context& context) {
   clock.begin("events");
   const bool of_curves = options.curve_events;
   auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
   if (options.bottom_up) return graph::stroke_events(read);
-  return event_posterior(source, match_readings(sketch, std::move(read), options.match, of_curves, context),
-                         context);
+  auto readings = match_readings(sketches.clip.sketch, std::move(read), options.match, of_curves, context);
+  for (const graph::SketchSequence& copy : sketches.perturbed)
+    add_reading_in_noise(readings, copy, options.match, of_curves, context);
+  return event_posterior(source, readings, context);
 }
 
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.
@@ -73,7 +77,7 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
   if (!options.sample) {
     analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
     group_curves(analysis, clock, context);
-    analysis.all_events = find_events(source, sketches.clip.sketch, options, analysis.motion, clock, context);
+    analysis.all_events = find_events(source, sketches, options, analysis.motion, clock, context);
     clock.begin("learn");
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
@@ -129,9 +133,10 @@ std::optional<LearnedTexture> learn_texture(core::FrameSource& source, const gra
 /// Sketches the clip and the copies that its readings need, or reads what is kept of it.
 StartSketches sketch_readings(core::FrameSource& source, const AnalyzeOptions& options,
                               const AnalysisStages* stages, const core::Context& context) {
+  constexpr int kWithOneCopy = 3;  // chains
   StartOptions starts = options.starts;
-  if (!options.sample) starts.chains = 1;
-  if (stages == nullptr || options.sample)
+  if (!options.sample) starts.chains = options.in_noise ? kWithOneCopy : 1;
+  if (stages == nullptr || options.sample || options.in_noise)
     return sketch_starts(source, options.sketch, starts, options.seed, context);
   return {stages->sketch(source, options.sketch, context), {}};
 }

@@ -39,7 +39,10 @@ struct AnalyzeOptions {
   bool bottom_up = false;     ///< the match as it is, each event of probability 1
   bool curve_events = false;  ///< events of curves, to which touching and crossing is none, not of strokes
   bool sample = false;        ///< sample graphs and links, too; events then have the samples' shares
-  bool keep_sketch = false;   ///< keep sketches as extracted, and the backgrounds of the frames
+  /// Events are looked for in a copy of the clip in noise, too: what comes again there is more probable.
+  /// About twice the time.
+  bool in_noise = false;
+  bool keep_sketch = false;  ///< keep sketches as extracted, and the backgrounds of the frames
   /// What a person said of the clip's events: taken as facts, the others are inferred anew (apply_review).
   std::optional<std::vector<graph::ReviewedEvent>> review = {};
   std::uint64_t seed = 1;

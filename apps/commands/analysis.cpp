@@ -201,6 +201,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
                         {"bottom_up", options.bottom_up},
                         {"curve_events", options.curve_events},
                         {"sample", options.sample},
+                        {"in_noise", options.in_noise},
                         {"calibrate", options_json(options.calibrate)},
                         {"texture", options.texture},
                         {"fill", options_json(options.fill)}};

@@ -116,9 +116,9 @@ void apply_quality(const std::string& quality, AnalyzeOptions& options) {
     return;
   }
   if (quality != "sure") throw Misuse("--quality is " + quality + "; allowed is draft, normal or sure");
-  if (options.bottom_up || options.curve_events)
-    throw Misuse("--quality sure samples graphs, which --bottom-up and --curve-events exclude");
-  options.sample = true;
+  if (options.bottom_up || options.sample)
+    throw Misuse("--quality sure weighs events, which --bottom-up and --sample exclude");
+  options.in_noise = true;
 }
 
 }  // namespace
@@ -141,7 +141,8 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
 void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& line) {
   auto& options = asked.options;
   command
-      .add_option("--quality", asked.quality, "draft, normal (events weighed) or sure (graphs sampled; slow)")
+      .add_option("--quality", asked.quality,
+                  "draft (events as matched), normal (weighed) or sure (read in noise, too)")
       ->type_name("HOW")
       ->default_str(asked.quality);
   auto* const bottom_up = command.add_flag("--bottom-up", options.bottom_up,

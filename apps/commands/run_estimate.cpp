@@ -35,7 +35,7 @@ double processor_seconds() {
 std::optional<RunEstimate> estimate_run(core::FrameSource& source, const pipeline::AnalyzeOptions& options,
                                         int threads) {
   const auto& info = source.info();
-  if (!info.frames || *info.frames < 2 || options.sample) return std::nullopt;
+  if (!info.frames || *info.frames < 2 || options.sample || options.in_noise) return std::nullopt;
   source.rewind();
   const cv::Mat frame = source.next();
   source.rewind();

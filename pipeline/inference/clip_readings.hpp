@@ -11,8 +11,9 @@ namespace emberfold::pipeline {
 
 /// Holds motion graphs of one clip that were matched in several ways. What they agree on is likelier.
 struct ClipReadings {
-  std::vector<graph::MotionGraph> steadied;    ///< flicker removed; at least one, whose strokes events name
-  std::vector<graph::MotionGraph> unsteadied;  ///< of the sketches as they are; may be empty
+  std::vector<graph::MotionGraph> steadied;  ///< flicker removed; at least one, whose strokes events name
+  std::vector<graph::MotionGraph> unsteadied = {};  ///< of the sketches as they are; may be empty
+  std::vector<graph::MotionGraph> in_noise = {};    ///< of copies of the clip in noise; may be empty
 };
 
 /// Matches the sketches of a clip forwards and backwards, with and without what is taken for flicker.
@@ -23,5 +24,12 @@ struct ClipReadings {
 ClipReadings match_readings(const graph::SketchSequence& sketch, graph::MotionGraph matched,
                             const graph::MatchOptions& options, bool of_curves,
                             const core::Context& context = {});
+
+/// Adds what a copy of the clip in noise is read as: matched as the clip is, four times.
+/// Such readings bring no events of their own; they tell which of the clip's would be there again. Throws
+/// core::Cancelled. Cost: four matches.
+void add_reading_in_noise(ClipReadings& readings, const graph::SketchSequence& copy,
+                          const graph::MatchOptions& options, bool of_curves,
+                          const core::Context& context = {});
 
 }  // namespace emberfold::pipeline

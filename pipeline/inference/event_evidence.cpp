@@ -103,8 +103,9 @@ struct PooledEvent {
   std::vector<std::pair<std::size_t, std::size_t>> members;
 };
 
-/// Adds the events of a reading. One that was there already is kept once.
-void add_events(const Reading& reading, std::size_t number, std::vector<PooledEvent>& events) {
+/// Tells which of the events a reading has, too; its others are added if it `brings_events`.
+void add_events(const Reading& reading, std::size_t number, bool brings_events,
+                std::vector<PooledEvent>& events) {
   struct Pair {
     double apart = 0;
     std::size_t known = 0, other = 0;
@@ -127,7 +128,7 @@ void add_events(const Reading& reading, std::size_t number, std::vector<PooledEv
     is_taken[pair.known] = is_known[pair.other] = true;
     events[pair.known].members.emplace_back(number, pair.other);
   }
-  for (std::size_t k = 0; k < is_known.size(); ++k) {
+  for (std::size_t k = 0; brings_events && k < is_known.size(); ++k) {
     if (is_known[k]) continue;
     PooledEvent& added = events.emplace_back();
     added.weighed.event = reading.traced[k].event;
@@ -174,9 +175,10 @@ struct Measurement {
 };
 
 /// Lists what has to be measured, in order of the frames: each event in the steadied readings that have it,
-/// otherwise in the others. Events that no image could make likely are left out.
+/// otherwise in the unsteadied ones. Events that no image could make likely are left out.
 std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
-                                           std::span<const Reading> readings, std::size_t steadied) {
+                                           std::span<const Reading> readings, std::size_t steadied,
+                                           std::size_t own) {
   std::vector<Measurement> result;
   for (std::size_t i = 0; i < events.size(); ++i) {
     mcmc::ChangeEvidence best = events[i].weighed.evidence;
@@ -184,7 +186,7 @@ std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
     if (mcmc::change_log_odds(best) < kLeastLogOdds) continue;
     const bool is_steadied = events[i].members.front().first < steadied;
     for (const auto& [reading, event] : events[i].members)
-      if (!is_steadied || reading < steadied)
+      if (reading < (is_steadied ? steadied : own))
         result.push_back({readings[reading].traced[event].event.frame, i, reading, event});
   }
   std::ranges::stable_sort(result, {}, &Measurement::frame);
@@ -231,22 +233,22 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
   if (readings.steadied.empty()) throw core::InputError("events: no reading of the clip");
   std::vector<Reading> all;
   const std::size_t frames = readings.steadied.front().sketch.frames.size();
-  for (const auto* some : {&readings.steadied, &readings.unsteadied})
+  for (const auto* some : {&readings.steadied, &readings.unsteadied, &readings.in_noise})
     for (const graph::MotionGraph& motion : *some) {
       if (motion.sketch.frames.size() != frames)
         throw core::InputError("events: readings of " + std::to_string(frames) + " and " +
                                std::to_string(motion.sketch.frames.size()) + " frames");
       all.emplace_back(motion);
     }
-  const std::size_t steadied = readings.steadied.size();
+  const std::size_t steadied = readings.steadied.size(), own = steadied + readings.unsteadied.size();
   std::vector<PooledEvent> pooled;
-  for (std::size_t k = 0; k < all.size(); ++k) add_events(all[k], k, pooled);
+  for (std::size_t k = 0; k < all.size(); ++k) add_events(all[k], k, k < own, pooled);
   for (PooledEvent& event : pooled) {
     auto& evidence = event.weighed.evidence;
     evidence.agreement = static_cast<double>(event.members.size()) / static_cast<double>(all.size());
-    find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied));
+    find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied, own - steadied));
   }
-  auto measurements = plan_measurements(pooled, all, steadied);
+  auto measurements = plan_measurements(pooled, all, steadied, own);
   measure_all(source, all, static_cast<int>(frames), measurements, context);
   for (PooledEvent& event : pooled) event.weighed.evidence.log_factor = mcmc::kMostChangeFactor;
   std::vector<bool> is_measured(pooled.size(), false);

@@ -140,6 +140,7 @@ void bind_options(py::module_& module) {
       .field("bottom_up", &Options::bottom_up)
       .field("curve_events", &Options::curve_events)
       .field("sample", &Options::sample)
+      .field("in_noise", &Options::in_noise)
       .field("seed", &Options::seed)
       .field("clip", &Options::clip)
       .finish();

@@ -1,24 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints what speaks for each event that is read from a clip, one line each; fit_event_weights.py reads it.
+// --in-noise: a copy of the clip in noise is read, too, as with 'analyze --quality sure'.
 #include <exception>
 #include <iostream>
+#include <string_view>
 
 #include "core/io/clip_reader.hpp"
 #include "pipeline/inference/event_evidence.hpp"
+#include "pipeline/readings.hpp"
 #include "pipeline/sketch_clip.hpp"
 
 using namespace emberfold;
 
 int main(int argc, char** argv) try {
-  if (argc != 2) {
-    std::cerr << "usage: event_evidence CLIP\n";
+  const bool in_noise = argc == 3 && std::string_view(argv[2]) == "--in-noise";
+  if (argc != 2 && !in_noise) {
+    std::cerr << "usage: event_evidence CLIP [--in-noise]\n";
     return 2;
   }
   const auto clip = io::open_video(argv[1]);
   sketch::ExtractOptions options;
   options.sensitivity = pipeline::kSteadySensitivity;
-  const auto sketch = pipeline::sketch_clip(*clip, options, {}).sketch;
-  const auto readings = pipeline::match_readings(sketch, graph::match(sketch, {}), {}, false);
+  pipeline::StartOptions starts;
+  starts.chains = in_noise ? 3 : 1;  // the first of noise is the third
+  const auto sketches = pipeline::sketch_starts(*clip, options, starts, 1, {});
+  const auto& sketch = sketches.clip.sketch;
+  auto readings = pipeline::match_readings(sketch, graph::match(sketch, {}), {}, false);
+  for (const auto& copy : sketches.perturbed) pipeline::add_reading_in_noise(readings, copy, {}, false);
   std::cout << "frame,type,x,y,log_factor,of_stroke,agreement,since,until\n";
   for (const auto& [event, evidence] : pipeline::weigh_events(*clip, readings))
     std::cout << event.frame << ',' << graph::name(event.type) << ',' << event.position.x << ','

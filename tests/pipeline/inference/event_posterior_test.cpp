@@ -165,6 +165,25 @@ TEST_CASE("An event that one reading lacks is less likely", "[posterior]") {
   }
 }
 
+TEST_CASE("A copy in noise tells how steady an event is, and brings none", "[posterior]") {
+  const core::Clip clip = film(
+      [](Point p, int t) { return 80 + line(p, 40, 15, 105) + (t >= 12 ? line(p, 110, 15, 105) : 0); }, 2);
+  const graph::MotionGraph motion = matched(clip);
+  const graph::MotionGraph without =
+      matched_without(motion, [](int, const graph::Patch& patch) { return patch.position.x > 75; });
+  REQUIRE(graph::stroke_events(without).empty());
+  const auto read = [&](const graph::MotionGraph& own, const graph::MotionGraph& in_noise) {
+    core::ClipSource source(clip);
+    return pipeline::event_posterior(source, {{own}, {}, {in_noise}});
+  };
+  const auto steady = read(motion, motion), lost = read(motion, without);
+  REQUIRE(steady.size() == 1);
+  REQUIRE(lost.size() == 1);
+  CHECK(steady[0].probability == posterior(clip, motion)[0].probability);
+  CHECK(lost[0].probability < steady[0].probability);
+  CHECK(read(without, motion).empty());
+}
+
 TEST_CASE("What comes and goes in the sketches as they are is believed less", "[posterior]") {
   const core::Clip clip = film(
       [](Point p, int t) { return 80 + line(p, 40, 15, 105) + (t >= 12 ? line(p, 110, 15, 105) : 0); }, 2);
