@@ -224,6 +224,11 @@ void bind_texture(py::module_& module) {
           py::arg("folder"), doc("io::read_model"))
       .def("__copy__", [](const Texture& t) { return t; })
       .def("__deepcopy__", [](const Texture& t, const py::dict&) { return t; })
+      .def("__eq__",
+           [](const Texture& a, const py::object& b) {
+             return py::isinstance<Texture>(b) &&
+                    equal(dytex::to_archive(a), dytex::to_archive(b.cast<const Texture&>()));
+           })
       .def("__repr__",
            [](const Texture& t) {
              return "LinearDynamicTexture(" + std::to_string(t.info.width) + "x" +
@@ -232,6 +237,7 @@ void bind_texture(py::module_& module) {
       .def(py::pickle(
           [](const Texture& t) { return to_state(dytex::to_archive(t)); },
           [](const py::tuple& state) { return dytex::linear_dynamic_texture(to_archive(state)); }));
+  texture.attr("__hash__") = py::none();
 }
 
 dytex::LearnResult learn(const ClipData& clip, const py::object& progress, const py::kwargs& given) {
@@ -251,7 +257,20 @@ void bind_dytex(py::module_& module) {
                     doc("dytex::LearnResult::least_squares_radius"))
       .def_readonly("passes", &dytex::LearnResult::passes, doc("dytex::LearnResult::passes"))
       .def_readonly("held_out", &dytex::LearnResult::held_out, doc("dytex::LearnResult::held_out"))
-      .def_readonly("notes", &dytex::LearnResult::notes, doc("dytex::LearnResult::notes"));
+      .def_readonly("notes", &dytex::LearnResult::notes, doc("dytex::LearnResult::notes"))
+      .def(py::pickle(
+          [](const dytex::LearnResult& r) {
+            return py::make_tuple(r.texture, r.least_squares_radius, r.passes, r.held_out, r.notes);
+          },
+          [](const py::tuple& state) {
+            dytex::LearnResult r;
+            r.texture = state[0].cast<Texture>();
+            r.least_squares_radius = state[1].cast<decltype(r.least_squares_radius)>();
+            r.passes = state[2].cast<decltype(r.passes)>();
+            r.held_out = state[3].cast<decltype(r.held_out)>();
+            r.notes = state[4].cast<decltype(r.notes)>();
+            return r;
+          }));
   module.def("learn_result", learn, py::arg("clip"), py::arg("progress") = py::none(), doc("dytex::learn"));
   module.def(
       "learn",
