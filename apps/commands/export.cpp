@@ -87,10 +87,10 @@ void write_for_others(const Export& asked, const FinishedRun& run, io::OutputFol
   const auto tree = graph::make_stroke_tree(run.motion, run.events);
   if (asked.geff)
     graph::write_geff(tree, run.clip, "run.geff",
-               [&](const std::string& path, const std::function<void(std::ostream&)>& body) {
-                 output.make_subfolder(fs::path(path).parent_path().string());
-                 output.write(path, body);
-               });
+                      [&](const std::string& path, const std::function<void(std::ostream&)>& body) {
+                        output.make_subfolder(fs::path(path).parent_path().string());
+                        output.write(path, body);
+                      });
   if (asked.trackmate)
     output.write("trackmate.xml", [&](std::ostream& out) { graph::write_trackmate(out, tree, run.clip); });
   if (asked.graphml)

@@ -28,8 +28,7 @@ StrokeTree make_stroke_tree(const MotionGraph& motion, const std::vector<Event>&
         if (from == last.end() || to == first.end()) continue;
         if (tree.rows[from->second].frame >= tree.rows[to->second].frame) continue;
         if (linked.emplace(from->second, to->second).second)
-          tree.links.push_back(
-              {from->second, to->second, event.probability, std::string(name(event.type))});
+          tree.links.push_back({from->second, to->second, event.probability, std::string(name(event.type))});
       }
   return tree;
 }

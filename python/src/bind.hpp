@@ -18,6 +18,7 @@ void bind_dytex(pybind11::module_& module);
 void bind_textures(pybind11::module_& module);
 void bind_quilt(pybind11::module_& module);
 void bind_measures(pybind11::module_& module);
+void bind_model(pybind11::module_& module);
 void bind_pipeline(pybind11::module_& module);
 void bind_compare(pybind11::module_& module);
 

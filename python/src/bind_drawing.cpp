@@ -49,8 +49,8 @@ py::tuple draw_patches(const py::array& levels, const Sketch& sketch, const std:
   const cv::Mat frame = to_levels(levels, "levels");
   const auto drawing = drawing_of(patches);
   const auto& graph = only_frame(sketch);
-  return drawn_tuple(call(
-      py::none(), [&](const core::Context&) { return pipeline::draw_patches(frame, graph, drawing); }));
+  return drawn_tuple(
+      call(py::none(), [&](const core::Context&) { return pipeline::draw_patches(frame, graph, drawing); }));
 }
 
 py::array fill_nonsketchable(const py::array& observed, const py::array& drawn, const py::array& mask,
@@ -134,8 +134,7 @@ py::tuple draw_learned(const py::array& levels, const Sketch& sketch, const sket
   const cv::Mat frame = to_levels(levels, "levels");
   const auto& graph = only_frame(sketch);
   return drawn_tuple(call(py::none(), [&](const core::Context&) {
-    const auto codes =
-        sketch::encode(frame, graph, dictionary, sketch::estimate_noise(core::luma(frame)));
+    const auto codes = sketch::encode(frame, graph, dictionary, sketch::estimate_noise(core::luma(frame)));
     return sketch::draw_learned(graph, codes, dictionary, frame.size(), frame.channels());
   }));
 }
@@ -149,9 +148,9 @@ void bind_dictionary(py::module_& module) {
           [](const Dictionary& d) {
             py::list rows;
             for (const auto& e : d.entries)
-              rows.append(py::make_tuple(graph::name(e.type), e.degree, e.seen, e.share, e.residual,
-                                         py::array_t<float>(static_cast<py::ssize_t>(e.mean.size()),
-                                                            e.mean.data())));
+              rows.append(
+                  py::make_tuple(graph::name(e.type), e.degree, e.seen, e.share, e.residual,
+                                 py::array_t<float>(static_cast<py::ssize_t>(e.mean.size()), e.mean.data())));
             return rows;
           },
           "Tuples of type, degree, seen, share, residual and the mean shape, a profile or a window.")
@@ -185,8 +184,8 @@ void bind_dictionary(py::module_& module) {
 void bind_drawing(py::module_& module) {
   bind_options(module);
   bind_dictionary(module);
-  module.def("draw_patches", draw_patches, py::arg("levels"), py::arg("sketch"), py::arg("patches") = "fitted",
-             doc("pipeline::draw_patches"));
+  module.def("draw_patches", draw_patches, py::arg("levels"), py::arg("sketch"),
+             py::arg("patches") = "fitted", doc("pipeline::draw_patches"));
   module.def("fill_nonsketchable", fill_nonsketchable, py::arg("observed"), py::arg("drawn"), py::arg("mask"),
              py::arg("options") = sketch::NonsketchableFillOptions{}, py::arg("progress") = py::none(),
              doc("sketch::fill_nonsketchable"));

@@ -12,6 +12,7 @@
 #include "dytex/learn.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/synthesize.hpp"
+#include "pipeline/parameter_count.hpp"
 #include "python/src/archives.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
@@ -181,7 +182,11 @@ void bind_values(py::class_<Texture>& texture) {
   add("residuals", &Texture::residuals);
   add("states", &Texture::states);
   add("singular", &Texture::singular);
-  texture.def_property_readonly("components", &Texture::components)
+  texture
+      .def_property_readonly(
+          "parameters", [](const Texture& t) { return pipeline::parameter_count(t); },
+          doc("pipeline::parameter_count"))
+      .def_property_readonly("components", &Texture::components)
       .def_property_readonly("order", &Texture::order)
       .def_property_readonly("width", [](const Texture& t) { return t.info.width; })
       .def_property_readonly("height", [](const Texture& t) { return t.info.height; })

@@ -47,7 +47,7 @@ graph::StrokeTree tree_of(const Motion& motion, const py::list& events, const st
 
 graph::TrackedClip tracked(const Motion& motion, std::string name, MaybeNumber seconds, MaybeNumber um) {
   const auto& sketch = motion.graphs->sketch;
-  return {std::move(name), sketch.width, sketch.height,     static_cast<int>(sketch.frames.size()),
+  return {std::move(name), sketch.width, sketch.height, static_cast<int>(sketch.frames.size()),
           sketch.fps,      {seconds, um}};
 }
 
@@ -68,11 +68,10 @@ void bind_exports(py::module_& module) {
   const auto text = [&](const char* name, auto writer, const char* about) {
     module.def(
         name,
-        [writer](const Motion& motion, const py::list& events, const std::string& of,
-                 const std::string& clip, MaybeNumber seconds, MaybeNumber um) {
+        [writer](const Motion& motion, const py::list& events, const std::string& of, const std::string& clip,
+                 MaybeNumber seconds, MaybeNumber um) {
           const auto tree = tree_of(motion, events, of);
-          return written(
-              [&](std::ostream& out) { writer(out, tree, tracked(motion, clip, seconds, um)); });
+          return written([&](std::ostream& out) { writer(out, tree, tracked(motion, clip, seconds, um)); });
         },
         py::arg("motion"), py::arg("events"), py::arg("of") = "strokes", py::arg("clip") = "",
         py::arg("seconds") = py::none(), py::arg("um") = py::none(), about);
@@ -86,8 +85,7 @@ void bind_tables(py::module_& module) {
     module.def(
         name,
         [writer](const Motion& motion, MaybeNumber seconds, MaybeNumber um) {
-          return written(
-              [&](std::ostream& out) { writer(out, *motion.graphs, graph::Units{seconds, um}); });
+          return written([&](std::ostream& out) { writer(out, *motion.graphs, graph::Units{seconds, um}); });
         },
         py::arg("motion"), py::arg("seconds") = py::none(), py::arg("um") = py::none(), about);
   };
@@ -208,12 +206,8 @@ graph::Event to_event(const py::tuple& row) {
     for (const auto& id : ids) all.push_back({id.cast<std::uint32_t>()});
     return all;
   };
-  return {row[0].cast<int>(),
-          type_of(row[1]),
-          {row[2].cast<double>(), row[3].cast<double>()},
-          row[4].cast<double>(),
-          strokes(row[5]),
-          strokes(row[6])};
+  return {row[0].cast<int>(),    type_of(row[1]), {row[2].cast<double>(), row[3].cast<double>()},
+          row[4].cast<double>(), strokes(row[5]), strokes(row[6])};
 }
 
 std::vector<graph::Event> to_events(const py::list& events) {

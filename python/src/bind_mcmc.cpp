@@ -108,11 +108,11 @@ mcmc::CellMap map_from(const py::handle& state) {
 
 py::tuple rates_state(const OperatorRates& r) {
   const auto& m = r.modifiers;
-  return py::make_tuple(
-      map_state(r.birth), r.birth_by_size, map_state(r.death), r.death_by_size, map_state(r.separation),
-      std::array{r.split, r.merge, r.connect, r.disconnect, r.reach, r.split_gap, r.disconnect_gap,
-                 r.refractory_period},
-      py::make_tuple(m.death, m.separation, m.unification, m.bridging, m.turning, m.pace));
+  return py::make_tuple(map_state(r.birth), r.birth_by_size, map_state(r.death), r.death_by_size,
+                        map_state(r.separation),
+                        std::array{r.split, r.merge, r.connect, r.disconnect, r.reach, r.split_gap,
+                                   r.disconnect_gap, r.refractory_period},
+                        py::make_tuple(m.death, m.separation, m.unification, m.bridging, m.turning, m.pace));
 }
 
 OperatorRates rates_from(const py::tuple& state) {
@@ -191,11 +191,12 @@ void bind_learning(py::module_& module) {
   module.def(
       "fit",
       [](const Motion& motion, std::uint64_t seed, bool calibrate, const py::object& progress) {
-        return call(progress, [&](const core::Context& context) {
-                 auto found = mcmc::fit(*motion.graphs, Fit{seed, calibrate}, context);
-                 for (const auto& note : found.notes) context.warn(note);
-                 return found;
-               })
+        return call(progress,
+                    [&](const core::Context& context) {
+                      auto found = mcmc::fit(*motion.graphs, Fit{seed, calibrate}, context);
+                      for (const auto& note : found.notes) context.warn(note);
+                      return found;
+                    })
             .model;
       },
       py::arg("motion"), py::arg("seed") = Fit{}.seed, py::arg("calibrate") = Fit{}.calibrate,

@@ -45,9 +45,8 @@ void bind_frame_measures(py::module_& module) {
       "optical_flow",
       [](const py::array& luma, const py::array& next, double most_vectors) {
         const cv::Mat from = to_levels(luma, "luma"), to = to_levels(next, "next");
-        return to_array(call(py::none(), [&](const core::Context&) {
-          return dytex::optical_flow(from, to, most_vectors);
-        }));
+        return to_array(call(
+            py::none(), [&](const core::Context&) { return dytex::optical_flow(from, to, most_vectors); }));
       },
       py::arg("luma"), py::arg("next"), py::arg("most_vectors") = 1 << 16, doc("dytex::optical_flow"));
   module.def(

@@ -88,8 +88,8 @@ py::dict measure_quilt(const py::array_t<std::int32_t, py::array::c_style>& map,
   const auto source = read(clip, progress);
   const auto places = map_of(map, source.size());
   const std::array<const dytex::Trajectories*, 1> sources{&source};
-  const auto found = call(
-      progress, [&](const core::Context&) { return dytex::measure_quilt(places, {}, sources); });
+  const auto found =
+      call(progress, [&](const core::Context&) { return dytex::measure_quilt(places, {}, sources); });
   return py::dict(py::arg("largest_piece") = found.largest_piece,
                   py::arg("source_share") = found.source_share, py::arg("seam_share") = found.seam_share,
                   py::arg("seam_step") = found.seam_step, py::arg("other_step") = found.other_step,

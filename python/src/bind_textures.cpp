@@ -71,10 +71,10 @@ py::dict learn_missing(const ClipData& clip, const ClipData& missing, const dyte
 /// Frames 1 … steps after those of `clip`, or after those that the texture was learned from.
 py::tuple forecast(const Texture& texture, int steps, const MaybeClip& clip, const py::object& progress) {
   const auto found = call(progress, [&](const core::Context& context) {
-    const auto from = clip ? dytex::last_state(dytex::filter(
-                                 dytex::state_space(texture),
-                                 dytex::observe(texture, *clip->open(), {}, context)))
-                           : dytex::last_training_state(texture);
+    const auto from =
+        clip ? dytex::last_state(dytex::filter(dytex::state_space(texture),
+                                               dytex::observe(texture, *clip->open(), {}, context)))
+             : dytex::last_training_state(texture);
     auto ahead = dytex::forecast(texture, from, steps);
     std::vector<cv::Mat> frames;
     for (Eigen::Index k = 0; k < ahead.states.cols(); ++k)
@@ -164,9 +164,8 @@ void bind_distances(py::module_& module) {
   module.def(
       "kl_growth",
       [](const Texture& p, const Texture& q, int length, const py::object& progress) {
-        return call(progress, [&](const core::Context& context) {
-          return dytex::kl_growth(p, q, length, context);
-        });
+        return call(progress,
+                    [&](const core::Context& context) { return dytex::kl_growth(p, q, length, context); });
       },
       py::arg("p"), py::arg("q"), py::arg("length"), py::arg("progress") = py::none(),
       doc("dytex::kl_growth"));
@@ -272,11 +271,12 @@ void bind_star(py::module_& module) {
   module.def(
       "learn_star",
       [](const ClipData& clip, const dytex::StarOptions& options, const py::object& progress) {
-        return call(progress, [&](const core::Context& context) {
-                 auto found = dytex::learn_star(*clip.open(), options, context);
-                 for (const auto& note : found.notes) context.warn(note);
-                 return found;
-               })
+        return call(progress,
+                    [&](const core::Context& context) {
+                      auto found = dytex::learn_star(*clip.open(), options, context);
+                      for (const auto& note : found.notes) context.warn(note);
+                      return found;
+                    })
             .star;
       },
       py::arg("clip"), py::arg("options") = dytex::StarOptions{}, py::arg("progress") = py::none(),

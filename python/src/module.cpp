@@ -16,6 +16,7 @@ PYBIND11_MODULE(_native, module) {
   emberfold::python::bind_textures(module);
   emberfold::python::bind_quilt(module);
   emberfold::python::bind_measures(module);
+  emberfold::python::bind_model(module);
   emberfold::python::bind_pipeline(module);
   emberfold::python::bind_compare(module);
 }
