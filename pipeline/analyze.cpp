@@ -196,6 +196,24 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
 
 }  // namespace
 
+std::optional<Quality> quality(std::string_view name) {
+  if (name == "draft") return Quality::draft;
+  if (name == "normal") return Quality::normal;
+  if (name == "sure") return Quality::sure;
+  return std::nullopt;
+}
+
+void set_quality(AnalyzeOptions& options, Quality quality) {
+  if (quality == Quality::draft) {
+    options.bottom_up = true;
+    options.calibrate.calibrate = 0;
+  } else if (quality == Quality::sure) {
+    if (options.bottom_up || options.sample)
+      throw core::InputError("quality 'sure' weighs events, which bottom_up and sample exclude");
+    options.in_noise = true;
+  }
+}
+
 Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const core::Context& context,
                  const AnalysisStages* stages) {
   check_options(options);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/clip.hpp"
@@ -48,6 +49,18 @@ struct AnalyzeOptions {
   std::uint64_t seed = 1;
   std::string clip = "the clip";  ///< its name in messages
 };
+
+/// How much is spent on a clip's events.
+enum class Quality {
+  draft,   ///< the match as it is: every event has probability 1; rates are not corrected
+  normal,  ///< events are weighed by what the images show
+  sure     ///< a copy of the clip in noise is read, too: twice the time
+};
+/// Returns the quality of that name; nothing for an unknown name.
+std::optional<Quality> quality(std::string_view name);
+/// Sets what a quality stands for; normal changes nothing. Throws core::InputError for `sure` with bottom_up
+/// or sample, which it excludes.
+void set_quality(AnalyzeOptions& options, Quality quality);
 
 /// Holds figures of the texture learned between the strokes.
 struct LearnedTexture {

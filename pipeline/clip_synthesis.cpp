@@ -39,7 +39,7 @@ FrameSynthesis begin_strokes(const std::shared_ptr<const ClipModel>& model, Mode
   }
   if (fill == ModelFill::texture)
     return residual_frames(model->motion, *model->residual, std::move(look), options.seed, options.start,
-                           options.speed);
+                           options.speed * model->residual->speed);
   return {mcmc::Synthesis(model->motion, options.seed, options.start), std::move(look)};
 }
 

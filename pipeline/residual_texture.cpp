@@ -216,7 +216,21 @@ void add_residual(core::ModelArchive& archive, const ResidualTexture& residual) 
   archive.arrays["residual_ahead"] = core::float_array(all_ahead);
   archive.arrays["residual_colours"] = core::float_array(residual.colours);
   archive.arrays["residual_strength"] = core::float_array(residual.strength);
+  if (residual.speed != 1) archive.arrays["residual_speed"] = {{1}, false, std::vector{residual.speed}};
 }
+
+namespace {
+
+double read_speed(const core::ModelArchive& archive) {
+  const auto found = archive.arrays.find("residual_speed");
+  if (found == archive.arrays.end()) return 1;
+  const auto* const values = std::get_if<std::vector<double>>(&found->second.data);
+  if (values == nullptr || values->size() != 1 || !(std::abs(values->front()) <= 100) || values->front() == 0)
+    throw core::IoError("motion model: residual_speed.npy is no speed, −100…100 and not 0");
+  return values->front();
+}
+
+}  // namespace
 
 ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame) {
   if (!archive.arrays.contains("residual_within")) return {};
@@ -233,6 +247,7 @@ ResidualTexture read_residual(const core::ModelArchive& archive, cv::Size frame)
   double least = 0;
   cv::minMaxIdx(residual.strength, &least);
   if (least < 0) throw core::IoError("motion model: residual_strength.npy holds a number below 0");
+  residual.speed = read_speed(archive);
   return residual;
 }
 

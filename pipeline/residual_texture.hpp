@@ -28,6 +28,7 @@ struct ResidualTexture {
   cv::Mat colours;  ///< CV_32F, square, a row a component: blue, green, red; orthonormal
   cv::Mat
       strength;  ///< CV_32F, ≥ 0, over cells of kBackgroundCell px: SD of all channels together, grey levels
+  double speed = 1;  ///< at which it runs, −100…100, not 0; below 0 backwards
   [[nodiscard]] bool empty() const { return textures.empty(); }
 };
 
@@ -50,7 +51,8 @@ class ResidualFrames {
   cv::Mat colours_, strength_;
 };
 
-/// Adds the arrays "residual_within", "_ahead", "_colours" and "_strength" to a motion model's archive.
+/// Adds the arrays "residual_within", "_ahead", "_colours", "_strength" and, of an edited one, "_speed" to a
+/// motion model's archive.
 void add_residual(core::ModelArchive& archive, const ResidualTexture& residual);
 /// Reads the residual; empty where the archive has none.
 /// Throws core::IoError, naming the array, where the arrays do not fit the frame.

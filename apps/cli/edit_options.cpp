@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/interrupt.hpp"
+#include "apps/commands/corrected_model.hpp"
 #include "core/io/mask_file.hpp"
+#include "pipeline/edit_model.hpp"
 
 namespace emberfold::apps {
 
@@ -19,40 +21,30 @@ constexpr const char* kSynthGroup = "synth";
 constexpr std::array<const char*, 6> kRates = {"births", "deaths",   "splits",
                                                "merges", "connects", "disconnects"};
 
-/// Returns the mean brightness of the picture, fitted to the frame, in each cell of the model's grid.
-mcmc::CellMap read_birth_map(const std::string& path, const mcmc::MotionModel& model) {
-  cv::Mat picture = io::read_mask(path), fitted;
-  picture.convertTo(picture, CV_32F);
-  cv::resize(picture, fitted, {model.width, model.height}, 0, 0,
-             picture.cols > model.width ? cv::INTER_AREA : cv::INTER_LINEAR);
-  mcmc::CellMap map = model.rates.birth;
-  std::vector<double> counts(map.values.size());
-  std::ranges::fill(map.values, 0.0);
-  for (int y = 0; y < model.height; ++y)
-    for (int x = 0; x < model.width; ++x) {
-      const auto cell = map.index({double(x), double(y)});
-      map.values[cell] += double{fitted.at<float>(y, x)};
-      ++counts[cell];
-    }
-  double sum = 0;
-  for (std::size_t c = 0; c < counts.size(); ++c) sum += map.values[c] /= std::max(1.0, counts[c]);
-  if (!(sum > 0)) throw Misuse("--birth-map " + path + " is black: nothing would be born");
-  return map;
+graph::Point parse_wind(const std::string& text) {
+  const auto comma = text.find(',');
+  graph::Point wind;
+  try {
+    if (comma == std::string::npos) throw Misuse("");
+    parse_number("--wind", text.substr(0, comma), wind.x);
+    parse_number("--wind", text.substr(comma + 1), wind.y);
+  } catch (const Misuse&) {
+    throw Misuse("--wind is " + one_line(text) + "; give X,Y in px a frame, each -8 to 8");
+  }
+  return wind;
 }
 
-}  // namespace
-
-void add_edit_options(CLI::App& app, Settings& settings, EditOptions& options) {
+void add_looks(CLI::App& app, EditOptions& options) {
   auto& edit = options.edit;
-  app.add_option("--start", options.start_name,
-                 "Begin as in the clip (data) or as the model usually is (stationary)")
-      ->type_name("KIND")
-      ->check(CLI::IsMember({"data", "stationary"}).description(""))
-      ->default_str(options.start_name);
-  add_number(app, "--speed", edit.speed, "X", "Move X times as fast, 0.1 to 10");
-  app.add_flag("--reverse", edit.reverse, "Run time backwards");
-  add_number(app, "--intensity", edit.intensity, "X", "Scale the force that displaces strokes, 0 to 10");
-  add_number(app, "--flicker", edit.flicker, "X", "Scale the changes of contrast, 0 to 10");
+  add_number(app, "--intensity", edit.intensity, "X",
+             "Scale the force on strokes, 0 to 10; --wind X,Y adds a drift, px a frame");
+  add_number(app, "--flicker", edit.flicker, "X",
+             "Scale changes of contrast, 0 to 10; --contrast X the contrast, 0.1 to 10");
+  // Told with those above, so that the help fits on one screen.
+  add_number(app, "--contrast", edit.contrast, "X", "Scale the strokes' contrast, 0.1 to 10")->group("");
+  app.add_option("--wind", options.wind, "Let strokes drift so many px a frame, too, each -8 to 8")
+      ->type_name("X,Y")
+      ->group("");
   app.add_option("--birth-map", options.birth_map, "Let strokes be born where this picture is white")
       ->type_name("FILE");
   app.add_option("--strokes", options.strokes,
@@ -60,9 +52,23 @@ void add_edit_options(CLI::App& app, Settings& settings, EditOptions& options) {
       ->type_name("WHICH")
       ->check(CLI::IsMember({"all", "coarse", "fine"}).description(""))
       ->default_str(options.strokes);
-  for (std::size_t i = 0; i < kRates.size(); ++i)
-    settings.add(kSynthGroup, kRates[i], edit.rates[i], "X", std::string("Multiply the rate of ") + kRates[i],
-                 [] { return "0 to 10"; });
+}
+
+}  // namespace
+
+void add_edit_options(CLI::App& app, EditOptions& options, Settings* settings) {
+  auto& edit = options.edit;
+  add_number(app, "--speed", edit.speed, "X", "Move X times as fast, 0.1 to 10");
+  app.add_flag("--reverse", edit.reverse, "Run time backwards");
+  add_looks(app, options);
+  if (settings != nullptr) options.rates = std::string(kSynthGroup) + ".";
+  for (std::size_t i = 0; i < kRates.size(); ++i) {
+    const std::string about = std::string("Multiply the rate of ") + kRates[i];
+    if (settings != nullptr)
+      settings->add(kSynthGroup, kRates[i], edit.rates[i], "X", about, [] { return "0 to 10"; });
+    else
+      add_number(app, std::string("--") + kRates[i], edit.rates[i], "X", about + ", 0 to 10");
+  }
 }
 
 void check(EditOptions& options) {
@@ -71,31 +77,56 @@ void check(EditOptions& options) {
   edit.strokes = options.strokes == "coarse" ? StrokeChoice::coarse
                  : options.strokes == "fine" ? StrokeChoice::fine
                                              : StrokeChoice::all;
+  if (!options.wind.empty()) edit.wind = parse_wind(options.wind);
   try {
     edit.validate();
   } catch (const core::InputError& error) {
     std::string message = without_struct_name(error.what());
-    for (const std::string field : {"speed", "intensity", "flicker"})
+    for (const std::string field : {"speed", "intensity", "flicker", "contrast", "wind"})
       message = with_option_name(message, field);
     for (const std::string field : kRates)
-      if (message.starts_with(field)) message = std::string(kSynthGroup) + "." + message;
+      if (message.starts_with(field)) message = options.rates + message;
     throw Misuse(message);
   }
 }
 
-mcmc::MotionModel apply_edits(mcmc::MotionModel model, const EditOptions& options, Session& session) {
+pipeline::ClipModel apply_edits(pipeline::ClipModel model, const EditOptions& options, Session& session) {
+  correct_rates_once(model, session.context);
   mcmc::MotionEdit edit = options.edit;
-  if (!options.birth_map.empty()) edit.birth_map = read_birth_map(options.birth_map, model);
-  auto result = mcmc::edit_motion(model, edit, session.common.seed, session.context);
-  for (const auto& note : result.notes) session.warn(note);
-  return std::move(result.model);
+  if (!options.birth_map.empty()) {
+    try {
+      edit.birth_map = pipeline::birth_map(io::read_mask(options.birth_map), model.motion);
+    } catch (const core::InputError&) {
+      throw Misuse("--birth-map " + options.birth_map + " is black: nothing would be born");
+    }
+  }
+  auto edited = pipeline::edit_model(std::move(model), edit, session.common.seed, session.context);
+  for (const auto& note : edited.notes) session.warn(note);
+  return std::move(edited.model);
+}
+
+std::string stroke_option(const EditOptions& options) {
+  const auto& edit = options.edit;
+  if (edit.intensity != 1) return "--intensity";
+  if (edit.flicker != 1) return "--flicker";
+  if (edit.contrast != 1) return "--contrast";
+  if (edit.wind != graph::Point{}) return "--wind";
+  if (!options.birth_map.empty()) return "--birth-map";
+  if (options.strokes != "all") return "--strokes";
+  if (std::ranges::any_of(edit.rates, [](double rate) { return rate != 1; })) return "--set synth";
+  return {};
+}
+
+bool changes(const EditOptions& options) {
+  return options.edit != mcmc::MotionEdit{} || !options.birth_map.empty();
 }
 
 nlohmann::ordered_json edit_json(const EditOptions& options) {
   const auto& edit = options.edit;
-  nlohmann::ordered_json json = {{"start", options.start_name}, {"speed", edit.speed},
-                                 {"reverse", edit.reverse},     {"intensity", edit.intensity},
-                                 {"flicker", edit.flicker},     {"strokes", options.strokes}};
+  nlohmann::ordered_json json = {{"speed", edit.speed},         {"reverse", edit.reverse},
+                                 {"intensity", edit.intensity}, {"flicker", edit.flicker},
+                                 {"contrast", edit.contrast},   {"wind", {edit.wind.x, edit.wind.y}},
+                                 {"strokes", options.strokes}};
   for (std::size_t i = 0; i < kRates.size(); ++i) json[kRates[i]] = edit.rates[i];
   json["birth_map"] =
       options.birth_map.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(options.birth_map);

@@ -8,30 +8,34 @@
 
 #include "apps/cli/command.hpp"
 #include "mcmc/simulation/edit_model.hpp"
-#include "mcmc/simulation/synthesize.hpp"
+#include "pipeline/clip_model.hpp"
 
 namespace emberfold::apps {
 
-/// Options that change a motion model before a clip is drawn, and that choose the first frames.
+/// Options that change a motion model before a clip is drawn.
 struct EditOptions {
   mcmc::MotionEdit edit;
-  std::string strokes = "all", birth_map, start_name = "data";
-
-  [[nodiscard]] mcmc::Start start() const {
-    return start_name == "stationary" ? mcmc::Start::stationary : mcmc::Start::data;
-  }
+  std::string strokes = "all", birth_map, wind;
+  std::string rates = "--";  ///< what stands before births, deaths … on the command line
 };
 
-/// Adds --speed, --reverse, --intensity and others, and the rates of events to the settings (synth.births …).
-void add_edit_options(CLI::App& command, Settings& settings, EditOptions& options);
+/// Adds --speed, --reverse, --intensity and others, and the rates of events as --births …, or to the settings
+/// (synth.births …) where there are any.
+void add_edit_options(CLI::App& command, EditOptions& options, Settings* settings = nullptr);
 
 /// Checks the options. Throws Misuse that names the option.
 void check(EditOptions& options);
 
-/// Returns the changed model; what could not be achieved becomes warnings. Reads the picture of --birth-map,
-/// fitted to the frame: births are proportional to its brightness. Throws core::Cancelled, core::IoError,
+/// Returns the changed model (pipeline::edit_model); what could not be achieved becomes warnings. Reads the
+/// picture of --birth-map: births are proportional to its brightness. Throws core::Cancelled, core::IoError,
 /// Misuse.
-mcmc::MotionModel apply_edits(mcmc::MotionModel model, const EditOptions& options, Session& session);
+pipeline::ClipModel apply_edits(pipeline::ClipModel model, const EditOptions& options, Session& session);
+
+/// Returns the first option of those that were given that only drawn strokes can fulfil; empty where none
+/// was.
+std::string stroke_option(const EditOptions& options);
+/// Returns whether anything is to be changed.
+bool changes(const EditOptions& options);
 
 nlohmann::ordered_json edit_json(const EditOptions& options);
 

@@ -65,8 +65,9 @@ Row option_row(const CLI::Option* option) {
 }
 
 bool is_own(const CLI::Option* option) {
-  return option->get_group() != kReadingGroup && option->get_group() != kCommonGroup &&
-         option->get_single_name() != "help" && option->get_single_name() != "version";
+  return !option->get_group().empty() && option->get_group() != kReadingGroup &&
+         option->get_group() != kCommonGroup && option->get_single_name() != "help" &&
+         option->get_single_name() != "version";
 }
 
 bool has_group(const CLI::App* app, const std::string& group) {

@@ -107,18 +107,14 @@ void run_analyze(const Analyze& asked, Session& session) {
   }
 }
 
-/// Sets what --quality stands for.
-void apply_quality(const std::string& quality, AnalyzeOptions& options) {
-  if (quality == "normal") return;
-  if (quality == "draft") {
-    options.bottom_up = true;
-    options.calibrate.calibrate = 0;
-    return;
-  }
-  if (quality != "sure") throw Misuse("--quality is " + quality + "; allowed is draft, normal or sure");
-  if (options.bottom_up || options.sample)
+void apply_quality(const std::string& name, AnalyzeOptions& options) {
+  const auto quality = pipeline::quality(name);
+  if (!quality) throw Misuse("--quality is " + name + "; allowed is draft, normal or sure");
+  try {
+    pipeline::set_quality(options, *quality);
+  } catch (const core::InputError&) {
     throw Misuse("--quality sure weighs events, which --bottom-up and --sample exclude");
-  options.in_noise = true;
+  }
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
-#include "apps/exporting/stroke_tree.hpp"
-#include "apps/exporting/tracking_files.hpp"
 #include "core/io/files.hpp"
+#include "graph/exporting/stroke_tree.hpp"
+#include "graph/exporting/tracking_files.hpp"
 #include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
 #include "graph/io/network_table.hpp"
@@ -29,7 +29,7 @@ struct Export {
 struct FinishedRun {
   graph::MotionGraph motion;
   std::vector<graph::Event> events;
-  TrackedClip clip;
+  graph::TrackedClip clip;
 };
 
 FinishedRun read_finished_run(const fs::path& folder) {
@@ -84,17 +84,17 @@ void write_tables(const FinishedRun& run, io::OutputFolder& output) {
 
 void write_for_others(const Export& asked, const FinishedRun& run, io::OutputFolder& output) {
   if (!asked.geff && !asked.trackmate && !asked.graphml) return;
-  const auto tree = make_stroke_tree(run.motion, run.events);
+  const auto tree = graph::make_stroke_tree(run.motion, run.events);
   if (asked.geff)
-    write_geff(tree, run.clip, "run.geff",
-               [&](const std::string& path, const std::function<void(std::ostream&)>& body) {
-                 output.make_subfolder(fs::path(path).parent_path().string());
-                 output.write(path, body);
-               });
+    graph::write_geff(tree, run.clip, "run.geff",
+                      [&](const std::string& path, const std::function<void(std::ostream&)>& body) {
+                        output.make_subfolder(fs::path(path).parent_path().string());
+                        output.write(path, body);
+                      });
   if (asked.trackmate)
-    output.write("trackmate.xml", [&](std::ostream& out) { write_trackmate(out, tree, run.clip); });
+    output.write("trackmate.xml", [&](std::ostream& out) { graph::write_trackmate(out, tree, run.clip); });
   if (asked.graphml)
-    output.write("genealogy.graphml", [&](std::ostream& out) { write_graphml(out, tree, run.clip); });
+    output.write("genealogy.graphml", [&](std::ostream& out) { graph::write_graphml(out, tree, run.clip); });
 }
 
 void run_export(const Export& asked, Session& session) {

@@ -10,14 +10,12 @@
 #include "apps/cli/edit_options.hpp"
 #include "apps/cli/interrupt.hpp"
 #include "apps/cli/summary.hpp"
-#include "apps/commands/corrected_model.hpp"
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
 #include "apps/report/report_model.hpp"
 #include "core/io/clip_writer.hpp"
 #include "core/io/files.hpp"
 #include "core/io/require_apart.hpp"
-#include "dytex/editing/edit.hpp"
 #include "graph/io/motion_io.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_model.hpp"
@@ -42,7 +40,12 @@ struct Synth {
   std::optional<int> loop;
   bool asked_frames = false;
   sketch::FillOptions fill;
+  std::string start = "data";
   EditOptions edit;
+
+  [[nodiscard]] mcmc::Start first() const {
+    return start == "stationary" ? mcmc::Start::stationary : mcmc::Start::data;
+  }
 };
 
 std::unique_ptr<io::VideoWriter> create_output(const std::string& path, cv::Size size, double fps,
@@ -56,16 +59,10 @@ std::unique_ptr<io::VideoWriter> create_output(const std::string& path, cv::Size
 
 /// Returns the option that only drawn strokes can fulfil; empty where none was given.
 std::string stroke_option(const Synth& asked) {
-  const auto& edit = asked.edit.edit;
   if (!asked.motion.empty()) return "--motion";
   if (!asked.overlay.empty()) return "--overlay";
-  if (asked.edit.start_name != "data") return "--start";
-  if (edit.intensity != 1) return "--intensity";
-  if (edit.flicker != 1) return "--flicker";
-  if (!asked.edit.birth_map.empty()) return "--birth-map";
-  if (asked.edit.strokes != "all") return "--strokes";
-  if (std::ranges::any_of(edit.rates, [](double rate) { return rate != 1; })) return "--set synth";
-  return {};
+  if (asked.start != "data") return "--start";
+  return stroke_option(asked.edit);
 }
 
 /// Chooses drawn strokes where an option needs them, and refuses options that exclude each other.
@@ -95,7 +92,7 @@ void check(Synth& asked) {
 std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::MotionModel& model,
                                               const Session& session) {
   if (asked.motion.empty() && asked.overlay.empty()) return std::nullopt;
-  return mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.edit.start());
+  return mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.first());
 }
 
 /// Output files; none gets its name before finish().
@@ -164,18 +161,6 @@ void write_clips(const Synth& asked, Outputs& outputs, pipeline::ClipSynthesis& 
   outputs.finish();
 }
 
-/// Runs the texture between the strokes at their speed, and their way.
-void edit_texture(pipeline::ClipModel& model, const mcmc::MotionEdit& edit, Session& session) {
-  if (!model.texture) return;
-  std::vector<dytex::Edit> edits;
-  if (edit.speed != 1) edits.push_back({dytex::Flow{edit.speed}});
-  if (edit.reverse) edits.push_back({dytex::Reverse{}});
-  if (edits.empty()) return;
-  auto result = dytex::edit(*model.texture, edits);
-  for (const auto& note : result.notes) session.warn("texture: " + note);
-  model.texture = std::move(result.texture);
-}
-
 double mean(const std::vector<std::size_t>& values) {
   const double sum = static_cast<double>(std::accumulate(values.begin(), values.end(), std::size_t{0}));
   return std::round(100 * sum / static_cast<double>(std::max<std::size_t>(1, values.size()))) / 100;
@@ -206,11 +191,13 @@ Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipelin
   summary["model"] = {{"folder", asked.model}, {"learned_from_frames", model.frames}};
   summary["model"].update(motion_model_figures(model));
   summary["clip"] = clip_json(asked.output, frames.info(), asked.frames);
+  Json edits = edit_json(asked.edit);
+  edits["start"] = asked.start;
   summary["options"] = {{"synth",
                          {{"frames", asked.frames},
                           {"fill", pipeline::name(frames.fill_kind())},
                           {"loop", asked.loop ? Json(*asked.loop) : Json(nullptr)}}},
-                        {"edit", edit_json(asked.edit)},
+                        {"edit", edits},
                         {"fill", options_json(asked.fill)}};
   summary["synthesis"] =
       frames.footage() ? footage_json(*frames.footage()) : statistics_json(*frames.statistics());
@@ -229,16 +216,15 @@ void run_synth(Synth asked, Session& session) {
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
   stages.begin("edit");
   const auto& edit = asked.edit.edit;
-  if (!opened.footage) {
-    correct_rates_once(opened, session.context);
-    opened.motion = apply_edits(std::move(opened.motion), asked.edit, session);
-    edit_texture(opened, edit, session);
-  }
+  const bool plays = opened.footage.has_value();  // at another speed it is played so, not edited
+  if (!plays) opened = apply_edits(std::move(opened), asked.edit, session);
   stages.begin("synthesize");
   const pipeline::ClipSynthesisOptions options{.seed = session.common.seed,
                                                .fill_kind = asked.fill_kind,
-                                               .start = asked.edit.start(),
-                                               .speed = edit.reverse ? -edit.speed : edit.speed,
+                                               .start = asked.first(),
+                                               .speed = !plays         ? 1
+                                                        : edit.reverse ? -edit.speed
+                                                                       : edit.speed,
                                                .loop = asked.loop,
                                                .fill = asked.fill};
   pipeline::ClipSynthesis frames(opened, options, session.context);
@@ -283,7 +269,13 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")
       ->type_name("OUT");
   const auto settings = add_settings(*command, line);
-  add_edit_options(*command, *settings, asked->edit);
+  command
+      ->add_option("--start", asked->start,
+                   "Begin as in the clip (data) or as the model usually is (stationary)")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"data", "stationary"}).description(""))
+      ->default_str(asked->start);
+  add_edit_options(*command, asked->edit, settings.get());
   settings->add("fill", asked->fill);
   finish_command(*command, line, asked, run_synth,
                  [asked, frames] { asked->asked_frames = frames->count() > 0; });

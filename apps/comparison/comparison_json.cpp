@@ -202,18 +202,6 @@ std::vector<pipeline::MeasureDescription> all_measures() {
   return all;
 }
 
-std::span<const VisibleMeasure> visible_measures() {
-  static constexpr std::array<VisibleMeasure, 5> kMeasures{{
-      {"complete", "Complete",
-       "distance to what the source shows, 1 as its own halves; more: something is missing"},
-      {"flow", "Flow", "speed of the fastest motion, share of the source's"},
-      {"variance", "Variance", "over time, share of the source's"},
-      {"difference", "Difference", "from frame to frame, share of the source's"},
-      {"copied", "Copied", "share of what moves that is as in one frame of the source"},
-  }};
-  return kMeasures;
-}
-
 std::vector<DistanceColumn> distance_columns(const Json& measures) {
   std::vector<DistanceColumn> columns;
   for (const auto& model : measures.value("models", Json::array()))

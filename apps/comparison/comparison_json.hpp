@@ -44,13 +44,6 @@ void write_measures(const nlohmann::ordered_json& measures, io::OutputFolder& ou
 /// Returns all measures in the order of tables and reports: of pixels, then of strokes.
 std::vector<pipeline::MeasureDescription> all_measures();
 
-/// Describes a figure of "visible".
-struct VisibleMeasure {
-  const char *key, *name, *about;
-};
-/// Returns the figures of "visible", in the order of tables and reports.
-std::span<const VisibleMeasure> visible_measures();
-
 /// Names a column of a table of distances: a model, another clip, or the noise floor.
 struct DistanceColumn {
   std::string key, label;

@@ -89,7 +89,7 @@ std::string rate_table(const Json& measures) {
 /// What a person sees of the clips.
 std::string visible_table(const Json& measures, const std::vector<DistanceColumn>& columns) {
   std::string rows;
-  for (const auto& measure : visible_measures()) {
+  for (const auto& measure : pipeline::visible_measures()) {
     std::string cells = "  ";
     for (const auto& one : columns) {
       const auto& distances = distances_of(measures, one.key);

@@ -162,7 +162,7 @@ std::string visible_table(const Json& measures) {
   std::vector<std::string> head{"beside " + source_of(measures)};
   for (const auto& one : columns) head.push_back(escape_html(one.label));
   table.head(head);
-  for (const auto& measure : visible_measures()) {
+  for (const auto& measure : pipeline::visible_measures()) {
     std::vector<std::string> cells;
     for (const auto& one : columns)
       cells.push_back(text_of(at(distances_of(measures, one.key), {"visible", measure.key}), 2));

@@ -13,6 +13,7 @@
 #include "apps/pictures/still.hpp"
 #include "apps/report/report_model.hpp"
 #include "apps/report/report_sampler.hpp"
+#include "core/text/escape_html.hpp"
 #include "graph/events/event_score.hpp"
 #include "graph/events/events.hpp"
 #include "graph/motion_graph.hpp"
@@ -65,8 +66,7 @@ std::string make_report(const ReportInput& input, const nlohmann::ordered_json& 
 std::string fill_in(std::string_view page,
                     const std::vector<std::pair<std::string_view, std::string_view>>& values);
 
-/// Escapes & < > " ' for HTML.
-std::string escape_html(const std::string& text);
+using core::escape_html;
 
 /// Writes compact JSON that may stand inside a script element; bytes that are no UTF-8 are replaced.
 std::string embed_json(const nlohmann::ordered_json& value);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iomanip>
 #include <limits>
 #include <numbers>
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "pipeline/parameter_count.hpp"
 
 namespace emberfold::apps {
 
@@ -83,6 +85,7 @@ Json texture_json(const dytex::LinearDynamicTexture& texture) {
           {"fps", texture.info.fps},
           {"frames", texture.states.cols()},
           {"components", texture.components()},
+          {"parameters", pipeline::parameter_count(texture)},
           {"order", texture.order()},
           {"per_channel", texture.channels.size() > 0},
           {"residuals", texture.residuals.cols()},
@@ -99,7 +102,8 @@ std::string texture_table(const dytex::LinearDynamicTexture& texture, std::size_
   out << "linear dynamic texture\n  frames              " << info.width << " x " << info.height << ", "
       << (info.channels == 3 ? "colour" : "grey") << ", " << info.fps << " a second\n  learned from        "
       << texture.states.cols() << " frames\n  components          " << texture.components()
-      << (texture.channels.size() > 0 ? ", each of one channel" : "") << "\n  order               "
+      << (texture.channels.size() > 0 ? ", each of one channel" : "") << "\n  parameters          "
+      << static_cast<std::int64_t>(pipeline::parameter_count(texture)) << "\n  order               "
       << texture.order() << ", driven by " << texture.B.cols()
       << (texture.residuals.size() > 0 ? " resampled residuals\n" : " noises\n") << "  share of variance   "
       << column(100 * share_of_variance(texture, texture.components()), 0, 2) << " %\n  spectral radius     "

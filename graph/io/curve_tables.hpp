@@ -9,6 +9,15 @@
 
 namespace emberfold::graph {
 
+/// A curve in one frame, as a row of curves.csv.
+struct CurveRow {
+  StrokeRow whole;                        ///< its number, a curve's; the middle is that of its longest piece
+  std::uint32_t pieces = 1, touches = 0;  ///< edges that lead to other curves
+};
+
+/// Returns a row for every curve and frame, curve after curve. The curves must be identified.
+std::vector<CurveRow> curve_rows(const MotionGraph& motion);
+
 /// Writes curves.csv, a row for each curve and frame, curve after curve.
 /// Columns: curve, frame, x, y (the middle of its longest piece, px), length (px), patches, width (px) and
 /// contrast (means over the patches), pieces (1, or more where other curves lie over it), touches (edges that

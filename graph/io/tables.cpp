@@ -80,12 +80,6 @@ StrokeLife life_of(std::span<const Row> rows, std::size_t clip_frames) {
   return life;
 }
 
-/// The rows of a curve's pieces in one frame as one.
-struct CurveRow {
-  Row whole;  ///< its middle is that of the longest piece
-  std::uint32_t pieces = 1, touches = 0;
-};
-
 /// Returns how many edges lead from each curve to others, by (curve, frame).
 std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> touches_of(const MotionGraph& motion) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> touches;
@@ -99,6 +93,8 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> touches_of(cons
   }
   return touches;
 }
+
+}  // namespace
 
 std::vector<CurveRow> curve_rows(const MotionGraph& motion) {
   std::vector<CurveRow> rows;
@@ -124,8 +120,6 @@ std::vector<CurveRow> curve_rows(const MotionGraph& motion) {
   }
   return rows;
 }
-
-}  // namespace
 
 void write_curves(std::ostream& out, const MotionGraph& motion, const Units& units) {
   std::string text = "curve,frame,x,y,length,patches,width,contrast,pieces,touches";

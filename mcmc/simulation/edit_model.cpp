@@ -12,6 +12,7 @@
 #include "graph/events/events.hpp"
 #include "mcmc/simulation/edit_population.hpp"
 #include "mcmc/simulation/rate_calibration.hpp"
+#include "mcmc/simulation/simulated_strokes.hpp"
 
 namespace emberfold::mcmc {
 
@@ -231,7 +232,25 @@ double choose_strokes(MotionModel& model, StrokeChoice choice) {
   return before > 0 ? std::accumulate(births.begin(), births.end(), 0.0) / before : 1;
 }
 
-// --- a painted birth map
+// --- places of births
+
+// Lets strokes be born by this map: each exemplar at some places drawn from it.
+void place_exemplars(MotionModel& model, const CellMap& map, std::uint64_t seed) {
+  std::vector<Exemplar> exemplars;
+  const std::size_t copies =
+      std::max<std::size_t>(1, placed / std::max<std::size_t>(1, model.exemplars.size()));
+  for (std::size_t i = 0; i < model.exemplars.size(); ++i)
+    for (std::size_t copy = 0; copy < copies; ++copy) {
+      core::Rng rng(seed, {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(copy), 0});
+      const auto cell = rng.categorical(map.values);
+      const auto columns = static_cast<std::size_t>(map.columns);
+      Exemplar one = model.exemplars[i];
+      one.place = {(static_cast<double>(cell % columns) + rng.uniform()) * map.cell - 0.5,
+                   (static_cast<double>(cell / columns) + rng.uniform()) * map.cell - 0.5};
+      exemplars.push_back(std::move(one));
+    }
+  model.exemplars = std::move(exemplars);
+}
 
 void apply_birth_map(MotionModel& model, const CellMap& painted, std::uint64_t seed) {
   auto& birth = model.rates.birth;
@@ -240,21 +259,40 @@ void apply_birth_map(MotionModel& model, const CellMap& painted, std::uint64_t s
     throw core::InputError("MotionEdit.birth_map is of another grid than the model's");
   const double whole = sum(birth), mass = sum(painted);
   for (std::size_t c = 0; c < birth.values.size(); ++c) birth.values[c] = painted.values[c] / mass * whole;
-  // Strokes that may be born there: each exemplar at some places of the painted map.
-  std::vector<Exemplar> exemplars;
-  const std::size_t copies =
-      std::max<std::size_t>(1, placed / std::max<std::size_t>(1, model.exemplars.size()));
-  for (std::size_t i = 0; i < model.exemplars.size(); ++i)
-    for (std::size_t copy = 0; copy < copies; ++copy) {
-      core::Rng rng(seed, {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(copy), 0});
-      const auto cell = rng.categorical(painted.values);
-      const auto columns = static_cast<std::size_t>(painted.columns);
-      Exemplar one = model.exemplars[i];
-      one.place = {(static_cast<double>(cell % columns) + rng.uniform()) * painted.cell - 0.5,
-                   (static_cast<double>(cell / columns) + rng.uniform()) * painted.cell - 0.5};
-      exemplars.push_back(std::move(one));
+  place_exemplars(model, painted, seed);
+}
+
+// Lets all strokes drift. Returns how many it carries out of the frame, of `strokes` evenly spread ones.
+double add_wind(MotionModel& model, graph::Point wind, double strokes) {
+  for (double& value : model.drift_x.values) value += wind.x;
+  for (double& value : model.drift_y.values) value += wind.y;
+  return strokes * (std::abs(wind.x) / model.width + std::abs(wind.y) / model.height);
+}
+
+// Lets as many strokes be born at the side where the wind comes from as it brings in, of evenly spread ones.
+void bring_in(MotionModel& model, graph::Point wind, double strokes, std::uint64_t seed) {
+  auto& birth = model.rates.birth;
+  const double density = strokes / (double(model.width) * model.height);  // a px²
+  const int column = wind.x > 0 ? 0 : birth.columns - 1, row = wind.y > 0 ? 0 : birth.rows - 1;
+  for (int y = 0; y < birth.rows; ++y)
+    for (int x = 0; x < birth.columns; ++x) {
+      const double brought = (x == column ? std::abs(wind.x) : 0) + (y == row ? std::abs(wind.y) : 0);
+      birth.values[static_cast<std::size_t>(y * birth.columns + x)] += density * brought / birth.cell;
     }
-  model.exemplars = std::move(exemplars);
+  place_exemplars(model, birth, seed);
+}
+
+// --- contrast
+
+graph::AttributeGraph with_contrast(const graph::AttributeGraph& graph, double factor) {
+  std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+  for (auto& vertex : vertices) detail::scale_contrast(vertex.patch, factor);
+  return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+}
+
+void change_contrast(MotionModel& model, double factor) {
+  model.first = with_contrast(model.first, factor);
+  for (auto& exemplar : model.exemplars) exemplar.graph = with_contrast(exemplar.graph, factor);
 }
 
 // --- rates
@@ -267,6 +305,10 @@ void change_population(EditedMotion& result, const MotionEdit& edit, std::uint64
   double births = edit.rates[0];
   if (edit.strokes != StrokeChoice::all) births *= choose_strokes(model, edit.strokes);
   if (edit.birth_map) apply_birth_map(model, *edit.birth_map, seed);
+  const double strokes = std::accumulate(shown.strokes.begin(), shown.strokes.end(), 0.0);
+  double carried = 0;  // strokes a frame, out of the frame and into it
+  if (edit.wind != graph::Point{}) carried = add_wind(model, edit.wind, strokes);
+  if (births <= 0) carried = 0;  // none is wanted
   auto& rates = model.rates;
   const auto scale = [&](EventType type, double factor, auto&&... rate) {
     const auto i = static_cast<std::size_t>(type);
@@ -275,13 +317,14 @@ void change_population(EditedMotion& result, const MotionEdit& edit, std::uint64
     ((rate = std::min(1.0, rate * factor)), ...);
   };
   for (double& value : rates.birth.values) value *= edit.rates[0];
-  if (births != 1 || edit.birth_map) wanted[0] = births * shown.events[0];
+  if (carried > 0 && !edit.birth_map) bring_in(model, edit.wind, strokes, seed);
+  if (births != 1 || edit.birth_map || carried > 0) wanted[0] = births * shown.events[0] + carried;
   for (double& rate : rates.death_by_size) scale(EventType::death, edit.rates[1], rate);
   scale(EventType::split, edit.rates[2], rates.split);
   scale(EventType::merge, edit.rates[3], rates.merge);
   scale(EventType::connect, edit.rates[4], rates.connect);
   scale(EventType::disconnect, edit.rates[5], rates.disconnect);
-  if (births <= 0 || shown.events[0] <= 0) {
+  if (births <= 0 || (shown.events[0] <= 0 && carried <= 0)) {
     if (edit.rates[0] <= 0) result.notes.emplace_back("nothing is born: what is there first dies out");
     return;
   }
@@ -295,6 +338,8 @@ void MotionEdit::validate() const {
   check("speed", speed, 0.1, 10);
   check("intensity", intensity, 0, 10);
   check("flicker", flicker, 0, 10);
+  check("contrast", contrast, 0.1, 10);
+  for (const double speed_of_wind : {wind.x, wind.y}) check("wind", speed_of_wind, -8, 8);
   constexpr std::array names = {"births", "deaths", "splits", "merges", "connects", "disconnects"};
   for (std::size_t i = 0; i < rates.size(); ++i) check(names[i], rates[i], 0, 10);
   if (rates[0] > most_crowded * rates[1])
@@ -335,7 +380,9 @@ EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::
   result.model.displacement.noise *= edit.intensity;
   result.model.contrast.noise *= edit.flicker;
   const bool same_rates = std::ranges::all_of(edit.rates, [](double rate) { return rate == 1; });
-  if (!same_rates || edit.birth_map || edit.strokes != StrokeChoice::all)
+  if (edit.contrast != 1) change_contrast(result.model, edit.contrast);
+  const bool is_still = edit.wind == graph::Point{};
+  if (!same_rates || !is_still || edit.birth_map || edit.strokes != StrokeChoice::all)
     change_population(result, edit, seed, context);
   validate(result.model);
   return result;

@@ -22,6 +22,8 @@ struct MotionEdit {
   bool reverse = false;  ///< time runs backwards
   double intensity = 1;  ///< 0…10: factor of the SD of the displacement's noise
   double flicker = 1;    ///< 0…10: factor of the SD of the contrast's noise
+  double contrast = 1;   ///< 0.1…10: factor of the strokes' contrast
+  graph::Point wind;     ///< px a frame, −8…8 each: added to the drift of all strokes
   StrokeChoice strokes = StrokeChoice::all;
   /// Shares of births in each cell of the model's grid; ≥ 0, not all 0.
   std::optional<CellMap> birth_map;
@@ -31,6 +33,7 @@ struct MotionEdit {
 
   /// Throws core::InputError, naming field, value and range.
   void validate() const;
+  bool operator==(const MotionEdit&) const = default;
 };
 
 /// Holds an edited model.
@@ -40,9 +43,11 @@ struct EditedMotion {
 };
 
 /// Returns an edited copy of a model.
-/// Edits that change the number of strokes (all but intensity and flicker) are settled by simulation: events
+/// Edits that change the number of strokes (all but intensity, flicker and contrast) are settled by
+/// simulation: events
 /// that are asked for happen as often as asked, other events keep their rates per site, and the edited model
-/// starts in its own stationary state. A neutral edit returns the same model. Throws core::InputError for an
+/// starts in its own stationary state. What the wind carries out of the frame is born at its other side.
+/// A neutral edit returns the same model. Throws core::InputError for an
 /// invalid edit or model, a birth map of another grid, and where no stroke is left. Some thousand simulated
 /// frames.
 EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::uint64_t seed = 1,

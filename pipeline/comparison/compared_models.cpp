@@ -12,6 +12,7 @@
 #include "core/error.hpp"
 #include "dytex/baselines/star.hpp"
 #include "dytex/synthesize.hpp"
+#include "pipeline/parameter_count.hpp"
 
 namespace emberfold::pipeline {
 

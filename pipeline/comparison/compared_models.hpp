@@ -87,8 +87,4 @@ auto learn_or_warn(const std::string& none, const core::Context& context, const 
   return std::nullopt;
 }
 
-/// Returns how many numbers of a model are needed to draw from it.
-double parameter_count(const mcmc::MotionModel& model);
-double parameter_count(const dytex::LinearDynamicTexture& texture);
-
 }  // namespace emberfold::pipeline

@@ -66,6 +66,18 @@ double share(double value, double reference, double least) {
 
 }  // namespace
 
+std::span<const MeasureDescription> visible_measures() {
+  static constexpr std::array<MeasureDescription, 5> kMeasures{{
+      {"complete", "Complete", "",
+       "distance to what the source shows, 1 as its own halves; more: something is missing"},
+      {"flow", "Flow", "", "speed of the fastest motion, share of the source's"},
+      {"variance", "Variance", "", "over time, share of the source's"},
+      {"difference", "Difference", "", "from frame to frame, share of the source's"},
+      {"copied", "Copied", "", "share of what moves that is as in one frame of the source"},
+  }};
+  return kMeasures;
+}
+
 bool VisibleFigures::moves_alike() const {
   return std::ranges::all_of(std::array{flow, variance, difference},
                              [](double one) { return one >= 0.7 && one <= 1.4; });

@@ -9,6 +9,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
 
 namespace emberfold::pipeline {
 
@@ -27,6 +28,9 @@ struct VisibleFigures {
 
   bool operator==(const VisibleFigures&) const = default;
 };
+
+/// Returns the figures of VisibleFigures, in the order of its fields.
+std::span<const MeasureDescription> visible_measures();
 
 /// Returns the picture by which a frame's luma (CV_32F) is measured: CV_8U, half its size, and at most 2^16
 /// px.

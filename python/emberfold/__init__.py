@@ -9,7 +9,7 @@
 Clips are NumPy arrays, files, or what `ef.open` makes of them. Colours are red, green, blue; frames count from 0; places are
 pixels, x to the right and y down. Long calls leave the interpreter free and end at Ctrl-C.
 """
-from . import dytex, graph, measures, sketch
+from . import dytex, graph, mcmc, measures, rates, sketch
 from ._native import (
     AnalyzeOptions,
     CalibrateOptions,
@@ -24,6 +24,7 @@ from ._native import (
     IoError,
     MatchOptions,
     MotionGraph,
+    MotionModel,
     NumericalError,
     OperatorRates,
     QuiltOptions,
@@ -34,12 +35,16 @@ from ._native import (
 from .clip import Clip, write_video
 from .clip import open_clip as open  # noqa: A001, as ef.open
 from .comparison import Comparison, ModelComparison, compare, compare_models
-from .quilting import quilt, render_quilt
-from .run import Run, analyze
+from .quilting import measure_quilt, quilt, render_quilt
+from .run import Run, analyze, read_run
+from .shown import show_compiled
 
 __all__ = [
     "AnalyzeOptions", "CalibrateOptions", "Cancelled", "Clip", "ClipModel", "ClipSynthesisOptions", "CompareOptions",
     "Comparison", "ExtractOptions", "FillOptions", "InferOptions", "InputError", "IoError", "MatchOptions", "ModelComparison",
-    "MotionGraph", "NumericalError", "OperatorRates", "QuiltOptions", "Run", "SketchSequence", "StartOptions", "analyze",
-    "compare", "compare_models", "dytex", "graph", "measures", "open", "quilt", "render_quilt", "sketch", "write_video",
+    "MotionGraph", "MotionModel", "NumericalError", "OperatorRates", "QuiltOptions", "Run", "SketchSequence", "StartOptions", "analyze",
+    "compare", "compare_models", "dytex", "graph", "mcmc", "measure_quilt", "measures", "open", "quilt", "rates", "read_run", "render_quilt",
+    "sketch", "write_video",
 ]
+
+show_compiled()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterator, Optional, Tuple, Union
+from typing import Any, Dict, Iterator, Optional, Tuple, Union
 
 import numpy as np
 
@@ -20,9 +20,8 @@ class Clip:
     fps: frames a second; pixel_size: µm, or None. np.asarray(clip) is its frames, T × H × W or T × H × W × 3.
     """
 
-    def __init__(self, data: _native.ClipData, state: Tuple[Any, ...], pixel_size: Optional[float], name: str):
-        self._data, self._state = data, state
-        self._pixel_size, self._name = pixel_size, name
+    def __init__(self, data: _native.ClipData, state: Tuple[Any, ...], name: str):
+        self._data, self._state, self._name = data, state, name
 
     fps = property(lambda self: self._data.fps)
     white = property(lambda self: self._data.white, doc="The value of white.")
@@ -30,7 +29,8 @@ class Clip:
     height = property(lambda self: self._data.height)
     dtype = property(lambda self: self._data.dtype)
     name = property(lambda self: self._name)
-    pixel_size = property(lambda self: self._pixel_size, doc="Micrometres; None where it is not known.")
+    fps_is_known = property(lambda self: self._data.fps_is_known, doc="False where fps is a guess.")
+    pixel_size = property(lambda self: self._data.pixel_size, doc="Micrometres; None where it is not known.")
 
     @property
     def shape(self) -> Tuple[Optional[int], ...]:
@@ -61,7 +61,7 @@ class Clip:
         return self.read()[index]
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return _restore, (self._state, self._pixel_size, self._name)
+        return _restore, (self._state, self._name)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Clip):
@@ -85,12 +85,13 @@ class Clip:
         return plot.frame(self, frame)
 
 
-def _restore(state: Tuple[Any, ...], pixel_size: Optional[float], name: str) -> Clip:
+def _restore(state: Tuple[Any, ...], name: str) -> Clip:
     data = _native.ClipData(*state[1:]) if state[0] == "array" else _native.ClipData.open(*state[1:])
-    return Clip(data, state, pixel_size, name)
+    return Clip(data, state, name)
 
 
-def _of_array(array: np.ndarray, frames: slice, fps: Optional[float], roi: Optional[Roi], white: Optional[float]) -> Tuple[Any, ...]:
+def _of_array(array: np.ndarray, frames: slice, fps: Optional[float], pixel_size: Optional[float], roi: Optional[Roi],
+              white: Optional[float]) -> Tuple[Any, ...]:
     if array.ndim not in (3, 4):
         raise ValueError(f"clip has the shape {array.shape}; allowed are (T, H, W) and (T, H, W, 3), none 0")
     array = array[frames]
@@ -102,43 +103,60 @@ def _of_array(array: np.ndarray, frames: slice, fps: Optional[float], roi: Optio
         array = array[:, y:y + height, x:x + width]
     if not array.dtype.isnative:
         array = array.astype(array.dtype.newbyteorder("="))
-    return "array", array, fps, white
+    step = abs(frames.step or 1)
+    return "array", array, None if fps is None else fps / step, white, pixel_size
 
 
-def _of_file(path: str, frames: slice, fps: Optional[float], roi: Optional[Roi]) -> Tuple[Any, ...]:
+def _of_file(path: str, frames: slice, options: Dict[str, Any]) -> Tuple[Any, ...]:
     first, last, step = frames.start or 0, frames.stop, frames.step or 1
     if first < 0 or (last is not None and last <= first) or step < 1:
         raise ValueError(f"frames is {frames}; of a file allowed are slices from 0 on, not empty, with a step from 1 on")
-    return "file", path, first, last, step, roi, fps
+    return "file", path, first, last, {"step": step, **options}
+
+
+def _reopen(clip: Clip, frames: Optional[slice], options: Dict[str, Any], roi: Optional[Roi], white: Optional[float]) -> Clip:
+    """A clip with other options, or a part of it."""
+    given = {name: value for name, value in options.items() if value is not None}
+    if frames is None and roi is None and white is None:
+        if not given:
+            return clip
+        if clip._state[0] == "file":
+            return _restore((*clip._state[:4], {**clip._state[4], **given}), clip.name)
+    if clip._state[0] == "file" and clip._state[4].get("mask") is not None:
+        raise ValueError("frames, roi and white of a clip with a mask are told when its file is opened")
+    known = {"fps": clip.fps if clip.fps_is_known else None, "pixel_size": clip.pixel_size, **given}
+    return open_clip(clip.read(), frames=frames, roi=roi, white=clip.white if white is None else white, **known)
 
 
 def open_clip(clip: ClipLike, *, frames: Optional[slice] = None, fps: Optional[float] = None,
-              pixel_size: Optional[float] = None, roi: Optional[Roi] = None, white: Optional[float] = None) -> Clip:
+              pixel_size: Optional[float] = None, roi: Optional[Roi] = None, white: Optional[float] = None,
+              **reading: Any) -> Clip:
     """Opens a clip: a video, a folder or pattern of images, a TIFF, or an array (T, H, W[, 3]) of uint8, uint16 or float32.
 
-    frames: which of them; roi: x, y, width, height, px, and places are then counted from its corner. fps and pixel_size (µm)
-    give results seconds and micrometres. white: of an array, the value of white; unless given 255, and of 16 bits the largest
-    of the bits that the values need, of floats up to 1 it is 1.
+    frames: which of them; roi: x, y, width, height, px, and places are then counted from its corner. fps (of the frames
+    as they were taken) and pixel_size (µm) give results seconds and micrometres; of a file they are its own unless given. white: of an array, the value of white;
+    unless given 255, and of 16 bits the largest of the bits that the values need, of floats up to 1 it is 1.
+
+    reading, of files alone, as the command's options: channel=0, slice=0 or "max", levels="auto", "full" or "LOW:HIGH",
+    grey=True, scale=.5, mask="file" (structure counts where it is bright), stabilize="translation" or "similarity".
     """
     if isinstance(clip, Clip):
-        if frames is None and roi is None and white is None and fps is None:
-            return clip if pixel_size is None else _restore(clip._state, pixel_size, clip.name)
-        pixel_size = clip.pixel_size if pixel_size is None else pixel_size
-        return open_clip(clip.read(), frames=frames, fps=clip.fps if fps is None else fps, pixel_size=pixel_size, roi=roi,
-                         white=clip.white if white is None else white)
-    if pixel_size is not None and not (np.isfinite(pixel_size) and pixel_size > 0):
-        raise ValueError(f"pixel_size is {pixel_size}; allowed is a number above 0, in micrometres")
+        return _reopen(clip, frames, {"fps": fps, "pixel_size": pixel_size, **reading}, roi, white)
     frames = slice(None) if frames is None else frames
     if not isinstance(frames, slice):
         raise ValueError(f"frames is {frames!r}; allowed is a slice")
     if isinstance(clip, (str, os.PathLike)):
         if white is not None:
             raise ValueError("white is for arrays; files tell their own")
-        path = os.fspath(clip)
-        return _restore(_of_file(path, frames, fps, roi), pixel_size, path)
+        options = {"fps": fps, "pixel_size": pixel_size, "roi": None if roi is None else tuple(roi), **reading}
+        if options.get("mask") is not None:
+            options["mask"] = os.fspath(options["mask"])
+        return _restore(_of_file(os.fspath(clip), frames, options), os.fspath(clip))
+    for name in reading:
+        raise ValueError(f"{name} is for files; arrays are read as they are")
     if not isinstance(clip, np.ndarray):
         raise ValueError(f"clip is a {type(clip).__name__}; allowed are an array, a path and a Clip")
-    return _restore(_of_array(clip, frames, fps, roi, white), pixel_size, "array")
+    return _restore(_of_array(clip, frames, fps, pixel_size, roi, white), "array")
 
 
 def data_of(clip: ClipLike, name: str = "clip", fps: Optional[float] = None) -> _native.ClipData:

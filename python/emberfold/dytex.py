@@ -2,16 +2,23 @@
 """Linear dynamic textures: learn(clip).edit(speed=0.5).synthesize(200)."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Dict, List, Optional, Tuple
+
+import numpy as np
+import pandas as pd
 
 from . import _native
-from ._native import (PRESETS, LearnOptions, LearnResult, LinearDynamicTexture, SynthesisOptions, grassmann_distance, kl_rate,
-                      martin_distance, stationary_covariance, subspace_angles)
+from ._native import (PRESETS, BinetCauchyOptions, CurveOptions, EmOptions, LearnOptions, LearnResult, LinearDynamicTexture, Star,
+                      StarOptions, SynthesisOptions, binet_cauchy, grassmann_distance, kl_growth, kl_rate, martin_distance,
+                      moving_region, projection_errors, rounded, stationary_covariance, stored_bytes, subspace_angles)
 from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
-__all__ = ["PRESETS", "LearnOptions", "LearnResult", "LinearDynamicTexture", "SynthesisOptions", "grassmann_distance", "kl_rate",
-           "learn", "learn_result", "martin_distance", "stationary_covariance", "subspace_angles"]
+__all__ = ["PRESETS", "BinetCauchyOptions", "CurveOptions", "EmOptions", "LearnOptions", "LearnResult", "LinearDynamicTexture", "Star",
+           "StarOptions", "SynthesisOptions", "binet_cauchy", "distance_matrices", "forecast", "grassmann_distance", "kl_growth",
+           "kl_rate", "learn", "learn_missing", "learn_region", "learn_result", "learn_star", "learning_curve", "martin_distance",
+           "maximise_likelihood", "moving_region", "projection_errors", "rounded", "stationary_covariance", "stored_bytes",
+           "subspace_angles"]
 
 
 def learn(clip: ClipLike, *, progress: Progress = None, **options: Any) -> LinearDynamicTexture:
@@ -26,5 +33,66 @@ def learn_result(clip: ClipLike, *, progress: Progress = None, **options: Any) -
         return _native.learn_result(data_of(clip), report, **options)
 
 
-for _made in (learn, learn_result):
-    _made.__doc__ = f"{_made.__doc__}\n\n{_native.learn.__doc__}"
+def learn_region(clip: ClipLike, mask: np.ndarray, *, progress: Progress = None, **options: Any) -> LinearDynamicTexture:
+    """Learns a texture of the pixels where `mask` (H, W) is not 0, all else held still."""
+    with reporter(progress) as report:
+        return _native.learn_region(data_of(clip), _bytes(mask), LearnOptions(**options), report)
+
+
+def maximise_likelihood(clip: ClipLike, start: LinearDynamicTexture, *, missing: Optional[ClipLike] = None, progress: Progress = None,
+                        **options: Any) -> Dict[str, Any]:
+    """Finds the most likely texture from `start`: a dict of texture, log_likelihood, converged and notes. missing: a mask of as
+    many frames, bright where pixels are hidden. Arguments are the fields of EmOptions."""
+    hidden = None if missing is None else data_of(_mask(missing), "missing")
+    with reporter(progress) as report:
+        return _native.maximise_likelihood(data_of(clip), start, EmOptions(**options), hidden, report)
+
+
+def learn_missing(clip: ClipLike, missing: ClipLike, *, em: Optional[EmOptions] = None, progress: Progress = None,
+                  **options: Any) -> Dict[str, Any]:
+    """Learns a texture of a clip that is partly hidden, where the mask `missing` is bright: a dict as maximise_likelihood()'s.
+    Arguments are the fields of LearnOptions."""
+    with reporter(progress) as report:
+        return _native.learn_missing(data_of(clip), data_of(_mask(missing), "missing"), LearnOptions(**options), em or EmOptions(), report)
+
+
+def forecast(texture: LinearDynamicTexture, steps: int, clip: Optional[ClipLike] = None, *,
+             progress: Progress = None) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Predicts the frames after those that the texture was learned from, or after those of `clip`: the frames (float32,
+    steps × H × W[ × 3]), their states (N × steps) and the expected RMS error of each, levels."""
+    with reporter(progress) as report:
+        return _native.forecast(texture, steps, None if clip is None else data_of(clip), report)
+
+
+def learning_curve(clip: ClipLike, *, progress: Progress = None, **options: Any) -> Tuple[pd.DataFrame, Dict[str, Any]]:
+    """How the error of predicting the next frame falls with the length of the clip: a table, and the plateau, the critical
+    length and the error of showing the frame before. Arguments are the fields of CurveOptions."""
+    with reporter(progress) as report:
+        found = _native.learning_curve(data_of(clip), CurveOptions(**options), report)
+    return pd.DataFrame(found.pop("points"), columns=["length", "error", "spread", "left_out"]).set_index("length"), found
+
+
+def distance_matrices(textures: List[LinearDynamicTexture], *, progress: Progress = None, **options: Any) -> Dict[str, np.ndarray]:
+    """Distances of all pairs by measure: kl, martin, binet-cauchy, angles; None of a measure that they have not. Arguments are
+    the fields of BinetCauchyOptions."""
+    with reporter(progress) as report:
+        return _native.distance_matrices(list(textures), BinetCauchyOptions(**options), report)
+
+
+def learn_star(clip: ClipLike, *, progress: Progress = None, **options: Any) -> Star:
+    """Learns a spatio-temporal auto-regression; arguments are the fields of StarOptions."""
+    with reporter(progress) as report:
+        return _native.learn_star(data_of(clip), StarOptions(**options), report)
+
+
+def _bytes(mask: Any) -> Any:
+    return mask.astype(np.uint8) if isinstance(mask, np.ndarray) and mask.dtype == bool else mask
+
+
+def _mask(mask: Any) -> Any:
+    return mask.astype(np.uint8) * 255 if isinstance(mask, np.ndarray) and mask.dtype == bool else mask
+
+
+learn_result.__doc__ = f"{learn_result.__doc__}\n\n{_native.learn.__doc__}"
+for _made in (learn, learn_region, maximise_likelihood, learn_missing, forecast, learning_curve, distance_matrices, learn_star):
+    _made.__doc__ = f"{_made.__doc__}\n\n{getattr(_native, _made.__name__).__doc__}"

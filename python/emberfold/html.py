@@ -39,3 +39,15 @@ def run(shown: Any) -> str:
     counts = shown.rates()["events"]
     rows = [("frames", shown.frames), ("events", len(shown.events)), *((name, count) for name, count in counts.items())]
     return _rows(rows) + _draw(lambda: shown.show())
+
+
+def texture(shown: Any) -> str:
+    rows = [("linear dynamic texture", f"{shown.width}x{shown.height}"), ("components", shown.components),
+            ("noise, levels", f"{shown.r:.3g}")]
+    return _rows(rows) + _draw(lambda: shown.show())
+
+
+def model(shown: Any) -> str:
+    motion = shown.motion
+    rows = [("motion model", f"{motion.width}x{motion.height}"), ("of frames", motion.frames)]
+    return _rows(rows) + _draw(lambda: shown.show())

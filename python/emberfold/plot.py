@@ -53,6 +53,39 @@ def graph(run: Any, t: int) -> Any:
     return figure
 
 
+def texture(shown: Any) -> Any:
+    """The mean image and the components of most variance."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    images = [("mean", shown.mean)]
+    images += [(f"component {k + 1}", shown.C[:, k]) for k in range(min(3, shown.components))]
+    figure = Figure(figsize=(2.5 * len(images), 2.5 * shown.height / shown.width + 0.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    for axes, (name, values) in zip(np.atleast_1d(figure.subplots(1, len(images))), images):
+        image = np.asarray(values, float).reshape(shown.height, shown.width, shown.channels).mean(axis=2)
+        axes.imshow(image, cmap="gray")
+        axes.set(title=name)
+        axes.set_axis_off()
+    return figure
+
+
+def model(shown: Any) -> Any:
+    """Where strokes are born and die, by the model's maps."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    motion = shown.motion
+    figure = Figure(figsize=(8, 4 * motion.height / motion.width + 0.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    maps = ("births, a frame and px²", motion.rates.birth), ("deaths, beside the mean", motion.rates.death)
+    for axes, (name, values) in zip(figure.subplots(1, 2), maps):
+        drawn = axes.imshow(values, extent=(0, motion.width, motion.height, 0))
+        axes.set(title=name)
+        figure.colorbar(drawn, ax=axes)
+    return figure
+
+
 def _events(run: Any, axes: Any) -> None:
     bins = np.linspace(0, run.frames / run.fps, min(run.frames, 40) + 1)
     times = [run.events.loc[run.events["type"] == kind, "t_s"] for kind in EVENT_TYPES]

@@ -2,7 +2,7 @@
 """Larger clips from small ones."""
 from __future__ import annotations
 
-from typing import Any, Optional, Tuple, Union
+from typing import Any, Dict, Optional, Tuple, Union
 
 import numpy as np
 
@@ -11,16 +11,17 @@ from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
 
-def quilt(clip: ClipLike, *, forbidden: Optional[np.ndarray] = None, return_map: bool = False, progress: Progress = None,
-          **options: Any) -> Union[np.ndarray, Tuple[np.ndarray, np.ndarray]]:
+def quilt(clip: ClipLike, *, forbidden: Optional[np.ndarray] = None, guide: Optional[np.ndarray] = None,
+          output_guide: Optional[np.ndarray] = None, return_map: bool = False, progress: Progress = None, **options: Any) -> Union[np.ndarray, Tuple[np.ndarray, np.ndarray]]:
     """Enlarges a clip in space; returns its frames, of the clip's type, and with `return_map` the source coordinates too.
 
-    forbidden: (H, W), pixels that are not 0 are not copied. Other arguments are the fields of QuiltOptions: size=(512, 512).
+    forbidden: (H, W), pixels that are not 0 are not copied. guide, (H, W), and output_guide, of the output's size: what
+    is alike in them is copied to where it is alike. Other arguments are the fields of QuiltOptions: size=(512, 512).
     """
     if forbidden is not None and forbidden.dtype == bool:
         forbidden = forbidden.astype(np.uint8)
     with reporter(progress) as report:
-        frames, places = _native.quilt(data_of(clip), _native.QuiltOptions(**options), forbidden, report)
+        frames, places = _native.quilt(data_of(clip), _native.QuiltOptions(**options), forbidden, guide, output_guide, report)
     return (frames, places) if return_map else frames
 
 
@@ -30,4 +31,11 @@ def render_quilt(map: np.ndarray, clip: ClipLike, *, progress: Progress = None) 
         return _native.render_quilt(map, data_of(clip), report)
 
 
+def measure_quilt(map: np.ndarray, clip: ClipLike, *, progress: Progress = None) -> Dict[str, float]:  # noqa: A002
+    """How much a map of quilt() copies, and how visible its seams are."""
+    with reporter(progress) as report:
+        return _native.measure_quilt(map, data_of(clip), report)
+
+
+measure_quilt.__doc__ = f"{measure_quilt.__doc__}\n\n{_native.measure_quilt.__doc__}"
 quilt.__doc__ = f"{quilt.__doc__}\n\n{_native.quilt.__doc__}"

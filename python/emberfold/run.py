@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple, Union
 
@@ -11,12 +12,10 @@ import networkx as nx
 import numpy as np
 import pandas as pd
 
-from . import _native, geff, store
+from . import _native, store
 from .clip import Clip, ClipLike, open_clip
-from .graph import to_networkx
+from .graph import to_networkx, tuples_of_review
 from .progress import Progress, reporter
-
-QUALITIES = ("draft", "normal")
 
 
 class Run:
@@ -26,13 +25,14 @@ class Run:
     is right, places in µm where its pixel_size is known.
     """
 
-    def __init__(self, clip: Optional[Clip], found: Dict[str, Any], options: _native.AnalyzeOptions):
+    def __init__(self, clip: Optional[Clip], found: Dict[str, Any], options: Optional[_native.AnalyzeOptions]):
         self.clip, self.options = clip, options
         self.motion: _native.MotionGraph = found["motion"]
         self.model: _native.ClipModel = found["model"]
-        self.stages: Dict[str, float] = dict(found["stages"])
-        self.pixel_size = None if clip is None else clip.pixel_size
-        self._events, self._all_events, self._rates = found["events"], found["all_events"], found["rates"]
+        self.stages: Dict[str, float] = dict(found.get("stages", ()))
+        self.pixel_size: Optional[float] = found["pixel_size"]
+        self._events, self._all_events = found["events"], found["all_events"]
+        self._rates, self._reviewed = found.get("rates"), found.get("reviewed")
 
     fps = property(lambda self: self.motion.fps)
     frames = property(lambda self: len(self.motion), doc="Number of frames.")
@@ -79,6 +79,16 @@ class Run:
             rows.append((kind, count, *found, *(found * self.fps)))
         names = ["type", "events", "per_frame", "per_frame_low", "per_frame_high", "per_s", "per_s_low", "per_s_high"]
         return pd.DataFrame(rows, columns=names).set_index("type")
+
+    @property
+    def reviewed(self) -> Optional[pd.DataFrame]:
+        """How many events of each class there were by the review, and their rates a frame, with 90 % intervals that also hold
+        what is not known of the events without an answer; None without a review."""
+        if self._reviewed is None:
+            return None
+        rows = [(*count, *rate) for count, rate in zip(self._reviewed["counts"], self._reviewed["rates"])]
+        names = ["events", "events_low", "events_high", "per_frame", "per_frame_low", "per_frame_high"]
+        return pd.DataFrame(rows, columns=names, index=pd.Index([*_native.EVENT_TYPES, "all"], name="type"))
 
     def patches(self, frame: int) -> np.ndarray:
         """The patches of a frame: a structured array, a view of the graph's own memory. `type` indexes PATCH_TYPES."""
@@ -151,6 +161,26 @@ class Run:
         return self._read_table(self.motion.tips_csv)
 
     @property
+    def joints(self) -> pd.DataFrame:
+        """Where curves go on or touch, and how likely they go on."""
+        return self._read_table(self.motion.joints_csv)
+
+    @property
+    def contacts(self) -> pd.DataFrame:
+        """Where two curves touch or cross, and how long."""
+        return self._read_table(lambda seconds, um: _native.contacts_csv(self.motion, seconds, um))
+
+    @property
+    def lives(self) -> pd.DataFrame:
+        """How long each stroke lives, how it grows and moves."""
+        return self._read_table(lambda seconds, um: _native.lives_csv(self.motion, seconds, um))
+
+    @property
+    def named_events(self) -> pd.DataFrame:
+        """`events` and how parts meet or part in each: tip_tip, tip_side, side_side, or nothing."""
+        return self.events.assign(contact=_native.event_contacts(self.motion, self._events))
+
+    @property
     def trajectories(self) -> pd.DataFrame:
         """Every patch through time."""
         return self._with_units(pd.read_csv(io.BytesIO(self.motion.trajectories_csv())))
@@ -169,7 +199,29 @@ class Run:
     def to_geff(self, path: Union[str, "os.PathLike[str]"], of: str = "strokes") -> None:
         """Writes strokes and their events, or `of` "curves", as a GEFF, a folder; one that is there is replaced, other things
         are not. Curves go on through touches and crossings; their edges join a curve's frames, also over gaps."""
-        geff.write(self, Path(path), of)
+        path = Path(path)
+        if path.exists() and not (path / ".zattrs").exists():
+            raise FileExistsError(f"{path} is there and no GEFF; it is left alone")
+        files = _native.geff_files(self.motion, self._events, of, 1 / self.fps, self.pixel_size)
+        part = path.with_name(path.name + ".part")
+        shutil.rmtree(part, ignore_errors=True)
+        for name, content in files.items():
+            (part / name).parent.mkdir(parents=True, exist_ok=True)
+            (part / name).write_bytes(content)
+        shutil.rmtree(path, ignore_errors=True)
+        part.rename(path)
+
+    def to_trackmate(self, path: Union[str, "os.PathLike[str]"], of: str = "strokes") -> None:
+        """Writes strokes, or `of` "curves", as TrackMate of Fiji reads them."""
+        self._write_text(path, _native.trackmate_xml, of)
+
+    def to_graphml(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes the strokes' genealogy as GraphML."""
+        self._write_text(path, _native.genealogy_graphml, "strokes")
+
+    def _write_text(self, path: Union[str, "os.PathLike[str]"], make: Any, of: str) -> None:
+        name = "" if self.clip is None else self.clip.name
+        Path(path).write_bytes(make(self.motion, self._events, of, name, 1 / self.fps, self.pixel_size))
 
     def __getstate__(self) -> Dict[str, Any]:
         state = dict(self.__dict__)
@@ -203,11 +255,11 @@ class Run:
 
 
 def _options(quality: str, given: Dict[str, Any]) -> _native.AnalyzeOptions:
-    if quality not in QUALITIES:
-        raise ValueError(f"quality is {quality!r}; allowed is 'draft' or 'normal'")
+    review = given.pop("review", None)
     options = _native.AnalyzeOptions(**given)
-    if quality == "draft" and "calibrate" not in given:
-        options.calibrate = {"calibrate": 0}  # what new clips look like is not checked; events are the same
+    if review is not None:
+        options.review = tuples_of_review(review)
+    _native.set_quality(options, quality)
     return options
 
 
@@ -215,19 +267,29 @@ def analyze(clip: ClipLike, *, quality: str = "normal", progress: Progress = Non
             out: Union[None, str, "os.PathLike[str]"] = None, **options: Any) -> Run:
     """Finds strokes, their events and their model in a clip.
 
-    quality: "draft" leaves out the correction of the model's rates by clips drawn from it, which is otherwise made when its
-    strokes are first drawn or its rates are asked for; the events are the same. Other arguments are the fields of AnalyzeOptions; groups of them are dicts: sketch={"sensitivity": 0.5}.
-    progress: True for a line on standard error, or a function of stage and share. out: a folder that keeps the run; asked
-    again for the same clip and options, it is read from there.
+    quality: "draft" takes the match as it is, every event has probability 1 and the model's rates are not corrected; "normal"
+    weighs events by what the images show; "sure" reads a copy of the clip in noise, too. Other arguments are the fields of
+    AnalyzeOptions; groups of them are dicts: sketch={"sensitivity": 0.5}. review: a review.json, or a table with the columns of
+    `events` and `answer` (True, False, another type, "added" or nothing): answers are taken as facts.
+    progress: True for a line on standard error, or a function of stage and share. out: a folder that keeps what each stage
+    made; asked again, also with other options or after it was broken off, only what is missing is made.
     """
     opened = open_clip(clip)
     asked = _options(quality, options)
     folder = None if out is None else Path(out)
-    key = "" if folder is None else store.key_of(opened, asked)
-    found = None if folder is None else store.load(key, folder)
-    if found is None:
-        with reporter(progress) as report:
-            found = _native.analyze(opened._data, asked, report)
-        if folder is not None:
-            store.save(found, key, folder)
+    if folder is not None:
+        store.prepare(folder)
+    with reporter(progress) as report:
+        found = _native.analyze(opened._data, asked, report, *(() if folder is None else (str(folder), store.keys_of(opened, asked))))
+    found["pixel_size"] = opened.pixel_size
+    if folder is not None:
+        store.save(found, opened, folder)
     return Run(opened, found, asked)
+
+
+def read_run(folder: Union[str, "os.PathLike[str]"], clip: Optional[ClipLike] = None) -> Run:
+    """Reads a run from its folder, of analyze(out=) or of the command. clip: its clip, if pictures of it are to be drawn."""
+    return Run(None if clip is None else open_clip(clip), store.load(Path(folder)), None)
+
+
+analyze.__doc__ = f"{analyze.__doc__}\n\n{_native.analyze.__doc__}"

@@ -2,16 +2,23 @@
 """Frames to graphs, and graphs to frames. Levels are float32, white = 255, (H, W) or (H, W, 3)."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Sequence, Tuple
 
 import numpy as np
 
 from . import _native
-from ._native import ExtractOptions, FillOptions, SketchSequence, estimate_noise
+from ._native import (Dictionary, ExtractOptions, FillOptions, NonsketchableFillOptions, SketchSequence, add_anchors, draw_learned,
+                      draw_patches, estimate_noise)
 from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
-__all__ = ["ExtractOptions", "FillOptions", "SketchSequence", "estimate_noise", "extract", "fill", "reconstruct", "sketch_clip"]
+__all__ = ["Dictionary", "ExtractOptions", "FillOptions", "NonsketchableFillOptions", "SketchSequence", "add_anchors", "draw_learned",
+           "draw_patches", "estimate_noise", "extract", "fill", "fill_nonsketchable", "learn_dictionary", "make_heat_film",
+           "reconstruct", "sketch_clip"]
+
+
+def _bytes(mask: Any) -> Any:
+    return mask.astype(np.uint8) if isinstance(mask, np.ndarray) and mask.dtype == bool else mask
 
 
 def extract(levels: np.ndarray, **options: Any) -> SketchSequence:
@@ -21,14 +28,32 @@ def extract(levels: np.ndarray, **options: Any) -> SketchSequence:
 
 def fill(levels: np.ndarray, mask: np.ndarray, **options: Any) -> np.ndarray:
     """Fills the pixels where `mask` is 0 by diffusion; arguments are the fields of FillOptions."""
-    if mask.dtype == bool:
-        mask = mask.astype(np.uint8)
-    return _native.fill(levels, mask, FillOptions(**options))
+    return _native.fill(levels, _bytes(mask), FillOptions(**options))
+
+
+def fill_nonsketchable(observed: np.ndarray, drawn: Tuple[np.ndarray, np.ndarray], *, progress: Progress = None,
+                       **options: Any) -> np.ndarray:
+    """Fills what lies between the patches: by diffusion, or kind="julesz" or "efros_leung" with texture. drawn: what
+    draw_patches() or draw_learned() made. Arguments are the fields of NonsketchableFillOptions."""
+    with reporter(progress) as report:
+        return _native.fill_nonsketchable(observed, *drawn, NonsketchableFillOptions(**options), report)
+
+
+def make_heat_film(levels: np.ndarray, mask: np.ndarray, steps: Sequence[int], *, progress: Progress = None) -> np.ndarray:
+    """Heat that diffuses from the pixels where `mask` is not 0: the levels after each of `steps`."""
+    with reporter(progress) as report:
+        return _native.make_heat_film(levels, _bytes(mask), list(steps), report)
 
 
 def reconstruct(levels: np.ndarray, sketch: SketchSequence, **options: Any) -> np.ndarray:
-    """Draws a frame again from its sketch, the rest by diffusion."""
+    """Draws a frame again from its sketch, the rest by diffusion; arguments are the fields of FillOptions."""
     return _native.reconstruct(levels, sketch, FillOptions(**options))
+
+
+def learn_dictionary(clip: ClipLike, sketch: SketchSequence, *, seed: int = 0, progress: Progress = None) -> Dictionary:
+    """Learns what the patches of a clip's sketch look like."""
+    with reporter(progress) as report:
+        return _native.learn_dictionary(data_of(clip), sketch, seed, report)
 
 
 def sketch_clip(clip: ClipLike, *, progress: Progress = None, **options: Any) -> SketchSequence:
@@ -42,5 +67,5 @@ def sketch_clip(clip: ClipLike, *, progress: Progress = None, **options: Any) ->
         return _native.sketch_clip(data_of(clip), own, report)
 
 
-for _made in (extract, fill, reconstruct, sketch_clip):
+for _made in (extract, fill, fill_nonsketchable, learn_dictionary, make_heat_film, reconstruct, sketch_clip):
     _made.__doc__ = f"{_made.__doc__}\n\n{getattr(_native, _made.__name__).__doc__}"

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs in folders: what the command's files hold, and what they were made from."""
+"""Runs in folders: what each stage made (`stages`, `model`), and the command's files of events and graphs."""
 from __future__ import annotations
 
 import hashlib
 import json
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
@@ -13,47 +13,80 @@ from . import _native
 from .clip import Clip
 
 FORMAT = "emberfold.python_run"
+STAGES = {"sketch": ("sketch",),
+          "motion": ("seed", "match", "starts", "infer", "bottom_up", "curve_events", "sample"),
+          "model": ("fill", "calibrate", "texture")}  # what each depends on, beside the stages before it
 
 
-def key_of(clip: Clip, options: _native.AnalyzeOptions) -> str:
-    """A hash of the clip's frames and of all options: equal keys, equal results."""
-    found = hashlib.sha256(repr((clip.shape[1:], str(clip.dtype), clip.fps, clip.white, repr(options))).encode())
+def _hash(*parts: Any) -> str:
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def _seen_beside(clip: Clip) -> Tuple[Any, ...]:
+    """What beside its frames tells of a clip: its mask, and how it was stabilised."""
+    if clip._state[0] != "file":
+        return ()
+    options = clip._state[4]
+    mask = options.get("mask")
+    content = hashlib.sha256(Path(mask).read_bytes()).hexdigest() if mask and Path(mask).is_file() else mask
+    return content, options.get("stabilize")
+
+
+def keys_of(clip: Clip, options: _native.AnalyzeOptions) -> Tuple[str, ...]:
+    """A key a stage, of the clip's frames and of the options: equal keys, equal results."""
+    frames = hashlib.sha256()
     for frame in clip:
-        found.update(np.ascontiguousarray(frame).data)
-    return found.hexdigest()
+        frames.update(np.ascontiguousarray(frame).data)
+    about = clip.shape[1:], str(clip.dtype), clip.fps, clip.white, _seen_beside(clip)
+    key, keys = _hash(_native.__version__, about, frames.hexdigest()), []
+    for names in STAGES.values():
+        key = _hash(key, [(name, getattr(options, name)) for name in names])
+        keys.append(key)
+    return tuple(keys)
 
 
-def save(found: Dict[str, Any], key: str, folder: Path) -> None:
-    """Writes a run; the file that makes the folder one comes last, so that a run that was broken off is none."""
+def prepare(folder: Path) -> None:
+    """Marks a folder as that of a run; another one is left alone."""
     about = folder / "python_run.json"
     if folder.exists() and any(folder.iterdir()) and not about.exists():
-        raise FileExistsError(f"{folder} holds other things than a run; it is left alone")
+        raise FileExistsError(f"{folder} holds other things than a run of emberfold in Python; it is left alone")
     folder.mkdir(parents=True, exist_ok=True)
-    about.unlink(missing_ok=True)
-    (folder / "motion.jsonl").write_bytes(found["motion"].to_jsonl())
-    (folder / "events.json").write_bytes(_native.events_json(found["events"]))
-    (folder / "events_all.json").write_bytes(_native.events_json(found["all_events"]))
-    found["model"].write(str(folder / "model"))
-    part = folder / "python_run.json.part"
-    part.write_text(json.dumps({"format": FORMAT, "version": 1, "key": key, "rates": found["rates"], "stages": found["stages"]}))
-    part.rename(about)
+    _replace(about, json.dumps({"format": FORMAT, "version": 2, "done": False}).encode())
 
 
-def _events(path: Path) -> Any:
-    return [(e["frame"], e["type"], e["x"], e["y"], e["probability"], tuple(e["before"]), tuple(e["after"]))
+def _replace(path: Path, content: bytes) -> None:
+    part = path.with_name(path.name + ".part")
+    part.write_bytes(content)
+    part.rename(path)
+
+
+def save(found: Dict[str, Any], clip: Clip, folder: Path) -> None:
+    """Writes what other programs read; stages and model are there already."""
+    _replace(folder / "motion.jsonl", found["motion"].to_jsonl())
+    _replace(folder / "events.json", _native.events_json(found["events"]))
+    _replace(folder / "events_all.json", _native.events_json(found["all_events"]))
+    about = {"format": FORMAT, "version": 2, "done": True, "clip": clip.name, "pixel_size": clip.pixel_size}
+    _replace(folder / "python_run.json", json.dumps(about).encode())
+
+
+def _events(path: Path) -> List[Tuple[Any, ...]]:
+    return [(e["frame"], e["type"], float(e["x"]), float(e["y"]), float(e["probability"]), tuple(e["before"]), tuple(e["after"]))
             for e in json.loads(path.read_text())["events"]]
 
 
-def load(key: str, folder: Path) -> Optional[Dict[str, Any]]:
-    """The run in a folder if it was made from the same clip and options, else None."""
+def load(folder: Path) -> Dict[str, Any]:
+    """A run of Python or of the command, read from its files."""
     try:
-        about = json.loads((folder / "python_run.json").read_text())
-    except FileNotFoundError:
-        return None
-    if about.get("format") != FORMAT or about.get("version") != 1 or about.get("key") != key:
-        return None
-    motion = (folder / "motion.jsonl").read_text()
-    return {"motion": _native.MotionGraph.from_jsonl(motion, str(folder / "motion.jsonl")),
-            "events": _events(folder / "events.json"), "all_events": _events(folder / "events_all.json"),
-            "model": _native.ClipModel.read(str(folder / "model")),
-            "rates": [tuple(rate) for rate in about["rates"]], "stages": about["stages"]}
+        if (folder / "python_run.json").exists():
+            about = json.loads((folder / "python_run.json").read_text())
+            done, pixel_size = about.get("done", True), about.get("pixel_size")
+        else:
+            done, pixel_size = True, json.loads((folder / "summary.json").read_text())["clip"]["pixel_um"]
+        if not done:
+            raise _native.IoError(f"{folder} is a run that was broken off; analyze() goes on with it")
+        motion = (folder / "motion.jsonl").read_text()
+        return {"motion": _native.MotionGraph.from_jsonl(motion, str(folder / "motion.jsonl")),
+                "events": _events(folder / "events.json"), "all_events": _events(folder / "events_all.json"),
+                "model": _native.ClipModel.read(str(folder / "model")), "pixel_size": pixel_size}
+    except (FileNotFoundError, KeyError, ValueError) as error:
+        raise _native.IoError(f"{folder} is no finished run: {error}") from error

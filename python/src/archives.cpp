@@ -82,4 +82,13 @@ core::ModelArchive to_archive(const py::tuple& state) {
   return archive;
 }
 
+bool equal(const core::ModelArchive& a, const core::ModelArchive& b) {
+  if (a.text != b.text || a.arrays != b.arrays || a.parts.size() != b.parts.size()) return false;
+  for (const auto& [name, part] : a.parts) {
+    const auto other = b.parts.find(name);
+    if (other == b.parts.end() || !equal(part, other->second)) return false;
+  }
+  return true;
+}
+
 }  // namespace emberfold::python

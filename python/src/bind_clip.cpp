@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include <pybind11/stl.h>
+
 #include "core/io/clip_writer.hpp"
+#include "core/io/read_options.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"
@@ -15,13 +20,45 @@ namespace emberfold::python {
 
 namespace {
 
-using Roi = std::array<int, 4>;
+/// Sets one option of reading from Python's name for it.
+void set_reading(io::ReadOptions& reading, const std::string& name, const py::object& value) {
+  if (value.is_none()) return;
+  if (name == "roi") {
+    const auto roi = from_python<std::array<int, 4>>(value, name);
+    reading.region = io::Region{roi[0], roi[1], roi[2], roi[3]};
+  } else if (name == "step") {
+    reading.every = from_python<int>(value, name);
+  } else if (name == "fps") {
+    reading.fps = from_python<double>(value, name);
+  } else if (name == "pixel_size") {
+    reading.pixel_size = from_python<double>(value, name);
+  } else if (name == "scale") {
+    reading.scale = from_python<double>(value, name);
+  } else if (name == "grey") {
+    reading.grey = from_python<bool>(value, name);
+  } else if (name == "channel") {
+    reading.channel = from_python<int>(value, name);
+  } else if (name == "slice") {
+    reading.brightest_slice = py::isinstance<py::str>(value) && value.cast<std::string>() == "max";
+    if (!reading.brightest_slice) reading.slice = from_python<int>(value, name);
+  } else if (name == "levels") {
+    reading.levels = io::parse_levels(from_python<std::string>(value, name));
+  } else if (name == "mask") {
+    reading.mask = from_python<std::string>(value, name);
+  } else if (name == "stabilize") {
+    reading.stabilize = io::parse_stabilize(from_python<std::string>(value, name));
+  } else {
+    throw py::value_error("open() has no argument '" + name + "'");
+  }
+}
 
 ClipData open_file(const std::string& path, std::int64_t first, std::optional<std::int64_t> last,
-                   std::int64_t step, std::optional<Roi> roi, std::optional<double> fps) {
-  FilePart part{path, first, last, step, {}};
-  if (roi) part.roi = cv::Rect((*roi)[0], (*roi)[1], (*roi)[2], (*roi)[3]);
-  return {std::move(part), fps};
+                   const py::dict& options) {
+  io::ReadOptions reading;
+  reading.first = first, reading.last = last;
+  for (const auto& [name, value] : options)
+    set_reading(reading, name.cast<std::string>(), py::reinterpret_borrow<py::object>(value));
+  return {path, reading};
 }
 
 /// Reads frames first, first + 1 … as an array; at most `count`, all where that is negative.
@@ -52,11 +89,14 @@ void write_video(const std::string& path, const ClipData& clip, std::optional<in
 }  // namespace
 
 void bind_clip(py::module_& module) {
+  using MaybeNumber = std::optional<double>;
   py::class_<ClipData>(module, "ClipData", "A clip that is held in an array or lies in a file.")
-      .def(py::init<py::array, std::optional<double>, std::optional<double>>(), py::arg("clip"),
-           py::arg("fps") = py::none(), py::arg("white") = py::none())
+      .def(py::init<py::array, MaybeNumber, MaybeNumber, MaybeNumber>(), py::arg("clip"),
+           py::arg("fps") = py::none(), py::arg("white") = py::none(), py::arg("pixel_size") = py::none())
       .def_static("open", open_file, py::arg("path"), py::arg("first") = 0, py::arg("last") = py::none(),
-                  py::arg("step") = 1, py::arg("roi") = py::none(), py::arg("fps") = py::none())
+                  py::arg("options") = py::dict(), doc("io::open_video"))
+      .def_property_readonly("pixel_size", [](const ClipData& clip) { return clip.info().pixel_um; })
+      .def_property_readonly("fps_is_known", [](const ClipData& clip) { return clip.info().fps_is_known; })
       .def_property_readonly("width", [](const ClipData& clip) { return clip.info().width; })
       .def_property_readonly("height", [](const ClipData& clip) { return clip.info().height; })
       .def_property_readonly("channels", [](const ClipData& clip) { return clip.info().channels; })

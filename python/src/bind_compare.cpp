@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cstddef>
+#include <initializer_list>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include <pybind11/stl.h>
 
 #include "pipeline/compare.hpp"
+#include "pipeline/comparison/visible_measures.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"
 #include "python/src/clip_data.hpp"
@@ -25,17 +29,32 @@ py::dict distances(const ClipDistances& found) {
   py::dict all;
   std::size_t i = 0;
   for (const auto& measure : pipeline::pixel_measures()) all[measure.key] = pixels.at(i++);
-  if (!found.strokes) return all;
-  const auto& s = *found.strokes;
-  const std::array<std::optional<double>, 3> strokes{s.event_rates, s.lifetime, s.length};
-  i = 0;
-  for (const auto& measure : pipeline::stroke_measures()) all[measure.key] = strokes.at(i++);
+  if (found.strokes) {
+    const auto& s = *found.strokes;
+    const std::array<std::optional<double>, 3> strokes{s.event_rates, s.lifetime, s.length};
+    i = 0;
+    for (const auto& measure : pipeline::stroke_measures()) all[measure.key] = strokes.at(i++);
+  }
   return all;
 }
 
-py::list measure_list() {
+/// What a person sees of a drawn clip, by the key of the figure; None of what is no drawn clip.
+py::object visible(const ClipDistances& found) {
+  if (!found.visible) return py::none();
+  const auto& v = *found.visible;
+  const std::array figures{v.complete, v.flow, v.variance, v.difference, v.copied};
+  py::dict all;
+  std::size_t i = 0;
+  for (const auto& measure : pipeline::visible_measures()) all[measure.key] = figures.at(i++);
+  all["moves_alike"] = v.moves_alike();
+  return all;
+}
+
+using Measures = std::span<const pipeline::MeasureDescription>;
+
+py::list measure_list(std::initializer_list<Measures> lists) {
   py::list all;
-  for (const auto& list : {pipeline::pixel_measures(), pipeline::stroke_measures()})
+  for (const auto& list : lists)
     for (const auto& m : list) all.append(py::make_tuple(m.key, m.name, m.unit, m.about));
   return all;
 }
@@ -48,6 +67,7 @@ py::dict compare(const ClipData& a, const ClipData& b, const pipeline::CompareOp
   py::dict result;
   result["distances"] = distances(found.distances);
   result["noise_floor"] = distances(found.noise_floor);
+  result["visible"] = visible(found.distances);
   result["psnr"] = found.psnr;
   result["ssim"] = found.ssim;
   result["no_psnr_reason"] = found.no_psnr_reason;
@@ -64,14 +84,34 @@ py::list predictions(const pipeline::PredictionMeasures& measured) {
   return rows;
 }
 
+py::list curve_rows(const pipeline::SizeCurve& curve) {
+  py::list rows;
+  for (const auto& point : curve.points) {
+    const auto& quality = point.next_frame;
+    rows.append(py::make_tuple(point.label, point.size_text, point.parameters,
+                               quality ? py::cast(quality->psnr) : py::none(),
+                               quality ? py::cast(quality->ssim) : py::none(), point.distances.temporal_db,
+                               point.distances.radial_db));
+  }
+  return rows;
+}
+
 py::dict compare_models(const ClipData& clip, const pipeline::CompareOptions& options, std::uint64_t seed,
                         const py::object& progress) {
   const auto found = call(progress, [&](const core::Context& context) {
     return pipeline::compare_models(*clip.open(), options, {}, seed, context);
   });
-  py::dict result, models;
-  for (const auto& model : found.models) models[py::str(model.label)] = distances(model.distances);
+  py::dict result, models, seen, parameters;
+  for (const auto& model : found.models) {
+    const py::str label(model.label);
+    models[label] = distances(model.distances);
+    seen[label] = visible(model.distances);
+    parameters[label] = model.parameters;
+  }
   result["models"] = models;
+  result["visible"] = seen;
+  result["parameters"] = parameters;
+  result["curve"] = found.size_curve ? curve_rows(*found.size_curve) : py::list();
   result["noise_floor"] = distances(found.noise_floor);
   result["predictions"] = found.prediction ? predictions(*found.prediction) : py::list();
   result["frames"] = found.frames;
@@ -93,9 +133,12 @@ void bind_compare(py::module_& module) {
       .field("frames", &Options::frames)
       .field("hybrid", &Options::hybrid)
       .field("star", &Options::star)
+      .field("curve", &Options::curve)
       .field("strokes", &Options::strokes)
       .finish();
-  module.attr("MEASURES") = py::tuple(measure_list());
+  module.attr("MEASURES") =
+      py::tuple(measure_list({pipeline::pixel_measures(), pipeline::stroke_measures()}));
+  module.attr("VISIBLE_MEASURES") = py::tuple(measure_list({pipeline::visible_measures()}));
   module.def("compare", compare, py::arg("a"), py::arg("b"), py::arg("options") = Options{},
              py::arg("progress") = py::none(), doc("pipeline::compare"));
   module.def("compare_models", compare_models, py::arg("clip"), py::arg("options") = Options{},

@@ -12,6 +12,7 @@
 #include "dytex/learn.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/synthesize.hpp"
+#include "pipeline/parameter_count.hpp"
 #include "python/src/archives.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
@@ -181,7 +182,11 @@ void bind_values(py::class_<Texture>& texture) {
   add("residuals", &Texture::residuals);
   add("states", &Texture::states);
   add("singular", &Texture::singular);
-  texture.def_property_readonly("components", &Texture::components)
+  texture
+      .def_property_readonly(
+          "parameters", [](const Texture& t) { return pipeline::parameter_count(t); },
+          doc("pipeline::parameter_count"))
+      .def_property_readonly("components", &Texture::components)
       .def_property_readonly("order", &Texture::order)
       .def_property_readonly("width", [](const Texture& t) { return t.info.width; })
       .def_property_readonly("height", [](const Texture& t) { return t.info.height; })
@@ -224,6 +229,11 @@ void bind_texture(py::module_& module) {
           py::arg("folder"), doc("io::read_model"))
       .def("__copy__", [](const Texture& t) { return t; })
       .def("__deepcopy__", [](const Texture& t, const py::dict&) { return t; })
+      .def("__eq__",
+           [](const Texture& a, const py::object& b) {
+             return py::isinstance<Texture>(b) &&
+                    equal(dytex::to_archive(a), dytex::to_archive(b.cast<const Texture&>()));
+           })
       .def("__repr__",
            [](const Texture& t) {
              return "LinearDynamicTexture(" + std::to_string(t.info.width) + "x" +
@@ -232,6 +242,7 @@ void bind_texture(py::module_& module) {
       .def(py::pickle(
           [](const Texture& t) { return to_state(dytex::to_archive(t)); },
           [](const py::tuple& state) { return dytex::linear_dynamic_texture(to_archive(state)); }));
+  texture.attr("__hash__") = py::none();
 }
 
 dytex::LearnResult learn(const ClipData& clip, const py::object& progress, const py::kwargs& given) {
@@ -251,7 +262,20 @@ void bind_dytex(py::module_& module) {
                     doc("dytex::LearnResult::least_squares_radius"))
       .def_readonly("passes", &dytex::LearnResult::passes, doc("dytex::LearnResult::passes"))
       .def_readonly("held_out", &dytex::LearnResult::held_out, doc("dytex::LearnResult::held_out"))
-      .def_readonly("notes", &dytex::LearnResult::notes, doc("dytex::LearnResult::notes"));
+      .def_readonly("notes", &dytex::LearnResult::notes, doc("dytex::LearnResult::notes"))
+      .def(py::pickle(
+          [](const dytex::LearnResult& r) {
+            return py::make_tuple(r.texture, r.least_squares_radius, r.passes, r.held_out, r.notes);
+          },
+          [](const py::tuple& state) {
+            dytex::LearnResult r;
+            r.texture = state[0].cast<Texture>();
+            r.least_squares_radius = state[1].cast<decltype(r.least_squares_radius)>();
+            r.passes = state[2].cast<decltype(r.passes)>();
+            r.held_out = state[3].cast<decltype(r.held_out)>();
+            r.notes = state[4].cast<decltype(r.notes)>();
+            return r;
+          }));
   module.def("learn_result", learn, py::arg("clip"), py::arg("progress") = py::none(), doc("dytex::learn"));
   module.def(
       "learn",

@@ -166,7 +166,10 @@ void bind_text(py::class_<Motion>& motion) {
         name,
         [writer](const Motion& held) {
           std::ostringstream out;
-          writer(out, *held.graphs);
+          {
+            const py::gil_scoped_release released;
+            writer(out, *held.graphs);
+          }
           return bytes_of(out);
         },
         text);
@@ -178,7 +181,10 @@ void bind_text(py::class_<Motion>& motion) {
         name,
         [writer](const Motion& held, std::optional<double> seconds, std::optional<double> um) {
           std::ostringstream out;
-          writer(out, *held.graphs, graph::Units{seconds, um});
+          {
+            const py::gil_scoped_release released;
+            writer(out, *held.graphs, graph::Units{seconds, um});
+          }
           return bytes_of(out);
         },
         py::arg("seconds") = py::none(), py::arg("um") = py::none(), text);
@@ -186,6 +192,12 @@ void bind_text(py::class_<Motion>& motion) {
   using Table = void (*)(std::ostream&, const graph::MotionGraph&, const graph::Units&);
   write_in_units("strokes_csv", static_cast<Table>(graph::write_strokes), doc("graph::write_strokes"));
   write_in_units("curves_csv", graph::write_curves, doc("graph::write_curves"));
+  write_in_units(
+      "joints_csv",
+      [](std::ostream& out, const graph::MotionGraph& graphs, const graph::Units& units) {
+        graph::write_joints(out, graph::identify_curves(graphs).joints, units);
+      },
+      doc("graph::write_joints"));
   write_in_units("network_csv", graph::write_network, doc("graph::write_network"));
   write_in_units(
       "topology_csv",
@@ -250,40 +262,6 @@ py::array patches_view(const graph::AttributeGraph& graph, const py::handle& own
               {static_cast<py::ssize_t>(sizeof(Vertex))}, graph.vertices().data(), owner);
 }
 
-py::list event_list(const std::vector<graph::Event>& events) {
-  const auto ids = [](const std::vector<graph::SubgraphId>& strokes) {
-    py::tuple all(strokes.size());
-    for (std::size_t i = 0; i < strokes.size(); ++i) all[i] = py::int_(strokes[i].value);
-    return all;
-  };
-  py::list all;
-  for (const auto& e : events)
-    all.append(py::make_tuple(e.frame, graph::name(e.type), e.position.x, e.position.y, e.probability,
-                              ids(e.before), ids(e.after)));
-  return all;
-}
-
-std::vector<graph::Event> to_events(const py::list& events) {
-  const auto strokes = [](const py::handle& ids) {
-    std::vector<graph::SubgraphId> all;
-    for (const auto& id : ids) all.push_back({id.cast<std::uint32_t>()});
-    return all;
-  };
-  std::vector<graph::Event> all;
-  for (const auto& one : events) {
-    const auto row = one.cast<py::tuple>();
-    const auto type = graph::event_type(row[1].cast<std::string>());
-    if (!type) throw py::value_error("events have the type " + row[1].cast<std::string>());
-    all.push_back({row[0].cast<int>(),
-                   *type,
-                   {row[2].cast<double>(), row[3].cast<double>()},
-                   row[4].cast<double>(),
-                   strokes(row[5]),
-                   strokes(row[6])});
-  }
-  return all;
-}
-
 void bind_graph(py::module_& module) {
   bind_motion(module);
   OptionsClass<graph::MatchOptions>(module, "MatchOptions", "graph::MatchOptions")
@@ -325,14 +303,6 @@ void bind_graph(py::module_& module) {
       "stroke_events", [](const Motion& motion) { return event_list(graph::stroke_events(*motion.graphs)); },
       py::arg("motion"), doc("graph::stroke_events"));
   module.def("trajectories", trajectory_list, py::arg("motion"), doc("graph::trajectories"));
-  module.def(
-      "events_json",
-      [](const py::list& events) {
-        std::ostringstream out;
-        graph::write_events(out, to_events(events));
-        return bytes_of(out);
-      },
-      py::arg("events"), doc("graph::write_events"));
 }
 
 }  // namespace emberfold::python

@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include <pybind11/stl.h>
 
+#include "mcmc/learning/fit.hpp"
 #include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "mcmc/sampler/infer.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
+#include "mcmc/simulation/predict.hpp"
 #include "mcmc/simulation/synthesize.hpp"
+#include "python/src/archives.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"
@@ -88,7 +96,44 @@ void by_size(RatesClass& rates, const char* name,
       doc("mcmc::OperatorRates::" + std::string(name)));
 }
 
-void bind_rates(py::module_& module) {
+using MapState = std::tuple<double, int, int, std::vector<double>>;
+
+MapState map_state(const mcmc::CellMap& map) {
+  return {map.cell, map.columns, map.rows, map.values};
+}
+mcmc::CellMap map_from(const py::handle& state) {
+  auto [cell, columns, rows, values] = state.cast<MapState>();
+  return {cell, columns, rows, std::move(values)};
+}
+
+py::tuple rates_state(const OperatorRates& r) {
+  const auto& m = r.modifiers;
+  return py::make_tuple(map_state(r.birth), r.birth_by_size, map_state(r.death), r.death_by_size,
+                        map_state(r.separation),
+                        std::array{r.split, r.merge, r.connect, r.disconnect, r.reach, r.split_gap,
+                                   r.disconnect_gap, r.refractory_period},
+                        py::make_tuple(m.death, m.separation, m.unification, m.bridging, m.turning, m.pace));
+}
+
+OperatorRates rates_from(const py::tuple& state) {
+  OperatorRates r;
+  r.birth = map_from(state[0]), r.death = map_from(state[2]), r.separation = map_from(state[4]);
+  r.birth_by_size = state[1].cast<decltype(r.birth_by_size)>();
+  r.death_by_size = state[3].cast<decltype(r.death_by_size)>();
+  const auto numbers = state[5].cast<std::array<double, 8>>();
+  r.split = numbers[0], r.merge = numbers[1], r.connect = numbers[2], r.disconnect = numbers[3];
+  r.reach = numbers[4], r.split_gap = numbers[5], r.disconnect_gap = numbers[6];
+  r.refractory_period = numbers[7];
+  const py::tuple factors = state[6];
+  auto& m = r.modifiers;
+  m.death = factors[0].cast<decltype(m.death)>(), m.separation = factors[1].cast<decltype(m.separation)>();
+  m.unification = factors[2].cast<decltype(m.unification)>();
+  m.bridging = factors[3].cast<decltype(m.bridging)>(), m.turning = factors[4].cast<decltype(m.turning)>();
+  m.pace = factors[5].cast<double>();
+  return r;
+}
+
+void bind_operator_rates(py::module_& module) {
   RatesClass rates(module, "OperatorRates", doc("mcmc::OperatorRates"));
   number(rates, "split", &OperatorRates::split);
   number(rates, "merge", &OperatorRates::merge);
@@ -103,6 +148,15 @@ void bind_rates(py::module_& module) {
   map(rates, "separation", &OperatorRates::separation);
   by_size(rates, "birth_by_size", &OperatorRates::birth_by_size);
   by_size(rates, "death_by_size", &OperatorRates::death_by_size);
+  rates.attr("__hash__") = py::none();
+  rates.def("__copy__", [](const OperatorRates& r) { return r; })
+      .def("__deepcopy__", [](const OperatorRates& r, const py::dict&) { return r; })
+      .def("__eq__",
+           [](const OperatorRates& a, const py::object& b) {
+             return py::isinstance<OperatorRates>(b) && a == b.cast<const OperatorRates&>();
+           })
+      .def(py::pickle([](const OperatorRates& r) { return rates_state(r); },
+                      [](const py::tuple& state) { return rates_from(state); }));
   rates.def("__repr__", [](const OperatorRates& r) {
     return "OperatorRates(split=" + std::to_string(r.split) + ", merge=" + std::to_string(r.merge) +
            ", connect=" + std::to_string(r.connect) + ", disconnect=" + std::to_string(r.disconnect) + ")";
@@ -124,12 +178,66 @@ void bind_autoregression(py::module_& module) {
              doc("mcmc::stationary_deviation"));
 }
 
+py::dict statistics_dict(const mcmc::EventStatistics& found) {
+  py::dict events;
+  for (const auto type : graph::all_event_types())
+    events[py::str(std::string(graph::name(type)))] = found.events.at(static_cast<std::size_t>(type));
+  return py::dict(py::arg("events") = events, py::arg("strokes") = found.strokes,
+                  py::arg("patches") = found.patches);
+}
+
+void bind_learning(py::module_& module) {
+  using Fit = mcmc::FitOptions;
+  module.def(
+      "fit",
+      [](const Motion& motion, std::uint64_t seed, bool calibrate, const py::object& progress) {
+        return call(progress,
+                    [&](const core::Context& context) {
+                      auto found = mcmc::fit(*motion.graphs, Fit{seed, calibrate}, context);
+                      for (const auto& note : found.notes) context.warn(note);
+                      return found;
+                    })
+            .model;
+      },
+      py::arg("motion"), py::arg("seed") = Fit{}.seed, py::arg("calibrate") = Fit{}.calibrate,
+      py::arg("progress") = py::none(), doc("mcmc::fit"));
+  module.def(
+      "predict",
+      [](const MotionModel& model, const Motion& motion, int steps) {
+        return hold(call(py::none(), [&](const core::Context&) {
+          const auto& seen = motion.graphs->sketch;
+          graph::SketchSequence sketch{seen.width, seen.height, seen.fps, {}};
+          for (const auto& graph : mcmc::predict(model, *motion.graphs, steps)) sketch.append(graph);
+          return sketch;
+        }));
+      },
+      py::arg("model"), py::arg("motion"), py::arg("steps") = 1, doc("mcmc::predict"));
+  module.def(
+      "event_statistics",
+      [](const Motion& motion) {
+        return statistics_dict(call(py::none(), [&](const core::Context&) {
+          return mcmc::event_statistics(*motion.graphs, graph::stroke_events(*motion.graphs));
+        }));
+      },
+      py::arg("motion"), doc("mcmc::event_statistics"));
+}
+
 }  // namespace
 
 void bind_mcmc(py::module_& module) {
   bind_autoregression(module);
-  bind_rates(module);
-  py::class_<MotionModel>(module, "MotionModel", doc("mcmc::MotionModel"))
+  bind_operator_rates(module);
+  bind_learning(module);
+  py::class_<MotionModel> motion_model(module, "MotionModel", doc("mcmc::MotionModel"));
+  motion_model.attr("__hash__") = py::none();
+  motion_model.def("__copy__", [](const MotionModel& m) { return m; })
+      .def("__deepcopy__", [](const MotionModel& m, const py::dict&) { return m; })
+      .def("__eq__",
+           [](const MotionModel& a, const py::object& b) {
+             return py::isinstance<MotionModel>(b) && a == b.cast<const MotionModel&>();
+           })
+      .def(py::pickle([](const MotionModel& m) { return to_state(mcmc::to_archive(m)); },
+                      [](const py::tuple& state) { return mcmc::motion_model(to_archive(state)); }))
       .def_readonly("width", &MotionModel::width, doc("mcmc::MotionModel::width"))
       .def_readonly("height", &MotionModel::height, doc("mcmc::MotionModel::height"))
       .def_readonly("fps", &MotionModel::fps)

@@ -68,32 +68,6 @@ class ArraySource final : public core::FrameSource {
   std::int64_t position_ = 0;
 };
 
-/// Reads every step-th frame of a source, a part of it.
-class PartSource final : public core::FrameSource {
- public:
-  PartSource(std::unique_ptr<core::FrameSource> source, const FilePart& part, const core::ClipInfo& info)
-      : source_(std::move(source)), part_(part), info_(info) {}
-  [[nodiscard]] const core::ClipInfo& info() const override { return info_; }
-  void rewind() override {
-    source_->rewind();
-    is_first_ = true;
-  }
-  cv::Mat next() override {
-    if (!std::exchange(is_first_, false))
-      for (std::int64_t i = 1; i < part_.step; ++i)
-        if (source_->next().empty()) return {};
-    cv::Mat frame = source_->next();
-    if (frame.empty() || !part_.roi) return frame;
-    return frame(*part_.roi).clone();
-  }
-
- private:
-  std::unique_ptr<core::FrameSource> source_;
-  FilePart part_;
-  core::ClipInfo info_;
-  bool is_first_ = true;
-};
-
 core::ClipInfo info_of(const py::array& array) {
   const auto dimensions = array.ndim();
   const bool colour = dimensions == 4 && array.shape(3) == 3;
@@ -128,57 +102,37 @@ double find_white(core::FrameSource& source, const core::Context& context) {
   return white;
 }
 
-void set_fps(core::ClipInfo& info, std::optional<double> fps) {
-  if (!fps) return;
-  if (!(std::isfinite(*fps) && *fps > 0))
-    throw py::value_error("fps is " + std::to_string(*fps) + "; allowed is a number above 0");
-  info.fps = *fps;
-}
-
-io::ReadOptions reading(const FilePart& part) {
-  io::ReadOptions read;
-  read.first = part.first, read.last = part.last;
-  return read;
+void check_positive(const char* name, std::optional<double> value) {
+  if (value && !(std::isfinite(*value) && *value > 0))
+    throw py::value_error(std::string(name) + " is " + std::to_string(*value) +
+                          "; allowed is a number above 0");
 }
 
 }  // namespace
 
-ClipData::ClipData(const py::array& array, std::optional<double> fps, std::optional<double> white)
+ClipData::ClipData(const py::array& array, std::optional<double> fps, std::optional<double> white,
+                   std::optional<double> pixel_size)
     : array_(array), data_(static_cast<const std::byte*>(array.data())), info_(info_of(array)) {
   for (py::ssize_t i = 0; i < array.ndim(); ++i) strides_[static_cast<std::size_t>(i)] = array.strides(i);
-  set_fps(info_, fps);
-  if (white && !(std::isfinite(*white) && *white > 0))
-    throw py::value_error("white is " + std::to_string(*white) + "; allowed is a number above 0");
+  check_positive("fps", fps), check_positive("white", white), check_positive("pixel_size", pixel_size);
+  info_.fps = fps.value_or(info_.fps), info_.fps_is_known = fps.has_value();
+  info_.pixel_um = pixel_size;
   double found = 255;
   if (info_.depth != CV_8U)
     found = call(py::none(), [&](const core::Context& context) { return find_white(*open(), context); });
   info_.white = white.value_or(found);
 }
 
-ClipData::ClipData(FilePart part, std::optional<double> fps) : part_(std::move(part)) {
-  std::optional<core::ClipInfo> info;
+ClipData::ClipData(std::string path, io::ReadOptions reading)
+    : path_(std::move(path)), reading_(std::move(reading)) {
   run_interruptibly(py::none(), [&](const core::Context& context) {
-    info = io::open_video(part_.path, reading(part_), [&](const std::string& text) {
-             context.warn(text);
-           })->info();
+    info_ = open([&](const std::string& text) { context.warn(text); })->info();
   });
-  info_ = *info;
-  if (part_.roi) {
-    const auto& roi = *part_.roi;
-    if ((roi & cv::Rect(0, 0, info_.width, info_.height)) != roi || roi.empty())
-      throw py::value_error("roi is (" + std::to_string(roi.x) + ", " + std::to_string(roi.y) + ", " +
-                            std::to_string(roi.width) + ", " + std::to_string(roi.height) + "); frames are " +
-                            std::to_string(info_.width) + "x" + std::to_string(info_.height));
-    info_.width = roi.width, info_.height = roi.height;
-  }
-  info_.fps /= static_cast<double>(part_.step);
-  if (info_.frames) info_.frames = (*info_.frames + part_.step - 1) / part_.step;
-  set_fps(info_, fps);
 }
 
 std::unique_ptr<core::FrameSource> ClipData::open(const core::Warn& warn) const {
   if (data_ != nullptr) return std::make_unique<ArraySource>(data_, strides_, info_);
-  return std::make_unique<PartSource>(io::open_video(part_.path, reading(part_), warn), part_, info_);
+  return io::open_video(path_, reading_, warn);
 }
 
 }  // namespace emberfold::python

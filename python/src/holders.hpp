@@ -34,6 +34,10 @@ pybind11::list event_list(const std::vector<graph::Event>& events);
 /// Reads such a list.
 std::vector<graph::Event> to_events(const pybind11::list& events);
 
+/// Returns one event as such a tuple, and reads one.
+pybind11::tuple event_tuple(const graph::Event& event);
+graph::Event to_event(const pybind11::tuple& row);
+
 /// Returns the patches of a frame as a view, `owner` being what holds them.
 pybind11::array patches_view(const graph::AttributeGraph& graph, const pybind11::handle& owner);
 

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -23,23 +24,58 @@ inline std::string repr_text(const py::handle& value) {
   return py::repr(value);
 }
 
+template <class Value>
+struct Optional : std::false_type {};
+template <class Value>
+struct Optional<std::optional<Value>> : std::true_type {
+  using Inner = Value;
+};
+
+/// Returns what a field of this type may be, in words.
+template <class Value>
+std::string allowed() {
+  if constexpr (Optional<Value>::value) {
+    return allowed<typename Optional<Value>::Inner>() + " or None";
+  } else if constexpr (std::is_enum_v<Value>) {
+    std::string names;
+    for (const auto& [name, member] : py::type::of<Value>().attr("__members__").template cast<py::dict>())
+      names += (names.empty() ? "" : ", ") + py::str(name).template cast<std::string>();
+    return names;
+  } else if constexpr (std::is_same_v<Value, bool>) {
+    return "True or False";
+  } else if constexpr (std::is_integral_v<Value>) {
+    return "a whole number";
+  } else if constexpr (std::is_floating_point_v<Value>) {
+    return "a number";
+  } else if constexpr (std::is_same_v<Value, std::string>) {
+    return "a text";
+  } else {
+    return py::type_id<Value>();
+  }
+}
+
 /// Converts the value of a field or argument. Options may be given as a dict, values of an enumeration by
 /// name. ValueError, naming the field, for what does not fit.
 template <class Value>
 Value from_python(const py::handle& given, const std::string& name) {
+  if constexpr (Optional<Value>::value) {
+    if (given.is_none()) return std::nullopt;
+    if constexpr (std::is_enum_v<typename Optional<Value>::Inner>)
+      return from_python<typename Optional<Value>::Inner>(given, name);
+  }
   if constexpr (requires(const Value& options) { options.validate(); }) {
     if (py::isinstance<py::dict>(given)) return py::type::of<Value>()(**given).template cast<Value>();
   }
   if constexpr (std::is_enum_v<Value>) {
     if (py::isinstance<py::str>(given)) {
-      const auto type = py::type::of<Value>();
-      if (py::hasattr(type, given)) return type.attr(given).template cast<Value>();
+      const py::dict members = py::type::of<Value>().attr("__members__");
+      if (members.contains(given)) return members[given].template cast<Value>();
     }
   }
   try {
     return given.cast<Value>();
   } catch (const py::cast_error&) {
-    throw py::value_error(name + " is " + repr_text(given) + "; allowed is " + py::type_id<Value>());
+    throw py::value_error(name + " is " + repr_text(given) + "; allowed is " + allowed<Value>());
   }
 }
 

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same bytes as the command."""
+import json
 import os
 import re
 import subprocess
+import warnings
 
 import numpy as np
 import pytest
 
 import emberfold as ef
+from emberfold import _native
 from scenes import bars, ripples
 
 COMMAND = os.environ.get("EMBERFOLD_COMMAND")
@@ -38,6 +41,81 @@ def test_analyze(folder):
         assert files == sorted(path.name for path in (folder / "model").iterdir())
         for name in files:
             assert (folder / "run/model" / name).read_bytes() == (folder / "model" / name).read_bytes(), name
+
+
+def test_analyze_draft(folder):
+    command("analyze", folder / "clip.avi", "-o", folder / "draft", "--quality", "draft")
+    run = ef.analyze(folder / "clip.avi", quality="draft")
+    assert (folder / "draft/events.json").read_bytes() == ef.graph.events_json(run._events)
+
+
+def test_tables(folder):
+    run = ef.read_run(folder / "run", folder / "clip.avi")
+    for name, made in (("joints.csv", run.motion.joints_csv(1 / 30)), ("contacts.csv", _native.contacts_csv(run.motion, 1 / 30)),
+                       ("lives.csv", _native.lives_csv(run.motion, 1 / 30)), ("curves.csv", run.motion.curves_csv(1 / 30))):
+        assert (folder / "run" / name).read_bytes() == made, name
+    assert run.named_events["contact"].tolist() == [
+        "" if value == "" else value for value in np.loadtxt(folder / "run/named_events.csv", str, delimiter=",", skiprows=1, usecols=4, ndmin=1)]
+    again = ef.analyze(folder / "clip.avi")
+    assert run == again and run.events.equals(again.events)
+
+
+def tree_of(folder):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_exports(folder):
+    command("export", folder / "run", "--geff", "--trackmate", "--graphml", "-o", folder / "other", "--overwrite")
+    run = ef.read_run(folder / "run", folder / "clip.avi")
+    run.to_geff(folder / "mine.geff")
+    assert tree_of(folder / "mine.geff") == tree_of(folder / "other/run.geff")
+    run.to_graphml(folder / "mine.graphml"), run.to_trackmate(folder / "mine.xml")
+    assert len((folder / "mine.graphml").read_text()) and re.sub("filename=.*? ", "", (folder / "mine.xml").read_text()) == re.sub(
+        "filename=.*? ", "", (folder / "other/trackmate.xml").read_text())
+
+
+def test_compare(folder):
+    ef.write_video(folder / "other.avi", bars(colour=True, seed=5)[:, ::-1], fps=30)
+    command("compare", folder / "clip.avi", folder / "other.avi", "-o", folder / "compared")
+    told = json.loads((folder / "compared/measures.json").read_text())["distances"]["other"]
+    found = ef.compare(folder / "clip.avi", folder / "other.avi")
+    for key, value in found.visible["value"].items():
+        assert told["visible"][key] == pytest.approx(value, rel=1e-3, abs=1e-3), key
+    for key, value in told.items():
+        if isinstance(value, float) and key in found.distances:
+            assert value == pytest.approx(found.distances[key], rel=1e-3, abs=1e-3), key
+
+
+def test_quilt(folder):
+    command("quilt", folder / "clip.avi", "-o", folder / "quilt", "--size", "180x120", "--block", "32x32", "--set", "quilt.overlap=8")
+    _, places = ef.quilt(folder / "clip.avi", size=(180, 120), block=(32, 32), overlap=8, apart=16, return_map=True)
+    assert np.array_equal(np.load(folder / "quilt/map.npy"), places)
+
+
+def test_sketch(folder):
+    command("sketch", folder / "clip.avi", "-o", folder / "sketched", "--range", "0:4")
+    sketch = ef.sketch.sketch_clip(ef.open(folder / "clip.avi", frames=slice(0, 4)), sensitivity=0.5)
+    lines = (folder / "sketched/sketch.jsonl").read_bytes().split(b"\n")
+    assert [line.rstrip() for line in lines] == sketch.to_jsonl().split(b"\n")  # the command keeps place for any number of frames
+
+
+def test_reading(folder):
+    """What `ef.open` has of the command's options of reading."""
+    mask = np.zeros((96, 128), np.uint8)
+    mask[:48] = 255
+    image = pytest.importorskip("PIL.Image")
+    image.fromarray(mask).save(folder / "mask.png")
+    command("analyze", folder / "clip.avi", "-o", folder / "masked", "--quality", "draft", "--mask", folder / "mask.png", "--grey",
+            "--every", "2", "--pixel-size", "0.5um", "--stabilize", "translation")
+    clip = ef.open(folder / "clip.avi", frames=slice(None, None, 2), mask=folder / "mask.png", grey=True, pixel_size=0.5,
+                   stabilize="translation")
+    run = ef.analyze(clip, quality="draft", out=folder / "mine")
+    assert (folder / "masked/motion.jsonl").read_bytes() == run.motion.to_jsonl()
+    assert (folder / "masked/strokes.csv").read_bytes() == run.motion.strokes_csv(1 / 15, 0.5)
+    with pytest.raises(ValueError, match="no argument 'brightness'"):
+        ef.open(folder / "clip.avi", brightness=2)
+    with pytest.raises(ValueError, match="grey is for files"):
+        ef.open(bars(4), grey=True)
 
 
 def test_export_geff(folder):
@@ -76,6 +154,26 @@ def test_synth(folder):
     command("synth", folder / "run/model", "-o", folder / "new", "--frames", 20, "--seed", 7)
     new = ef.ClipModel.read(str(folder / "run/model")).synthesize(frames=20, seed=7)
     assert np.array_equal(np.asarray(ef.open(folder / "new")), new)
+
+
+def test_motion_edit(folder):
+    command("motion", "edit", folder / "run/model", "-o", folder / "edited", "--speed", "1.5", "--splits", "3", "--wind", "1,0",
+            "--contrast", "0.8", "--seed", "4")
+    model = ef.read_run(folder / "run").model
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        edited = model.edit(speed=1.5, splits=3, wind=(1, 0), contrast=0.8, seed=4)
+    assert edited == ef.ClipModel.read(str(folder / "edited")) and edited != model
+    assert edited.edit() == edited
+    left = np.zeros((96, 128), bool)
+    left[:, :40] = True
+    assert (model.edit(birth_map=left, births=2).rates.birth[:, 4:] == 0).all()
+    with pytest.raises(ValueError, match="no argument 'gusts'"):
+        model.edit(gusts=2)
+    with pytest.raises(ef.InputError, match="speed is 0"):
+        model.edit(speed=0)
+    info = subprocess.run([COMMAND, "motion", "info", str(folder / "edited"), "--json"], check=True, capture_output=True)
+    assert json.loads(info.stdout)["parameters"] == edited.parameters
 
 
 def test_dytex(folder):

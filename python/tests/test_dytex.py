@@ -73,3 +73,103 @@ def test_comparisons():
     assert (other.table["distance"].dropna() > 0).any() and len(other.table) == len(same.table)
     models = ef.compare_models(clip, hybrid=False, star=False, strokes=False)
     assert "noise_floor" in models.table and len(models.predictions)
+
+
+def test_comparisons_tell_what_a_person_sees():
+    clip = ripples(frames=32)
+    visible = ef.compare(clip, clip, strokes=False).visible
+    assert list(visible.index) == ["complete", "flow", "variance", "difference", "copied", "moves_alike"]
+    assert visible.loc["copied", "value"] == 1 and bool(visible.loc["moves_alike", "value"])
+    still = np.repeat(clip[:1], 32, axis=0)
+    frozen = ef.compare(clip, still, strokes=False).visible["value"]
+    assert frozen["variance"] == 0 and frozen["difference"] == 0 and not frozen["moves_alike"]
+    models = ef.compare_models(clip, hybrid=False, star=False, strokes=False)
+    assert {"copied", "moves_alike"} <= set(models.visible.index) and set(models.parameters.index) <= set(models.visible)
+    assert (models.parameters > 0).all()
+
+
+def test_em_raises_the_likelihood_and_fills_what_is_hidden():
+    clip = ripples(frames=30)
+    start = ef.dytex.learn(clip, components=4)
+    found = ef.dytex.maximise_likelihood(clip, start, iterations=5)
+    assert (np.diff(found["log_likelihood"]) >= 0).all() and len(found["log_likelihood"]) > 1
+    hidden = np.zeros(clip.shape, bool)
+    hidden[10:13, 4:9, 4:9] = True
+    spoilt = np.where(hidden, 0, clip).astype(np.uint8)
+    texture = ef.dytex.learn_missing(spoilt, hidden, components=4, em=ef.dytex.EmOptions(iterations=20))["texture"]
+    filled = texture.draw(texture.states[:, 11])
+    inside = hidden[11]
+    assert np.abs(filled[inside] - clip[11][inside]).mean() < 10 < np.abs(spoilt[11][inside].astype(float) - clip[11][inside]).mean()
+    with pytest.raises(ValueError, match="missing has the dtype"):
+        ef.dytex.learn_missing(clip, np.zeros(clip.shape, np.int64), components=4)
+
+
+def test_forecasts_follow_the_model():
+    clip = ripples(frames=40)
+    texture = ef.dytex.learn(clip[:36], components=5)
+    frames, states, error = ef.dytex.forecast(texture, 4)
+    assert frames.shape == (4, *clip.shape[1:]) and states.shape == (5, 4) and (np.diff(error) >= 0).all()
+    assert np.allclose(states[:, 1], texture.A @ states[:, 0]) and np.abs(frames[0] - clip[36]).mean() < 10
+    later = ef.dytex.forecast(texture, 1, clip)[0]
+    assert not np.allclose(later[0], frames[0])
+
+
+def test_learning_curve_falls():
+    table, found = ef.dytex.learning_curve(ripples(frames=60), components=4, lengths=6, targets=4)
+    assert (table["error"] > table["left_out"]).all() and table["error"].iloc[-1] < found["frame_before"]
+
+
+def test_distances_of_textures():
+    a, b = ef.dytex.learn(ripples(), components=4), ef.dytex.learn(ripples(seed=1), components=4)
+    matrices = ef.dytex.distance_matrices([a, b, a])
+    assert set(matrices) == {"kl", "martin", "binet-cauchy", "angles"}
+    assert np.isclose(matrices["martin"][0, 1], ef.dytex.martin_distance(ef.dytex.subspace_angles(a, b)))
+    assert np.isclose(matrices["kl"][0, 1], ef.dytex.kl_rate(a, b)) and matrices["kl"][0, 2] == 0
+    growth = ef.dytex.kl_growth(a, b, 50)
+    assert np.isclose(growth[-1] - growth[-2], ef.dytex.kl_rate(a, b), rtol=0.05)
+
+
+def test_textures_are_compressed():
+    texture = ef.dytex.learn(ripples(), components=5)
+    sizes = [ef.dytex.stored_bytes(texture, precision=kind) for kind in ("f32", "f16", "u8")]
+    assert sizes[0] > sizes[1] > sizes[2]
+    assert ef.dytex.rounded(texture, "f32") == texture != ef.dytex.rounded(texture, "u8")
+    assert (np.diff(ef.dytex.projection_errors(texture)) <= 0).all()
+    with pytest.raises(ValueError, match="precision is 'f64'"):
+        ef.dytex.rounded(texture, "f64")
+
+
+def test_a_region_moves_alone():
+    clip = ripples()
+    mask = np.zeros(clip.shape[1:], bool)
+    mask[4:12, 6:20] = True
+    texture = ef.dytex.learn_region(clip, mask, components=4)
+    assert np.array_equal(ef.dytex.moving_region(texture) > 0, mask)
+    new = texture.synthesize(10)
+    assert (new[:, ~mask] == new[0, ~mask]).all() and (new[:, mask] != new[0, mask]).any()
+
+
+def test_star_is_a_peer():
+    clip = ripples(frames=40)
+    star = ef.dytex.learn_star(clip, reach=1, lags=1)
+    assert len(star.terms) == len(star.coefficients) == 4 + 9
+    new = star.synthesize(8, seed=2)
+    assert new.shape == (8, *clip.shape[1:])
+    assert np.array_equal(pickle.loads(pickle.dumps(star)).synthesize(8, seed=2), new)
+
+
+def test_quilts_can_be_guided_and_measured():
+    clip = ripples(frames=4, height=40, width=60)
+    guide = np.broadcast_to(np.linspace(0, 255, 60, dtype=np.float32), (40, 60))
+    wanted = np.broadcast_to(np.linspace(255, 0, 90, dtype=np.float32), (40, 90))
+    _, free = ef.quilt(clip, size=(90, 40), block=(16, 16), overlap=4, return_map=True)
+    _, led = ef.quilt(clip, size=(90, 40), block=(16, 16), overlap=4, guide=guide, output_guide=wanted, guide_weight=0.95, return_map=True)
+
+    def follows(places):
+        return np.corrcoef(guide[places[..., 2], places[..., 1]].ravel(), wanted.ravel())[0, 1]
+
+    assert follows(led) > 0.8 > follows(free)
+    measured = ef.measure_quilt(led, clip)
+    assert 0 < measured["seam_share"] < 1 and 0 < measured["source_share"] <= 1
+    with pytest.raises(ValueError, match="guide has the shape"):
+        ef.quilt(clip, guide=np.zeros(3, np.float32))

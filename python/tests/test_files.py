@@ -21,16 +21,110 @@ def read_zarr(folder):
     return np.frombuffer(data, about["dtype"]).reshape(about["shape"])
 
 
-def test_a_run_is_not_done_again(tmp_path, monkeypatch):
+def stages_of(clip, folder, **options):
+    """The stages that report progress, and the run."""
+    seen = {}
+    run = ef.analyze(clip, out=folder, progress=lambda stage, share: seen.setdefault(stage, share), **options)
+    return set(seen), run
+
+
+def test_a_stage_is_not_done_again(tmp_path):
     clip = bars(10)
-    first = ef.analyze(clip, quality="draft", out=tmp_path / "a")
-    calls = []
-    native = _native.analyze
-    monkeypatch.setattr(_native, "analyze", lambda *given: calls.append(1) or native(*given))
-    again = ef.analyze(clip, quality="draft", out=tmp_path / "a")
-    assert not calls and again == first and again.events.equals(first.events)
-    ef.analyze(clip, quality="draft", bottom_up=True, out=tmp_path / "a")
-    assert calls == [1]
+    begun, first = stages_of(clip, tmp_path / "a", quality="draft")
+    assert "sketch" in begun
+    again, second = stages_of(clip, tmp_path / "a", quality="draft")
+    assert not again and second == first and second.events.equals(first.events) and second.model == first.model
+    other, third = stages_of(clip, tmp_path / "a", calibrate={"calibrate": 0})  # other events, of the same sketches
+    assert other and "sketch" not in other
+    assert third == ef.analyze(clip, calibrate={"calibrate": 0})
+    assert "sketch" in stages_of(bars(10, seed=3), tmp_path / "a", quality="draft")[0]
+
+
+def test_a_run_that_was_broken_off_goes_on(tmp_path):
+    clip = bars(10)
+    done = []
+
+    def stop(stage, share):
+        if stage != "sketch":
+            done.append(stage)
+            raise LookupError("enough")
+
+    with pytest.raises(LookupError):
+        ef.analyze(clip, out=tmp_path / "a", progress=stop, calibrate={"calibrate": 0})
+    with pytest.raises(ef.IoError, match="broken off"):
+        ef.read_run(tmp_path / "a")
+    stages, run = stages_of(clip, tmp_path / "a", calibrate={"calibrate": 0})
+    assert done and "sketch" not in stages and run == ef.analyze(clip, calibrate={"calibrate": 0})
+
+
+def test_a_run_is_read_from_its_folder(tmp_path):
+    clip = ef.open(bars(10), fps=20, pixel_size=0.5)
+    run = ef.analyze(clip, quality="draft", out=tmp_path / "a")
+    again = ef.read_run(tmp_path / "a", clip)
+    assert again.events.equals(run.events) and again.rates().equals(run.rates()) and again.strokes.equals(run.strokes)
+    assert again.model == run.model and again.show(3).axes and repr(again) == repr(run)
+    with pytest.raises(ef.IoError, match="no finished run"):
+        ef.read_run(tmp_path)
+
+
+def test_answers_of_a_review_are_facts(run, tmp_path):
+    clip = ef.open(bars(), fps=30, pixel_size=0.065)
+    assert run.reviewed is None
+    asked = run.all_events.copy()
+    asked["answer"] = [False] + [None] * (len(asked) - 1)
+    asked.loc[len(asked)] = {**asked.iloc[0].to_dict(), "frame": 5, "x": 100.0, "y": 80.0, "type": "birth", "answer": "added",
+                             "before": (), "after": ()}
+    told = ef.analyze(clip, calibrate={"calibrate": 0}, review=asked)
+    first = run.all_events.iloc[0]
+    same = told.all_events.query("frame == @first.frame and x == @first.x and y == @first.y")
+    assert list(same["probability"]) == [0]
+    assert len(told.events.query("frame == 5 and x == 100 and probability == 1")) == 1
+    assert told.reviewed.loc["birth", "events"] >= 1 and (told.reviewed["events_low"] <= told.reviewed["events_high"]).all()
+    path = tmp_path / "review.json"
+    entries = json.loads(ef.graph.events_json(run._all_events))
+    for entry in entries["events"]:
+        entry["answer"] = "yes"
+    entries["format"] = "emberfold.review"
+    path.write_text(json.dumps(entries))
+    sure = ef.analyze(clip, calibrate={"calibrate": 0}, review=path)
+    assert (sure.all_events["probability"] == 1).all() and len(sure.all_events) == len(run.all_events)
+    assert len(ef.graph.score_events(path, sure.events)) and (ef.graph.score_events(path, sure.events)["f1"] == 1).all()
+    with pytest.raises(ValueError, match="review has no column 'answer'"):
+        ef.analyze(clip, review=run.events)
+    with pytest.raises(ValueError, match="'perhaps'"):
+        ef.analyze(clip, review=run.events.assign(answer="perhaps"))
+
+
+def test_scores_pair_events_within_their_tolerances(run):
+    found = run.events
+    moved = found.assign(frame=found["frame"] + 1, x=found["x"] + 5)
+    assert (ef.graph.score_events(found, moved)["f1"] == 1).all()
+    scores = ef.graph.score_events(found, moved, radius=1)
+    assert (scores["hit"] == 0).all() and scores.loc[(4, "all"), "in_truth"] == len(found)
+    with pytest.raises(ValueError, match="found has no column 'x'"):
+        ef.graph.score_events(found, found.drop(columns="x"))
+
+
+def test_other_programs_read_strokes(run, tmp_path):
+    import networkx as nx
+    from xml.etree import ElementTree
+
+    run.to_graphml(tmp_path / "tree.graphml")
+    tree = nx.read_graphml(tmp_path / "tree.graphml")
+    believed = {(a, b) for _, e in run.events.iterrows() for a in e["before"] for b in e["after"]}
+    assert {(int(a[1:]), int(b[1:])) for a, b in tree.edges} == believed
+    run.to_trackmate(tmp_path / "tracks.xml")
+    spots = ElementTree.parse(tmp_path / "tracks.xml").getroot().findall(".//Spot")
+    assert len(spots) == len(run.strokes[run.strokes["stroke"] > 0])
+
+
+def test_tables_of_curves_and_lives(run):
+    assert set(run.contacts) >= {"curve_a", "curve_b", "crosses", "first", "last"}
+    assert ((run.joints["probability"] >= 0) & (run.joints["probability"] <= 1)).all()
+    lives = run.lives
+    assert (lives["last"] >= lives["first"]).all() and len(lives) == run.strokes["stroke"].nunique()
+    named = run.named_events
+    assert len(named) == len(run.events) and set(named["contact"]) <= {"", "tip_tip", "tip_side", "side_side"}
 
 
 def test_other_peoples_folders_are_left_alone(tmp_path):

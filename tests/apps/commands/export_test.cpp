@@ -4,9 +4,9 @@
 #include <set>
 #include <sstream>
 
-#include "apps/exporting/stroke_tree.hpp"
-#include "apps/exporting/tracking_files.hpp"
 #include "graph/events/events.hpp"
+#include "graph/exporting/stroke_tree.hpp"
+#include "graph/exporting/tracking_files.hpp"
 #include "graph/io/motion_io.hpp"
 #include "tests/apps/commands/command_check.hpp"
 
@@ -51,7 +51,7 @@ TEST_CASE("a run is exported as tables, GEFF, TrackMate and GraphML, alike in wh
   for (const char* name : {"motion.jsonl", "events.csv", "strokes.csv", "trajectories.csv"})
     CHECK(bytes_of(made.temp / "out" / name) == bytes_of(made.temp / "run" / name));
 
-  const auto tree = apps::make_stroke_tree(made.motion, made.events);
+  const auto tree = graph::make_stroke_tree(made.motion, made.events);
   REQUIRE(tree.rows.size() > 30);
   const auto lines = bytes_of(made.temp / "out/strokes.csv");
   CHECK(static_cast<std::size_t>(std::ranges::count(lines, '\n')) == tree.rows.size() + 1);

@@ -91,6 +91,8 @@ TEST_CASE("Edits out of range are refused by name", "[edit_motion]") {
   refused([](MotionEdit& e) { e.speed = std::nan(""); }, "speed");
   refused([](MotionEdit& e) { e.intensity = -1; }, "intensity");
   refused([](MotionEdit& e) { e.flicker = 11; }, "flicker");
+  refused([](MotionEdit& e) { e.contrast = 0; }, "contrast is 0");
+  refused([](MotionEdit& e) { e.wind.y = -9; }, "wind is -9");
   refused([](MotionEdit& e) { e.rates[3] = -0.5; }, "merges");
   refused([](MotionEdit& e) { e.rates[1] = 0; }, "at most 4 times the deaths");
   refused([](MotionEdit& e) { e.birth_map = test::map_over(320, 240, 16, 0); }, "nothing is painted");
@@ -223,6 +225,48 @@ TEST_CASE("Strokes are born where the map is painted", "[edit_motion]") {
   }
   CHECK(births > 120);
   CHECK(double(inside) > 0.95 * births);
+}
+
+TEST_CASE("Contrast is scaled and nothing else", "[edit_motion]") {
+  MotionEdit edit;
+  edit.contrast = 2;
+  mcmc::Synthesis before(lively(), 5), after(mcmc::edit_motion(lively(), edit).model, 5);
+  for (int t = 0; t < 40; ++t) {
+    const auto was = before.next(), is = after.next();
+    REQUIRE(was.size() == is.size());
+    for (std::uint32_t v = 0; v < was.size(); ++v) {
+      CHECK(is.patch(v).position == was.patch(v).position);
+      CHECK_THAT(is.patch(v).contrast, Catch::Matchers::WithinRel(2 * was.patch(v).contrast, 1e-9));
+    }
+  }
+}
+
+TEST_CASE("Wind carries strokes, and what it carries away is born on its other side", "[edit_motion][slow]") {
+  MotionEdit edit;
+  edit.wind = {1.5, -0.5};
+  const auto still = lively(), blown = mcmc::edit_motion(still, edit).model;
+  CHECK(blown.drift_x.values.front() == still.drift_x.values.front() + 1.5);
+  const auto before = seen(still), after = seen(blown);
+  CHECK_THAT(after.patches, Catch::Matchers::WithinRel(before.patches, 0.3));
+  const auto motion = mcmc::synthesize(blown, 300, 3);
+  graph::Point way;
+  double links = 0;
+  for (std::size_t t = 1; t < motion.links.size(); ++t)
+    for (const auto& link : motion.links[t]) {
+      const auto& then = motion.sketch.frames[t - 1];
+      const auto& now = motion.sketch.frames[t];
+      way = way +
+            (now.patch(now.index_of(link.after)).position - then.patch(then.index_of(link.before)).position);
+      ++links;
+    }
+  REQUIRE(links > 1000);
+  CHECK_THAT(way.x / links, Catch::Matchers::WithinAbs(1.5, 0.1));
+  CHECK_THAT(way.y / links, Catch::Matchers::WithinAbs(-0.5, 0.1));
+  // Strokes a frame over the width, times the wind, come in from the left; the frame is filled evenly.
+  double left = 0, right = 0;
+  for (const auto& graph : motion.sketch.frames)
+    for (const auto& vertex : graph.vertices()) (vertex.patch.position.x < 160 ? left : right) += 1;
+  CHECK(std::abs(left - right) < 0.4 * (left + right));
 }
 
 TEST_CASE("Coarse and fine strokes are each other's rest", "[edit_motion][slow]") {

@@ -5,16 +5,16 @@
 #include <ostream>
 #include <vector>
 
-#include "apps/exporting/tracking_files.hpp"
-#include "apps/report/report.hpp"
+#include "core/text/escape_html.hpp"
 #include "core/text/format_number.hpp"
+#include "graph/exporting/tracking_files.hpp"
 
-namespace emberfold::apps {
+namespace emberfold::graph {
 
 namespace {
 
 std::string attribute(const char* name, const std::string& value) {
-  return std::string(" ") + name + "=\"" + escape_html(value) + "\"";
+  return std::string(" ") + name + "=\"" + core::escape_html(value) + "\"";
 }
 std::string attribute(const char* name, double value) {
   return attribute(name, core::number_text(value));
@@ -128,7 +128,7 @@ void write_graphml(std::ostream& out, const StrokeTree& tree, const TrackedClip&
         << attribute("attr.name", std::string(id)) << attribute("attr.type", std::string(type)) << "/>\n";
   };
   const auto data = [&](const char* name, const std::string& value) {
-    out << "<data" << attribute("key", std::string(name)) << ">" << escape_html(value) << "</data>";
+    out << "<data" << attribute("key", std::string(name)) << ">" << core::escape_html(value) << "</data>";
   };
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<graphml "
          "xmlns=\"http://graphml.graphdrawing.org/xmlns\">\n";
@@ -153,4 +153,4 @@ void write_graphml(std::ostream& out, const StrokeTree& tree, const TrackedClip&
   out << "  </graph>\n</graphml>\n";
 }
 
-}  // namespace emberfold::apps
+}  // namespace emberfold::graph

@@ -10,9 +10,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/exporting/tracking_files.hpp"
+#include "graph/exporting/tracking_files.hpp"
 
-namespace emberfold::apps {
+namespace emberfold::graph {
 
 using Json = nlohmann::ordered_json;
 
@@ -110,10 +110,10 @@ void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::stri
                                   {"y", zarr.property("nodes", "y", y)},
                                   {"x", zarr.property("nodes", "x", x)},
                                   {"frame", zarr.property("nodes", "frame", frame)},
-                                  {"stroke", zarr.property("nodes", "stroke", stroke)},
+                                  {tree.of, zarr.property("nodes", tree.of, stroke)},
                                   {"length", zarr.property("nodes", "length", length)}};
   about["edge_props_metadata"] = {{"probability", zarr.property("edges", "probability", probability)}};
   zarr.file(".zattrs", Json{{"geff", about}}.dump(1));
 }
 
-}  // namespace emberfold::apps
+}  // namespace emberfold::graph

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/exporting/stroke_tree.hpp"
+#include "graph/exporting/stroke_tree.hpp"
 
 #include <map>
 #include <set>
 #include <utility>
 
-namespace emberfold::apps {
+#include "graph/io/curve_tables.hpp"
 
-StrokeTree make_stroke_tree(const graph::MotionGraph& motion, const std::vector<graph::Event>& events) {
+namespace emberfold::graph {
+
+StrokeTree make_stroke_tree(const MotionGraph& motion, const std::vector<Event>& events) {
   StrokeTree tree;
-  for (const auto& row : graph::stroke_rows(motion))
+  for (const auto& row : stroke_rows(motion))
     if (row.stroke > 0) tree.rows.push_back(row);
   std::map<std::uint32_t, std::size_t> first, last;
   for (std::size_t i = 0; i < tree.rows.size(); ++i) {
@@ -26,10 +28,19 @@ StrokeTree make_stroke_tree(const graph::MotionGraph& motion, const std::vector<
         if (from == last.end() || to == first.end()) continue;
         if (tree.rows[from->second].frame >= tree.rows[to->second].frame) continue;
         if (linked.emplace(from->second, to->second).second)
-          tree.links.push_back(
-              {from->second, to->second, event.probability, std::string(graph::name(event.type))});
+          tree.links.push_back({from->second, to->second, event.probability, std::string(name(event.type))});
       }
   return tree;
 }
 
-}  // namespace emberfold::apps
+StrokeTree make_curve_tree(const MotionGraph& motion) {
+  StrokeTree tree;
+  tree.of = "curve";
+  for (const auto& row : curve_rows(motion))
+    if (row.whole.stroke > 0) tree.rows.push_back(row.whole);
+  for (std::size_t i = 1; i < tree.rows.size(); ++i)
+    if (tree.rows[i - 1].stroke == tree.rows[i].stroke) tree.links.push_back({i - 1, i, 1, {}});
+  return tree;
+}
+
+}  // namespace emberfold::graph

@@ -6,25 +6,25 @@
 #include <iosfwd>
 #include <string>
 
-#include "apps/exporting/stroke_tree.hpp"
+#include "graph/exporting/stroke_tree.hpp"
 
-// Strokes in the formats of other programs.
-namespace emberfold::apps {
+// Strokes and curves in the formats of other programs.
+namespace emberfold::graph {
 
 /// What is written with a tree.
 struct TrackedClip {
   std::string name;
   int width = 0, height = 0, frames = 0;
   double fps = 25;
-  graph::Units units;  ///< times are in frames, places in px where they are not known
+  Units units;  ///< times are in frames, places in px where they are not known
 };
 
 /// Writes a file of an export: its path below the export's folder, and its content.
 using WriteFile =
     std::function<void(const std::string& path, const std::function<void(std::ostream&)>& body)>;
 
-/// Writes a GEFF (graph exchange file format 1.1.0): a zarr 2 group of nodes, a stroke in a frame each, and
-/// directed edges. Nodes have t, y, x, frame, stroke, length; edges probability.
+/// Writes a GEFF (graph exchange file format 1.1.0): a zarr 2 group of nodes, a stroke (curve) in a frame
+/// each, and directed edges. Nodes have t, y, x, frame, stroke (curve), length; edges probability.
 void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::string& folder,
                 const WriteFile& write);
 
@@ -36,4 +36,4 @@ void write_trackmate(std::ostream& out, const StrokeTree& tree, const TrackedCli
 /// for each event that leads from one to another.
 void write_graphml(std::ostream& out, const StrokeTree& tree, const TrackedClip& clip);
 
-}  // namespace emberfold::apps
+}  // namespace emberfold::graph

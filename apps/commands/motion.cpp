@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <iomanip>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/command_line.hpp"
+#include "apps/cli/edit_options.hpp"
+#include "apps/cli/summary.hpp"
+#include "apps/report/report_model.hpp"
+#include "core/io/model_folder.hpp"
+#include "core/io/require_apart.hpp"
+#include "pipeline/clip_model.hpp"
+#include "pipeline/parameter_count.hpp"
+
+namespace emberfold::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Edited {
+  std::string model, output;
+  EditOptions edit;
+};
+
+struct Info {
+  std::string model;
+};
+
+pipeline::ClipModel read_whole_model(const std::string& folder) {
+  const auto archive = io::read_model(folder, io::kMotionFormat);
+  try {
+    return pipeline::clip_model(archive);
+  } catch (const core::IoError& error) {
+    throw core::IoError(folder + ": " + error.what());
+  }
+}
+
+Json model_json(const pipeline::ClipModel& model) {
+  const auto& motion = model.motion;
+  Json fills = {"diffusion"};
+  if (model.footage) fills.push_back("footage");
+  if (model.residual) fills.push_back("texture");
+  if (model.texture) fills.push_back("dytex");
+  Json out = {{"width", motion.width},
+              {"height", motion.height},
+              {"fps", motion.fps},
+              {"learned_from_frames", motion.frames},
+              {"parameters", pipeline::parameter_count(motion)},
+              {"fills", std::move(fills)},
+              {"rates_are_corrected", !model.correction.has_value()}};
+  out.update(motion_model_figures(motion));
+  return out;
+}
+
+std::string model_table(const Json& model) {
+  std::ostringstream out;
+  const auto row = [&](const char* name) -> std::ostringstream& {
+    out << "\n  " << std::left << std::setw(22) << name << std::right;
+    return out;
+  };
+  const auto words = [](const Json& list) {
+    std::string text;
+    for (const auto& one : list) text += (text.empty() ? "" : ", ") + one.get<std::string>();
+    return text;
+  };
+  out << "motion model";
+  row("frames") << model["width"] << " x " << model["height"] << ", " << model["fps"] << " a second";
+  row("learned from") << model["learned_from_frames"] << " frames";
+  row("parameters") << std::int64_t(model["parameters"].get<double>()) << ", of the strokes";
+  row("drawn as") << words(model["fills"]);
+  row("strokes") << model["first_strokes"] << " in the first frame, " << model["exemplars"]
+                 << " that can be born";
+  const auto& rates = model["rates"];
+  row("births") << rates["birth_per_frame"] << " a frame";
+  row("splits, merges") << rates["split"] << " a patch, " << rates["merge"] << " a pair of ends";
+  row("connects, disconnects") << rates["connect"] << " a pair of strokes, " << rates["disconnect"]
+                               << " an arm";
+  row("sway") << "SD " << model["sway"]["deviation"] << " px, largest growth " << model["sway"]["radius"];
+  row("largest drift") << model["largest_drift"] << " px a frame";
+  row("rates") << (model["rates_are_corrected"] ? "corrected by clips drawn of it, or not to be"
+                                                : "to be corrected when strokes are first drawn");
+  out << '\n';
+  return out.str();
+}
+
+void run_edit(Edited asked, Session& session) {
+  check(asked.edit);
+  if (!changes(asked.edit))
+    throw Misuse("nothing to edit: give --speed, --births, --wind or others, see --help");
+  io::require_apart({asked.model, asked.edit.birth_map}, {{asked.output}});
+  io::ModelFolder folder(asked.output);
+  Stages stages;
+  stages.begin("read");
+  auto model = read_whole_model(asked.model);
+  if (const auto why = pipeline::why_undrawable(model.motion); !why.empty())
+    throw core::IoError(asked.model + ": " + why);
+  stages.begin("edit");
+  const auto edited = apply_edits(std::move(model), asked.edit, session);
+  stages.begin("write");
+  io::write_model(folder.output(), "", pipeline::to_archive(edited));
+  stages.end();
+  Json summary = begin_summary("motion edit", session);
+  summary["source"] = asked.model;
+  summary["options"] = {{"edit", edit_json(asked.edit)}};
+  summary["model"] = model_json(edited);
+  summary["files"] = {{"model.json", "what the model is"}, {"summary.json", "all figures"}};
+  end_summary(summary, session, stages);
+  write_summary(folder.output(), summary);
+  session.check_stop();
+  folder.commit();
+  session.console.say("the edited model is " + asked.output + "; 'emberfold synth' draws it");
+  if (session.common.json) session.print(json_text(summary));
+}
+
+void run_info(const Info& asked, const Session& session) {
+  const Json model = model_json(read_whole_model(asked.model));
+  session.print(session.common.json ? json_text(model) : model_table(model));
+}
+
+void add_model(CLI::App& command, std::string& model) {
+  command.add_option("MODEL", model, "Read the model from this folder, DIR/model of analyze")
+      ->required()
+      ->type_name("");
+}
+
+void add_edit(CLI::App& motion, CommandLine& line) {
+  auto* command = add_command(motion, "edit", "Change how strokes move and how often they change", R"(
+  emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
+  emberfold motion edit out/fire/model -o out/storm --wind 2,0 --contrast 1.5)");
+  const auto asked = std::make_shared<Edited>();
+  add_model(*command, asked->model);
+  command->add_option("-o,--output", asked->output, "Write the edited model into this folder")
+      ->type_name("MODEL2")
+      ->required();
+  add_edit_options(*command, asked->edit);
+  finish_command(*command, line, asked, run_edit);
+}
+
+void add_info(CLI::App& motion, CommandLine& line) {
+  auto* command = add_command(motion, "info", "Print the figures of a motion model", R"(
+  emberfold motion info out/fire/model
+  emberfold motion info out/fire/model --json | jq .parameters)");
+  const auto asked = std::make_shared<Info>();
+  add_model(*command, asked->model);
+  finish_command(*command, line, asked, run_info);
+}
+
+}  // namespace
+
+void add_motion(CLI::App& app, CommandLine& line) {
+  auto* command = add_command(app, "motion", "Edit and describe motion models", R"(
+  emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
+  emberfold synth out/wild -o wild.mp4
+  emberfold motion info out/wild)");
+  command->require_subcommand(0, 1);
+  add_edit(*command, line);
+  add_info(*command, line);
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/parameter_count.hpp"
+
+namespace emberfold::pipeline {
+
+double parameter_count(const mcmc::MotionModel& model) {
+  // Place, direction, width, blur, contrast, three levels of three channels; type. An edge: its two ends.
+  constexpr double kPatch = 16, kEdge = 2, kScalars = 6 + 6 + 16 + 8;
+  const auto numbers = [](const graph::AttributeGraph& graph) {
+    return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());
+  };
+  double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizeClasses;
+  for (const auto& exemplar : model.exemplars) sum += numbers(exemplar.graph) + 3;
+  for (const auto* map : {&model.displacement_scale, &model.drift_x, &model.drift_y, &model.rates.birth,
+                          &model.rates.death, &model.rates.separation, &model.density})
+    sum += static_cast<double>(map->values.size());
+  return sum;
+}
+
+double parameter_count(const dytex::LinearDynamicTexture& texture) {
+  return static_cast<double>(texture.mean.size() + texture.C.size() + texture.A.size() + texture.B.size());
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "dytex/linear_dynamic_texture.hpp"
+#include "mcmc/model/motion_model.hpp"
+
+namespace emberfold::pipeline {
+
+/// Returns how many numbers of a model are needed to draw from it: of strokes, places, looks and edges of the
+/// first frame and of the exemplars, the maps, the laws and the rates; of a texture mean, C, A and B.
+double parameter_count(const mcmc::MotionModel& model);
+double parameter_count(const dytex::LinearDynamicTexture& texture);
+
+}  // namespace emberfold::pipeline
