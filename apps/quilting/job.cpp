@@ -123,6 +123,12 @@ Json found_map_json(const FoundMap& found, const QuiltClips& clips) {
   out["seam_step"] = measures.seam_step;
   out["other_step"] = measures.other_step;
   out["seam_ratio"] = measures.seam_ratio();
+  if (!found.map.is_still()) {
+    out["change_share"] = measures.change_share;
+    out["change_step"] = measures.change_step;
+    out["course_step"] = measures.course_step;
+    out["change_ratio"] = measures.change_ratio();
+  }
   return out;
 }
 
@@ -149,8 +155,10 @@ void write_pictures(io::OutputFolder& output, const QuiltRequest& request, const
   QuiltPictures pictures;
   const auto sizes = clips.sizes();
   const auto& source = *clips.loaded().front();
-  pictures.map = draw_quilt_map(found.map, sizes);
-  pictures.seams = draw_seams(drawn[drawn.size() / 2].picture, found.map);
+  const auto& middle = drawn[drawn.size() / 2];
+  const auto shown = dytex::still_at(found.map, std::min(middle.frame, source.frames() - 1));
+  pictures.map = draw_quilt_map(shown, sizes);
+  pictures.seams = draw_seams(middle.picture, shown);
   for (const auto& [frame, picture] : drawn)
     pictures.pairs.push_back(
         {frame, to_colour_bytes(frame_of(source, std::min(frame, source.frames() - 1)), clips.info()),

@@ -27,6 +27,7 @@ struct QuiltRequest {
   bool own_size = false, own_block = false, own_overlap = false, own_apart = false;
   std::vector<std::string> masks;  ///< one for each clip, or for the first ones
   std::string guide;
+  std::string seams = "still";  ///< or moving
   double flatten = 0;  ///< px, 0: not
 
   ControlRequest control;
