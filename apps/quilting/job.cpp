@@ -20,6 +20,7 @@
 #include "apps/report/quilt_report.hpp"
 #include "core/io/files.hpp"
 #include "core/io/require_apart.hpp"
+#include "core/text/format_number.hpp"
 #include "dytex/quilting/quilt_measures.hpp"
 
 namespace emberfold::apps {
@@ -132,8 +133,19 @@ Json found_map_json(const FoundMap& found, const QuiltClips& clips) {
   return out;
 }
 
+// Says in words that a quilt does not pass for its source.
+void warn_of_seams(const QuiltRequest& request, const Json& quilt, Session& session) {
+  constexpr double kSeen = 2.5;
+  const double ratio = quilt.value("seam_ratio", 1.0);
+  if (!request.apply.empty() || ratio <= kSeen) return;
+  session.warn("seams show (levels step " + core::fixed_text(ratio, 1) +
+               " times as much across them as elsewhere): " + request.clips.front() +
+               " shows single things rather than a texture that could be laid from blocks" +
+               (request.seams == "still" ? "; --set quilt.seams=moving may hide some" : ""));
+}
+
 Json summarise(const QuiltRequest& request, const QuiltTarget& target, const FoundMap& found,
-               const QuiltClips& clips, std::int64_t frames, const Session& session) {
+               const QuiltClips& clips, std::int64_t frames, Session& session) {
   Json summary = begin_summary("quilt", session);
   const auto known = clips.info().frames.value_or(0);
   summary["clip"] = clip_json(request.clips.front(), clips.info(),
@@ -142,6 +154,7 @@ Json summarise(const QuiltRequest& request, const QuiltTarget& target, const Fou
   summary["options"] = request_json(request);
   summary["options"]["reading"] = reading_json(request.read);
   summary["quilt"] = found_map_json(found, clips);
+  warn_of_seams(request, summary["quilt"], session);
   summary["output"] = {{"name", target.path().string()},
                        {"width", found.map.size.width},
                        {"height", found.map.size.height},
