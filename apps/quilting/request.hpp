@@ -28,7 +28,7 @@ struct QuiltRequest {
   std::vector<std::string> masks;  ///< one for each clip, or for the first ones
   std::string guide;
   std::string seams = "still";  ///< or moving
-  double flatten = 0;  ///< px, 0: not
+  double flatten = 0;           ///< px, 0: not
 
   ControlRequest control;
   std::optional<std::int64_t> frames;  ///< of the output; as many as the source has

@@ -14,7 +14,7 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr double kRest = 0x1p-40;  // of a state is lost in a frame at rest: a stable model, and no level moves
+constexpr double kRest = 0x1p-40;             // of a state is lost in a frame at rest: stable all the same
 constexpr double kLeastVariance = 1e-12;      // of the largest; directions below it do not move
 constexpr double kNegativeRounding = 1e-13;   // of a matrix's size; smaller eigenvalues are rounding
 constexpr double kPhaseRounding = 1e-12;      // of pi; a phase this little above it has not passed it

@@ -43,8 +43,7 @@ void BlockCourses::read(cv::Point pixel, std::span<const int> begins, std::span<
   }
 }
 
-void BlockCourses::write(cv::Point pixel, std::span<const int> begins,
-                         std::span<const std::int32_t> blocks) {
+void BlockCourses::write(cv::Point pixel, std::span<const int> begins, std::span<const std::int32_t> blocks) {
   const std::size_t i = index(pixel);
   first_[i] = blocks.front();
   std::vector<BlockChange> later;

@@ -24,8 +24,8 @@ struct BlockChange {
   std::int32_t frame = 0, block = -1;
 };
 
-/// For each pixel of the output the blocks that it shows, one after the other. Blocks are numbered in the order
-/// of `placed`; a block may show beyond its own place, wherever its source goes on.
+/// For each pixel of the output the blocks that it shows, one after the other. Blocks are numbered in the
+/// order of `placed`; a block may show beyond its own place, wherever its source goes on.
 class BlockCourses {
  public:
   /// `shown`: the block of each pixel at all times, row by row.

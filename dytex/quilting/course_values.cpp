@@ -51,14 +51,13 @@ bool CourseValues::may_show(const SourcePixel& at) const {
 void CourseValues::copy(const SourcePixel& at, int begin, int end, CourseValue* out) const {
   const Trajectories& source = *sources_[static_cast<std::size_t>(at.source)].trajectories;
   const auto& info = source.info();
-  const std::size_t pixel = static_cast<std::size_t>(at.y) * static_cast<std::size_t>(info.width) +
-                            static_cast<std::size_t>(at.x);
+  const std::size_t pixel =
+      static_cast<std::size_t>(at.y) * static_cast<std::size_t>(info.width) + static_cast<std::size_t>(at.x);
   const float scale = static_cast<float>(255 * kValuesPerLevel / info.white);
   const int length = source.chunk_frames();
   for (int t = begin; t < end;) {
     const int stop = std::min(end, (t / length + 1) * length);
-    const std::size_t skip =
-        pixel * source.course() + static_cast<std::size_t>((t % length) * info.channels);
+    const std::size_t skip = pixel * source.course() + static_cast<std::size_t>((t % length) * info.channels);
     const auto n = static_cast<std::size_t>((stop - t) * info.channels);
     const std::byte* chunk = source.chunk(t / length);
     if (info.depth == CV_8U)

@@ -14,7 +14,9 @@ constexpr std::int32_t kNever = std::numeric_limits<std::int32_t>::max();
 
 }  // namespace
 
-MinCut::MinCut(std::size_t nodes, std::size_t edges) : nodes_(nodes) { arcs_.reserve(2 * edges); }
+MinCut::MinCut(std::size_t nodes, std::size_t edges) : nodes_(nodes) {
+  arcs_.reserve(2 * edges);
+}
 
 void MinCut::add_costs(std::int32_t i, std::int32_t on_first, std::int32_t on_second) {
   // A node on the first side parts with the second terminal: what both sides cost alike flows at once.

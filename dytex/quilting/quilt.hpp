@@ -28,7 +28,7 @@ struct QuiltOptions {
   double guide_weight = 0.5;  ///< of the guide against the overlap, 0 … 0.99
   bool tileable = false;      ///< the output's sides fit each other
   Seams seams = Seams::still;
-  bool exact = false;         ///< compare every place over all of time, without the basis: slow
+  bool exact = false;  ///< compare every place over all of time, without the basis: slow
   std::uint64_t seed = 1;
 
   /// Throws InputError naming field, value and range.
@@ -70,10 +70,10 @@ struct QuiltResult {
 /// Image quilting (Efros & Freeman 2001) with blocks that span all of time (Enrique et al. 2005): blocks of
 /// the sources are laid one after the other, each overlapping those before; a block is drawn evenly among the
 /// places whose squared difference over the overlap, summed over time and channels, is within the tolerance
-/// of the least one; it is cut along seams of least error, the same in every frame. Seams::moving then lets the seams move in
-/// space and time (as minimum cuts, Kwatra et al. 2003), wherever blocks have been placed. The search works in a
-/// basis of rank k whose bounds leave over the places to be compared exactly: what is chosen is what an
-/// exhaustive search chooses. With one frame this is quilting of still images.
+/// of the least one; it is cut along seams of least error, the same in every frame. Seams::moving then lets
+/// the seams move in space and time (as minimum cuts, Kwatra et al. 2003), wherever blocks have been placed.
+/// The search works in a basis of rank k whose bounds leave over the places to be compared exactly: what is
+/// chosen is what an exhaustive search chooses. With one frame this is quilting of still images.
 ///
 /// Sources agree in frames, channels and depth, and chunk_frames. InputError where they do not, where none of
 /// them holds a block, or where the mask forbids every place. The same result at any thread count.

@@ -147,7 +147,8 @@ QuiltMap quilt_map(const core::NpyArray& array, std::span<const cv::Size> source
   if (whole && shape.size() == 2 && shape[1] == kColumns && shape[0] >= 1)
     return moving_map(*values, sources);
   throw core::InputError(
-      "a quilt's map is an int32 array of height x width x 3 (source, x, y) or, with seams that move, of rows "
+      "a quilt's map is an int32 array of height x width x 3 (source, x, y) or, with seams that move, of "
+      "rows "
       "x 6 (t, y, x, source, x, y)");
 }
 

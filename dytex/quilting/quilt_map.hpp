@@ -24,13 +24,13 @@ struct SourceChange {
   bool operator==(const SourceChange&) const = default;
 };
 
-/// The source pixel that each output pixel copies, row by row. Quilting finds it; rendering needs nothing else.
-/// Where seams move, pixels change what they copy with the frame of the source.
+/// The source pixel that each output pixel copies, row by row. Quilting finds it; rendering needs nothing
+/// else. Where seams move, pixels change what they copy with the frame of the source.
 struct QuiltMap {
   cv::Size size;
   std::vector<SourcePixel> pixels;  ///< from frame 0 on
-  /// The changes of all pixels, one pixel after the other, of each in the order of frames ≥ 1. Of pixel i they
-  /// end at change_ends[i], where those of pixel i + 1 begin; both are empty where seams stand still.
+  /// The changes of all pixels, one pixel after the other, of each in the order of frames ≥ 1. Of pixel i
+  /// they end at change_ends[i], where those of pixel i + 1 begin; both are empty where seams stand still.
   std::vector<SourceChange> changes{};
   std::vector<std::size_t> change_ends{};
   int frames = 0;  ///< of the source that the changes belong to; 0 without
@@ -55,9 +55,9 @@ struct QuiltMap {
 /// Returns what the pixels copy of one frame, for all frames.
 QuiltMap still_at(const QuiltMap& map, int frame);
 
-/// Returns the map as an int32 array. Version 1, of a map whose seams stand still: height × width × 3 (source, x,
-/// y). Version 2: rows × 6 (t, y, x, source, x, y), for each pixel one row for frame 0 and one for each change,
-/// ordered by y, x and t, behind a first row of frames, height, width, 2, 0, 0.
+/// Returns the map as an int32 array. Version 1, of a map whose seams stand still: height × width × 3
+/// (source, x, y). Version 2: rows × 6 (t, y, x, source, x, y), for each pixel one row for frame 0 and one
+/// for each change, ordered by y, x and t, behind a first row of frames, height, width, 2, 0, 0.
 core::NpyArray to_array(const QuiltMap& map);
 
 /// Reads a map of either version from an array. InputError unless it is one of to_array(), at least 1×1, and

@@ -111,13 +111,19 @@ Steps steps_in_time(const QuiltMap& now, const QuiltMap& next, const cv::Mat& le
   return steps;
 }
 
-double ratio(double share, double seam, double other) { return share > 0 && other > 0 ? seam / other : 1; }
+double ratio(double share, double seam, double other) {
+  return share > 0 && other > 0 ? seam / other : 1;
+}
 
 }  // namespace
 
-double QuiltMeasures::seam_ratio() const { return ratio(seam_share, seam_step, other_step); }
+double QuiltMeasures::seam_ratio() const {
+  return ratio(seam_share, seam_step, other_step);
+}
 
-double QuiltMeasures::change_ratio() const { return ratio(change_share, change_step, course_step); }
+double QuiltMeasures::change_ratio() const {
+  return ratio(change_share, change_step, course_step);
+}
 
 QuiltMeasures measure_quilt(const QuiltMap& map, std::span<const QuiltChoice> choices,
                             std::span<const Trajectories* const> sources, int frames) {
@@ -131,13 +137,13 @@ QuiltMeasures measure_quilt(const QuiltMap& map, std::span<const QuiltChoice> ch
   if (with_neighbour > 0)
     measures.verbatim_blocks = static_cast<double>(going_on) / static_cast<double>(with_neighbour);
   const int length = sources.front()->frames(), looked = std::min(length, frames);
-  measures.largest_piece = static_cast<double>(largest_piece(still_at(map, length / 2))) /
-                           static_cast<double>(map.pixels.size());
+  measures.largest_piece =
+      static_cast<double>(largest_piece(still_at(map, length / 2))) / static_cast<double>(map.pixels.size());
   measures.source_share = source_share(map, sources);
   std::vector<Steps> space(static_cast<std::size_t>(looked)), time(space.size());
   core::parallel_for(space.size(), {}, [&](std::size_t i) {
-    const int t = looked == 1 ? 0
-                              : static_cast<int>(static_cast<std::int64_t>(i) * (length - 1) / (looked - 1));
+    const int t =
+        looked == 1 ? 0 : static_cast<int>(static_cast<std::int64_t>(i) * (length - 1) / (looked - 1));
     const auto& info = sources.front()->info();
     const auto drawn = render_quilt(map, sources, {}, t, t + 1 < length ? 2 : 1);
     const QuiltMap now = still_at(map, t);

@@ -21,12 +21,13 @@ struct QuiltMeasures {
   /// Returns seam_step / other_step, 1 where seams are as smooth as the rest; 1 where there are none, or
   /// nothing steps anywhere.
   [[nodiscard]] double seam_ratio() const;
-  /// Returns change_step / course_step in the same way: 1 where seams that move flicker no more than the rest.
+  /// Returns change_step / course_step in the same way: 1 where seams that move flicker no more than the
+  /// rest.
   [[nodiscard]] double change_ratio() const;
 };
 
-/// Measures a quilt. Steps are taken over at most `frames` frames, spread evenly, and the frames after them; the
-/// largest piece is that of the middle frame. `choices` may be empty: no verbatim_blocks.
+/// Measures a quilt. Steps are taken over at most `frames` frames, spread evenly, and the frames after them;
+/// the largest piece is that of the middle frame. `choices` may be empty: no verbatim_blocks.
 QuiltMeasures measure_quilt(const QuiltMap& map, std::span<const QuiltChoice> choices,
                             std::span<const Trajectories* const> sources, int frames = 32);
 

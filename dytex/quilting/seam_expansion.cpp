@@ -29,7 +29,8 @@ void add_pair(MinCut& cut, std::int32_t s, std::int32_t t, const PairCosts& cost
     cut.add_costs(s, cost.old_old, 0);
     cut.add_edge(s, t, cost.old_new - cost.old_old, cost.new_old);
   } else {
-    // Where the seam that is there costs more than both new ones no cut tells that: these are then made dearer.
+    // Where the seam that is there costs more than both new ones no cut tells that: these are then made
+    // dearer.
     cut.add_costs(s, cost.old_new, 0);
     cut.add_costs(t, cost.old_old - cost.old_new, 0);
     cut.add_edge(s, t, 0, std::max(0, cost.new_old + cost.old_new - cost.old_old));
@@ -38,8 +39,8 @@ void add_pair(MinCut& cut, std::int32_t s, std::int32_t t, const PairCosts& cost
 
 }  // namespace
 
-SeamExpansion::SeamExpansion(const BlockCourses& courses, const CourseValues& values, const SeamWindow& window,
-                             std::int32_t block, const SpanBegins& begins)
+SeamExpansion::SeamExpansion(const BlockCourses& courses, const CourseValues& values,
+                             const SeamWindow& window, std::int32_t block, const SpanBegins& begins)
     : courses_(courses),
       values_(values),
       place_(window.place),
@@ -67,8 +68,8 @@ int SeamExpansion::end(std::size_t span) const {
   return span + 1 < spans_ ? begins_[span + 1] : values_.frames();
 }
 
-// Pixels that the block may take. Those at the window's border keep what they show, as their neighbours outside
-// are not looked at; at the output's border there are none.
+// Pixels that the block may take. Those at the window's border keep what they show, as their neighbours
+// outside are not looked at; at the output's border there are none.
 std::vector<bool> SeamExpansion::open_pixels() const {
   const cv::Size size = courses_.size();
   const bool flat = !courses_.wraps();

@@ -24,9 +24,9 @@ struct SeamWindow {
   int band = 0;    ///< px from what the block shows already; 0: all of the window
 };
 
-/// The move of one block: of all ways in which it can take pixels, in some spans, from those around it, the one
-/// that leaves the least cost of seams (an expansion, Boykov, Veksler & Zabih 2001). The cost of a pair of
-/// neighbours in x, y or t that show different blocks is the squared difference of what they show, and a
+/// The move of one block: of all ways in which it can take pixels, in some spans, from those around it, the
+/// one that leaves the least cost of seams (an expansion, Boykov, Veksler & Zabih 2001). The cost of a pair
+/// of neighbours in x, y or t that show different blocks is the squared difference of what they show, and a
 /// little for each, so that seams do not wander where nothing differs. Seams that the block covers cost no
 /// more. Never worse than before.
 class SeamExpansion {
@@ -54,7 +54,8 @@ class SeamExpansion {
   void add_neighbours(MinCut& cut, std::size_t p, std::size_t r) const;
   void add_moments(MinCut& cut, std::size_t p) const;
   [[nodiscard]] std::size_t value_index(std::size_t p, int frame) const {
-    return static_cast<std::size_t>(slot_[p]) * course_ + static_cast<std::size_t>(frame) * values_.channels();
+    return static_cast<std::size_t>(slot_[p]) * course_ +
+           static_cast<std::size_t>(frame) * values_.channels();
   }
 
   const BlockCourses& courses_;

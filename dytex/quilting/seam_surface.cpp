@@ -44,8 +44,8 @@ cv::Rect window_of(const BlockCourses& courses, const cv::Rect& place) {
           std::min(wide.height, courses.size().height)};
 }
 
-// Blocks whose windows share no pixel, group after group, so that threads may move those of a group at once. On
-// a torus blocks go one by one.
+// Blocks whose windows share no pixel, group after group, so that threads may move those of a group at once.
+// On a torus blocks go one by one.
 std::vector<std::vector<std::int32_t>> groups_apart(const BlockCourses& courses) {
   std::vector<std::vector<std::int32_t>> groups;
   std::vector<std::vector<cv::Rect>> taken;

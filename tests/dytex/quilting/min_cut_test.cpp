@@ -18,8 +18,8 @@ namespace {
 
 struct Problem {
   int nodes = 0;
-  std::vector<std::pair<int, int>> costs;                 // on the first side, on the second
-  std::vector<std::tuple<int, int, int, int>> edges;      // a, b, cost, reverse cost
+  std::vector<std::pair<int, int>> costs;             // on the first side, on the second
+  std::vector<std::tuple<int, int, int, int>> edges;  // a, b, cost, reverse cost
 };
 
 Problem random_problem(int nodes, int edges, std::uint64_t seed, std::uint32_t levels) {
@@ -31,7 +31,8 @@ Problem random_problem(int nodes, int edges, std::uint64_t seed, std::uint32_t l
     problem.costs.emplace_back(below(3) == 0 ? 0 : first, below(3) == 0 ? 0 : second);
   }
   for (int e = 0; e < edges; ++e) {
-    const int a = below(static_cast<std::uint32_t>(nodes)), step = 1 + below(static_cast<std::uint32_t>(nodes - 1));
+    const int a = below(static_cast<std::uint32_t>(nodes)),
+              step = 1 + below(static_cast<std::uint32_t>(nodes - 1));
     const int cost = below(levels), reverse = below(levels);
     problem.edges.emplace_back(a, (a + step) % nodes, cost, reverse);
   }
@@ -116,13 +117,15 @@ std::int64_t flow_by_push_relabel(const Problem& problem) {
 TEST_CASE("a minimum cut costs the least of all partitions") {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     const int nodes = 2 + static_cast<int>(seed % 9);
-    const Problem problem = random_problem(nodes, static_cast<int>(seed % 25), seed, seed % 2 == 0 ? 3 : 1000);
+    const Problem problem =
+        random_problem(nodes, static_cast<int>(seed % 25), seed, seed % 2 == 0 ? 3 : 1000);
     const Solved found = solved(problem);
     std::int64_t least = std::numeric_limits<std::int64_t>::max();
     for (unsigned sides = 0; sides < 1U << nodes; ++sides)
       least = std::min(least, cost_of(problem, [&](int i) { return (sides >> i & 1U) != 0; }));
     CHECK(found.cost == least);
-    CHECK(cost_of(problem, [&](int i) -> bool { return found.second[static_cast<std::size_t>(i)]; }) == least);
+    CHECK(cost_of(problem, [&](int i) -> bool { return found.second[static_cast<std::size_t>(i)]; }) ==
+          least);
   }
 }
 

@@ -47,7 +47,8 @@ TEST_CASE("a map whose seams move is written in rows and read again") {
                                                   2, 0, 1, 0, 5, 1,  //
                                                   4, 0, 1, 0, 3, 4});
   CHECK(dytex::quilt_map(array, kSizes) == map);
-  const std::vector<dytex::SourcePixel> expected{{0, 3, 4}, {0, 3, 4}, {0, 5, 1}, {0, 5, 1}, {0, 3, 4}, {0, 3, 4}};
+  const std::vector<dytex::SourcePixel> expected{{0, 3, 4}, {0, 3, 4}, {0, 5, 1},
+                                                 {0, 5, 1}, {0, 3, 4}, {0, 3, 4}};
   for (int t = 0; t < 6; ++t) {
     CHECK(map.at_frame(1, t) == expected[static_cast<std::size_t>(t)]);
     CHECK(dytex::still_at(map, t).pixels[1] == map.at_frame(1, t));
@@ -88,7 +89,8 @@ TEST_CASE("pixels change what they copy with the time of the source that they sh
   const auto frames = dytex::render_quilt(map, sources, {}, 0, 5);
   for (int t = 0; t < 5; ++t) {
     const auto& from = map.at_frame(1, t);
-    CHECK(static_cast<int>(frames[static_cast<std::size_t>(t)].at<unsigned char>(0, 1)) == value(t, from.x, from.y));
+    CHECK(static_cast<int>(frames[static_cast<std::size_t>(t)].at<unsigned char>(0, 1)) ==
+          value(t, from.x, from.y));
   }
   // Half way between frames 1 and 2, each as the quilt shows it.
   dytex::TimeControl control;
@@ -97,5 +99,6 @@ TEST_CASE("pixels change what they copy with the time of the source that they sh
   CHECK(static_cast<int>(late.at<unsigned char>(0, 1)) == (value(1, 3, 4) + value(2, 5, 1) + 1) / 2);
   core::ClipSource streamed(clip);
   dytex::QuiltStream stream(map, {&streamed}, control);
-  CHECK(static_cast<int>(stream.next().at<unsigned char>(0, 1)) == static_cast<int>(late.at<unsigned char>(0, 1)));
+  CHECK(static_cast<int>(stream.next().at<unsigned char>(0, 1)) ==
+        static_cast<int>(late.at<unsigned char>(0, 1)));
 }

@@ -43,7 +43,9 @@ double seam_cost_of(const core::Clip& clip, cv::Size size, int shift, const std:
   const auto is_taken = [&](int t, int x, int y) -> bool {
     return taken[static_cast<std::size_t>((t * size.height + y) * size.width + x)];
   };
-  const auto shown = [&](int t, int x, int y) { return level(clip, t, x, y + (is_taken(t, x, y) ? shift : 0)); };
+  const auto shown = [&](int t, int x, int y) {
+    return level(clip, t, x, y + (is_taken(t, x, y) ? shift : 0));
+  };
   double sum = 0;
   for (int t = 0; t < frames; ++t)
     for (int y = 0; y < size.height; ++y)
@@ -74,7 +76,8 @@ double steps_at_seams(const dytex::QuiltMap& map, const dytex::Trajectories& sou
         if (y + 1 < map.size.height &&
             !dytex::continues(map.at_frame(i, t), map.at_frame(map.index(x, y + 1), t), {0, 1}))
           sum += square(own - frame.at<double>(y + 1, x));
-        if (t > 0 && !(map.at_frame(i, t) == map.at_frame(i, t - 1))) sum += square(own - last.at<double>(y, x));
+        if (t > 0 && !(map.at_frame(i, t) == map.at_frame(i, t - 1)))
+          sum += square(own - last.at<double>(y, x));
       }
     last = frame;
   }
@@ -139,7 +142,8 @@ TEST_CASE("seams that move cost less than seams that stand still") {
   CHECK_FALSE(moving.map.is_still());
   CHECK(steps_at_seams(moving.map, source) < 0.8 * steps_at_seams(still.map, source));
   const std::vector<const dytex::Trajectories*> sources{&source};
-  const auto before = dytex::measure_quilt(still.map, {}, sources), after = dytex::measure_quilt(moving.map, {}, sources);
+  const auto before = dytex::measure_quilt(still.map, {}, sources),
+             after = dytex::measure_quilt(moving.map, {}, sources);
   CHECK(after.seam_ratio() < before.seam_ratio());
   CHECK(before.change_share == 0);
   CHECK(after.change_share > 0);
