@@ -69,6 +69,8 @@ void add_quilt_settings(Settings& settings, QuiltRequest& request) {
       "0, 1 to 4096");
   add("memory", request.memory, "MB", "Keep so much of the clips in memory, the rest in a file beside OUT",
       "0 to 1000000");
+  settings.add_word("quilt", "seams", request.seams, {"still", "moving"}, "",
+                    "Join blocks along the same path in every frame, or let seams move in space and time");
   settings.add_word("quilt", "map", request.map, {}, "FILE.npy",
                     "Write the map to this file; default: map.npy");
   settings.add_word("quilt", "format", request.format, {"mp4", "avi", "png"}, "",
@@ -98,6 +100,7 @@ void run_asked(Asked asked, Session& session) {
   request.clips = {asked.reading.clip};
   request.clips.insert(request.clips.end(), asked.others.begin(), asked.others.end());
   request.quilt.seed = session.common.seed;
+  request.quilt.seams = request.seams == "moving" ? dytex::Seams::moving : dytex::Seams::still;
   if (request.own_size) request.quilt.size = parse_size("--size", asked.size);
   if (request.own_block) request.quilt.block = parse_size("--block", asked.block);
   check_request(request);

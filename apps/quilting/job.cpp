@@ -20,6 +20,7 @@
 #include "apps/report/quilt_report.hpp"
 #include "core/io/files.hpp"
 #include "core/io/require_apart.hpp"
+#include "core/text/format_number.hpp"
 #include "dytex/quilting/quilt_measures.hpp"
 
 namespace emberfold::apps {
@@ -123,11 +124,28 @@ Json found_map_json(const FoundMap& found, const QuiltClips& clips) {
   out["seam_step"] = measures.seam_step;
   out["other_step"] = measures.other_step;
   out["seam_ratio"] = measures.seam_ratio();
+  if (!found.map.is_still()) {
+    out["change_share"] = measures.change_share;
+    out["change_step"] = measures.change_step;
+    out["course_step"] = measures.course_step;
+    out["change_ratio"] = measures.change_ratio();
+  }
   return out;
 }
 
+// Says in words that a quilt does not pass for its source.
+void warn_of_seams(const QuiltRequest& request, const Json& quilt, Session& session) {
+  constexpr double kSeen = 2.5;
+  const double ratio = quilt.value("seam_ratio", 1.0);
+  if (!request.apply.empty() || ratio <= kSeen) return;
+  session.warn("seams show (levels step " + core::fixed_text(ratio, 1) +
+               " times as much across them as elsewhere): " + request.clips.front() +
+               " shows single things rather than a texture that could be laid from blocks" +
+               (request.seams == "still" ? "; --set quilt.seams=moving may hide some" : ""));
+}
+
 Json summarise(const QuiltRequest& request, const QuiltTarget& target, const FoundMap& found,
-               const QuiltClips& clips, std::int64_t frames, const Session& session) {
+               const QuiltClips& clips, std::int64_t frames, Session& session) {
   Json summary = begin_summary("quilt", session);
   const auto known = clips.info().frames.value_or(0);
   summary["clip"] = clip_json(request.clips.front(), clips.info(),
@@ -136,6 +154,7 @@ Json summarise(const QuiltRequest& request, const QuiltTarget& target, const Fou
   summary["options"] = request_json(request);
   summary["options"]["reading"] = reading_json(request.read);
   summary["quilt"] = found_map_json(found, clips);
+  warn_of_seams(request, summary["quilt"], session);
   summary["output"] = {{"name", target.path().string()},
                        {"width", found.map.size.width},
                        {"height", found.map.size.height},
@@ -149,8 +168,10 @@ void write_pictures(io::OutputFolder& output, const QuiltRequest& request, const
   QuiltPictures pictures;
   const auto sizes = clips.sizes();
   const auto& source = *clips.loaded().front();
-  pictures.map = draw_quilt_map(found.map, sizes);
-  pictures.seams = draw_seams(drawn[drawn.size() / 2].picture, found.map);
+  const auto& middle = drawn[drawn.size() / 2];
+  const auto shown = dytex::still_at(found.map, std::min(middle.frame, source.frames() - 1));
+  pictures.map = draw_quilt_map(shown, sizes);
+  pictures.seams = draw_seams(middle.picture, shown);
   for (const auto& [frame, picture] : drawn)
     pictures.pairs.push_back(
         {frame, to_colour_bytes(frame_of(source, std::min(frame, source.frames() - 1)), clips.info()),

@@ -119,6 +119,7 @@ Json request_json(const QuiltRequest& request) {
                     {"guide_weight", quilt.guide_weight},
                     {"masks", request.masks},
                     {"tileable", quilt.tileable},
+                    {"seams", request.seams},
                     {"exact", quilt.exact}};
   else
     out["apply"] = request.apply;

@@ -27,7 +27,8 @@ struct QuiltRequest {
   bool own_size = false, own_block = false, own_overlap = false, own_apart = false;
   std::vector<std::string> masks;  ///< one for each clip, or for the first ones
   std::string guide;
-  double flatten = 0;  ///< px, 0: not
+  std::string seams = "still";  ///< or moving
+  double flatten = 0;           ///< px, 0: not
 
   ControlRequest control;
   std::optional<std::int64_t> frames;  ///< of the output; as many as the source has

@@ -65,6 +65,10 @@ std::string tiles_html(const Json& quilt) {
                          " of them equally good");
   out += tile_html("Seam gradient ratio", core::fixed_text(quilt.value("seam_ratio", 0.0), 3),
                    "steps across seams over steps elsewhere") +
+         (quilt.contains("change_ratio")
+              ? tile_html("Flicker ratio", core::fixed_text(quilt.value("change_ratio", 0.0), 3),
+                          "steps in time where seams pass over steps elsewhere")
+              : std::string()) +
          tile_html("Largest piece", percent("largest_piece"), "of the output, copied as it is") +
          tile_html("Source shown", percent("source_share"), "of its pixels");
   return out + "</dl>\n";
@@ -90,8 +94,8 @@ std::string make_quilt_report(const std::string& clip, const QuiltPictures& pict
           "figures</a></p></section>\n";
   page += tiles_html(summary["quilt"]);
   page +=
-      "<section><div class=\"head\"><h2>Source and quilt</h2><p>The same moments; every pixel of the quilt "
-      "shows the whole course of one source pixel.</p></div>\n";
+      "<section><div class=\"head\"><h2>Source and quilt</h2><p>The same moments; what seams join "
+      "is copied as it is.</p></div>\n";
   for (const auto& pair : pictures.pairs)
     page += side_by_side_html(
         figure_html(pair.source, "source, frame " + std::to_string(pair.frame), kPicture / 3),
@@ -99,8 +103,10 @@ std::string make_quilt_report(const std::string& clip, const QuiltPictures& pict
   page +=
       "</section>\n<section><div class=\"head\"><h2>Where pixels come from</h2><p>Hue: place across the "
       "source; "
-      "lightness: place down. Even slopes are copied as they are. Seams are the same in every "
-      "frame.</p></div>\n"
+      "lightness: place down, in the middle frame. Even slopes are copied as they are. " +
+      std::string(summary["quilt"].contains("change_ratio") ? "Seams move with time."
+                                                            : "Seams are the same in every frame.") +
+      "</p></div>\n"
       "<div class=\"halves\">" +
       figure_html(pictures.map, "map", kPicture) + figure_html(pictures.seams, "seams", kPicture) +
       "</div></section>\n";

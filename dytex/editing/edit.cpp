@@ -126,6 +126,10 @@ void apply(Work& work, const Speed& speed) {
 
 void apply(Work& work, const Flow& flow) {
   if (flow.factor == 1) return;
+  if (flow.factor == 0) {
+    change_dynamics(work, detail::at_rest, false, false);
+    return;
+  }
   const bool contrast = work.edit->keep_contrast;
   change_dynamics(
       work, [&](const MatrixXd& A, const MatrixXd& B) { return detail::at_flow(A, B, flow.factor); },
@@ -191,7 +195,9 @@ void apply(Work& work, const Weights& weights) {
 void validate(const Edit& edit) {
   std::visit(
       Overloaded{[](const Speed& e) { core::check_range("speed", e.factor, -kMostSpeed, kMostSpeed); },
-                 [](const Flow& e) { core::check_range("flow", e.factor, kLeastFlow, kMostFlow); },
+                 [](const Flow& e) {
+                   if (e.factor != 0) core::check_range("flow", e.factor, kLeastFlow, kMostFlow);
+                 },
                  [](const Reverse&) {},
                  [](const Intensity& e) { core::check_range("intensity", e.factor, 0, kMostIntensity); },
                  [](const Directions& e) { check_all("directions", e.factors, kMostIntensity); },

@@ -14,6 +14,7 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
+constexpr double kRest = 0x1p-40;             // of a state is lost in a frame at rest: stable all the same
 constexpr double kLeastVariance = 1e-12;      // of the largest; directions below it do not move
 constexpr double kNegativeRounding = 1e-13;   // of a matrix's size; smaller eigenvalues are rounding
 constexpr double kPhaseRounding = 1e-12;      // of pi; a phase this little above it has not passed it
@@ -176,6 +177,13 @@ EditedDynamics at_flow(const MatrixXd& A, const MatrixXd& B, double factor) {
   result.cut = factored.cut;
   result.B = aligned_factor(whitening.L * factored.F, B);
   return result;
+}
+
+EditedDynamics at_rest(const MatrixXd& A, const MatrixXd& B) {
+  const MatrixXd P = stationary_covariance(A, B);
+  const double left = 1 - kRest;
+  const double noise = std::sqrt(1 - left * left);
+  return {left * MatrixXd::Identity(A.rows(), A.cols()), aligned_factor(noise * detail::whitening(P).L, B)};
 }
 
 EditedDynamics reverse_dynamics(const MatrixXd& A, const MatrixXd& B) {

@@ -38,6 +38,9 @@ bool passes_half_turn(const PoleBlock& block, double factor);
 EditedDynamics at_speed(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double factor);
 /// Applies Flow to A, with the B that keeps the stationary covariance.
 EditedDynamics at_flow(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double factor);
+/// Lets states stand still: A becomes all but the identity, with the B that keeps the stationary covariance.
+/// What moves in a frame is 2⁻³⁹ of the variance.
+EditedDynamics at_rest(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 /// Applies Reverse to A, with the B that keeps the stationary covariance.
 EditedDynamics reverse_dynamics(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 

@@ -14,6 +14,7 @@
 #include "dytex/quilting/blocks.hpp"
 #include "dytex/quilting/overlap.hpp"
 #include "dytex/quilting/seam.hpp"
+#include "dytex/quilting/seam_surface.hpp"
 #include "dytex/quilting/search.hpp"
 
 namespace emberfold::dytex {
@@ -102,13 +103,15 @@ class Canvas {
   explicit Canvas(const detail::BlockPlan& plan)
       : plan_(plan),
         pixels_(static_cast<std::size_t>(plan.canvas.area())),
+        owners_(pixels_.size(), -1),
         corners_(static_cast<std::size_t>(plan.columns) * static_cast<std::size_t>(plan.rows)) {}
 
-  [[nodiscard]] SourcePixel& at(int x, int y) {
+  [[nodiscard]] std::size_t index(int x, int y) const {
     const int column = x % plan_.canvas.width, row = y % plan_.canvas.height;  // on a torus
-    return pixels_[static_cast<std::size_t>(row) * static_cast<std::size_t>(plan_.canvas.width) +
-                   static_cast<std::size_t>(column)];
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(plan_.canvas.width) +
+           static_cast<std::size_t>(column);
   }
+  [[nodiscard]] SourcePixel& at(int x, int y) { return pixels_[index(x, y)]; }
 
   [[nodiscard]] BlockQuery query(const QuiltBlock& block, const cv::Mat& guide) {
     BlockQuery query{block, {}, {}, places_near(block)};
@@ -137,8 +140,11 @@ class Canvas {
   void put(const QuiltBlock& block, const SourcePixel& from, const cv::Mat& mask) {
     for (int y = 0; y < block.place.height; ++y)
       for (int x = 0; x < block.place.width; ++x)
-        if (mask.at<unsigned char>(y, x) != 0)
+        if (mask.at<unsigned char>(y, x) != 0) {
           at(block.place.x + x, block.place.y + y) = {from.source, from.x + x, from.y + y};
+          owners_[index(block.place.x + x, block.place.y + y)] = static_cast<std::int32_t>(placed_.size());
+        }
+    placed_.push_back({block.place, from});
     corner(block.column, block.row) = {from, block.place.tl()};
   }
 
@@ -148,6 +154,13 @@ class Canvas {
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x) map.pixels.push_back(at(x, y));
     return map;
+  }
+
+  [[nodiscard]] detail::BlockCourses courses(cv::Size size) const {
+    std::vector<std::int32_t> shown;
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) shown.push_back(owners_[index(x, y)]);
+    return {size, plan_.wraps, placed_, std::move(shown)};
   }
 
  private:
@@ -174,6 +187,8 @@ class Canvas {
 
   const detail::BlockPlan& plan_;
   std::vector<SourcePixel> pixels_;
+  std::vector<std::int32_t> owners_;  // blocks in the order in which they were placed
+  std::vector<detail::PlacedBlock> placed_;
   std::vector<Corner> corners_;
 };
 
@@ -234,7 +249,13 @@ QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& opti
     result.choices.insert(result.choices.end(), chosen.begin(), chosen.end());
     if (run.keep) run.keep(result.choices);
   }
-  result.map = canvas.map(options.size);
+  if (options.seams == Seams::moving) {
+    auto courses = canvas.courses(options.size);
+    detail::move_seams(courses, sources, context);
+    result.map = courses.map(sources.front().trajectories->frames());
+  } else {
+    result.map = canvas.map(options.size);
+  }
   return result;
 }
 

@@ -14,6 +14,9 @@
 
 namespace emberfold::dytex {
 
+/// How blocks are joined: along paths that are the same in every frame, or surfaces in x, y and t.
+enum class Seams { still, moving };
+
 struct QuiltOptions {
   cv::Size size{512, 512};  ///< px, of the output, 1 … 16384 each way
   cv::Size block{64, 64};   ///< px, 2 … 4096 each way; elongated ones suit textures that are
@@ -24,7 +27,8 @@ struct QuiltOptions {
   int apart = 0;  ///< px: places nearer than this to what blocks nearby show are left out, 0 … 4096
   double guide_weight = 0.5;  ///< of the guide against the overlap, 0 … 0.99
   bool tileable = false;      ///< the output's sides fit each other
-  bool exact = false;         ///< compare every place over all of time, without the basis: slow
+  Seams seams = Seams::still;
+  bool exact = false;  ///< compare every place over all of time, without the basis: slow
   std::uint64_t seed = 1;
 
   /// Throws InputError naming field, value and range.
@@ -57,7 +61,7 @@ struct QuiltRun {
 };
 
 struct QuiltResult {
-  QuiltMap map;                      ///< places that were not reached are nowhere
+  QuiltMap map;                      ///< covers the output
   std::vector<QuiltChoice> choices;  ///< in the order in which they were placed
   int columns = 0, rows = 0;         ///< of blocks
   int components = 0;                ///< of the basis; 0 where whole trajectories are compared
@@ -66,9 +70,10 @@ struct QuiltResult {
 /// Image quilting (Efros & Freeman 2001) with blocks that span all of time (Enrique et al. 2005): blocks of
 /// the sources are laid one after the other, each overlapping those before; a block is drawn evenly among the
 /// places whose squared difference over the overlap, summed over time and channels, is within the tolerance
-/// of the least one; it is cut along seams of least error, the same in every frame. The search works in a
-/// basis of rank k whose bounds leave over the places to be compared exactly: what is chosen is what an
-/// exhaustive search chooses. With one frame this is quilting of still images.
+/// of the least one; it is cut along seams of least error, the same in every frame. Seams::moving then lets
+/// the seams move in space and time (as minimum cuts, Kwatra et al. 2003), wherever blocks have been placed.
+/// The search works in a basis of rank k whose bounds leave over the places to be compared exactly: what is
+/// chosen is what an exhaustive search chooses. With one frame this is quilting of still images.
 ///
 /// Sources agree in frames, channels and depth, and chunk_frames. InputError where they do not, where none of
 /// them holds a block, or where the mask forbids every place. The same result at any thread count.

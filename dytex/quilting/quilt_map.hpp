@@ -17,16 +17,33 @@ struct SourcePixel {
   bool operator==(const SourcePixel&) const = default;
 };
 
-/// The source pixel that each output pixel copies, at all times, row by row. Quilting finds it; rendering
-/// needs nothing else.
+/// From source frame `frame` on an output pixel copies `from`.
+struct SourceChange {
+  std::int32_t frame = 0;
+  SourcePixel from;
+  bool operator==(const SourceChange&) const = default;
+};
+
+/// The source pixel that each output pixel copies, row by row. Quilting finds it; rendering needs nothing
+/// else. Where seams move, pixels change what they copy with the frame of the source.
 struct QuiltMap {
   cv::Size size;
-  std::vector<SourcePixel> pixels;
+  std::vector<SourcePixel> pixels;  ///< from frame 0 on
+  /// The changes of all pixels, one pixel after the other, of each in the order of frames ≥ 1. Of pixel i
+  /// they end at change_ends[i], where those of pixel i + 1 begin; both are empty where seams stand still.
+  std::vector<SourceChange> changes{};
+  std::vector<std::size_t> change_ends{};
+  int frames = 0;  ///< of the source that the changes belong to; 0 without
 
-  [[nodiscard]] const SourcePixel& at(int x, int y) const {
-    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
-                  static_cast<std::size_t>(x)];
+  [[nodiscard]] bool is_still() const { return change_ends.empty(); }
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x);
   }
+  [[nodiscard]] const SourcePixel& at(int x, int y) const { return pixels[index(x, y)]; }
+  /// Returns the changes of a pixel.
+  [[nodiscard]] std::span<const SourceChange> changes_of(std::size_t pixel) const;
+  /// Returns what a pixel copies of the source's frame `frame`. O(log of its changes).
+  [[nodiscard]] const SourcePixel& at_frame(std::size_t pixel, int frame) const;
   bool operator==(const QuiltMap&) const = default;
 };
 
@@ -35,11 +52,16 @@ struct QuiltMap {
   return a.source == b.source && a.x + step.x == b.x && a.y + step.y == b.y;
 }
 
-/// Returns the map as an array, height × width × 3, int32: source, x, y.
+/// Returns what the pixels copy of one frame, for all frames.
+QuiltMap still_at(const QuiltMap& map, int frame);
+
+/// Returns the map as an int32 array. Version 1, of a map whose seams stand still: height × width × 3
+/// (source, x, y). Version 2: rows × 6 (t, y, x, source, x, y), for each pixel one row for frame 0 and one
+/// for each change, ordered by y, x and t, behind a first row of frames, height, width, 2, 0, 0.
 core::NpyArray to_array(const QuiltMap& map);
 
-/// Reads a map from an array. InputError unless it is one of to_array(), at least 1×1, and every place lies
-/// in a source of these sizes.
+/// Reads a map of either version from an array. InputError unless it is one of to_array(), at least 1×1, and
+/// every place lies in a source of these sizes.
 QuiltMap quilt_map(const core::NpyArray& array, std::span<const cv::Size> sources);
 
 }  // namespace emberfold::dytex

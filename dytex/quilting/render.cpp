@@ -118,16 +118,16 @@ void render_row(const QuiltMap& map, const TimeControl& control, int frames, std
   for (auto& frame : out) rows.push_back(frame.ptr<T>(y));
   for (int x = 0; x < map.size.width; ++x) {
     if (x == 0 || !control.plain()) set_moments(x);
-    const SourcePixel& from = map.at(x, y);
+    const std::size_t pixel = map.index(x, y);
     for (std::size_t i = 0; i < out.size(); ++i) {
       const FrameTime& moment = moments[i];
-      const T* before = value(from, moment.before);
+      const T* before = value(map.at_frame(pixel, moment.before), moment.before);
       T* const to = rows[i] + static_cast<std::ptrdiff_t>(x) * channels;
       if (moment.weight == 0) {
         for (int c = 0; c < channels; ++c) to[c] = before[c];
         continue;
       }
-      const T* after = value(from, moment.after);
+      const T* after = value(map.at_frame(pixel, moment.after), moment.after);
       for (int c = 0; c < channels; ++c) to[c] = mixed(before[c], after[c], moment.weight);
     }
   }

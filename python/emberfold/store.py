@@ -14,7 +14,7 @@ from .clip import Clip
 
 FORMAT = "emberfold.python_run"
 STAGES = {"sketch": ("sketch",),
-          "motion": ("seed", "match", "starts", "infer", "bottom_up", "curve_events", "sample"),
+          "motion": ("seed", "match", "starts", "infer", "bottom_up", "curve_events", "sample", "in_noise"),
           "model": ("fill", "calibrate", "texture")}  # what each depends on, beside the stages before it
 
 

@@ -38,8 +38,8 @@ py::array render(const dytex::QuiltMap& map, const dytex::Trajectories& source, 
 }
 
 py::array map_array(const dytex::QuiltMap& map) {
-  const std::vector<py::ssize_t> shape{map.size.height, map.size.width, 3};
   const auto array = dytex::to_array(map);
+  const std::vector<py::ssize_t> shape(array.shape.begin(), array.shape.end());
   return py::array_t<std::int32_t>(shape, std::get<std::vector<std::int32_t>>(array.data).data());
 }
 
@@ -100,6 +100,9 @@ py::dict measure_quilt(const py::array_t<std::int32_t, py::array::c_style>& map,
 
 void bind_quilt(py::module_& module) {
   using Quilt = dytex::QuiltOptions;
+  py::enum_<dytex::Seams>(module, "Seams", doc("dytex::Seams"))
+      .value("still", dytex::Seams::still)
+      .value("moving", dytex::Seams::moving);
   OptionsClass<Quilt>(module, "QuiltOptions", "dytex::QuiltOptions")
       .field("size", &Quilt::size)
       .field("block", &Quilt::block)
@@ -110,6 +113,7 @@ void bind_quilt(py::module_& module) {
       .field("apart", &Quilt::apart)
       .field("guide_weight", &Quilt::guide_weight)
       .field("tileable", &Quilt::tileable)
+      .field("seams", &Quilt::seams)
       .field("exact", &Quilt::exact)
       .field("seed", &Quilt::seed)
       .finish();

@@ -138,7 +138,7 @@ TEST_CASE("edits that cannot be are refused in one line") {
   refused({}, 2, {"nothing to edit", "--speed"});
   refused({"--speed", "4"}, 2, {"--speed is 4", "-3 to 3"});
   refused({"--speed", "fast"}, 2, {"--speed", "fast"});
-  refused({"--flow", "0"}, 2, {"--flow is 0", "0.01 to 100"});
+  refused({"--flow", "0.001"}, 2, {"--flow is 0.001", "0.01 to 100"});
   refused({"--intensity", "-1"}, 2, {"--intensity is -1"});
   refused({"--weights", "1,99"}, 2, {"--weights[1] is 99"});
   refused({"--weights", "nothing.txt"}, 1, {"nothing.txt"});

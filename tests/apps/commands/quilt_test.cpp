@@ -132,6 +132,55 @@ TEST_CASE("a map is applied to other clips of other depth and single frames") {
                  {"frame 10"}, temp / "no.png");
 }
 
+TEST_CASE("quilt warns where a source is no texture and not where it is") {
+  const TempFolder temp;
+  const auto clip = write_lapse(temp / "lapse", {72, 64}, 3);
+  CHECK(quilted(clip, temp / "texture", kSmall)["warnings"].empty());
+  // One smooth hill: blocks of it fit nowhere else.
+  cv::Mat hill(64, 72, CV_8U);
+  for (int i = 0; i < 64 * 72; ++i) hill.data[i] = static_cast<unsigned char>(3 * (i % 72) + i / 144);
+  cv::imwrite((temp / "hill.png").string(), hill);
+  const auto summary = quilted((temp / "hill.png").string(), temp / "hill", kSmall);
+  REQUIRE(summary["warnings"].size() == 1);
+  CHECK(contains(summary["warnings"][0], "rather than a texture"));
+  CHECK(contains(summary["warnings"][0], "quilt.seams=moving"));
+}
+
+TEST_CASE("a map whose seams move is written and applied") {
+  const TempFolder temp;
+  const auto clip = write_lapse(temp / "lapse", {72, 64}, 16);
+  const auto still = quilted(clip, temp / "still", kSmall);
+  const auto moving = quilted(clip, temp / "moving", joined(kSmall, {"--set", "quilt.seams=moving"}, {}));
+  const auto map = (temp / "moving/map.npy").string();
+  const auto array = read_array(map);
+  REQUIRE(array.shape.size() == 2);
+  CHECK(array.shape[1] == 6);
+  CHECK(array.shape[0] > 1 + 100 * 90);
+  CHECK(moving["quilt"]["seam_ratio"] < still["quilt"]["seam_ratio"]);
+  CHECK(moving["quilt"]["change_ratio"] > 0);
+  CHECK_FALSE(still["quilt"].contains("change_ratio"));
+  CHECK(contains(bytes_of(temp / "moving/report.html"), "Flicker ratio"));
+  quilted(clip, temp / "again", {"--apply", map, "--set", "quilt.format=png"});
+  quilted(clip, temp / "streamed.avi",
+          {"--apply", map, "--set", "quilt.map=" + (temp / "again.npy").string()});
+  CHECK(bytes_of(temp / "again/map.npy") == bytes_of(map));
+  CHECK(bytes_of(temp / "again.npy") == bytes_of(map));
+  const auto drawn = frames_of(temp / "moving/frames"), again = frames_of(temp / "again/frames"),
+             streamed = frames_of(temp / "streamed.avi");
+  REQUIRE(again.frames.size() == 16);
+  REQUIRE(streamed.frames.size() == 16);
+  for (std::size_t t = 0; t < 16; ++t) {
+    CHECK(same_pixels(again.frames[t], drawn.frames[t]));
+    CHECK(same_pixels(streamed.frames[t], drawn.frames[t]));
+  }
+  auto broken = array;
+  std::get<std::vector<std::int32_t>>(broken.data)[6] = 1;
+  write_array(temp / "broken.npy", broken);
+  check_one_line(
+      {"quilt", clip, "--apply", (temp / "broken.npy").string(), "-o", (temp / "no").string(), "-q"}, 1,
+      {"broken.npy", "pixel 0,0", "frame 1"}, temp / "no");
+}
+
 TEST_CASE("quilt writes the same bytes at any number of threads and from a file") {
   const TempFolder temp;
   const auto clip = write_lapse(temp / "lapse");

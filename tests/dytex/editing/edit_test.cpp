@@ -136,6 +136,23 @@ TEST_CASE("Intensity multiplies the stationary covariance by itself", "[dytex][e
   CHECK(after(texture, {{Intensity{0}}, {Speed{2}}, {Flow{0.5}}, {Reverse{}}}).B.norm() == 0);
 }
 
+TEST_CASE("At flow 0 time stands still and the contrast stays", "[dytex][edit]") {
+  for (const LinearDynamicTexture& texture :
+       {test::texture_with(kPoles), test::channel_texture(3), test::random_texture(4, 0, 5)})
+    for (const bool contrast : {true, false}) {
+      const LinearDynamicTexture found = after(texture, {{Flow{0}, {}, contrast}});
+      const MatrixXd P = test::covariance(texture);
+      const MatrixXd stationary = stationary_covariance(found.A, found.B);
+      CHECK(apart(stationary, P) < 1e-3);
+      // E |x(t + 1) − x(t)|²
+      const MatrixXd I = MatrixXd::Identity(found.A.rows(), found.A.cols());
+      const double moved =
+          ((found.A - I) * P * (found.A - I).transpose() + found.B * found.B.transpose()).trace();
+      CHECK(moved < 1e-11 * P.trace());
+      CHECK(spectral_radius(found.A) < 1);
+    }
+}
+
 TEST_CASE("Directions multiply the eigenvalues of Q", "[dytex][edit]") {
   const MatrixXd U = test::orthonormal(4, 4, 3);
   const Eigen::Vector4d deviations(5, 3, 2, 1), factors(0.5, 1, 3, 0);
