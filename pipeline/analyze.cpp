@@ -85,11 +85,13 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
     clock.begin("sample");
     auto sampled =
         mcmc::sample_chains(starts, backward_readings(options.starts), options.infer, options.seed, context);
-    analysis.motion = std::move(sampled.motion);
-    analysis.all_events = std::move(sampled.events);
     fitted = std::move(sampled.fitted);
-    analysis.sampled = std::move(sampled.sampler);
+    analysis.motion = sampled.last.front();
     group_curves(analysis, clock, context);
+    clock.begin("events");
+    auto readings = sampled_readings(sketches.clip.sketch, std::move(sampled.last), options.match, context);
+    analysis.all_events = event_posterior(source, readings, context);
+    analysis.sampled = std::move(sampled.sampler);
     clock.begin("learn");
   }
 }

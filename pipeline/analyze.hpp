@@ -39,7 +39,7 @@ struct AnalyzeOptions {
   int texture = 0;            ///< components of the texture between the strokes, 1…500; 0: none is learned
   bool bottom_up = false;     ///< the match as it is, each event of probability 1
   bool curve_events = false;  ///< events of curves, to which touching and crossing is none, not of strokes
-  bool sample = false;        ///< sample graphs and links, too; events then have the samples' shares
+  bool sample = false;        ///< sample graphs and links; events are then looked for in the samples
   /// Events are looked for in a copy of the clip in noise, too: what comes again there is more probable.
   /// About twice the time.
   bool in_noise = false;

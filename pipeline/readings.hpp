@@ -56,7 +56,6 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
                                              const StartOptions& options, const core::Context& context);
 
 /// Sketches and matches dispersed starts for chains that cannot cross every barrier between readings.
-/// Their pooled events (graph/events/event_pooling.hpp) already separate certain from uncertain ones.
 std::vector<graph::MotionGraph> dispersed_starts(core::FrameSource& source,
                                                  const sketch::ExtractOptions& extract,
                                                  const graph::MatchOptions& match,

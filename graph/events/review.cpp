@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <tuple>
 
-#include "graph/events/event_clusters.hpp"
+#include "graph/events/event_family.hpp"
 
 namespace emberfold::graph {
 

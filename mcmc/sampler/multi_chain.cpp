@@ -10,8 +10,6 @@
 
 #include "core/context.hpp"
 #include "core/error.hpp"
-#include "core/parallel.hpp"
-#include "graph/events/event_pooling.hpp"
 #include "graph/matching/time_reversal.hpp"
 
 namespace emberfold::mcmc {
@@ -75,19 +73,9 @@ MultiChainResult sample_chains(const std::vector<graph::MotionGraph>& starts,
   MultiChainResult result;
   result.sampler = sample_readings(starts, backwards, options, seed, context);
   const auto& samples = result.sampler.samples;
-  std::vector<std::vector<graph::Event>> events(samples.size());
-  core::parallel_for(samples.size(), context,
-                     [&](std::size_t i) { events[i] = graph::stroke_events(samples[i]); });
-  context.check();
-  const std::size_t shown = graph::find_representative(events);
-  graph::PoolOptions pooling;
-  pooling.readings = starts.size();
-  result.events = graph::pool_events(events, shown, pooling);
-  result.motion = samples[shown];
-  std::vector<graph::MotionGraph> last;
   const std::size_t each = samples.size() / starts.size();
-  for (std::size_t k = 0; k < starts.size(); ++k) last.push_back(samples[(k + 1) * each - 1]);
-  result.fitted = fit(last, fitting(seed, true), context);
+  for (std::size_t k = 0; k < starts.size(); ++k) result.last.push_back(samples[(k + 1) * each - 1]);
+  result.fitted = fit(result.last, fitting(seed, true), context);
   context.check();
   return result;
 }

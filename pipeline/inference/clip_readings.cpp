@@ -2,6 +2,7 @@
 #include "pipeline/inference/clip_readings.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "graph/curves/curve_identity.hpp"
 #include "graph/curves/curve_strokes.hpp"
@@ -16,24 +17,37 @@ graph::MotionGraph with_strokes(graph::MotionGraph motion, bool of_curves, const
   return graph::curves_as_strokes(graph::identify_curves(std::move(motion), context).motion);
 }
 
+graph::MotionGraph match_backwards(const graph::SketchSequence& sketch, const graph::MatchOptions& options,
+                                   const core::Context& context) {
+  return graph::reverse_time(graph::match(graph::reverse_time(sketch), options, context.with_progress({})));
+}
+
+/// Matches the sketches as they are, forwards and backwards.
+std::vector<graph::MotionGraph> match_unsteadied(const graph::SketchSequence& sketch,
+                                                 graph::MatchOptions options, bool of_curves,
+                                                 const core::Context& context) {
+  options.flicker = 0;
+  std::vector<graph::MotionGraph> both;
+  both.push_back(with_strokes(graph::match(sketch, options, context.with_progress({})), of_curves, context));
+  both.push_back(with_strokes(match_backwards(sketch, options, context), of_curves, context));
+  return both;
+}
+
 }  // namespace
 
 ClipReadings match_readings(const graph::SketchSequence& sketch, graph::MotionGraph matched,
                             const graph::MatchOptions& options, bool of_curves,
                             const core::Context& context) {
-  const auto quiet = context.with_progress({});
-  const graph::SketchSequence reversed = graph::reverse_time(sketch);
-  const auto match_backwards = [&](const graph::MatchOptions& how) {
-    return with_strokes(graph::reverse_time(graph::match(reversed, how, quiet)), of_curves, context);
-  };
-  graph::MatchOptions as_sketched = options;
-  as_sketched.flicker = 0;
   ClipReadings readings;
   readings.steadied.push_back(std::move(matched));
-  readings.steadied.push_back(match_backwards(options));
-  readings.unsteadied.push_back(with_strokes(graph::match(sketch, as_sketched, quiet), of_curves, context));
-  readings.unsteadied.push_back(match_backwards(as_sketched));
+  readings.steadied.push_back(with_strokes(match_backwards(sketch, options, context), of_curves, context));
+  readings.unsteadied = match_unsteadied(sketch, options, of_curves, context);
   return readings;
+}
+
+ClipReadings sampled_readings(const graph::SketchSequence& sketch, std::vector<graph::MotionGraph> samples,
+                              const graph::MatchOptions& options, const core::Context& context) {
+  return {std::move(samples), match_unsteadied(sketch, options, false, context), {}};
 }
 
 void add_reading_in_noise(ClipReadings& readings, const graph::SketchSequence& copy,

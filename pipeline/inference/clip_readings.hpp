@@ -25,6 +25,11 @@ ClipReadings match_readings(const graph::SketchSequence& sketch, graph::MotionGr
                             const graph::MatchOptions& options, bool of_curves,
                             const core::Context& context = {});
 
+/// Takes samples of a clip's graphs as its readings, with two matches of its sketches as they are.
+/// `samples`: at least one. Throws core::Cancelled. Cost: two matches.
+ClipReadings sampled_readings(const graph::SketchSequence& sketch, std::vector<graph::MotionGraph> samples,
+                              const graph::MatchOptions& options, const core::Context& context = {});
+
 /// Adds what a copy of the clip in noise is read as: matched as the clip is, four times.
 /// Such readings bring no events of their own; they tell which of the clip's would be there again. Throws
 /// core::Cancelled. Cost: four matches.

@@ -13,7 +13,7 @@
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "graph/events/event_clusters.hpp"
+#include "graph/events/event_family.hpp"
 #include "pipeline/inference/event_paths.hpp"
 #include "sketch/refinement/amplitude.hpp"
 

@@ -7,6 +7,8 @@
 #include "graph/matching/match.hpp"
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
+#include "pipeline/inference/clip_readings.hpp"
+#include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/readings.hpp"
 
 namespace emberfold::figures {
@@ -43,10 +45,12 @@ std::optional<Found> sampled_events(const EventClip& clip) {
   const std::clock_t begin = std::clock();
   const auto starts = pipeline::match_starts(sketches, {}, options, {});
   auto sampled = mcmc::sample_chains(starts, pipeline::backward_readings(options), {}, 1, {});
-  Found found{std::move(sampled.events), 0, 0, 0, {}};
+  auto motion = sampled.last.front();
+  const auto readings = pipeline::sampled_readings(sketches.clip.sketch, std::move(sampled.last), {});
+  Found found{pipeline::event_posterior(source, readings), 0, 0, 0, {}};
   found.a1 = sampled.fitted.model.displacement.a1, found.a2 = sampled.fitted.model.displacement.a2;
   found.seconds = since(begin);
-  found.sketch = std::move(sampled.motion.sketch);
+  found.sketch = std::move(motion.sketch);
   return found;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "graph/events/events.hpp"
 #include "graph/matching/match.hpp"
 #include "graph/matching/time_reversal.hpp"
 #include "tests/support/catch.hpp"
@@ -50,12 +51,16 @@ TEST_CASE("A clip run backwards has its own chains and the reversed events") {
           trace.chains[0]);
   }
   CHECK(back.sampler.proposals == there.sampler.proposals);
-  auto reversed = graph::reverse_time(back.events, 16);
-  auto events = there.events;
-  CHECK(events.size() >= 5);
-  for (auto* list : {&reversed, &events})  // which sample names the strokes may differ
-    for (auto& event : *list) event.before.clear(), event.after.clear();
-  CHECK(reversed == events);
+  REQUIRE(there.last.size() == 2);
+  for (const std::size_t k : {0, 1}) {
+    CHECK(there.last[k] == there.sampler.samples[2 * k + 1]);
+    auto reversed = graph::reverse_time(graph::stroke_events(back.last[1 - k]), 16);
+    auto events = graph::stroke_events(there.last[k]);
+    CHECK(events.size() >= 5);
+    for (auto* list : {&reversed, &events})  // strokes are named in order of appearance
+      for (auto& event : *list) event.before.clear(), event.after.clear();
+    CHECK(reversed == events);
+  }
 }
 
 TEST_CASE("Sampling asks for a reading of each start") {
