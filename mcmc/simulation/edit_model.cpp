@@ -244,9 +244,10 @@ void place_exemplars(MotionModel& model, const CellMap& map, std::uint64_t seed)
       core::Rng rng(seed, {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(copy), 0});
       const auto cell = rng.categorical(map.values);
       const auto columns = static_cast<std::size_t>(map.columns);
+      const std::size_t column = cell % columns, row = cell / columns;
       Exemplar one = model.exemplars[i];
-      one.place = {(static_cast<double>(cell % columns) + rng.uniform()) * map.cell - 0.5,
-                   (static_cast<double>(cell / columns) + rng.uniform()) * map.cell - 0.5};
+      one.place = {(static_cast<double>(column) + rng.uniform()) * map.cell - 0.5,
+                   (static_cast<double>(row) + rng.uniform()) * map.cell - 0.5};
       exemplars.push_back(std::move(one));
     }
   model.exemplars = std::move(exemplars);
@@ -274,10 +275,11 @@ void bring_in(MotionModel& model, graph::Point wind, double strokes, std::uint64
   auto& birth = model.rates.birth;
   const double density = strokes / (double(model.width) * model.height);  // a px²
   const int column = wind.x > 0 ? 0 : birth.columns - 1, row = wind.y > 0 ? 0 : birth.rows - 1;
+  std::size_t cell = 0;
   for (int y = 0; y < birth.rows; ++y)
     for (int x = 0; x < birth.columns; ++x) {
       const double brought = (x == column ? std::abs(wind.x) : 0) + (y == row ? std::abs(wind.y) : 0);
-      birth.values[static_cast<std::size_t>(y * birth.columns + x)] += density * brought / birth.cell;
+      birth.values[cell++] += density * brought / birth.cell;
     }
   place_exemplars(model, birth, seed);
 }
