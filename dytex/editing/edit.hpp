@@ -26,7 +26,8 @@ struct Speed {
 /// real pole keeps its sign, its modulus takes the power. A whole factor shows every factor-th frame, and as
 /// there a phase beyond π wraps around. The noise becomes P − A' P A'ᵀ, which leaves the stationary
 /// covariance P as it is; where that is not positive (not every sampled process has a finer one) its negative
-/// part is cut. At 0 time stands still: a clip drawn shows one moment.
+/// part is cut. At 0 time stands still: a clip drawn shows one moment, but for values that lie so near the
+/// middle between two levels that rounding turns.
 struct Flow {
   double factor = 1;  ///< 0, or 0.01 … 100
 };
