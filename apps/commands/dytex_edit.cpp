@@ -150,9 +150,8 @@ void add_motion_options(CLI::App& command, const std::shared_ptr<Editing>& asked
   const std::string group = "Motion";
   add_factor(command, asked, "--speed", "Multiply the poles' phases, -3 to 3; lifetimes stay", group,
              [](double x) { return dytex::Speed{x}; });
-  add_factor(command, asked, "--flow",
-             "Multiply the speed of time, 0.01 to 100: A becomes its power; 0 stands still", group,
-             [](double x) { return dytex::Flow{x}; });
+  add_factor(command, asked, "--flow", "Multiply the speed of time, 0.01 to 100: A to this power; 0: at rest",
+             group, [](double x) { return dytex::Flow{x}; });
   command
       .add_flag_function(
           "--reverse", [asked](std::int64_t) { asked->add(dytex::Reverse{}); }, "Run time backwards")

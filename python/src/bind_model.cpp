@@ -32,7 +32,7 @@ py::array synthesize(const HeldModel& given, int frames, const py::object& progr
   auto how = py::type::of<pipeline::ClipSynthesisOptions>()(**options).cast<pipeline::ClipSynthesisOptions>();
   if (!how.fill_kind && given.is_changed()) how.fill_kind = pipeline::ModelFill::diffusion;
   // A copy, since the model's rates may be changed by another thread meanwhile.
-  ClipModel model = given;
+  ClipModel model = static_cast<const ClipModel&>(given);
   mcmc::validate(model.motion);
   if (const auto why = pipeline::why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
   const auto usual = model.footage ? pipeline::ModelFill::footage : pipeline::ModelFill::diffusion;
@@ -155,7 +155,7 @@ void bind_keeping(py::class_<HeldModel>& model) {
       .def(
           "write",
           [](const HeldModel& m, const std::string& folder) {
-            ClipModel kept = m;
+            ClipModel kept = static_cast<const ClipModel&>(m);
             if (m.is_changed()) kept.footage.reset();
             io::write_model(folder, pipeline::to_archive(kept));
           },

@@ -63,7 +63,7 @@ TEST_CASE("a run that was stopped, even killed, goes on where it was and ends th
   CHECK(entries(run) == entries(temp / "whole"));
 }
 
-TEST_CASE("a run that is done is not done again; other options make what depends on them") {
+TEST_CASE("a run that is done is not done again, and other options make what depends on them") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip.avi", {120, 90}, 10, 8);
   const auto run = temp / "run";

@@ -45,7 +45,8 @@ struct Learned {
     writer->finish();
     clip = (temp / "clip").string();
     model = (temp / "a/model").string();
-    const auto result = run_command({"analyze", clip, "-o", (temp / "a").string(), "-q"});
+    const auto result =
+        run_command({"analyze", clip, "-o", (temp / "a").string(), "-q", "--set", "calibrate.calibrate=0"});
     INFO(result.err);
     REQUIRE(result.exit == 0);
   }
