@@ -55,6 +55,7 @@ struct EdgeOfIds {
 
 }  // namespace emberfold::graph
 
+/// \cond
 template <>
 struct boost::graph_traits<emberfold::graph::AttributeGraph> {
   struct traversal_category : boost::bidirectional_graph_tag,
@@ -92,6 +93,7 @@ struct boost::property_map<emberfold::graph::AttributeGraph, boost::vertex_index
 template <>
 struct boost::property_map<const emberfold::graph::AttributeGraph, boost::vertex_index_t>
     : boost::property_map<emberfold::graph::AttributeGraph, boost::vertex_index_t> {};
+/// \endcond
 
 namespace emberfold::graph {
 

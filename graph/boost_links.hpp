@@ -101,6 +101,7 @@ class LinkIterator : public boost::iterator_facade<LinkIterator, LinkGraph::Edge
 
 }  // namespace emberfold::graph
 
+/// \cond
 template <>
 struct boost::graph_traits<emberfold::graph::LinkGraph> {
   struct traversal_category : boost::bidirectional_graph_tag,
@@ -136,6 +137,7 @@ struct boost::property_map<emberfold::graph::LinkGraph, boost::vertex_index_t> {
 template <>
 struct boost::property_map<const emberfold::graph::LinkGraph, boost::vertex_index_t>
     : boost::property_map<emberfold::graph::LinkGraph, boost::vertex_index_t> {};
+/// \endcond
 
 namespace emberfold::graph {
 
