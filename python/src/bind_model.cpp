@@ -96,7 +96,7 @@ HeldModel edit(const HeldModel& model, std::uint64_t seed, const py::object& pro
                const py::kwargs& given) {
   const auto edit = edit_of(given, model.motion);
   return HeldModel(call(progress, [&](const core::Context& context) {
-    auto edited = pipeline::edit_model(model, edit, seed, context);
+    auto edited = pipeline::edit_model(static_cast<const ClipModel&>(model), edit, seed, context);
     for (const auto& note : edited.notes) context.warn(note);
     return std::move(edited.model);
   }));

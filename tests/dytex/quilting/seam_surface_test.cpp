@@ -41,7 +41,8 @@ core::Clip random_clip(cv::Size size, int frames, std::uint64_t seed) {
 double seam_cost_of(const core::Clip& clip, cv::Size size, int shift, const std::vector<bool>& taken) {
   const int frames = static_cast<int>(clip.frames.size());
   const auto is_taken = [&](int t, int x, int y) -> bool {
-    return taken[static_cast<std::size_t>((t * size.height + y) * size.width + x)];
+    const int pixel = (t * size.height + y) * size.width + x;
+    return taken[static_cast<std::size_t>(pixel)];
   };
   const auto shown = [&](int t, int x, int y) {
     return level(clip, t, x, y + (is_taken(t, x, y) ? shift : 0));
