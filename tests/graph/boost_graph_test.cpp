@@ -162,7 +162,7 @@ TEST_CASE("Boost finds the cut vertices of a graph", "[graph][boost]") {
 }
 
 TEST_CASE("Links are a directed graph without circles", "[graph][boost]") {
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
     const graph::MotionGraph motion = test::random_motion(seed, 6, 3);
     const LinkGraph links(motion);
     std::size_t patches = 0, expected = 0;

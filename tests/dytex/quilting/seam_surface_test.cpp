@@ -168,7 +168,7 @@ TEST_CASE("seams move alike at any number of threads") {
   options.size = {150, 120};
   options.tileable = GENERATE(false, true);
   std::vector<dytex::QuiltMap> maps;
-  for (const std::size_t threads : {1, 2, 7}) {
+  for (const std::size_t threads : {1U, 2U, 7U}) {
     const core::ThreadLimit limit(threads);
     maps.push_back(quilted(source, options).map);
   }

@@ -52,7 +52,7 @@ TEST_CASE("A clip run backwards has its own chains and the reversed events") {
   }
   CHECK(back.sampler.proposals == there.sampler.proposals);
   REQUIRE(there.last.size() == 2);
-  for (const std::size_t k : {0, 1}) {
+  for (const std::size_t k : {0U, 1U}) {
     CHECK(there.last[k] == there.sampler.samples[2 * k + 1]);
     auto reversed = graph::reverse_time(graph::stroke_events(back.last[1 - k]), 16);
     auto events = graph::stroke_events(there.last[k]);
