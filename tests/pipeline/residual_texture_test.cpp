@@ -24,7 +24,7 @@ using namespace emberfold::test;
 namespace {
 
 const cv::Size kSize(112, 80);
-constexpr int kFrames = 30;
+constexpr int kResidualFrames = 30;
 
 graph::AttributeGraph bar() {
   std::vector<graph::Vertex> vertices;
@@ -48,10 +48,10 @@ sketch::RenderOptions look(int channels) {
 /// Noise of SD 6 left of the bar, 2 right of it, new in each frame; twice as much of it in red as in green
 /// and none in blue; and the right 4 levels above what is drawn, which is no texture.
 core::Clip noisy(int channels) {
-  core::Clip clip{{kSize.width, kSize.height, channels, CV_8U, 25, 255, kFrames}, {}};
+  core::Clip clip{{kSize.width, kSize.height, channels, CV_8U, 25, 255, kResidualFrames}, {}};
   const cv::Mat drawn = sketch::render_frame(bar(), look(channels));
   core::Rng rng(17);
-  for (int t = 0; t < kFrames; ++t) {
+  for (int t = 0; t < kResidualFrames; ++t) {
     cv::Mat frame = drawn.clone();
     for (int y = 0; y < kSize.height; ++y)
       for (int x = 0; x < kSize.width; ++x) {

@@ -76,12 +76,6 @@ std::vector<int> unpacked_image(const std::string& text, int width, int height, 
   return values;
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-  return found;
-}
-
 /// The texts of the page's script elements that open like this.
 std::vector<std::string> elements(const std::string& page, const std::string& open) {
   std::vector<std::string> texts;

@@ -9,6 +9,7 @@
 #include "graph/exporting/tracking_files.hpp"
 #include "graph/io/motion_io.hpp"
 #include "tests/apps/commands/command_check.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;
@@ -30,12 +31,6 @@ struct ExportedRun {
     events = graph::read_events(events_file, "events.json");
   }
 };
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
-  return found;
-}
 
 }  // namespace
 

@@ -9,14 +9,6 @@ using namespace emberfold::test;
 
 namespace {
 
-/// The bytes of all files below a folder.
-std::map<std::string, std::string> snapshot(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    files[entry.path().string()] = entry.is_regular_file() ? bytes_of(entry.path()) : "";
-  return files;
-}
-
 /// Inputs of the commands, under several names.
 struct Sources {
   TempFolder temp;

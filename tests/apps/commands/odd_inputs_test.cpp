@@ -150,14 +150,6 @@ struct Case {
   std::string out_name = "out";
 };
 
-std::map<std::string, std::string> snapshot(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (std::error_code unknown; entry.is_regular_file(unknown))
-      files[entry.path().string()] = bytes_of(entry.path());
-  return files;
-}
-
 std::vector<Case> unreadable(const Inputs& in) {
   const auto at = [&](const char* name) { return in.at(name); };
   return {

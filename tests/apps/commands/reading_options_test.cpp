@@ -20,10 +20,6 @@ graph::SketchSequence read_sketch_of(const fs::path& folder) {
   return graph::read_sketch(in, "sketch.jsonl");
 }
 
-Json summary_of(const fs::path& folder) {
-  return Json::parse(bytes_of(folder / "summary.json"));
-}
-
 }  // namespace
 
 TEST_CASE("structure counts where the mask is bright, and the summary tells what was asked for") {

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <csignal>
 #include <functional>
+#include <map>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -75,6 +77,21 @@ inline CommandResult run_command(const std::vector<std::string>& arguments,
 /// The number of files and folders in a folder.
 inline std::size_t entries(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+/// The bytes of all files below a folder, by path; folders are empty.
+inline std::map<std::string, std::string> snapshot(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    std::error_code unknown;
+    files[entry.path().string()] = entry.is_regular_file(unknown) ? bytes_of(entry.path()) : "";
+  }
+  return files;
+}
+
+/// The summary a command left in its folder.
+inline Json summary_of(const fs::path& folder) {
+  return Json::parse(bytes_of(folder / "summary.json"));
 }
 
 }  // namespace emberfold::test

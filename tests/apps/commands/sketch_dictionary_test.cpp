@@ -17,10 +17,6 @@ using namespace emberfold::test;
 
 namespace {
 
-Json summary_of(const fs::path& folder) {
-  return Json::parse(bytes_of(folder / "summary.json"));
-}
-
 // Bytes of every file of a dictionary, its picture and what was drawn with it.
 std::string all_bytes(const fs::path& folder) {
   std::vector<fs::path> files;

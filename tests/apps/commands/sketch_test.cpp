@@ -30,7 +30,7 @@ Json sketched(const std::string& clip, const fs::path& out, const std::vector<st
   return Json::parse(result.out);
 }
 
-std::vector<cv::Mat> frames_of(const fs::path& path) {
+std::vector<cv::Mat> drawn_frames(const fs::path& path) {
   return core::read_all(*apps::open_clip(path.string(), {}, {})).frames;
 }
 
@@ -149,8 +149,8 @@ TEST_CASE("anchors are in sketch.jsonl, which draws what the command drew, and a
     const auto with = sketched(clip, temp / "with", {"--anchors", "0.3", "--patches", patches});
     const auto without = sketched(clip, temp / "without", {"--set", "sketch.budget=0.075"});
     const auto both = sketch_of("with"), strokes = sketch_of("without");
-    const auto drawn = frames_of(temp / "with/reconstruction.avi");
-    const auto inputs = frames_of(clip);
+    const auto drawn = drawn_frames(temp / "with/reconstruction.avi");
+    const auto inputs = drawn_frames(clip);
     REQUIRE(both.frames.size() == 3);
     for (std::size_t t = 0; t < 3; ++t) {
       const auto& frame = both.frames[t];
@@ -182,7 +182,7 @@ TEST_CASE("the film has four panels of all frames and its picture is the middle 
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {80, 60}, 7);
   const auto summary = sketched(clip, temp / "out", {"--film", "--anchors", "0.3"});
-  const auto film = frames_of(temp / "out/film.mp4");
+  const auto film = drawn_frames(temp / "out/film.mp4");
   REQUIRE(film.size() == 7);
   const int height = 480, width = 640;  // of a panel: the graph is drawn with 480 px on the shorter side
   CHECK(film[0].cols == 4 * width + 3 * 6);
@@ -204,8 +204,8 @@ TEST_CASE("the film has four panels of all frames and its picture is the middle 
   const auto mean_error = [](const cv::Mat& a, const cv::Mat& b) {
     return cv::norm(a, b, cv::NORM_L1) / double(a.total() * 3);
   };
-  CHECK(mean_error(panel(0), frames_of(clip)[3]) < 2);
-  CHECK(mean_error(panel(3), frames_of(temp / "out/reconstruction.avi")[3]) < 2);
+  CHECK(mean_error(panel(0), drawn_frames(clip)[3]) < 2);
+  CHECK(mean_error(panel(3), drawn_frames(temp / "out/reconstruction.avi")[3]) < 2);
   cv::Mat open;
   cv::inRange(panel(2), cv::Scalar::all(127), cv::Scalar::all(129), open);
   CHECK(cv::countNonZero(open) > 0.3 * 80 * 60);
@@ -270,9 +270,9 @@ TEST_CASE("heat.mp4 ends with the reconstruction") {
   const TempFolder temp;
   const auto clip = write_grain(temp / "clip", 3);
   sketched(clip, temp / "out", {"--heat-film", "1"});
-  const auto heat = frames_of(temp / "out/heat.mp4");
+  const auto heat = drawn_frames(temp / "out/heat.mp4");
   CHECK(heat.size() > 60);
-  const cv::Mat drawn = grey(frames_of(temp / "out/reconstruction.avi")[1]);
+  const cv::Mat drawn = grey(drawn_frames(temp / "out/reconstruction.avi")[1]);
   const cv::Mat shown = enlarge(drawn, 480.0 / drawn.rows);
   const auto mean_error = [&](const cv::Mat& picture) {
     return cv::norm(grey(picture).rowRange(0, 480), shown, cv::NORM_L1) / double(shown.total());
@@ -285,14 +285,14 @@ TEST_CASE("every fill draws texture of its own the same at any number of threads
   const TempFolder temp;
   const auto clip = write_grain(temp / "clip", 3);
   sketched(clip, temp / "diffusion", {});
-  const auto smooth = frames_of(temp / "diffusion/reconstruction.avi");
+  const auto smooth = drawn_frames(temp / "diffusion/reconstruction.avi");
   const auto spread = [&](const cv::Mat& frame) {  // from pixel to pixel, between the lines
     cv::Mat levels, beside;
     grey(frame).convertTo(levels, CV_32F);
     cv::subtract(levels(cv::Rect(24, 8, 16, 32)), levels(cv::Rect(25, 8, 16, 32)), beside);
     return cv::norm(beside, cv::NORM_L2) / std::sqrt(16.0 * 32);
   };
-  const double true_spread = spread(frames_of(clip)[1]);
+  const double true_spread = spread(drawn_frames(clip)[1]);
   for (const std::string fill : {"diffusion", "julesz", "efros-leung"}) {
     INFO(fill);
     std::vector<std::string> more{"--fill", fill, "--anchors", "0.1", "--film"};
@@ -308,15 +308,15 @@ TEST_CASE("every fill draws texture of its own the same at any number of threads
     if (fill == "diffusion") continue;
 
     const auto summary = sketched(clip, temp / "own", {"--fill", fill, "--regions", "3"});
-    const auto textured = frames_of(temp / "own/reconstruction.avi");
+    const auto textured = drawn_frames(temp / "own/reconstruction.avi");
     CHECK(summary["per_frame"]["regions"] == Json({3, 3, 3}));
     CHECK(spread(smooth[1]) < 0.5 * true_spread);
     CHECK(spread(textured[1]) > 0.6 * true_spread);
     CHECK(spread(textured[1]) < 1.5 * true_spread);
     sketched(clip, temp / "part", {"--fill", fill, "--regions", "3", "--range", "1:3"});
-    CHECK(same_pixels(frames_of(temp / "part/reconstruction.avi")[0], textured[1]));
+    CHECK(same_pixels(drawn_frames(temp / "part/reconstruction.avi")[0], textured[1]));
     sketched(clip, temp / "seed", {"--fill", fill, "--regions", "3", "--seed", "2"});
-    CHECK_FALSE(same_pixels(frames_of(temp / "seed/reconstruction.avi")[1], textured[1]));
+    CHECK_FALSE(same_pixels(drawn_frames(temp / "seed/reconstruction.avi")[1], textured[1]));
     if (fill == "julesz") CHECK(summary["sketch"]["histogram_distance"]["max"] < 0.1);
   }
 }
@@ -416,8 +416,8 @@ TEST_CASE("the smallest and the oddest pictures go through every way of drawing"
       const auto summary =
           sketched((temp / "picture.png").string(), temp / name,
                    {"--fill", fill, "--film", "--heat-film", "0", "--anchors", "--set", "sketch.blobs=true"});
-      CHECK(frames_of(temp / name / "film.mp4").size() == 1);
-      CHECK(frames_of(temp / name / "heat.mp4").size() >= 2);
+      CHECK(drawn_frames(temp / name / "film.mp4").size() == 1);
+      CHECK(drawn_frames(temp / name / "heat.mp4").size() >= 2);
       CHECK(summary["sketch"]["psnr"]["mean"] > 5);
     }
 }

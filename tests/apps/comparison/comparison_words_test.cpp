@@ -8,13 +8,13 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold::apps;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 TEST_CASE("the words say where the hybrid loses") {
   const auto words_of = [](double hybrid, double texture) {
-    Json measures = {{"models",
-                      {{{"key", "hybrid"}, {"label", "hybrid"}},
-                       {{"key", "linear_dynamic_texture"}, {"label", "linear dynamic texture"}}}}};
+    OrderedJson measures = {{"models",
+                             {{{"key", "hybrid"}, {"label", "hybrid"}},
+                              {{"key", "linear_dynamic_texture"}, {"label", "linear dynamic texture"}}}}};
     measures["synthesis"] = {{"hybrid", {{"temporal_db", hybrid}, {"si", 0.1}}},
                              {"linear_dynamic_texture", {{"temporal_db", texture}, {"si", 0.2}}},
                              {"noise_floor", {{"temporal_db", 0.1}, {"si", 0.01}}}};
@@ -26,7 +26,7 @@ TEST_CASE("the words say where the hybrid loses") {
 }
 
 TEST_CASE("the words name who wins and who loses") {
-  const Json measures = Json::parse(R"({
+  const OrderedJson measures = OrderedJson::parse(R"({
     "models": [{"key": "motion_model", "label": "motion model"}, {"key": "star", "label": "STAR model"}],
     "prediction": {"steps": [1, 4], "methods": {
       "motion_model": {"by_step": {"psnr": [25.0, 18.0]}}, "star": {"by_step": {"psnr": [24.0, 20.0]}},
@@ -58,18 +58,18 @@ TEST_CASE("the words name who wins and who loses") {
 
 TEST_CASE("the verdict comes first: what moves as the source and lacks least, beside the loop") {
   const auto visible = [](double complete, double flow, double copied) {
-    return Json{{"visible",
-                 {{"complete", complete},
-                  {"flow", flow},
-                  {"variance", 1},
-                  {"difference", 1},
-                  {"copied", copied},
-                  {"moves_alike", flow >= 0.7}}}};
+    return OrderedJson{{"visible",
+                        {{"complete", complete},
+                         {"flow", flow},
+                         {"variance", 1},
+                         {"difference", 1},
+                         {"copied", copied},
+                         {"moves_alike", flow >= 0.7}}}};
   };
-  Json measures = {{"models",
-                    {{{"key", "footage"}, {"label", "clip's footage"}},
-                     {{"key", "star"}, {"label", "STAR model"}},
-                     {{"key", "video_loop"}, {"label", "video-texture loop"}}}}};
+  OrderedJson measures = {{"models",
+                           {{{"key", "footage"}, {"label", "clip's footage"}},
+                            {{"key", "star"}, {"label", "STAR model"}},
+                            {{"key", "video_loop"}, {"label", "video-texture loop"}}}}};
   measures["synthesis"] = {{"footage", visible(1.04, 0.9, 0.46)},
                            {"star", visible(1.01, 0.3, 0.1)},
                            {"video_loop", visible(0.9, 1, 1)}};

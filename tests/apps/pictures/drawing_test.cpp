@@ -17,6 +17,10 @@ using namespace emberfold::test;
 
 namespace {
 
+double changed(const cv::Mat& a, const cv::Mat& b) {
+  return cv::norm(a, b, cv::NORM_L1);
+}
+
 graph::Vertex vertex(std::uint32_t id, double x, double y, std::uint32_t stroke = 1) {
   graph::Vertex v{{id}, {stroke}, {}};
   v.patch.position = {x, y};
@@ -33,10 +37,6 @@ graph::Event event(int frame, graph::EventType type, graph::Point place = {30, 3
   graph::Event e;
   e.frame = frame, e.type = type, e.position = place;
   return e;
-}
-
-double changed(const cv::Mat& a, const cv::Mat& b) {
-  return cv::norm(a, b, cv::NORM_L1);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ graph::Event event(graph::EventType type, graph::Point place, double probability
   return e;
 }
 
-double changed(const cv::Mat& a, const cv::Mat& b) {
+double difference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_L1);
 }
 
@@ -93,11 +93,11 @@ TEST_CASE("dots are the map's own events of probability a half or more, where th
   CHECK(one.at<cv::Vec3b>(at) == cv::Vec3b(255, 255, 255));
   cv::Mat elsewhere = one.clone();
   plain(cv::Rect(at.x - 6, at.y - 6, 13, 13)).copyTo(elsewhere(cv::Rect(at.x - 6, at.y - 6, 13, 13)));
-  CHECK(changed(elsewhere.rowRange(0, 480), plain.rowRange(0, 480)) == 0);
-  CHECK(changed(one.rowRange(480, one.rows), plain.rowRange(480, plain.rows)) > 0);  // their number
-  CHECK(changed(with(event(graph::EventType::death, {100, 50})), plain) == 0);
-  CHECK(changed(with(event(graph::EventType::birth, {100, 50}, 0.49)), plain) == 0);
-  CHECK(changed(with(event(graph::EventType::birth, {100, 50}, 0.5)), one) == 0);
+  CHECK(difference(elsewhere.rowRange(0, 480), plain.rowRange(0, 480)) == 0);
+  CHECK(difference(one.rowRange(480, one.rows), plain.rowRange(480, plain.rows)) > 0);  // their number
+  CHECK(difference(with(event(graph::EventType::death, {100, 50})), plain) == 0);
+  CHECK(difference(with(event(graph::EventType::birth, {100, 50}, 0.49)), plain) == 0);
+  CHECK(difference(with(event(graph::EventType::birth, {100, 50}, 0.5)), one) == 0);
 }
 
 TEST_CASE("maps of the smallest and of tall frames have a legend that fits") {

@@ -11,6 +11,7 @@
 #include "apps/report/report_strip.hpp"
 #include "core/io/clip_reader.hpp"
 #include "pipeline/image_evidence.hpp"
+#include "tests/apps/report/page_data.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/drawn_models.hpp"
@@ -23,16 +24,8 @@ using namespace emberfold::test;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-const Json kSummary = {{"seed", 1}, {"options", Json::object()}, {"warnings", Json::array()}};
-
-Json data_of(const std::string& page) {
-  const std::string open = "<script type=\"application/json\" id=\"data\">";
-  const auto begin = page.find(open);
-  REQUIRE(begin != std::string::npos);
-  return Json::parse(page.substr(begin + open.size(), page.find("</script>", begin) - begin - open.size()));
-}
+const OrderedJson kModelSummary = {
+    {"seed", 1}, {"options", OrderedJson::object()}, {"warnings", OrderedJson::array()}};
 
 core::Clip plain_clip(cv::Size size, int frames, const std::function<cv::Mat(int)>& draw) {
   core::Clip clip;
@@ -55,7 +48,7 @@ TEST_CASE("the report shows the model's numbers, and what they mean") {
   const auto model = made_model(100, 70, 16);
   std::vector<graph::Event> events(5);
   events[1].type = events[2].type = graph::EventType::split;
-  const Json shown = report_motion_model(model, events);
+  const OrderedJson shown = report_motion_model(model, events);
 
   CHECK_THAT(shown["sway"]["a1"].get<double>(), WithinRel(model.displacement.a1, 1e-3));
   CHECK_THAT(shown["sway"]["radius"].get<double>(),
@@ -73,7 +66,7 @@ TEST_CASE("the report shows the model's numbers, and what they mean") {
   for (int y = 0; y < 70; ++y)
     for (int x = 0; x < 100; ++x)
       births += model.rates.birth.values[static_cast<std::size_t>(y / 16 * 7 + x / 16)];
-  std::map<std::string, Json> rates;
+  std::map<std::string, OrderedJson> rates;
   for (const auto& row : shown["rates"]) rates[row["name"].get<std::string>()] = row;
   CHECK_THAT(rates["birth"]["rate"].get<double>(), WithinRel(births, 1e-3));
   CHECK(rates["birth"]["seen"] == 3);
@@ -95,7 +88,7 @@ TEST_CASE("the report shows the model's numbers, and what they mean") {
 
 TEST_CASE("maps of a large frame are pooled without changing their mean") {
   auto model = made_model(16 * 200, 16 * 120, 16);
-  const Json shown = report_motion_model(model, {});
+  const OrderedJson shown = report_motion_model(model, {});
   const auto& values = shown["birth"]["values"];
   CHECK(values.size() <= 4000);
   CHECK(values.size() ==
@@ -112,8 +105,8 @@ TEST_CASE("a page carries models and clips only where there are some, and no tex
   ReportInput input;
   input.motion = &motion;
   input.clip = "a.avi";
-  CHECK_FALSE(data_of(make_report(input, kSummary)).contains("learned"));
-  CHECK_FALSE(data_of(make_report(input, kSummary)).contains("clips"));
+  CHECK_FALSE(data_of(make_report(input, kModelSummary)).contains("learned"));
+  CHECK_FALSE(data_of(make_report(input, kModelSummary)).contains("clips"));
 
   const std::string evil = "</script><script>alert(1)</script><!--";
   const auto model = made_model(60, 60, 16);
@@ -122,21 +115,21 @@ TEST_CASE("a page carries models and clips only where there are some, and no tex
   input.clips = ReportClips{{"Source", evil}, {1, 2, 3}, 60, 60, 4, 25};
   input.measures =
       ReportMeasures{{evil}, {{"psnr", evil, {1.23456, std::nullopt}}, {"nan", "", {NAN}}}, evil};
-  const std::string page = make_report(input, kSummary);
+  const std::string page = make_report(input, kModelSummary);
   CHECK(page.find("<!--") == std::string::npos);
   CHECK(page.find("alert(1)<") == std::string::npos);
-  const Json data = data_of(page);
+  const OrderedJson data = data_of(page);
   CHECK(data["clips"]["names"][1] == evil);
   CHECK(data["clips"]["mp4"] == "AQID");
-  CHECK(data["measures"]["rows"][0]["values"] == Json({1.235, nullptr}));
-  CHECK(data["measures"]["rows"][1]["values"] == Json::array({nullptr}));
-  CHECK(data["learned"]["eigenvalues"][2] == Json({-0.9, 0.0}));
+  CHECK(data["measures"]["rows"][0]["values"] == OrderedJson({1.235, nullptr}));
+  CHECK(data["measures"]["rows"][1]["values"] == OrderedJson::array({nullptr}));
+  CHECK(data["learned"]["eigenvalues"][2] == OrderedJson({-0.9, 0.0}));
   CHECK_THAT(data["learned"]["texture_radius"].get<double>(), WithinAbs(0.9, 1e-12));
   CHECK(data["learned"]["motion"]["exemplars_total"] == model.exemplars.size());
 }
 
 TEST_CASE("the table of measures has each figure in its place, and a gap where there is none") {
-  const Json measures = Json::parse(R"({
+  const OrderedJson measures = OrderedJson::parse(R"({
     "prediction": {"methods": {"frame_before": {"psnr": 30.5}, "mean_image": {"psnr": 20.04},
       "motion_model": {"psnr": 19.5}, "footage": {"psnr": 21.5}}},
     "reconstruction": {"motion_model": {"psnr": 25.25}},
@@ -151,7 +144,7 @@ TEST_CASE("the table of measures has each figure in its place, and a gap where t
   CHECK(table.rows[2].values == Values{std::nullopt, 6.5, std::nullopt, 1.5});
   CHECK(contains(table.note, "20.0 dB"));
   CHECK(contains(table.note, "25.2"));
-  for (const auto& row : measures_table(Json::object()).rows) CHECK(row.values == Values(4));
+  for (const auto& row : measures_table(OrderedJson::object()).rows) CHECK(row.values == Values(4));
 }
 
 TEST_CASE("clips lie side by side in one video, frame by frame") {

@@ -8,6 +8,7 @@
 #include "apps/pictures/draw.hpp"
 #include "apps/report/report.hpp"
 #include "core/rng.hpp"
+#include "tests/apps/report/page_data.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/drawn_motion.hpp"
@@ -18,8 +19,6 @@ using namespace emberfold::apps;
 using namespace emberfold::test;
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Traces that begin far away and come to rest about `level` after burn-in; `apart` moves the last chain.
 mcmc::Trace made_trace(const std::string& name, int chains, int burn_in, int sweeps, double level,
@@ -43,13 +42,6 @@ mcmc::InferResult made_result(int chains = 4, int burn_in = 40, int sweeps = 200
   result.samples.resize(8);
   result.proposals = 3e6, result.seconds = 1.5;
   return result;
-}
-
-Json data_of(const std::string& page) {
-  const std::string open = "<script type=\"application/json\" id=\"data\">";
-  const auto begin = page.find(open);
-  REQUIRE(begin != std::string::npos);
-  return Json::parse(page.substr(begin + open.size(), page.find("</script>", begin) - begin - open.size()));
 }
 
 }  // namespace
@@ -97,7 +89,7 @@ TEST_CASE("the summary has the sampler's figures") {
   auto result = made_result();
   result.traces.push_back(made_trace("noise", 4, 40, 200, 0, 2));
   result.moves = {{"switch", 2000, 1000, 250}, {"add", 10, 0, 0}};
-  const Json json = sampler_json(result);
+  const OrderedJson json = sampler_json(result);
   CHECK(json["chains"] == 4);
   CHECK(json["sweeps"] == 200);
   CHECK(json["burn_in"] == 40);
@@ -115,7 +107,7 @@ TEST_CASE("the summary has the sampler's figures") {
 
 TEST_CASE("what cannot be told of a sampler is null, not missing, and no infinity is written") {
   mcmc::InferResult none;
-  const Json json = sampler_json(none);
+  const OrderedJson json = sampler_json(none);
   for (const char* name : {"rhat_max", "rhat_max_of", "ess_min", "ess_min_of", "proposals_per_second"})
     CHECK(json[name].is_null());
   CHECK(json["sweeps"] == 0);
@@ -129,7 +121,7 @@ TEST_CASE("what cannot be told of a sampler is null, not missing, and no infinit
 
 TEST_CASE("the report carries traces of any length in bounded size") {
   const auto result = made_result(3, 5, 10);
-  const Json short_one = report_sampler(result, {});
+  const OrderedJson short_one = report_sampler(result, {});
   CHECK(short_one["step"] == 1);
   REQUIRE(short_one["traces"].size() == 2);
   REQUIRE(short_one["traces"][1]["chains"].size() == 3);
@@ -140,7 +132,7 @@ TEST_CASE("the report carries traces of any length in bounded size") {
 
   auto large = made_result(8, 1000, 4000);
   for (int i = 0; i < 40; ++i) large.traces.push_back(large.traces[1]);
-  const Json bounded = report_sampler(large, {});
+  const OrderedJson bounded = report_sampler(large, {});
   CHECK(bounded.dump().size() < 300'000);
   CHECK(bounded["traces_total"] == 42);
   CHECK(bounded["length"] == 5000);
@@ -154,9 +146,9 @@ TEST_CASE("probabilities are counted by tenths and classes") {
   for (std::size_t i = 0; i < events.size(); ++i) events[i].probability = probabilities[i];
   events[4].type = graph::EventType::split;
   events[5].type = graph::EventType::disconnect;
-  const Json json = report_probabilities(events);
-  CHECK(json["tenths"][0] == Json({1, 0, 0, 0, 0, 0, 0, 0, 0, 3}));
-  CHECK(json["tenths"][2] == Json({0, 0, 0, 0, 0, 1, 0, 0, 0, 0}));
+  const OrderedJson json = report_probabilities(events);
+  CHECK(json["tenths"][0] == OrderedJson({1, 0, 0, 0, 0, 0, 0, 0, 0, 3}));
+  CHECK(json["tenths"][2] == OrderedJson({0, 0, 0, 0, 0, 1, 0, 0, 0, 0}));
   CHECK(json["tenths"][5][3] == 1);
   CHECK_THAT(json["expected"][0].get<double>(), WithinRel(2.9, 1e-9));
   CHECK(json["expected"][1] == 0);
@@ -168,7 +160,8 @@ TEST_CASE("the page has the section where there was a sampler, and no text of it
   ReportInput input;
   input.motion = &motion;
   input.clip = "a.avi";
-  const Json summary = {{"seed", 1}, {"options", Json::object()}, {"warnings", Json::array()}};
+  const OrderedJson summary = {
+      {"seed", 1}, {"options", OrderedJson::object()}, {"warnings", OrderedJson::array()}};
   CHECK_FALSE(data_of(make_report(input, summary)).contains("sampler"));
 
   const std::string evil = "</script><script>alert(1)</script>";
@@ -179,7 +172,7 @@ TEST_CASE("the page has the section where there was a sampler, and no text of it
   input.rates = {{"birth", 0.5, 0.4, 0.6, evil}};
   const std::string page = make_report(input, summary);
   CHECK_FALSE(contains(page, "alert(1)<"));
-  const Json data = data_of(page);
+  const OrderedJson data = data_of(page);
   CHECK(data["sampler"]["table"][2]["name"] == evil);
   CHECK(data["sampler"]["rates"][0]["low"] == 0.4);
   CHECK(data["sampler"]["sure"] == false);

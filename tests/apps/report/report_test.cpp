@@ -7,10 +7,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "apps/report/report_data.hpp"
+#include "tests/apps/report/page_data.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/drawn_models.hpp"
 #include "tests/support/drawn_motion.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
@@ -18,9 +20,8 @@ using namespace emberfold::test;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-const Json kSummary = {{"seed", 1}, {"options", {{"sketch", {{"scales", 5}}}}}, {"warnings", Json::array()}};
+const OrderedJson kSummary = {
+    {"seed", 1}, {"options", {{"sketch", {{"scales", 5}}}}}, {"warnings", OrderedJson::array()}};
 
 ReportInput input_for(const graph::MotionGraph& motion, std::span<const graph::Event> events) {
   ReportInput input;
@@ -30,20 +31,6 @@ ReportInput input_for(const graph::MotionGraph& motion, std::span<const graph::E
   input.motion = &motion;
   input.events = events;
   return input;
-}
-
-Json data_of(const std::string& page) {
-  const std::string open = "<script type=\"application/json\" id=\"data\">";
-  const auto begin = page.find(open);
-  REQUIRE(begin != std::string::npos);
-  const auto end = page.find("</script>", begin);
-  return Json::parse(page.substr(begin + open.size(), end - begin - open.size()));
-}
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-  return found;
 }
 
 std::vector<graph::Event> many_events(std::size_t number, int frames, int width, int height) {
@@ -84,7 +71,7 @@ TEST_CASE("the report is one page that asks for nothing else, and its data are w
   CHECK(count(page, "<script") == 2);
   CHECK(count(page, "</script>") == 2);
 
-  const Json data = data_of(page);
+  const OrderedJson data = data_of(page);
   CHECK(data["clip"]["frames"] == 30);
   REQUIRE(data["events"]["frame"].size() == events.size());
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -103,14 +90,14 @@ TEST_CASE("no text of the user becomes markup or ends the script") {
   auto input = input_for(motion, {});
   input.clip = evil;
   input.command_line = "emberfold analyze '" + evil + "' -o out";
-  Json summary = kSummary;
+  OrderedJson summary = kSummary;
   summary["warnings"] = {evil};
   const std::string page = make_report(input, summary);
   CHECK(count(page, "<script") == 2);
   CHECK(count(page, "</script>") == 2);
   CHECK(page.find("<!--") == std::string::npos);
   CHECK(page.find("alert(1)<") == std::string::npos);
-  const Json data = data_of(page);  // parses in spite of the bytes that are no UTF-8
+  const OrderedJson data = data_of(page);  // parses in spite of the bytes that are no UTF-8
   CHECK(data["command"].get<std::string>().starts_with("emberfold analyze 'a</script><script>alert(1)"));
   CHECK(data["command"].get<std::string>().find("{{script}}") != std::string::npos);
   CHECK(escape_html("<a href=\"x\">&'") == "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
@@ -121,10 +108,10 @@ TEST_CASE("a clip without strokes or events has a report too") {
   motion.sketch.width = motion.sketch.height = 2;
   motion.sketch.frames.resize(3);
   motion.links.resize(3);
-  const Json data = data_of(make_report(input_for(motion, {}), kSummary));
+  const OrderedJson data = data_of(make_report(input_for(motion, {}), kSummary));
   CHECK(data["events"]["total"] == 0);
   CHECK(data["strokes"].empty());
-  CHECK(data["series"]["patches"] == Json({0.0, 0.0, 0.0}));
+  CHECK(data["series"]["patches"] == OrderedJson({0.0, 0.0, 0.0}));
 }
 
 TEST_CASE("the report stays below its limit for a long, large, crowded clip of pure noise") {
@@ -154,11 +141,11 @@ TEST_CASE("the report stays below its limit for a long, large, crowded clip of p
   sampled.traces.assign(40, {"some number", std::vector(8, std::vector<double>(5000, -123.456))});
   input.sampled = &sampled;
   input.all_events = events;
-  Json summary = kSummary;
+  OrderedJson summary = kSummary;
   summary["per_frame"] = {{"patches", std::vector<int>(200'000, 1234)}};
   const std::string page = make_report(input, summary);
   CHECK(page.size() < kReportBytes);
-  const Json data = data_of(page);
+  const OrderedJson data = data_of(page);
   CHECK(data["events"]["total"] == 60'000);
   const auto every = data["events"]["every"].get<std::size_t>();
   CHECK(every > 1);
@@ -172,7 +159,7 @@ TEST_CASE("series of a very long clip are means that keep the whole") {
   motion.sketch.frames.resize(10'000);
   motion.links.resize(10'000);
   const auto events = many_events(5000, 10'000, 4, 4);
-  const Json series = report_series(motion, events);
+  const OrderedJson series = report_series(motion, events);
   const auto step = series["step"].get<std::size_t>();
   CHECK(series["strokes"].size() == (10'000 + step - 1) / step);
   CHECK(series["strokes"].size() <= 1500);
@@ -186,7 +173,7 @@ TEST_CASE("paths follow strokes and patches frame by frame") {
   const auto strokes = made_strokes(1, 200, 150, 20, 2);
   REQUIRE(strokes[0].comes_apart);
   const auto motion = made_motion(strokes, 200, 150, 20);
-  const Json patches = report_patch_paths(motion);
+  const OrderedJson patches = report_patch_paths(motion);
   REQUIRE(patches.size() == static_cast<std::size_t>(strokes[0].patches));
   std::vector<int> times_found(patches.size());
   for (const auto& path : patches) {

@@ -10,7 +10,7 @@ using test::apart;
 
 namespace {
 
-LinearDynamicTexture after(const LinearDynamicTexture& texture, const std::vector<Edit>& edits) {
+LinearDynamicTexture with_edits(const LinearDynamicTexture& texture, const std::vector<Edit>& edits) {
   return edit(texture, edits).texture;
 }
 
@@ -36,7 +36,7 @@ std::vector<LinearDynamicTexture> models() {
 
 TEST_CASE("Backwards every covariance over time is the transpose of the forward one", "[dytex][reversal]") {
   for (const LinearDynamicTexture& texture : models()) {
-    const LinearDynamicTexture back = after(texture, {{Reverse{}}});
+    const LinearDynamicTexture back = with_edits(texture, {{Reverse{}}});
     CHECK(spectral_radius(back.A) < 1);
     for (int k = 0; k < 6; ++k)
       CHECK((test::lag_covariance(back, k) - test::lag_covariance(texture, k).transpose()).norm() <
@@ -47,7 +47,7 @@ TEST_CASE("Backwards every covariance over time is the transpose of the forward 
 
 TEST_CASE("Backwards twice is forwards", "[dytex][reversal]") {
   for (const LinearDynamicTexture& texture : models()) {
-    const LinearDynamicTexture twice = after(texture, {{Reverse{}}, {Reverse{}}});
+    const LinearDynamicTexture twice = with_edits(texture, {{Reverse{}}, {Reverse{}}});
     CHECK(apart(twice.A, texture.A) < 1e-7);
     CHECK((twice.B * twice.B.transpose() - texture.B * texture.B.transpose()).norm() <
           1e-8 * test::covariance(texture).norm());
@@ -56,7 +56,7 @@ TEST_CASE("Backwards twice is forwards", "[dytex][reversal]") {
 
 TEST_CASE("Speed of minus 1 keeps the spectrum only", "[dytex][reversal]") {
   const LinearDynamicTexture texture = test::texture_with({{0.95, 0.3}, {0.9, 2}, {0.8, 1.2}});
-  const LinearDynamicTexture back = after(texture, {{Speed{-1}}});
+  const LinearDynamicTexture back = with_edits(texture, {{Speed{-1}}});
   MatrixXd forward = texture.A, backward = back.A;
   for (int k = 1; k <= 6; ++k) {  // as many power sums as poles
     CHECK(std::abs(forward.trace() - backward.trace()) < 1e-10);
@@ -68,7 +68,7 @@ TEST_CASE("Speed of minus 1 keeps the spectrum only", "[dytex][reversal]") {
 
 TEST_CASE("Backwards keeps poles and what is shown and each channel to itself", "[dytex][reversal]") {
   const LinearDynamicTexture texture = test::channel_texture(3);
-  const LinearDynamicTexture back = after(texture, {{Reverse{}}});
+  const LinearDynamicTexture back = with_edits(texture, {{Reverse{}}});
   for (Eigen::Index i = 0; i < 9; ++i)
     for (Eigen::Index j = 0; j < 9; ++j)
       if (texture.channels[i] != texture.channels[j]) CHECK(back.A(i, j) == 0);

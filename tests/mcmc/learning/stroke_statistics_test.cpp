@@ -22,7 +22,7 @@ int poisson(double mean, core::Rng& rng) {
   return count;
 }
 
-graph::Vertex vertex(std::uint32_t id, std::uint32_t stroke, double x, double y) {
+graph::Vertex patch_of(std::uint32_t id, std::uint32_t stroke, double x, double y) {
   graph::Vertex v;
   v.id = {id}, v.subgraph = {stroke};
   v.patch.position = {x, y};
@@ -37,9 +37,9 @@ TEST_CASE("the series of a clip count its strokes and their ends and lengths") {
   // Stroke 1 (3-4-5 triangle's side: 5 px, in all frames), stroke 2 in the first two.
   std::uint32_t id = 0;
   for (int t = 0; t < 4; ++t) {
-    std::vector<graph::Vertex> vertices{vertex(id, 1, 10, 10), vertex(id + 1, 1, 13, 14)};
+    std::vector<graph::Vertex> vertices{patch_of(id, 1, 10, 10), patch_of(id + 1, 1, 13, 14)};
     std::vector<graph::Edge> edges{{{id}, {id + 1}}};
-    if (t < 2) vertices.push_back(vertex(id + 2, 2, 30, 30));
+    if (t < 2) vertices.push_back(patch_of(id + 2, 2, 30, 30));
     id += 3;
     motion.sketch.frames.emplace_back(vertices, edges);
   }

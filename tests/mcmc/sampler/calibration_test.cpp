@@ -19,7 +19,7 @@ using namespace emberfold::test;
 
 namespace {
 
-constexpr int kSide = 45, kFrames = 4;
+constexpr int kSide = 45, kCalibrationFrames = 4;
 constexpr std::size_t kBins = 10;
 
 /// Identity of an event. Places of a fixed set of patches are equal to the last bit, or apart.
@@ -73,7 +73,7 @@ struct Said {
 std::vector<Said> judged(std::uint32_t number, int burn_in, int samples) {
   core::Rng rng(61, {number, 0, 0});
   const auto theta = test::lively_theta();
-  HiddenGraph truth = mcmc::simulate_prior(theta, kSide, kSide, kFrames, test::kLivelyGates, rng);
+  HiddenGraph truth = mcmc::simulate_prior(theta, kSide, kSide, kCalibrationFrames, test::kLivelyGates, rng);
   if (beyond(truth)) return {};
   observe(truth, rng);
   std::map<Key, Said> all;

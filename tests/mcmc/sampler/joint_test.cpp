@@ -16,7 +16,7 @@ using namespace emberfold::test;
 
 namespace {
 
-constexpr int kSize = 30, kFrames = 3;
+constexpr int kJointSize = 30, kJointFrames = 3;
 constexpr mcmc::Gates kGates{14, 16, 0};
 
 double gamma(core::Rng& rng, double shape) {
@@ -223,7 +223,7 @@ std::vector<test::Statistic> of_both(const HiddenGraph& g, const Density& densit
 }
 
 HiddenGraph forward(const SamplerParameters& theta, core::Rng& rng) {
-  return simulate_prior(theta, kSize, kSize, kFrames, kGates, rng);
+  return simulate_prior(theta, kJointSize, kJointSize, kJointFrames, kGates, rng);
 }
 
 /// Pairs of states and rates: after each `moves` moves new rates, many short chains, each from a pair drawn
@@ -280,7 +280,7 @@ std::vector<test::Statistic> ranked(const HiddenGraph& g, const Density& density
 /// The truth's place among draws of a chain through it. The chain is reversible, and so the truth may be put
 /// at any place of it (Besag & Clifford 1989): ranks are uniform however slowly it mixes.
 void check_ranks(std::uint32_t data_sets, int steps) {
-  constexpr std::uint32_t kBins = 20;
+  constexpr std::uint32_t kRanks = 20;
   std::vector<std::vector<std::size_t>> counts;
   std::vector<std::string> names;
   for (std::uint32_t n = 0; n < data_sets; ++n) {
@@ -288,12 +288,12 @@ void check_ranks(std::uint32_t data_sets, int steps) {
     const SamplerParameters truth = Rates().draw(rng);
     const HiddenGraph drawn = forward(truth, rng);
     const auto of_truth = ranked(drawn, Density(truth));
-    counts.resize(of_truth.size(), std::vector<std::size_t>(kBins)), names.resize(of_truth.size());
+    counts.resize(of_truth.size(), std::vector<std::size_t>(kRanks)), names.resize(of_truth.size());
     std::vector<std::uint32_t> below(of_truth.size()), ties(of_truth.size());
-    const std::uint32_t before = rng.below(kBins);
+    const std::uint32_t before = rng.below(kRanks);
     for (const bool back : {true, false}) {
       test::FreeChain chain(drawn, truth, kGates, core::Rng(44, {n, back, 0}));
-      const std::uint32_t draws = back ? before : kBins - 1 - before;
+      const std::uint32_t draws = back ? before : kRanks - 1 - before;
       for (std::uint32_t d = 0; d < draws; ++d) {
         for (int k = 0; k < steps; ++k)
           if (rng.below(25) == 0)

@@ -224,7 +224,7 @@ TEST_CASE("Each move alone keeps the law of what is drawn", "[mcmc][forward]") {
   check_each_kept(2000);
 }
 TEST_CASE("Closely: each move alone keeps the law of what is drawn", "[mcmc][forward][slow]") {
-  check_each_kept(20000);
+  check_each_kept(8000);
 }
 
 TEST_CASE("Moves of all kinds keep the law of what is drawn", "[mcmc][forward]") {

@@ -24,10 +24,10 @@ namespace {
 using Distances = pipeline::PixelDistances;
 using Field = double Distances::*;
 
-constexpr int kFrames = 192;
+constexpr int kMeasuredFrames = 192;
 
 pipeline::ClipMeasures measures_of(const core::Clip& clip) {
-  pipeline::ClipMeasures measures({64, 64}, {32, 16, 32}, kFrames);
+  pipeline::ClipMeasures measures({64, 64}, {32, 16, 32}, kMeasuredFrames);
   measures.add(clip.frames, {});
   return measures;
 }
@@ -64,12 +64,12 @@ std::string text(const Distances& d) {
 }  // namespace
 
 TEST_CASE("each fault of a texture shows in its own measures and another sample in none") {
-  const auto source = waves(kFrames, 11);
+  const auto source = waves(kMeasuredFrames, 11);
   const auto truth = measures_of(source);
   const auto distance = [&](const core::Clip& clip) {
     return pipeline::pixel_distances(measures_of(clip), truth);
   };
-  const auto sample = distance(waves(kFrames, 12));
+  const auto sample = distance(waves(kMeasuredFrames, 12));
   INFO("another sample: " << text(sample));
   const auto far = [&](const Distances& found, Field field, double times) {
     // 0.02: where the sample is as good as the source
@@ -86,7 +86,7 @@ TEST_CASE("each fault of a texture shows in its own measures and another sample 
   CHECK(sample.flow_px < 0.3);
 
   cv::Mat mean(64, 64, CV_32F, cv::Scalar(0));
-  for (const auto& frame : source.frames) mean += frame / kFrames;
+  for (const auto& frame : source.frames) mean += frame / kMeasuredFrames;
   const auto mean_image = distance(changed(source, [&](std::size_t) { return mean; }));
   INFO("mean image: " << text(mean_image));
   for (const Field field : {&Distances::temporal_db, &Distances::radial_db, &Distances::autocorrelation,
@@ -109,7 +109,7 @@ TEST_CASE("each fault of a texture shows in its own measures and another sample 
   CHECK(mixed.radial_db < 0.01);
   CHECK(mixed.si < 0.01);
 
-  const auto longer = waves(2 * kFrames, 12);
+  const auto longer = waves(2 * kMeasuredFrames, 12);
   const auto fast = distance(changed(source, [&](std::size_t t) { return longer.frames[2 * t]; }));
   INFO("double speed: " << text(fast));
   for (const Field field : {&Distances::temporal_db, &Distances::autocorrelation, &Distances::patterns,

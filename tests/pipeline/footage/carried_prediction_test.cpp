@@ -17,7 +17,7 @@ using namespace emberfold;
 namespace {
 
 /// Waves that travel right above, noise about a still picture below.
-core::Clip waves(int frames, double noise) {
+core::Clip noisy_waves(int frames, double noise) {
   core::Clip clip{{96, 64, 1, CV_8U, 25, 255, frames}, {}};
   core::Rng rng(9);
   for (int t = 0; t < frames; ++t) {
@@ -42,11 +42,11 @@ double error(const cv::Mat& predicted, const core::Clip& clip, int frame, const 
 }  // namespace
 
 TEST_CASE("carried prediction: what moves is moved on, what is noise falls back to the mean image") {
-  const auto clip = waves(60, 8);
+  const auto clip = noisy_waves(60, 8);
   core::ClipSource source(clip);
   const std::array steps{1, 4};
   const auto model = pipeline::learn_carried_prediction(source, steps, {});
-  const auto later = waves(70, 8);
+  const auto later = noisy_waves(70, 8);
   const auto level = [&](int t) {
     return core::to_levels(later.frames[static_cast<std::size_t>(t)], later.info);
   };
@@ -64,7 +64,7 @@ TEST_CASE("carried prediction: what moves is moved on, what is noise falls back 
 }
 
 TEST_CASE("carried prediction: a clip without a frame to predict is refused") {
-  const auto clip = waves(2, 0);
+  const auto clip = noisy_waves(2, 0);
   core::ClipSource source(clip);
   CHECK_THROWS_AS(pipeline::learn_carried_prediction(source, std::array{1}, {}), core::InputError);
 }

@@ -20,13 +20,13 @@ using graph::EventType;
 
 namespace {
 
-constexpr int kFrames = 30;
+constexpr int kPosteriorFrames = 30;
 using Level = std::function<double(Point, int)>;
 
 core::Clip film(const Level& level, double noise) {
   core::Clip clip;
-  clip.info.width = 160, clip.info.height = 120, clip.info.channels = 1, clip.info.frames = kFrames;
-  for (int t = 0; t < kFrames; ++t) {
+  clip.info.width = 160, clip.info.height = 120, clip.info.channels = 1, clip.info.frames = kPosteriorFrames;
+  for (int t = 0; t < kPosteriorFrames; ++t) {
     const cv::Mat1f levels = with_noise(draw({160, 120}, [&](Point p) { return level(p, t); }), noise,
                                         static_cast<std::uint64_t>(t) + 7);
     cv::Mat bytes;
@@ -54,7 +54,7 @@ graph::MotionGraph matched_without(const graph::MotionGraph& motion, const IsOut
                                    int flicker = graph::MatchOptions{}.flicker) {
   graph::SketchSequence left = motion.sketch;
   left.frames.clear();
-  for (int t = 0; t < kFrames; ++t) {
+  for (int t = 0; t < kPosteriorFrames; ++t) {
     const graph::AttributeGraph& g = motion.sketch.frames[static_cast<std::size_t>(t)];
     const auto is_gone = [&](const graph::Vertex& v) { return is_out(t, v.patch); };
     std::vector<graph::Vertex> vertices;
@@ -136,7 +136,7 @@ TEST_CASE("The probabilities do not depend on which way a clip is played", "[pos
   const graph::MotionGraph motion = matched(clip);
   auto forwards = posterior(clip, motion);
   std::ranges::reverse(clip.frames);
-  const auto backwards = graph::reverse_time(posterior(clip, graph::reverse_time(motion)), kFrames);
+  const auto backwards = graph::reverse_time(posterior(clip, graph::reverse_time(motion)), kPosteriorFrames);
   REQUIRE(forwards.size() == backwards.size());
   for (std::size_t i = 0; i < forwards.size(); ++i) {
     CHECK(forwards[i].type == backwards[i].type);
@@ -219,9 +219,10 @@ TEST_CASE("Readings of a clip are the same, reversed, for the clip played backwa
     return events;
   };
   for (const std::size_t k : {0U, 1U}) {
-    CHECK(changes(forwards.steadied[k]) == graph::reverse_time(changes(backwards.steadied[1 - k]), kFrames));
+    CHECK(changes(forwards.steadied[k]) ==
+          graph::reverse_time(changes(backwards.steadied[1 - k]), kPosteriorFrames));
     CHECK(changes(forwards.unsteadied[k]) ==
-          graph::reverse_time(changes(backwards.unsteadied[1 - k]), kFrames));
+          graph::reverse_time(changes(backwards.unsteadied[1 - k]), kPosteriorFrames));
   }
 }
 
