@@ -17,6 +17,8 @@ def quilt(clip: ClipLike, *, forbidden: Optional[np.ndarray] = None, guide: Opti
 
     forbidden: (H, W), pixels that are not 0 are not copied. guide, (H, W), and output_guide, of the output's size: what
     is alike in them is copied to where it is alike. Other arguments are the fields of QuiltOptions: size=(512, 512).
+    The coordinates are (height, width, 3), int32: source, x, y at all times; of seams that move they are rows of six:
+    t, y, x, and from then on the source, x, y that are copied there (docs/formats.md). render_quilt() takes both.
     """
     if forbidden is not None and forbidden.dtype == bool:
         forbidden = forbidden.astype(np.uint8)
