@@ -49,6 +49,8 @@ std::string allowed() {
     return "a number";
   } else if constexpr (std::is_same_v<Value, std::string>) {
     return "a text";
+  } else if constexpr (std::is_same_v<Value, cv::Size>) {
+    return "(width, height)";
   } else {
     return py::type_id<Value>();
   }
