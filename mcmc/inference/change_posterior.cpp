@@ -36,6 +36,14 @@ constexpr double kShareWeight = 0.5;  // of a clip's own share, on the scale of 
 constexpr double kMostLogOdds = 4;    // of one change, in the estimate of the share
 constexpr double kMostShift = 4;      // of log odds by the share
 constexpr double kPseudo = 0.5;       // true and false changes that are counted beforehand, each
+
+// Weights of likeness, fitted by tests/bench/fit_likeness_weights.py; 0 lies half way between clips whose
+// frames follow each other and clips whose frames do not.
+constexpr double kLikeness = -5.56, kOfNext = 3.27, kNextOverApart = 3.45;
+constexpr double kMostLikeness = 4;    // of one change
+constexpr double kLikenessWeight = 3;  // of the mean, on the scale of log odds
+constexpr double kFollowedBefore = 3;  // changes of likeness 1 that are counted beforehand
+constexpr double kMostCorrelation = 0.99, kLeastCorrelation = -0.9;
 }  // namespace tuning
 
 double log_sum(double a, double b) {
@@ -160,6 +168,20 @@ std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes
   std::vector<double> result;
   for (const ChangeEvidence& change : changes) result.push_back(logistic(change_log_odds(change) + shift));
   return result;
+}
+
+double probability_followed(std::span<const ChangeEvidence> changes) {
+  using namespace tuning;
+  const auto fisher = [](double r) { return std::atanh(std::clamp(r, kLeastCorrelation, kMostCorrelation)); };
+  double sum = kFollowedBefore, count = kFollowedBefore;
+  for (const ChangeEvidence& change : changes) {
+    if (!change.likeness) continue;
+    const double next = fisher(change.likeness->next), apart = fisher(change.likeness->apart);
+    sum += std::clamp(kLikeness + kOfNext * next + kNextOverApart * (next - apart), -kMostLikeness,
+                      kMostLikeness);
+    ++count;
+  }
+  return logistic(kLikenessWeight * sum / count);
 }
 
 }  // namespace emberfold::mcmc

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "core/parallel.hpp"
 #include "graph/events/event_family.hpp"
 #include "pipeline/inference/event_paths.hpp"
+#include "pipeline/inference/frame_likeness.hpp"
 #include "sketch/refinement/amplitude.hpp"
 
 namespace emberfold::pipeline {
@@ -172,6 +174,7 @@ struct Measurement {
   int frame = 0;
   std::size_t pooled = 0, reading = 0, event = 0;
   double log_factor = 0;
+  std::optional<mcmc::FrameLikeness> likeness = {};
 };
 
 /// Lists what has to be measured, in order of the frames: each event in the steadied readings that have it,
@@ -207,6 +210,7 @@ void measure_all(core::FrameSource& source, std::span<const Reading> readings, i
       Measurement& one = measurements[done + k];
       const Reading& reading = readings[one.reading];
       one.log_factor = measure_factor(reading.traced[one.event], reading.index, window, frames);
+      one.likeness = measure_likeness(window, one.frame, reading.traced[one.event].event.position, frames);
     });
     done = ready;
     window.drop_before(end - 2 * kReach);
@@ -255,6 +259,7 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
   for (const Measurement& one : measurements) {
     double& factor = pooled[one.pooled].weighed.evidence.log_factor;
     factor = std::min(factor, one.log_factor);
+    pooled[one.pooled].weighed.evidence.likeness = one.likeness;
     is_measured[one.pooled] = true;
   }
   std::vector<WeighedEvent> result;

@@ -9,6 +9,7 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipR
                                           const core::Context& context) {
   const auto weighed = weigh_events(source, readings, context);
   std::vector<graph::Event> events;
+  std::vector<mcmc::ChangeEvidence> all;
   for (const bool of_stroke : {true, false}) {
     std::vector<mcmc::ChangeEvidence> changes;
     const std::size_t first = events.size();
@@ -18,8 +19,16 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipR
       changes.push_back(one.evidence);
     }
     const auto probabilities = mcmc::change_probabilities(changes);
+    all.insert(all.end(), changes.begin(), changes.end());
     for (std::size_t k = 0; k < probabilities.size(); ++k) events[first + k].probability = probabilities[k];
   }
+  const double followed = mcmc::probability_followed(all);
+  for (graph::Event& event : events) event.probability *= followed;
+  if (followed < 0.5 && !events.empty())
+    context.warn(
+        "neighbouring frames are no more alike than frames far apart, so that nothing can be followed from "
+        "one to the "
+        "next: no event is believed; film faster, or leave out --every");
   graph::sort_events(events);
   return events;
 }

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include <opencv2/imgproc.hpp>
+
 #include "core/clip.hpp"
 #include "pipeline/frame_motion.hpp"
 #include "sketch/steadying/carried_sketch.hpp"
@@ -10,8 +12,9 @@
 namespace emberfold::pipeline {
 
 void FrameWindow::push(cv::Mat levels) {
-  cv::Mat1f luma = core::luma(levels);
-  entries_.push_back({std::move(levels), std::move(luma), {}, {}});
+  cv::Mat1f luma = core::luma(levels), halved;
+  cv::pyrDown(luma, halved);
+  entries_.push_back({std::move(levels), std::move(luma), std::move(halved), {}, {}});
 }
 
 void FrameWindow::prepare(const core::Context& context) {

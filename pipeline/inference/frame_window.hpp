@@ -23,13 +23,14 @@ class FrameWindow {
   [[nodiscard]] int first() const { return first_; }                                    ///< frame held
   [[nodiscard]] int end() const { return first_ + static_cast<int>(entries_.size()); }  ///< one past the last
   [[nodiscard]] const cv::Mat& levels(int frame) const { return entry(frame).levels; }
+  [[nodiscard]] const cv::Mat1f& halved(int frame) const { return entry(frame).halved; }  ///< luma
   /// Returns where what is at p in frame `from` is in the next frame, or (`step` −1) in the one before.
   [[nodiscard]] graph::Point carry(graph::Point p, int from, int step) const;
 
  private:
   struct Entry {
     cv::Mat levels;
-    cv::Mat1f luma;
+    cv::Mat1f luma, halved;
     cv::Mat on, back;  // motion to the next frame, and from there
   };
   [[nodiscard]] const Entry& entry(int frame) const {

@@ -137,6 +137,26 @@ TEST_CASE("Each kind of evidence moves the odds of a change its own way", "[chan
   }
 }
 
+TEST_CASE("What can be followed is told by how much more alike neighbouring frames are", "[change]") {
+  const auto followed = [](double next, double apart, std::size_t count = 40) {
+    std::vector<mcmc::ChangeEvidence> changes(count);
+    for (auto& change : changes) change.likeness = mcmc::FrameLikeness{next, apart};
+    return mcmc::probability_followed(changes);
+  };
+  CHECK(followed(0.95, 0.6) > 0.99);
+  CHECK(followed(0.99, 0.99) > 0.95);  // all stands still
+  CHECK(followed(0.7, 0.6) < 0.01);
+  CHECK(followed(0.6, 0.7) < followed(0.7, 0.6));
+  CHECK(followed(0.9, 0.6) > followed(0.8, 0.6));
+  CHECK(followed(0.9, 0.5) > followed(0.9, 0.6));
+  CHECK(followed(-1, 1) >= 0);
+  // Few changes tell less, and those without a likeness nothing.
+  CHECK(followed(0.7, 0.6, 1) > 0.5);
+  std::vector<mcmc::ChangeEvidence> unknown(40);
+  CHECK(mcmc::probability_followed(unknown) == mcmc::probability_followed({}));
+  CHECK(mcmc::probability_followed({}) > 0.9);
+}
+
 TEST_CASE("The share of true changes is learned from all of a clip", "[change]") {
   const auto logistic = [](double x) { return 1 / (1 + std::exp(-x)); };
   const double usual = std::log(0.4 / 0.6);
