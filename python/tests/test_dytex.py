@@ -125,6 +125,10 @@ def test_distances_of_textures():
     assert set(matrices) == {"kl", "martin", "binet-cauchy", "angles"}
     assert np.isclose(matrices["martin"][0, 1], ef.dytex.martin_distance(ef.dytex.subspace_angles(a, b)))
     assert np.isclose(matrices["kl"][0, 1], ef.dytex.kl_rate(a, b)) and matrices["kl"][0, 2] == 0
+    exact = ef.dytex.learn(ripples(frames=6), components=5)
+    assert exact.r == 0
+    lacking = ef.dytex.distance_matrices([a, exact, b])["kl"]
+    assert lacking[0, 2] == matrices["kl"][0, 1] and np.isnan(lacking[1]).all() and np.isnan(lacking[:, 1]).all()
     growth = ef.dytex.kl_growth(a, b, 50)
     assert np.isclose(growth[-1] - growth[-2], ef.dytex.kl_rate(a, b), rtol=0.05)
 
