@@ -185,6 +185,7 @@ void run_learn(Learn asked, Session& session) {
   stages.begin("learn");
   const auto source = open_held_clip(asked.reading.clip, read, session);
   fit_to_length(asked, source->info(), session);
+  check_learning(asked.options);
   EmStage em(asked.em, *source, read, session);
   auto learned = learn_texture(asked, em.source(), session);
   for (const auto& note : learned.notes) session.warn(asked.em.is_needed() ? "closed form: " + note : note);

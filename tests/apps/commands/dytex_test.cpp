@@ -203,6 +203,7 @@ TEST_CASE("what dytex cannot take is refused in one line") {
   learn({clip, "-n", "0"}, 2, {"--components", "0"});
   learn({clip, "-n", "3", "--set", "learn.noise_rank=4"}, 2, {"learn.noise_rank is 4", "0 to 3"});
   learn({clip, "-n", "3", "--set", "learn.noise_rank=-1"}, 2, {"learn.noise_rank is -1", "0 to 3"});
+  learn({clip, "--set", "learn.noise_rank=6"}, 2, {"learn.noise_rank is 6", "0 to 5"});
   learn({clip, "-n", "3", "--em", "--set", "learn.noise_rank=1"}, 2, {"EM", "learn.noise_rank=0"});
   learn({clip, "-n", "3", "--set", "learn.noise=laplace"}, 2, {"learn.noise", "laplace", "independent"});
   learn({clip, "-n", "2.5"}, 2, {"components", "2.5"});
