@@ -212,6 +212,8 @@ void take_dynamics(detail::Dynamics dynamics, LearnResult& result) {
   texture.A = std::move(dynamics.A);
   texture.B = std::move(dynamics.B);
   texture.residuals = std::move(dynamics.residuals);
+  texture.marginals = std::move(dynamics.marginals);
+  texture.noise_share = dynamics.noise_share;
   texture.states = std::move(dynamics.states);
 }
 
@@ -228,6 +230,10 @@ void LearnOptions::validate() const {
   core::check_at_least("LearnOptions.components", components, 1);
   if (energy) core::check_above("LearnOptions.energy", *energy, 0, 1);
   core::check_range("LearnOptions.lags", lags, 1, kMostLags);
+  if (order == Order::given && !energy)
+    core::check_range("LearnOptions.noise_rank", noise_rank, 0, components);
+  else
+    core::check_at_least("LearnOptions.noise_rank", noise_rank, 0);
   if (lags > 1 && method != Method::closed_form)
     throw core::InputError("LearnOptions.lags is " + std::to_string(lags) +
                            "; allowed with n4sid and pem is 1");

@@ -34,7 +34,12 @@ enum class Stable {
   yule_walker,  ///< the data's variance is kept exactly
   soc           ///< the least error among stable ones (Mamakoukas, Xherija, Murphey 2020)
 };
-enum class Noise { normal, resampled };
+/// What v is drawn from.
+enum class Noise {
+  normal,
+  resampled,   ///< what the fit left, moment by moment, all inputs together
+  independent  ///< each of its independent components (ICA) by its own quantiles, where it is not normal
+};
 
 struct LearnOptions {
   int components = 50;  ///< n, 1 … τ − 1, of all channels together
@@ -45,8 +50,9 @@ struct LearnOptions {
   int lags = 1;  ///< 1 … 16: x(t+1) = A₁ x(t) + … + A_lags x(t + 1 − lags); above 1 needs n · lags < τ − 1
   Method method = Method::closed_form;  ///< others than the closed form need lags 1
   Stable stable = Stable::yule_walker;  ///< soc needs lags 1
-  Noise noise =
-      Noise::normal;  ///< resampled: v is drawn from what the fit left, so that it need not be normal
+  Noise noise = Noise::normal;
+  /// n_v, 0 … n: numbers of v. B keeps so many directions of what the fit leaves, the strongest; 0: all.
+  int noise_rank = 0;
   /// bytes, ≥ 1 MiB: for frames held at a time; more passes where they do not fit. At least 256 pixels of
   /// every frame are held.
   std::size_t memory = std::size_t{1} << 30;
@@ -73,7 +79,8 @@ struct LearnResult {
 /// Learns a texture in closed form (Soatto, Doretto, Wu 2001, section 4; Doretto, Chiuso, Wu, Soatto 2003,
 /// section 4.1): with Y the frames less their mean (m × τ) and Y = C S Vᵀ cut after n components, the states
 /// are X = S Vᵀ, A is the least-squares fit of x(t+1) to x(t), B Bᵀ the covariance of what that leaves, and r
-/// the variance of what n components leave of the frames, (‖Y‖² − ‖X‖²) / ((m − n)(τ − 1 − n)). The
+/// the variance of what n components leave of the frames, (‖Y‖² − ‖X‖²) / ((m − n)(τ − 1 − n)). With
+/// `noise_rank` B is the first columns of U S, the residuals' singular value decomposition. The
 /// decomposition goes by YᵀY = V S² Vᵀ (snapshots), which takes frames block by block.
 ///
 /// Where the least-squares A is not stable, or leaves no noise at all, A = Σ x(t+1) x(t)ᵀ S⁻² is taken

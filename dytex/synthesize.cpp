@@ -64,8 +64,18 @@ Eigen::VectorXf column_weights(const LinearDynamicTexture& texture,
 
 /// v(t) of frame t.
 Eigen::VectorXd driving_noise(const LinearDynamicTexture& texture, core::Rng rng) {
-  if (texture.residuals.size() == 0) return normals(rng, texture.B.cols());
-  return texture.residuals.col(rng.below(static_cast<std::uint32_t>(texture.residuals.cols())));
+  if (texture.residuals.size() > 0)
+    return texture.residuals.col(rng.below(static_cast<std::uint32_t>(texture.residuals.cols())));
+  const Eigen::Index told = texture.marginals.rows(), inputs = texture.B.cols();
+  Eigen::VectorXd v(inputs);
+  for (Eigen::Index i = 0; i < told; ++i) {
+    const double at = rng.uniform() * static_cast<double>(texture.marginals.cols() - 1);
+    const auto below = static_cast<Eigen::Index>(at);
+    const double low = texture.marginals(i, below), high = texture.marginals(i, below + 1);
+    v[i] = low + (at - static_cast<double>(below)) * (high - low);
+  }
+  for (Eigen::Index i = told; i < inputs; ++i) v[i] = rng.normal();
+  return v;
 }
 
 /// A row vector of the frame's values.

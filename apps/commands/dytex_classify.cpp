@@ -103,6 +103,7 @@ Json classification_json(const Found& found) {
     }
     methods.push_back({{"measure", name(result.measure)},
                        {"classifier", name(result.classifier)},
+                       {"samples", result.samples},
                        {"accuracy", result.accuracy},
                        {"confusion", std::move(rows)}});
   }
@@ -133,7 +134,8 @@ std::string predictions_csv(const Found& found) {
   for (std::size_t i = 0; i < found.samples.samples.size(); ++i) {
     out << field(found.samples.samples[i].name) << ',' << field(classes[found.labels.label[i]]) << ','
         << found.labels.fold[i];
-    for (const auto& result : found.results) out << ',' << field(classes[result.predicted[i]]);
+    for (const auto& result : found.results)
+      out << ',' << (result.predicted[i] ? field(classes[*result.predicted[i]]) : "");
     out << '\n';
   }
   return out.str();
@@ -146,19 +148,47 @@ std::string accuracy_table(const Found& found) {
                     "                nearest       svm\n";
   for (const auto measure : dytex::kMeasures) {
     std::string line;
+    std::size_t samples = 0;
     for (const auto classifier : {Classifier::nearest, Classifier::svm})
       for (const auto& result : found.results)
         if (result.measure == measure && result.classifier == classifier) {
           std::array<char, 32> text{};
           std::snprintf(text.data(), text.size(), "%10.1f", 100 * result.accuracy);
           line += text.data();
+          samples = result.samples;
         }
-    if (line.empty()) continue;
     std::string name = dytex::name(measure);
     name.resize(13, ' ');
-    out += name + line + "\n";
+    out += name + (line.empty() ? "         -         -" : line);
+    if (samples < found.labels.label.size()) out += "   of " + std::to_string(samples) + " samples";
+    out += "\n";
   }
   return out;
+}
+
+// Returns "a", "a, b" or "a, b, c and 7 more".
+std::string name_list(const std::vector<std::string>& names) {
+  constexpr std::size_t kMostNames = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostNames, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > kMostNames ? text + " and " + std::to_string(names.size() - kMostNames) + " more"
+                                   : text;
+}
+
+// Warns of samples that are left out of a measure.
+void warn_missing(const Found& found, Session& session) {
+  std::vector<std::string> noiseless, still;
+  for (std::size_t i = 0; i < found.samples.samples.size(); ++i) {
+    const auto& texture = found.samples.textures[i];
+    if (!dytex::has_noise(texture)) noiseless.push_back(found.samples.samples[i].name);
+    if (texture.order() == 0) still.push_back(found.samples.samples[i].name);
+  }
+  if (!noiseless.empty())
+    session.warn(name_list(noiseless) +
+                 ": the noise r is 0, so there is no KL rate and KL leaves it out; learn it with fewer "
+                 "components, so that r is estimated");
+  if (!still.empty())
+    session.warn(name_list(still) + ": no components, so angles and Martin's distance leave it out");
 }
 
 void run_classify(Classify asked, Session& session) {
@@ -184,8 +214,7 @@ void run_classify(Classify asked, Session& session) {
   session.check_stop();
   stages.begin("classify");
   found.results = cross_validate(found.labels, pairs);
-  if (found.results.size() < 2 * std::size(dytex::kMeasures))
-    session.warn("some measures are left out: a model has no noise r or no components");
+  warn_missing(found, session);
   stages.end();
   const Json content = classification_json(found);
   output.write("classification.json", [&](std::ostream& out) { out << json_text(content); });

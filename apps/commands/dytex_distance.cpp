@@ -60,29 +60,33 @@ std::vector<dytex::LinearDynamicTexture> read_models(const std::vector<std::stri
   return models;
 }
 
-// Reports what a model lacks for a distance: an error if that was asked for, else a warning.
+// Warns of what a model lacks for a distance. An error where KL was asked for and no pair has it.
 void warn_missing(const Distance& asked, const std::vector<dytex::LinearDynamicTexture>& models,
                   Session& session) {
+  const bool asked_kl = asked.asked_growth || (asked.asked_measure && asked.measure == "kl");
+  const auto noisy = std::ranges::count_if(models, dytex::has_noise);
+  const bool no_curve = asked.asked_growth && !dytex::has_noise(models.front());
   for (std::size_t i = 0; i < models.size(); ++i) {
-    const bool noisy = models[i].noise.size() > 0 ? models[i].noise.minCoeff() > 0 : models[i].r > 0;
-    if (!noisy && (asked.asked_growth || (asked.asked_measure && asked.measure == "kl")))
-      throw core::IoError(asked.models[i] +
-                          ": its noise r is 0, so the KL rate is infinite; learn it with fewer "
-                          "components, so that r is estimated");
-    if (!noisy)
+    if (!dytex::has_noise(models[i])) {
+      if (asked_kl && (noisy < 2 || (no_curve && i == 0)))
+        throw core::IoError(asked.models[i] +
+                            ": its noise r is 0, so the KL rate is infinite; learn it with fewer "
+                            "components, so that r is estimated");
       session.warn(asked.models[i] +
-                   ": its noise r is 0, so there is no KL rate; learn it with fewer components, "
+                   ": its noise r is 0, so pairs with it have no KL rate; learn it with fewer components, "
                    "so that r is estimated");
+    }
     if (models[i].order() == 0)
       session.warn(asked.models[i] + ": it has no components, so there are no angles");
   }
 }
 
-// Curves of two models both ways; of more, from the first to each other one.
+// Curves of two models both ways; of more, from the first to each other one that has noise.
 std::vector<Growth> growths(const Distance& asked, const std::vector<std::string>& names,
                             const std::vector<dytex::LinearDynamicTexture>& models, const Session& session) {
   std::vector<std::pair<std::size_t, std::size_t>> ways;
-  for (std::size_t j = 1; j < models.size(); ++j) ways.emplace_back(0, j);
+  for (std::size_t j = 1; j < models.size(); ++j)
+    if (dytex::has_noise(models[j])) ways.emplace_back(0, j);
   if (models.size() == 2) ways.emplace_back(1, 0);
   std::vector<Growth> curves;
   for (const auto& [i, j] : ways) {

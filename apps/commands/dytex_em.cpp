@@ -43,6 +43,7 @@ void check_em(const EmRequest& asked, const dytex::LearnOptions& learning) {
     if (learning.lags != 1) refuse("--lags 1");
     if (learning.channels != dytex::Channels::joint) refuse("--channels joint");
     if (learning.method != dytex::Method::closed_form) refuse("--method closed-form");
+    if (learning.noise_rank != 0) refuse("learn.noise_rank=0");
   }
   if (!asked.filled.empty() && asked.missing.empty())
     throw Misuse("--filled needs --missing, which says what to fill in");

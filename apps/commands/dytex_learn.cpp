@@ -40,7 +40,9 @@ const Words<dytex::Method> kMethods{{"closed-form", dytex::Method::closed_form},
                                     {"n4sid", dytex::Method::n4sid},
                                     {"pem", dytex::Method::prediction_error}};
 const Words<dytex::Stable> kStable{{"yule-walker", dytex::Stable::yule_walker}, {"soc", dytex::Stable::soc}};
-const Words<dytex::Noise> kNoise{{"normal", dytex::Noise::normal}, {"resampled", dytex::Noise::resampled}};
+const Words<dytex::Noise> kNoise{{"normal", dytex::Noise::normal},
+                                 {"resampled", dytex::Noise::resampled},
+                                 {"independent", dytex::Noise::independent}};
 
 template <class Value>
 Value value_of(const Words<Value>& words, const std::string& word) {
@@ -93,6 +95,7 @@ Json learn_summary(const Learn& asked, const io::ReadOptions& read, const core::
                   {"method", asked.method},
                   {"stable", asked.stable},
                   {"noise", asked.noise},
+                  {"noise_rank", asked.options.noise_rank},
                   {"memory_mb", asked.memory}});
   options["mask"] = asked.mask.empty() ? Json(nullptr) : Json(asked.mask);
   summary["options"] = {{"reading", reading_json(read)}, {"learn", std::move(options)}};
@@ -124,6 +127,7 @@ void check_learning(const dytex::LearnOptions& options) {
   } catch (const core::InputError& error) {
     auto message = without_struct_name(error.what());
     for (const char* field : {"components", "energy", "lags"}) message = with_option_name(message, field);
+    if (message.starts_with("noise_rank")) message = "learn." + message;
     throw Misuse(message);
   }
 }
@@ -181,6 +185,7 @@ void run_learn(Learn asked, Session& session) {
   stages.begin("learn");
   const auto source = open_held_clip(asked.reading.clip, read, session);
   fit_to_length(asked, source->info(), session);
+  check_learning(asked.options);
   EmStage em(asked.em, *source, read, session);
   auto learned = learn_texture(asked, em.source(), session);
   for (const auto& note : learned.notes) session.warn(asked.em.is_needed() ? "closed form: " + note : note);
@@ -230,8 +235,12 @@ void add_model_options(CLI::App& command, Settings& settings, Learn& asked) {
             "Fit the motion by closed-form, or for noisy states n4sid or pem");
   settings.add_word("learn", "stable", asked.stable, names_of(kStable), "",
                     "Replace an unstable least-squares fit: keep the variance, or the error small");
-  settings.add_word("learn", "noise", asked.noise, names_of(kNoise), "",
-                    "Drive the model by normal noise, or by residuals of the fit");
+  settings.add_word(
+      "learn", "noise", asked.noise, names_of(kNoise), "",
+      "Drive the model by normal noise, residuals of the fit, or independent noises as they were");
+  settings.add("learn", "noise_rank", asked.options.noise_rank, "N",
+               "Drive the model by so many noises, the strongest; 0: all",
+               [] { return "0 to the number of components"; });
   settings.add("learn", "memory", asked.memory, "MIB",
                "Memory for frames; more passes over the clip where they do not fit",
                [] { return "at least 1"; });

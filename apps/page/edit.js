@@ -4,12 +4,13 @@
 const neutral = {reverse: false, speed: 1, intensity: 1, coarse: 1, medium: 1, fine: 1};
 const scaleOf = (i) => (i < 5 ? "coarse" : i < 15 ? "medium" : "fine");  // of component i, the first being 0
 
-/** The model from the page's data: forward and backward, each {A, B, residuals, groups}. */
+/** The model from the page's data: forward and backward, each {A, B, residuals, marginals, groups}. */
 function readModel(data, numbers) {
   const direction = (name) => ({
     A: numbers[name + ".A"],
     B: numbers[name + ".B"],
     residuals: data[name].residuals ? numbers.residuals : null,
+    marginals: data[name].marginals ? numbers.marginals : null,
     groups: data.groups.map((group, g) => ({
       ...group,
       turning: data[name].turning[g],
@@ -71,12 +72,12 @@ function changeSpeed(result, direction, weights, speed) {
   }
 }
 
-/** {A, B, weights, residuals, dropped} of the model with the settings. */
+/** {A, B, weights, residuals, marginals, dropped} of the model with the settings. */
 function edited(model, settings) {
   const direction = settings.reverse ? model.backward : model.forward;
   const result = {
     A: copied(direction.A), B: copied(direction.B), weights: model.weights.slice(),
-    residuals: direction.residuals, dropped: 0,
+    residuals: direction.residuals, marginals: direction.marginals, dropped: 0,
   };
   if (settings.speed !== 1) changeSpeed(result, direction, model.weights, settings.speed);
   const strength = Math.sqrt(settings.intensity);
@@ -95,6 +96,18 @@ function firstState(edit, seed) {
   return state;
 }
 
+/** Independent numbers by their quantiles, the first ones; the others are normal. */
+function marginalNoise(marginals, count, rng) {
+  const {rows, cols, data} = marginals, noise = new Float64Array(count);
+  for (let i = 0; i < rows; ++i) {
+    const at = rng.uniform() * (cols - 1), below = Math.floor(at);
+    const low = data[below * rows + i], high = data[(below + 1) * rows + i];
+    noise[i] = low + (at - below) * (high - low);
+  }
+  for (let i = rows; i < count; ++i) noise[i] = rng.normal();
+  return noise;
+}
+
 /** x(t) from x(t - 1); t: its frame. */
 function nextState(edit, state, seed, frame) {
   const rng = frameStream(seed, frame, purposes.driving), next = new Float64Array(state.length);
@@ -102,6 +115,8 @@ function nextState(edit, state, seed, frame) {
   if (edit.residuals) {
     const k = edit.residuals.rows, at = rng.below(edit.residuals.cols);
     noise = edit.residuals.data.subarray(at * k, (at + 1) * k);
+  } else if (edit.marginals) {
+    noise = marginalNoise(edit.marginals, edit.B.cols, rng);
   } else {
     noise = rng.normals(edit.B.cols);
   }

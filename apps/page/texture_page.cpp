@@ -59,9 +59,9 @@ void check_size(const LinearDynamicTexture& texture) {
   if (texture.order() > kPageOrder)
     throw core::InputError("the model's state has " + count_text(texture.order(), "numbers", kPageOrder) +
                            way_out);
-  const long long numbers = texture.states.size() + texture.residuals.size();
+  const long long numbers = texture.states.size() + texture.residuals.size() + texture.marginals.size();
   if (numbers > kPageNumbers)
-    throw core::InputError("the model's states and residuals have " +
+    throw core::InputError("the model's states and residuals or marginals have " +
                            count_text(numbers, "numbers", kPageNumbers) +
                            ": learn it from fewer frames, see --range");
 }
@@ -120,7 +120,9 @@ Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTe
         blocks.push_back({{"first", block.first}, {"size", block.size}, {"phase", block.phase}});
     list.push_back(std::move(blocks));
   }
-  return {{"turning", std::move(list)}, {"residuals", texture.residuals.size() > 0}};
+  return {{"turning", std::move(list)},
+          {"residuals", texture.residuals.size() > 0},
+          {"marginals", texture.marginals.size() > 0}};
 }
 
 // Adds the model forwards and exactly backwards, the groups that edits act on, the training frames.
@@ -138,6 +140,7 @@ Json put_dynamics(Numbers& numbers, const LinearDynamicTexture& texture) {
   numbers.put("weights", texture.weights);
   numbers.put("states", texture.states.topRows(texture.components()));
   numbers.put("residuals", texture.residuals);
+  numbers.put("marginals", texture.marginals);
   return data;
 }
 

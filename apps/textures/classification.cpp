@@ -36,28 +36,25 @@ class Pairs {
     const auto [low, high] = std::minmax(i, j);
     return pairs_[low * count_ - low * (low + 1) / 2 + high];
   }
-  [[nodiscard]] bool have(Measure measure) const {
-    return std::ranges::all_of(pairs_, [&](const dytex::Distances& pair) {
-      if (measure == Measure::kl) return pair.kl.has_value();
-      return measure == Measure::binet_cauchy || pair.angles.size() > 0;
-    });
-  }
+  // Tells whether the sample has distances by the measure.
+  [[nodiscard]] bool has(std::size_t i, Measure measure) const { return dytex::has(at(i, i), measure); }
 
  private:
   std::span<const dytex::Distances> pairs_;
   std::size_t count_;
 };
 
-// Returns the dissimilarity of a pair by a measure.
+// Returns the dissimilarity of a pair by a measure; infinite where it has none.
 double distance_of(const dytex::Distances& pair, Measure measure) {
+  if (!dytex::has(pair, measure)) return std::numeric_limits<double>::infinity();
   return measure == Measure::kl ? *pair.kl + *pair.kl_back : distance(pair, measure);
 }
 
 // Returns d in the kernel exp(−d/s); nothing where the measure has a kernel of its own.
 std::optional<double> exponent_of(const dytex::Distances& pair, Measure measure) {
-  if (measure == Measure::kl) return *pair.kl + *pair.kl_back;
+  if (measure == Measure::kl) return distance_of(pair, measure);
   if (measure != Measure::martin) return std::nullopt;
-  const double d = distance(pair, measure);
+  const double d = distance_of(pair, measure);
   return d * d;
 }
 
@@ -85,7 +82,7 @@ class TableKernel final : public cv::ml::SVM::Kernel {
 cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const std::size_t> training,
                        Measure measure) {
   double scale = 1;
-  if (exponent_of(pairs.at(0, 0), measure)) {
+  if (measure == Measure::kl || measure == Measure::martin) {
     std::vector<double> all;
     for (const std::size_t i : training)
       for (const std::size_t j : training)
@@ -96,9 +93,10 @@ cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const st
       if (*middle > 0 && std::isfinite(*middle)) scale = *middle;
     }
   }
-  cv::Mat1f table(static_cast<int>(count), static_cast<int>(count));
+  cv::Mat1f table(static_cast<int>(count), static_cast<int>(count), 0.0F);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = i; j < count; ++j) {
+      if (!dytex::has(pairs.at(i, j), measure)) continue;
       const auto exponent = exponent_of(pairs.at(i, j), measure);
       const double value = exponent ? std::exp(-*exponent / scale) : own_kernel(pairs, i, j, measure);
       table(static_cast<int>(i), static_cast<int>(j)) = table(static_cast<int>(j), static_cast<int>(i)) =
@@ -107,8 +105,9 @@ cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const st
   return table;
 }
 
+// Predicts the labels of the asked samples; of all samples given, each has distances by the measure.
 using Predict = std::function<void(std::span<const std::size_t> training, std::span<const std::size_t> asked,
-                                   std::vector<std::size_t>& predicted)>;
+                                   std::vector<std::optional<std::size_t>>& predicted)>;
 
 Predict predict_by_nearest(const SampleLabels& samples, const Pairs& pairs, Measure measure) {
   return [&samples, &pairs, measure](auto training, auto asked, auto& predicted) {
@@ -155,22 +154,31 @@ Predict predict_by_svm(const SampleLabels& samples, const Pairs& pairs, Measure 
   };
 }
 
-Recognition evaluate_classifier(const SampleLabels& samples, Measure measure, Classifier classifier,
-                                const Predict& predict) {
-  Recognition result{measure, classifier, std::vector<std::size_t>(samples.label.size()), {}, 0};
+Recognition evaluate_classifier(const SampleLabels& samples, const Pairs& pairs, Measure measure,
+                                Classifier classifier) {
+  const Predict predict = classifier == Classifier::nearest ? predict_by_nearest(samples, pairs, measure)
+                                                            : predict_by_svm(samples, pairs, measure);
+  Recognition result;
+  result.measure = measure;
+  result.classifier = classifier;
+  result.predicted.resize(samples.label.size());
   const std::set<std::size_t> folds(samples.fold.begin(), samples.fold.end());
   for (const std::size_t fold : folds) {
     std::vector<std::size_t> training, asked;
     for (std::size_t i = 0; i < samples.fold.size(); ++i)
-      (samples.fold[i] == fold ? asked : training).push_back(i);
-    predict(training, asked, result.predicted);
+      if (pairs.has(i, measure)) (samples.fold[i] == fold ? asked : training).push_back(i);
+    if (!training.empty()) predict(training, asked, result.predicted);
   }
   const int classes = static_cast<int>(samples.classes);
   result.confusion = cv::Mat::zeros(classes, classes, CV_64F);
-  for (std::size_t i = 0; i < samples.label.size(); ++i)
-    result.confusion.at<double>(static_cast<int>(samples.label[i]), static_cast<int>(result.predicted[i])) +=
+  for (std::size_t i = 0; i < samples.label.size(); ++i) {
+    if (!result.predicted[i]) continue;
+    ++result.samples;
+    result.confusion.at<double>(static_cast<int>(samples.label[i]), static_cast<int>(*result.predicted[i])) +=
         1;
-  result.accuracy = cv::trace(result.confusion)[0] / static_cast<double>(samples.label.size());
+  }
+  if (result.samples > 0)
+    result.accuracy = cv::trace(result.confusion)[0] / static_cast<double>(result.samples);
   return result;
 }
 
@@ -202,11 +210,8 @@ std::vector<Recognition> cross_validate(const SampleLabels& samples,
   std::vector<Recognition> results;
   for (const Classifier classifier : {Classifier::nearest, Classifier::svm})
     for (const Measure measure : dytex::kMeasures) {
-      if (!pairs.have(measure)) continue;
-      results.push_back(evaluate_classifier(samples, measure, classifier,
-                                            classifier == Classifier::nearest
-                                                ? predict_by_nearest(samples, pairs, measure)
-                                                : predict_by_svm(samples, pairs, measure)));
+      auto result = evaluate_classifier(samples, pairs, measure, classifier);
+      if (result.samples > 0) results.push_back(std::move(result));
     }
   return results;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,16 +31,19 @@ const char* name(Classifier classifier);
 struct Recognition {
   dytex::Measure measure = dytex::Measure::kl;
   Classifier classifier = Classifier::nearest;
-  std::vector<std::size_t> predicted;  ///< of each sample
-  cv::Mat confusion;    ///< CV_64F, classes × classes: rows are true, columns predicted classes
-  double accuracy = 0;  ///< 0…1
+  /// Of each sample; none where it has no such distance, or no sample of other folds has.
+  std::vector<std::optional<std::size_t>> predicted;
+  std::size_t samples = 0;  ///< with a prediction
+  cv::Mat confusion;        ///< CV_64F, classes × classes: rows are true, columns predicted classes
+  double accuracy = 0;      ///< 0…1, of those
 };
 
 /// Cross-validates both classifiers with every measure. `pairs`: from dytex::all_distances() of the samples.
 /// Nearest: the label of the nearest sample (KL: both directions added), the first of equals. SVM: OpenCV's,
 /// C = 10, one class against one. Its kernels are exp(−(KL + KL back)/s), exp(−Martin²/s), the normalised
 /// trace kernel, and Σ cos² θ / √(n n′) of the subspace angles; s is the median over pairs of training
-/// samples. Leaves out measures that a pair lacks. Deterministic, the same at any thread count.
+/// samples. Leaves samples out of measures that they lack (KL without noise r, angles without components),
+/// and measures by which no sample can be classified. Deterministic, the same at any thread count.
 std::vector<Recognition> cross_validate(const SampleLabels& samples, std::span<const dytex::Distances> pairs);
 
 /// Draws all confusion matrices in one picture.

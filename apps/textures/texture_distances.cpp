@@ -116,19 +116,11 @@ std::vector<std::string> short_names(const std::vector<std::string>& paths) {
 }
 
 cv::Mat measure_matrix(std::span<const dytex::Distances> pairs, dytex::Measure measure) {
-  const auto models = static_cast<int>(std::lround((std::sqrt(8.0 * double(pairs.size()) + 1) - 1) / 2));
+  const Eigen::MatrixXd matrix = dytex::distance_matrix(pairs, measure);
+  const auto models = static_cast<int>(matrix.rows());
   cv::Mat values(models, models, CV_64F);
-  std::size_t k = 0;
   for (int i = 0; i < models; ++i)
-    for (int j = i; j < models; ++j, ++k) {
-      const auto& pair = pairs[k];
-      const bool there = measure == dytex::Measure::kl
-                             ? pair.kl.has_value()
-                             : measure == dytex::Measure::binet_cauchy || pair.angles.size() > 0;
-      const double value = there ? distance(pair, measure) : kNone;
-      values.at<double>(i, j) = value;
-      values.at<double>(j, i) = there && measure == dytex::Measure::kl ? *pair.kl_back : value;
-    }
+    for (int j = 0; j < models; ++j) values.at<double>(i, j) = matrix(i, j);
   return values;
 }
 

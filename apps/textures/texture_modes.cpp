@@ -35,6 +35,18 @@ std::string column(double value, int width, int digits) {
   return out.str();
 }
 
+// Returns "50 noises", "2 noises, 1 not normal, with 98.10 % of what drove the clip" or the like.
+std::string noise_text(const dytex::LinearDynamicTexture& texture) {
+  std::string text = std::to_string(texture.B.cols());
+  text += texture.residuals.size() > 0 ? " resampled residuals"
+          : texture.B.cols() == 1      ? " noise"
+                                       : " noises";
+  if (texture.marginals.size() > 0) text += ", " + std::to_string(texture.marginals.rows()) + " not normal";
+  if (texture.noise_share < 1)
+    text += ", with " + column(100 * texture.noise_share, 0, 2) + " % of what drove the clip";
+  return text;
+}
+
 }  // namespace
 
 double TextureMode::period() const {
@@ -90,6 +102,8 @@ Json texture_json(const dytex::LinearDynamicTexture& texture) {
           {"per_channel", texture.channels.size() > 0},
           {"residuals", texture.residuals.cols()},
           {"noise_inputs", texture.B.cols()},
+          {"noise_share", finite_json(texture.noise_share, 1e6)},
+          {"not_normal_inputs", texture.marginals.rows()},
           {"share_of_variance", finite_json(share_of_variance(texture, texture.components()), 1e6)},
           {"spectral_radius", finite_json(dytex::spectral_radius(texture.A), 1e6)},
           {"r", finite_json(texture.r, 1e6)},
@@ -104,8 +118,7 @@ std::string texture_table(const dytex::LinearDynamicTexture& texture, std::size_
       << texture.states.cols() << " frames\n  components          " << texture.components()
       << (texture.channels.size() > 0 ? ", each of one channel" : "") << "\n  parameters          "
       << static_cast<std::int64_t>(pipeline::parameter_count(texture)) << "\n  order               "
-      << texture.order() << ", driven by " << texture.B.cols()
-      << (texture.residuals.size() > 0 ? " resampled residuals\n" : " noises\n") << "  share of variance   "
+      << texture.order() << ", driven by " << noise_text(texture) << "\n  share of variance   "
       << column(100 * share_of_variance(texture, texture.components()), 0, 2) << " %\n  spectral radius     "
       << column(dytex::spectral_radius(texture.A), 0, 5)
       << "\n  left out            r = " << std::setprecision(4) << texture.r << " levels^2 (SD "

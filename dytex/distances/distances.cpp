@@ -110,13 +110,18 @@ Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q
   options.validate();
   const auto gram = detail::pair_gram(p, q);
   Distances result;
-  if (detail::has_noise(p) && detail::has_noise(q)) {
+  if (has_noise(p) && has_noise(q)) {
     result.kl = detail::kl_rate(p, q, gram);
     result.kl_back = detail::kl_rate(q, p, gram.swapped());
   }
   if (p.order() > 0 && q.order() > 0) result.angles = angles_of(p, q, gram);
   result.binet_cauchy = normalised_kernel(p, q, gram, options);
   return result;
+}
+
+bool has(const Distances& distances, Measure measure) {
+  if (measure == Measure::kl) return distances.kl.has_value();
+  return measure == Measure::binet_cauchy || distances.angles.size() > 0;
 }
 
 double distance(const Distances& distances, Measure measure) {
@@ -164,10 +169,12 @@ Eigen::MatrixXd distance_matrix(std::span<const Distances> pairs, Measure measur
   if (models * (models + 1) / 2 != static_cast<Eigen::Index>(pairs.size()))
     throw core::InputError("distance_matrix: " + std::to_string(pairs.size()) +
                            " pairs are not all pairs of any number of models");
-  Eigen::MatrixXd result(models, models);
+  Eigen::MatrixXd result =
+      Eigen::MatrixXd::Constant(models, models, std::numeric_limits<double>::quiet_NaN());
   std::size_t k = 0;
   for (Eigen::Index i = 0; i < models; ++i)
     for (Eigen::Index j = i; j < models; ++j, ++k) {
+      if (!has(pairs[k], measure)) continue;
       result(i, j) = result(j, i) = distance(pairs[k], measure);
       if (measure == Measure::kl) result(j, i) = *pairs[k].kl_back;
     }

@@ -16,6 +16,9 @@
 /// products of the components, O(m n²); the rest is O(n³) for each doubling.
 namespace emberfold::dytex {
 
+/// Tells whether the noise variance is above 0 in all of the frame's values, so that there are KL rates.
+bool has_noise(const LinearDynamicTexture& texture);
+
 /// Returns the KL divergence rate of clips of `p` from clips of `q`: lim KL(p_T ‖ q_T) / T of the densities
 /// of T frames, nats a frame, ≥ 0. Not symmetric. Means count. A rate below the rounding of its terms is 0.
 /// InputError where a model's noise r is 0, for then the rate is infinite.
@@ -68,6 +71,8 @@ constexpr Measure kMeasures[] = {Measure::kl, Measure::martin, Measure::binet_ca
 /// Returns "kl", "martin", "binet-cauchy" or "angles".
 const char* name(Measure measure);
 
+/// Tells whether the pair has such a distance.
+bool has(const Distances& distances, Measure measure);
 /// Returns one distance: the KL rate of p from q, Martin's distance, √(2 − 2 k) of the normalised kernel, or
 /// the Grassmann distance. 0 for equals. InputError where `distances` has no such number.
 double distance(const Distances& distances, Measure measure);
@@ -83,7 +88,7 @@ std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> model
                                      const core::Context& context = {});
 
 /// Makes the K × K matrix of one measure from the pairs of all_distances(): entry (i, j) is the distance of i
-/// from j.
+/// from j, NaN where a pair has() it not.
 Eigen::MatrixXd distance_matrix(std::span<const Distances> pairs, Measure measure);
 
 }  // namespace emberfold::dytex

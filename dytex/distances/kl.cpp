@@ -34,7 +34,7 @@ struct Pair {
 };
 
 void check_noise(const LinearDynamicTexture& texture, const char* which) {
-  if (!detail::has_noise(texture))
+  if (!has_noise(texture))
     throw core::InputError(std::string("the noise r of the ") + which +
                            " model is 0, so the KL rate is infinite; learn it with fewer components than the "
                            "clip has independent frames, so that r is estimated");
@@ -142,6 +142,10 @@ double frame_divergence(const Pair& pair, const Eigen::MatrixXd& P_p, const Eige
 }
 
 }  // namespace
+
+bool has_noise(const LinearDynamicTexture& texture) {
+  return texture.noise.size() > 0 ? texture.noise.minCoeff() > 0 : texture.r > 0;
+}
 
 double kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture& q) {
   return detail::kl_rate(p, q, detail::pair_gram(p, q));

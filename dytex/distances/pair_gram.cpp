@@ -86,10 +86,6 @@ PairGram PairGram::swapped() const {
   return result;
 }
 
-bool has_noise(const LinearDynamicTexture& texture) {
-  return texture.noise.size() > 0 ? texture.noise.minCoeff() > 0 : texture.r > 0;
-}
-
 Eigen::MatrixXd doubled_sum(Eigen::MatrixXd F, Eigen::MatrixXd G, Eigen::MatrixXd W) {
   for (int step = 0; step < kMostDoublings && W.allFinite(); ++step) {
     const Eigen::MatrixXd more = F * W * G;

@@ -35,9 +35,6 @@ void check_pair(const LinearDynamicTexture& p, const LinearDynamicTexture& q);
 PairGram pair_gram(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
                    const Eigen::VectorXd& factors = {});
 
-/// Tells whether the noise variance is above 0 in all of the frame's values.
-bool has_noise(const LinearDynamicTexture& texture);
-
 /// Returns dytex::kl_rate() from Gram matrices without factors.
 double kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture& q, const PairGram& gram);
 

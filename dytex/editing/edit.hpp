@@ -79,9 +79,10 @@ struct EditResult {
 
 /// Applies the edits in their order. Mean, C, r, noise, states and singular stay as they are; every A' is
 /// stable. A factor of 1 changes no bit. Poles too close to be told apart (nearly defective A) are turned
-/// together, by their mean phase. The residuals stay unless the noise got more inputs, which a note tells.
-/// InputError for edits that validate() refuses, lists that are too long, or a channel that the model has
-/// not; NumericalError where a decomposition fails. O(N⁴) at worst, in practice O(N³); C is not touched.
+/// together, by their mean phase. The residuals stay unless the noise got more inputs, which a note tells;
+/// marginals stay, and further inputs are normal. InputError for edits that validate() refuses, lists that
+/// are too long, or a channel that the model has not; NumericalError where a decomposition fails. O(N⁴) at
+/// worst, in practice O(N³); C is not touched.
 EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits);
 
 /// Returns the edits named after a picture in the paper's figures (2003, Fig. 2; 2002, Figs. 2 to 4):

@@ -112,6 +112,10 @@ void filled_spectrum(core::FrameSource& source, const Missing& missing, const Em
 void note_residuals(const LinearDynamicTexture& start, EmResult& result) {
   if (start.residuals.size() > 0)
     result.notes.emplace_back("likelihood is of Gaussian noise: the start's residuals are left out");
+  if (start.marginals.size() > 0)
+    result.notes.emplace_back("likelihood is of Gaussian noise: the start's marginals are left out");
+  if (start.noise_share < 1)
+    result.notes.emplace_back("the likelihood is of noise in all directions: the start's fewer are left");
 }
 
 /// Says where clips drawn from the model vary much more or less than the smoothed states.

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/text/format_number.hpp"
 #include "dytex/learning/decompositions.hpp"
+#include "dytex/learning/independent_noise.hpp"
 #include "dytex/learning/stable_fit.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "dytex/model/innovations.hpp"
@@ -183,8 +184,38 @@ Eigen::MatrixXd whiten_inputs(const Eigen::MatrixXd& B, const Eigen::MatrixXd& i
          covariance.vectors.transpose() * inputs;
 }
 
+/// F with F Fᵀ = noise noiseᵀ, or as much of it as the asked number of inputs holds.
+Eigen::MatrixXd driving_factor(const Eigen::MatrixXd& noise, const LearnOptions& options, Dynamics& result) {
+  Eigen::MatrixXd B = left_factor(noise);
+  const Eigen::Index rank = options.noise_rank;
+  if (rank > B.cols())
+    result.notes.push_back("what drives the clip has " + std::to_string(B.cols()) + " directions, " +
+                           std::to_string(rank) + " were asked for: all are kept");
+  if (rank == 0 || rank >= B.cols()) return B;
+  result.noise_share = B.leftCols(rank).squaredNorm() / B.squaredNorm();
+  return B.leftCols(rank);
+}
+
+/// Chooses what v is drawn from. `B` is turned where its inputs are to be independent.
+void choose_noise(const Eigen::MatrixXd& innovations, const LearnOptions& options, Eigen::MatrixXd& B,
+                  Dynamics& result, const core::Context& context) {
+  if (options.noise == Noise::normal) return;
+  Eigen::MatrixXd inputs = whiten_inputs(B, innovations);
+  if (inputs.size() == 0) {
+    result.notes.emplace_back("the frames are too few to draw residuals from: the noise is normal");
+  } else if (options.noise == Noise::resampled) {
+    result.residuals = std::move(inputs);
+  } else if (auto found = independent_noise(inputs, context)) {
+    B = (B * found->turn.transpose()).eval();
+    result.marginals = std::move(found->marginals);
+  } else {
+    result.notes.emplace_back(
+        "what drives the clip cannot be told from normal noise by so many frames: the noise is normal");
+  }
+}
+
 void assemble(const std::vector<Block>& blocks, const std::vector<Fit>& fits, const LearnOptions& options,
-              Dynamics& result) {
+              Dynamics& result, const core::Context& context) {
   Eigen::Index n = 0;
   for (const Block& block : blocks) n += block.V.cols();
   const Eigen::Index layers = fits[0].A.rows() / blocks[0].V.cols(), order = n * layers;
@@ -200,12 +231,8 @@ void assemble(const std::vector<Block>& blocks, const std::vector<Fit>& fits, co
     noise(blocks[i].places, Eigen::all) = s.asDiagonal() * fits[i].noise;
     innovations(blocks[i].places, Eigen::all) = s.asDiagonal() * fits[i].innovations;
   }
-  const Eigen::MatrixXd B = left_factor(noise);
-  if (options.noise == Noise::resampled) {
-    result.residuals = whiten_inputs(B, innovations);
-    if (result.residuals.size() == 0)
-      result.notes.emplace_back("the frames are too few to draw residuals from: the noise is normal");
-  }
+  Eigen::MatrixXd B = driving_factor(noise, options, result);
+  choose_noise(innovations, options, B, result, context);
   result.B = Eigen::MatrixXd::Zero(order, B.cols());
   result.B.topRows(n) = B;
 }
@@ -271,7 +298,7 @@ Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options
   std::vector<Fit> fits = closed_form(blocks, options, result, context);
   if (options.method != Method::closed_form && !result.noiseless)
     fits = innovations_forms(blocks, options, std::move(fits), result, context);
-  assemble(blocks, fits, options, result);
+  assemble(blocks, fits, options, result, context);
   return result;
 }
 

@@ -22,7 +22,8 @@ struct Block {
 
 /// x(t+1) = A x(t) + B v(t), fitted to states.
 struct Dynamics {
-  Eigen::MatrixXd A, B, residuals, states;
+  Eigen::MatrixXd A, B, residuals, marginals, states;
+  double noise_share = 1;
   double least_squares_radius = 0;
   Transition transition = Transition::least_squares;
   bool noiseless = false;          ///< least squares was stable, but left nothing for the noise

@@ -156,7 +156,7 @@ std::size_t stored_bytes(const LinearDynamicTexture& texture, Eigen::Index compo
   const Eigen::Index order = most > 0 ? texture.order() * components / most : texture.order();
   const Eigen::Index inputs = std::min(order, texture.B.cols()), m = texture.pixels();
   const Eigen::Index doubles = order * (order + inputs + texture.states.cols()) + texture.singular.size() +
-                               inputs * texture.residuals.cols() + components;
+                               inputs * texture.residuals.cols() + texture.marginals.size() + components;
   Eigen::Index bytes = 8 * doubles + 4 * texture.noise.size();
   switch (precision) {
     case Precision::f32:

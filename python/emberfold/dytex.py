@@ -73,7 +73,7 @@ def learning_curve(clip: ClipLike, *, progress: Progress = None, **options: Any)
 
 
 def distance_matrices(textures: List[LinearDynamicTexture], *, progress: Progress = None, **options: Any) -> Dict[str, np.ndarray]:
-    """Distances of all pairs by measure: kl, martin, binet-cauchy, angles; None of a measure that they have not. Arguments are
+    """Distances of all pairs by measure: kl, martin, binet-cauchy, angles; nan where a pair has none (KL without noise r). Arguments are
     the fields of BinetCauchyOptions."""
     with reporter(progress) as report:
         return _native.distance_matrices(list(textures), BinetCauchyOptions(**options), report)

@@ -143,9 +143,10 @@ void bind_options(py::module_& module) {
   py::enum_<dytex::Stable>(module, "Stable", doc("dytex::Stable"))
       .value("yule_walker", dytex::Stable::yule_walker)
       .value("soc", dytex::Stable::soc);
-  py::enum_<dytex::Noise>(module, "Noise")
+  py::enum_<dytex::Noise>(module, "Noise", doc("dytex::Noise"))
       .value("normal", dytex::Noise::normal)
-      .value("resampled", dytex::Noise::resampled);
+      .value("resampled", dytex::Noise::resampled)
+      .value("independent", dytex::Noise::independent);
   using Learn = dytex::LearnOptions;
   OptionsClass<Learn>(module, "LearnOptions", "dytex::LearnOptions")
       .field("components", &Learn::components)
@@ -156,6 +157,7 @@ void bind_options(py::module_& module) {
       .field("method", &Learn::method)
       .field("stable", &Learn::stable)
       .field("noise", &Learn::noise)
+      .field("noise_rank", &Learn::noise_rank)
       .field("memory", &Learn::memory)
       .finish();
   using Synthesis = dytex::SynthesisOptions;
@@ -180,6 +182,8 @@ void bind_values(py::class_<Texture>& texture) {
   add("r", &Texture::r);
   add("noise", &Texture::noise);
   add("residuals", &Texture::residuals);
+  add("marginals", &Texture::marginals);
+  add("noise_share", &Texture::noise_share);
   add("states", &Texture::states);
   add("singular", &Texture::singular);
   texture

@@ -109,11 +109,7 @@ py::dict distance_matrices(const std::vector<Texture>& textures, const dytex::Bi
   });
   py::dict matrices;
   for (const auto measure : dytex::kMeasures) {
-    try {
-      matrices[dytex::name(measure)] = dytex::distance_matrix(pairs, measure);
-    } catch (const core::InputError&) {
-      matrices[dytex::name(measure)] = py::none();  // of models without noise there is no KL rate
-    }
+    matrices[dytex::name(measure)] = dytex::distance_matrix(pairs, measure);
   }
   return matrices;
 }

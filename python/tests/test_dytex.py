@@ -114,6 +114,15 @@ def test_forecasts_follow_the_model():
     assert not np.allclose(later[0], frames[0])
 
 
+def test_noise_of_few_directions_and_other_laws():
+    full, few = ef.dytex.learn(ripples(frames=80), components=4), ef.dytex.learn(ripples(frames=80), components=4, noise_rank=2)
+    assert few.B.shape == (4, 2) and 0 < few.noise_share < 1 and full.noise_share == 1
+    other = ef.dytex.learn(ripples(frames=80), components=4, noise="independent")
+    assert np.allclose(other.B @ other.B.T, full.B @ full.B.T) and other.marginals.shape[0] <= 4
+    with pytest.raises(ValueError, match="noise_rank is 5"):
+        ef.dytex.learn(ripples(), components=4, noise_rank=5)
+
+
 def test_learning_curve_falls():
     table, found = ef.dytex.learning_curve(ripples(frames=60), components=4, lengths=6, targets=4)
     assert (table["error"] > table["left_out"]).all() and table["error"].iloc[-1] < found["frame_before"]
@@ -125,6 +134,10 @@ def test_distances_of_textures():
     assert set(matrices) == {"kl", "martin", "binet-cauchy", "angles"}
     assert np.isclose(matrices["martin"][0, 1], ef.dytex.martin_distance(ef.dytex.subspace_angles(a, b)))
     assert np.isclose(matrices["kl"][0, 1], ef.dytex.kl_rate(a, b)) and matrices["kl"][0, 2] == 0
+    exact = ef.dytex.learn(ripples(frames=6), components=5)
+    assert exact.r == 0
+    lacking = ef.dytex.distance_matrices([a, exact, b])["kl"]
+    assert lacking[0, 2] == matrices["kl"][0, 1] and np.isnan(lacking[1]).all() and np.isnan(lacking[:, 1]).all()
     growth = ef.dytex.kl_growth(a, b, 50)
     assert np.isclose(growth[-1] - growth[-2], ef.dytex.kl_rate(a, b), rtol=0.05)
 

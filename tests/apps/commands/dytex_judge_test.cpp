@@ -274,15 +274,118 @@ TEST_CASE("Both classifiers know what lies in groups by every measure") {
   for (const auto& result : results) {
     CAPTURE(name(result.measure), name(result.classifier));
     CHECK(result.accuracy == 1);
-    CHECK(result.predicted == samples.label);
+    CHECK(std::ranges::equal(result.predicted, samples.label));
+    CHECK(result.samples == 32);
     CHECK(cv::sum(result.confusion)[0] == 32);
     CHECK(cv::trace(result.confusion)[0] == 32);
   }
-  // A measure that one pair lacks is left out.
-  auto partly = grouped(samples.label);
-  partly[5].kl.reset();
-  CHECK(cross_validate(samples, partly).size() == 6);
   CHECK_FALSE(message_of<core::InputError>([&] { cross_validate(samples, {}); }).empty());
+}
+
+TEST_CASE("A sample without KL is left out of KL alone, and changes nothing for the others") {
+  // Sample 5 lies nearest to all, so it would mislead whom it could.
+  constexpr std::size_t kLone = 5;
+  SampleLabels samples, others;
+  samples.classes = others.classes = 3;
+  for (std::size_t i = 0; i < 18; ++i) {
+    samples.label.push_back(i % 3);
+    samples.fold.push_back(i / 3);
+    if (i == kLone) continue;
+    others.label.push_back(i % 3);
+    others.fold.push_back(i / 3);
+  }
+  auto pairs = grouped(samples.label);
+  std::vector<dytex::Distances> without;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < 18; ++i)
+    for (std::size_t j = i; j < 18; ++j, ++k) {
+      if (i == kLone || j == kLone)
+        pairs[k].kl.reset(), pairs[k].kl_back.reset();
+      else
+        without.push_back(pairs[k]);
+    }
+  const auto results = cross_validate(samples, pairs), expected = cross_validate(others, without);
+  REQUIRE(results.size() == 8);
+  REQUIRE(expected.size() == 8);
+  for (std::size_t r = 0; r < 8; ++r) {
+    CAPTURE(name(results[r].measure), name(results[r].classifier));
+    const bool kl = results[r].measure == dytex::Measure::kl;
+    CHECK(results[r].samples == (kl ? 17 : 18));
+    CHECK(results[r].predicted[kLone].has_value() != kl);
+    CHECK(results[r].accuracy == 1);
+    CHECK(cv::sum(results[r].confusion)[0] == (kl ? 17 : 18));
+    if (!kl) continue;
+    auto predicted = results[r].predicted;
+    predicted.erase(predicted.begin() + kLone);
+    CHECK(predicted == expected[r].predicted);
+  }
+  // By a measure that no two samples have none is classified, and it is left out.
+  for (auto& pair : pairs) pair.kl.reset(), pair.kl_back.reset();
+  CHECK(cross_validate(samples, pairs).size() == 6);
+}
+
+TEST_CASE("One model without noise leaves the others their KL") {
+  const TempFolder temp;
+  std::vector<std::string> noisy{learn(write_waves(temp / "a", {0.3, 0.95}, 1), temp / "ma"),
+                                 learn(write_waves(temp / "b", {1.5, 0.95}, 2), temp / "mb")};
+  const auto exact = learn(write_waves(temp / "c", {}, 3, {24, 20}, 8), temp / "mc", "7");
+  const std::vector<std::string> all{noisy[0], exact, noisy[1]};
+  const auto out = (temp / "out").string();
+  const auto told =
+      run_command(joined({"dytex", "distance"}, all, {"--measure", "kl", "--growth", "9", "-o", out}));
+  INFO(told.err);
+  REQUIRE(told.exit == 0);
+  CHECK(std::ranges::count(told.err, '\n') >= 1);
+  const auto first = told.err.find(exact + ": its noise r is 0, so pairs with it have no KL rate");
+  CHECK(first != std::string::npos);
+  CHECK(told.err.find("noise r is 0", first + exact.size() + 20) == std::string::npos);  // once
+  const Json kl = Json::parse(bytes_of(temp / "out" / "matrix.json"))["measures"]["kl"];
+  const Json alone =
+      Json::parse(run_command(joined({"dytex", "distance"}, noisy, {"--json", "-q"})).out)["measures"]["kl"];
+  CHECK(kl[0][2] == alone[0][1]);
+  CHECK(kl[2][0] == alone[1][0]);
+  for (const auto& [i, j] : {std::pair{0, 1}, {1, 0}, {1, 1}, {1, 2}, {2, 1}}) CHECK(kl[i][j].is_null());
+  CHECK(contains(bytes_of(temp / "out" / "matrix.csv"), "\nmc,,,\n"));
+  const auto row = told.out.find("\nmc ");
+  REQUIRE(row != std::string::npos);
+  const std::string line = told.out.substr(row, told.out.find('\n', row + 1) - row);
+  CHECK(std::ranges::count(line, '-') == 3);
+  const Json growth = Json::parse(bytes_of(temp / "out" / "growth.json"));
+  REQUIRE(growth["curves"].size() == 1);
+  CHECK(growth["curves"][0]["to"] == "mb");
+  // Of the model without noise itself there is no curve.
+  check_one_line({"dytex", "distance", exact, noisy[0], noisy[1], "--growth", "9", "-o", out, "-q"}, 1,
+                 {exact, "noise r is 0"}, (temp / "none").string());
+}
+
+TEST_CASE("dytex classify leaves a clip without noise out of KL alone") {
+  const TempFolder temp;
+  const auto folder = write_classes(temp / "classes", 3);
+  // A clip of as many frames as its model has directions.
+  learn(write_waves(temp / "short", {0.9, 0.9}, 40, {24, 20}, 8), temp / "classes" / "medium" / "exact", "7");
+  const auto out = temp / "out";
+  const auto told = run_command({"dytex", "classify", folder, "-o", out.string(), "-n", "8"});
+  INFO(told.err);
+  REQUIRE(told.exit == 0);
+  CHECK(contains(told.err, "medium/exact: the noise r is 0"));
+  const auto line_of = [&](const std::string& measure) {
+    const auto at = told.out.find("\n" + measure + " ") + 1;
+    return told.out.substr(at, told.out.find('\n', at) - at);
+  };
+  CHECK(line_of("kl").ends_with("of 9 samples"));
+  CHECK_FALSE(contains(line_of("martin"), "samples"));
+  const Json found = Json::parse(bytes_of(out / "classification.json"));
+  REQUIRE(found["methods"].size() == 8);
+  for (const Json& method : found["methods"])
+    CHECK(method["samples"] == (method["measure"] == "kl" ? 9 : 10));
+  const auto csv = bytes_of(out / "predictions.csv");
+  const auto at = csv.find("\"medium/exact\",\"medium\",");
+  REQUIRE(at != std::string::npos);
+  const auto row = csv.substr(at, csv.find('\n', at) - at);
+  CHECK(std::ranges::count(row, ',') == 10);
+  std::size_t empty = 0;
+  for (auto comma = row.find(",,"); comma != std::string::npos; comma = row.find(",,", comma + 1)) ++empty;
+  CHECK(empty == 2);
 }
 
 TEST_CASE("dytex classify knows synthetic classes by their dynamics") {

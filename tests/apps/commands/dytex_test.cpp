@@ -167,6 +167,14 @@ TEST_CASE("what a model is learned by is asked for by words and told in the summ
   CHECK(learn({"--method", "n4sid", "-n", "3"})["learning"]["transition"] == "n4sid");
   CHECK(learn({"--method", "pem", "-n", "3"})["learning"]["transition"] == "prediction_error");
   CHECK(learn({"--set", "learn.noise=resampled", "-n", "3"})["texture"]["residuals"] == 59);
+  const Json ranked = learn({"--set", "learn.noise_rank=2", "-n", "6"});
+  CHECK(ranked["texture"]["noise_inputs"] == 2);
+  CHECK(ranked["texture"]["noise_share"] < 1);
+  CHECK(ranked["texture"]["noise_share"] > 0.2);
+  CHECK(ranked["options"]["learn"]["noise_rank"] == 2);
+  CHECK(contains(run_command({"dytex", "info", model}).out, "driven by 2 noises, with "));
+  CHECK(learn({"-n", "6"})["texture"]["noise_share"] == 1);
+  CHECK(learn({"--set", "learn.noise=independent", "-n", "2"})["options"]["learn"]["noise"] == "independent");
   CHECK(learn({"--set", "learn.stable=soc", "-n", "3"})["options"]["learn"]["stable"] == "soc");
   CHECK(learn({"--set", "learn.memory=1", "-n", "3"})["learning"]["passes"] == 1);
 }
@@ -193,6 +201,11 @@ TEST_CASE("what dytex cannot take is refused in one line") {
     check_one_line(joined({"dytex", "learn"}, more, {"-o", out, "-q"}), exit, what, out);
   };
   learn({clip, "-n", "0"}, 2, {"--components", "0"});
+  learn({clip, "-n", "3", "--set", "learn.noise_rank=4"}, 2, {"learn.noise_rank is 4", "0 to 3"});
+  learn({clip, "-n", "3", "--set", "learn.noise_rank=-1"}, 2, {"learn.noise_rank is -1", "0 to 3"});
+  learn({clip, "--set", "learn.noise_rank=6"}, 2, {"learn.noise_rank is 6", "0 to 5"});
+  learn({clip, "-n", "3", "--em", "--set", "learn.noise_rank=1"}, 2, {"EM", "learn.noise_rank=0"});
+  learn({clip, "-n", "3", "--set", "learn.noise=laplace"}, 2, {"learn.noise", "laplace", "independent"});
   learn({clip, "-n", "2.5"}, 2, {"components", "2.5"});
   learn({clip, "-n", "3", "--energy", "0.9"}, 2, {"--energy", "--components"});
   learn({clip, "--energy", "0"}, 2, {"--energy", "0"});

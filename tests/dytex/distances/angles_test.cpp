@@ -93,6 +93,30 @@ TEST_CASE("All distances of many models agree with those of each pair", "[dytex]
   }
 }
 
+TEST_CASE("A model that lacks a distance leaves the others theirs", "[dytex][angles]") {
+  std::vector<LinearDynamicTexture> models{made_texture(4, 3, 2, 1), made_texture(4, 3, 2, 2),
+                                           made_texture(4, 3, 3, 3), made_texture(4, 3, 0, 4)};
+  models[1].r = 0;
+  CHECK_FALSE(dytex::has_noise(models[1]));
+  CHECK(dytex::has_noise(models[0]));
+  const auto all = dytex::all_distances(models);
+  for (const auto measure : dytex::kMeasures) {
+    CAPTURE(dytex::name(measure));
+    const Eigen::MatrixXd matrix = dytex::distance_matrix(all, measure);
+    const Eigen::Index lacking = measure == dytex::Measure::kl             ? 1
+                                 : measure == dytex::Measure::binet_cauchy ? -1
+                                                                           : 3;
+    for (Eigen::Index i = 0; i < 4; ++i)
+      for (Eigen::Index j = 0; j < 4; ++j) {
+        CHECK(std::isnan(matrix(i, j)) == (i == lacking || j == lacking));
+        if (measure == dytex::Measure::kl && i != lacking && j != lacking)
+          CHECK_THAT(matrix(i, j), WithinRel(dytex::kl_rate(models[static_cast<std::size_t>(i)],
+                                                            models[static_cast<std::size_t>(j)]),
+                                             1e-10));
+      }
+  }
+}
+
 TEST_CASE("Angles and matrices that cannot be are refused", "[dytex][angles]") {
   const LinearDynamicTexture p = made_texture(3, 2, 2, 1), still = made_texture(3, 2, 0, 2);
   CHECK(test::message_of<core::InputError>([&] { dytex::subspace_angles(p, still); }) ==
