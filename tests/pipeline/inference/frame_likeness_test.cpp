@@ -94,9 +94,17 @@ TEST_CASE("In frames that have nothing in common no event is believed, and that 
           "[likeness][posterior]") {
   core::Clip clip;
   clip.info.width = 160, clip.info.height = 120, clip.info.channels = 1, clip.info.frames = kLikenessFrames;
+  core::Rng rng(4);
+  const auto place = [&] {
+    return cv::Point{static_cast<int>(rng.below(160)), static_cast<int>(rng.below(120))};
+  };
   for (const cv::Mat1f& levels : unlike_textures()) {
     cv::Mat bytes;
-    levels.convertTo(bytes, CV_8U);
+    levels.convertTo(bytes, CV_8U, 0.2, 60);
+    for (int k = 0; k < 8; ++k) {
+      const cv::Point from = place(), to = place();
+      cv::line(bytes, from, to, cv::Scalar(180), 3, cv::LINE_AA);
+    }
     clip.frames.push_back(bytes);
   }
   core::ClipSource sketched(clip), source(clip);
