@@ -43,6 +43,7 @@ double median(VectorXd values) {
 struct GeneralisedNormal {
   double centre = 0, scale = 1, shape = 2;
   [[nodiscard]] double log_likelihood(const VectorXd& x) const {
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): its argument is positive, the shared sign is not read
     const double log_peak = std::log(shape / (2 * scale)) - std::lgamma(1 / shape);
     return static_cast<double>(x.size()) * log_peak - ((x.array() - centre).abs() / scale).pow(shape).sum();
   }
