@@ -172,7 +172,7 @@ TEST_CASE("what a model is learned by is asked for by words and told in the summ
   CHECK(ranked["texture"]["noise_share"] < 1);
   CHECK(ranked["texture"]["noise_share"] > 0.2);
   CHECK(ranked["options"]["learn"]["noise_rank"] == 2);
-  CHECK(contains(run_command({"dytex", "info", model}).out, "driven by 2 noises, with "));
+  CHECK(contains(run_command({"dytex", "info", (temp / "model").string()}).out, "driven by 2 noises, with "));
   CHECK(learn({"-n", "6"})["texture"]["noise_share"] == 1);
   CHECK(learn({"--set", "learn.noise=independent", "-n", "2"})["options"]["learn"]["noise"] == "independent");
   CHECK(learn({"--set", "learn.stable=soc", "-n", "3"})["options"]["learn"]["stable"] == "soc");
