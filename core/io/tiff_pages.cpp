@@ -220,7 +220,8 @@ class TiffReader {
     if (page.width == 0 || page.height == 0 || page.width > kMost || page.height > kMost / page.width)
       fail("it is damaged: a page of " + std::to_string(page.width) + "x" + std::to_string(page.height) +
            " pixels");
-    if (page.bits > 64 || page.samples > 65535) fail("it is damaged: its values have no size");
+    if (page.bits < 1 || page.bits > 64 || page.samples < 1 || page.samples > 65535)
+      fail("it is damaged: its values have no size");
     if (offsets.empty() && page.is_picture()) fail("it is damaged: a page has no pixels");
     for (std::size_t i = 0; i < offsets.size(); ++i) {
       const std::uint64_t bytes = i < sizes.size() ? sizes[i] : 0;

@@ -16,7 +16,8 @@ inline OrderedJson data_of(const std::string& page) {
   const std::string open = "<script type=\"application/json\" id=\"data\">";
   const auto begin = page.find(open);
   REQUIRE(begin != std::string::npos);
-  return OrderedJson::parse(page.substr(begin + open.size(), page.find("</script>", begin) - begin - open.size()));
+  return OrderedJson::parse(
+      page.substr(begin + open.size(), page.find("</script>", begin) - begin - open.size()));
 }
 
 }  // namespace emberfold::test

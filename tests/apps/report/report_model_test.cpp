@@ -64,8 +64,10 @@ TEST_CASE("the report shows the model's numbers, and what they mean") {
   // cells that reach beyond the frame count with what lies in it
   double births = 0;
   for (int y = 0; y < 70; ++y)
-    for (int x = 0; x < 100; ++x)
-      births += model.rates.birth.values[static_cast<std::size_t>(y / 16 * 7 + x / 16)];
+    for (int x = 0; x < 100; ++x) {
+      const int cell = y / 16 * 7 + x / 16;
+      births += model.rates.birth.values[static_cast<std::size_t>(cell)];
+    }
   std::map<std::string, OrderedJson> rates;
   for (const auto& row : shown["rates"]) rates[row["name"].get<std::string>()] = row;
   CHECK_THAT(rates["birth"]["rate"].get<double>(), WithinRel(births, 1e-3));
@@ -78,7 +80,7 @@ TEST_CASE("the report shows the model's numbers, and what they mean") {
   CHECK(shown["birth"]["columns"] == 7);
   CHECK(shown["birth"]["values"].size() == 35);
   CHECK(shown["exemplars_total"] == model.exemplars.size());
-  REQUIRE(shown["exemplars"].size() > 0);
+  REQUIRE_FALSE(shown["exemplars"].empty());
   for (const auto& exemplar : shown["exemplars"]) {
     std::size_t points = 0;
     for (const auto& curve : exemplar["curves"]) points += (curve.size() - 1) / 2;
