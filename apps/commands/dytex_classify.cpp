@@ -12,6 +12,7 @@
 #include "apps/textures/classification.hpp"
 #include "apps/textures/texture_samples.hpp"
 #include "core/io/staged_output.hpp"
+#include "core/text/join_names.hpp"
 
 namespace emberfold::apps {
 
@@ -166,17 +167,9 @@ std::string accuracy_table(const Found& found) {
   return out;
 }
 
-// Returns "a", "a, b" or "a, b, c and 7 more".
-std::string name_list(const std::vector<std::string>& names) {
-  constexpr std::size_t kMostNames = 5;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kMostNames, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > kMostNames ? text + " and " + std::to_string(names.size() - kMostNames) + " more"
-                                   : text;
-}
-
 // Warns of samples that are left out of a measure.
 void warn_missing(const Found& found, Session& session) {
+  constexpr std::size_t kMostNames = 5;
   std::vector<std::string> noiseless, still;
   for (std::size_t i = 0; i < found.samples.samples.size(); ++i) {
     const auto& texture = found.samples.textures[i];
@@ -184,11 +177,12 @@ void warn_missing(const Found& found, Session& session) {
     if (texture.order() == 0) still.push_back(found.samples.samples[i].name);
   }
   if (!noiseless.empty())
-    session.warn(name_list(noiseless) +
+    session.warn(core::join_names(noiseless, kMostNames) +
                  ": the noise r is 0, so there is no KL rate and KL leaves it out; learn it with fewer "
                  "components, so that r is estimated");
   if (!still.empty())
-    session.warn(name_list(still) + ": no components, so angles and Martin's distance leave it out");
+    session.warn(core::join_names(still, kMostNames) +
+                 ": no components, so angles and Martin's distance leave it out");
 }
 
 void run_classify(Classify asked, Session& session) {

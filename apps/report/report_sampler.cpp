@@ -11,6 +11,7 @@
 
 #include "apps/pictures/draw.hpp"
 #include "core/text/format_number.hpp"
+#include "core/text/join_names.hpp"
 
 namespace emberfold::apps {
 
@@ -53,13 +54,6 @@ std::size_t trace_length(const mcmc::InferResult& result) {
 std::size_t kept_sweeps(const mcmc::InferResult& result) {
   const std::size_t length = trace_length(result);
   return length - std::min(length, static_cast<std::size_t>(std::max(0, result.burn_in)));
-}
-
-std::string join_names(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) text += (i > 0 ? ", " : "") + names[i];
-  if (names.size() > kNamed) text += " and " + std::to_string(names.size() - kNamed) + " more";
-  return text;
 }
 
 // Lists the traces for which `poor` holds, the worst first, as "name (value)".
@@ -123,11 +117,11 @@ Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
   Assurance result{apart.empty() && few.empty(), {}};
   if (!apart.empty())
     result.sentences.push_back("The chains do not agree well yet: R-hat is above 1.05 for " +
-                               join_names(apart) +
+                               core::join_names(apart, kNamed) +
                                ". Take what rests on these as rough; more sweeps would make it surer.");
   if (!few.empty())
     result.sentences.push_back(
-        "The draws are worth fewer than 100 independent ones for " + join_names(few) +
+        "The draws are worth fewer than 100 independent ones for " + core::join_names(few, kNamed) +
         ". Means and intervals of these are uncertain; more sweeps would sharpen them.");
   if (!result.sure) return result;
   double rhat = 0, draws = std::numeric_limits<double>::infinity();

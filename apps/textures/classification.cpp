@@ -44,9 +44,8 @@ class Pairs {
   std::size_t count_;
 };
 
-// Returns the dissimilarity of a pair by a measure; infinite where it has none.
+// Returns the dissimilarity of a pair by a measure that it has.
 double distance_of(const dytex::Distances& pair, Measure measure) {
-  if (!dytex::has(pair, measure)) return std::numeric_limits<double>::infinity();
   return measure == Measure::kl ? *pair.kl + *pair.kl_back : distance(pair, measure);
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/math/robust.hpp"
 #include "core/rng.hpp"
 #include "dytex/learning/decompositions.hpp"
 
@@ -18,7 +19,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kMostSteps = 200;
+constexpr int kMostTurns = 200;
 constexpr double kTurned = 1e-6;      // rad of a step that ends the search
 constexpr double kFalseAlarm = 0.05;  // of a normal clip, for all of its inputs together
 constexpr std::uint64_t kSeed = 1;    // of the rotation to begin from
@@ -31,12 +32,6 @@ MatrixXd random_rotation(Index k) {
   MatrixXd normals(k, k);
   for (double& x : normals.reshaped()) x = rng.normal();
   return nearest_orthogonal(normals);
-}
-
-double median(VectorXd values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The density β / (2 α Γ(1/β)) exp(−(|x − μ| / α)^β).
@@ -52,7 +47,7 @@ struct GeneralisedNormal {
 GeneralisedNormal fit_generalised_normal(const VectorXd& x) {
   GeneralisedNormal best;
   double most = -std::numeric_limits<double>::infinity();
-  const double centre = median(x);
+  const double centre = core::median(std::vector<double>(x.begin(), x.end()));
   const Eigen::ArrayXd away = (x.array() - centre).abs();
   for (int i = 0; i < kShapes; ++i) {
     const double shape = kLeastShape * std::pow(kMostShape / kLeastShape, double(i) / (kShapes - 1));
@@ -73,7 +68,7 @@ MatrixXd every_second(const MatrixXd& v, Index first) {
 MatrixXd fast_ica(const MatrixXd& v, const MatrixXd& start, const core::Context& context) {
   MatrixXd R = start;
   const auto samples = static_cast<double>(v.cols());
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostTurns; ++step) {
     context.check();
     const MatrixXd bent = (R * v).array().tanh();
     const VectorXd slopes = 1 - bent.array().square().rowwise().mean();

@@ -173,6 +173,7 @@ void find_opposites(WeighedEvent& weighed, std::span<const Reading> readings) {
 struct Measurement {
   int frame = 0;
   std::size_t pooled = 0, reading = 0, event = 0;
+  bool is_last = false;  // of its pooled event: likeness is measured there
   double log_factor = 0;
   std::optional<mcmc::FrameLikeness> likeness = {};
 };
@@ -193,6 +194,11 @@ std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
         result.push_back({readings[reading].traced[event].event.frame, i, reading, event});
   }
   std::ranges::stable_sort(result, {}, &Measurement::frame);
+  std::vector<bool> is_later(events.size(), false);
+  for (std::size_t k = result.size(); k-- > 0;) {
+    result[k].is_last = !is_later[result[k].pooled];
+    is_later[result[k].pooled] = true;
+  }
   return result;
 }
 
@@ -210,7 +216,8 @@ void measure_all(core::FrameSource& source, std::span<const Reading> readings, i
       Measurement& one = measurements[done + k];
       const Reading& reading = readings[one.reading];
       one.log_factor = measure_factor(reading.traced[one.event], reading.index, window, frames);
-      one.likeness = measure_likeness(window, one.frame, reading.traced[one.event].event.position, frames);
+      if (one.is_last)
+        one.likeness = measure_likeness(window, one.frame, reading.traced[one.event].event.position, frames);
     });
     done = ready;
     window.drop_before(end - 2 * kReach);
@@ -259,7 +266,7 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
   for (const Measurement& one : measurements) {
     double& factor = pooled[one.pooled].weighed.evidence.log_factor;
     factor = std::min(factor, one.log_factor);
-    pooled[one.pooled].weighed.evidence.likeness = one.likeness;
+    if (one.is_last) pooled[one.pooled].weighed.evidence.likeness = one.likeness;
     is_measured[one.pooled] = true;
   }
   std::vector<WeighedEvent> result;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/inference/event_posterior.hpp"
 
+#include <span>
+
 #include "mcmc/inference/change_posterior.hpp"
 
 namespace emberfold::pipeline {
@@ -9,20 +11,18 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipR
                                           const core::Context& context) {
   const auto weighed = weigh_events(source, readings, context);
   std::vector<graph::Event> events;
-  std::vector<mcmc::ChangeEvidence> all;
+  std::vector<mcmc::ChangeEvidence> changes;  // of the events
   for (const bool of_stroke : {true, false}) {
-    std::vector<mcmc::ChangeEvidence> changes;
     const std::size_t first = events.size();
     for (const WeighedEvent& one : weighed) {
       if (one.evidence.of_stroke != of_stroke) continue;
       events.push_back(one.event);
       changes.push_back(one.evidence);
     }
-    const auto probabilities = mcmc::change_probabilities(changes);
-    all.insert(all.end(), changes.begin(), changes.end());
+    const auto probabilities = mcmc::change_probabilities(std::span(changes).subspan(first));
     for (std::size_t k = 0; k < probabilities.size(); ++k) events[first + k].probability = probabilities[k];
   }
-  const double followed = mcmc::probability_followed(all);
+  const double followed = mcmc::probability_followed(changes);
   for (graph::Event& event : events) event.probability *= followed;
   if (followed < 0.5 && !events.empty())
     context.warn(

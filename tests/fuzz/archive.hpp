@@ -3,12 +3,16 @@
 // break and a .npy file.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <istream>
 #include <ostream>
 #include <string>
+#include <string_view>
 
 #include "core/error.hpp"
 #include "core/model_archive.hpp"
+#include "tests/fuzz/check.hpp"
 
 namespace emberfold::fuzz {
 
@@ -32,6 +36,15 @@ inline void write_archive(std::ostream& out, const core::ModelArchive& archive) 
     out << name << '\n';
     core::write_npy(out, array);
   }
+}
+
+/// round_trip() of what `read` makes of an archive and `write` makes one of.
+template <typename Read, typename Write>
+int archive_round_trip(const std::uint8_t* data, std::size_t size, std::string_view prefix, Read read,
+                       Write write) {
+  return round_trip(
+      data, size, prefix, [&](std::istream& in) { return read(read_archive(in)); },
+      [&](std::ostream& out, const auto& value) { write_archive(out, write(value)); });
 }
 
 }  // namespace emberfold::fuzz

@@ -2,19 +2,13 @@
 // All of a motion model's folder but its texture, as one run of bytes: see archive.hpp.
 #include "pipeline/clip_model.hpp"
 
-#include <istream>
-#include <ostream>
-
 #include "tests/fuzz/archive.hpp"
-#include "tests/fuzz/check.hpp"
 
 using namespace emberfold;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return fuzz::round_trip(
+  return fuzz::archive_round_trip(
       data, size,
-      "motion model: ", [](std::istream& in) { return pipeline::clip_model(fuzz::read_archive(in)); },
-      [](std::ostream& out, const pipeline::ClipModel& model) {
-        fuzz::write_archive(out, pipeline::to_archive(model));
-      });
+      "motion model: ", [](const core::ModelArchive& archive) { return pipeline::clip_model(archive); },
+      [](const auto& value) { return pipeline::to_archive(value); });
 }

@@ -14,10 +14,6 @@ using namespace emberfold::test;
 
 namespace {
 
-Json json_of(const fs::path& file) {
-  return Json::parse(bytes_of(file));
-}
-
 const std::vector<std::string> kQuick{"--bottom-up", "--set", "calibrate.calibrate=0"};
 
 /// Two clips in one group, one in another, and a file that is none.

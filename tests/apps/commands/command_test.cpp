@@ -127,7 +127,7 @@ TEST_CASE("analyze tells the events of curves where asked, and figures of the ne
   CHECK(lines("curves.csv") > 12);
   CHECK(lines("contacts.csv") >= 1);
   // the figures of the network change as the changes of topology say, also in a sketched clip
-  const Json topology = Json::parse(bytes_of(temp / "out/summary.json"))["topology"];
+  const Json topology = json_of(temp / "out/summary.json")["topology"];
   CHECK((topology["gaps"] == 11 && topology["balanced"] == 11));
   CHECK(topology["said"] == topology["measured"]);
   CHECK(lines("topology.csv") >= 1);
@@ -198,7 +198,7 @@ TEST_CASE("sketch takes a single picture and its reconstruction is what it says"
   }
   // the frame's own pixels can only be nearer to it
   const auto mean = [&](const char* name) {
-    return Json::parse(bytes_of(temp / name / "summary.json"))["sketch"]["psnr"]["mean"].get<double>();
+    return summary_of(temp / name)["sketch"]["psnr"]["mean"].get<double>();
   };
   CHECK(mean("pixels") > mean("fitted"));
 }
@@ -495,7 +495,7 @@ TEST_CASE("demo makes its clip, and what it scores is what the score command say
   CHECK(told["six"] == again["six"]);
   CHECK(told["four"]["all"]["true"] > 0);
   const auto clip = core::read_all(*apps::open_clip((out / "clip.avi").string(), {}, {}));
-  const Json summary = Json::parse(bytes_of(out / "summary.json"));
+  const Json summary = summary_of(out);
   CHECK(clip.frames.size() == summary["clip"]["frames"]);
   // the whole story: both models, a clip drawn from each, how close they come, all on one page
   for (const auto& [name, about] : summary["files"].items()) CHECK(fs::exists(out / name));

@@ -8,10 +8,6 @@ using namespace emberfold::test;
 
 namespace {
 
-Json json_of(const fs::path& file) {
-  return Json::parse(bytes_of(file));
-}
-
 /// All that a run leaves but for times, paths and the stages themselves.
 void check_same_run(const fs::path& a, const fs::path& b) {
   for (const char* name : {"events.json", "events_all.json", "events.csv", "motion.jsonl", "sketch.jsonl",
@@ -19,7 +15,7 @@ void check_same_run(const fs::path& a, const fs::path& b) {
     INFO(name);
     CHECK(bytes_of(a / name) == bytes_of(b / name));
   }
-  const Json one = json_of(a / "summary.json"), other = json_of(b / "summary.json");
+  const Json one = summary_of(a), other = summary_of(b);
   for (const char* part :
        {"sketch", "motion", "events", "model", "rates", "strokes", "calibration", "per_frame"})
     CHECK(one[part] == other[part]);

@@ -89,9 +89,13 @@ inline std::map<std::string, std::string> snapshot(const fs::path& folder) {
   return files;
 }
 
+inline Json json_of(const fs::path& file) {
+  return Json::parse(bytes_of(file));
+}
+
 /// The summary a command left in its folder.
 inline Json summary_of(const fs::path& folder) {
-  return Json::parse(bytes_of(folder / "summary.json"));
+  return json_of(folder / "summary.json");
 }
 
 }  // namespace emberfold::test

@@ -403,7 +403,7 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   const auto before = run_command({"sketch", "--anchors", "--film", clip, "-o", out.string(), "-q"});
   INFO(before.err);
   CHECK(before.exit == 0);
-  CHECK(Json::parse(bytes_of(out / "summary.json"))["options"]["drawing"]["anchors"] == 0.2);
+  CHECK(summary_of(out)["options"]["drawing"]["anchors"] == 0.2);
 }
 
 TEST_CASE("the smallest and the oddest pictures go through every way of drawing", "[slow]") {

@@ -96,7 +96,7 @@ TEST_CASE("analyze writes the model that its clip's motion gives, and tells its 
   CHECK(model.height == 120);
   CHECK(model.frames == 24);
   CHECK_FALSE(model.exemplars.empty());
-  const Json summary = Json::parse(bytes_of(made.temp / "a/summary.json"));
+  const Json summary = json_of(made.temp / "a/summary.json");
   CHECK_THAT(summary["model"]["sway"]["a1"].get<double>(),
              Catch::Matchers::WithinRel(model.displacement.a1, 1e-3));
   CHECK(summary["model"]["sway"]["radius"] < 1);
@@ -363,7 +363,7 @@ TEST_CASE("analyze learns what lies between strokes where asked, and synth draws
   }
   for (const char* file : {"model/texture/C.npy", "model/texture/states.npy", "new.avi"})
     CHECK(bytes_of(fs::path(folder) / file) == bytes_of(fs::path(folder + "4") / file));
-  const Json summary = Json::parse(bytes_of(fs::path(folder) / "summary.json"));
+  const Json summary = summary_of(fs::path(folder));
   CHECK(summary["model"]["texture"]["components"] == 4);
   CHECK(summary["model"]["texture"]["hidden_share"] > 0.02);
   CHECK(summary["seconds"].contains("texture"));

@@ -9,10 +9,6 @@ using namespace emberfold::test;
 
 namespace {
 
-Json json_of(const fs::path& file) {
-  return Json::parse(bytes_of(file));
-}
-
 std::string first_line(const fs::path& file) {
   std::istringstream lines(bytes_of(file));
   std::string line;
@@ -30,7 +26,7 @@ TEST_CASE("rates and lives are told in seconds and lengths where these are known
                                 "calibrate.calibrate=0"},
                                more))
                 .exit == 0);
-    return json_of(temp / out / "summary.json");
+    return summary_of(temp / out);
   };
   const Json plain = run("plain", {}), known = run("known", {"--fps", "4", "--pixel-size", "10um"});
   const Json &rate = plain["rates"]["classes"]["all"], &all = known["rates"]["classes"]["all"];
