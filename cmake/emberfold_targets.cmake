@@ -20,12 +20,22 @@ function(emberfold_compile_options target)
     $<$<BOOL:${EMBERFOLD_WERROR}>:-Werror> $<$<BOOL:${EMBERFOLD_NATIVE}>:-march=native>)
 endfunction()
 
+# emberfold_unity(<target> <n>): compiles up to n sources of a target at once: headers and templates that they share are then read and compiled
+# once. Sources of one unit share their anonymous namespaces, so their names must not clash.
+function(emberfold_unity target n)
+  if(EMBERFOLD_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${n})
+    target_compile_options(${target} PRIVATE -Wno-shadow)  # another source's names
+  endif()
+endfunction()
+
 function(emberfold_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(emberfold_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
   add_library(emberfold::${name} ALIAS emberfold_${name})
   set_target_properties(emberfold_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   emberfold_compile_options(emberfold_${name})
+  emberfold_unity(emberfold_${name} 8)
   target_compile_features(emberfold_${name} PUBLIC cxx_std_20)
   target_include_directories(emberfold_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/emberfold>)

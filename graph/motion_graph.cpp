@@ -14,7 +14,7 @@ namespace emberfold::graph {
 
 namespace {
 
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
+constexpr std::uint32_t kNoCourse = ~std::uint32_t{0};
 
 std::string text(VertexId id) {
   return std::to_string(id.value);
@@ -147,7 +147,7 @@ std::vector<Trajectory> trajectories(const MotionGraph& motion) {
   std::vector<std::uint32_t> course_before;  // trajectory of each vertex of the frame before
   const auto& frames = motion.sketch.frames;
   for (std::size_t t = 0; t < frames.size(); ++t) {
-    std::vector<std::uint32_t> course(frames[t].size(), kNone);
+    std::vector<std::uint32_t> course(frames[t].size(), kNoCourse);
     if (t > 0) {
       const detail::FrameLinks found = detail::index_links(frames[t - 1], frames[t], motion.links[t]);
       for (const auto& [i, j] : found.links) {
@@ -155,7 +155,7 @@ std::vector<Trajectory> trajectories(const MotionGraph& motion) {
       }
     }
     for (std::size_t j = 0; j < course.size(); ++j) {
-      if (course[j] == kNone) {
+      if (course[j] == kNoCourse) {
         course[j] = static_cast<std::uint32_t>(result.size());
         result.push_back({static_cast<int>(t), {}});
       }

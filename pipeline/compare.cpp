@@ -17,9 +17,9 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kBatch = 16;              // frames of each clip that are held at once
-constexpr int kMostSteps = 64;          // frames ahead
-constexpr int kMostFrames = 1'000'000;  // of a synthesized clip
+constexpr int kBatch = 16;                   // frames of each clip that are held at once
+constexpr int kMostSteps = 64;               // frames ahead
+constexpr int kMostSynthesized = 1'000'000;  // of a synthesized clip
 
 int count_frames(core::FrameSource& source, int clip, const core::Context& context) {
   source.rewind();
@@ -92,9 +92,9 @@ void measure_pair(ClipPair& pair, bool with_psnr, bool with_strokes, const core:
 void CompareOptions::validate() const {
   core::check_above("CompareOptions.learn_share", learn_share, 0, 1);
   core::check_range("CompareOptions.steps", steps, 1, kMostSteps);
-  if (frames != 0 && (frames < kFewestFrames || frames > kMostFrames))
+  if (frames != 0 && (frames < kFewestFrames || frames > kMostSynthesized))
     throw core::InputError("CompareOptions.frames is " + std::to_string(frames) + "; allowed is " +
-                           std::to_string(kFewestFrames) + " to " + std::to_string(kMostFrames) +
+                           std::to_string(kFewestFrames) + " to " + std::to_string(kMostSynthesized) +
                            ", or 0 for as many as the source has");
 }
 

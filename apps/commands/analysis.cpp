@@ -158,7 +158,7 @@ Json files_json(bool reconstruction, bool keeps) {
   return files;
 }
 
-Json texture_json(const std::optional<pipeline::LearnedTexture>& texture) {
+Json model_texture_json(const std::optional<pipeline::LearnedTexture>& texture) {
   if (!texture) return nullptr;
   return {{"components", texture->components},
           {"hidden_share", std::round(texture->hidden_share * 10000) / 10000},
@@ -215,7 +215,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   const auto& sharpening = found.model.sharpening;
   summary["model"]["blur_share"] = std::round(sharpening.blur_share * 1000) / 1000;
   summary["model"]["contrast_gain"] = std::round(sharpening.contrast_gain * 1000) / 1000;
-  if (options.texture > 0) summary["model"]["texture"] = texture_json(found.texture);
+  if (options.texture > 0) summary["model"]["texture"] = model_texture_json(found.texture);
   return begun;
 }
 

@@ -29,8 +29,9 @@ dytex::LearnOptions learn_options(const Analysis& analysis) {
   return options;
 }
 
-dytex::LinearDynamicTexture learn_texture(core::FrameSource& source, const dytex::LearnOptions& options,
-                                          Analysis& analysis, io::OutputFolder& output, Session& session) {
+dytex::LinearDynamicTexture learn_demo_texture(core::FrameSource& source, const dytex::LearnOptions& options,
+                                               Analysis& analysis, io::OutputFolder& output,
+                                               Session& session) {
   source.rewind();
   auto learned = dytex::learn(source, options, session.context);
   io::write_model(output, "dytex", dytex::archive_view(learned.texture));
@@ -125,7 +126,7 @@ void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, A
   compare.hybrid = compare.star = compare.strokes = false;
   compare.steps = 1;
   analysis.stages.begin("texture");
-  const auto texture = learn_texture(source, compare.learn, analysis, output, session);
+  const auto texture = learn_demo_texture(source, compare.learn, analysis, output, session);
   analysis.stages.begin("compare");
   const pipeline::KnownModels known{&analysis.found.sketched, &analysis.found.model.motion,
                                     &analysis.found.model.sharpening, &texture};

@@ -28,7 +28,7 @@ struct Edited {
   EditOptions edit;
 };
 
-struct Info {
+struct MotionInfo {
   std::string model;
 };
 
@@ -118,7 +118,7 @@ void run_edit(Edited asked, Session& session) {
   if (session.common.json) session.print(json_text(summary));
 }
 
-void run_info(const Info& asked, const Session& session) {
+void run_motion_info(const MotionInfo& asked, const Session& session) {
   const Json model = model_json(read_whole_model(asked.model));
   session.print(session.common.json ? json_text(model) : model_table(model));
 }
@@ -146,9 +146,9 @@ void add_info(CLI::App& motion, CommandLine& line) {
   auto* command = add_command(motion, "info", "Print the figures of a motion model", R"(
   emberfold motion info out/fire/model
   emberfold motion info out/fire/model --json | jq .parameters)");
-  const auto asked = std::make_shared<Info>();
+  const auto asked = std::make_shared<MotionInfo>();
   add_model(*command, asked->model);
-  finish_command(*command, line, asked, run_info);
+  finish_command(*command, line, asked, run_motion_info);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ Json rounded_json(double value) {
   return core::round_to(value, kDigits);
 }
 
-Json optional_json(const std::optional<double>& value) {
+Json rounded_or_null(const std::optional<double>& value) {
   return value ? rounded_json(*value) : Json(nullptr);
 }
 
@@ -85,8 +85,8 @@ Json stroke_distances_json(const pipeline::StrokeDistances& distances) {
   inside["lifetime"] = distances.lifetime_inside;
   inside["length"] = distances.length_inside;
   return {{"stroke_events", rounded_json(distances.event_rates)},
-          {"stroke_lifetime", optional_json(distances.lifetime)},
-          {"stroke_length", optional_json(distances.length)},
+          {"stroke_lifetime", rounded_or_null(distances.lifetime)},
+          {"stroke_length", rounded_or_null(distances.length)},
           {"inside", std::move(inside)}};
 }
 

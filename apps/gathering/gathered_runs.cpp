@@ -16,28 +16,28 @@
 namespace emberfold::apps {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using Summary = nlohmann::json;
 
 namespace {
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 28;
 
-Json read_summary(const fs::path& path) {
+Summary read_summary(const fs::path& path) {
   std::error_code error;
   if (fs::file_size(path, error) > kMostBytes)
     throw core::IoError(path.string() + " is too large for a summary");
   auto in = io::open_file(path);
-  Json value = Json::parse(in, nullptr, false);
+  Summary value = Summary::parse(in, nullptr, false);
   if (!value.is_object()) throw core::IoError(path.string() + " is no summary: it is cut off or no JSON");
   return value;
 }
 
-std::optional<double> number(const Json& holder, const char* key) {
+std::optional<double> number(const Summary& holder, const char* key) {
   const auto found = holder.find(key);
   return found != holder.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
 }
 
-GatheredRun read_run(const Json& summary, const fs::path& path) {
+GatheredRun read_run(const Summary& summary, const fs::path& path) {
   GatheredRun run;
   try {
     run.clip = summary.at("clip").at("name").get<std::string>();
@@ -51,7 +51,7 @@ GatheredRun read_run(const Json& summary, const fs::path& path) {
       run.counts[name] = rate.at("count").get<double>();
     run.sure = number(summary.at("events"), "sure");
     for (const auto& warning : summary.at("warnings")) run.warnings.push_back(warning.get<std::string>());
-  } catch (const Json::exception&) {
+  } catch (const Summary::exception&) {
     throw core::IoError(path.string() +
                         " lacks figures that are gathered: an older version wrote it; analyze again");
   }
@@ -118,7 +118,7 @@ GatheredRuns gather_runs(const fs::path& folder, const std::string& groups) {
   std::vector<fs::path> found;
   find_runs(folder, found);
   for (const auto& path : found) {
-    const Json summary = read_summary(path / "summary.json");
+    const Summary summary = read_summary(path / "summary.json");
     if (summary.value("format", "") != "emberfold.summary" || summary.value("command", "") != "analyze")
       continue;
     GatheredRun run = read_run(summary, path / "summary.json");

@@ -18,7 +18,7 @@ namespace emberfold::apps {
 namespace {
 
 constexpr int kMargin = 16, kHead = 40, kLongestName = 24;
-const cv::Scalar kFaint(215, 212, 208);
+const cv::Scalar kGrid(215, 212, 208);
 
 // Replaces characters that the font lacks: it has ASCII only.
 std::string ascii_text(const std::string& name) {
@@ -74,7 +74,7 @@ struct Colours {
 
 void draw_cell(cv::Mat& picture, const cv::Rect& box, double value, const Colours& colours, bool whole) {
   if (!std::isfinite(value)) {
-    cv::line(picture, box.tl(), box.br(), kFaint, 1, cv::LINE_AA);
+    cv::line(picture, box.tl(), box.br(), kGrid, 1, cv::LINE_AA);
     return;
   }
   const double share = colours.share(value);
@@ -109,7 +109,7 @@ cv::Mat draw_heat_matrix(const HeatMatrix& matrix) {
     for (int j = 0; j < matrix.values.cols; ++j)
       draw_cell(picture, {corner.x + j * cell, corner.y + i * cell, cell, cell},
                 matrix.values.at<double>(i, j), colours, matrix.whole);
-  cv::rectangle(picture, cv::Rect(corner, cv::Size(side, side)), kFaint);
+  cv::rectangle(picture, cv::Rect(corner, cv::Size(side, side)), kGrid);
   if (!named) return picture;
   for (int i = 0; i < std::min(count, static_cast<int>(names.size())); ++i) {
     const std::string& name = names[static_cast<std::size_t>(i)];

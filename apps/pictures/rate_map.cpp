@@ -13,14 +13,15 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr int kShorterSide = 480, kMargin = 10, kLine = 26, kShift = 4;
+constexpr int kShorterSide = 480, kBorder = 10, kLine = 26, kFixedPoint = 4;
 constexpr double kDot = 4, kLeastRatio = 1.5;
 
 void draw_dot(cv::Mat& picture, cv::Point2d at) {
-  const auto to_fixed_point = [](double v) { return static_cast<int>(std::lround(v * (1 << kShift))); };
+  const auto to_fixed_point = [](double v) { return static_cast<int>(std::lround(v * (1 << kFixedPoint))); };
   const cv::Point centre(to_fixed_point(at.x), to_fixed_point(at.y));
-  cv::circle(picture, centre, to_fixed_point(kDot), {24, 20, 20}, cv::FILLED, cv::LINE_AA, kShift);
-  cv::circle(picture, centre, to_fixed_point(kDot - 1), {255, 255, 255}, cv::FILLED, cv::LINE_AA, kShift);
+  cv::circle(picture, centre, to_fixed_point(kDot), {24, 20, 20}, cv::FILLED, cv::LINE_AA, kFixedPoint);
+  cv::circle(picture, centre, to_fixed_point(kDot - 1), {255, 255, 255}, cv::FILLED, cv::LINE_AA,
+             kFixedPoint);
 }
 
 // Returns how opaque the colour of a share is.
@@ -65,15 +66,15 @@ cv::Vec3b blend(Colour colour, double part, cv::Vec3b under) {
 cv::Mat draw_scale(int width, const RateMap& what, const Scale& scale, std::size_t dots) {
   const std::string label =
       std::string(graph::name(what.type)) + (dots == 1 ? "" : "s") + " found: " + std::to_string(dots);
-  const bool one_line = kMargin * 4 + text_width(what.unit) + text_width(label) + 20 <= width;
+  const bool one_line = kBorder * 4 + text_width(what.unit) + text_width(label) + 20 <= width;
   const int bar_top = (one_line ? 1 : 2) * kLine + 4;
   cv::Mat picture(bar_top + 2 * kLine - 8, width, CV_8UC3, cv::Scalar(246, 248, 250));
-  write_text(picture, what.unit, {kMargin, kLine / 2 + 6});
-  const cv::Point place = one_line ? cv::Point(3 * kMargin + text_width(what.unit), kLine / 2 + 6)
-                                   : cv::Point(kMargin, kLine + kLine / 2 + 6);
+  write_text(picture, what.unit, {kBorder, kLine / 2 + 6});
+  const cv::Point place = one_line ? cv::Point(3 * kBorder + text_width(what.unit), kLine / 2 + 6)
+                                   : cv::Point(kBorder, kLine + kLine / 2 + 6);
   draw_dot(picture, {place.x + 4.0, place.y - 4.0});
   write_text(picture, label, {place.x + 14, place.y});
-  const int left = kMargin + 4, right = std::min(width - kMargin - 24, left + 420);
+  const int left = kBorder + 4, right = std::min(width - kBorder - 24, left + 420);
   const cv::Vec3b ground(60, 56, 54);
   for (int x = left; x < right; ++x) {
     const double share =

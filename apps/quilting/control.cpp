@@ -14,14 +14,11 @@
 #include "core/io/files.hpp"
 #include "core/io/image_files.hpp"
 #include "core/npy.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::apps {
 
 namespace {
-
-std::string size_text(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
 
 std::optional<double> parse_one_number(const std::string& text) {
   char* stop = nullptr;
@@ -35,8 +32,9 @@ cv::Mat fit_field(const cv::Mat& field, cv::Size size, const ControlRequest& req
                   const std::string& name) {
   if (field.size() == size) return field;
   if (request.fit == "exact")
-    throw core::InputError(name + " has " + size_text(field.size()) + " pixels, the output " +
-                           size_text(size) + "; --set control.fit=stretch (or centre) takes it all the same");
+    throw core::InputError(name + " has " + core::size_text(field.size()) + " pixels, the output " +
+                           core::size_text(size) +
+                           "; --set control.fit=stretch (or centre) takes it all the same");
   cv::Mat result;
   if (request.fit == "stretch") {
     const bool shrinks = field.cols > size.width && field.rows > size.height;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/command.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::apps {
 
@@ -18,10 +19,6 @@ namespace {
 bool parse_whole(std::string_view text, int& value) {
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return !text.empty() && error == std::errc{} && stop == text.data() + text.size();
-}
-
-std::string size_text(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
 // Rewrites "QuiltOptions.guide_weight is …" with the option's name on the command line.
@@ -63,8 +60,8 @@ void complete_request(QuiltRequest& request, cv::Size source) {
     throw Misuse(as_option(error.what()));
   }
   if (request.apply.empty() && (quilt.block.width > source.width || quilt.block.height > source.height))
-    throw Misuse("--block is " + size_text(quilt.block) + ", but " + request.clips.front() + " has only " +
-                 size_text(source) + " pixels");
+    throw Misuse("--block is " + core::size_text(quilt.block) + ", but " + request.clips.front() +
+                 " has only " + core::size_text(source) + " pixels");
 }
 
 void check_request(const QuiltRequest& request) {

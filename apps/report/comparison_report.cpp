@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr const char* kStyle =
+constexpr const char* kComparisonStyle =
     "table.measures{border-collapse:collapse;width:100%}"
     ".measures th,.measures td{text-align:right;white-space:normal;padding:5px 10px;border-bottom:1px solid "
     "#8884}"
@@ -357,7 +357,7 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
   std::string page =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Comparison of " +
-      name + "</title>\n<style>" + std::string(kReportStyle) + kStyle +
+      name + "</title>\n<style>" + std::string(kReportStyle) + kComparisonStyle +
       "</style></head>\n<body><header><p class=\"brand\">emberfold <span>compare</span></p>\n<h1>" + name +
       "</h1>\n<p class=\"meta\"><code>" + escape_html(summary.value("command_line", "")) +
       "</code></p></header>\n<main>\n";

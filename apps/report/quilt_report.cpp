@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kStyle =
+constexpr const char* kQuiltStyle =
     ".pair{display:grid;grid-template-columns:1fr 2fr;gap:16px;margin-bottom:16px}"
     ".halves{display:grid;grid-template-columns:1fr 1fr;gap:16px}.verdict{font-size:18px;font-weight:620}"
     "@media (max-width:600px){.pair,.halves{grid-template-columns:1fr}}";
@@ -83,7 +83,7 @@ std::string make_quilt_report(const std::string& clip, const QuiltPictures& pict
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Quilt of " +
       escape_html(clip) + "</title>\n<style>";
   page += kReportStyle;
-  page += kStyle;
+  page += kQuiltStyle;
   page += "</style></head>\n<body><header><p class=\"brand\">emberfold <span>quilt</span></p>\n<h1>" +
           escape_html(clip) + "</h1>\n<p class=\"meta\"><code>" +
           escape_html(summary.value("command_line", "")) + "</code></p></header>\n<main>\n";

@@ -7,16 +7,9 @@
 
 #include "apps/builtin/open_clip.hpp"
 #include "core/error.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::apps {
-
-namespace {
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
-}  // namespace
 
 GivenEvidence::GivenEvidence(const std::string& name, const io::ReadOptions& read, const core::ClipInfo& clip)
     : name_(name) {
@@ -31,8 +24,8 @@ GivenEvidence::GivenEvidence(const std::string& name, const io::ReadOptions& rea
   }
   const auto& info = source_->info();
   if (info.width != clip.width || info.height != clip.height)
-    throw core::InputError("--evidence: " + name + " is " + size_text(info.width, info.height) +
-                           ", the clip is " + size_text(clip.width, clip.height));
+    throw core::InputError("--evidence: " + name + " is " + core::size_text(info.width, info.height) +
+                           ", the clip is " + core::size_text(clip.width, clip.height));
 }
 
 cv::Mat1f GivenEvidence::next() {

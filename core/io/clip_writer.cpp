@@ -25,6 +25,7 @@
 #include "core/io/scratch.hpp"
 #include "core/io/steady_encoder.hpp"
 #include "core/io/video_check.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::io {
 
@@ -36,15 +37,12 @@ namespace {
   throw core::IoError("cannot write " + path.string() + ": " + reason);
 }
 
-std::string size_text(const cv::Size& size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
 /// The frame as the clip holds it; core::InputError where it does not fit.
 cv::Mat fitted(const cv::Mat& frame, const cv::Size& size, bool colour, bool deep, const fs::path& path) {
   const auto refuse = [&](const std::string& what) { throw core::InputError(path.string() + ": " + what); };
   if (frame.size() != size)
-    refuse("a frame of " + size_text(frame.size()) + " pixels does not fit a clip of " + size_text(size));
+    refuse("a frame of " + core::size_text(frame.size()) + " pixels does not fit a clip of " +
+           core::size_text(size));
   if (frame.depth() != CV_8U && !(deep && frame.depth() == CV_16U))
     refuse(deep ? "frames need 8 or 16 bits" : "frames need 8 bits; a folder of PNG takes 16 too");
   if (frame.channels() != 1 && frame.channels() != 3) refuse("frames need 1 or 3 channels");
@@ -86,7 +84,7 @@ class VideoFileWriter final : public VideoWriter {
     if (!video_.open(part_.string(), cv::CAP_FFMPEG, code, fps, even, params)) {
       discard();
       fail(path_, std::string("FFmpeg offers no ") + (mp4 ? "H.264" : "FFV1") + " encoder for " +
-                      size_text(even) + " pixels at this rate");
+                      core::size_text(even) + " pixels at this rate");
     }
   }
 

@@ -18,16 +18,13 @@
 #include "core/io/tiff/axes.hpp"
 #include "core/io/tiff_pages.hpp"
 #include "core/text/format_number.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::io {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string size_text(const cv::Size& size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
 
 void report(const core::Warn& warn, const std::string& line) {
   if (warn) warn(line);
@@ -59,8 +56,8 @@ class VideoFileDecoder final : public FrameDecoder {
       return end();
     if (frame.size() != cv::Size(info_.width, info_.height))
       throw core::IoError(path_.string() + ": frame " + std::to_string(position_) + " is " +
-                          size_text(frame.size()) + " pixels, those before it " +
-                          size_text({info_.width, info_.height}));
+                          core::size_text(frame.size()) + " pixels, those before it " +
+                          core::size_text({info_.width, info_.height}));
     ++position_;
     if (info_.channels == frame.channels()) return frame;
     cv::Mat grey;
@@ -225,7 +222,7 @@ class ImageDecoder final : public FrameDecoder {
                           files_.front().filename().string() + ", is " + first);
     };
     const cv::Size size(info_.width, info_.height);
-    if (pixels.size() != size) differs(size_text(pixels.size()) + " pixels", size_text(size));
+    if (pixels.size() != size) differs(core::size_text(pixels.size()) + " pixels", core::size_text(size));
     if (pixels.depth() != info_.depth)
       differs("of " + depth_text(pixels.depth()), "of " + depth_text(info_.depth));
     if (image.had_alpha && !std::exchange(warned_, true))

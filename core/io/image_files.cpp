@@ -128,7 +128,7 @@ std::string damage(const Bytes& bytes) {
   return {};
 }
 
-[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+[[noreturn]] void fail_image(const fs::path& path, const std::string& reason) {
   throw core::IoError("cannot read the image " + path.string() + ": " + reason);
 }
 
@@ -139,7 +139,7 @@ cv::Mat decode(const fs::path& path, const Bytes& bytes, int flags) {
   } catch (const cv::Exception&) {
     image.release();  // a size beyond what the decoder takes, or a header that contradicts itself
   }
-  if (image.empty()) fail(path, "it is no image that OpenCV can decode");
+  if (image.empty()) fail_image(path, "it is no image that OpenCV can decode");
   return image;
 }
 
@@ -230,11 +230,11 @@ ImageFile read_image(const fs::path& path) {
   std::ifstream in = open_file(path);
   std::error_code error;
   Bytes bytes(fs::file_size(path, error));
-  if (error) fail(path, error.message());
+  if (error) fail_image(path, error.message());
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!in) fail(path, "reading stopped half way");
-  if (bytes.empty()) fail(path, "it is empty");
-  if (const std::string what = damage(bytes); !what.empty()) fail(path, what);
+  if (!in) fail_image(path, "reading stopped half way");
+  if (bytes.empty()) fail_image(path, "it is empty");
+  if (const std::string what = damage(bytes); !what.empty()) fail_image(path, what);
   const auto pages = is_tiff(path) ? read_tiff_pages(path) : std::vector<TiffPage>(1);
 
   // Asking for any colour drops alpha and honours EXIF orientation; asking for the pixels unchanged shows the
@@ -247,9 +247,9 @@ ImageFile read_image(const fs::path& path) {
   if (png_colour == 4) cv::extractChannel(image.pixels.clone(), image.pixels, 0);  // grey with alpha
   if (image.pixels.depth() == CV_64F) image.pixels.convertTo(image.pixels, CV_32F);
   if (image.pixels.depth() != CV_8U && image.pixels.depth() != CV_16U && image.pixels.depth() != CV_32F)
-    fail(path, "its values have neither 8 nor 16 bits, nor are they floats");
+    fail_image(path, "its values have neither 8 nor 16 bits, nor are they floats");
   if (image.pixels.depth() == CV_32F && !cv::checkRange(image.pixels))
-    fail(path, "it holds a value that is no finite number");
+    fail_image(path, "it holds a value that is no finite number");
   image.pages = static_cast<int>(std::ranges::count_if(pages, &TiffPage::is_picture));
   return image;
 }

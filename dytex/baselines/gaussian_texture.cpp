@@ -19,7 +19,7 @@ constexpr float kMostPole = 0.99F;   // modulus; a wave forgets itself within so
 constexpr double kLeastPairs = 0.5;  // of pixels: counts are whole numbers up to the transform's rounding
 // Turns 32 random bits, as a signed number, into one of variance 1: 2^-32 √12.
 constexpr float kUniformScale = 0x1p-32F * 3.4641016F;
-constexpr std::uint32_t kNoisePurpose = 0x7e87;  // of random streams
+constexpr std::uint32_t kGaussianNoise = 0x7e87;  // of random streams
 
 /// A size that transforms are fast at, of a frame and the lags beyond it.
 cv::Size padded_size(cv::Size frame) {
@@ -142,7 +142,7 @@ GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv:
 }
 
 cv::Mat GaussianTextureFrames::white() {
-  core::Rng rng(seed_, {frames_, stream_, kNoisePurpose});
+  core::Rng rng(seed_, {frames_, stream_, kGaussianNoise});
   cv::Mat noise(padded_, CV_32F), spectrum;
   // Uniform noise will do: sums over many pixels are normal.
   for (int y = 0; y < noise.rows; ++y) {

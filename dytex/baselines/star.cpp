@@ -20,7 +20,7 @@ namespace emberfold::dytex {
 namespace {
 
 constexpr int kWarmUpFrames = 64;  // drawn and not shown, so that a clip does not begin at the mean
-constexpr std::uint32_t kNoisePurpose = 0x57A2;  // of random streams
+constexpr std::uint32_t kStarNoise = 0x57A2;  // of random streams
 
 int reach_of(const Star& star) {
   int reach = 0;
@@ -115,7 +115,7 @@ cv::Mat draw_noise(const Star& star, int reach, std::uint64_t seed, std::uint32_
   const int channels = star.info.channels;
   cv::Mat out = padded({star.info.width, star.info.height}, channels, reach);
   core::parallel_for(static_cast<std::size_t>(star.info.height), {}, [&](std::size_t row) {
-    core::Rng rng(seed, {frame, static_cast<std::uint32_t>(row), kNoisePurpose});
+    core::Rng rng(seed, {frame, static_cast<std::uint32_t>(row), kStarNoise});
     Eigen::VectorXd white(channels);
     for (int x = 0; x < star.info.width; ++x) {
       for (auto& value : white) value = rng.normal();

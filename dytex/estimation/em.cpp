@@ -21,7 +21,7 @@ namespace {
 using detail::FrameBlocks;
 using detail::FrameValues;
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void fail_likelihood(const std::string& what) {
   throw core::InputError("maximise_likelihood: " + what);
 }
 
@@ -29,14 +29,18 @@ void check_start(const LinearDynamicTexture& start, const core::ClipInfo& info) 
   validate(start);
   if (info.width != start.info.width || info.height != start.info.height ||
       info.channels != start.info.channels)
-    fail("the start is " + std::to_string(start.info.width) + "x" + std::to_string(start.info.height) +
-         " of " + std::to_string(start.info.channels) + " channels, the clip " + std::to_string(info.width) +
-         "x" + std::to_string(info.height) + " of " + std::to_string(info.channels));
+    fail_likelihood("the start is " + std::to_string(start.info.width) + "x" +
+                    std::to_string(start.info.height) + " of " + std::to_string(start.info.channels) +
+                    " channels, the clip " + std::to_string(info.width) + "x" + std::to_string(info.height) +
+                    " of " + std::to_string(info.channels));
   if (start.order() != start.components())
-    fail("the start has states of " + std::to_string(start.order()) + " numbers for " +
-         std::to_string(start.components()) + " components; models of lag 1 alone can be improved");
-  if (start.channels.size() > 0) fail("the start is a model per channel; one of all channels is needed");
-  if ((start.weights.array() != 1).any()) fail("the start was edited; a model as it was learned is needed");
+    fail_likelihood("the start has states of " + std::to_string(start.order()) + " numbers for " +
+                    std::to_string(start.components()) +
+                    " components; models of lag 1 alone can be improved");
+  if (start.channels.size() > 0)
+    fail_likelihood("the start is a model per channel; one of all channels is needed");
+  if ((start.weights.array() != 1).any())
+    fail_likelihood("the start was edited; a model as it was learned is needed");
 }
 
 /// Current state of EM.
@@ -159,8 +163,8 @@ EmResult maximise_likelihood(core::FrameSource& source, const LinearDynamicTextu
   FrameBlocks frame_blocks(source, options.memory, detail::kMostFrames, context);
   missing.check_frames(frame_blocks.frames());
   if (static_cast<Eigen::Index>(frame_blocks.frames()) != start.states.cols())
-    fail("the start was learned from " + std::to_string(start.states.cols()) + " frames, the clip has " +
-         std::to_string(frame_blocks.frames()));
+    fail_likelihood("the start was learned from " + std::to_string(start.states.cols()) +
+                    " frames, the clip has " + std::to_string(frame_blocks.frames()));
   EmResult result;
   note_residuals(start, result);
   if (start.components() == 0) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMostSteps = 100000;  // frames ahead
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void fail_forecast(const std::string& what) {
   throw core::InputError("forecast: " + what);
 }
 
@@ -30,12 +30,12 @@ double noise_sum(const LinearDynamicTexture& texture) {
 
 Forecast forecast(const LinearDynamicTexture& texture, const StateGuess& from, int steps) {
   if (steps < 1 || steps > kMostSteps)
-    fail("steps is " + std::to_string(steps) + "; allowed is 1 to " + std::to_string(kMostSteps));
+    fail_forecast("steps is " + std::to_string(steps) + "; allowed is 1 to " + std::to_string(kMostSteps));
   validate(texture);
   const Eigen::Index order = texture.order(), n = texture.components();
   if (from.mean.size() != order || from.factor.rows() != order)
-    fail("the state has " + std::to_string(from.mean.size()) + " numbers, the texture needs " +
-         std::to_string(order));
+    fail_forecast("the state has " + std::to_string(from.mean.size()) + " numbers, the texture needs " +
+                  std::to_string(order));
   Forecast result;
   result.states.resize(order, steps);
   result.error.resize(steps);
@@ -59,9 +59,9 @@ Forecast forecast(const LinearDynamicTexture& texture, const StateGuess& from, i
 cv::Mat forecast_deviation(const LinearDynamicTexture& texture, const Eigen::MatrixXd& covariance) {
   const Eigen::Index order = texture.order(), n = texture.components();
   if (covariance.rows() != order || covariance.cols() != order)
-    fail("the covariance is " + std::to_string(covariance.rows()) + " × " +
-         std::to_string(covariance.cols()) + ", must be " + std::to_string(order) + " × " +
-         std::to_string(order));
+    fail_forecast("the covariance is " + std::to_string(covariance.rows()) + " × " +
+                  std::to_string(covariance.cols()) + ", must be " + std::to_string(order) + " × " +
+                  std::to_string(order));
   const Eigen::MatrixXf factor =
       (texture.weights.asDiagonal() * detail::symmetric_factor(covariance.topLeftCorner(n, n))).cast<float>();
   const core::ClipInfo& info = texture.info;

@@ -15,16 +15,17 @@ namespace {
 
 constexpr double kSteadyTolerance = 1e-12;  // relative change of a covariance below which it is kept
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void fail_filter(const std::string& what) {
   throw core::InputError("filter: " + what);
 }
 
 template <class Matrix>
 void check(const char* name, const Matrix& matrix, Eigen::Index rows, Eigen::Index columns) {
   if (matrix.rows() != rows || matrix.cols() != columns)
-    fail(std::string(name) + " is " + std::to_string(matrix.rows()) + " × " + std::to_string(matrix.cols()) +
-         ", must be " + std::to_string(rows) + " × " + std::to_string(columns));
-  if (!matrix.allFinite()) fail(std::string(name) + " has a value that is not finite");
+    fail_filter(std::string(name) + " is " + std::to_string(matrix.rows()) + " × " +
+                std::to_string(matrix.cols()) + ", must be " + std::to_string(rows) + " × " +
+                std::to_string(columns));
+  if (!matrix.allFinite()) fail_filter(std::string(name) + " has a value that is not finite");
 }
 
 void check(const StateSpace& space) {
@@ -37,17 +38,18 @@ void check(const StateSpace& space) {
 
 void check(const Observations& seen, Eigen::Index n) {
   const Eigen::Index frames = seen.frames();
-  if (frames < 1) fail("there is no frame");
+  if (frames < 1) fail_filter("there is no frame");
   check("vectors", seen.vectors, n, frames);
   check("squares", seen.squares, frames, 1);
   check("constants", seen.constants, frames, 1);
   for (const Eigen::MatrixXd& information : seen.information) check("information", information, n, n);
   if (seen.which.size() != static_cast<std::size_t>(frames))
-    fail("which has " + std::to_string(seen.which.size()) + " entries, must have " + std::to_string(frames));
+    fail_filter("which has " + std::to_string(seen.which.size()) + " entries, must have " +
+                std::to_string(frames));
   for (const int which : seen.which)
     if (which < -1 || which >= static_cast<int>(seen.information.size()))
-      fail("which is " + std::to_string(which) + "; allowed is -1 to " +
-           std::to_string(static_cast<int>(seen.information.size()) - 1));
+      fail_filter("which is " + std::to_string(which) + "; allowed is -1 to " +
+                  std::to_string(static_cast<int>(seen.information.size()) - 1));
 }
 
 /// The filtered factor and the volume of a step whose predicted factor is known.

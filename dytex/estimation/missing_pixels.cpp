@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/synthesize.hpp"
 
 namespace emberfold::dytex {
@@ -16,10 +17,6 @@ namespace {
 std::size_t pixel_count(const core::ClipInfo& info) {
   return static_cast<std::size_t>(std::max(info.width, 0)) *
          static_cast<std::size_t>(std::max(info.height, 0));
-}
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 /// Calls body(pixel) for each hidden pixel of a frame.
@@ -55,8 +52,8 @@ void add_seen_pixels(const Missing& missing, std::size_t t, const cv::Mat& frame
 Missing::Missing(core::FrameSource& mask, const core::ClipInfo& clip, const core::Context& context) {
   const core::ClipInfo& info = mask.info();
   if (info.width != clip.width || info.height != clip.height)
-    throw core::InputError("the mask is " + size_text(info.width, info.height) + ", the clip " +
-                           size_text(clip.width, clip.height));
+    throw core::InputError("the mask is " + core::size_text(info.width, info.height) + ", the clip " +
+                           core::size_text(clip.width, clip.height));
   pixels_ = pixel_count(clip);
   std::vector<std::vector<std::uint64_t>> rows;  // by 64 frames
   mask.rewind();
@@ -66,8 +63,8 @@ Missing::Missing(core::FrameSource& mask, const core::ClipInfo& clip, const core
     context.check();
     if (frame.cols != info.width || frame.rows != info.height)
       throw core::IoError("the mask's frame " + std::to_string(frames) + " is " +
-                          size_text(frame.cols, frame.rows) + ", the others " +
-                          size_text(info.width, info.height));
+                          core::size_text(frame.cols, frame.rows) + ", the others " +
+                          core::size_text(info.width, info.height));
     const cv::Mat luma = core::luma(frame, info);
     const cv::Mat bright = luma >= 127.5F;
     if (frames % 64 == 0) rows.emplace_back(pixels_, 0);
@@ -108,9 +105,9 @@ FilledSource::FilledSource(core::FrameSource& source, const Missing& missing,
     : source_(source), missing_(missing), texture_(texture) {
   const core::ClipInfo &a = source.info(), &b = texture.info;
   if (a.width != b.width || a.height != b.height || a.channels != b.channels)
-    throw core::InputError("the texture is " + size_text(b.width, b.height) + " of " +
+    throw core::InputError("the texture is " + core::size_text(b.width, b.height) + " of " +
                            std::to_string(b.channels) + " channels, the clip " +
-                           size_text(a.width, a.height) + " of " + std::to_string(a.channels));
+                           core::size_text(a.width, a.height) + " of " + std::to_string(a.channels));
   missing.check_frames(static_cast<std::size_t>(texture.states.cols()));
 }
 
@@ -146,8 +143,9 @@ HeldSource::HeldSource(core::FrameSource& source, const Missing& missing, const 
   for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next()) {
     context.check();
     if (frame.size() != sum.size() || frame.channels() != info.channels)
-      throw core::IoError("frame " + std::to_string(frames) + " is " + size_text(frame.cols, frame.rows) +
-                          ", the clip's frames are " + size_text(info.width, info.height));
+      throw core::IoError("frame " + std::to_string(frames) + " is " +
+                          core::size_text(frame.cols, frame.rows) + ", the clip's frames are " +
+                          core::size_text(info.width, info.height));
     if (frames < missing.frames()) add_seen_pixels(missing, frames, frame, sum, counts);
     ++frames;
   }

@@ -12,13 +12,13 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr int kMostSteps = 1000;       // of each of the two descents
-constexpr double kLeastStep = 1e-12;   // length below which a line search gives up
-constexpr int kGainWindow = 20;        // steps over which the gain is measured
-constexpr double kLeastGain = 1e-7;    // relative, over the window: a smaller one ends the descent
-constexpr double kFirstPace = 0.5;     // of the fast gradient
-constexpr double kStepGrowth = 1.5;    // of the step length after a step that went down
-constexpr double kStartShrink = 0.99;  // of the bound, to which the least-squares start is brought
+constexpr int kMostDescents = 1000;     // of each of the two descents
+constexpr double kLeastStep = 1e-12;    // length below which a line search gives up
+constexpr int kGainWindow = 20;         // steps over which the gain is measured
+constexpr double kLeastDescent = 1e-7;  // relative, over the window: a smaller one ends the descent
+constexpr double kFirstPace = 0.5;      // of the fast gradient
+constexpr double kStepGrowth = 1.5;     // of the step length after a step that went down
+constexpr double kStartShrink = 0.99;   // of the bound, to which the least-squares start is brought
 
 /// Symmetric, eigenvalues between 0 and `most`.
 Eigen::MatrixXd clip_eigenvalues(const Eigen::MatrixXd& matrix, double most) {
@@ -58,7 +58,7 @@ Descent descend(const StableObjective& objective, StableForm start, double most,
   StableForm ahead = best.form;
   bool is_ahead = false;
   double length = 1, pace = kFirstPace, before = best.error;
-  for (int step = 1; step <= kMostSteps; ++step) {
+  for (int step = 1; step <= kMostDescents; ++step) {
     context.check();
     const StableForm slope = objective.gradient(ahead);
     Descent next;
@@ -80,7 +80,7 @@ Descent descend(const StableObjective& objective, StableForm start, double most,
     best = std::move(next);
     length *= kStepGrowth;
     if (step % kGainWindow != 0) continue;
-    if (before - best.error <= kLeastGain * best.error) break;
+    if (before - best.error <= kLeastDescent * best.error) break;
     before = best.error;
   }
   return best;

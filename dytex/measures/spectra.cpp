@@ -10,6 +10,8 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/text/size_text.hpp"
+#include "dytex/measures/check_frames.hpp"
 
 namespace emberfold::dytex {
 
@@ -21,15 +23,6 @@ constexpr std::size_t kBlock = 4096;  // pixels whose spectra are summed at once
 double hann(int i, int length) {
   const double s = std::sin(std::numbers::pi * (i + 0.5) / length);
   return s * s;
-}
-
-std::string size_text(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
-void check_luma(const cv::Mat& luma, const char* who) {
-  if (luma.empty() || luma.type() != CV_32FC1)
-    throw core::InputError(std::string(who) + ": a frame must be luma, one channel of 32-bit floats");
 }
 
 // Rows: cosine and sine of frequencies 1 … segment/2 under the window, scaled to the noise's variance,
@@ -57,16 +50,17 @@ TemporalSpectrum::TemporalSpectrum(cv::Size size, int segment) : size_(size), se
     throw core::InputError("temporal spectrum: segment is " + std::to_string(segment) +
                            "; allowed is an even number from 4 to 1024");
   if (size.width < 1 || size.height < 1)
-    throw core::InputError("temporal spectrum: the size is " + size_text(size) + "; allowed is at least 1x1");
+    throw core::InputError("temporal spectrum: the size is " + core::size_text(size) +
+                           "; allowed is at least 1x1");
   transform_ = segment_transform(segment);
   sum_ = Eigen::VectorXd::Zero(segment / 2);
 }
 
 void TemporalSpectrum::add(const cv::Mat& luma) {
-  check_luma(luma, "temporal spectrum");
+  detail::check_luma(luma, "temporal spectrum");
   if (luma.size() != size_)
-    throw core::InputError("temporal spectrum: a frame is " + size_text(luma.size()) + ", those before it " +
-                           size_text(size_));
+    throw core::InputError("temporal spectrum: a frame is " + core::size_text(luma.size()) +
+                           ", those before it " + core::size_text(size_));
   frames_.push_back(luma.clone());
   if (frames_.size() < static_cast<std::size_t>(segment_)) return;
   close_segment();
@@ -116,7 +110,7 @@ int ring_count(cv::Size size) {
 }
 
 Eigen::VectorXd radial_spectrum(const cv::Mat& luma, int rings) {
-  check_luma(luma, "radial spectrum");
+  detail::check_luma(luma, "radial spectrum");
   if (rings < 1 || rings > 4096)
     throw core::InputError("radial spectrum: rings is " + std::to_string(rings) + "; allowed is 1 to 4096");
   const int width = luma.cols, height = luma.rows;

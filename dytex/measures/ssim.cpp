@@ -13,7 +13,7 @@ namespace emberfold::dytex {
 namespace {
 
 // Wang et al. 2004, section III.C.
-constexpr int kWindow = 11;               // px, side of a window
+constexpr int kSide = 11;                 // px, side of a window
 constexpr double kWindowDeviation = 1.5;  // px, SD of its Gaussian weights
 constexpr double kC1 = 0.01 * 255 * 0.01 * 255, kC2 = 0.03 * 255 * 0.03 * 255;  // levels²
 // Levels are measured from mid-grey, so that their squares lose few digits.
@@ -25,7 +25,7 @@ double structural_similarity(const cv::Mat& a, const cv::Mat& b) {
   detail::check_luma(a, "structural similarity");
   detail::check_luma(b, "structural similarity");
   detail::check_alike(a, b, "structural similarity");
-  const auto odd = [](int length) { return std::min(kWindow, length - 1 + length % 2); };
+  const auto odd = [](int length) { return std::min(kSide, length - 1 + length % 2); };
   const cv::Size window(odd(a.cols), odd(a.rows));
   const cv::Rect inside(window.width / 2, window.height / 2, a.cols - window.width + 1,
                         a.rows - window.height + 1);

@@ -11,6 +11,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/text/check_range.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/quilting/blocks.hpp"
 #include "dytex/quilting/overlap.hpp"
 #include "dytex/quilting/seam.hpp"
@@ -19,34 +20,29 @@
 
 namespace emberfold::dytex {
 
-namespace {
-
-std::string size_text(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
-}  // namespace
-
 void QuiltOptions::validate() const {
   for (const int side : {size.width, size.height})
     if (side < 1 || side > 16384)
-      throw core::InputError("QuiltOptions.size is " + size_text(size) + "; allowed is 1 to 16384 each way");
+      throw core::InputError("QuiltOptions.size is " + core::size_text(size) +
+                             "; allowed is 1 to 16384 each way");
   for (const int side : {block.width, block.height})
     if (side < 2 || side > 4096)
-      throw core::InputError("QuiltOptions.block is " + size_text(block) + "; allowed is 2 to 4096 each way");
+      throw core::InputError("QuiltOptions.block is " + core::size_text(block) +
+                             "; allowed is 2 to 4096 each way");
   const int most = std::min(block.width, block.height) / 2;
   if (overlap < 1 || overlap > most)
     throw core::InputError("QuiltOptions.overlap is " + std::to_string(overlap) + "; allowed is 1 to " +
                            std::to_string(most) + ", half the shorter side of a block of " +
-                           size_text(block));
+                           core::size_text(block));
   core::check_range("QuiltOptions.components", components, 1, 256);
   core::check_range("QuiltOptions.tolerance", tolerance, 0, 10);
   core::check_range("QuiltOptions.floor", floor, 0, 255);
   core::check_range("QuiltOptions.apart", apart, 0, 4096);
   core::check_range("QuiltOptions.guide_weight", guide_weight, 0, 0.99);
   if (tileable && std::min(size.width, size.height) < 2 * overlap)
-    throw core::InputError("QuiltOptions.size is " + size_text(size) + "; tileable output needs at least " +
-                           std::to_string(2 * overlap) + " pixels each way, twice the overlap");
+    throw core::InputError("QuiltOptions.size is " + core::size_text(size) +
+                           "; tileable output needs at least " + std::to_string(2 * overlap) +
+                           " pixels each way, twice the overlap");
 }
 
 namespace {
@@ -58,8 +54,8 @@ void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& opt
   if (sources.empty()) throw core::InputError("quilting needs a source");
   const Trajectories& first = *sources.front().trajectories;
   if (!run.guide.empty() && (run.guide.size() != options.size || run.guide.type() != CV_32F))
-    throw core::InputError("the guide is " + size_text(run.guide.size()) + " pixels, the output " +
-                           size_text(options.size));
+    throw core::InputError("the guide is " + core::size_text(run.guide.size()) + " pixels, the output " +
+                           core::size_text(options.size));
   bool fits = false;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const Trajectories& one = *sources[i].trajectories;
@@ -73,16 +69,16 @@ void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& opt
       throw core::InputError(name + " is kept in other chunks than source 0");
     for (const auto* picture : {&sources[i].forbidden, &sources[i].guide})
       if (!picture->empty() && picture->size() != one.size())
-        throw core::InputError(name + " has " + size_text(one.size()) + " pixels, its " +
+        throw core::InputError(name + " has " + core::size_text(one.size()) + " pixels, its " +
                                (picture == &sources[i].guide ? "guide " : "mask ") +
-                               size_text(picture->size()));
+                               core::size_text(picture->size()));
     if (!run.guide.empty() && sources[i].guide.type() != CV_32F)
       throw core::InputError(name + " has nothing that the guide could be held against");
     fits = fits || (one.size().width >= options.block.width && one.size().height >= options.block.height);
   }
   if (!fits)
-    throw core::InputError("QuiltOptions.block is " + size_text(options.block) + "; the source has only " +
-                           size_text(first.size()) + " pixels");
+    throw core::InputError("QuiltOptions.block is " + core::size_text(options.block) +
+                           "; the source has only " + core::size_text(first.size()) + " pixels");
 }
 
 void check_masks(std::span<const QuiltSource> sources, const QuiltOptions& options) {
@@ -94,7 +90,8 @@ void check_masks(std::span<const QuiltSource> sources, const QuiltOptions& optio
     cv::integral(source.forbidden != 0, sums, CV_64F);
     if (cv::countNonZero(detail::box_sums(sums, {{{}, options.block}}, options.block) < 0.5) > 0) return;
   }
-  throw core::InputError("the mask leaves no place for a block of " + size_text(options.block) + " pixels");
+  throw core::InputError("the mask leaves no place for a block of " + core::size_text(options.block) +
+                         " pixels");
 }
 
 /// The output while it grows.

@@ -10,8 +10,8 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr double kShortArc = 15;      // px: junctions so near are one knot
-constexpr std::size_t kMostArms = 6;  // of a knot: more are not taken together
+constexpr double kShortArc = 15;          // px: junctions so near are one knot
+constexpr std::size_t kMostTogether = 6;  // of a knot: more are not taken together
 
 double length_of(const AttributeGraph& graph, const Curve& curve) {
   double sum = 0;
@@ -43,7 +43,7 @@ class Knots {
       if (length > kShortArc) break;
       const std::size_t a = sets_.find_set(all[k].front()), b = sets_.find_set(all[k].back());
       const std::size_t arms = a == b ? arms_[a] - 2 : arms_[a] + arms_[b] - 2;
-      if (arms > kMostArms && all[k].size() > 2) continue;
+      if (arms > kMostTogether && all[k].size() > 2) continue;
       if (a != b) sets_.link(a, b);
       arms_[sets_.find_set(a)] = arms;
       absorbed[k] = true;

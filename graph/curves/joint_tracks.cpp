@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFollowReach = 40;   // px to each side within which patches are followed
 constexpr std::uint32_t kSnap = 3;    // patches: joints of neighbouring frames so near are one
-constexpr std::uint32_t kDetour = 6;  // patches that the way between followed ones may grow by
+constexpr std::uint32_t kGrowth = 6;  // patches that the way between followed ones may grow by
 constexpr int kUnseen = 5;            // frames that a joint is carried on for where nothing shows it
 constexpr int kApartFrames = 10;      // frames before and after a joint that tell whether its sides are apart
 constexpr double kApartGrowth = 8;    // px that the sides have to part for a frame to count in full
@@ -79,7 +79,7 @@ std::optional<JointSite> meeting_arms(const FrameArcs& to, std::uint32_t a, std:
       best = JointSite{.knot = knot_a, .arm_a = std::min(p, q), .arm_b = std::max(p, q)};
     }
   }
-  return least <= 2 * kDetour + 4 ? best : std::nullopt;
+  return least <= 2 * kGrowth + 4 ? best : std::nullopt;
 }
 
 Followed follow_pair(const FrameArcs& to, const FollowedPatch& from_a, const FollowedPatch& from_b,
@@ -91,7 +91,7 @@ Followed follow_pair(const FrameArcs& to, const FollowedPatch& from_a, const Fol
   const double growth = distance(to.at(a), to.at(b)) - apart_now;
   if (arc_a != kNoIndex && arc_a == arc_b) {
     const auto [low, high] = std::minmax(to.index_of[a], to.index_of[b]);
-    if (high - low <= 2 * kDetour) {
+    if (high - low <= 2 * kGrowth) {
       const double from_low = to.index_of[a] == low ? from_a.away : from_b.away;
       const double place = from_low * (high - low) / (from_a.away + from_b.away) - 0.5;
       result.kind = Followed::Kind::joined;
@@ -109,7 +109,7 @@ Followed follow_pair(const FrameArcs& to, const FollowedPatch& from_a, const Fol
       return result;
     }
   }
-  if (to.near(a, b, 2 * kDetour)) return result;
+  if (to.near(a, b, 2 * kGrowth)) return result;
   result.kind = Followed::Kind::apart;
   result.apart = std::clamp(growth / kApartGrowth, kLeastApart, 1.0);
   return result;

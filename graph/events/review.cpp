@@ -13,7 +13,7 @@ namespace {
 
 // As readings of one clip are compared (pipeline::event_posterior).
 constexpr int kSameFrames = 2;
-constexpr double kSamePlace = 10;  // px
+constexpr double kSameEvent = 10;  // px
 
 struct Pair {
   double apart = 0;  ///< 0 where both are the same
@@ -37,10 +37,10 @@ std::vector<Pair> near_pairs(std::span<const Event> events, std::span<const Revi
       const EventType given = other.answer == Answer::other ? other.type : other.event.type;
       const bool is_alike = detail::family(event.type) == detail::family(other.event.type) ||
                             detail::family(event.type) == detail::family(given);
-      if (!is_alike || !(apart <= kSamePlace)) continue;
+      if (!is_alike || !(apart <= kSameEvent)) continue;
       const double frames = std::abs(event.frame - other.event.frame);
       const bool is_same_type = event.type == other.event.type || event.type == given;
-      pairs.push_back({apart / kSamePlace + frames / kSameFrames + (is_same_type ? 0 : 1), i, *at});
+      pairs.push_back({apart / kSameEvent + frames / kSameFrames + (is_same_type ? 0 : 1), i, *at});
     }
   }
   std::ranges::sort(pairs, {}, [](const Pair& p) { return std::tuple(p.apart, p.event, p.entry); });

@@ -11,7 +11,7 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr double kTipReach = 20;  // px that a tip may lie from where it is looked for
+constexpr double kSearchReach = 20;  // px that a tip may lie from where it is looked for
 
 std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t k) {
   while (parent[k] != k) k = parent[k] = parent[parent[k]];
@@ -62,7 +62,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> link_tips(const AttributeGr
     const auto [first, last] = tips_after.equal_range(clusters.of_before[tip]);
     for (auto at = first; at != last; ++at) {
       const double apart = distance(after.patch(at->second).position, place);
-      if (apart < kTipReach) candidates.push_back({tip, at->second, kTipReach - apart});
+      if (apart < kSearchReach) candidates.push_back({tip, at->second, kSearchReach - apart});
     }
   }
   return assign(candidates);

@@ -10,11 +10,11 @@ namespace emberfold::mcmc {
 
 namespace {
 
-constexpr double reach = 2;             // cells, SD of nearness
-constexpr std::size_t shortest = 5;     // frames: shorter tracks give no speed
-constexpr double least_scatter = 0.01;  // px²
-constexpr double usual_drift = 0.5;     // px a frame, SD of drifts of the prior
-constexpr double alike = 8;             // neighbouring tracks that count as one observation
+constexpr double reach = 2;                // cells, SD of nearness
+constexpr std::size_t kShortestMoved = 5;  // frames: shorter tracks give no speed
+constexpr double least_scatter = 0.01;     // px²
+constexpr double usual_drift = 0.5;        // px a frame, SD of drifts of the prior
+constexpr double kTracksAlike = 8;         // neighbouring tracks that count as one observation
 
 // Sums of the normal equations of v·n = s.
 struct NormalEquations {
@@ -65,8 +65,8 @@ Drift estimate_drift(const std::vector<detail::CurveTrack>& all, const CellMap& 
   std::vector<SpeedFit> speeds;
   double scatter = 0, samples = 0;
   for (const auto& track : all) {
-    speeds.push_back(track.samples.size() >= shortest ? fit_speed(track) : SpeedFit{});
-    if (track.samples.size() < shortest) continue;
+    speeds.push_back(track.samples.size() >= kShortestMoved ? fit_speed(track) : SpeedFit{});
+    if (track.samples.size() < kShortestMoved) continue;
     scatter += speeds.back().scatter * static_cast<double>(track.samples.size());
     samples += static_cast<double>(track.samples.size());
   }
@@ -76,10 +76,10 @@ Drift estimate_drift(const std::vector<detail::CurveTrack>& all, const CellMap& 
   NormalEquations total;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto n = static_cast<double>(all[i].samples.size());
-    if (all[i].samples.size() < shortest) continue;
+    if (all[i].samples.size() < kShortestMoved) continue;
     // A mean speed over n frames has an error of about √(2 scatter) / n px from displacements of this
     // variance.
-    const double weight = n * n / (2 * scatter) / alike / n;
+    const double weight = n * n / (2 * scatter) / kTracksAlike / n;
     for (const auto& sample : all[i].samples) {
       NormalEquations one;
       one.add(sample.normal, speeds[i].speed, weight);

@@ -20,9 +20,9 @@ namespace emberfold::mcmc {
 
 namespace {
 
-constexpr std::size_t shortest = 12;  // frames: shorter tracks give no rest
-constexpr double few = 5;             // samples in a cell
-constexpr double most_share = 10;     // largest factor of the usual displacement
+constexpr std::size_t kShortestAtRest = 12;  // frames: shorter tracks give no rest
+constexpr double kFewSamples = 5;            // samples in a cell
+constexpr double most_share = 10;            // largest factor of the usual displacement
 constexpr std::size_t most_exemplars = 300;
 constexpr double renewal = 1e-3;  // of a stroke in a frame, to begin with
 
@@ -116,7 +116,7 @@ CellMap displacement_scale_map(std::span<const FollowedSample> samples, const Au
   const double share = 1 / static_cast<double>(samples.size());
   for (const auto& [all, normal_displacement] : samples)
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (normal_displacement[i].size() < shortest) continue;
+      if (normal_displacement[i].size() < kShortestAtRest) continue;
       const double mean = std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) /
                           double(normal_displacement[i].size());
       for (std::size_t k = 0; k < normal_displacement[i].size(); ++k) {
@@ -130,8 +130,8 @@ CellMap displacement_scale_map(std::span<const FollowedSample> samples, const Au
   const double usual = displacement.noise > 0 ? std::pow(stationary_deviation(displacement), 2) : 0;
   const auto s = spread_over_cells(roots, 1), n = spread_over_cells(counts, 1);
   for (std::size_t c = 0; c < shares.values.size(); ++c) {
-    const double variance =
-        RobustVariance::variance((s[c] + few * RobustVariance::root(usual + error)) / (n[c] + few));
+    const double variance = RobustVariance::variance(
+        (s[c] + kFewSamples * RobustVariance::root(usual + error)) / (n[c] + kFewSamples));
     shares.values[c] =
         usual > 0 ? std::clamp(std::sqrt(std::max(variance - error, 0.0) / usual), 0.1, most_share) : 1;
   }

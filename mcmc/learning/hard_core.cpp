@@ -35,7 +35,7 @@ constexpr double farthest = 12;  // px
 constexpr double step = 0.5;     // px, between the distances that are tried
 constexpr std::size_t steps = static_cast<std::size_t>(farthest / step);
 constexpr double rare_share = 0.2;
-constexpr double few = 20;  // patches
+constexpr double kFewPatches = 20;  // patches
 // Offsets to places nearby, px: out of reach, and unequal, so that regular folds of a cloth do not bias them.
 constexpr std::array<Point, 6> elsewhere = {{{19, 7}, {-23, 9}, {-8, -27}, {31, -11}, {12, 33}, {-37, -14}}};
 
@@ -100,7 +100,7 @@ HardCoreDistances estimate_hard_core(std::span<const graph::MotionGraph> samples
   std::array<double, kinds> result{};
   for (std::size_t k = 0; k < kinds; ++k)
     for (std::size_t s = 0; s < steps; ++s)
-      if (expected[k][s] >= few && seen[k][s] <= rare_share * expected[k][s])
+      if (expected[k][s] >= kFewPatches && seen[k][s] <= rare_share * expected[k][s])
         result[k] = static_cast<double>(s + 1) * step;
   return {result[alike], result[lines], result[mixed]};
 }

@@ -13,7 +13,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr std::array<MeasureDescription, 3> kMeasures{{
+constexpr std::array<MeasureDescription, 3> kStrokeMeasures{{
     {"stroke_events", "Event rates", "ln ratio",
      "births, deaths, splits, merges, connects, disconnects a frame; 0.7 is twice or half as often"},
     {"stroke_lifetime", "Stroke lifetime", "ln ratio", "frames that a stroke lives between two events"},
@@ -97,7 +97,7 @@ mcmc::StrokeSeries select_frames(const mcmc::StrokeSeries& series, int first, in
 }
 
 std::span<const MeasureDescription> stroke_measures() {
-  return kMeasures;
+  return kStrokeMeasures;
 }
 
 StrokeDistances stroke_distances(const mcmc::StrokeStatistics& clip,

@@ -13,7 +13,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kBatch = 16;         // frames of each clip that are held at once
+constexpr int kFramesAtOnce = 16;  // frames of each clip that are held at once
 constexpr int kFewestLearned = 4;  // frames that models learn from
 
 // A model's clip while it is drawn.
@@ -72,9 +72,9 @@ void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, co
   const int frames = drawing.source.frames, all = std::max(frames, drawing.drawn_frames);
   source.rewind();
   context.report("synthesize", 0);
-  for (int t = 0; t < all; t += kBatch) {
-    const auto levels = next_levels(source, std::clamp(frames - t, 0, kBatch), context);
-    if (std::ssize(levels) < std::min(frames - t, kBatch))
+  for (int t = 0; t < all; t += kFramesAtOnce) {
+    const auto levels = next_levels(source, std::clamp(frames - t, 0, kFramesAtOnce), context);
+    if (std::ssize(levels) < std::min(frames - t, kFramesAtOnce))
       throw core::IoError("the clip has become shorter while it was read");
     const auto luma = levels_to_luma(levels);
     drawing.source.add(luma, context);
@@ -82,10 +82,10 @@ void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, co
     std::vector<std::vector<cv::Mat>> batch(1);
     if (observer.take)
       for (const auto& one : levels) batch[0].push_back(core::to_bytes(one));
-    const int drawn = std::clamp(drawing.drawn_frames - t, 0, kBatch);
+    const int drawn = std::clamp(drawing.drawn_frames - t, 0, kFramesAtOnce);
     for (auto& clip : drawing.clips) batch.push_back(draw_frames(clip, drawn, with_strokes, context));
     if (observer.take) observer.take(t, batch);
-    context.report("synthesize", std::min(1.0, static_cast<double>(t + kBatch) / all));
+    context.report("synthesize", std::min(1.0, static_cast<double>(t + kFramesAtOnce) / all));
   }
 }
 

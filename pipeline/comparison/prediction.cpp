@@ -21,9 +21,9 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kMostStarts = 32;  // that frames are predicted from: bounds the time
-constexpr int kBatch = 8;        // starts that are worked on at once
-constexpr int kPast = 2;         // frames that a model sees
+constexpr int kMostStarts = 32;   // that frames are predicted from: bounds the time
+constexpr int kStartsAtOnce = 8;  // starts that are worked on at once
+constexpr int kPast = 2;          // frames that a model sees
 
 struct FrameError {
   double square = 0, similarity = 0;
@@ -152,8 +152,8 @@ PredictionMeasures measure_prediction(core::FrameSource& source, int first, int 
   FrameWindow window(source, std::max(0, first - kPast), frames, context);
   std::vector<StartErrors> all(static_cast<std::size_t>(count));
   context.report("predict", 0);
-  for (int i = 0; i < count; i += kBatch) {
-    const int end = std::min(count, i + kBatch);
+  for (int i = 0; i < count; i += kStartsAtOnce) {
+    const int end = std::min(count, i + kStartsAtOnce);
     window.move(std::max(0, start_frame(i) + 1 - kPast),
                 std::min(frames - 1, start_frame(end - 1) + steps.back()));
     core::parallel_for(static_cast<std::size_t>(end - i), context, [&](std::size_t k) {

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/math/robust.hpp"
+#include "core/math/smooth_step.hpp"
 
 namespace emberfold::pipeline {
 
@@ -22,11 +23,6 @@ constexpr float kStay = 0.5F;       // cost of a pixel that changes sides, of on
 constexpr double kShortWay = 0.02;  // of the mean difference: cost of a way where all is alike
 constexpr int kPairs = 64;          // of frames that tell how visible seams usually are
 constexpr double kFeather = 0.03;   // of the longer side: width over which plays are blended
-
-double smooth_step(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
 
 cv::Mat turn_over(const cv::Mat& picture, bool turned) {
   return turned ? cv::Mat(picture.t()) : picture;
@@ -144,7 +140,7 @@ cv::Mat Seams::join(const std::vector<cv::Mat>& frames, const SeamLines& lines) 
         const double distance =
             (turned_ ? y - places[static_cast<std::size_t>(x)] : x - places[static_cast<std::size_t>(y)]) +
             0.5;
-        const double w = smooth_step(distance / feather + 0.5);
+        const double w = core::smooth_step(distance / feather + 0.5);
         if (w <= 0) continue;
         for (int c = 0; c < channels; ++c) {
           auto& level = out.ptr<std::uint8_t>(y)[x * channels + c];

@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/math/smooth_step.hpp"
 #include "dytex/measures/optical_flow.hpp"
 
 namespace emberfold::pipeline {
@@ -24,11 +25,6 @@ constexpr double kNearby = 3;    // px of those: SD of the place over which like
 constexpr double kMiddle =
     0.3;  // cost of turning at the way's ends instead of its middle, of the mean difference
 constexpr double kDuration = 3;  // moments in which a place turns
-
-double smooth_step(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
 
 cv::Mat1f luma_of(const cv::Mat& frame) {
   cv::Mat grey = frame, levels;
@@ -134,7 +130,7 @@ cv::Mat1f turning_places(const std::vector<cv::Mat>& footage, const PlayedMoment
 cv::Mat draw_turn(const std::vector<cv::Mat>& footage, const PlayedMoment& moment, const cv::Mat1f& places) {
   const auto& a = footage[static_cast<std::size_t>(moment.frame)];
   const auto& b = footage[static_cast<std::size_t>(moment.other)];
-  const double share = smooth_step((moment.place + moment.half + 0.5) / (2 * moment.half));
+  const double share = core::smooth_step((moment.place + moment.half + 0.5) / (2 * moment.half));
   const cv::Mat from_a = moved(a, footage_motion(a, b), share);
   const cv::Mat from_b = moved(b, footage_motion(b, a), 1 - share);
   cv::Mat turning;
@@ -144,7 +140,7 @@ cv::Mat draw_turn(const std::vector<cv::Mat>& footage, const PlayedMoment& momen
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
       const double t = moment.place + 0.5 - double{turning.at<float>(y, x)};
-      const double w = smooth_step(t / kDuration + 0.5);
+      const double w = core::smooth_step(t / kDuration + 0.5);
       for (int c = 0; c < channels; ++c) {
         const int i = x * channels + c;
         out.ptr<std::uint8_t>(y)[i] = cv::saturate_cast<std::uint8_t>(

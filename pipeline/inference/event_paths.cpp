@@ -23,7 +23,7 @@ constexpr double kSlip = 9;                        // px along the curve that a 
 constexpr double kSameEnds = 4;                    // px between ends that are carried and followed
 constexpr std::array kOtherFrames = {1, 2, 4, 7};  // from the event, in which the strokes may be joined too
 constexpr double kDetour = 15;                     // px that a path there may be longer
-constexpr double kApart = 6;                       // px between patches of a path that is stretched
+constexpr double kPatchesApart = 6;                // px between patches of a path that is stretched
 
 Point tangent(const Patch& patch) {
   return {std::cos(patch.theta), std::sin(patch.theta)};
@@ -112,12 +112,14 @@ Patch between(const Patch& a, const Patch& b, double share) {
   return result;
 }
 
-/// Returns a path with more patches, so that none are farther apart than kApart, and one between any two.
+/// Returns a path with more patches, so that none are farther apart than kPatchesApart, and one between any
+/// two.
 Path refine(const Path& path) {
   Path result;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     result.push_back(path[i]);
-    const int parts = 2 * (static_cast<int>(distance(path[i].position, path[i + 1].position) / kApart) + 1);
+    const int parts =
+        2 * (static_cast<int>(distance(path[i].position, path[i + 1].position) / kPatchesApart) + 1);
     for (int k = 1; k < parts; ++k) result.push_back(between(path[i], path[i + 1], double(k) / parts));
   }
   result.push_back(path.back());

@@ -14,10 +14,10 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kWindow = 6, kSearch = 5;  // px of half the resolution, to each side
-constexpr double kLeastContrast = 2;     // SD in grey levels
-constexpr int kNeighbours = 3;           // pairs of neighbouring frames to each side of the change
-constexpr std::array kApart{6, 8, 10};   // frames
+constexpr int kWindow = 6, kSearch = 5;       // px of half the resolution, to each side
+constexpr double kLeastContrast = 2;          // SD in grey levels
+constexpr int kNeighbours = 3;                // pairs of neighbouring frames to each side of the change
+constexpr std::array kFramesApart{6, 8, 10};  // frames
 
 /// Returns the best correlation coefficient of the window about `centre` with the other frame; nothing if it
 /// is flat.
@@ -56,7 +56,7 @@ std::optional<mcmc::FrameLikeness> measure_likeness(const FrameWindow& window, i
     compare(at - 1 - k, at - 2 - k, next);
     compare(at + k, at + k + 1, next);
   }
-  for (const int frames_apart : kApart) {
+  for (const int frames_apart : kFramesApart) {
     compare(at - 1, at - 1 + frames_apart, apart);
     compare(at, at - frames_apart, apart);
   }

@@ -172,7 +172,7 @@ bool shows_steps(const ScaleLevel& level) {
 }
 
 // The halved frame that is searched, and what is usual in it, or in that of which it is a part.
-struct Searched {
+struct WeakSearch {
   const ScaleSpace& space;
   double noise;
   const std::vector<double>& usual;
@@ -183,7 +183,7 @@ struct Searched {
   }
 };
 
-CreaseLines find_line_points(const Searched& frame, const WeakCurveLimits& limits) {
+CreaseLines find_line_points(const WeakSearch& frame, const WeakCurveLimits& limits) {
   const ScaleSpace& space = frame.space;
   CreaseMapBuilder ridges(space, CreaseKind::ridge), valleys(space, CreaseKind::valley);
   for (std::size_t k = 0; k < space.size(); ++k) {
@@ -202,7 +202,7 @@ CreaseLines find_line_points(const Searched& frame, const WeakCurveLimits& limit
   return {ridges.finish(), valleys.finish()};
 }
 
-CreaseMap find_step_points(const Searched& frame, const WeakCurveLimits& limits) {
+CreaseMap find_step_points(const WeakSearch& frame, const WeakCurveLimits& limits) {
   const ScaleSpace& space = frame.space;
   CreaseMapBuilder steps(space, CreaseKind::step);
   for (std::size_t k = 0; k < space.size(); ++k) {
@@ -308,7 +308,7 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
   const cv::Size frame = space.front().frame.size();
   const HalfResolution halving(frame);
   const ScaleSpace half = halving.halved(space);
-  const Searched searched{half, noise, usual};
+  const WeakSearch searched{half, noise, usual};
   constexpr double kSeed = 0.6;          // SD more where a curve begins
   constexpr double kLeastOfPiece = 1.5;  // nats
   constexpr double kOfFlank = 1.3;  // more of a flank's contrast: lines with a flat core have such flanks

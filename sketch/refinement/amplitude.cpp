@@ -16,9 +16,9 @@ using graph::Point;
 
 namespace {
 
-constexpr double kStep = 0.5;                             // px between samples across
-constexpr std::array kAlong{-2.5, -1.25, 0., 1.25, 2.5};  // px, samples along
-constexpr double kLeastReach = 3, kMostReach = 12;        // px to each side
+constexpr double kStep = 0.5;                               // px between samples across
+constexpr std::array kSamples{-2.5, -1.25, 0., 1.25, 2.5};  // px, samples along
+constexpr double kLeastReach = 3, kMostReach = 12;          // px to each side
 constexpr double kOfSlip = 0.02;           // of the amplitude, what a px of slip has to be worth
 constexpr double kLeastDifference = 1e-3;  // grey levels
 
@@ -64,9 +64,9 @@ double measure_amplitude(const cv::Mat& levels, const Patch& patch, double slip)
   std::vector<double> seen;
   for (int i = -all; i <= all; ++i) {
     double sum = 0;
-    for (const double s : kAlong)
+    for (const double s : kSamples)
       sum += sample(levels, patch.position + across * (i * kStep) + along * s, weights);
-    seen.push_back(sum / static_cast<double>(kAlong.size()));
+    seen.push_back(sum / static_cast<double>(kSamples.size()));
   }
   // Without its mean the profile is orthogonal to a constant level.
   std::vector<double> profile;

@@ -30,7 +30,7 @@ std::vector<Point> places(const EditableGraph& draft, const std::vector<Slot>& h
   return points;
 }
 
-constexpr double kAlong = 3;  // px along a patch that are its own
+constexpr double kOwnLength = 3;  // px along a patch that are its own
 
 double own_across(const Patch& patch) {
   constexpr double kLeast = 1.5;
@@ -40,7 +40,7 @@ double own_across(const Patch& patch) {
 bool lies_on(const Patch& patch, Point place) {
   const Point apart = place - patch.position;
   const double c = std::cos(patch.theta), s = std::sin(patch.theta);
-  return std::abs(apart.x * c + apart.y * s) <= kAlong &&
+  return std::abs(apart.x * c + apart.y * s) <= kOwnLength &&
          std::abs(apart.y * c - apart.x * s) <= own_across(patch);
 }
 
@@ -105,7 +105,7 @@ bool patches_overlap(const Patch& a, const Patch& b) {
   // Most are too far apart, however they lie; a millionth more than rounding makes.
   const double across = std::max(own_across(a), own_across(b));
   const Point apart = b.position - a.position;
-  if (graph::dot(apart, apart) > 1.000001 * (kAlong * kAlong + across * across)) return false;
+  if (graph::dot(apart, apart) > 1.000001 * (kOwnLength * kOwnLength + across * across)) return false;
   return lies_on(a, b.position) || lies_on(b, a.position);
 }
 

@@ -16,7 +16,8 @@ using graph::Point;
 namespace {
 
 constexpr double kLongest = 16;  // px that a way bridges
-constexpr double kShows = 0.6;   // more than the half that makes a gap: what is on the verge would flicker
+constexpr double kClearlyShows =
+    0.6;  // more than the half that makes a gap: what is on the verge would flicker
 
 struct End {
   Slot slot;
@@ -63,7 +64,8 @@ std::optional<std::vector<Patch>> straight_path(ProposalBuilder& editor, const P
   const double hidden =
       graph::orientation_difference(heading, end.theta) < from_side ? 0 : end.width / 2 + 2 * end.blur;
   const Point seen_to = from + step * std::max(1 - hidden / length, 0.0);
-  if (hidden < length && editor.visible_contrast(begin, from, seen_to, contrast, kShows) < kShows)
+  if (hidden < length &&
+      editor.visible_contrast(begin, from, seen_to, contrast, kClearlyShows) < kClearlyShows)
     return std::nullopt;
   return row_like(editor, begin, from, step, theta, contrast, besides);
 }
@@ -100,7 +102,7 @@ void join_ends(ProposalBuilder& editor, const End& a, const End& b) {
                                         first.contrast);
   const std::array<Slot, 2> both{a.slot, b.slot};
   if (length < 0.6 * editor.spacing()) {
-    if (editor.visible_contrast(first, a.place, b.place, contrast, kShows) < kShows) return;
+    if (editor.visible_contrast(first, a.place, b.place, contrast, kClearlyShows) < kClearlyShows) return;
     const Slot before = draft.neighbours(a.slot)[0], after = draft.neighbours(b.slot)[0];
     if (before == after) return;
     const Point along = draft.patch(after).position - draft.patch(before).position;

@@ -8,16 +8,16 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
-#include "core/math/luma.hpp"
 #include "sketch/dictionary/dictionary.hpp"
 #include "sketch/dictionary/patch_views.hpp"
 #include "sketch/rendering/curve_bands.hpp"
+#include "sketch/rendering/patch_colour.hpp"
 
 namespace emberfold::sketch {
 
 namespace {
 
-using Colour = std::array<double, 3>;
+using detail::colour, detail::Colour;
 
 /// Levels across a patch's direction, channel by channel, at profile_position(i) reaches.
 using Table = std::array<Colour, kProfileSamples>;
@@ -27,11 +27,6 @@ struct DecodedPatch {
   Table across{};
   std::vector<Colour> window;
 };
-
-Colour colour(const graph::Level& level, int channels) {
-  const Colour c = {double{level[0]}, double{level[1]}, double{level[2]}};
-  return channels == 3 ? c : Colour{core::luma(c[0], c[1], c[2]), 0, 0};
-}
 
 Table parametric(const graph::Patch& patch, int channels) {
   const ProfileShape shape(patch);

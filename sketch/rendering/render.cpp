@@ -11,27 +11,20 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
-#include "core/math/luma.hpp"
 #include "sketch/rendering/curve_bands.hpp"
+#include "sketch/rendering/patch_colour.hpp"
 
 namespace emberfold::sketch {
 
 namespace {
 
-using Colour = std::array<double, 3>;
+using detail::colour, detail::Colour;
 
 /// Profile of a band at one place of its curve; sides as seen along the curve.
 struct Profile {
   Colour left{}, middle{}, right{};
   ProfileShape shape;
 };
-
-Colour colour(const graph::Level& level, int channels) {
-  const Colour c = {static_cast<double>(level[0]), static_cast<double>(level[1]),
-                    static_cast<double>(level[2])};
-  if (channels == 3) return c;
-  return {core::luma(c[0], c[1], c[2]), 0, 0};
-}
 
 Profile profile(const graph::Patch& patch, bool backwards, int channels) {
   Profile p;

@@ -25,13 +25,13 @@ constexpr std::array<std::size_t, 6> kLimitEdges{2, 3, 5,
                                                  6, 8, 9};  // of each filter: 3, 12, 43, 57, 88, 97 %
 constexpr int kLimits = kLimitEdges.size();
 constexpr int kFeatures = kTextureFilters * kLimits;  // of a pixel
-constexpr std::size_t kLanes = 8;  // a feature is padded to whole vectors, as core::squared_distance sums
-constexpr int kStep = 3;           // px between the pixels that make the clusters
+constexpr std::size_t kPaddedTo = 8;  // a feature is padded to whole vectors, as core::squared_distance sums
+constexpr int kStep = 3;              // px between the pixels that make the clusters
 constexpr int kIterations = 25;
 constexpr int kReach = 3;  // px, of the filters
 constexpr int kTries = 4;  // of k-means, the best is taken
 
-using Feature = std::array<float, (kFeatures + kLanes - 1) / kLanes * kLanes>;  // zeros behind
+using Feature = std::array<float, (kFeatures + kPaddedTo - 1) / kPaddedTo * kPaddedTo>;  // zeros behind
 
 void check(const cv::Mat& levels, const cv::Mat& mask) {
   check_levels_and_mask("texture_regions", levels, mask);

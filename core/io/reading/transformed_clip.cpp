@@ -16,16 +16,13 @@
 #include "core/io/reading/mask_clip.hpp"
 #include "core/io/reading/stabilizer.hpp"
 #include "core/text/format_number.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::io {
 
 namespace {
 
 constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
 
 class TransformedClip final : public core::FrameSource, public core::ClipKnowledge {
  public:
@@ -130,8 +127,8 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
       if (region->x > info_.width - region->width || region->y > info_.height - region->height)
         refuse("roi " + std::to_string(region->x) + "," + std::to_string(region->y) + "," +
                std::to_string(region->width) + "," + std::to_string(region->height) +
-               " is out of range: the frames of " + name_ + " have " + size_text(info_.width, info_.height) +
-               " pixels");
+               " is out of range: the frames of " + name_ + " have " +
+               core::size_text(info_.width, info_.height) + " pixels");
       info_.width = region->width, info_.height = region->height;
     }
     const auto scaled = [&](int length) { return std::max(1.0, std::round(length * options_.scale)); };

@@ -23,13 +23,13 @@ std::string written(const graph::MotionGraph& motion) {
   return out.str();
 }
 
-graph::MotionGraph read(const std::string& text) {
+graph::MotionGraph motion_of(const std::string& text) {
   std::istringstream in(text);
   return graph::read_motion(in, "m.jsonl");
 }
 
 std::string refusal(const std::string& text) {
-  return test::message_of<core::IoError>([&] { read(text); });
+  return test::message_of<core::IoError>([&] { motion_of(text); });
 }
 
 std::string replaced(std::string text, const std::string& what, const std::string& with) {
@@ -57,11 +57,11 @@ std::string good() {
 }  // namespace
 
 TEST_CASE("Motion of version 1 has no curves, one of version 2 has", "[graph][io]") {
-  for (const auto& frame : read(good()).sketch.frames)
+  for (const auto& frame : motion_of(good()).sketch.frames)
     for (const auto& v : frame.vertices()) CHECK(v.curve == graph::CurveId{});
   const auto with =
       replaced(replaced(good(), R"("version":1)", R"("version":2)"), R"("id":2,)", R"("id":2,"curve":7,)");
-  CHECK(read(with).sketch.frames[1].vertices()[0].curve == graph::CurveId{7});
+  CHECK(motion_of(with).sketch.frames[1].vertices()[0].curve == graph::CurveId{7});
   CHECK_THAT(refusal(replaced(with, R"("curve":7)", R"("curve":-7)")),
              test::Contains("\"curve\" must be a whole number"));
 }
@@ -71,8 +71,8 @@ TEST_CASE("Motion and sketch files read back the same, bit for bit", "[graph][io
     auto motion = graph::identify_curves(graph::identify(test::random_motion(seed, 4, 15))).motion;
     motion.sketch.fps = 30000.0 / 1001;
     const std::string text = written(motion);
-    CHECK(read(text) == motion);
-    CHECK(written(read(text)) == text);
+    CHECK(motion_of(text) == motion);
+    CHECK(written(motion_of(text)) == text);
     std::stringstream sketch;
     graph::write_sketch(sketch, motion.sketch);
     CHECK(graph::read_sketch(sketch, "s.jsonl") == motion.sketch);
@@ -102,7 +102,7 @@ TEST_CASE("Hard numbers read back the same", "[graph][io]") {
   motion.sketch.height = 65536;
   motion.sketch.frames.emplace_back(vertices, std::vector<graph::Edge>{});
   motion.links.resize(1);
-  const graph::MotionGraph back = read(written(motion));
+  const graph::MotionGraph back = motion_of(written(motion));
   CHECK(back == motion);
   const auto& patch = back.sketch.frames[0].patch(0);
   CHECK(std::signbit(patch.position.x));
@@ -112,7 +112,7 @@ TEST_CASE("Hard numbers read back the same", "[graph][io]") {
 }
 
 TEST_CASE("A grey level is one number, a colour three, and both are read", "[graph][io]") {
-  const auto motion = read(good());
+  const auto motion = motion_of(good());
   const auto& patch = motion.sketch.frames[0].patch(0);
   CHECK(patch.left == graph::Level{100, 100, 100});
   CHECK(patch.middle == graph::Level{130, 131, 132});
@@ -121,14 +121,14 @@ TEST_CASE("A grey level is one number, a colour three, and both are read", "[gra
 }
 
 TEST_CASE("What a reader may meet and take", "[graph][io]") {
-  const auto motion = read(good());
-  CHECK(read(replaced(good(), R"("frame":1,)", R"("frame":1,"note":{"a":[1,{"b":null}],"id":7},)")) ==
+  const auto motion = motion_of(good());
+  CHECK(motion_of(replaced(good(), R"("frame":1,)", R"("frame":1,"note":{"a":[1,{"b":null}],"id":7},)")) ==
         motion);
-  CHECK(read(replaced(good(), R"("blur":1,)", R"("blur":1,"mark":[[],{"x":[]}],)")) == motion);
-  CHECK(read(good() + "\n\r\n") == motion);
-  CHECK(read(good().substr(0, good().size() - 1)) == motion);  // without the last line break
-  CHECK(read(replaced(good(), "[[0,2],[1,3]]", "[[1,3],[0,2]]")) == motion);
-  CHECK(read(replaced(kHeader, R"("frames":2)", R"("frames":0)")).sketch.frames.empty());
+  CHECK(motion_of(replaced(good(), R"("blur":1,)", R"("blur":1,"mark":[[],{"x":[]}],)")) == motion);
+  CHECK(motion_of(good() + "\n\r\n") == motion);
+  CHECK(motion_of(good().substr(0, good().size() - 1)) == motion);  // without the last line break
+  CHECK(motion_of(replaced(good(), "[[0,2],[1,3]]", "[[1,3],[0,2]]")) == motion);
+  CHECK(motion_of(replaced(kHeader, R"("frames":2)", R"("frames":0)")).sketch.frames.empty());
 }
 
 TEST_CASE("Every bad motion file is refused with name, line and cause", "[graph][io]") {
@@ -240,7 +240,8 @@ TEST_CASE("Deep nesting is refused or passed over, never followed", "[graph][io]
                  "nested more than"));
   CHECK(contains(refusal(kHeader + deep + "\n"), "line 2: must be an object, is a list"));
   CHECK(contains(refusal(kHeader + "{\"frame\":0,\"note\":" + deep + "\n"), "line 2: no valid JSON"));
-  CHECK(read(replaced(good(), R"("frame":1,)", R"("frame":1,"note":)" + deep + shut + ",")) == read(good()));
+  CHECK(motion_of(replaced(good(), R"("frame":1,)", R"("frame":1,"note":)" + deep + shut + ",")) ==
+        motion_of(good()));
   std::istringstream events("{\"events\":" + deep + shut + "}");
   CHECK(contains(test::message_of<core::IoError>([&] { graph::read_events(events, "e.json"); }),
                  "nested more than"));
@@ -341,7 +342,7 @@ TEST_CASE("Events and trajectories have their tables", "[graph][io]") {
   graph::write_events_csv(events, {{2, graph::EventType::split, {1.25, 3}, 0.5, {{4}}, {{5}, {6}}}});
   CHECK(events.str() == "frame,type,x,y,probability,before,after\n2,split,1.25,3,0.5,4,5;6\n");
   std::ostringstream table;
-  graph::write_trajectories(table, read(good()));
+  graph::write_trajectories(table, motion_of(good()));
   CHECK(contains(table.str(),
                  "trajectory,frame,vertex,stroke,x,y,theta,width,blur,contrast\n"
                  "0,0,0,1,1.5,2,0.5,2,1,30\n0,1,2,1,1.5,2,0.5,2,1,30\n1,0,1,1"));
@@ -361,7 +362,7 @@ TEST_CASE("A long clip's motion is written and read in a moment", "[graph][io]")
   const auto start = std::chrono::steady_clock::now();
   const std::string text = written(motion);
   const auto middle = std::chrono::steady_clock::now();
-  CHECK(read(text) == motion);
+  CHECK(motion_of(text) == motion);
   const std::chrono::duration<double> write = middle - start,
                                       read_time = std::chrono::steady_clock::now() - middle;
   CAPTURE(write.count(), read_time.count());
