@@ -3,6 +3,8 @@
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
 const sliders = ["speed", "intensity", "coarse", "medium", "fine"];
+/** The sliders that a preset sets: one that names no speed leaves it. */
+const slidersOf = (preset) => sliders.filter((name) => name !== "speed" || preset.speed !== 1);
 const factorText = (value) => (value < 0 ? "\u2212" : "") + Math.abs(value).toFixed(2) + "\u00a0\u00d7";
 
 function make(tag, attributes = {}, ...children) {
@@ -165,7 +167,7 @@ class Page {
     $("all-reset").disabled = hashOf(settings, 1n, true) === "";
     for (const button of document.querySelectorAll("[data-preset]")) {
       const preset = data.presets[button.dataset.preset];
-      const fits = ["intensity", "coarse", "medium", "fine"].every((name) => preset[name] === settings[name]);
+      const fits = slidersOf(preset).every((name) => preset[name] === settings[name]);
       button.setAttribute("aria-pressed", fits);
     }
     const {dropped} = this.player.edit;
@@ -219,8 +221,8 @@ async function start() {
   const screens = {source: $("source").getContext("2d", {alpha: false}), result: $("result").getContext("2d", {alpha: false})};
   const page = new Page(new Player(data, model, drawer, screens));
   for (const button of document.querySelectorAll("[data-preset]")) {
-    const {intensity, coarse, medium, fine} = data.presets[button.dataset.preset];
-    button.addEventListener("click", () => page.want({intensity, coarse, medium, fine}));
+    const preset = data.presets[button.dataset.preset];
+    button.addEventListener("click", () => page.want(Object.fromEntries(slidersOf(preset).map((name) => [name, preset[name]]))));
   }
   $("loading").hidden = true;
   $("controls").disabled = false;

@@ -77,7 +77,7 @@ std::string title_of(const std::string& model) {
 Json preset_list() {
   Json list = Json::array();
   for (const dytex::PresetInfo& info : dytex::presets()) {
-    double intensity = 1;
+    double intensity = 1, speed = 1;
     dytex::Scales scales;
     bool fits = true;
     for (const dytex::Edit& edit : dytex::preset(info.name)) {
@@ -85,6 +85,8 @@ Json preset_list() {
         intensity *= one->factor;
       } else if (const auto* three = std::get_if<dytex::Scales>(&edit.what)) {
         scales.coarse *= three->coarse, scales.medium *= three->medium, scales.fine *= three->fine;
+      } else if (const auto* turned = std::get_if<dytex::Speed>(&edit.what)) {
+        speed *= turned->factor;
       } else {
         fits = false;
       }
@@ -92,6 +94,7 @@ Json preset_list() {
     if (fits)
       list.push_back({{"name", info.name},
                       {"about", info.about},
+                      {"speed", speed},
                       {"intensity", intensity},
                       {"coarse", scales.coarse},
                       {"medium", scales.medium},

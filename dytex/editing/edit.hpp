@@ -51,6 +51,8 @@ struct Directions {
 /// on; of a model per channel, each channel's.
 struct Scales {
   double coarse = 1, medium = 1, fine = 1;  ///< 0 … 10; the paper's go to 2
+
+  bool operator==(const Scales&) const = default;
 };
 
 /// Multiplies the weights of the first components by these factors. Further ones stay.
@@ -85,10 +87,11 @@ struct EditResult {
 /// worst, in practice O(N³); C is not touched.
 EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits);
 
-/// Returns the edits named after a picture in the paper's figures (2003, Fig. 2; 2002, Figs. 2 to 4):
-/// turbulent, hazy, patchy (smoke), rough-sea, lake, rain (ocean), spray, frothy, spurty (fountain). The
-/// paper says which sliders go up or down, for most of them; the numbers are chosen here, as it prints none.
-/// InputError, with all names, for another name.
+/// Returns the edits named after a picture in the paper's figures (2003, Fig. 2; 2002, Figs. 2 to 5):
+/// turbulent, hazy, billowing, patchy (smoke), rough-sea, lake, rain (ocean), spray, frothy, spurty
+/// (fountain), fire-coarse, fire-medium, fire-fine, fire-slow, fire-fast, fire-reversed. The paper says which
+/// sliders go up or down, for most of them; the numbers are chosen here, as it prints none. InputError, with
+/// all names, for another name.
 std::vector<Edit> preset(std::string_view name);
 
 struct PresetInfo {

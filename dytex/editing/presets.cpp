@@ -12,16 +12,19 @@ struct Preset {
   PresetInfo info;
   double intensity;
   Scales scales;
+  double speed = 1;
 };
 
 // (2003) is "Editable dynamic textures", CVPR 2003, Fig. 2 and section 4; (2002) its longer form, Figs. 2
-// to 4. "Amplified" and "increased" are their words. Where they say only that intensity and scales were
+// to 5. "Amplified" and "increased" are their words. Where they say only that intensity and scales were
 // played with, so does the table.
-constexpr std::array<Preset, 9> kPresets{{
+constexpr std::array<Preset, 16> kPresets{{
     // Smoke. "a frame where the intensity of the driving input has been increased, … more 'turbulent'"
     {{"turbulent", "smoke: intensity up"}, 2.5, {1, 1, 1}},
     // "where the coarse frequency component has been amplified, which results in a thinner 'hazy' smoke"
     {{"hazy", "smoke: coarse up"}, 1, {2, 1, 1}},
+    // "where the intermediate frequency has been amplified" (2002)
+    {{"billowing", "smoke: medium up"}, 1, {1, 2, 1}},
     // "where the high frequency has been amplified, resulting in a grainy, 'patchy' smoke"
     {{"patchy", "smoke: fine up"}, 1, {1, 1, 2}},
     // Ocean. "the intensity and the coarse and fine scales have been amplified, … larger waves"
@@ -34,6 +37,13 @@ constexpr std::array<Preset, 9> kPresets{{
     {{"spray", "fountain: fine up, coarse down"}, 1.5, {0.6, 1, 2}},
     {{"frothy", "fountain: medium up"}, 1.2, {0.8, 1.8, 1.2}},
     {{"spurty", "fountain: intensity and coarse up, fine down"}, 2.5, {1.5, 1, 0.5}},
+    // Fire (2002). "changing the spatial scales, speed, direction etc."
+    {{"fire-coarse", "fire: coarse up"}, 1, {2, 1, 1}},
+    {{"fire-medium", "fire: medium up"}, 1, {1, 2, 1}},
+    {{"fire-fine", "fire: fine up"}, 1, {1, 1, 2}},
+    {{"fire-slow", "fire: half the speed"}, 1, {1, 1, 1}, 0.5},
+    {{"fire-fast", "fire: twice the speed"}, 1, {1, 1, 1}, 2},
+    {{"fire-reversed", "fire: backwards"}, 1, {1, 1, 1}, -1},
 }};
 
 constexpr auto kInfos = [] {
@@ -54,7 +64,8 @@ std::vector<Edit> preset(std::string_view name) {
     if (known.info.name == name) {
       std::vector<Edit> edits;
       if (known.intensity != 1) edits.push_back({Intensity{known.intensity}});
-      edits.push_back({known.scales});
+      if (!(known.scales == Scales{})) edits.push_back({known.scales});
+      if (known.speed != 1) edits.push_back({Speed{known.speed}});
       return edits;
     }
     names += (names.empty() ? "" : ", ") + std::string(known.info.name);

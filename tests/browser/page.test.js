@@ -239,6 +239,11 @@ describe("the page", () => {
     await page.click("#all-reset");
     await page.waitForFunction(() => emberfold.settings.fine === 1);
     assert.equal(await page.getAttribute("button:text-is(\"rain\")", "aria-pressed"), "false");
+    await page.click("button:text-is(\"fire-slow\")");
+    await page.waitForFunction(() => emberfold.settings.speed === 0.5);
+    await page.click("button:text-is(\"rain\")");
+    await page.waitForFunction(() => emberfold.settings.fine === 2);
+    assert.equal(await page.evaluate(() => emberfold.settings.speed), 0.5);
     await close(page);
   });
 

@@ -2,7 +2,9 @@
 #include "dytex/editing/edit.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numbers>
+#include <string_view>
 
 #include "core/error.hpp"
 #include "dytex/model/archive.hpp"
@@ -373,7 +375,9 @@ TEST_CASE("Residuals stay while the noise has as many inputs", "[dytex][edit]") 
 }
 
 TEST_CASE("Presets do what the paper's text says of its figures", "[dytex][edit]") {
-  CHECK(presets().size() == 9);
+  const std::map<std::string_view, double> speeds{
+      {"fire: half the speed", 0.5}, {"fire: twice the speed", 2}, {"fire: backwards", -1}};
+  CHECK(presets().size() == 16);
   for (const PresetInfo& info : presets()) {
     const std::vector<Edit> edits = preset(info.name);
     for (const Edit& one : edits) CHECK_NOTHROW(validate(one));
@@ -386,12 +390,18 @@ TEST_CASE("Presets do what the paper's text says of its figures", "[dytex][edit]
       CHECK((ratio < 1) == (at != std::string_view::npos && down < up));
     };
     if (info.name == "spray" || info.name == "frothy") continue;  // move more than their line names
+    if (const auto speed = speeds.find(info.about); speed != speeds.end()) {
+      CHECK(found.A == after(texture, {{Speed{speed->second}}}).A);
+      continue;
+    }
     went(found.B.norm() / texture.B.norm(), "intensity");
     went(found.weights[0], "coarse");
+    went(found.weights[10], "medium");
     went(found.weights[29], "fine");
   }
   CHECK(test::message_of<core::InputError>([] { preset("stormy"); }) ==
-        "preset is stormy; allowed is turbulent, hazy, patchy, rough-sea, lake, rain, spray, frothy, spurty");
+        "preset is stormy; allowed is turbulent, hazy, billowing, patchy, rough-sea, lake, rain, spray, "
+        "frothy, spurty, fire-coarse, fire-medium, fire-fine, fire-slow, fire-fast, fire-reversed");
 }
 
 TEST_CASE("Edits out of range are refused by name and value", "[dytex][edit]") {
