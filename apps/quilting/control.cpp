@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -201,7 +203,7 @@ dytex::TimeControl make_control(const ControlRequest& request, cv::Size size, cv
           std::tuple("TimeControl.offset", rates.size() == 2 ? "--control (offset)" : "--offset",
                      rates.size() == 2 ? request.rate : request.offset)})
       if (message.starts_with(field))
-        message = std::string(option) + " " + text + message.substr(std::string(field).size());
+        message.replace(0, std::string_view(field).size(), std::string(option).append(" ").append(text));
     throw core::InputError(message);
   }
   return control;

@@ -10,7 +10,7 @@ namespace {
 
 struct Preset {
   PresetInfo info;
-  double intensity;
+  double intensity = 1;
   Scales scales;
   double speed = 1;
 };
