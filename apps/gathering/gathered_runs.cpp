@@ -106,7 +106,9 @@ void assign_groups(std::vector<GatheredRun>& runs, const std::string& file) {
     if (const auto found = groups.find(run.run); found != groups.end())
       run.group = found->second, used.insert(found->first);
   for (const auto& [name, group] : groups)
-    if (!used.contains(name)) throw core::IoError(file + " names the run " + name + ", which is not there");
+    if (!used.contains(name))
+      throw core::IoError(
+          std::string(file).append(" names the run ").append(name).append(", which is not there"));
 }
 
 }  // namespace
