@@ -20,8 +20,8 @@ function(emberfold_compile_options target)
     $<$<BOOL:${EMBERFOLD_WERROR}>:-Werror> $<$<BOOL:${EMBERFOLD_NATIVE}>:-march=native>)
 endfunction()
 
-# emberfold_unity(<target> <n>): compiles up to n sources of a target at once: headers and templates that they share are then read and compiled
-# once. Sources of one unit share their anonymous namespaces, so their names must not clash.
+# emberfold_unity(<target> <n>): compiles up to n sources of a target at once, so that headers and templates that they
+# share are read and compiled once. Sources of one unit share their anonymous namespaces: their names must not clash.
 function(emberfold_unity target n)
   if(EMBERFOLD_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${n})

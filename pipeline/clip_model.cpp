@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/model/compression.hpp"
 #include "pipeline/frame_synthesis.hpp"
@@ -32,9 +33,8 @@ void check_size(const dytex::LinearDynamicTexture& texture, const mcmc::MotionMo
                 const std::string& what) {
   const auto& info = texture.info;
   if (info.width != model.width || info.height != model.height)
-    throw core::IoError(what + " is of frames of " + std::to_string(info.width) + "x" +
-                        std::to_string(info.height) + ", the model of " + std::to_string(model.width) + "x" +
-                        std::to_string(model.height));
+    throw core::IoError(what + " is of frames of " + core::size_text(info.width, info.height) +
+                        ", the model of " + core::size_text(model.width, model.height));
 }
 
 dytex::LinearDynamicTexture read_texture(const std::string& folder, const mcmc::MotionModel& model) {

@@ -11,6 +11,7 @@
 #include "core/context.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/synthesize.hpp"
 #include "graph/events/events.hpp"
 
@@ -113,9 +114,8 @@ FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
                              sketch::RenderOptions look, std::uint64_t seed, mcmc::Start start) {
   const auto& info = texture->info;
   if (info.width != model.width || info.height != model.height)
-    throw core::InputError("the texture between the strokes is " + std::to_string(info.width) + "x" +
-                           std::to_string(info.height) + ", the model " + std::to_string(model.width) + "x" +
-                           std::to_string(model.height));
+    throw core::InputError("the texture between the strokes is " + core::size_text(info.width, info.height) +
+                           ", the model " + core::size_text(model.width, model.height));
   look.channels = info.channels;
   dytex::SynthesisOptions options;
   options.seed = seed;

@@ -8,6 +8,7 @@
 
 #include "apps/cli/console.hpp"
 #include "core/text/format_number.hpp"
+#include "core/text/size_text.hpp"
 #include "sketch/extract.hpp"
 
 namespace emberfold::apps {
@@ -66,7 +67,7 @@ std::string words_of(const RunEstimate& estimate, const core::ClipInfo& info) {
   constexpr double kLong = 120;
   const auto rounded = [](double value) { return core::number_text(core::round_significant(value, 2)); };
   std::string words = std::to_string(std::llround(estimate.frames)) + " frames of " +
-                      std::to_string(info.width) + "x" + std::to_string(info.height) + ": about " +
+                      core::size_text(info.width, info.height) + ": about " +
                       duration_text(estimate.seconds) + " and " + rounded(estimate.memory_mb) + " MB";
   if (estimate.seconds > kLong && info.width > 400) {
     constexpr double kQuick = 320;  // px across: what most clips show is seen at this size

@@ -53,10 +53,6 @@ Json synthesis_json(const pipeline::ModelComparison& found) {
   return synthesis;
 }
 
-Json optional_json(const std::optional<double>& value) {
-  return value ? Json(core::round_to(*value, 3)) : Json(nullptr);
-}
-
 /// Whether events are as frequent in both clips: a second where both tell their rate, otherwise a frame.
 Json rate_tests_of(const pipeline::ClipComparison& found, const core::ClipInfo& a, const core::ClipInfo& b) {
   const bool seconds = a.fps_is_known && b.fps_is_known;
@@ -131,8 +127,8 @@ Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::
   measures["distances"] = {{"other", with_profile(distances_json(found.distances), found.b)},
                            {"noise_floor", distances_json(found.noise_floor)},
                            {"source", profile_json(found.a)}};
-  measures["psnr"] = optional_json(found.psnr);
-  measures["ssim"] = optional_json(found.ssim);
+  measures["psnr"] = rounded_or_null(found.psnr);
+  measures["ssim"] = rounded_or_null(found.ssim);
   if (found.a.strokes && found.b.strokes) measures["rate_tests"] = rate_tests_of(found, a.info(), b.info());
   if (!found.psnr) measures["psnr_missing"] = found.no_psnr_reason;
   measures["curves"] = curves_json({{"source", &found.a.curves}, {"other", &found.b.curves}}, found.scale);

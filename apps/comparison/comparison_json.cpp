@@ -22,10 +22,6 @@ Json rounded_json(double value) {
   return core::round_to(value, kDigits);
 }
 
-Json rounded_or_null(const std::optional<double>& value) {
-  return value ? rounded_json(*value) : Json(nullptr);
-}
-
 Json rate_json(double value) {
   return std::isfinite(value) ? Json(core::round_to(value, kRateDigits)) : Json(nullptr);
 }
@@ -114,6 +110,10 @@ Json point_json(const pipeline::SizeCurvePoint& point) {
 }
 
 }  // namespace
+
+Json rounded_or_null(const std::optional<double>& value) {
+  return value ? rounded_json(*value) : Json(nullptr);
+}
 
 Json begin_measures(const pipeline::MeasureScale& scale) {
   return {{"format", "emberfold.measures"}, {"version", 2},

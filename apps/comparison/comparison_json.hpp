@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -22,6 +23,9 @@ using NamedCurves = std::vector<std::pair<std::string, const pipeline::MeasureCu
 /// Lists the curves of clips by name: spectra, dB, with their frequencies (cycles a frame, and cycles a pixel
 /// of each ring's outer edge), and autocorrelations by lag.
 nlohmann::ordered_json curves_json(const NamedCurves& clips, const pipeline::MeasureScale& scale);
+
+/// Returns a measure as written, three digits behind the point; null where there is none.
+nlohmann::ordered_json rounded_or_null(const std::optional<double>& value);
 
 /// Describes one clip: {"figures", "strokes"}, these where they were sought.
 nlohmann::ordered_json profile_json(const pipeline::ClipProfile& profile);

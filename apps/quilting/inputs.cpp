@@ -10,6 +10,7 @@
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/interrupt.hpp"
 #include "core/io/image_files.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/quilting/flatten.hpp"
 #include "dytex/quilting/render.hpp"
 
@@ -143,9 +144,8 @@ std::vector<dytex::QuiltSource> quilt_sources(const QuiltClips& clips, const Qui
     const cv::Mat mask = luma_image(request.masks[i]);
     const cv::Size size = sources[i].trajectories->size();
     if (mask.size() != size)
-      throw core::InputError(request.masks[i] + " has " + std::to_string(mask.cols) + "x" +
-                             std::to_string(mask.rows) + " pixels, " + request.clips[i] + " " +
-                             std::to_string(size.width) + "x" + std::to_string(size.height));
+      throw core::InputError(request.masks[i] + " has " + core::size_text(mask.size()) + " pixels, " +
+                             request.clips[i] + " " + core::size_text(size));
     sources[i].forbidden = mask > 127;
   }
   if (request.guide.empty()) return sources;

@@ -21,6 +21,7 @@
 #include "core/io/files.hpp"
 #include "core/io/require_apart.hpp"
 #include "core/text/format_number.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/quilting/quilt_measures.hpp"
 
 namespace emberfold::apps {
@@ -282,8 +283,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
   std::error_code ignored;
   if (request.apply.empty()) fs::remove(target.checkpoint, ignored);
   session.console.say(std::to_string(written.frames) + (written.frames == 1 ? " frame" : " frames") + " of " +
-                      std::to_string(size.width) + "x" + std::to_string(size.height) + " quilted into " +
-                      target.path().string());
+                      core::size_text(size) + " quilted into " + target.path().string());
   if (session.common.json) session.print(json_text(summary));
 }
 

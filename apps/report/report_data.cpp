@@ -17,7 +17,7 @@ namespace emberfold::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr std::size_t kEventBytes = 800'000, kCurveBytes = 550'000, kPathPoints = 20'000, kSeries = 1500;
+constexpr std::size_t kEventBytes = 800'000, kCurveBytes = 550'000, kPathPoints = 20'000;
 
 // Rounds to a tenth of a pixel, in clips wider than 600 px to whole ones: finer than a screen shows.
 Json coordinate_json(double value, int width) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,6 +11,9 @@
 
 // Writes what the report's page draws as JSON of bounded size, with positions rounded to a tenth of a pixel.
 namespace emberfold::apps {
+
+/// Points of a plot over time, at most: longer clips are thinned.
+inline constexpr std::size_t kSeries = 1500;
 
 /// Lists events as columns: frame, type (index into all_event_types), x, y, probability, before, after.
 /// Where all would be too many bytes, takes every `every`-th one; `total` counts all.

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/report/report_data.hpp"
 #include "graph/network/network_figures.hpp"
 
 namespace emberfold::apps {
@@ -15,7 +16,6 @@ namespace emberfold::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr std::size_t kPlotted = 1500;
 
 struct Totals {
   int tips = 0, branches = 0, components = 0, loops = 0;
@@ -80,7 +80,7 @@ Json balance_json(const graph::MotionGraph& motion, std::span<const graph::Topol
 Json report_network(const graph::MotionGraph& motion) {
   constexpr std::array<const char*, 5> kNames{"length", "tips", "junctions", "loops", "components"};
   const auto& frames = motion.sketch.frames;
-  const std::size_t step = frames.size() / kPlotted + 1;
+  const std::size_t step = frames.size() / kSeries + 1;
   Json out = {{"step", step}};
   for (const char* name : kNames) out[name] = Json::array();
   std::array<double, kNames.size()> sums{};

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::io {
 
@@ -39,8 +40,7 @@ cv::Mat decode_frame(std::span<const std::uint8_t> bytes, cv::Size size, int cha
     stacked.release();
   }
   if (stacked.size() != cv::Size(size.width, size.height * channels))
-    throw core::IoError("the bytes are no frame of " + std::to_string(size.width) + "x" +
-                        std::to_string(size.height));
+    throw core::IoError("the bytes are no frame of " + core::size_text(size));
   if (channels == 1) return stacked;
   std::vector<cv::Mat> planes;
   for (int c = 0; c < channels; ++c)

@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/rng.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/baselines/star.hpp"
 #include "dytex/baselines/star_waves.hpp"
 #include "dytex/learning/decompositions.hpp"
@@ -248,9 +249,8 @@ StarResult learn_star(core::FrameSource& source, const StarOptions& options, con
   options.validate();
   const auto& info = source.info();
   if (info.width < 4 * options.reach + 2 || info.height < 4 * options.reach + 2)
-    throw core::InputError("STAR: frames of " + std::to_string(info.width) + "x" +
-                           std::to_string(info.height) + " are too small for a reach of " +
-                           std::to_string(options.reach));
+    throw core::InputError("STAR: frames of " + core::size_text(info.width, info.height) +
+                           " are too small for a reach of " + std::to_string(options.reach));
   StarResult result;
   const auto mean = read_mean(source, context);
   if (mean.frames < options.lags + 2)

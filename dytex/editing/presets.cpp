@@ -41,9 +41,9 @@ constexpr std::array<Preset, 16> kPresets{{
     {{"fire-coarse", "fire: coarse up"}, 1, {2, 1, 1}},
     {{"fire-medium", "fire: medium up"}, 1, {1, 2, 1}},
     {{"fire-fine", "fire: fine up"}, 1, {1, 1, 2}},
-    {{"fire-slow", "fire: half the speed"}, 1, {1, 1, 1}, 0.5},
-    {{"fire-fast", "fire: twice the speed"}, 1, {1, 1, 1}, 2},
-    {{"fire-reversed", "fire: backwards"}, 1, {1, 1, 1}, -1},
+    {{"fire-slow", "fire: half the speed"}, 1, {}, 0.5},
+    {{"fire-fast", "fire: twice the speed"}, 1, {}, 2},
+    {{"fire-reversed", "fire: backwards"}, 1, {}, -1},
 }};
 
 constexpr auto kInfos = [] {
@@ -64,7 +64,7 @@ std::vector<Edit> preset(std::string_view name) {
     if (known.info.name == name) {
       std::vector<Edit> edits;
       if (known.intensity != 1) edits.push_back({Intensity{known.intensity}});
-      if (!(known.scales == Scales{})) edits.push_back({known.scales});
+      if (known.scales != Scales{}) edits.push_back({known.scales});
       if (known.speed != 1) edits.push_back({Speed{known.speed}});
       return edits;
     }

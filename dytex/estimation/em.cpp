@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/text/check_range.hpp"
 #include "core/text/format_number.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/estimation/em_appearance.hpp"
 #include "dytex/estimation/em_dynamics.hpp"
 #include "dytex/estimation/observations.hpp"
@@ -29,10 +30,9 @@ void check_start(const LinearDynamicTexture& start, const core::ClipInfo& info) 
   validate(start);
   if (info.width != start.info.width || info.height != start.info.height ||
       info.channels != start.info.channels)
-    fail_likelihood("the start is " + std::to_string(start.info.width) + "x" +
-                    std::to_string(start.info.height) + " of " + std::to_string(start.info.channels) +
-                    " channels, the clip " + std::to_string(info.width) + "x" + std::to_string(info.height) +
-                    " of " + std::to_string(info.channels));
+    fail_likelihood("the start is " + core::size_text(start.info.width, start.info.height) + " of " +
+                    std::to_string(start.info.channels) + " channels, the clip " +
+                    core::size_text(info.width, info.height) + " of " + std::to_string(info.channels));
   if (start.order() != start.components())
     fail_likelihood("the start has states of " + std::to_string(start.order()) + " numbers for " +
                     std::to_string(start.components()) +

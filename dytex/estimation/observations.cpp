@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/estimation/level_blocks.hpp"
 #include "dytex/learning/decompositions.hpp"
 
@@ -18,8 +19,7 @@ void check_sizes(const LinearDynamicTexture& texture, const core::ClipInfo& clip
   const core::ClipInfo& info = texture.info;
   if (clip.width == info.width && clip.height == info.height && clip.channels == info.channels) return;
   const auto text = [](const core::ClipInfo& of) {
-    return std::to_string(of.width) + "x" + std::to_string(of.height) +
-           (of.channels == 3 ? " colour" : " grey");
+    return core::size_text(of.width, of.height) + (of.channels == 3 ? " colour" : " grey");
   };
   throw core::InputError("the clip is " + text(clip) + ", the texture " + text(info));
 }

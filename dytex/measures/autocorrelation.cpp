@@ -10,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/text/check_range.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::dytex {
 
@@ -30,7 +31,7 @@ Autocorrelation::Autocorrelation(cv::Size size, int lags)
 void Autocorrelation::add(const cv::Mat& luma) {
   if (luma.type() != CV_32FC1 || luma.size() != size_)
     throw core::InputError("autocorrelation: a frame must be luma, one channel of 32-bit floats, " +
-                           std::to_string(size_.width) + "x" + std::to_string(size_.height));
+                           core::size_text(size_));
   if (frames_ == 0) {
     reference_ = luma.clone();
     sum_ = cv::Mat::zeros(size_, CV_64F);

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/error.hpp"
+#include "core/text/size_text.hpp"
 
 /// Checks that the measures of frames share.
 namespace emberfold::dytex::detail {
@@ -19,9 +20,8 @@ inline void check_luma(const cv::Mat& luma, const char* measure) {
 /// Throws InputError unless both frames have one size.
 inline void check_alike(const cv::Mat& a, const cv::Mat& b, const char* measure) {
   if (a.size() != b.size())
-    throw core::InputError(std::string(measure) + ": the frames are " + std::to_string(a.cols) + "x" +
-                           std::to_string(a.rows) + " and " + std::to_string(b.cols) + "x" +
-                           std::to_string(b.rows) + "; allowed is one size");
+    throw core::InputError(std::string(measure) + ": the frames are " + core::size_text(a.size()) + " and " +
+                           core::size_text(b.size()) + "; allowed is one size");
 }
 
 }  // namespace emberfold::dytex::detail

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::dytex {
 
@@ -30,7 +31,7 @@ SourcePixel checked(const SourcePixel& p, std::span<const cv::Size> sources, std
   if (p.x < 0 || p.y < 0 || p.x >= size.width || p.y >= size.height)
     throw core::InputError(place_text(pixel, width) + " is taken from " + std::to_string(p.x) + "," +
                            std::to_string(p.y) + ", but source " + std::to_string(p.source) + " has " +
-                           std::to_string(size.width) + "x" + std::to_string(size.height) + " pixels");
+                           core::size_text(size) + " pixels");
   return p;
 }
 

@@ -12,6 +12,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::dytex {
 
@@ -26,9 +27,8 @@ void TimeControl::validate(cv::Size size) const {
     if (field->empty()) continue;
     const std::string what = std::string("TimeControl.") + name;
     if (field->size() != size)
-      throw core::InputError(what + " has " + std::to_string(field->cols) + "x" +
-                             std::to_string(field->rows) + " pixels, the output " +
-                             std::to_string(size.width) + "x" + std::to_string(size.height));
+      throw core::InputError(what + " has " + core::size_text(field->size()) + " pixels, the output " +
+                             core::size_text(size));
     if (field->type() != CV_32F) throw core::InputError(what + " is not of 32-bit floats");
     cv::Point where;
     if (!cv::checkRange(*field, true, &where, -kMostTime, kMostTime)) {

@@ -13,6 +13,7 @@
 #include "core/io/frame_bytes.hpp"
 #include "core/math/robust.hpp"
 #include "core/parallel.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::pipeline {
 
@@ -40,7 +41,7 @@ int channels_of_stack(std::span<const std::uint8_t> bytes, cv::Size frame) {
     } catch (const core::IoError&) {
       continue;
     }
-  refuse("footage", "holds no frames of " + std::to_string(frame.width) + "x" + std::to_string(frame.height));
+  refuse("footage", "holds no frames of " + core::size_text(frame));
 }
 
 }  // namespace

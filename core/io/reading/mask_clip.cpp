@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "core/io/clip_reader.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::io {
 
@@ -18,9 +19,8 @@ MaskClip::MaskClip(const ReadOptions& options, cv::Size size) : name_(options.ma
   source_ = open_video(name_, reading);
   const auto& info = source_->info();
   if (cv::Size(info.width, info.height) != size)
-    throw core::InputError("the mask " + name_ + " is " + std::to_string(info.width) + "x" +
-                           std::to_string(info.height) + " pixels, the clip " + std::to_string(size.width) +
-                           "x" + std::to_string(size.height));
+    throw core::InputError("the mask " + name_ + " is " + core::size_text(info.width, info.height) +
+                           " pixels, the clip " + core::size_text(size));
   if (info.frames == 1) {
     only_ = read();
     if (cv::countNonZero(only_) == 0)
