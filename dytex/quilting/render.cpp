@@ -94,7 +94,7 @@ T mixed(T before, T after, double weight) {
   if constexpr (std::is_floating_point_v<T>)
     return static_cast<T>(value);
   else
-    return static_cast<T>(value + 0.5);
+    return static_cast<T>(std::lround(value));
 }
 
 double time_of(const TimeControl& control, int x, int y, std::int64_t t) {
