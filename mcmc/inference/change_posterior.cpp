@@ -30,11 +30,12 @@ constexpr double kOfStroke = -0.91;
 constexpr double kStrokeFactor = 0.26, kJointFactor = 0.19;  // of a nat
 constexpr double kShortSide = 1.10, kLongSide = 0.85;  // of a logarithm of frames without opposite change
 constexpr double kAgreement = 4.20;
-constexpr double kUsualShare = 0.4;   // of true changes among those that all readings have
-constexpr double kShareWeight = 0.5;  // of a clip's own share, on the scale of log odds
-constexpr double kMostLogOdds = 4;    // of one change, in the estimate of the share
-constexpr double kMostShift = 4;      // of log odds by the share
-constexpr double kPseudo = 0.5;       // true and false changes that are counted beforehand, each
+constexpr double kFaint = 4, kPlainContrast = 6;  // of a logarithm of grey levels, below so many
+constexpr double kUsualShare = 0.4;               // of true changes among those that all readings have
+constexpr double kShareWeight = 0.5;              // of a clip's own share, on the scale of log odds
+constexpr double kMostLogOdds = 4;                // of one change, in the estimate of the share
+constexpr double kMostShift = 4;                  // of log odds by the share
+constexpr double kPseudo = 0.5;                   // true and false changes that are counted beforehand, each
 
 // Weights of likeness, fitted by tests/bench/fit_likeness_weights.py; 0 lies half way between clips whose
 // frames follow each other and clips whose frames do not.
@@ -142,7 +143,8 @@ double change_log_odds(const ChangeEvidence& evidence) {
   };
   return kIntercept + (evidence.of_stroke ? kOfStroke : 0) + of_factor * evidence.log_factor +
          kShortSide * log_frames(std::min(evidence.since, evidence.until)) +
-         kLongSide * log_frames(std::max(evidence.since, evidence.until)) + kAgreement * evidence.agreement;
+         kLongSide * log_frames(std::max(evidence.since, evidence.until)) + kAgreement * evidence.agreement +
+         kFaint * std::log(std::clamp(evidence.contrast / kPlainContrast, 0.1, 1.0));
 }
 
 double estimate_change_share(std::span<const ChangeEvidence> changes) {

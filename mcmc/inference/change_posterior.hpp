@@ -47,9 +47,10 @@ struct ChangeEvidence {
   double log_factor = 0;  ///< log_change_factor() of what the images show, nats
   bool of_stroke = true;  ///< a birth or death; else a joint of two strokes opens or closes
   double agreement = 1;   ///< share of the readings of the clip that have the change, 0…1
-  /// Frames to the nearest opposite change in the same place, before and after; anything larger than
-  /// kFramesUntilLong where there is none so near.
+  /// Frames to the nearest opposite change in the same place, before and after, or to the clip's end; more
+  /// than kFramesUntilLong is no more than that.
   double since = 1e9, until = 1e9;
+  double contrast = 255;                  ///< of what changes, grey levels: below 6 hardly anybody sees it
   std::optional<FrameLikeness> likeness;  ///< around the change; nothing where it was not measured
 };
 

@@ -2,7 +2,9 @@
 #include "pipeline/inference/event_evidence.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <compare>
+#include <cstdint>
 #include <cstdlib>
 #include <iterator>
 #include <limits>
@@ -66,6 +68,15 @@ double level_beside(const mcmc::ChangeSeries& series) {
   }
   std::ranges::sort(levels);
   return std::max(kLeastLevel, levels[levels.size() / 2]);
+}
+
+/// Returns the mean contrast of the patches that an event is about.
+double path_contrast(const graph::TracedEvent& traced, const MotionIndex& motion) {
+  const graph::AttributeGraph& graph = motion.graph(traced.path_frame);
+  double sum = 0;
+  for (const graph::VertexId id : traced.path)
+    sum += std::abs(graph.patch(static_cast<std::uint32_t>(graph.index_of(id))).contrast);
+  return sum / static_cast<double>(traced.path.size());
 }
 
 /// Returns the log Bayes factor of an event whose frames are all in the window.
@@ -163,9 +174,10 @@ Family opposite(Family family) {
   return family;
 }
 
-/// Finds how many frames lie between the event and opposite ones in its place.
-void find_opposites(WeighedEvent& weighed, std::span<const Reading> readings) {
+/// Finds how many frames lie between the event and opposite ones in its place, as far as the clip goes.
+void find_opposites(WeighedEvent& weighed, std::span<const Reading> readings, int frames) {
   const graph::Event& event = weighed.event;
+  weighed.evidence.since = event.frame, weighed.evidence.until = frames - event.frame;
   const Family sought = opposite(graph::detail::family(event.type));
   for (const Reading& reading : readings)
     reading.each_near(event.frame, mcmc::kFramesUntilLong, [&](std::size_t k) {
@@ -277,8 +289,14 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
   for (std::size_t k = 0; k < all.size(); ++k) add_events(all[k], k, k < own, pooled);
   for (PooledEvent& event : pooled) {
     auto& evidence = event.weighed.evidence;
+    evidence.contrast = 0;
+    for (const auto& [reading, number] : event.members)
+      if (reading < own)
+        evidence.contrast =
+            std::max(evidence.contrast, path_contrast(all[reading].traced[number], all[reading].index));
     evidence.agreement = static_cast<double>(event.members.size()) / static_cast<double>(all.size());
-    find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied, own - steadied));
+    find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied, own - steadied),
+                   static_cast<int>(frames));
   }
   for (PooledEvent& event : pooled) event.weighed.evidence.log_factor = -mcmc::kMostChangeFactor;
   const auto measurements = plan_measurements(pooled, all, steadied, own);

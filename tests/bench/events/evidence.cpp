@@ -27,11 +27,12 @@ int main(int argc, char** argv) try {
   const auto& sketch = sketches.clip.sketch;
   auto readings = pipeline::match_readings(sketch, graph::match(sketch, {}), {}, false);
   for (const auto& copy : sketches.perturbed) pipeline::add_reading_in_noise(readings, copy, {}, false);
-  std::cout << "frame,type,x,y,log_factor,of_stroke,agreement,since,until,next,apart\n";
+  std::cout << "frame,type,x,y,log_factor,of_stroke,agreement,since,until,contrast,next,apart\n";
   for (const auto& [event, evidence] : pipeline::weigh_events(*clip, readings)) {
     std::cout << event.frame << ',' << graph::name(event.type) << ',' << event.position.x << ','
               << event.position.y << ',' << evidence.log_factor << ',' << evidence.of_stroke << ','
-              << evidence.agreement << ',' << evidence.since << ',' << evidence.until;
+              << evidence.agreement << ',' << evidence.since << ',' << evidence.until << ','
+              << evidence.contrast;
     if (evidence.likeness)
       std::cout << ',' << evidence.likeness->next << ',' << evidence.likeness->apart << '\n';
     else

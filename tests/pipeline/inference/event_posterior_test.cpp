@@ -104,6 +104,26 @@ TEST_CASE("What is born and breaks in a clip is told from what stays", "[posteri
   CHECK(std::ranges::count_if(events, [](const auto& e) { return e.probability >= 0.5; }) == 3);
 }
 
+TEST_CASE("Of an event the contrast is measured, and the frames until its opposite or the clip's end",
+          "[posterior]") {
+  const core::Clip clip = film(
+      [](Point p, int t) {
+        return 80 + (t >= 6 ? line(p, 40, 15, 105) : 0) + line(p, 110, 15, 50) +
+               line(p, 110, t < 20 ? 50 : 72, 105);
+      },
+      0);
+  const double frames = static_cast<double>(clip.frames.size());
+  core::ClipSource source(clip);
+  const auto weighed = pipeline::weigh_events(source, {{matched(clip)}, {}});
+  REQUIRE(weighed.size() == 2);
+  for (const auto& [event, evidence] : weighed) {
+    INFO(graph::name(event.type) << " in frame " << event.frame);
+    CHECK(evidence.since == (event.type == EventType::birth ? 6 : 20));
+    CHECK(evidence.until == frames - evidence.since);
+    CHECK_THAT(evidence.contrast, WithinAbs(43, 5));  // a line of 50 levels, 3 px wide, blurred by 1 px
+  }
+}
+
 TEST_CASE("Events that were put into the graphs alone are not believed", "[posterior]") {
   // A still picture: the graphs lose a stroke for a while, and break another.
   const core::Clip clip =
