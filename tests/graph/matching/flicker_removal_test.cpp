@@ -187,6 +187,16 @@ TEST_CASE("A stroke that gains little has to be seen twice as long", "[graph][st
   }
 }
 
+TEST_CASE("How long a stroke has to be seen grows as its gain falls", "[graph][steady]") {
+  // 100 / 70 of three frames: more than four.
+  for (const int length : {4, 5}) {
+    std::vector<AttributeGraph> frames;
+    for (int t = 0; t < 16; ++t)
+      frames.push_back(gaining(draw(t >= 4 && t < 4 + length ? kCompany : kStroke), 70, 70));
+    CHECK(events_of(frames).size() == (length == 5 ? 2 : 0));
+  }
+}
+
 TEST_CASE("Of states to and fro the shortest is undone", "[graph][steady]") {
   // Torn from frame 5 on, but for one frame.
   std::vector<AttributeGraph> frames;
