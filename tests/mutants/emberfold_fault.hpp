@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The switch of the deliberate faults, for the copy of the sources that scripts/test-mutants makes; nothing else includes
-// it.
+// The switch of the deliberate faults, for the copy of the sources that scripts/test-mutants makes. Nothing
+// else includes it.
 #pragma once
 
 #include <cstdlib>

@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Does the work of scripts/test-mutants: puts the faults of tests/mutants/*.json into a copy of the sources, each behind
-a switch that is set at run time, builds the tests there, and looks whether the test that each fault names fails."""
+"""Does the work of scripts/test-mutants: puts the faults of tests/mutants/*.json into a copy of the sources, each
+behind a switch that is set at run time, builds the tests there, and looks whether the test that each fault names fails.
+
+A fault of the table has a name, the file that it is in, the original text, which is there once together with what
+stands before and after it (`before`, `after`; optional), the faulty text in its place, and the test that must catch
+it, of the room's program unless another `program` is named. Both texts are expressions, with `statement` statements."""
 import argparse
 import concurrent.futures
 import json
@@ -159,12 +163,14 @@ def run_sound(faults, pool):
     """Every test has to pass, and soon, where there is no fault."""
     tests = sorted({(fault["program"], fault["test"]) for fault in faults})
     print(f"== {len(tests)} tests without a fault", flush=True)
-    results = list(pool.map(lambda test: run_test(*test, 0), tests))
-    for (program, test), (outcome, seconds) in zip(tests, results):
+    wrong = []
+    for (program, test), (outcome, seconds) in zip(tests, pool.map(lambda test: run_test(*test, 0), tests)):
         if outcome != "passed":
-            raise Wrong(f"without any fault a test of {program} {outcome}: {test}")
-        if seconds > QUICK:
+            wrong.append(f"{program}, {test}: {outcome}")
+        elif seconds > QUICK:
             print(f"   not quick, {seconds:.0f} s: {program}, {test}", flush=True)
+    if wrong:
+        raise Wrong("tests that do not pass without any fault:\n" + "\n".join(wrong))
 
 
 def run_faults(faults, pool):
@@ -189,6 +195,7 @@ def select(faults, names):
 
 def main():
     parser = argparse.ArgumentParser(prog="scripts/test-mutants", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter,
                                      epilog="Exits 0 where every fault is caught.")
     parser.add_argument("--only", metavar="NAME", action="append", default=[], help="this fault (can be repeated)")
     parser.add_argument("--list", action="store_true", help="tells the faults, their files and tests, and runs nothing")
