@@ -5,9 +5,10 @@
 
 #include <cstdlib>
 
-// NOLINTNEXTLINE: read once, before main.
+// NOLINTNEXTLINE(concurrency-mt-unsafe): read once, before main.
+inline const char* const emberfold_fault_number = std::getenv("EMBERFOLD_FAULT");
 inline const long emberfold_chosen_fault =
-    std::getenv("EMBERFOLD_FAULT") ? std::atol(std::getenv("EMBERFOLD_FAULT")) : 0;
+    emberfold_fault_number != nullptr ? std::atol(emberfold_fault_number) : 0;
 
 /// Returns whether this fault is on.
 inline bool emberfold_fault(long number) {
