@@ -95,8 +95,8 @@ TEST_CASE("Tips that only tremble, and a curve that moves across itself, do not 
         static_cast<std::ptrdiff_t>(motions.size()));
   for (const TipMotion& one :
        motions) {  // places err by 1 px, the slope by that over the root of Σ (t − mean)²
-    const double frames = one.last - one.first + 1;
-    CHECK_THAT(one.error * std::sqrt(frames * (frames * frames - 1) / 12), test::WithinAbs(1, 0.15));
+    const double count = one.last - one.first + 1;
+    CHECK_THAT(one.error * std::sqrt(count * (count * count - 1) / 12), test::WithinAbs(1, 0.15));
   }
 }
 
