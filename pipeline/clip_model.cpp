@@ -155,9 +155,11 @@ ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fi
 
 sketch::Sharpening fit_sharpening(const mcmc::MotionModel& model, const sketch::Background& background,
                                   double wanted, std::uint64_t seed, const core::Context& context) {
-  constexpr std::size_t frames = 60, every = 6;
+  constexpr std::size_t frames = 60, least = 3, most = 10;  // of which so many are looked at
+  constexpr double pixels = 2.5e6;                          // of these together, where they are large
   const sketch::RenderOptions look = render_options(model, background, {});
   auto all = FrameSynthesis(mcmc::Synthesis(model, seed), look).parts(frames, context);
+  const auto every = frames / std::clamp(static_cast<std::size_t>(pixels / look.size.area()), least, most);
   std::vector<sketch::FrameContent> some;
   for (std::size_t t = every - 1; t < frames; t += every) some.push_back(std::move(all[t]));
   return fit_sharpening(some, look, wanted, context);

@@ -13,15 +13,17 @@
 #include "core/error.hpp"
 #include "core/math/cell_grid.hpp"
 #include "core/model_arrays.hpp"
+#include "core/parallel.hpp"
 #include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
 
-constexpr std::size_t kPairs = 20;
-constexpr int kMargin = 3;              // px beside a patch that its own misfit may reach
-constexpr double kCoarse = 4;           // px, SD: coarser levels are left to diffusion and strokes
+constexpr std::size_t kMostPairs = 20, kLeastPairs = 3;
+constexpr double kPixels = 5e6;  // of all frames together: enough for the texture, little enough to be kept
+constexpr int kMargin = 3;       // px beside a patch that its own misfit may reach
+constexpr double kCoarse = 4;    // px, SD: coarser levels are left to diffusion and strokes
 constexpr double kLeastStrength = 0.5;  // grey levels: below it there is only rounding
 constexpr double kSeenShare = 0.02;     // of a cell's pixels over all frames, for an estimate of its strength
 
@@ -47,55 +49,52 @@ cv::Mat fine_part(const Residual& residual) {
   return residual.values - sums / cv::max(weights, 1e-3);
 }
 
-class ResidualReader {
- public:
-  ResidualReader(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
-                 const sketch::RenderOptions& look, const core::Context& context)
-      : source_(source),
-        graphs_(graphs),
-        painter_(look),
-        size_(look.size),
-        backdrop_(look.background.static_pixels.still),
-        context_(context) {}
+Residual residual_of(const cv::Mat& frame, const core::ClipInfo& info, const graph::AttributeGraph& graph,
+                     const sketch::FrameRenderer& painter, const sketch::RenderOptions& look) {
+  cv::Mat drawn, patches;
+  painter.draw({graph}).convertTo(drawn, CV_32F);
+  const int side = 2 * kMargin + 1;
+  cv::dilate(sketch::draw_fitted(graph, look.size, 1).mask, patches, cv::Mat::ones(side, side, CV_8U));
+  Residual residual{core::to_levels(frame, info) - drawn, patches == 0};
+  const cv::Mat& backdrop = look.background.static_pixels.still;
+  if (!backdrop.empty()) residual.seen.setTo(0, backdrop);
+  residual.values = fine_part(residual);
+  return residual;
+}
 
-  /// Hands over the pairs of frames.
-  template <class Visit>
-  void each_pair(const Visit& visit) {
-    const std::size_t gaps = graphs_.size() - 1, pairs = std::min(kPairs, gaps);
-    source_.rewind();
-    std::size_t t = 0;
-    cv::Mat frame = source_.next();
-    for (std::size_t i = 0; i < pairs; ++i) {
-      for (; t < i * gaps / pairs; ++t) frame = next();
-      const Residual now = make_residual(frame, graphs_[t]);
-      frame = next();
-      visit(now, make_residual(frame, graphs_[++t]));
+/// Of pairs of neighbouring frames, spread over the clip: the first of a pair, then the second. Reads the
+/// clip once.
+std::vector<Residual> read_pairs(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
+                                 const sketch::RenderOptions& look, const core::Context& context) {
+  const auto affordable = static_cast<std::size_t>(kPixels / (2.0 * look.size.area()));
+  const std::size_t gaps = graphs.size() - 1,
+                    pairs = std::min(std::clamp(affordable, kLeastPairs, kMostPairs), gaps);
+  std::vector<cv::Mat> frames;
+  std::vector<std::size_t> times;
+  source.rewind();
+  std::size_t t = 0;
+  const auto next = [&] {
+    context.check();
+    ++t;
+    return source.next();
+  };
+  cv::Mat frame = next();
+  for (std::size_t i = 0; i < pairs; ++i) {
+    while (t - 1 < i * gaps / pairs) frame = next();
+    for (int k = 0; k < 2; ++k) {
+      if (k == 1) frame = next();
+      times.push_back(t - 1);
+      frames.push_back(frame);
     }
   }
-
- private:
-  cv::Mat next() {
-    context_.check();
-    return source_.next();
-  }
-  Residual make_residual(const cv::Mat& frame, const graph::AttributeGraph& graph) const {
-    cv::Mat drawn, patches;
-    painter_.draw({graph}).convertTo(drawn, CV_32F);
-    const int side = 2 * kMargin + 1;
-    cv::dilate(sketch::draw_fitted(graph, size_, 1).mask, patches, cv::Mat::ones(side, side, CV_8U));
-    Residual residual{core::to_levels(frame, source_.info()) - drawn, patches == 0};
-    if (!backdrop_.empty()) residual.seen.setTo(0, backdrop_);
-    residual.values = fine_part(residual);
-    return residual;
-  }
-
-  core::FrameSource& source_;
-  std::span<const graph::AttributeGraph> graphs_;
-  sketch::FrameRenderer painter_;
-  cv::Size size_;
-  cv::Mat backdrop_;
-  const core::Context& context_;
-};
+  const sketch::FrameRenderer painter(look);
+  std::vector<Residual> residuals(frames.size());
+  core::parallel_for(frames.size(), context, [&](std::size_t k) {
+    residuals[k] = residual_of(frames[k], source.info(), graphs[times[k]], painter, look);
+    frames[k].release();
+  });
+  return residuals;
+}
 
 /// Linear between the middles of cells.
 cv::Mat spread(const cv::Mat& values, cv::Size frame) {
@@ -110,52 +109,41 @@ cv::Mat transform_channels(const cv::Mat& values, const cv::Mat& table) {
 }
 
 /// SD by cell; what was hardly seen takes it from cells around. Empty where nothing was seen.
-cv::Mat measure_strength(ResidualReader& reader, cv::Size frame) {
+cv::Mat measure_strength(std::span<const Residual> residuals, cv::Size frame) {
   cv::Mat squares = cv::Mat::zeros(core::count_cells(frame, sketch::kBackgroundCell), CV_32F),
           counts = squares.clone();
-  int frames = 0;
-  reader.each_pair([&](const Residual& now, const Residual& next) {
-    for (const auto* residual : {&now, &next}) {
-      cv::Mat seen, square;
-      residual->seen.convertTo(seen, CV_32F, 1 / 255.0);
-      const int channels = residual->values.channels();
-      cv::transform(residual->values.mul(residual->values), square,
-                    cv::Mat(1, channels, CV_32F, cv::Scalar(1.0 / channels)));
-      squares += core::cell_means(square.mul(seen), sketch::kBackgroundCell);
-      counts += core::cell_means(seen, sketch::kBackgroundCell);
-      ++frames;
-    }
-  });
-  const cv::Mat known = counts > kSeenShare * frames;
+  for (const Residual& residual : residuals) {
+    cv::Mat seen, square;
+    residual.seen.convertTo(seen, CV_32F, 1 / 255.0);
+    const int channels = residual.values.channels();
+    cv::transform(residual.values.mul(residual.values), square,
+                  cv::Mat(1, channels, CV_32F, cv::Scalar(1.0 / channels)));
+    squares += core::cell_means(square.mul(seen), sketch::kBackgroundCell);
+    counts += core::cell_means(seen, sketch::kBackgroundCell);
+  }
+  const cv::Mat known = counts > kSeenShare * static_cast<double>(residuals.size());
   if (cv::countNonZero(known) == 0) return {};
   cv::Mat strength;
   cv::sqrt(squares / cv::max(counts, 1e-6), strength);
   return sketch::fill(strength, known).levels;
 }
 
-/// The residual in units of its strength.
-class Normalised {
- public:
-  Normalised(const cv::Mat& strength, const sketch::RenderOptions& look)
-      : unit_(in_channels(cv::max(spread(strength, look.size), kLeastStrength), look.channels)) {}
-  [[nodiscard]] cv::Mat operator()(const Residual& residual) const { return residual.values / unit_; }
-
- private:
-  cv::Mat unit_;
-};
+/// Brings the residuals into units of their strength.
+void normalise(std::span<Residual> residuals, const cv::Mat& strength, const sketch::RenderOptions& look) {
+  const cv::Mat unit = in_channels(cv::max(spread(strength, look.size), kLeastStrength), look.channels);
+  for (Residual& residual : residuals) residual.values /= unit;
+}
 
 /// The principal components of what colours there are.
-cv::Mat measure_colours(ResidualReader& reader, const Normalised& normalised, int channels) {
+cv::Mat measure_colours(std::span<const Residual> residuals, int channels) {
   cv::Mat products = cv::Mat::zeros(channels, channels, CV_64F), strengths, colours;
-  reader.each_pair([&](const Residual& now, const Residual& next) {
-    for (const auto* residual : {&now, &next}) {
-      cv::Mat values = normalised(*residual), product;
-      values.setTo(0, residual->seen == 0);
-      cv::mulTransposed(values.reshape(1, static_cast<int>(values.total())), product, true, cv::noArray(), 1,
-                        CV_64F);
-      products += product;
-    }
-  });
+  for (const Residual& residual : residuals) {
+    cv::Mat values = residual.values.clone(), product;
+    values.setTo(0, residual.seen == 0);
+    cv::mulTransposed(values.reshape(1, static_cast<int>(values.total())), product, true, cv::noArray(), 1,
+                      CV_64F);
+    products += product;
+  }
   cv::eigen(products, strengths, colours);
   colours.convertTo(colours, CV_32F);
   return colours;
@@ -166,21 +154,23 @@ cv::Mat measure_colours(ResidualReader& reader, const Normalised& normalised, in
 ResidualTexture measure_residual(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                                  const sketch::RenderOptions& look, const core::Context& context) {
   if (graphs.size() < 2) return {};
-  ResidualReader reader(source, graphs, look, context);
+  auto residuals = read_pairs(source, graphs, look, context);
   ResidualTexture residual;
-  residual.strength = measure_strength(reader, look.size);
+  residual.strength = measure_strength(residuals, look.size);
   if (residual.strength.empty()) return {};
-  const Normalised normalised(residual.strength, look);
-  residual.colours = measure_colours(reader, normalised, look.channels);
+  normalise(residuals, residual.strength, look);
+  residual.colours = measure_colours(residuals, look.channels);
   std::vector<dytex::GaussianTextureLearner> learners;
   for (int i = 0; i < look.channels; ++i) learners.emplace_back(look.size);
-  reader.each_pair([&](const Residual& now, const Residual& next) {
+  for (std::size_t k = 0; k + 1 < residuals.size(); k += 2) {
+    const Residual &now = residuals[k], &next = residuals[k + 1];
     std::array<std::vector<cv::Mat>, 2> components;
-    cv::split(transform_channels(normalised(now), residual.colours), components[0]);
-    cv::split(transform_channels(normalised(next), residual.colours), components[1]);
-    for (std::size_t i = 0; i < learners.size(); ++i)
+    cv::split(transform_channels(now.values, residual.colours), components[0]);
+    cv::split(transform_channels(next.values, residual.colours), components[1]);
+    core::parallel_for(learners.size(), context, [&](std::size_t i) {
       learners[i].add(components[0][i], now.seen, components[1][i], next.seen);
-  });
+    });
+  }
   for (const auto& learner : learners) residual.textures.push_back(learner.learned());
   return residual;
 }

@@ -33,9 +33,10 @@ struct ResidualTexture {
 };
 
 /// Measures the residual of a clip beyond the drawing of its sketch, a graph for each frame.
-/// Uses some twenty pairs of neighbouring frames, 3 px and more from patches and off static pixels. The mean
-/// within some 4 px (Gaussian) is subtracted, since coarser residuals come from missed strokes. Empty where
-/// there is no such residual, or one frame alone. Reads the clip three times. Throws core::Cancelled.
+/// Uses up to twenty pairs of neighbouring frames (fewer of large frames: five million pixels in all), 3 px
+/// and more from patches and off static pixels. The mean within some 4 px (Gaussian) is subtracted, since
+/// coarser residuals come from missed strokes. Empty where there is no such residual, or one frame alone.
+/// Reads the clip once, and keeps the residuals of these pairs meanwhile. Throws core::Cancelled.
 ResidualTexture measure_residual(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                                  const sketch::RenderOptions& look, const core::Context& context);
 

@@ -30,7 +30,6 @@ constexpr double kOfStroke = -0.91;
 constexpr double kStrokeFactor = 0.26, kJointFactor = 0.19;  // of a nat
 constexpr double kShortSide = 1.10, kLongSide = 0.85;  // of a logarithm of frames without opposite change
 constexpr double kAgreement = 4.20;
-constexpr double kLongEnough = 12;    // frames
 constexpr double kUsualShare = 0.4;   // of true changes among those that all readings have
 constexpr double kShareWeight = 0.5;  // of a clip's own share, on the scale of log odds
 constexpr double kMostLogOdds = 4;    // of one change, in the estimate of the share
@@ -138,7 +137,9 @@ double log_change_factor(const ChangeSeries& series) {
 double change_log_odds(const ChangeEvidence& evidence) {
   using namespace tuning;
   const double of_factor = evidence.of_stroke ? kStrokeFactor : kJointFactor;
-  const auto log_frames = [](double frames) { return std::log(std::clamp(frames, 1.0, kLongEnough)); };
+  const auto log_frames = [](double frames) {
+    return std::log(std::clamp(frames, 1.0, double{kFramesUntilLong}));
+  };
   return kIntercept + (evidence.of_stroke ? kOfStroke : 0) + of_factor * evidence.log_factor +
          kShortSide * log_frames(std::min(evidence.since, evidence.until)) +
          kLongSide * log_frames(std::max(evidence.since, evidence.until)) + kAgreement * evidence.agreement;

@@ -40,12 +40,15 @@ struct FrameLikeness {
   double next = 1, apart = 0;
 };
 
+inline constexpr int kFramesUntilLong = 12;  ///< from one change to its opposite: more say nothing more
+
 /// Holds all that speaks for one change of a clip's graphs.
 struct ChangeEvidence {
   double log_factor = 0;  ///< log_change_factor() of what the images show, nats
   bool of_stroke = true;  ///< a birth or death; else a joint of two strokes opens or closes
   double agreement = 1;   ///< share of the readings of the clip that have the change, 0…1
-  /// Frames to the nearest opposite change in the same place, before and after; long where there is none.
+  /// Frames to the nearest opposite change in the same place, before and after; anything larger than
+  /// kFramesUntilLong where there is none so near.
   double since = 1e9, until = 1e9;
   std::optional<FrameLikeness> likeness;  ///< around the change; nothing where it was not measured
 };

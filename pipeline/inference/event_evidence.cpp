@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <compare>
 #include <cstdlib>
+#include <iterator>
 #include <limits>
 #include <numeric>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -94,9 +94,20 @@ double measure_factor(const graph::TracedEvent& traced, const MotionIndex& motio
 /// One motion graph of the clip, its events, and where its patches are.
 struct Reading {
   explicit Reading(const graph::MotionGraph& motion)
-      : index(motion), traced(graph::trace_stroke_events(motion)) {}
+      : index(motion), traced(graph::trace_stroke_events(motion)), of_frame(motion.sketch.frames.size()) {
+    for (std::size_t k = 0; k < traced.size(); ++k)
+      of_frame[static_cast<std::size_t>(traced[k].event.frame)].push_back(k);
+  }
+  /// Visits the number of each event that is at most so many frames from one.
+  template <class Visit>
+  void each_near(int frame, int reach, const Visit& visit) const {
+    const int last = std::min(frame + reach, static_cast<int>(of_frame.size()) - 1);
+    for (int t = std::max(0, frame - reach); t <= last; ++t)
+      for (const std::size_t k : of_frame[static_cast<std::size_t>(t)]) visit(k);
+  }
   MotionIndex index;
   std::vector<graph::TracedEvent> traced;
+  std::vector<std::vector<std::size_t>> of_frame;  // their numbers
 };
 
 /// An event of some readings: for each of these its number and that of the event in it.
@@ -115,14 +126,12 @@ void add_events(const Reading& reading, std::size_t number, bool brings_events,
   };
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < events.size(); ++i)
-    for (std::size_t k = 0; k < reading.traced.size(); ++k) {
+    reading.each_near(events[i].weighed.event.frame, kSameFrames, [&](std::size_t k) {
       const graph::Event &a = events[i].weighed.event, &b = reading.traced[k].event;
-      if (std::abs(a.frame - b.frame) > kSameFrames ||
-          graph::detail::family(a.type) != graph::detail::family(b.type))
-        continue;
+      if (graph::detail::family(a.type) != graph::detail::family(b.type)) return;
       const double apart = distance(a.position, b.position);
       if (apart <= kSamePlace) pairs.push_back({apart, i, k});
-    }
+    });
   std::ranges::sort(pairs);
   std::vector<bool> is_taken(events.size(), false), is_known(reading.traced.size(), false);
   for (const Pair& pair : pairs) {
@@ -159,23 +168,21 @@ void find_opposites(WeighedEvent& weighed, std::span<const Reading> readings) {
   const graph::Event& event = weighed.event;
   const Family sought = opposite(graph::detail::family(event.type));
   for (const Reading& reading : readings)
-    for (const graph::TracedEvent& traced : reading.traced) {
-      const graph::Event& other = traced.event;
+    reading.each_near(event.frame, mcmc::kFramesUntilLong, [&](std::size_t k) {
+      const graph::Event& other = reading.traced[k].event;
       if (graph::detail::family(other.type) != sought || other.frame == event.frame ||
           distance(other.position, event.position) > kSameJoint)
-        continue;
+        return;
       double& side = other.frame < event.frame ? weighed.evidence.since : weighed.evidence.until;
       side = std::min(side, static_cast<double>(std::abs(other.frame - event.frame)));
-    }
+    });
 }
 
-/// One measurement: of an event in one of its readings.
+/// A pooled event that is measured in some of its members.
 struct Measurement {
-  int frame = 0;
-  std::size_t pooled = 0, reading = 0, event = 0;
-  bool is_last = false;  // of its pooled event: likeness is measured there
-  double log_factor = 0;
-  std::optional<mcmc::FrameLikeness> likeness = {};
+  int frame = 0;  // of the last member
+  std::size_t pooled = 0;
+  std::vector<std::pair<std::size_t, std::size_t>> members = {};  // in order of their frames
 };
 
 /// Lists what has to be measured, in order of the frames: each event in the steadied readings that have it,
@@ -183,58 +190,72 @@ struct Measurement {
 std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
                                            std::span<const Reading> readings, std::size_t steadied,
                                            std::size_t own) {
+  const auto frame_of = [&](const std::pair<std::size_t, std::size_t>& member) {
+    return readings[member.first].traced[member.second].event.frame;
+  };
   std::vector<Measurement> result;
   for (std::size_t i = 0; i < events.size(); ++i) {
     mcmc::ChangeEvidence best = events[i].weighed.evidence;
     best.log_factor = mcmc::kMostChangeFactor;
     if (mcmc::change_log_odds(best) < kLeastLogOdds) continue;
+    Measurement one{0, i};
     const bool is_steadied = events[i].members.front().first < steadied;
-    for (const auto& [reading, event] : events[i].members)
-      if (reading < (is_steadied ? steadied : own))
-        result.push_back({readings[reading].traced[event].event.frame, i, reading, event});
+    std::ranges::copy_if(events[i].members, std::back_inserter(one.members),
+                         [&](const auto& member) { return member.first < (is_steadied ? steadied : own); });
+    std::ranges::stable_sort(one.members, {}, frame_of);
+    one.frame = frame_of(one.members.back());
+    result.push_back(std::move(one));
   }
   std::ranges::stable_sort(result, {}, &Measurement::frame);
-  std::vector<bool> is_later(events.size(), false);
-  for (std::size_t k = result.size(); k-- > 0;) {
-    result[k].is_last = !is_later[result[k].pooled];
-    is_later[result[k].pooled] = true;
-  }
   return result;
+}
+
+/// Measures one event: the smallest factor of its members, as far as they could still make it likely.
+void measure(const Measurement& one, std::span<const Reading> readings, const FrameWindow& window, int frames,
+             mcmc::ChangeEvidence& evidence) {
+  evidence.log_factor = mcmc::kMostChangeFactor;
+  for (const auto& [reading, event] : one.members) {
+    const double factor =
+        measure_factor(readings[reading].traced[event], readings[reading].index, window, frames);
+    evidence.log_factor = std::min(evidence.log_factor, factor);
+    if (mcmc::change_log_odds(evidence) < kLeastLogOdds) break;
+  }
+  const auto& [reading, event] = one.members.back();
+  evidence.likeness =
+      measure_likeness(window, one.frame, readings[reading].traced[event].event.position, frames);
 }
 
 /// Measures all while the clip is read once.
 void measure_all(core::FrameSource& source, std::span<const Reading> readings, int frames,
-                 std::span<Measurement> measurements, const core::Context& context) {
+                 std::span<const Measurement> measurements, std::span<PooledEvent> events,
+                 const core::Context& context) {
   FrameWindow window;
   std::size_t done = 0;
-  const auto measure = [&](int end) {
+  const auto measure_ready = [&](int end) {
     window.prepare(context);
     std::size_t ready = done;
     while (ready < measurements.size() && std::min(frames, measurements[ready].frame + kReach) <= end)
       ++ready;
     core::parallel_for(ready - done, context, [&](std::size_t k) {
-      Measurement& one = measurements[done + k];
-      const Reading& reading = readings[one.reading];
-      one.log_factor = measure_factor(reading.traced[one.event], reading.index, window, frames);
-      if (one.is_last)
-        one.likeness = measure_likeness(window, one.frame, reading.traced[one.event].event.position, frames);
+      const Measurement& one = measurements[done + k];
+      measure(one, readings, window, frames, events[one.pooled].weighed.evidence);
     });
     done = ready;
-    window.drop_before(end - 2 * kReach);
+    window.drop_before(end - 2 * kReach - 2 * kSameFrames);  // members lie that far apart
   };
   const auto& info = source.info();
   const int batch = static_cast<int>(core::frames_at_once(info.width, info.height, info.channels));
   const int read = core::stream_frames(
       source, "events", frames, context,
-      [&](int, const cv::Mat& frame) { return core::to_levels(frame, info); },
-      [&](int t, cv::Mat levels) {
-        window.push(std::move(levels));
-        if ((t + 1) % batch == 0) measure(t + 1);
+      [&](int, const cv::Mat& frame) { return make_window_frame(frame, info); },
+      [&](int t, WindowFrame frame) {
+        window.push(std::move(frame));
+        if ((t + 1) % batch == 0) measure_ready(t + 1);
       });
   if (read != frames)
     throw core::InputError("events: the clip has " + std::to_string(read) + " frames, its graphs " +
                            std::to_string(frames));
-  measure(read);
+  measure_ready(read);
 }
 
 }  // namespace
@@ -259,21 +280,11 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
     evidence.agreement = static_cast<double>(event.members.size()) / static_cast<double>(all.size());
     find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied, own - steadied));
   }
-  auto measurements = plan_measurements(pooled, all, steadied, own);
-  measure_all(source, all, static_cast<int>(frames), measurements, context);
-  for (PooledEvent& event : pooled) event.weighed.evidence.log_factor = mcmc::kMostChangeFactor;
-  std::vector<bool> is_measured(pooled.size(), false);
-  for (const Measurement& one : measurements) {
-    double& factor = pooled[one.pooled].weighed.evidence.log_factor;
-    factor = std::min(factor, one.log_factor);
-    if (one.is_last) pooled[one.pooled].weighed.evidence.likeness = one.likeness;
-    is_measured[one.pooled] = true;
-  }
+  for (PooledEvent& event : pooled) event.weighed.evidence.log_factor = -mcmc::kMostChangeFactor;
+  const auto measurements = plan_measurements(pooled, all, steadied, own);
+  measure_all(source, all, static_cast<int>(frames), measurements, pooled, context);
   std::vector<WeighedEvent> result;
-  for (std::size_t i = 0; i < pooled.size(); ++i) {
-    if (!is_measured[i]) pooled[i].weighed.evidence.log_factor = -mcmc::kMostChangeFactor;
-    result.push_back(std::move(pooled[i].weighed));
-  }
+  for (PooledEvent& event : pooled) result.push_back(std::move(event.weighed));
   return result;
 }
 

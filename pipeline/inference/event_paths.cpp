@@ -139,6 +139,12 @@ Path move_ends(Path path, Point front, Point back) {
   return path;
 }
 
+bool are_in_same_places(const Path& a, const Path& b) {
+  return std::ranges::equal(a, b, [](const Patch& p, const Patch& q) {
+    return p.position.x == q.position.x && p.position.y == q.position.y && p.theta == q.theta;
+  });
+}
+
 double length_of(const Path& path) {
   double length = 0;
   for (std::size_t i = 1; i < path.size(); ++i) length += distance(path[i].position, path[i - 1].position);
@@ -195,7 +201,8 @@ std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, co
     for (int t = first; t <= last; ++t) {
       Path followed;
       for (const auto& course : each) followed.push_back(course[t].patch);
-      guesses_of(t) = {carried[t], std::move(followed)};
+      guesses_of(t) = {carried[t]};
+      if (!are_in_same_places(followed, carried[t])) guesses_of(t).push_back(std::move(followed));
     }
     return guesses;
   }

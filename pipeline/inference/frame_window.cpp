@@ -11,14 +11,24 @@
 
 namespace emberfold::pipeline {
 
-void FrameWindow::push(cv::Mat levels) {
-  cv::Mat1f luma = core::luma(levels), halved;
-  cv::pyrDown(luma, halved);
-  entries_.push_back({std::move(levels), std::move(luma), std::move(halved), {}, {}});
+WindowFrame make_window_frame(const cv::Mat& frame, const core::ClipInfo& info) {
+  WindowFrame made;
+  const cv::Mat levels = core::to_levels(frame, info);
+  made.luma = core::luma(levels);
+  cv::pyrDown(made.luma, made.halved);
+  made.levels = frame.depth() == CV_8U && info.white == 255 ? frame : levels;
+  return made;
+}
+
+void FrameWindow::push(WindowFrame frame) {
+  size_ = frame.luma.size();
+  entries_.push_back({std::move(frame), {}, {}});
 }
 
 void FrameWindow::prepare(const core::Context& context) {
   compute_motion(entries_, context);
+  for (Entry& entry : entries_)
+    if (!entry.on.empty()) entry.luma.release();
 }
 
 void FrameWindow::drop_before(int frame) {
@@ -27,7 +37,7 @@ void FrameWindow::drop_before(int frame) {
 
 graph::Point FrameWindow::carry(graph::Point p, int from, int step) const {
   const Entry& pair = entry(step > 0 ? from : from - 1);
-  return p + sketch::sample_motion(step > 0 ? pair.on : pair.back, pair.luma.size(), p);
+  return p + sketch::sample_motion(step > 0 ? pair.on : pair.back, size_, p);
 }
 
 }  // namespace emberfold::pipeline

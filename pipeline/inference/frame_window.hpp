@@ -5,16 +5,25 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/clip.hpp"
 #include "core/context.hpp"
 #include "graph/patch.hpp"
 
 namespace emberfold::pipeline {
 
+/// Holds one frame as a window keeps it.
+struct WindowFrame {
+  cv::Mat levels;  ///< CV_8U as read where that is white = 255, else CV_32F; 1 or 3 channels
+  cv::Mat1f luma, halved;
+};
+/// Brings a frame of a clip into this form. O(pixels).
+WindowFrame make_window_frame(const cv::Mat& frame, const core::ClipInfo& info);
+
 /// Holds some frames of a clip in a row, and the motion between neighbouring ones.
 class FrameWindow {
  public:
-  /// Appends the next frame: CV_32F, 1 or 3 channels, white = 255.
-  void push(cv::Mat levels);
+  /// Appends the next frame.
+  void push(WindowFrame frame);
   /// Computes the motion (optical flow, both senses) between frames that have none yet, in parallel.
   void prepare(const core::Context& context);
   /// Forgets the frames before `frame`.
@@ -28,16 +37,15 @@ class FrameWindow {
   [[nodiscard]] graph::Point carry(graph::Point p, int from, int step) const;
 
  private:
-  struct Entry {
-    cv::Mat levels;
-    cv::Mat1f luma, halved;
-    cv::Mat on, back;  // motion to the next frame, and from there
+  struct Entry : WindowFrame {
+    cv::Mat on, back;  // motion to the next frame, and from there; luma is dropped once both are known
   };
   [[nodiscard]] const Entry& entry(int frame) const {
     return entries_[static_cast<std::size_t>(frame - first_)];
   }
 
   int first_ = 0;
+  cv::Size size_;
   std::deque<Entry> entries_;
 };
 

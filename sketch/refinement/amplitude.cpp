@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
+
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "sketch/patches/profile_shape.hpp"
 
@@ -35,20 +38,109 @@ std::array<double, 3> project_colours(const Patch& patch, int channels) {
   return weights;
 }
 
+/// The places of a profile's samples: rows along the patch, side by side.
+struct Raster {
+  Point middle, along, across;
+  [[nodiscard]] Point at(int row, double s) const { return middle + across * (row * kStep) + along * s; }
+};
+
+template <class T>
 double sample(const cv::Mat& levels, Point p, const std::array<double, 3>& weights) {
   const double x = std::clamp(p.x, 0.0, levels.cols - 1.0), y = std::clamp(p.y, 0.0, levels.rows - 1.0);
   const int left = static_cast<int>(x), top = static_cast<int>(y), channels = levels.channels();
   const int right = std::min(left + 1, levels.cols - 1), bottom = std::min(top + 1, levels.rows - 1);
   const double u = x - left, v = y - top;
-  const auto *above = levels.ptr<float>(top), *below = levels.ptr<float>(bottom);
+  const auto *above = levels.ptr<T>(top), *below = levels.ptr<T>(bottom);
   double sum = 0;
   for (int c = 0; c < channels; ++c) {
-    const auto at = [&](const float* row, int column) { return double{row[column * channels + c]}; };
+    const auto at = [&](const T* row, int column) { return static_cast<double>(row[column * channels + c]); };
     sum +=
         weights[static_cast<std::size_t>(c)] * ((1 - v) * ((1 - u) * at(above, left) + u * at(above, right)) +
                                                 v * ((1 - u) * at(below, left) + u * at(below, right)));
   }
   return sum;
+}
+
+/// Four numbers in a row.
+cv::v_float32x4 load_four(const float* from) {
+  return cv::v_load(from);
+}
+cv::v_float32x4 load_four(const std::uint8_t* from) {
+  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(from)));
+}
+
+/// The mean of a row's samples. Near the border its levels go on.
+template <class T>
+double row_mean(const cv::Mat& levels, const Raster& raster, int row, const std::array<double, 3>& weights) {
+  double sum = 0;
+  for (const double s : kSamples) sum += sample<T>(levels, raster.at(row, s), weights);
+  return sum / static_cast<double>(kSamples.size());
+}
+
+/// The same for three channels off the border: all at once.
+template <class T>
+double inner_row_mean(const cv::Mat& levels, const Raster& raster, int row,
+                      const std::array<double, 3>& weights) {
+  const std::size_t stride = levels.step1();
+  cv::v_float32x4 sum = cv::v_setzero_f32();
+  for (const double s : kSamples) {
+    const Point p = raster.at(row, s);
+    const int left = static_cast<int>(p.x), top = static_cast<int>(p.y);
+    const cv::v_float32x4 u = cv::v_setall_f32(static_cast<float>(p.x - left)),
+                          v = cv::v_setall_f32(static_cast<float>(p.y - top));
+    const T *const above = levels.ptr<T>(top) + 3 * left, *const below = above + stride;
+    const cv::v_float32x4 upper = load_four(above), lower = load_four(below);
+    const cv::v_float32x4 over = cv::v_muladd(u, load_four(above + 3) - upper, upper),
+                          under = cv::v_muladd(u, load_four(below + 3) - lower, lower);
+    sum += cv::v_muladd(v, under - over, over);
+  }
+  std::array<float, 4> sums{};
+  cv::v_store(sums.data(), sum);
+  return (weights[0] * double{sums[0]} + weights[1] * double{sums[1]} + weights[2] * double{sums[2]}) /
+         static_cast<double>(kSamples.size());
+}
+
+/// Whether all samples, up to `rows` rows to each side, have pixels around them, and one more to the right.
+bool is_inner(const cv::Mat& levels, const Raster& raster, int rows) {
+  for (const int row : {-rows, rows})
+    for (const double s : {kSamples.front(), kSamples.back()}) {
+      const Point p = raster.at(row, s);
+      if (!(p.x >= 0 && p.y >= 0 && p.x < levels.cols - 2 && p.y < levels.rows - 1)) return false;
+    }
+  return true;
+}
+
+/// The frame's levels across a patch, `rows` rows to each side.
+template <class T>
+std::vector<double> levels_across(const cv::Mat& levels, const Patch& patch, int rows) {
+  const Point along{std::cos(patch.theta), std::sin(patch.theta)};
+  const Raster raster{patch.position, along, {-along.y, along.x}};
+  const auto weights = project_colours(patch, levels.channels());
+  const bool at_once = levels.channels() == 3 && is_inner(levels, raster, rows);
+  std::vector<double> seen;
+  seen.reserve(static_cast<std::size_t>(2 * rows) + 1);
+  for (int row = -rows; row <= rows; ++row)
+    seen.push_back(at_once ? inner_row_mean<T>(levels, raster, row, weights)
+                           : row_mean<T>(levels, raster, row, weights));
+  return seen;
+}
+
+/// A patch's profile `half` rows to each side, less its mean: so it is orthogonal to a constant level.
+std::vector<double> profile_across(const Patch& patch, const ProfileShape& shape, int half) {
+  std::vector<double> profile(static_cast<std::size_t>(2 * half) + 1);
+  const auto middle = static_cast<std::size_t>(half);
+  double mean = 0;
+  for (std::size_t i = 0; i <= middle; ++i) {
+    const auto reached = shape.at(static_cast<double>(i) * kStep);
+    const bool is_step = on_step(patch);
+    const double value = is_step ? reached.enter : reached.enter - reached.leave;
+    profile[middle + i] = value;
+    profile[middle - i] = is_step ? 1 - value : value;
+  }
+  for (const double p : profile) mean += p;
+  mean /= static_cast<double>(profile.size());
+  for (double& p : profile) p -= mean;
+  return profile;
 }
 
 }  // namespace
@@ -57,28 +149,12 @@ double measure_amplitude(const cv::Mat& levels, const Patch& patch, double slip)
   if (patch.type == graph::PatchType::blob) return 1;
   const ProfileShape shape(patch);
   const double reach = std::clamp(shape.half_width + 2 * shape.blur, kLeastReach, kMostReach) + 1;
-  const auto weights = project_colours(patch, levels.channels());
-  const Point along{std::cos(patch.theta), std::sin(patch.theta)}, across{-along.y, along.x};
-  const int half = static_cast<int>(reach / kStep), slips = static_cast<int>(slip / kStep),
-            all = half + slips;
-  std::vector<double> seen;
-  for (int i = -all; i <= all; ++i) {
-    double sum = 0;
-    for (const double s : kSamples)
-      sum += sample(levels, patch.position + across * (i * kStep) + along * s, weights);
-    seen.push_back(sum / static_cast<double>(kSamples.size()));
-  }
-  // Without its mean the profile is orthogonal to a constant level.
-  std::vector<double> profile;
-  double mean = 0;
-  for (int i = -half; i <= half; ++i) {
-    const auto reached = shape.at(i * kStep);
-    profile.push_back(on_step(patch) ? reached.enter : reached.enter - reached.leave);
-    mean += profile.back();
-  }
-  mean /= static_cast<double>(profile.size());
+  const int half = static_cast<int>(reach / kStep), slips = static_cast<int>(slip / kStep);
+  const auto seen = levels.depth() == CV_8U ? levels_across<std::uint8_t>(levels, patch, half + slips)
+                                            : levels_across<float>(levels, patch, half + slips);
+  const auto profile = profile_across(patch, shape, half);
   double square = 0;
-  for (double& p : profile) p -= mean, square += p * p;
+  for (const double p : profile) square += p * p;
   double best = -std::numeric_limits<double>::infinity();
   for (int shift = -slips; shift <= slips; ++shift) {
     double product = 0;

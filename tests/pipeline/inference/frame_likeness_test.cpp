@@ -31,7 +31,8 @@ cv::Mat1f texture(std::uint64_t seed, cv::Size size) {
 
 pipeline::FrameWindow window_of(const std::vector<cv::Mat1f>& frames) {
   pipeline::FrameWindow window;
-  for (const auto& frame : frames) window.push(frame.clone());
+  core::ClipInfo info;
+  for (const auto& frame : frames) window.push(pipeline::make_window_frame(frame, info));
   return window;
 }
 

@@ -91,3 +91,24 @@ TEST_CASE("A patch beside its line finds it within the slip", "[amplitude]") {
   beside.position = {-500, 900};
   CHECK(std::isfinite(sketch::measure_amplitude(levels, beside, 1.5)));
 }
+
+TEST_CASE("An amplitude is the same of bytes, of floats and of grey in three channels", "[amplitude]") {
+  cv::Mat3b bytes(60, 70);
+  cv::Mat1b grey(60, 70);
+  cv::theRNG().state = 5;
+  cv::randu(bytes, 0, 256), cv::randu(grey, 0, 256);
+  cv::Mat floats, thrice, grey_floats;
+  bytes.convertTo(floats, CV_32F), grey.convertTo(grey_floats, CV_32F);
+  cv::merge(std::vector<cv::Mat>(3, grey_floats), thrice);
+  // Off the border, and so near to it that samples fall outside.
+  for (const Point place : {Point{33.4, 28.7}, Point{3.2, 28.7}, Point{66.5, 55.1}})
+    for (const double theta : {0.0, 0.9, 2.4}) {
+      INFO("at " << place.x << ", " << place.y << ", theta " << theta);
+      const Patch patch = bar_at(place, theta, 40);
+      CHECK(sketch::measure_amplitude(bytes, patch, 1.5) == sketch::measure_amplitude(floats, patch, 1.5));
+      CHECK_THAT(sketch::measure_amplitude(thrice, patch, 1.5),
+                 WithinAbs(sketch::measure_amplitude(grey_floats, patch, 1.5), 1e-4));
+      CHECK(sketch::measure_amplitude(grey, patch, 1.5) ==
+            sketch::measure_amplitude(grey_floats, patch, 1.5));
+    }
+}
