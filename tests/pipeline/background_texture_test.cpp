@@ -96,6 +96,24 @@ TEST_CASE("a texture between strokes is learned as if there were none") {
   CHECK_THAT(turn, Catch::Matchers::WithinAbs(2 * std::numbers::pi / 12, 0.02));
 }
 
+TEST_CASE("a texture of sixteen bits is that of eight, on its own scale") {
+  const auto scene = make_scene();
+  core::Clip deep{scene.clip.info, {}};
+  deep.info.depth = CV_16U, deep.info.white = 65535;
+  for (const auto& frame : scene.clip.frames) {
+    cv::Mat words;
+    frame.convertTo(words, CV_16U, 257);
+    deep.frames.push_back(words);
+  }
+  pipeline::BackgroundTextureOptions options;
+  options.components = 4, options.rounds = 0;
+  core::ClipSource eight(scene.clip), sixteen(deep);
+  const auto a = pipeline::learn_background_texture(eight, scene.graphs, options, {});
+  const auto b = pipeline::learn_background_texture(sixteen, scene.graphs, options, {});
+  CHECK(a.texture.mean.maxCoeff() > 60);
+  CHECK((b.texture.mean - a.texture.mean).cwiseAbs().maxCoeff() < 1);
+}
+
 TEST_CASE("strokes are hidden, whatever they show") {
   Scene scene = make_scene();
   const auto learned = learn(scene, {.components = 3, .rounds = 2});

@@ -78,6 +78,28 @@ TEST_CASE("A curve that crosses another begins and ends to do so once", "[graph]
   CHECK(crossings == 10);
 }
 
+TEST_CASE("Two curves cross if they do so in most frames of their contact", "[graph][events]") {
+  // A lying line of five patches and an upright one that ends at its middle, or goes through it.
+  const auto frame = [](bool through) {
+    test::Frame made;
+    made.line({{100, 100}, {105, 100}, {110, 100}, {115, 100}, {120, 100}});
+    made.line({{110, 85}, {110, 90}, {110, 95}});
+    made.edge(2, 7);
+    if (through) made.edge(2, made.line({{110, 105}, {110, 110}, {110, 115}}));
+    std::vector<graph::CurveId> curves(made.vertices.size(), {2});
+    std::fill_n(curves.begin(), 5, graph::CurveId{1});
+    return made.graph().with_curves(curves);
+  };
+  for (const int crossing : {0, 3, 4, 5, 8}) {
+    graph::MotionGraph motion;
+    for (int t = 0; t < 8; ++t) motion.sketch.append(frame(t < crossing));
+    motion.links.resize(8);
+    const auto contacts = graph::curve_contacts(motion);
+    REQUIRE(contacts.size() == 1);
+    CHECK(contacts[0].crosses == (crossing > 4));
+  }
+}
+
 TEST_CASE("Tables of contacts and of named events, in px and in units", "[graph][io]") {
   std::ostringstream contacts, named, broken;
   graph::write_contacts(contacts, {{{2}, {5}, 3, 9, true, {10, 20}, false, true}}, {0.5, 0.1});

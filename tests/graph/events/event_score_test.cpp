@@ -180,6 +180,14 @@ TEST_CASE("Four classes see no difference between split and disconnect, merge an
   CHECK(graph::score_events(truth, {}).four.back().precision() == 0);
 }
 
+TEST_CASE("Precision is of what was found, recall of the truth, and F1 their harmonic mean",
+          "[graph][score]") {
+  const graph::ClassScore score{"birth", 8, 5, 3};
+  CHECK(score.precision() == 0.6);
+  CHECK(score.recall() == 0.375);
+  CHECK_THAT(score.f1(), WithinAbs(2 * 0.6 * 0.375 / (0.6 + 0.375), 1e-12));
+}
+
 TEST_CASE("Options of the score are held to their ranges", "[graph][score]") {
   const auto refusal = [](graph::ScoreOptions options) {
     return test::message_of<core::InputError>([&] { options.validate(); });

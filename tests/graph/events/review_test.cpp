@@ -129,6 +129,14 @@ TEST_CASE("Answers find their events, whatever the order, and also a little besi
   CHECK(graph::find_answers(std::vector{event(9, EventType::birth, 50, 50)}, other)[0] == 0);
 }
 
+TEST_CASE("Of answers beside an event that of its own class is taken", "[graph][events]") {
+  const std::vector<ReviewedEvent> review{
+      {event(10, EventType::disconnect, 50, 50), Answer::no, EventType::disconnect},
+      {event(10, EventType::split, 54, 50), Answer::yes, EventType::split}};
+  CHECK(graph::find_answers(std::vector{event(10, EventType::split, 50, 50)}, review)[0] == 1);
+  CHECK(graph::find_answers(std::vector{event(10, EventType::disconnect, 54, 50)}, review)[0] == 0);
+}
+
 TEST_CASE("A reviewed file scores what was answered and leaves the rest out", "[graph][events]") {
   const std::vector<ReviewedEvent> review{
       {event(10, EventType::split, 50, 50), Answer::yes, EventType::split},

@@ -157,6 +157,29 @@ TEST_CASE("A swap of neighbours is one change that adds nothing", "[graph][event
   for (const int flips : {1, 2, 3}) CHECK(graph::find_neighbour_swaps(closing_forks(false, flips)).empty());
 }
 
+TEST_CASE("Neighbours swap only where the arms stay in their places", "[graph][events]") {
+  // Two forks 16 px apart with two arms each, beside each other and then above each other.
+  const auto forks = [](double slope, bool above) {
+    const auto at = [&](double x, double y) {
+      return above ? graph::Point{100 + y, 100 + x} : graph::Point{100 + x, 100 + y};
+    };
+    test::Frame frame;
+    frame.line({at(-8, 0), at(8, 0)});
+    for (const double side : {-1.0, 1.0})
+      for (const double rise : {-slope, slope})
+        frame.edge(side < 0 ? 0 : 1, frame.line({at(28 * side, 28 * rise)}));
+    return frame.graph();
+  };
+  const auto swaps = [&](double slope) {
+    graph::MotionGraph motion;
+    for (int t = 0; t < 20; ++t) motion.sketch.append(forks(slope, t >= 10));
+    motion.links.resize(20);
+    return graph::find_neighbour_swaps(motion).size();
+  };
+  CHECK(swaps(0.75) == 1);  // arms turn by 16°
+  CHECK(swaps(0.2) == 0);   // by 67°: other arms
+}
+
 TEST_CASE("The table of changes, in px and in units", "[graph][io]") {
   std::ostringstream plain, with, broken;
   TopologyChange change{4, Change::branch_retracted, {1, 2}, Contact::none, -1, -1, 0, 0, 8};

@@ -2,6 +2,7 @@
 #include "graph/matching/flicker_removal.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <vector>
 
@@ -42,7 +43,7 @@ AttributeGraph draw(const std::vector<Line>& lines) {
   };
   for (const Line& line : lines) {
     const Point way = line.to - line.from;
-    const int pieces = static_cast<int>(graph::norm(way) / 5 + 0.5);
+    const int pieces = static_cast<int>(std::lround(graph::norm(way) / 5));
     VertexId previous = vertex_at(line.from, std::atan2(way.y, way.x));
     for (int i = 1; i <= pieces; ++i) {
       const VertexId next = vertex_at(line.from + way * (1.0 * i / pieces), std::atan2(way.y, way.x));
@@ -148,7 +149,7 @@ std::vector<graph::Event> events_of(const std::vector<AttributeGraph>& frames) {
   return graph::stroke_events(graph::match(sketch, {}));
 }
 
-AttributeGraph gaining(AttributeGraph graph, double from_x, double gain) {
+AttributeGraph gaining(const AttributeGraph& graph, double from_x, double gain) {
   std::vector<Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
   for (Vertex& v : vertices) v.patch.gain = v.patch.position.x < from_x ? 100 : gain;
   return {vertices, {graph.edges().begin(), graph.edges().end()}};
@@ -184,6 +185,16 @@ TEST_CASE("A stroke that gains little has to be seen twice as long", "[graph][st
         frames.push_back(gaining(draw(t >= 4 && t < 4 + length ? kCompany : kStroke), 70, gain));
       CHECK(events_of(frames).size() == (gain == 100 || length > 6 ? 2 : 0));
     }
+  }
+}
+
+TEST_CASE("How long a stroke has to be seen grows as its gain falls", "[graph][steady]") {
+  // 100 / 70 of three frames: more than four.
+  for (const int length : {4, 5}) {
+    std::vector<AttributeGraph> frames;
+    for (int t = 0; t < 16; ++t)
+      frames.push_back(gaining(draw(t >= 4 && t < 4 + length ? kCompany : kStroke), 70, 70));
+    CHECK(events_of(frames).size() == (length == 5 ? 2 : 0));
   }
 }
 

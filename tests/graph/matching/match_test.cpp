@@ -252,6 +252,19 @@ TEST_CASE("A motion that goes on is followed although it is faster than strokes 
   }
 }
 
+TEST_CASE("A patch slips along its stroke rather than across", "[graph][match]") {
+  for (const double theta : {0.0, 1.0}) {
+    const Point along{std::cos(theta), std::sin(theta)}, across{-along.y, along.x};
+    const auto patch = [&](std::uint32_t id, Point at) { return test::vertex(id, at.x, at.y, theta); };
+    const graph::AttributeGraph before({patch(0, {50, 50})}, {});
+    const graph::AttributeGraph after(
+        {patch(0, Point{50, 50} + across * 5), patch(1, Point{50, 50} + along * 4)}, {});
+    const auto links = graph::match_frames(before, after, {}, {});
+    REQUIRE(links.size() == 1);
+    CHECK(links[0].after.value == 1);
+  }
+}
+
 TEST_CASE("Strokes of another kind or too far are not the same", "[graph][match]") {
   const auto stroke = [](Point at, double contrast) {
     test::Frame frame;

@@ -93,6 +93,11 @@ TEST_CASE("Tips that only tremble, and a curve that moves across itself, do not 
   CHECK(motions.size() >= 12);
   CHECK(std::ranges::count(motions, TipPhase::pause, &TipMotion::phase) + 1 >=
         static_cast<std::ptrdiff_t>(motions.size()));
+  for (const TipMotion& one :
+       motions) {  // places err by 1 px, the slope by that over the root of Σ (t − mean)²
+    const double count = one.last - one.first + 1;
+    CHECK_THAT(one.error * std::sqrt(count * (count * count - 1) / 12), test::WithinAbs(1, 0.15));
+  }
 }
 
 TEST_CASE("A tip that is missed in single frames does not grow", "[graph][network]") {

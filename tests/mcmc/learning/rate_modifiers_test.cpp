@@ -78,6 +78,28 @@ TEST_CASE("Deaths by age are found as they were made", "[circumstances]") {
   }
 }
 
+TEST_CASE("A stroke made of others is as old as the oldest of them", "[circumstances]") {
+  const auto event = [](graph::EventType type, int frame, std::vector<graph::SubgraphId> before,
+                        std::vector<graph::SubgraphId> after) {
+    graph::Event made;
+    made.type = type, made.frame = frame, made.position = {50, 50};
+    made.before = std::move(before), made.after = std::move(after);
+    return made;
+  };
+  // Born in frames 2 and 12, one from frame 20 on, dead in frame 25: 23 frames, not 13.
+  const std::vector<std::vector<graph::Event>> events{
+      {event(graph::EventType::birth, 2, {}, {{1}}), event(graph::EventType::birth, 12, {}, {{2}}),
+       event(graph::EventType::merge, 20, {{1}, {2}}, {{3}}), event(graph::EventType::death, 25, {{3}}, {})}};
+  graph::MotionGraph motion;
+  motion.sketch.width = 320, motion.sketch.height = 240;
+  motion.sketch.frames.resize(30), motion.links.resize(30);
+  auto rates = test::empty_model().rates;
+  const auto found = mcmc::estimate_rate_modifiers(std::span(&motion, 1), events, rates).death;
+  // One event where none was expected: (1 + 1) / (1 + 0).
+  for (std::size_t age = 0; age < found.size(); ++age)
+    CHECK(found[age] == (age == mcmc::elapsed_class(23) ? 2 : 1));
+}
+
 TEST_CASE("Partings after unions and unions after partings are found as they were made", "[circumstances]") {
   auto model = uniting_and_parting();
   model.rates.modifiers.separation = {4, 4, 4, 4, 1, 1};

@@ -44,6 +44,34 @@ std::vector<graph::MotionGraph> swaying_starts() {
   return {motion, motion};
 }
 
+/// How strokes grow, close up and look where they begin, as the truth has it: |z| < 4.5.
+void check_growth(const mcmc::SufficientStatistics& mean, const mcmc::SamplerParameters& found,
+                  const mcmc::SamplerParameters& truth, double clips) {
+  const auto check_rate = [&](const char* name, double estimate, double rate, double exposure) {
+    INFO(name << ": " << estimate << ", true " << rate << ", exposure " << exposure * clips);
+    REQUIRE(exposure * clips * rate > 20);
+    CHECK(std::abs(estimate - rate) < 4.5 * std::sqrt(rate / (exposure * clips)));
+  };
+  check_rate("growth of ends", found.growth[0], truth.growth[0], mean.parents[0]);
+  check_rate("growth inside", found.growth[1], truth.growth[1], mean.parents[1]);
+  check_rate("growth of what is new", found.growth[3], truth.growth[3], mean.parents[3] / 2);
+  check_rate("growth in frame 0", found.first_growth, truth.first_growth, mean.first_parents / 2);
+  for (const std::size_t epoch : {0, 1}) {
+    double joined = 0, expected = 0, variance = 0;
+    for (std::size_t k = 0; k < mcmc::kCloseness; ++k) {
+      const auto& pair = mean.close[epoch][k];
+      const double p = truth.close[epoch][k];
+      joined += pair.joined, expected += pair.exposure * p, variance += pair.exposure * p * (1 - p);
+    }
+    INFO("closing in epoch " << epoch << ": " << joined * clips << ", expected " << expected * clips);
+    CHECK(std::abs(joined - expected) < 4.5 * std::sqrt(variance / clips));
+  }
+  const double begun = (mean.begun[0] + mean.begun[1]) * clips;
+  CHECK_THAT(found.new_contrast,
+             WithinAbs(truth.new_contrast, 4.5 * truth.new_contrast_sd / std::sqrt(begun)));
+  CHECK_THAT(found.new_contrast_sd, WithinRel(truth.new_contrast_sd, 4.5 / std::sqrt(2 * begun)));
+}
+
 }  // namespace
 
 TEST_CASE("Sways of a course have the Gaussian that the density gives them", "[mcmc][chain]") {
@@ -145,6 +173,7 @@ TEST_CASE("Theta is learned from what was drawn by it", "[mcmc][chain]") {
   CHECK(std::abs(z(found.join[2][0], truth.join[2][0], kept.exposure)) < 4.5);
   CHECK_THAT(found.birth[0], WithinRel(truth.birth[0], 0.15));
   CHECK_THAT(found.birth[1], WithinRel(truth.birth[1], 0.15));
+  check_growth(sums, found, truth, clips);
 }
 
 TEST_CASE("infer samples every chain and tells of it", "[mcmc][chain]") {
@@ -171,6 +200,24 @@ TEST_CASE("infer samples every chain and tells of it", "[mcmc][chain]") {
   CHECK(again.samples == result.samples);
   options.tempering_levels = 2;
   CHECK(mcmc::infer(starts, learned, mcmc::SketchEvidence{}, options, 9).samples.size() == 6);
+}
+
+TEST_CASE("infer learns theta from what sways, and only during burn-in", "[mcmc][chain]") {
+  const auto starts = swaying_starts();
+  mcmc::FitOptions fit_options;
+  fit_options.calibrate = false;
+  auto learned = mcmc::fit(starts[0], fit_options).model;
+  learned.displacement.a1 = 0.5, learned.displacement.a2 = 0;  // the strokes have 1.5 and −0.8
+  mcmc::InferOptions options;
+  options.burn_in = 16, options.sweeps = 4, options.samples = 2, options.proposals = 2;
+  const auto result = mcmc::infer({starts.data(), 1}, learned, mcmc::SketchEvidence{}, options, 9);
+  const auto a1 = std::ranges::find(result.traces, "a1", &mcmc::Trace::name);
+  REQUIRE(a1 != result.traces.end());
+  const auto& values = a1->chains.at(0);
+  REQUIRE(values.size() == 20);
+  CHECK(values[15] > 0.65);
+  CHECK(values[14] != values[15]);
+  for (std::size_t n = 16; n < values.size(); ++n) CHECK(values[n] == values[15]);
 }
 
 TEST_CASE("infer refuses what it cannot do", "[mcmc][chain]") {

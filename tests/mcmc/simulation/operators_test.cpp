@@ -141,6 +141,33 @@ TEST_CASE("The death map says where strokes die", "[operators]") {
   for (const auto& vertex : found.motion.sketch.frames[2].vertices()) CHECK(vertex.patch.position.x > 112);
 }
 
+TEST_CASE("The birth map says where strokes are born", "[operators]") {
+  auto model = test::empty_model();
+  for (int k = 0; k < 10; ++k)  // as many exemplars on the left as on the right
+    model.exemplars.push_back({test::straight(5), {k < 5 ? 60.0 : 260.0, 40.0 + 40 * (k % 5)}, 20});
+  model.rates.birth_by_size[mcmc::size_class(5)] = 1;
+  for (std::size_t c = 0; c < model.rates.birth.values.size(); ++c)  // all births at x below 160
+    model.rates.birth.values[c] = c % std::size_t(model.rates.birth.columns) < 10 ? 1.0 / (160 * 240) : 0;
+  const auto found = clip(model, 40);
+  int births = 0;
+  for (const auto& event : graph::stroke_events(found.motion)) {
+    CHECK(event.position.x < 160);
+    ++births;
+  }
+  CHECK(births > 20);
+}
+
+TEST_CASE("Strokes go where the drift carries them", "[operators]") {
+  auto model = showing(tiled(straight_stroke));
+  for (double& value : model.drift_x.values) value = 0.75;
+  for (double& value : model.drift_y.values) value = -0.5;
+  const auto& frames = clip(model, 11).motion.sketch.frames;
+  REQUIRE(frames[10].size() == model.first.size());
+  for (std::size_t v = 0; v < frames[10].size(); ++v)
+    CHECK(graph::distance(frames[10].patch(v).position, model.first.patch(v).position + Point{7.5, -5}) <
+          1e-9);
+}
+
 TEST_CASE("At a rate of one a stroke splits once and leaves a gap of that width", "[operators]") {
   for (const double gap : {10.0, 15.0, 20.0, 30.0}) {
     test::Frame frame;

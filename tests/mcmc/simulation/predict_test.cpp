@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mcmc/simulation/predict.hpp"
 
+#include <cmath>
+
+#include <Eigen/LU>
+
 #include "core/error.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/motion_models.hpp"
@@ -83,6 +87,50 @@ TEST_CASE("A drift is part of a prediction", "[predict]") {
   const auto with = errors(scene, truth, mcmc::predict(model, truth.motion), 20);
   CHECK(with.predicted < 1.35 * scene.displacement.noise);
   CHECK(with.predicted < without.predicted);
+}
+
+TEST_CASE("A prediction is the best linear one of what was seen so far", "[predict]") {
+  // A line that sways up and down, seen with an error, and drifts.
+  const std::vector<double> y{0, 0.5, 0.9, 0.7, 1.2, 1.5, 1.1, 1.9};
+  std::vector<graph::AttributeGraph> frames;
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links(y.size() - 1);
+  for (const double offset : y) {
+    test::Frame frame;
+    frame.line(test::segment({20, 100 + offset}, {80, 100 + offset}, 13));
+    frames.push_back(frame.graph());
+  }
+  for (auto& gap : links)
+    for (std::uint32_t v = 0; v < 13; ++v) gap.emplace_back(v, v);
+  const auto motion = graph::identify(test::motion(frames, links));
+  auto model = test::empty_model();
+  constexpr double a1 = 1.2, a2 = -0.5, noise = 0.3, error = 0.5, drift = 0.2;
+  model.displacement = {a1, a2, 0, noise, 20, error};
+  for (double& value : model.drift_y.values) value = drift;
+  std::vector<double> gamma{noise * noise * (1 - a2) / ((1 + a2) * ((1 - a2) * (1 - a2) - a1 * a1))};
+  gamma.push_back(gamma[0] * a1 / (1 - a2));
+  for (std::size_t k = 2; k < 12; ++k) gamma.push_back(a1 * gamma[k - 1] + a2 * gamma[k - 2]);
+  for (const int steps : {1, 3}) {
+    const auto predicted = mcmc::predict(model, motion, steps);
+    for (Eigen::Index n = 3; n + steps <= static_cast<Eigen::Index>(y.size()); ++n) {
+      // Of n frames: the rest by generalised least squares, and the deviation by its covariances with theirs.
+      Eigen::MatrixXd seen(n, n);
+      Eigen::VectorXd values(n), ahead(n);
+      for (Eigen::Index i = 0; i < n; ++i) {
+        for (Eigen::Index j = 0; j < n; ++j) seen(i, j) = gamma[static_cast<std::size_t>(std::abs(i - j))];
+        seen(i, i) += error * error + 0.02 * 0.02;  // and the least error of a measured place
+        values[i] = y[static_cast<std::size_t>(i)] - drift * static_cast<double>(i);
+        ahead[i] = gamma[static_cast<std::size_t>(n - 1 + steps - i)];
+      }
+      const Eigen::MatrixXd inverse = seen.inverse();
+      const Eigen::VectorXd one = Eigen::VectorXd::Ones(n);
+      const double rest = one.dot(inverse * values) / one.dot(inverse * one);
+      const double expected = 100 + rest + ahead.dot(inverse * (values - rest * one)) +
+                              drift * static_cast<double>(n - 1 + steps);
+      INFO(steps << " ahead of " << n << " frames");
+      CHECK_THAT(predicted[static_cast<std::size_t>(n - 1 + steps)].patch(6).position.y,
+                 test::WithinAbs(expected, 1e-3));
+    }
+  }
 }
 
 TEST_CASE("A frame's prediction has the patches of the frame before", "[predict]") {

@@ -217,3 +217,22 @@ TEST_CASE("Large frames have the spectrum in time of all their pixels") {
   // uniform on 0 … 100: a variance of (101² − 1) / 12
   CHECK_THAT(measures.temporal()(1), WithinAbs(850, 20));
 }
+
+TEST_CASE("Large frames are sampled all over") {
+  // The lower half flickers by ±20, the upper one is still.
+  const cv::Size size(900, 700);
+  pipeline::ClipMeasures measures(size, {4, 1, 64}, 8000);
+  for (int t = 0; t < 8; ++t) {
+    cv::Mat luma(size, CV_32F, cv::Scalar(100));
+    luma.rowRange(350, 700).setTo(t % 2 == 0 ? 120 : 80);
+    measures.add(std::span(&luma, 1), {});
+  }
+  pipeline::ClipMeasures whole({90, 70}, {4, 1, 16}, 8000);  // the same, small enough for all pixels
+  for (int t = 0; t < 8; ++t) {
+    cv::Mat luma(70, 90, CV_32F, cv::Scalar(100));
+    luma.rowRange(35, 70).setTo(t % 2 == 0 ? 120 : 80);
+    whole.add(std::span(&luma, 1), {});
+  }
+  CHECK(whole.temporal()(1) > 50);
+  CHECK_THAT(measures.temporal()(1), WithinRel(whole.temporal()(1), 0.01));
+}

@@ -63,6 +63,21 @@ TEST_CASE("carried prediction: what moves is moved on, what is noise falls back 
   }
 }
 
+TEST_CASE("carried prediction: by the newest frame moved on alone, a frame is moved on by its motion") {
+  const auto clip = noisy_waves(12, 0);
+  const std::array steps{1, 3};
+  pipeline::CarriedPrediction model{{1, 3}, cv::Mat(64, 96, CV_32F, cv::Scalar(100)), {}};
+  model.weights.assign(2, cv::Mat(4, 6, CV_32FC4, cv::Scalar(1, 0, 0, 0)));
+  const auto level = [&](int t) {
+    return core::to_levels(clip.frames[static_cast<std::size_t>(t)], clip.info);
+  };
+  const std::vector<cv::Mat> past{level(5), level(6)};
+  const auto predicted = pipeline::predict(model, past, steps);
+  const cv::Rect moving(16, 4, 64, 24);
+  for (std::size_t s = 0; s < steps.size(); ++s)
+    CHECK(error(predicted[s], clip, 6 + steps[s], moving) < 0.4 * error(past[1], clip, 6 + steps[s], moving));
+}
+
 TEST_CASE("carried prediction: a clip without a frame to predict is refused") {
   const auto clip = noisy_waves(2, 0);
   core::ClipSource source(clip);

@@ -60,6 +60,21 @@ TEST_CASE("What moves is alike in neighbouring frames alone", "[likeness]") {
   CHECK(found->apart < found->next - 0.2);
 }
 
+TEST_CASE("Likeness is that of the place in the frame", "[likeness]") {
+  // Left of x = 100 one texture moves, right of it every frame has another.
+  auto frames = moving_texture();
+  const auto other = unlike_textures();
+  for (std::size_t t = 0; t < frames.size(); ++t)
+    other[t].colRange(100, 160).copyTo(frames[t].colRange(100, 160));
+  const auto window = window_of(frames);
+  const auto left = pipeline::measure_likeness(window, 12, {64, 60}, kLikenessFrames);
+  const auto right = pipeline::measure_likeness(window, 12, {136, 60}, kLikenessFrames);
+  REQUIRE(left);
+  REQUIRE(right);
+  CHECK(left->next > 0.9);
+  CHECK(right->next < 0.8);
+}
+
 TEST_CASE("Frames of nothing in common are as unlike next to each other as apart", "[likeness]") {
   double next = 0, apart = 0;
   const auto window = window_of(unlike_textures());

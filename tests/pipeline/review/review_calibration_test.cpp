@@ -88,6 +88,25 @@ TEST_CASE("Answers are facts: of probability 1 or 0, of the class given, and add
   CHECK_THROWS_AS(pipeline::apply_review(events, review, 0, 1), core::InputError);
 }
 
+TEST_CASE("Where all is answered a count is known, and its rate has a Gamma law", "[pipeline][review]") {
+  std::vector<Event> events;
+  std::vector<ReviewedEvent> review;
+  for (int k = 0; k < 100; ++k) {
+    events.push_back({k, EventType::birth, {100, 100}, 0.5, {}, {}});
+    review.push_back({events.back(), Answer::yes, EventType::birth});
+  }
+  double low = 0, high = 0;
+  constexpr std::uint64_t seeds = 20;
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    const auto result = pipeline::apply_review(events, review, 200, seed);
+    CHECK((result.counts[0].low == 100 && result.counts[0].high == 100));
+    low += result.rates[0].low * 200 / seeds, high += result.rates[0].high * 200 / seeds;
+  }
+  // Quantiles .05 and .95 of Gamma(100.5): half of those of chi squared with 201 degrees of freedom.
+  CHECK_THAT(low, test::WithinAbs(84.6, 0.8));
+  CHECK_THAT(high, test::WithinAbs(117.6, 0.9));
+}
+
 TEST_CASE("Answers to a part of the events set the others right", "[pipeline][review]") {
   core::Rng rng(7);
   for (const auto& [shift, slope] : {std::pair{-2.5, 1.0}, {1.5, 1.0}, {0.0, 0.4}, {-1.0, 0.6}}) {

@@ -2,6 +2,7 @@
 #include "sketch/background/level_range.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -88,6 +89,31 @@ TEST_CASE("Seen levels: a line takes the levels of its place and keeps its heigh
   CHECK_THAT(double{home.middle[0]}, Catch::Matchers::WithinAbs(50, 1e-3));
   CHECK_THAT(double{home.middle[1]}, Catch::Matchers::WithinAbs(40 + 20 / std::erf(std::sqrt(0.5)), 1e-3));
   CHECK_THAT(double{home.middle[2]}, Catch::Matchers::WithinAbs(60 + 5 / std::erf(std::sqrt(0.5)), 1e-3));
+}
+
+TEST_CASE("Seen levels: a picture on its side allows the same on its side") {
+  core::Rng rng(8);
+  cv::Mat levels(72, 96, CV_32F);
+  for (int y = 0; y < levels.rows; y += 24)
+    for (int x = 0; x < levels.cols; x += 24) levels(cv::Rect(x, y, 24, 24)).setTo(rng.below(256));
+  const auto seen = sketch::measure_level_range(levels),
+             turned = sketch::measure_level_range(cv::Mat(levels.t()));
+  const auto clamped = [](graph::Point at, double theta, const sketch::LevelRange& range) {
+    graph::Patch patch;
+    patch.position = at, patch.theta = theta, patch.width = 2, patch.blur = 1, patch.contrast = 1;
+    patch.left.fill(120), patch.right.fill(120), patch.middle.fill(121);
+    return sketch::clamp_levels({{{{0}, {}, patch}}, {}}, range).patch(0);
+  };
+  int moved = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const double x = rng.uniform(8, 87), y = rng.uniform(8, 63);
+    const auto upright = clamped({x, y}, 0, seen),
+               lying = clamped({y, x}, std::numbers::pi / 2, turned);  // its left is the other's right
+    CHECK_THAT(double{upright.left[0]}, WithinAbs(double{lying.right[0]}, 1e-2));
+    CHECK_THAT(double{upright.right[0]}, WithinAbs(double{lying.left[0]}, 1e-2));
+    moved += upright.left[0] != 120 ? 1 : 0;
+  }
+  CHECK(moved > 20);
 }
 
 TEST_CASE("Seen levels: whatever a place has shown it may show again") {

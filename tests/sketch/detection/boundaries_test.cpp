@@ -89,3 +89,18 @@ TEST_CASE("Boundaries are drawn as steps, more of them the more sensitive the sk
   }
   CHECK(length_near(sketch::extract(frame, {.boundaries = true}), 79.5) > 80);
 }
+
+TEST_CASE("The boundaries of a picture on its side are those of the picture") {
+  // Stripes along, beside a smooth part: as rough as stripes across.
+  cv::Mat1f levels(kSize);
+  for (int y = 0; y < levels.rows; ++y)
+    for (int x = 0; x < levels.cols; ++x)
+      levels(y, x) = static_cast<float>(110 + (x < 80 ? 0 : 40 * std::sin(1.2 * y)));
+  const cv::Mat1f found = sketch::find_boundaries(levels),
+                  turned = sketch::find_boundaries(cv::Mat(levels.t()));
+  double most = 0, apart = 0;
+  cv::minMaxLoc(found, nullptr, &most);
+  cv::minMaxLoc(cv::Mat(cv::abs(found - cv::Mat1f(turned.t()))), nullptr, &apart);
+  CHECK(most > 0.5);
+  CHECK(apart < 0.05);
+}

@@ -87,6 +87,16 @@ double false_alarms(const std::vector<cv::Mat1f>& frames, int count) {
   return static_cast<double>(alarms) / all;
 }
 
+/// White noise of SD 10 on a plane.
+cv::Mat1f noisy_plane(std::uint64_t seed) {
+  core::Rng rng(seed);
+  cv::Mat1f frame(300, 300);
+  for (int y = 0; y < frame.rows; ++y)
+    for (int x = 0; x < frame.cols; ++x)
+      frame(y, x) = static_cast<float>(0.2 * x + 0.5 * y + 10 * rng.normal());
+  return frame;
+}
+
 }  // namespace
 
 TEST_CASE("a drawn patch gains at its place and less the farther it is moved or turned") {
@@ -248,4 +258,11 @@ TEST_CASE("a frame that is none is refused") {
   cv::Mat1f broken = flat({20, 20}, 5);
   broken(3, 3) = std::numeric_limits<float>::quiet_NaN();
   CHECK_THROWS_AS(prepare_coding(broken), core::InputError);
+}
+
+TEST_CASE("The noise is measured without bias, whatever the slope below it") {
+  double mean = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) mean += prepare_coding(noisy_plane(seed)).noise / 8;
+  // The median of a mean square with 9² − 3 degrees of freedom (Wilson and Hilferty).
+  CHECK_THAT(mean, WithinAbs(10 * std::pow(1 - 2 / (9 * 78.0), 1.5), 0.08));
 }

@@ -59,6 +59,16 @@ TEST_CASE("the flank gradient of a step is that on the step, whatever its direct
   }
 }
 
+TEST_CASE("the flank gradient of a line is the mean of both flanks") {
+  cv::Mat frame(kSize, CV_32F);
+  for (int y = 0; y < frame.rows; ++y) frame.row(y).setTo(y < 32 ? 100 : 100 + 10 * (y - 32));
+  graph::Patch patch;
+  patch.position = {48, 32}, patch.theta = 0, patch.width = 8, patch.blur = 1, patch.contrast = 40;
+  const auto found = sketch::measure_flank_gradient(frame, {{{{0}, {}, patch}}, {}});
+  CHECK(found.places == 2);
+  CHECK_THAT(found.mean(), WithinAbs(5, 1e-3));  // none above, 10 below
+}
+
 TEST_CASE("a blurred picture's flanks are less steep") {
   const auto graph = wavy(1);
   cv::Mat frame, blurred;

@@ -75,6 +75,28 @@ TEST_CASE("Efros-Leung copies pixels of the own region from elsewhere", "[sketch
   }
 }
 
+TEST_CASE("Efros-Leung goes on with what it copied, along x as along y", "[sketch][efros_leung]") {
+  const cv::Mat frame = test::texture(kSize, 4, 90, 1);
+  const TextureScene s = texture_scene(frame, test::bands(kSize));
+  const auto result = sketch::efros_leung(s.start, frame, s.regions);
+  const auto share_that_goes_on = [&](int dx, int dy) {
+    int pairs = 0, on = 0;
+    for (int y = 0; y + dy < kSize.height; ++y)
+      for (int x = 0; x + dx < kSize.width; ++x) {
+        const auto from = result.source.at<cv::Vec2i>(y, x),
+                   next = result.source.at<cv::Vec2i>(y + dy, x + dx);
+        if (from[0] < 0 || next[0] < 0) continue;
+        ++pairs;
+        on += next == from + cv::Vec2i(dx, dy) ? 1 : 0;
+      }
+    REQUIRE(pairs > 500);
+    return static_cast<double>(on) / pairs;
+  };
+  const double across = share_that_goes_on(1, 0), down = share_that_goes_on(0, 1);
+  CHECK(across > 0.25);
+  CHECK(down > 0.25);
+}
+
 TEST_CASE("Efros-Leung keeps the look of a grain", "[sketch][efros_leung]") {
   for (const int kind : {0, 3, 4}) {
     const TextureScene s = texture_scene(test::texture(kSize, kind, 120, 3), test::bands(kSize));

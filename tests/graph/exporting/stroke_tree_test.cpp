@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/exporting/stroke_tree.hpp"
+
+#include <sstream>
+
+#include "graph/events/events.hpp"
+#include "graph/exporting/tracking_files.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/graphs.hpp"
+
+using namespace emberfold;
+
+namespace {
+
+/// Two lines of 10 px in frames 0 and 1, which are one of 30 px in frames 2 and 3.
+graph::MotionGraph two_become_one() {
+  test::Frame apart, one;
+  apart.line({{10, 50}, {15, 50}, {20, 50}});
+  apart.line({{30, 50}, {35, 50}, {40, 50}});
+  one.line({{10, 50}, {15, 50}, {20, 50}, {25, 50}, {30, 50}, {35, 50}, {40, 50}});
+  return graph::identify(test::motion({apart.graph(), apart.graph(), one.graph(), one.graph()},
+                                      {{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}},
+                                       {{0, 0}, {1, 1}, {2, 2}, {3, 4}, {4, 5}, {5, 6}},
+                                       {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6}}}));
+}
+
+graph::Event merge_with(double probability) {
+  graph::Event event;
+  event.frame = 2, event.type = graph::EventType::merge, event.position = {25, 50};
+  event.before = {{1}, {2}}, event.after = {{3}};
+  event.probability = probability;
+  return event;
+}
+
+}  // namespace
+
+TEST_CASE("A merge leads from the last frames of two strokes to the first of the whole",
+          "[graph][exporting]") {
+  const auto tree = graph::make_stroke_tree(two_become_one(), {merge_with(0.75)});
+  REQUIRE(tree.rows.size() == 6);  // two frames of each of three strokes
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    CHECK(tree.rows[i].stroke == i / 2 + 1);
+    CHECK(tree.rows[i].frame == (i < 4 ? i % 2 : i - 2));
+    CHECK(tree.rows[i].length == Approx(i < 4 ? 10 : 30));
+  }
+  REQUIRE(tree.links.size() == 5);
+  for (std::size_t k = 0; k < 3; ++k) {  // strokes that go on
+    CHECK(tree.links[k].from == 2 * k);
+    CHECK(tree.links[k].to == 2 * k + 1);
+    CHECK(tree.links[k].probability == 1);
+    CHECK(tree.links[k].event.empty());
+  }
+  for (std::size_t k = 3; k < 5; ++k) {
+    CHECK(tree.links[k].from == (k == 3 ? 1 : 3));
+    CHECK(tree.links[k].to == 4);
+    CHECK(tree.links[k].probability == 0.75);
+    CHECK(tree.links[k].event == "merge");
+  }
+}
+
+TEST_CASE("An event between strokes that do not follow each other is no link", "[graph][exporting]") {
+  auto event = merge_with(0.75);
+  event.before = {{3}}, event.after = {{1}};
+  const auto tree = graph::make_stroke_tree(two_become_one(), {event, merge_with(0.5), merge_with(0.25)});
+  REQUIRE(tree.links.size() == 5);
+  CHECK(tree.links.back().probability == 0.5);  // of two events between two strokes the first counts
+}
+
+TEST_CASE("Strokes of a TrackMate file lie in micrometres and seconds", "[graph][exporting]") {
+  const auto tree = graph::make_stroke_tree(two_become_one(), {merge_with(0.75)});
+  graph::TrackedClip clip{"clip", 320, 240, 4, 25, {}};
+  clip.units.um = 0.5, clip.units.seconds = 0.2;
+  std::ostringstream out;
+  graph::write_trackmate(out, tree, clip);
+  // The whole in the last frame: its middle at (25, 50) px, 30 px long.
+  CHECK_THAT(out.str(), test::Contains("POSITION_X=\"12.5\" POSITION_Y=\"25\"") &&
+                            test::Contains("POSITION_T=\"0.6") && test::Contains("RADIUS=\"7.5\"") &&
+                            test::Contains("LENGTH=\"15\""));
+  CHECK_THAT(out.str(), test::Contains("SPOT_SOURCE_ID=\"3\" SPOT_TARGET_ID=\"4\" LINK_COST=\"0.75\""));
+}
+
+TEST_CASE("A stroke of a GraphML file has its frames and its mean length", "[graph][exporting]") {
+  const auto tree = graph::make_stroke_tree(two_become_one(), {merge_with(0.75)});
+  std::ostringstream out;
+  graph::write_graphml(out, tree, {"clip", 320, 240, 4, 25, {}});
+  CHECK_THAT(out.str(),
+             test::Contains("<node id=\"s3\"><data key=\"first\">2</data><data key=\"last\">3</data>"
+                            "<data key=\"length\">30</data></node>"));
+  CHECK_THAT(out.str(), test::Contains("<edge source=\"s2\" target=\"s3\"><data key=\"type\">merge</data>"
+                                       "<data key=\"probability\">0.75</data><data key=\"frame\">2</data>"));
+}

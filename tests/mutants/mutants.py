@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Does the work of scripts/test-mutants: puts the faults of tests/mutants/*.json into a copy of the sources, each
+behind a switch that is set at run time, builds the tests there, and looks whether the test that each fault names fails.
+
+A fault of the table has a name, the file that it is in, the original text, which is there once together with what
+stands before and after it (`before`, `after`; optional), the faulty text in its place, and the test that must catch
+it, of the room's program unless another `program` is named. Both texts are expressions, with `statement` statements."""
+import argparse
+import concurrent.futures
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import zlib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).resolve().parent
+WORK = ROOT / "build" / "mutants"
+COPY, BUILD = WORK / "source", WORK / "build"
+ROOMS = ("core", "sketch", "graph", "mcmc", "dytex", "pipeline")
+SWITCH = HERE / "emberfold_fault.hpp"
+CONFIGURE = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
+             "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -D_GLIBCXX_ASSERTIONS", "-DCMAKE_CXX_FLAGS=-w",
+             "-DEMBERFOLD_APPS=OFF", "-DEMBERFOLD_INSTALL=OFF"]
+LONGEST = 60  # s, of a test with a fault; one that takes longer has caught it
+QUICK = 10  # s, of a test without
+
+
+class Wrong(Exception):
+    """What a person has to mend: the table, the code or a test."""
+
+
+def fault_number(name):
+    """The same whatever other faults there are, so that a new one rebuilds only its own file."""
+    return zlib.crc32(name.encode()) % 2**31
+
+
+def read_faults():
+    faults = []
+    for room in ROOMS:
+        for fault in json.loads((HERE / f"{room}.json").read_text()):
+            fault.setdefault("program", f"test_{room}")
+            if not {"name", "file", "original", "faulty", "test"} <= fault.keys():
+                raise Wrong(f"{room}.json: the fault {fault.get('name', fault)} lacks a field")
+            if not fault["file"].startswith(room + "/"):
+                raise Wrong(f"{room}.json: the fault {fault['name']} is in {fault['file']}, another room")
+            faults.append(fault)
+    names = [fault["name"] for fault in faults]
+    numbers = [fault_number(name) for name in names]
+    for name in names:
+        if numbers.count(fault_number(name)) > 1:
+            raise Wrong(f"the fault {name} has a name, or the number of a name, that is there twice")
+    return faults
+
+
+def find_fault(fault, text):
+    """Where the fault's original text begins and ends."""
+    before, original, after = fault.get("before", ""), fault["original"], fault.get("after", "")
+    found = text.count(before + original + after)
+    if found != 1:
+        raise Wrong(f"the fault {fault['name']} is out of date: its original is in {fault['file']} {found} times,"
+                    " not once")
+    begin = text.index(before + original + after) + len(before)
+    return begin, begin + len(original)
+
+
+def switched(fault):
+    number, original, faulty = fault_number(fault["name"]), fault["original"], fault["faulty"]
+    if fault.get("statement"):
+        return f"if (emberfold_fault({number})) {{ {faulty} }} else {{ {original} }}"
+    return f"(emberfold_fault({number}) ? ({faulty}) : ({original}))"
+
+
+def with_faults(file, text, faults):
+    """The text with all of the file's faults in it."""
+    places = sorted((*find_fault(fault, text), fault["name"]) for fault in faults)
+    for (_, end, name), (begin, _, other) in zip(places, places[1:]):
+        if begin < end:
+            raise Wrong(f"the faults {name} and {other} overlap in {file}")
+    by_name = {fault["name"]: fault for fault in faults}
+    for begin, end, name in reversed(places):
+        text = text[:begin] + switched(by_name[name]) + text[end:]
+    # On the line of the licence, so that all others keep their numbers.
+    return f'#include "tests/mutants/{SWITCH.name}"  {text}'
+
+
+def make_copy(faults):
+    """Writes what differs only, so that what is built from the rest stays."""
+    listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT,
+                            stdout=subprocess.PIPE, check=True).stdout.decode().split("\0")
+    wanted = {path for path in listed if path and (ROOT / path).is_file()}
+    of_file = {}
+    for fault in faults:
+        of_file.setdefault(fault["file"], []).append(fault)
+    for file in sorted(of_file.keys() - wanted):
+        raise Wrong(f"the fault {of_file[file][0]['name']} is out of date: there is no {file}")
+    contents = {path: (ROOT / path).read_bytes() for path in wanted}
+    for file, there in of_file.items():
+        contents[file] = with_faults(file, contents[file].decode(), there).encode()
+    for path in COPY.rglob("*"):
+        if path.is_file() and str(path.relative_to(COPY)) not in wanted:
+            path.unlink()
+    for path, content in contents.items():
+        target = COPY / path
+        if not target.is_file() or target.read_bytes() != content:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+            target.chmod((ROOT / path).stat().st_mode)
+
+
+def build(programs, jobs):
+    print(f"== building {', '.join(programs)} with all faults, each of them off, in {BUILD}", flush=True)
+    configured = subprocess.run(["cmake", "-S", COPY, "-B", BUILD, *CONFIGURE], stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, text=True)
+    if configured.returncode:
+        raise Wrong(configured.stdout + "the copy with the faults cannot be configured")
+    if subprocess.run(["cmake", "--build", BUILD, "--parallel", str(jobs), "--target", *programs]).returncode:
+        raise Wrong("the copy with the faults cannot be built")
+
+
+def program_path(program):
+    return BUILD / "tests" / program.removeprefix("test_") / program
+
+
+def listed_tests(program, *filters):
+    command = [program_path(program), *filters, "--list-test-names-only"]
+    out = subprocess.run(command, stdout=subprocess.PIPE, text=True).stdout  # it exits with their number
+    return {line.strip() for line in out.splitlines()}
+
+
+def check_tests(faults):
+    for program in sorted({fault["program"] for fault in faults}):
+        names, slow = listed_tests(program), listed_tests(program, "[slow]")
+        for fault in faults:
+            if fault["program"] == program and fault["test"] not in names:
+                raise Wrong(f"the fault {fault['name']} names a test that {program} does not have: {fault['test']}")
+            if fault["program"] == program and fault["test"] in slow:
+                raise Wrong(f"the fault {fault['name']} names a test that is slow: {fault['test']}")
+
+
+def run_test(program, test, number):
+    """Runs one test with one fault, or with none (number 0). Returns what became of it, and the seconds it took."""
+    command = [program_path(program), re.sub(r'([\\,\[\]"])', r"\\\1", test)]
+    began = time.monotonic()
+    process = subprocess.Popen(command, cwd=command[0].parent, env={**os.environ, "EMBERFOLD_FAULT": str(number)},
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    try:
+        code = process.wait(LONGEST)
+        outcome = "passed" if code == 0 else "failed" if code > 0 else "crashed"
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        outcome = "took too long"
+    return outcome, time.monotonic() - began
+
+
+def run_sound(faults, pool):
+    """Every test has to pass, and soon, where there is no fault."""
+    tests = sorted({(fault["program"], fault["test"]) for fault in faults})
+    print(f"== {len(tests)} tests without a fault", flush=True)
+    wrong = []
+    for (program, test), (outcome, seconds) in zip(tests, pool.map(lambda test: run_test(*test, 0), tests)):
+        if outcome != "passed":
+            wrong.append(f"{program}, {test}: {outcome}")
+        elif seconds > QUICK:
+            print(f"   not quick, {seconds:.0f} s: {program}, {test}", flush=True)
+    if wrong:
+        raise Wrong("tests that do not pass without any fault:\n" + "\n".join(wrong))
+
+
+def run_faults(faults, pool):
+    """Prints a line for each fault. Returns the names of those that no test noticed."""
+    print(f"== {len(faults)} faults, each with its test", flush=True)
+    survivors = []
+    results = pool.map(lambda fault: run_test(fault["program"], fault["test"], fault_number(fault["name"])), faults)
+    for fault, (outcome, seconds) in zip(faults, results):
+        caught = {"passed": "SURVIVED", "failed": "caught"}.get(outcome, f"caught ({outcome})")
+        print(f"{fault['name']:52s} {caught:22s} {seconds:5.1f} s  {fault['program']}, {fault['test']}", flush=True)
+        if outcome == "passed":
+            survivors.append(fault["name"])
+    return survivors
+
+
+def select(faults, names):
+    for name in names:
+        if name not in {fault["name"] for fault in faults}:
+            raise Wrong(f"there is no fault {name}; --list tells their names")
+    return [fault for fault in faults if not names or fault["name"] in names]
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/test-mutants", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     epilog="Exits 0 where every fault is caught.")
+    parser.add_argument("--only", metavar="NAME", action="append", default=[], help="this fault (can be repeated)")
+    parser.add_argument("--list", action="store_true", help="tells the faults, their files and tests, and runs nothing")
+    parser.add_argument("--jobs", metavar="N", type=int, default=os.cpu_count(),
+                        help="how many sources are compiled, and tests run, at once; as many as there are processors")
+    asked = parser.parse_args()
+    began = time.monotonic()
+    faults = read_faults()
+    chosen = select(faults, asked.only)
+    if asked.list:
+        for fault in chosen:
+            print(f"{fault['name']:52s} {fault['file']:44s} {fault['program']}, {fault['test']}")
+        return 0
+    make_copy(faults)
+    build(sorted({fault["program"] for fault in chosen}), asked.jobs)
+    built = time.monotonic()
+    check_tests(chosen)
+    with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
+        run_sound(chosen, pool)
+        survivors = run_faults(chosen, pool)
+    print(f"{len(chosen) - len(survivors)} of {len(chosen)} faults caught; {(built - began) / 60:.0f} min to build, "
+          f"{(time.monotonic() - built) / 60:.1f} min to run")
+    for name in survivors:
+        print(f"SURVIVED: {name}")
+    return 1 if survivors else 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except Wrong as wrong:
+        sys.exit(f"scripts/test-mutants: {wrong}")
