@@ -179,9 +179,8 @@ void add_strength_options(CLI::App& command, const std::shared_ptr<Editing>& ask
              asked->weights_file = text;
              asked->add(dytex::Weights{parse_numbers(text)});
            });
-  std::string names;
-  for (const auto& info : dytex::presets()) names += (names.empty() ? "" : "|") + std::string(info.name);
-  add_edit(command, "--preset", "NAME", "Apply " + names, group, [asked](const std::string& name) {
+  const std::string about = "Apply a preset: hazy, rough-sea, fire-slow ...; '--preset list' names all";
+  add_edit(command, "--preset", "NAME", about, group, [asked](const std::string& name) {
     try {
       asked->add_preset(name);
     } catch (const core::InputError& error) {

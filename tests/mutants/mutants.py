@@ -89,19 +89,26 @@ def with_faults(file, text, faults):
     return f'#include "tests/mutants/{SWITCH.name}"  {text}'
 
 
+def texts_with_faults(faults):
+    """The text of each file that has faults, with these in it."""
+    of_file = {}
+    for fault in faults:
+        of_file.setdefault(fault["file"], []).append(fault)
+    texts = {}
+    for file, there in of_file.items():
+        if not (ROOT / file).is_file():
+            raise Wrong(f"the fault {there[0]['name']} is out of date: there is no {file}")
+        texts[file] = with_faults(file, (ROOT / file).read_text(), there)
+    return texts
+
+
 def make_copy(faults):
     """Writes what differs only, so that what is built from the rest stays."""
     listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT,
                             stdout=subprocess.PIPE, check=True).stdout.decode().split("\0")
     wanted = {path for path in listed if path and (ROOT / path).is_file()}
-    of_file = {}
-    for fault in faults:
-        of_file.setdefault(fault["file"], []).append(fault)
-    for file in sorted(of_file.keys() - wanted):
-        raise Wrong(f"the fault {of_file[file][0]['name']} is out of date: there is no {file}")
     contents = {path: (ROOT / path).read_bytes() for path in wanted}
-    for file, there in of_file.items():
-        contents[file] = with_faults(file, contents[file].decode(), there).encode()
+    contents |= {file: text.encode() for file, text in texts_with_faults(faults).items()}
     for path in COPY.rglob("*"):
         if path.is_file() and str(path.relative_to(COPY)) not in wanted:
             path.unlink()
@@ -198,7 +205,8 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter,
                                      epilog="Exits 0 where every fault is caught.")
     parser.add_argument("--only", metavar="NAME", action="append", default=[], help="this fault (can be repeated)")
-    parser.add_argument("--list", action="store_true", help="tells the faults, their files and tests, and runs nothing")
+    parser.add_argument("--list", action="store_true",
+                        help="tells the faults, their files and tests, and whether they fit the code; runs nothing")
     parser.add_argument("--jobs", metavar="N", type=int, default=os.cpu_count(),
                         help="how many sources are compiled, and tests run, at once; as many as there are processors")
     asked = parser.parse_args()
@@ -206,6 +214,7 @@ def main():
     faults = read_faults()
     chosen = select(faults, asked.only)
     if asked.list:
+        texts_with_faults(faults)
         for fault in chosen:
             print(f"{fault['name']:52s} {fault['file']:44s} {fault['program']}, {fault['test']}")
         return 0
