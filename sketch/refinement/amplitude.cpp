@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -66,7 +67,10 @@ cv::v_float32x4 load_four(const float* from) {
   return cv::v_load(from);
 }
 cv::v_float32x4 load_four(const std::uint8_t* from) {
-  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(from)));
+  std::uint32_t four = 0;
+  std::memcpy(&four, from, sizeof four);  // OpenCV's own load takes them to be aligned
+  const cv::v_uint16x8 pairs = cv::v_expand_low(cv::v_reinterpret_as_u8(cv::v_setall_u32(four)));
+  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_expand_low(pairs)));
 }
 
 /// The mean of a row's samples. Near the border its levels go on.
