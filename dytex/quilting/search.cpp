@@ -29,7 +29,7 @@ bool earlier(const SourcePixel& a, const SourcePixel& b) {
 
 BlockSearch::BlockSearch(std::span<const QuiltSource> sources, const QuiltOptions& options, cv::Size least,
                          cv::Size most, const core::Context& context)
-    : sources_(sources), options_(options), prepared_(sources.size()) {
+    : sources_(sources), options_(options), context_(context), prepared_(sources.size()) {
   for (const auto& source : sources) courses_.push_back(source.trajectories);
   for (std::size_t i = 0; i < sources.size(); ++i)
     if (!sources[i].forbidden.empty())
@@ -212,8 +212,10 @@ QuiltChoice BlockSearch::pick(const BlockQuery& query, std::vector<cv::Mat>& bou
   std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) {
     return a.lower != b.lower ? a.lower < b.lower : earlier(a.at, b.at);
   });
-  for (std::size_t i = 0; i < candidates.size() && candidates[i].lower <= limit(); i += kComparedTogether)
+  for (std::size_t i = 0; i < candidates.size() && candidates[i].lower <= limit(); i += kComparedTogether) {
+    context_.check();  // where no two places are alike all have to be compared
     compare(std::span(candidates).subspan(i, std::min(kComparedTogether, candidates.size() - i)));
+  }
   choice.compared = static_cast<std::int64_t>(errors.size());
   std::erase_if(errors, [&](const auto& one) { return one.first > limit(); });
   std::ranges::sort(errors, [](const auto& a, const auto& b) { return earlier(a.second, b.second); });

@@ -26,11 +26,11 @@ struct BlockQuery {
 
 class BlockSearch {
  public:
-  /// `least`, `most`: bounds of the sizes of blocks in queries.
+  /// `least`, `most`: bounds of the sizes of blocks in queries. Refers to all but these.
   BlockSearch(std::span<const QuiltSource> sources, const QuiltOptions& options, cv::Size least,
               cv::Size most, const core::Context& context);
 
-  /// Chooses a block, drawn with a stream of its column and row.
+  /// Chooses a block, drawn with a stream of its column and row. Throws core::Cancelled.
   [[nodiscard]] QuiltChoice choose(const BlockQuery& query) const;
   [[nodiscard]] Overlap overlap(const BlockQuery& query) const;
   [[nodiscard]] int components() const { return components_; }
@@ -59,6 +59,7 @@ class BlockSearch {
   std::span<const QuiltSource> sources_;
   std::vector<const Trajectories*> courses_;
   const QuiltOptions& options_;
+  const core::Context& context_;
   std::vector<Prepared> prepared_;
   int components_ = 0;
 };
