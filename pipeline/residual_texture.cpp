@@ -79,13 +79,15 @@ std::vector<Residual> read_pairs(core::FrameSource& source, std::span<const grap
     return source.next();
   };
   cv::Mat frame = next();
+  const auto keep = [&] {
+    times.push_back(t - 1);
+    frames.push_back(frame);
+  };
   for (std::size_t i = 0; i < pairs; ++i) {
     while (t - 1 < i * gaps / pairs) frame = next();
-    for (int k = 0; k < 2; ++k) {
-      if (k == 1) frame = next();
-      times.push_back(t - 1);
-      frames.push_back(frame);
-    }
+    keep();
+    frame = next();
+    keep();
   }
   const sketch::FrameRenderer painter(look);
   std::vector<Residual> residuals(frames.size());

@@ -30,12 +30,14 @@ constexpr double kOfStroke = -0.91;
 constexpr double kStrokeFactor = 0.26, kJointFactor = 0.19;  // of a nat
 constexpr double kShortSide = 1.10, kLongSide = 0.85;  // of a logarithm of frames without opposite change
 constexpr double kAgreement = 4.20;
+constexpr double kUsualShare = 0.4;   // of true changes among those that all readings have
+constexpr double kShareWeight = 0.5;  // of a clip's own share, on the scale of log odds
+constexpr double kMostLogOdds = 4;    // of one change, in the estimate of the share
+constexpr double kMostShift = 4;      // of log odds by the share
+constexpr double kPseudo = 0.5;       // true and false changes that are counted beforehand, each
+
+// Not fitted, but chosen so that what cannot be seen is not believed (docs/method/events.md).
 constexpr double kFaint = 4, kPlainContrast = 6;  // of a logarithm of grey levels, below so many
-constexpr double kUsualShare = 0.4;               // of true changes among those that all readings have
-constexpr double kShareWeight = 0.5;              // of a clip's own share, on the scale of log odds
-constexpr double kMostLogOdds = 4;                // of one change, in the estimate of the share
-constexpr double kMostShift = 4;                  // of log odds by the share
-constexpr double kPseudo = 0.5;                   // true and false changes that are counted beforehand, each
 
 // Weights of likeness, fitted by tests/bench/fit_likeness_weights.py; 0 lies half way between clips whose
 // frames follow each other and clips whose frames do not.

@@ -289,6 +289,7 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
   for (std::size_t k = 0; k < all.size(); ++k) add_events(all[k], k, k < own, pooled);
   for (PooledEvent& event : pooled) {
     auto& evidence = event.weighed.evidence;
+    evidence.log_factor = -mcmc::kMostChangeFactor;  // unless it is measured
     evidence.contrast = 0;
     for (const auto& [reading, number] : event.members)
       if (reading < own)
@@ -298,7 +299,6 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
     find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied, own - steadied),
                    static_cast<int>(frames));
   }
-  for (PooledEvent& event : pooled) event.weighed.evidence.log_factor = -mcmc::kMostChangeFactor;
   const auto measurements = plan_measurements(pooled, all, steadied, own);
   measure_all(source, all, static_cast<int>(frames), measurements, pooled, context);
   std::vector<WeighedEvent> result;
