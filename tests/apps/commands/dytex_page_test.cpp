@@ -9,6 +9,7 @@
 #include "apps/page/packed_text.hpp"
 #include "apps/page/texture_page.hpp"
 #include "core/error.hpp"
+#include "dytex/editing/edit.hpp"
 #include "tests/apps/commands/command_check.hpp"
 #include "tests/support/messages.hpp"
 
@@ -149,7 +150,7 @@ TEST_CASE("a page is one file that asks for nothing else and carries the model")
       nlohmann::json::parse(elements(html, "<script type=\"application/json\" id=\"data\">").at(0));
   CHECK(data["width"] == 40);
   CHECK(data["components"] == 7);
-  CHECK(data["presets"].size() == 9);
+  CHECK(data["presets"].size() == dytex::presets().size());
   CHECK(data["title"] == "sea");
   const auto images = elements(html, "<script type=\"text/plain\" class=\"image\">");
   REQUIRE(images.size() == 8);
