@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "mcmc/learning/operator_rates.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/simulation/simulated_strokes.hpp"
 
 namespace emberfold::mcmc {

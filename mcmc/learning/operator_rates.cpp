@@ -13,6 +13,7 @@
 #include "core/error.hpp"
 #include "mcmc/learning/drift.hpp"
 #include "mcmc/learning/operator_sites.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 
 namespace emberfold::mcmc {
 
@@ -233,33 +234,6 @@ CellMap relative_map(const std::vector<CellMap>& gaps, const CellMap& expected) 
 }
 
 }  // namespace
-
-std::vector<std::vector<std::uint32_t>> vertices_by_stroke(const graph::Components& parts) {
-  std::vector<std::vector<std::uint32_t>> result(parts.count);
-  for (std::uint32_t v = 0; v < parts.of_vertex.size(); ++v) result[parts.of_vertex[v]].push_back(v);
-  return result;
-}
-
-Point stroke_middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke) {
-  Point mean;
-  for (const auto v : stroke) mean = mean + graph.patch(v).position;
-  mean = mean * (1.0 / static_cast<double>(stroke.size()));
-  const auto nearest = std::ranges::min_element(
-      stroke, {}, [&](std::uint32_t v) { return graph::distance(graph.patch(v).position, mean); });
-  return graph.patch(*nearest).position;
-}
-
-double gap_between_strokes(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b) {
-  std::vector<Point> one, other;
-  for (const auto& v : graph.vertices()) {
-    if (v.subgraph == a) one.push_back(v.patch.position);
-    if (v.subgraph == b) other.push_back(v.patch.position);
-  }
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Point p : one)
-    for (const Point q : other) nearest = std::min(nearest, graph::dot(p - q, p - q));
-  return std::sqrt(nearest);
-}
 
 OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const graph::Event> events) {
   OperatorCounts counts;

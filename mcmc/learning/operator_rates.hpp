@@ -71,14 +71,4 @@ struct RateEstimate {
 /// others'. `birth_by_size` is left to the caller, who has the exemplars.
 RateEstimate estimate_rates(const OperatorCounts& counts);
 
-/// Returns the place of the patch nearest the mean of a stroke's places, px.
-graph::Point stroke_middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke);
-
-/// Returns the distance between the nearest patches of two strokes of a frame, px; infinite where one is
-/// absent.
-double gap_between_strokes(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b);
-
-/// Lists the vertices of each component.
-std::vector<std::vector<std::uint32_t>> vertices_by_stroke(const graph::Components& parts);
-
 }  // namespace emberfold::mcmc

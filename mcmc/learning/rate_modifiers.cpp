@@ -7,8 +7,8 @@
 #include <map>
 #include <numbers>
 
-#include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/learning/operator_sites.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 
 namespace emberfold::mcmc {
 

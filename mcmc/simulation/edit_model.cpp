@@ -10,6 +10,7 @@
 #include "core/error.hpp"
 #include "core/rng.hpp"
 #include "graph/events/events.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/simulation/edit_population.hpp"
 #include "mcmc/simulation/rate_calibration.hpp"
 #include "mcmc/simulation/simulated_strokes.hpp"

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/simulation/linked_frames.hpp"
 #include "mcmc/simulation/simulation_step.hpp"
 

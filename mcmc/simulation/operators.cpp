@@ -9,8 +9,8 @@
 
 #include "mcmc/learning/drift.hpp"
 #include "mcmc/learning/hard_core.hpp"
-#include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/learning/operator_sites.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 
 namespace emberfold::mcmc::detail {
 

@@ -5,7 +5,7 @@
 
 #include "graph/events/events.hpp"
 #include "mcmc/learning/hard_core.hpp"
-#include "mcmc/learning/operator_rates.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/simulation/operators.hpp"
 
 namespace emberfold::mcmc::detail {
