@@ -5,12 +5,11 @@
 
 #include "core/model_archive.hpp"
 #include "graph/attribute_graph.hpp"
+#include "sketch/background/level_clamp.hpp"
 
 // The range of levels that a clip shows at each place. A stroke that leaves the place it was learned at must
 // not take the levels of that place with it.
 namespace emberfold::sketch {
-
-constexpr int kLevelRangeCell = 8;  ///< px, side of a cell
 
 /// Holds the darkest and the brightest level around each cell, channel by channel. A cell counts the square
 /// of pixels within kLevelRangeCell px of its middle. Empty where the range is not known.

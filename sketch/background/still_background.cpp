@@ -10,6 +10,7 @@
 #include "core/clip.hpp"
 #include "core/math/cell_grid.hpp"
 #include "core/model_arrays.hpp"
+#include "sketch/background/patch_distance.hpp"
 
 namespace emberfold::sketch {
 
@@ -19,7 +20,6 @@ constexpr double beside = 8;        // px about a patch that are not ground
 constexpr double seen_share = 0.2;  // of the frames
 constexpr double restless = 8;      // levels, SD over the frames, beyond which a ground is not still
 constexpr double soft = 6;          // px of a backdrop's edge over which strokes pass behind it
-constexpr float straight = 0.955F, aslant = 1.3693F;  // a step's length to a neighbour, px
 
 // One value a cell spread over the frame: linear between still cells, which alone count.
 cv::Mat spread_still_cells(const Background& background, cv::Size frame) {
@@ -32,34 +32,13 @@ cv::Mat spread_still_cells(const Background& background, cv::Size frame) {
   return levels(cv::Rect({0, 0}, frame)).clone();
 }
 
-/// The distance from what the mask shows, px, of what is there in part as if it were farther off. A chamfer
-/// of two passes (Borgefors 1986, as OpenCV's DIST_MASK_3).
-cv::Mat distance_from_patches(const cv::Mat& mask, const cv::Mat& opacity) {
-  constexpr float far = 1e6F;
-  const int rows = mask.rows, columns = mask.cols;
-  cv::Mat distance(rows + 2, columns + 2, CV_32F, cv::Scalar(far));
-  for (int y = 0; y < rows; ++y) {
-    float* line = distance.ptr<float>(y + 1) + 1;
-    for (int x = 0; x < columns; ++x)
-      if (mask.at<uchar>(y, x) != 0)
-        line[x] =
-            opacity.empty() ? 0 : static_cast<float>(kBackgroundDistance) * (1 - opacity.at<float>(y, x));
-  }
-  for (int y = 1; y <= rows; ++y) {
-    const float* above = distance.ptr<float>(y - 1);
-    float* line = distance.ptr<float>(y);
-    for (int x = 1; x <= columns; ++x)
-      line[x] = std::min({line[x], line[x - 1] + straight, above[x] + straight,
-                          std::min(above[x - 1], above[x + 1]) + aslant});
-  }
-  for (int y = rows; y >= 1; --y) {
-    const float* below = distance.ptr<float>(y + 1);
-    float* line = distance.ptr<float>(y);
-    for (int x = columns; x >= 1; --x)
-      line[x] = std::min({line[x], line[x + 1] + straight, below[x] + straight,
-                          std::min(below[x - 1], below[x + 1]) + aslant});
-  }
-  return distance(cv::Rect(1, 1, columns, rows));
+cv::Mat patch_distances(const cv::Mat& mask, const cv::Mat& opacity) {
+  const cv::Mat shown = mask.isContinuous() ? mask : mask.clone();
+  const cv::Mat present = opacity.isContinuous() ? opacity : opacity.clone();
+  cv::Mat distance(mask.size(), CV_32F);
+  distance_from_patches(mask.size(), shown.ptr(), present.empty() ? nullptr : present.ptr<float>(),
+                        distance.ptr<float>());
+  return distance;
 }
 
 cv::Mat with_channels(const cv::Mat& levels, int channels) {
@@ -144,7 +123,7 @@ sketch::Sketchable add_background_pixels(const sketch::Sketchable& part, const B
                                          const cv::Mat& opacity) {
   if (background.empty()) return part;
   cv::Mat still =
-      background.still & (distance_from_patches(part.mask, opacity) > kBackgroundDistance) & ~part.mask;
+      background.still & (patch_distances(part.mask, opacity) > kBackgroundDistance) & ~part.mask;
   if (!background.fixed.empty()) still |= background.fixed;
   sketch::Sketchable held{part.levels.clone(), part.mask | still};
   background.levels.copyTo(held.levels, still);
@@ -163,13 +142,13 @@ void paste_static_pixels(cv::Mat& levels, const BackgroundImage& background) {
 }
 
 cv::Mat spread_maximum(const cv::Mat& ranks) {
-  constexpr int reach = static_cast<int>(kBackgroundDistance / double{straight});
+  constexpr int reach = static_cast<int>(kBackgroundDistance / double{kStraightStep});
   cv::Mat near = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_8U), greatest;
   for (int y = -reach; y <= reach; ++y)
     for (int x = -reach; x <= reach; ++x) {
       const int diagonal = std::min(std::abs(x), std::abs(y)), rest = std::abs(std::abs(x) - std::abs(y));
       near.at<uchar>(y + reach, x + reach) =
-          diagonal * double{aslant} + rest * double{straight} <= kBackgroundDistance ? 1 : 0;
+          diagonal * double{kSlantedStep} + rest * double{kStraightStep} <= kBackgroundDistance ? 1 : 0;
     }
   cv::dilate(ranks, greatest, near);
   return greatest;

@@ -8,6 +8,7 @@
 #include "core/model_archive.hpp"
 #include "graph/attribute_graph.hpp"
 #include "sketch/background/level_range.hpp"
+#include "sketch/background/patch_distance.hpp"
 #include "sketch/background/static_pixels.hpp"
 #include "sketch/rendering/render.hpp"
 
@@ -15,8 +16,7 @@
 // strokes alone would paint it in the colour of the fire.
 namespace emberfold::sketch {
 
-constexpr int kBackgroundCell = 16;         ///< px, side of a cell
-constexpr double kBackgroundDistance = 12;  ///< px from all patches, beyond which the still background shows
+constexpr int kBackgroundCell = 16;  ///< px, side of a cell
 
 /// Holds the mean levels of one frame over cells of kBackgroundCell px.
 struct FrameBackground {

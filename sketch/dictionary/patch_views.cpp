@@ -8,7 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/math/luma.hpp"
-#include "sketch/patches/blob.hpp"
+#include "sketch/patches/blob_shape.hpp"
 #include "sketch/rendering/curve_bands.hpp"
 
 namespace emberfold::sketch {

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "core/math/luma.hpp"
+#include "sketch/patches/blob_shape.hpp"
 
 namespace emberfold::sketch {
 
@@ -44,18 +46,6 @@ Row least_squares(const std::vector<Row>& rows, const std::vector<double>& value
 }
 
 }  // namespace
-
-BlobShape::BlobShape(const graph::Patch& blob)
-    : reach_(std::clamp(blob.width / 2 + 2 * blob.blur, 1.5, 12.0)),
-      sd_(std::max(blob.width / 2 + blob.blur, 0.2)),
-      cosine_(std::cos(blob.theta)),
-      sine_(std::sin(blob.theta)) {}
-
-BlobShape::Shares BlobShape::at(double dx, double dy) const {
-  const double bump = std::exp(-0.5 * (dx * dx + dy * dy) / (sd_ * sd_));
-  const double right = 0.5 + 0.5 * (dy * cosine_ - dx * sine_) / reach_;
-  return {1 - right - 0.5 * bump, bump, right - 0.5 * bump};
-}
 
 graph::Patch fit_blob(const cv::Mat& levels, cv::Point centre, double reach) {
   graph::Patch blob;

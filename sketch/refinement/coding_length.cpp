@@ -14,7 +14,7 @@
 #include "core/math/robust.hpp"
 #include "core/math/simd_clones.hpp"
 #include "sketch/detection/colour.hpp"
-#include "sketch/patches/blob.hpp"
+#include "sketch/patches/blob_shape.hpp"
 #include "sketch/patches/profile_shape.hpp"
 
 namespace emberfold::sketch {

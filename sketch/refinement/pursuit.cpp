@@ -15,6 +15,7 @@
 #include "core/clip.hpp"
 #include "sketch/inpainting/fill.hpp"
 #include "sketch/patches/blob.hpp"
+#include "sketch/patches/blob_shape.hpp"
 #include "sketch/patches/patch_types.hpp"
 #include "sketch/refinement/coding_length.hpp"
 #include "sketch/rendering/render.hpp"

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 #include "graph/attribute_graph.hpp"
-#include "sketch/patches/blob.hpp"
+#include "sketch/patches/blob_shape.hpp"
 #include "sketch/patches/profile_shape.hpp"
 
 // The places of patches in the frame: bands about the curves between them, and discs of blobs (render.hpp).

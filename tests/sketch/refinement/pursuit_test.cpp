@@ -9,6 +9,7 @@
 #include "sketch/extract.hpp"
 #include "sketch/inpainting/fill.hpp"
 #include "sketch/patches/blob.hpp"
+#include "sketch/patches/blob_shape.hpp"
 #include "sketch/rendering/render.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/sketch_scene.hpp"
