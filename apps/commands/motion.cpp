@@ -11,7 +11,10 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/edit_options.hpp"
 #include "apps/cli/summary.hpp"
+#include "apps/commands/corrected_model.hpp"
+#include "apps/motion_page/motion_page.hpp"
 #include "apps/report/report_model.hpp"
+#include "core/io/files.hpp"
 #include "core/io/model_folder.hpp"
 #include "core/io/require_apart.hpp"
 #include "pipeline/clip_model.hpp"
@@ -30,6 +33,10 @@ struct Edited {
 
 struct MotionInfo {
   std::string model;
+};
+
+struct MotionPage {
+  std::string model, output;
 };
 
 pipeline::ClipModel read_whole_model(const std::string& folder) {
@@ -123,6 +130,36 @@ void run_motion_info(const MotionInfo& asked, const Session& session) {
   session.print(session.common.json ? json_text(model) : model_table(model));
 }
 
+void run_motion_page(const MotionPage& asked, Session& session) {
+  io::require_apart({asked.model}, {{asked.output}});
+  require_new({asked.output}, session.common);
+  const io::StagedFile file(asked.output);
+  Stages stages;
+  stages.begin("read");
+  auto model = read_whole_model(asked.model);
+  if (const auto why = pipeline::why_undrawable(model.motion); !why.empty())
+    throw core::IoError(asked.model + ": " + why);
+  stages.begin("rates");
+  correct_rates_once(model, session.context);
+  stages.begin("make");
+  const std::string page = make_motion_page({&model, asked.model, kVersion});
+  session.check_stop();
+  stages.begin("write");
+  file.write([&](std::ostream& out) { out << page; });
+  file.finish();
+  stages.end();
+  std::ostringstream size;
+  size << std::fixed << std::setprecision(1) << static_cast<double>(page.size()) / 1e6;
+  session.console.say("the page is " + asked.output + "; " + size.str() + " MB");
+  if (!session.common.json) return;
+  Json summary = begin_summary("motion page", session);
+  summary["model"] = asked.model;
+  summary["output"] = asked.output;
+  summary["bytes"] = page.size();
+  end_summary(summary, session, stages);
+  session.print(json_text(summary));
+}
+
 void add_model(CLI::App& command, std::string& model) {
   command.add_option("MODEL", model, "Read the model from this folder, DIR/model of analyze")
       ->required()
@@ -151,16 +188,28 @@ void add_info(CLI::App& motion, CommandLine& line) {
   finish_command(*command, line, asked, run_motion_info);
 }
 
+void add_page(CLI::App& motion, CommandLine& line) {
+  auto* command = add_command(motion, "page", "Write an HTML page that draws a motion model live, with sliders", R"(
+  emberfold motion page out/fire/model -o fire.html
+  emberfold motion page out/sea/model -o sea.html && xdg-open sea.html)");
+  const auto asked = std::make_shared<MotionPage>();
+  add_model(*command, asked->model);
+  command->add_option("-o,--output", asked->output, "Write this page")->type_name("FILE.html")->required();
+  finish_command(*command, line, asked, run_motion_page);
+}
+
 }  // namespace
 
 void add_motion(CLI::App& app, CommandLine& line) {
-  auto* command = add_command(app, "motion", "Edit and describe motion models", R"(
+  auto* command = add_command(app, "motion", "Edit and describe motion models, run them in a page", R"(
   emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
   emberfold synth out/wild -o wild.mp4
-  emberfold motion info out/wild)");
+  emberfold motion info out/wild
+  emberfold motion page out/wild -o wild.html)");
   command->require_subcommand(0, 1);
   add_edit(*command, line);
   add_info(*command, line);
+  add_page(*command, line);
 }
 
 }  // namespace emberfold::apps

@@ -1,25 +1,8 @@
 // The page: sliders, buttons, keys, and the address, which keeps them all.
 
-const $ = (id) => document.getElementById(id);
-const data = JSON.parse($("data").textContent);
 const sliders = ["speed", "intensity", "coarse", "medium", "fine"];
 /** The sliders that a preset sets: one that names no speed leaves it. */
 const slidersOf = (preset) => sliders.filter((name) => name !== "speed" || preset.speed !== 1);
-const factorText = (value) => (value < 0 ? "\u2212" : "") + Math.abs(value).toFixed(2) + "\u00a0\u00d7";
-
-function make(tag, attributes = {}, ...children) {
-  const node = document.createElement(tag);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  node.append(...children);
-  return node;
-}
-
-/** Seeds are whole numbers of 64 bits; null for another text. */
-function seedOf(text) {
-  if (!/^\d{1,20}$/.test(text)) return null;
-  const seed = BigInt(text);
-  return seed < 2n ** 64n ? seed : null;
-}
 
 /** Settings, seed and whether to play, from the address; what it does not tell, or tells wrongly, is as learned. */
 function readHash() {

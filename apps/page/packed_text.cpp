@@ -75,6 +75,10 @@ void put_differences(std::span<const std::int16_t> plane, cv::Size size, unsigne
 
 }  // namespace
 
+std::string packed_bytes(std::span<const unsigned char> bytes) {
+  return deflated_text(bytes, Z_DEFAULT_STRATEGY);
+}
+
 std::string packed_numbers(std::span<const double> numbers) {
   std::vector<unsigned char> bytes;
   bytes.reserve(numbers.size() * sizeof(double));

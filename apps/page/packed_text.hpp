@@ -10,6 +10,9 @@
 // Packs numbers as text for a page, which unpacks them by the browser's own inflate (apps/page/unpack.js).
 namespace emberfold::apps {
 
+/// Packs bytes, deflated (zlib), as base64.
+std::string packed_bytes(std::span<const unsigned char> bytes);
+
 /// Packs doubles, least byte first, deflated (zlib), as base64.
 std::string packed_numbers(std::span<const double> numbers);
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <variant>
@@ -14,6 +13,7 @@
 
 #include "apps/page/packed_text.hpp"
 #include "apps/page/page_assets.hpp"
+#include "apps/page/page_title.hpp"
 #include "apps/report/report.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -64,13 +64,6 @@ void check_size(const LinearDynamicTexture& texture) {
     throw core::InputError("the model's states and residuals or marginals have " +
                            count_text(numbers, "numbers", kPageNumbers) +
                            ": learn it from fewer frames, see --range");
-}
-
-// Returns the last part of a path, or the whole name where it is no path.
-std::string title_of(const std::string& model) {
-  const std::filesystem::path path = std::filesystem::path(model).lexically_normal();
-  const std::string name = path.has_filename() ? path.filename() : path.parent_path().filename();
-  return name.empty() || name == "." || name == ".." ? model : name;
 }
 
 // Lists the presets that only set the page's sliders.
@@ -241,9 +234,7 @@ TexturePage make_texture_page(const TexturePageInput& input) {
   measure_rounding(texture, steps, page);
 
   const core::ClipInfo& info = texture.info;
-  // a name may hold bytes that are no UTF-8: once through JSON they are replaced
-  const auto title =
-      Json::parse(Json(title_of(input.model)).dump(-1, ' ', false, Json::error_handler_t::replace));
+  const auto title = page_title(input.model);
   Json data = {{"title", title},
                {"model", input.model},
                {"edits", input.edits},
@@ -267,7 +258,7 @@ TexturePage make_texture_page(const TexturePageInput& input) {
   Numbers numbers;
   data.update(put_dynamics(numbers, texture));
   data["numbers"] = numbers.places;
-  page.html = fill_in(kPageTemplate, {{"title", escape_html(title.get<std::string>())},
+  page.html = fill_in(kPageTemplate, {{"title", escape_html(title)},
                                       {"style", kPageStyle},
                                       {"data", embed_json(data)},
                                       {"numbers", packed_numbers(numbers.values)},

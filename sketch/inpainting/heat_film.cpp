@@ -15,7 +15,7 @@ namespace emberfold::sketch {
 
 namespace {
 
-void check(const cv::Mat& levels, const cv::Mat& mask, double step) {
+void check_start(const cv::Mat& levels, const cv::Mat& mask, double step) {
   check_levels_and_mask("HeatFlow", levels, mask);
   std::ostringstream message;
   if (!(step > 0 && step <= HeatFlow::kLargestStep))
@@ -30,7 +30,7 @@ void check(const cv::Mat& levels, const cv::Mat& mask, double step) {
 
 HeatFlow::HeatFlow(const cv::Mat& levels, const cv::Mat& mask, double step)
     : width_(levels.cols), height_(levels.rows), channels_(levels.channels()), step_(step) {
-  check(levels, mask, step);
+  check_start(levels, mask, step);
   const auto stride = static_cast<std::size_t>(width_ + 2) * static_cast<std::size_t>(channels_);
   const auto row = static_cast<std::size_t>(width_) * static_cast<std::size_t>(channels_);
   now_.assign(stride * static_cast<std::size_t>(height_ + 2), 0.0F);

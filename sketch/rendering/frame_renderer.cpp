@@ -13,6 +13,7 @@
 #include "core/context.hpp"
 #include "core/parallel.hpp"
 #include "sketch/rendering/fade_levels.hpp"
+#include "sketch/rendering/patch_contrast.hpp"
 #include "sketch/rendering/relight.hpp"
 
 namespace emberfold::sketch {
@@ -27,15 +28,6 @@ graph::AttributeGraph transform_patches(const graph::AttributeGraph& graph, cons
   std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
   for (std::size_t i = 0; i < vertices.size(); ++i) change(i, vertices[i].patch);
   return {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
-}
-
-/// A line's core gets farther from its sides, a step's sides from each other.
-void raise_contrast(graph::Patch& patch, float gain) {
-  for (std::size_t c = 0; c < patch.middle.size(); ++c) {
-    const float mean = (patch.left[c] + patch.right[c]) / 2;
-    for (auto* level : {&patch.left, &patch.right, &patch.middle})
-      if (graph::on_step(patch) != (level == &patch.middle)) (*level)[c] = mean + gain * ((*level)[c] - mean);
-  }
 }
 
 /// Drawn strokes of a frame, with their opacity.
