@@ -28,7 +28,8 @@ function hashOf(settings, seed, playing) {
 function commandFor(model, settings, seed) {
   const quoted = /^[\w./-]+$/.test(model) ? model : "'" + model.replaceAll("'", "'\\''") + "'";
   const words = ["emberfold synth", quoted, "-o new.mp4 --fill diffusion"];
-  for (const name of factors) if (settings[name] !== 1) words.push(`--${name} ${settings[name]}`);
+  for (const name of factors)
+    if (settings[name] !== 1) words.push(eventNames.includes(name) ? `--set synth.${name}=${settings[name]}` : `--${name} ${settings[name]}`);
   if (settings.reverse) words.push("--reverse");
   if (settings.windx !== 0 || settings.windy !== 0) words.push(`--wind=${settings.windx},${settings.windy}`);
   if (seed !== 1n) words.push("--seed " + seed);

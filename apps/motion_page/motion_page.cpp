@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/motion_page/motion_page.hpp"
 
-#include <cmath>
-#include <cstdint>
+#include <filesystem>
 #include <sstream>
 #include <vector>
 
@@ -84,6 +83,13 @@ Json put_look(const pipeline::ClipModel& model, PageBytes& bytes) {
   return json;
 }
 
+// Returns the name of the run that a model belongs to, where it lies in one as "model".
+std::string run_title(const std::string& folder) {
+  const auto path = std::filesystem::path(folder).lexically_normal();
+  const auto model = path.has_filename() ? path : path.parent_path();
+  return page_title(model.filename() == "model" && model.has_parent_path() ? model.parent_path().string() : folder);
+}
+
 void check(const MotionPageInput& input) {
   if (motion_page_program().empty())
     throw core::InputError(
@@ -101,7 +107,7 @@ void check(const MotionPageInput& input) {
 std::string make_motion_page(const MotionPageInput& input) {
   check(input);
   const auto& motion = input.model->motion;
-  const std::string title = page_title(input.folder);
+  const std::string title = run_title(input.folder);
   PageBytes bytes;
   Json data = {{"title", title},          {"model", input.folder},  {"version", input.version},
                {"width", motion.width},   {"height", motion.height}, {"fps", motion.fps},

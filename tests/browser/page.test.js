@@ -2,31 +2,10 @@
 // `emberfold dytex page` in a headless Chromium: what the page does is held against what the program does.
 import assert from "node:assert/strict";
 import {after, before, describe, test} from "node:test";
-import {chromium} from "playwright-core";
+import {close, open, startBrowser, stopBrowser} from "./browser.js";
 import {edit, emberfold, folder, learn, readArray, relativeDifference, removeFolder, stillClip, synthesize} from "./models.js";
 
-let browser;
 const models = {};
-const pageErrors = new Map();
-
-/** A page that notes whatever goes wrong, and whatever it asks of the network. */
-async function open(url, options = {}, script = null) {
-  const context = await browser.newContext({viewport: {width: 1280, height: 900}, ...options});
-  context.setDefaultTimeout(120_000);  // machines that build may be slow
-  const page = await context.newPage(), wrong = [];
-  page.on("console", (message) => { if (["error", "warning"].includes(message.type())) wrong.push(message.text()); });
-  page.on("pageerror", (error) => wrong.push(String(error)));
-  page.on("request", (request) => { if (!/^(file|data|blob):/.test(request.url())) wrong.push(request.url()); });
-  pageErrors.set(page, wrong);
-  if (script) await page.addInitScript(script);
-  await page.goto(url);
-  await page.evaluate(() => emberfold.ready);
-  return page;
-}
-async function close(page) {
-  assert.deepEqual(pageErrors.get(page), []);
-  await page.context().close();
-}
 
 /** The page's matrices as plain numbers. */
 function modelOf(page) {
@@ -62,11 +41,7 @@ async function clipDifference(page, seed, frames) {
 const digest = (page, name) => page.evaluate((n) => emberfold.pixels(n).join(), name);
 
 before(async () => {
-  browser = await chromium.launch({
-    timeout: 120_000,
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-  });
+  await startBrowser();
   const small = ["--scale", "0.2", "--range", "0:40"];
   models.colour = learn("colour", "builtin:fire", "-n", "18", ...small);
   models.grey = learn("grey", "builtin:river", "--grey", "-n", "8", "--lags", "2", ...small);
@@ -74,7 +49,7 @@ before(async () => {
   models.still = learn("still model's", stillClip("clip", 24, 20, 4, 90), "-n", "3");
 });
 after(async () => {
-  await browser?.close();
+  await stopBrowser();
   removeFolder();
 });
 
