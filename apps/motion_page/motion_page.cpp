@@ -109,7 +109,7 @@ std::string make_motion_page(const MotionPageInput& input) {
   const auto& motion = input.model->motion;
   const std::string title = run_title(input.folder);
   PageBytes bytes;
-  Json data = {{"title", title},          {"model", input.folder},  {"version", input.version},
+  Json data = {{"title", title},          {"model", shown_path(input.folder)},  {"version", input.version},
                {"width", motion.width},   {"height", motion.height}, {"fps", motion.fps},
                {"frames", motion.frames}, {"files", put_model(motion, bytes)}};
   data["look"] = put_look(*input.model, bytes);

@@ -236,7 +236,7 @@ TexturePage make_texture_page(const TexturePageInput& input) {
   const core::ClipInfo& info = texture.info;
   const auto title = page_title(input.model);
   Json data = {{"title", title},
-               {"model", input.model},
+               {"model", shown_path(input.model)},
                {"edits", input.edits},
                {"version", input.version},
                {"width", info.width},

@@ -7,6 +7,7 @@
 #include <zlib.h>
 
 #include "apps/page/packed_text.hpp"
+#include "apps/page/page_title.hpp"
 #include "apps/page/texture_page.hpp"
 #include "core/error.hpp"
 #include "dytex/editing/edit.hpp"
@@ -212,6 +213,16 @@ TEST_CASE("pages of odd models") {
   const auto message = message_of<core::InputError>([&] { page_of(deep); });
   CHECK(contains(message, "401 numbers"));
   CHECK(contains(message, "400"));
+}
+
+TEST_CASE("a page shows no path from outside the folder it was made in") {
+  CHECK(shown_path("out/sea") == "out/sea");
+  CHECK(shown_path("out/sea/") == "out/sea");
+  CHECK(shown_path("/home/someone/secret/sea") == "sea");
+  CHECK(shown_path("../secret/sea/") == "sea");
+  CHECK(shown_path("/home/someone/fire/model") == "fire/model");
+  CHECK(shown_path("out/../../secret/sea") == "sea");
+  CHECK(page_of(waves(40, 30, 3, 7, 400), "/home/someone/sea").html.find("someone") == std::string::npos);
 }
 
 TEST_CASE("dytex page writes its file whole or tells in a line why not") {
