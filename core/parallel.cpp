@@ -34,16 +34,28 @@ class Meeting {
 #endif
 };
 
+/// Does so at the end of a scope, however it ends.
+struct HandOver {
+  Meeting& meeting;
+  ~HandOver() { meeting.hand_over(); }
+};
+struct TakeOver {
+  Meeting& meeting;
+  ~TakeOver() { meeting.take_over(); }
+};
+
 }  // namespace
 
 void parallel_for(std::size_t count, const Context& context, const std::function<void(std::size_t)>& body) {
   std::atomic<bool> cancelled{false};
   Meeting begin, end;
   begin.hand_over();
+  const TakeOver after{end};
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
         begin.take_over();
+        const HandOver after_body{end};
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           if (context.cancelled()) {
             cancelled = true;
@@ -51,10 +63,8 @@ void parallel_for(std::size_t count, const Context& context, const std::function
           }
           body(i);
         }
-        end.hand_over();
       },
       tbb::simple_partitioner());
-  end.take_over();
   if (cancelled) throw Cancelled{};
 }
 

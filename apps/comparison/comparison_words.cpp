@@ -203,7 +203,8 @@ std::vector<std::string> stroke_words(const Json& measures) {
 
 std::string visible_text(const Json& visible) {
   const auto figure = [&](const char* key) { return visible[key].get<double>(); };
-  return "completeness " + number(figure("complete"), 2) + " (1 as the source's own halves), " +
+  return "completeness " + number(figure("complete"), 2) + " and coherence " + number(figure("coherent"), 2) +
+         " (1 as the source's own halves), " +
          number(figure("flow"), 2) + " of its flow, " + number(figure("variance"), 2) + " of its variance, " +
          number(figure("difference"), 2) + " of its change from frame to frame; " +
          number(100 * figure("copied"), 0) + " % of what moves is as in one frame of it";
@@ -218,10 +219,7 @@ std::vector<std::string> verdict_words(const Json& measures) {
   }
   const Json* best = nullptr;
   std::string label, loop;
-  // Moving alike comes first, since what hardly moves is complete where little happens.
-  const auto rank = [](const Json& visible) {
-    return std::pair{visible["moves_alike"].get<bool>() ? 0 : 1, visible["complete"].get<double>()};
-  };
+  const auto rank = [](const Json& visible) { return visible["apart"].get<double>(); };
   for (const auto& one : distance_columns(measures)) {
     const auto& distances = distances_of(measures, one.key);
     if (!distances.contains("visible")) continue;

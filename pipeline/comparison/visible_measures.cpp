@@ -30,6 +30,7 @@ constexpr int kBasePatches = 30'000, kPatches = 1'500, kComponents = 16;
 constexpr std::uint32_t kPatchStream = 0x70617463;  // of the random stream
 constexpr double kFastest = 0.95;                   // quantile of the speeds
 constexpr int kMostFlows = 50;                      // pairs of frames whose flow is measured
+constexpr double kMostApart = 1.0986, kPatchWeight = 3;  // ln 3; by eye (VisibleFigures::apart)
 constexpr std::size_t kCopiedEvery = 5;             // frames: where copied pixels are counted
 // Below these a source counts as still, and a clip as it: px, levels², levels, levels.
 constexpr double kLeastFlow = 0.01, kLeastVariance = 0.25, kLeastDifference = 0.1, kLeastDistance = 0.1;
@@ -60,6 +61,25 @@ cv::Mat1b find_moving(const std::vector<cv::Mat>& source) {
   return moves;
 }
 
+/// Returns the mean distance of `patches` to the nearest of `base`, rows of components.
+double mean_distance(const cv::Mat& patches, const cv::Mat& base, const core::Context& context) {
+  std::vector<double> nearest(static_cast<std::size_t>(patches.rows));
+  core::parallel_for(nearest.size(), context, [&](std::size_t i) {
+    const float* const own = patches.ptr<float>(static_cast<int>(i));
+    float least = std::numeric_limits<float>::infinity();
+    for (int k = 0; k < base.rows; ++k) {
+      const float* const other = base.ptr<float>(k);
+      float sum = 0;
+      for (int c = 0; c < kComponents; ++c) sum += (own[c] - other[c]) * (own[c] - other[c]);
+      least = std::min(least, sum);
+    }
+    nearest[i] = std::sqrt(double{least});
+  });
+  double sum = 0;
+  for (const double one : nearest) sum += one;
+  return sum / static_cast<double>(nearest.size());
+}
+
 double share(double value, double reference, double least) {
   return std::max(value, reference) < least ? 1 : value / std::max(reference, least);
 }
@@ -67,9 +87,11 @@ double share(double value, double reference, double least) {
 }  // namespace
 
 std::span<const MeasureDescription> visible_measures() {
-  static constexpr std::array<MeasureDescription, 5> kMeasures{{
+  static constexpr std::array<MeasureDescription, 6> kMeasures{{
       {"complete", "Complete", "",
        "distance to what the source shows, 1 as its own halves; more: something is missing"},
+      {"coherent", "Coherent", "",
+       "distance of what it shows from the source, 1 as its own halves; more: the source has no such thing"},
       {"flow", "Flow", "", "speed of the fastest motion, share of the source's"},
       {"variance", "Variance", "", "over time, share of the source's"},
       {"difference", "Difference", "", "from frame to frame, share of the source's"},
@@ -81,6 +103,15 @@ std::span<const MeasureDescription> visible_measures() {
 bool VisibleFigures::moves_alike() const {
   return std::ranges::all_of(std::array{flow, variance, difference},
                              [](double one) { return one >= 0.7 && one <= 1.4; });
+}
+
+double VisibleFigures::apart() const {
+  const auto logarithm = [](double share) { return std::log(std::max(share, 1e-3)); };
+  double sum = 0;
+  for (const double one : {flow, variance, difference})
+    sum += std::pow(std::clamp(logarithm(one), -kMostApart, kMostApart), 2);
+  for (const double one : {complete, coherent}) sum += std::pow(kPatchWeight * std::max(logarithm(one), 0.0), 2);
+  return std::sqrt(sum);
 }
 
 cv::Mat visible_picture(const cv::Mat& luma) {
@@ -113,7 +144,8 @@ VisibleMeasures::VisibleMeasures(std::vector<cv::Mat> source, const core::Contex
   mean_ = components.mean;
   axes_ = components.eigenvectors;
   second_half_ = components.project(patches(all.subspan(half), kPatches, 1));
-  base_ = mean_distance(first, context);
+  all_ = components.project(patches(all, 2 * kBasePatches, 3));
+  base_ = mean_distance(second_half_, components.project(first), context);
 }
 
 /// Draws `count` patches of 3 frames, a row each.
@@ -134,25 +166,10 @@ cv::Mat VisibleMeasures::patches(std::span<const cv::Mat> clip, int count, std::
   return out;
 }
 
-/// Returns the mean distance of the second half's patches to the nearest of `base`.
-double VisibleMeasures::mean_distance(const cv::Mat& base, const core::Context& context) const {
+cv::Mat VisibleMeasures::components(const cv::Mat& patches) const {
   cv::Mat components;
-  cv::PCAProject(base, mean_, axes_, components);
-  std::vector<double> nearest(static_cast<std::size_t>(second_half_.rows));
-  core::parallel_for(nearest.size(), context, [&](std::size_t i) {
-    const float* const own = second_half_.ptr<float>(static_cast<int>(i));
-    float least = std::numeric_limits<float>::infinity();
-    for (int k = 0; k < components.rows; ++k) {
-      const float* const other = components.ptr<float>(k);
-      float sum = 0;
-      for (int c = 0; c < kComponents; ++c) sum += (own[c] - other[c]) * (own[c] - other[c]);
-      least = std::min(least, sum);
-    }
-    nearest[i] = std::sqrt(double{least});
-  });
-  double sum = 0;
-  for (const double one : nearest) sum += one;
-  return sum / static_cast<double>(nearest.size());
+  cv::PCAProject(patches, mean_, axes_, components);
+  return components;
 }
 
 VisibleMeasures::Motion VisibleMeasures::motion(const std::vector<cv::Mat>& clip,
@@ -192,8 +209,11 @@ VisibleFigures VisibleMeasures::measure(std::vector<cv::Mat> clip, const core::C
     if (picture.size() != moves_.size())
       cv::resize(cv::Mat(picture), picture, moves_.size(), 0, 0, cv::INTER_AREA);
   VisibleFigures out;
-  if (!places_.empty())
-    out.complete = share(mean_distance(patches(clip, kBasePatches, 2), context), base_, kLeastDistance);
+  if (!places_.empty()) {
+    const cv::Mat shown = components(patches(clip, kBasePatches, 2));
+    out.complete = share(mean_distance(second_half_, shown, context), base_, kLeastDistance);
+    out.coherent = share(mean_distance(shown.rowRange(0, kPatches), all_, context), base_, kLeastDistance);
+  }
   const Motion own = motion(clip, context);
   out.flow = share(own.flow, motion_.flow, kLeastFlow);
   out.variance = share(own.variance, motion_.variance, kLeastVariance);

@@ -18,6 +18,9 @@ struct VisibleFigures {
   /// Distance of the source's patches of 3 frames and 7×7 px to the nearest ones of the clip, over that to
   /// the nearest of the source's first half: 1 as that, above 1 the clip lacks what the source shows.
   double complete = 0;
+  /// Distance of the clip's patches to the nearest ones of the source, over the same: above 1 the clip shows
+  /// what the source does not. With `complete`, the two sides of Simakov et al. 2008's similarity.
+  double coherent = 0;
   double flow = 0;        ///< 95th percentile of the speed of optical flow, share of the source's
   double variance = 0;    ///< over time, share of the source's
   double difference = 0;  ///< mean difference of neighbouring frames, share of the source's
@@ -25,6 +28,11 @@ struct VisibleFigures {
 
   /// Tells whether flow, variance and difference all lie within 0.7…1.4.
   [[nodiscard]] bool moves_alike() const;
+
+  /// Returns how far the clip is from the source to the eye, 0 being not at all: the root of the squared
+  /// natural logarithms of flow, variance and difference, each at most ln 3, and of three times those of
+  /// `complete` and `coherent` above 1.
+  [[nodiscard]] double apart() const;
 
   bool operator==(const VisibleFigures&) const = default;
 };
@@ -56,13 +64,13 @@ class VisibleMeasures {
   };
   [[nodiscard]] cv::Mat patches(std::span<const cv::Mat> clip, int count, std::uint32_t stream) const;
   [[nodiscard]] Motion motion(const std::vector<cv::Mat>& clip, const core::Context& context) const;
-  [[nodiscard]] double mean_distance(const cv::Mat& base, const core::Context& context) const;
+  [[nodiscard]] cv::Mat components(const cv::Mat& patches) const;
 
   std::vector<cv::Mat> source_;
   cv::Mat1b moves_;
   std::vector<cv::Point> places_;  // patches' middles
   cv::Mat mean_, axes_;            // of patches
-  cv::Mat second_half_;            // its patches, in components
+  cv::Mat all_, second_half_;      // the source's patches, in components
   double base_ = 1;                // their distance to the first half's
   Motion motion_;
 };

@@ -42,11 +42,12 @@ py::dict distances(const ClipDistances& found) {
 py::object visible(const ClipDistances& found) {
   if (!found.visible) return py::none();
   const auto& v = *found.visible;
-  const std::array figures{v.complete, v.flow, v.variance, v.difference, v.copied};
+  const std::array figures{v.complete, v.coherent, v.flow, v.variance, v.difference, v.copied};
   py::dict all;
   std::size_t i = 0;
   for (const auto& measure : pipeline::visible_measures()) all[measure.key] = figures.at(i++);
   all["moves_alike"] = v.moves_alike();
+  all["apart"] = v.apart();
   return all;
 }
 

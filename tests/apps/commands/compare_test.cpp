@@ -89,7 +89,7 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
       CHECK(core::read_all(*apps::open_clip((temp / "1" / name).string(), {}, {})).frames.size() == 40);
   for (const auto& model : measures["models"]) {
     const Json& visible = measures["synthesis"][model["key"].get<std::string>()]["visible"];
-    for (const char* figure : {"complete", "flow", "variance", "difference", "copied"})
+    for (const char* figure : {"complete", "coherent", "flow", "variance", "difference", "copied"})
       CHECK(visible[figure].get<double>() >= 0);
   }
   // The loop is the clip itself; models of strokes are not.

@@ -47,6 +47,8 @@ TEST_CASE("visible measures: the source itself is complete, moves as itself, and
   const auto source = drifting_blobs(40, 1.5, 1);
   const auto own = VisibleMeasures(source, {}).measure(source, {});
   CHECK(own.complete < 1);
+  CHECK(own.coherent < 1);
+  CHECK(own.apart() < 0.01);
   CHECK(own.flow == Approx(1));
   CHECK(own.variance == Approx(1));
   CHECK(own.difference == Approx(1));
@@ -72,6 +74,36 @@ TEST_CASE("visible measures: what is missing, too slow or too faint is told, eac
   CHECK(frozen.difference == 0);
   CHECK(frozen.variance == Approx(0).margin(1e-6));
   CHECK(frozen.complete > 1.5);
+}
+
+TEST_CASE("visible measures: what the source never shows is not coherent") {
+  const auto source = drifting_blobs(40, 1.5, 1);
+  const VisibleMeasures measures(source, {});
+  std::vector<cv::Mat> noisy = source;  // and some noise behind it
+  cv::RNG rng(5);
+  for (int t = 0; t < 20; ++t) {
+    noisy.push_back(source.front().clone());
+    rng.fill(noisy.back(), cv::RNG::UNIFORM, 0, 255);
+  }
+  const auto found = measures.measure(noisy, {});
+  CHECK(found.coherent > 3 * found.complete);
+  CHECK(found.apart() > 1.5);
+}
+
+TEST_CASE("visible measures: how far apart a clip is grows with each figure") {
+  pipeline::VisibleFigures same{0.9, 1, 1, 1, 1, 0.2};
+  CHECK(same.apart() == 0);
+  const auto with = [&](double pipeline::VisibleFigures::*figure, double value) {
+    auto other = same;
+    other.*figure = value;
+    return other.apart();
+  };
+  CHECK(with(&pipeline::VisibleFigures::complete, std::exp(0.1)) == Approx(0.3));
+  CHECK(with(&pipeline::VisibleFigures::coherent, std::exp(0.2)) == Approx(0.6));
+  CHECK(with(&pipeline::VisibleFigures::flow, 0.5) == Approx(std::log(2)));
+  CHECK(with(&pipeline::VisibleFigures::variance, 2) == Approx(std::log(2)));
+  CHECK(with(&pipeline::VisibleFigures::difference, 0) == Approx(std::log(3)).epsilon(1e-4));
+  CHECK(with(&pipeline::VisibleFigures::copied, 1) == 0);
 }
 
 TEST_CASE("visible measures: other sizes are reduced, and threads change nothing") {
