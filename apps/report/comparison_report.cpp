@@ -33,7 +33,7 @@ constexpr const char* kComparisonStyle =
     ".measures small{opacity:.65;display:block;font-weight:400}"
     ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(420px,100%),1fr));gap:16px}"
     "figure{margin:0}figure img{width:100%}.plots img{border-radius:4px}"
-    ".verdict li:first-child{font-size:18px;font-weight:620;list-style:none;margin-left:-1.2em}"
+    ".verdict{font-size:17px;font-weight:600;line-height:1.45}"
     "ul{padding-left:1.2em;overflow-wrap:anywhere}video{width:100%;background:#111;border-radius:4px}";
 
 constexpr const char* kFilm =
@@ -341,10 +341,10 @@ std::string file_name(const Json& clip) {
   return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
 }
 
-std::string list_of(const Json& sentences) {
+std::string list_of(const Json& sentences, std::size_t first = 0) {
   std::string list = "<ul>";
-  for (const auto& sentence : sentences)
-    list += "<li>" + escape_html(sentence.get<std::string>()) + "</li>\n";
+  for (std::size_t i = first; i < sentences.size(); ++i)
+    list += "<li>" + escape_html(sentences[i].get<std::string>()) + "</li>\n";
   return list + "</ul>\n";
 }
 
@@ -362,11 +362,13 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
       "</h1>\n<p class=\"meta\"><code>" + escape_html(summary.value("command_line", "")) +
       "</code></p></header>\n<main>\n";
   const bool pair = measures.contains("other");
-  if (!comparison.sheet.empty())
-    page += section("To the eye", "A row for each clip, from its beginning to its end: contact_sheet.png.",
+  const auto& words = measures["words"];
+  const bool seen = !comparison.sheet.empty() && !words.empty();  // then the first sentence is the verdict
+  if (seen)
+    page += section("<span class=\"verdict\">" + escape_html(words[0].get<std::string>()) + "</span>",
+                    "A row for each clip, from its beginning to its end: contact_sheet.png.",
                     figure(comparison.sheet, "contact sheet", 900'000, 2400) + visible_table(measures));
-  page +=
-      section("What the measures say", "", "<div class=\"verdict\">" + list_of(measures["words"]) + "</div>");
+  page += section("What the measures say", "", list_of(words, seen ? 1 : 0));
   if (!measures["warnings"].empty()) page += section("Warnings", "", list_of(measures["warnings"]));
   std::string pictures;
   for (const auto& [frame, picture] : comparison.pictures)
