@@ -22,6 +22,7 @@ Needs numpy and OpenCV (python3-numpy, python3-opencv on Debian) and the built p
 import argparse
 import sys
 import time
+import warnings
 from pathlib import Path
 
 try:
@@ -121,7 +122,9 @@ def all_distances(samples, middles, components):
     began = time.process_time()
     matrices = {"windows": apart([ef.dytex.window_spectrum(sample) for sample in samples])}
     seconds = time.process_time() - began
-    models = [ef.dytex.learn(clip, components=min(components, len(clip) - 2)) for clip in middles]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of fits that are not stable, one for each model
+        models = [ef.dytex.learn(clip, components=min(components, len(clip) - 2)) for clip in middles]
     for name, matrix in ef.dytex.distance_matrices(models).items():
         matrices["windows of models" if name == "windows" else name] = np.nan_to_num(matrix, nan=np.inf)
     matrices["kl"] = matrices["kl"] + matrices["kl"].T
