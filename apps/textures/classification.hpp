@@ -43,7 +43,8 @@ struct Recognition {
 /// C = 10, one class against one. Its kernels are exp(−(KL + KL back)/s), exp(−Martin²/s), the normalised
 /// trace kernel, Σ cos² θ / √(n n′) of the subspace angles, and exp(−windows²/s); s is the median over pairs
 /// of training samples. Leaves samples out of measures that they lack (KL without noise r, angles without
-/// components, windows where none moves), and measures by which no sample can be classified. Deterministic, the same at any thread count.
+/// components, windows where none moves), and measures by which no sample can be classified. Deterministic,
+/// the same at any thread count.
 std::vector<Recognition> cross_validate(const SampleLabels& samples, std::span<const dytex::Distances> pairs);
 
 /// Draws all confusion matrices in one picture.

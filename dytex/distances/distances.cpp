@@ -191,7 +191,7 @@ std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> model
 }
 
 Eigen::MatrixXd distance_matrix(std::span<const Distances> pairs, Measure measure) {
-  const auto models = static_cast<Eigen::Index>((std::sqrt(8.0 * double(pairs.size()) + 1) - 1) / 2 + 0.5);
+  const Eigen::Index models = std::lround((std::sqrt(8.0 * double(pairs.size()) + 1) - 1) / 2);
   if (models * (models + 1) / 2 != static_cast<Eigen::Index>(pairs.size()))
     throw core::InputError("distance_matrix: " + std::to_string(pairs.size()) +
                            " pairs are not all pairs of any number of models");

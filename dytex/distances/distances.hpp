@@ -12,10 +12,10 @@
 #include "dytex/distances/window_spectra.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
-/// Exact distances between linear dynamic textures: no sum is cut off after some number of frames. All but the
-/// windows' compare pixel by pixel.
-/// Both models must have frames of equal size and channels, else InputError. Pixels are visited once, for the
-/// products of the components, O(m n²); the rest is O(n³) for each doubling.
+/// Exact distances between linear dynamic textures: no sum is cut off after some number of frames. All but
+/// the windows' compare pixel by pixel. Both models must have frames of equal size and channels, else
+/// InputError. Pixels are visited once, for the products of the components, O(m n²); the rest is O(n³) for
+/// each doubling.
 namespace emberfold::dytex {
 
 /// Tells whether the noise variance is above 0 in all of the frame's values, so that there are KL rates.
@@ -79,7 +79,8 @@ const char* name(Measure measure);
 /// Tells whether the pair has such a distance.
 bool has(const Distances& distances, Measure measure);
 /// Returns one distance: the KL rate of p from q, Martin's distance, √(2 − 2 k) of the normalised kernel, the
-/// Grassmann distance, or the windows' distance. 0 for equals. InputError where `distances` has no such number.
+/// Grassmann distance, or the windows' distance. 0 for equals. InputError where `distances` has no such
+/// number.
 double distance(const Distances& distances, Measure measure);
 
 /// Computes all distances of one pair.

@@ -75,9 +75,9 @@ Eigen::VectorXd window_energies(const LinearDynamicTexture& texture, const Windo
                                 const std::array<TimeBand, detail::kTimeBands>& bands) {
   const auto& made = detail::window_transforms();
   const Eigen::Index waves = made.space.rows() / 2;
-  const Eigen::MatrixXd u =
-      (made.space * window.components).cast<double>() * texture.weights.asDiagonal();
-  const Eigen::VectorXd all = made.space.array().square().matrix().cast<double>() * window.noise.cast<double>();
+  const Eigen::MatrixXd u = (made.space * window.components).cast<double>() * texture.weights.asDiagonal();
+  const Eigen::VectorXd all =
+      made.space.array().square().matrix().cast<double>() * window.noise.cast<double>();
   const Eigen::ArrayXd noise = (all.head(waves) + all.tail(waves)).array();
   const auto a = u.topRows(waves), b = u.bottomRows(waves);
   Eigen::VectorXd energies = Eigen::VectorXd::Zero(detail::kWindowBands);

@@ -9,18 +9,18 @@
 /// What is common to the window spectra of clips and of models.
 namespace emberfold::dytex::detail {
 
-constexpr int kWindow = 16;         // px, a side
-constexpr int kSegment = 32;        // frames
-constexpr int kTimeBands = 4;       // octaves from 1 cycle in a segment
-constexpr int kPatterns = 4 * 7;    // widths times slants and directions
+constexpr int kWindow = 16;       // px, a side
+constexpr int kSegment = 32;      // frames
+constexpr int kTimeBands = 4;     // octaves from 1 cycle in a segment
+constexpr int kPatterns = 4 * 7;  // widths times slants and directions
 constexpr int kWindowBands = kTimeBands * kPatterns;
 
 /// The transforms of a window's pixels and of a segment's frames, each under a Hann window; the latter are
 /// blind to what is constant.
 struct WindowTransforms {
-  Eigen::MatrixXf space;        ///< 2K × 256: the cosines of K frequencies, then their sines
-  Eigen::MatrixXf time_cosine;  ///< 32 × 15, of 1 … 15 cycles in a segment
-  Eigen::MatrixXf time_sine;    ///< 32 × 15
+  Eigen::MatrixXf space;             ///< 2K × 256: the cosines of K frequencies, then their sines
+  Eigen::MatrixXf time_cosine;       ///< 32 × 15, of 1 … 15 cycles in a segment
+  Eigen::MatrixXf time_sine;         ///< 32 × 15
   std::vector<int> pattern, turned;  ///< K: the pattern of a wave exp(i(kx + ωt)), and of exp(i(kx − ωt))
 };
 /// Returns the transforms, made once.

@@ -26,7 +26,8 @@ void add_energies(const Eigen::MatrixXf& coefficients, Eigen::Ref<Eigen::VectorX
   const auto& made = detail::window_transforms();
   const Eigen::Index waves = coefficients.rows() / 2;
   const Eigen::MatrixXf by_cosine = coefficients * made.time_cosine, by_sine = coefficients * made.time_sine;
-  const auto real_cosine = by_cosine.topRows(waves).array(), imaginary_cosine = by_cosine.bottomRows(waves).array(),
+  const auto real_cosine = by_cosine.topRows(waves).array(),
+             imaginary_cosine = by_cosine.bottomRows(waves).array(),
              real_sine = by_sine.topRows(waves).array(), imaginary_sine = by_sine.bottomRows(waves).array();
   const Eigen::ArrayXXf onward =
       (real_cosine - imaginary_sine).square() + (real_sine + imaginary_cosine).square();

@@ -14,8 +14,9 @@
 #include "dytex/linear_dynamic_texture.hpp"
 
 /// Descriptions of textures that hold wherever in a frame the texture lies, in frames of any size: the same
-/// water elsewhere has nearly the same. The space-time spectrum of small windows (oriented energies: Derpanis,
-/// Wildes 2012), without order of place (bags of small windows: Ravichandran, Chaudhry, Vidal 2009).
+/// water elsewhere has nearly the same. The space-time spectrum of small windows (oriented energies:
+/// Derpanis, Wildes 2012), without order of place (bags of small windows: Ravichandran, Chaudhry, Vidal
+/// 2009).
 namespace emberfold::dytex {
 
 /// The mean over moving windows of the shares, dB, that 112 bands have of a window's energy: four octaves in
@@ -41,18 +42,18 @@ class WindowEnergies {
   void close_segment();
 
   cv::Size size_;
-  std::vector<cv::Point> windows_;        // upper left corners
-  std::vector<Eigen::MatrixXf> frames_;   // coefficients × windows, of the segment that is open
+  std::vector<cv::Point> windows_;       // upper left corners
+  std::vector<Eigen::MatrixXf> frames_;  // coefficients × windows, of the segment that is open
   int segments_ = 0;
-  Eigen::MatrixXd energies_;              // bands × windows
+  Eigen::MatrixXd energies_;  // bands × windows
 };
 
 /// Describes a whole source, from its first frame.
 WindowSpectrum window_spectrum(core::FrameSource& source, const core::Context& context = {});
 
 /// Returns what the description of endless clips of the model would be but for the order of mean and
-/// logarithm, exactly, from its parameters alone: windows' covariances at lags 0 … 31. The noise r counts, the
-/// mean does not. Components leave fine structure out, so compare models with models. O(m n) and some
+/// logarithm, exactly, from its parameters alone: windows' covariances at lags 0 … 31. The noise r counts,
+/// the mean does not. Components leave fine structure out, so compare models with models. O(m n) and some
 /// O(windows n²).
 WindowSpectrum window_spectrum(const LinearDynamicTexture& texture);
 /// Describes many models.
@@ -61,6 +62,7 @@ std::vector<WindowSpectrum> window_spectra(std::span<const LinearDynamicTexture>
 
 /// Returns the root mean square by which the shares of two descriptions differ, dB. Symmetric, 0 for equals.
 /// InputError for unlike sizes.
-double window_distance(const Eigen::Ref<const Eigen::VectorXd>& p, const Eigen::Ref<const Eigen::VectorXd>& q);
+double window_distance(const Eigen::Ref<const Eigen::VectorXd>& p,
+                       const Eigen::Ref<const Eigen::VectorXd>& q);
 
 }  // namespace emberfold::dytex

@@ -185,7 +185,8 @@ TEST_CASE("What dytex distance cannot compare is refused in one line") {
     check_one_line(joined({"dytex", "distance"}, more, {"-q"}), exit, what, out);
   };
   refused({a}, 2, {"one model has no distance"});
-  refused({a, a, "--measure", "cosine"}, 2, {"--measure is cosine", "kl, martin, binet-cauchy, angles, windows"});
+  refused({a, a, "--measure", "cosine"}, 2,
+          {"--measure is cosine", "kl, martin, binet-cauchy, angles, windows"});
   refused({a, a, "--growth", "5"}, 2, {"--growth", "--output"});
   refused({a, a, "--growth", "0", "-o", out}, 2, {"--growth is 0", "1 to 100000"});
   refused({a, a, "--discount", "0"}, 2, {"--discount is 0", "0.001 to 50"});
@@ -464,7 +465,8 @@ TEST_CASE("dytex classify knows a texture at another place and in frames of anot
   INFO(result.err);
   REQUIRE(result.exit == 0);
   int told = 0;
-  for (const Json& method : Json::parse(result.out)["methods"]) {
+  const Json found = Json::parse(result.out);
+  for (const Json& method : found["methods"]) {
     if (method["measure"] != "windows") continue;
     CHECK(method["accuracy"] == 1);
     ++told;

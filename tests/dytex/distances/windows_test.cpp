@@ -43,8 +43,9 @@ core::Clip made_clip(const Waves& waves, std::uint64_t seed, cv::Size size, int 
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x)
         for (const auto& [fx, fy, ft, phase] : parts)
-          levels(y, x) += static_cast<float>(contrast * std::sqrt(2.0 / kWaves) *
-                                             std::cos(2 * std::numbers::pi * (fx * x + fy * y + ft * t + phase)));
+          levels(y, x) +=
+              static_cast<float>(contrast * std::sqrt(2.0 / kWaves) *
+                                 std::cos(2 * std::numbers::pi * (fx * x + fy * y + ft * t + phase)));
     clip.frames.push_back(levels);
   }
   return clip;
@@ -64,9 +65,10 @@ core::Clip changed(core::Clip clip, const std::function<cv::Mat(const cv::Mat&)>
 
 }  // namespace
 
-TEST_CASE("A texture is known elsewhere, in frames of another size, and with other contrast", "[dytex][windows]") {
-  const std::vector<Waves> kinds{{0.1, 0.05, 0.1}, {0.1, 0.05, 0.3}, {0.25, 0.1, 0.1}, {0.05, 0.2, 0.1},
-                                 {0.05, 0.2, -0.1}};
+TEST_CASE("A texture is known elsewhere, in frames of another size, and with other contrast",
+          "[dytex][windows]") {
+  const std::vector<Waves> kinds{
+      {0.1, 0.05, 0.1}, {0.1, 0.05, 0.3}, {0.25, 0.1, 0.1}, {0.05, 0.2, 0.1}, {0.05, 0.2, -0.1}};
   std::vector<dytex::WindowSpectrum> known, asked;
   for (const auto& kind : kinds) {
     known.push_back(described(made_clip(kind, 1, {64, 48})));
@@ -87,7 +89,9 @@ TEST_CASE("Brightness, contrast and mirroring change nothing, turning and revers
   const auto found = described(clip);
   REQUIRE(found);
   CHECK(found->size() == 112);
-  const auto apart = [&](const core::Clip& other) { return dytex::window_distance(*found, *described(other)); };
+  const auto apart = [&](const core::Clip& other) {
+    return dytex::window_distance(*found, *described(other));
+  };
   CHECK(apart(clip) == 0);
   CHECK(apart(changed(clip, [](const cv::Mat& f) -> cv::Mat { return f * 0.2 + 90; })) < 0.05);
   CHECK(apart(changed(clip, [](const cv::Mat& f) {
@@ -147,8 +151,7 @@ TEST_CASE("A model's windows are those of the clips drawn from it", "[dytex][win
       state = model.A * state + model.B * drive;
       if (t < 0) continue;
       Eigen::VectorXf frame =
-          model.mean +
-          model.C * (model.weights.asDiagonal() * state.head(model.components())).cast<float>();
+          model.mean + model.C * (model.weights.asDiagonal() * state.head(model.components())).cast<float>();
       for (float& v : frame) v += static_cast<float>(std::sqrt(model.r) * rng.normal());
       energies.add(core::luma(cv::Mat(32, 32, CV_32FC(channels), frame.data())).clone());
     }
@@ -175,10 +178,12 @@ TEST_CASE("The windows' description does not depend on threads", "[dytex][window
 TEST_CASE("Distances of clips' windows take the place of the models'", "[dytex][windows]") {
   std::vector<dytex::LinearDynamicTexture> models{test::made_texture(16, 16, 2, 1),
                                                   test::made_texture(16, 16, 2, 2)};
-  std::vector<dytex::WindowSpectrum> windows{Eigen::VectorXd::Constant(3, 1), Eigen::VectorXd::Constant(3, 3)};
+  std::vector<dytex::WindowSpectrum> windows{Eigen::VectorXd::Constant(3, 1),
+                                             Eigen::VectorXd::Constant(3, 3)};
   const auto own = dytex::all_distances(models);
   CHECK(*own[1].windows == *dytex::distances(models[0], models[1]).windows);
   CHECK(*own[0].windows == 0);
+  CHECK(*dytex::all_distances(std::vector{models[1], models[0]})[1].windows == *own[1].windows);
   CHECK(*dytex::all_distances(models, {}, {}, windows)[1].windows == 2);
   windows[0].reset();
   const auto lacking = dytex::all_distances(models, {}, {}, windows);
