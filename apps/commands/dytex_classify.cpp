@@ -170,11 +170,13 @@ std::string accuracy_table(const Found& found) {
 // Warns of samples that are left out of a measure.
 void warn_missing(const Found& found, Session& session) {
   constexpr std::size_t kMostNames = 5;
-  std::vector<std::string> noiseless, still;
+  std::vector<std::string> noiseless, still, windowless;
   for (std::size_t i = 0; i < found.samples.samples.size(); ++i) {
     const auto& texture = found.samples.textures[i];
     if (!dytex::has_noise(texture)) noiseless.push_back(found.samples.samples[i].name);
     if (texture.order() == 0) still.push_back(found.samples.samples[i].name);
+    if (!found.samples.windows.empty() && !found.samples.windows[i])
+      windowless.push_back(found.samples.samples[i].name);
   }
   if (!noiseless.empty())
     session.warn(core::join_names(noiseless, kMostNames) +
@@ -183,6 +185,9 @@ void warn_missing(const Found& found, Session& session) {
   if (!still.empty())
     session.warn(core::join_names(still, kMostNames) +
                  ": no components, so angles and Martin's distance leave it out");
+  if (!windowless.empty())
+    session.warn(core::join_names(windowless, kMostNames) +
+                 ": no windows of 16x16 that move for 32 frames, so windows leave it out");
 }
 
 void run_classify(Classify asked, Session& session) {
@@ -204,7 +209,8 @@ void run_classify(Classify asked, Session& session) {
   found.samples = learn_samples(found.labelled, asked.options, session, warn);
   label(found);
   stages.begin("distances");
-  const auto pairs = dytex::all_distances(found.samples.textures, asked.kernel, session.context);
+  const auto pairs =
+      dytex::all_distances(found.samples.textures, asked.kernel, session.context, found.samples.windows);
   session.check_stop();
   stages.begin("classify");
   found.results = cross_validate(found.labels, pairs);

@@ -163,7 +163,7 @@ void add_dytex_distance(CLI::App& dytex, CommandLine& line) {
       ->type_name("DIR");
   auto* measure =
       command->add_option("--measure", asked->measure, "Show this distance in table, CSV and picture")
-          ->type_name("kl|martin|binet-cauchy|angles")
+          ->type_name("kl|martin|binet-cauchy|angles|windows")
           ->default_str(asked->measure);
   auto* growth = add_number(*command, "--growth", asked->growth, "FRAMES",
                             "Write growth.json, growth.png: KL divergence by frames")

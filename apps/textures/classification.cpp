@@ -52,7 +52,7 @@ double distance_of(const dytex::Distances& pair, Measure measure) {
 // Returns d in the kernel exp(−d/s); nothing where the measure has a kernel of its own.
 std::optional<double> exponent_of(const dytex::Distances& pair, Measure measure) {
   if (measure == Measure::kl) return distance_of(pair, measure);
-  if (measure != Measure::martin) return std::nullopt;
+  if (measure != Measure::martin && measure != Measure::windows) return std::nullopt;
   const double d = distance_of(pair, measure);
   return d * d;
 }
@@ -81,7 +81,7 @@ class TableKernel final : public cv::ml::SVM::Kernel {
 cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const std::size_t> training,
                        Measure measure) {
   double scale = 1;
-  if (measure == Measure::kl || measure == Measure::martin) {
+  if (measure != Measure::binet_cauchy && measure != Measure::angles) {
     std::vector<double> all;
     for (const std::size_t i : training)
       for (const std::size_t j : training)
@@ -216,7 +216,7 @@ std::vector<Recognition> cross_validate(const SampleLabels& samples,
 }
 
 cv::Mat draw_recognition(const std::vector<std::string>& classes, std::span<const Recognition> results) {
-  constexpr int kColumns = 4, kGap = 12;
+  constexpr int kColumns = 5, kGap = 12;
   std::vector<cv::Mat> panels;
   cv::Size size;
   for (const auto& result : results) {

@@ -41,9 +41,10 @@ struct Recognition {
 /// Cross-validates both classifiers with every measure. `pairs`: from dytex::all_distances() of the samples.
 /// Nearest: the label of the nearest sample (KL: both directions added), the first of equals. SVM: OpenCV's,
 /// C = 10, one class against one. Its kernels are exp(−(KL + KL back)/s), exp(−Martin²/s), the normalised
-/// trace kernel, and Σ cos² θ / √(n n′) of the subspace angles; s is the median over pairs of training
-/// samples. Leaves samples out of measures that they lack (KL without noise r, angles without components),
-/// and measures by which no sample can be classified. Deterministic, the same at any thread count.
+/// trace kernel, Σ cos² θ / √(n n′) of the subspace angles, and exp(−windows²/s); s is the median over pairs
+/// of training samples. Leaves samples out of measures that they lack (KL without noise r, angles without
+/// components, windows where none moves), and measures by which no sample can be classified. Deterministic,
+/// the same at any thread count.
 std::vector<Recognition> cross_validate(const SampleLabels& samples, std::span<const dytex::Distances> pairs);
 
 /// Draws all confusion matrices in one picture.

@@ -65,6 +65,8 @@ const char* measure_caption(dytex::Measure measure) {
       return "Martin distance";
     case dytex::Measure::binet_cauchy:
       return "distance by the Binet-Cauchy trace kernel, 0 to 2";
+    case dytex::Measure::windows:
+      return "windows' distance, dB: root mean square of what their shares differ by, wherever they lie";
     case dytex::Measure::angles:
       break;
   }
@@ -162,6 +164,7 @@ std::string pair_table(const std::vector<std::string>& names, const dytex::Dista
   line("  median", angles ? kDegrees * pair.angles[(pair.angles.size() - 1) / 2] : kNone);
   line("  largest", angles ? kDegrees * pair.angles[pair.angles.size() - 1] : kNone);
   line("  Grassmann distance, rad", angles ? dytex::grassmann_distance(pair.angles) : kNone);
+  line("windows' distance, dB", pair.windows.value_or(kNone));
   return out;
 }
 

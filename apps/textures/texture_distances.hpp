@@ -15,7 +15,7 @@ namespace emberfold::apps {
 
 /// Returns the measure of this name; nothing for another name.
 std::optional<dytex::Measure> measure_of(const std::string& text);
-/// Returns "kl, martin, binet-cauchy, angles".
+/// Returns "kl, martin, binet-cauchy, angles, windows".
 std::string measure_names();
 
 /// Shortens paths to their last parts, or to as many as distinguish them.

@@ -108,6 +108,7 @@ class Learner {
           session_.check_stop();
           samples_.samples.push_back({sample_name(labelled, row, column, piece), index});
           samples_.textures.push_back(learn(cut_block(clip, block(clip, row, column), first, last)));
+          samples_.windows.push_back(describe(cut_block(clip, cell(clip, row, column), first, last)));
         }
     }
   }
@@ -119,13 +120,18 @@ class Learner {
                  labelled.path.string() + " has " + std::to_string(frames) + " frames, so allowed is 1 to " +
                  std::to_string(frames - 2));
   }
+  // The part of a frame that belongs to the block.
+  [[nodiscard]] cv::Rect cell(const core::Clip& clip, int row, int column) const {
+    const cv::Point from(clip.info.width * column / options_.columns, clip.info.height * row / options_.rows);
+    const cv::Point to(clip.info.width * (column + 1) / options_.columns,
+                       clip.info.height * (row + 1) / options_.rows);
+    return {from, to};
+  }
+  // Its middle, of the size that all blocks have.
   [[nodiscard]] cv::Rect block(const core::Clip& clip, int row, int column) const {
-    const auto begin = [](int size, int cells, int cell, int part) {
-      const int from = size * cell / cells, to = size * (cell + 1) / cells;
-      return from + (to - from - part) / 2;
-    };
-    return {begin(clip.info.width, options_.columns, column, shape_.width),
-            begin(clip.info.height, options_.rows, row, shape_.height), shape_.width, shape_.height};
+    const cv::Rect whole = cell(clip, row, column);
+    return {whole.x + (whole.width - shape_.width) / 2, whole.y + (whole.height - shape_.height) / 2,
+            shape_.width, shape_.height};
   }
   [[nodiscard]] core::Clip cut_block(const core::Clip& clip, const cv::Rect& block, std::size_t first,
                                      std::size_t last) const {
@@ -151,6 +157,10 @@ class Learner {
     core::ClipSource source(part);
     auto learned = dytex::learn(source, options, session_.context.with_progress({}));
     return std::move(learned.texture);
+  }
+  [[nodiscard]] dytex::WindowSpectrum describe(const core::Clip& part) const {
+    core::ClipSource source(part);
+    return dytex::window_spectrum(source, session_.context.with_progress({}));
   }
 
   const SampleOptions& options_;
@@ -221,6 +231,7 @@ TextureSamples learn_samples(const LabelledClips& labelled, const SampleOptions&
       learner.take(clip, i, core::read_all(*open_held_clip(clip.path.string(), options.reading, {})));
     }
   }
+  if (samples.windows.size() < samples.textures.size()) samples.windows.clear();
   return samples;
 }
 

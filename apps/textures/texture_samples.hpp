@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/cli/command.hpp"
+#include "dytex/distances/window_spectra.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
 // Reads labelled textures from a folder with a folder for each class.
@@ -49,6 +50,9 @@ struct TextureSample {
 struct TextureSamples {
   std::vector<TextureSample> samples;
   std::vector<dytex::LinearDynamicTexture> textures;  ///< one for each
+  /// One for each, of all pixels of the sample's cell; empty where a model folder is among the samples, for
+  /// windows of clips and of models are not compared.
+  std::vector<dytex::WindowSpectrum> windows;
 };
 
 /// Learns a model of every block and piece of every clip; a model folder is one sample. All blocks have the

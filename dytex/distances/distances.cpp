@@ -70,6 +70,24 @@ double normalised_kernel(const LinearDynamicTexture& p, const LinearDynamicTextu
   return std::clamp(kernel(p, q, detail::block_pq) / std::sqrt(own), -1.0, 1.0);
 }
 
+Distances distances_of_models(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
+                              const BinetCauchyOptions& options) {
+  const auto gram = detail::pair_gram(p, q);
+  Distances result;
+  if (has_noise(p) && has_noise(q)) {
+    result.kl = detail::kl_rate(p, q, gram);
+    result.kl_back = detail::kl_rate(q, p, gram.swapped());
+  }
+  if (p.order() > 0 && q.order() > 0) result.angles = angles_of(p, q, gram);
+  result.binet_cauchy = normalised_kernel(p, q, gram, options);
+  return result;
+}
+
+std::optional<double> windows_apart(const WindowSpectrum& p, const WindowSpectrum& q) {
+  if (!p || !q) return std::nullopt;
+  return window_distance(*p, *q);
+}
+
 }  // namespace
 
 void BinetCauchyOptions::validate() const {
@@ -101,26 +119,21 @@ double binet_cauchy(const LinearDynamicTexture& p, const LinearDynamicTexture& q
 }
 
 const char* name(Measure measure) {
-  constexpr std::array<const char*, 4> kNames{"kl", "martin", "binet-cauchy", "angles"};
+  constexpr std::array<const char*, 5> kNames{"kl", "martin", "binet-cauchy", "angles", "windows"};
   return kNames[static_cast<std::size_t>(measure)];
 }
 
 Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
                     const BinetCauchyOptions& options) {
   options.validate();
-  const auto gram = detail::pair_gram(p, q);
-  Distances result;
-  if (has_noise(p) && has_noise(q)) {
-    result.kl = detail::kl_rate(p, q, gram);
-    result.kl_back = detail::kl_rate(q, p, gram.swapped());
-  }
-  if (p.order() > 0 && q.order() > 0) result.angles = angles_of(p, q, gram);
-  result.binet_cauchy = normalised_kernel(p, q, gram, options);
+  Distances result = distances_of_models(p, q, options);
+  result.windows = windows_apart(window_spectrum(p), window_spectrum(q));
   return result;
 }
 
 bool has(const Distances& distances, Measure measure) {
   if (measure == Measure::kl) return distances.kl.has_value();
+  if (measure == Measure::windows) return distances.windows.has_value();
   return measure == Measure::binet_cauchy || distances.angles.size() > 0;
 }
 
@@ -134,6 +147,11 @@ double distance(const Distances& distances, Measure measure) {
       return *distances.kl;
     case Measure::binet_cauchy:
       return std::sqrt(2 - 2 * distances.binet_cauchy);
+    case Measure::windows:
+      if (!distances.windows)
+        throw core::InputError(
+            "a texture has no windows that move: frames are at least 16x16, clips 32 frames");
+      return *distances.windows;
     case Measure::martin:
     case Measure::angles:
       break;
@@ -145,8 +163,12 @@ double distance(const Distances& distances, Measure measure) {
 }
 
 std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> models,
-                                     const BinetCauchyOptions& options, const core::Context& context) {
+                                     const BinetCauchyOptions& options, const core::Context& context,
+                                     std::span<const WindowSpectrum> windows) {
   options.validate();
+  if (!windows.empty() && windows.size() != models.size())
+    throw core::InputError("all_distances: " + std::to_string(windows.size()) + " descriptions are not of " +
+                           std::to_string(models.size()) + " models");
   for (std::size_t i = 1; i < models.size(); ++i) {
     try {
       detail::check_pair(models[0], models[i]);
@@ -154,18 +176,22 @@ std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> model
       throw core::InputError("model " + std::to_string(i) + ": " + error.what());
     }
   }
+  std::vector<WindowSpectrum> own;
+  if (windows.empty()) windows = own = window_spectra(models, context);
   std::vector<std::pair<std::size_t, std::size_t>> places;
   for (std::size_t i = 0; i < models.size(); ++i)
     for (std::size_t j = i; j < models.size(); ++j) places.emplace_back(i, j);
   std::vector<Distances> result(places.size());
   core::parallel_for(places.size(), context, [&](std::size_t k) {
-    result[k] = distances(models[places[k].first], models[places[k].second], options);
+    const auto [i, j] = places[k];
+    result[k] = distances_of_models(models[i], models[j], options);
+    result[k].windows = windows_apart(windows[i], windows[j]);
   });
   return result;
 }
 
 Eigen::MatrixXd distance_matrix(std::span<const Distances> pairs, Measure measure) {
-  const auto models = static_cast<Eigen::Index>((std::sqrt(8.0 * double(pairs.size()) + 1) - 1) / 2 + 0.5);
+  const Eigen::Index models = std::lround((std::sqrt(8.0 * double(pairs.size()) + 1) - 1) / 2);
   if (models * (models + 1) / 2 != static_cast<Eigen::Index>(pairs.size()))
     throw core::InputError("distance_matrix: " + std::to_string(pairs.size()) +
                            " pairs are not all pairs of any number of models");

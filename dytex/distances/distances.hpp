@@ -9,11 +9,13 @@
 #include <Eigen/Core>
 
 #include "core/context.hpp"
+#include "dytex/distances/window_spectra.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
-/// Exact distances between linear dynamic textures: no sum is cut off after some number of frames.
-/// Both models must have frames of equal size and channels, else InputError. Pixels are visited once, for the
-/// products of the components, O(m n²); the rest is O(n³) for each doubling.
+/// Exact distances between linear dynamic textures: no sum is cut off after some number of frames. All but
+/// the windows' compare pixel by pixel. Both models must have frames of equal size and channels, else
+/// InputError. Pixels are visited once, for the products of the components, O(m n²); the rest is O(n³) for
+/// each doubling.
 namespace emberfold::dytex {
 
 /// Tells whether the noise variance is above 0 in all of the frame's values, so that there are KL rates.
@@ -64,17 +66,21 @@ struct Distances {
   std::optional<double> kl, kl_back;  ///< KL rates of p from q and of q from p; none where a noise r is 0
   Eigen::VectorXd angles;             ///< none where a model has no components
   double binet_cauchy = 0;            ///< k(p, q) / √(k(p, p) k(q, q)), −1 … 1; 0 where one is still
+  /// window_distance(), dB; none where a model has no window_spectrum().
+  std::optional<double> windows;
 };
 
-enum class Measure { kl, martin, binet_cauchy, angles };
-constexpr Measure kMeasures[] = {Measure::kl, Measure::martin, Measure::binet_cauchy, Measure::angles};
-/// Returns "kl", "martin", "binet-cauchy" or "angles".
+enum class Measure { kl, martin, binet_cauchy, angles, windows };
+constexpr Measure kMeasures[] = {Measure::kl, Measure::martin, Measure::binet_cauchy, Measure::angles,
+                                 Measure::windows};
+/// Returns "kl", "martin", "binet-cauchy", "angles" or "windows".
 const char* name(Measure measure);
 
 /// Tells whether the pair has such a distance.
 bool has(const Distances& distances, Measure measure);
-/// Returns one distance: the KL rate of p from q, Martin's distance, √(2 − 2 k) of the normalised kernel, or
-/// the Grassmann distance. 0 for equals. InputError where `distances` has no such number.
+/// Returns one distance: the KL rate of p from q, Martin's distance, √(2 − 2 k) of the normalised kernel, the
+/// Grassmann distance, or the windows' distance. 0 for equals. InputError where `distances` has no such
+/// number.
 double distance(const Distances& distances, Measure measure);
 
 /// Computes all distances of one pair.
@@ -83,9 +89,11 @@ Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q
 
 /// Computes the distances of every pair i ≤ j, row by row: (0, 0), (0, 1) … (0, K − 1), (1, 1) …. The same
 /// bytes at any thread count; InputError names the model ("model 3: …", from 0) that does not fit the first.
+/// `windows`: descriptions of the clips that the models are of, one each; without them, the models' own.
 std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> models,
                                      const BinetCauchyOptions& options = {},
-                                     const core::Context& context = {});
+                                     const core::Context& context = {},
+                                     std::span<const WindowSpectrum> windows = {});
 
 /// Makes the K × K matrix of one measure from the pairs of all_distances(): entry (i, j) is the distance of i
 /// from j, NaN where a pair has() it not.

@@ -2,7 +2,7 @@
 """Linear dynamic textures: learn(clip).edit(speed=0.5).synthesize(200)."""
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,8 @@ import pandas as pd
 from . import _native
 from ._native import (PRESETS, BinetCauchyOptions, CurveOptions, EmOptions, LearnOptions, LearnResult, LinearDynamicTexture, Star,
                       StarOptions, SynthesisOptions, binet_cauchy, grassmann_distance, kl_growth, kl_rate, martin_distance,
-                      moving_region, projection_errors, rounded, stationary_covariance, stored_bytes, subspace_angles)
+                      moving_region, projection_errors, rounded, stationary_covariance, stored_bytes, subspace_angles,
+                      window_distance)
 from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
@@ -18,7 +19,7 @@ __all__ = ["PRESETS", "BinetCauchyOptions", "CurveOptions", "EmOptions", "LearnO
            "StarOptions", "SynthesisOptions", "binet_cauchy", "distance_matrices", "forecast", "grassmann_distance", "kl_growth",
            "kl_rate", "learn", "learn_missing", "learn_region", "learn_result", "learn_star", "learning_curve", "martin_distance",
            "maximise_likelihood", "moving_region", "projection_errors", "rounded", "stationary_covariance", "stored_bytes",
-           "subspace_angles"]
+           "subspace_angles", "window_distance", "window_spectrum"]
 
 
 def learn(clip: ClipLike, *, progress: Progress = None, **options: Any) -> LinearDynamicTexture:
@@ -73,10 +74,18 @@ def learning_curve(clip: ClipLike, *, progress: Progress = None, **options: Any)
 
 
 def distance_matrices(textures: List[LinearDynamicTexture], *, progress: Progress = None, **options: Any) -> Dict[str, np.ndarray]:
-    """Distances of all pairs by measure: kl, martin, binet-cauchy, angles; nan where a pair has none (KL without noise r). Arguments are
+    """Distances of all pairs by measure: kl, martin, binet-cauchy, angles, windows; nan where a pair has none (KL without noise r). Arguments are
     the fields of BinetCauchyOptions."""
     with reporter(progress) as report:
         return _native.distance_matrices(list(textures), BinetCauchyOptions(**options), report)
+
+
+def window_spectrum(of: Union[ClipLike, LinearDynamicTexture], *, progress: Progress = None) -> Optional[np.ndarray]:
+    """Describes a clip, or a texture, wherever in the frame it lies: None where no window moves. window_distance() compares two."""
+    if isinstance(of, LinearDynamicTexture):
+        return _native.window_spectrum_of_model(of)
+    with reporter(progress) as report:
+        return _native.window_spectrum(data_of(of), report)
 
 
 def learn_star(clip: ClipLike, *, progress: Progress = None, **options: Any) -> Star:
@@ -94,5 +103,5 @@ def _mask(mask: Any) -> Any:
 
 
 learn_result.__doc__ = f"{learn_result.__doc__}\n\n{_native.learn.__doc__}"
-for _made in (learn, learn_region, maximise_likelihood, learn_missing, forecast, learning_curve, distance_matrices, learn_star):
+for _made in (learn, learn_region, maximise_likelihood, learn_missing, forecast, learning_curve, distance_matrices, window_spectrum, learn_star):
     _made.__doc__ = f"{_made.__doc__}\n\n{getattr(_native, _made.__name__).__doc__}"

@@ -13,6 +13,7 @@
 #include "core/error.hpp"
 #include "dytex/baselines/star.hpp"
 #include "dytex/distances/distances.hpp"
+#include "dytex/distances/window_spectra.hpp"
 #include "dytex/estimation/em.hpp"
 #include "dytex/estimation/forecast.hpp"
 #include "dytex/estimation/observations.hpp"
@@ -165,6 +166,21 @@ void bind_distances(py::module_& module) {
       },
       py::arg("p"), py::arg("q"), py::arg("length"), py::arg("progress") = py::none(),
       doc("dytex::kl_growth"));
+  module.def(
+      "window_spectrum_of_model", [](const Texture& texture) { return dytex::window_spectrum(texture); },
+      py::arg("texture"), py::call_guard<py::gil_scoped_release>(), doc("dytex::WindowSpectrum"));
+  module.def(
+      "window_spectrum",
+      [](const ClipData& clip, const py::object& progress) {
+        return call(progress, [&](const core::Context& context) {
+          return dytex::window_spectrum(*clip.open(), context);
+        });
+      },
+      py::arg("clip"), py::arg("progress") = py::none(), doc("dytex::WindowSpectrum"));
+  module.def(
+      "window_distance",
+      [](const Eigen::VectorXd& p, const Eigen::VectorXd& q) { return dytex::window_distance(p, q); },
+      py::arg("p"), py::arg("q"), doc("dytex::window_distance"));
   module.def("distance_matrices", distance_matrices, py::arg("textures"), py::arg("options") = Kernel{},
              py::arg("progress") = py::none(), doc("dytex::all_distances"));
 }

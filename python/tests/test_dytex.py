@@ -131,7 +131,7 @@ def test_learning_curve_falls():
 def test_distances_of_textures():
     a, b = ef.dytex.learn(ripples(), components=4), ef.dytex.learn(ripples(seed=1), components=4)
     matrices = ef.dytex.distance_matrices([a, b, a])
-    assert set(matrices) == {"kl", "martin", "binet-cauchy", "angles"}
+    assert set(matrices) == {"kl", "martin", "binet-cauchy", "angles", "windows"}
     assert np.isclose(matrices["martin"][0, 1], ef.dytex.martin_distance(ef.dytex.subspace_angles(a, b)))
     assert np.isclose(matrices["kl"][0, 1], ef.dytex.kl_rate(a, b)) and matrices["kl"][0, 2] == 0
     exact = ef.dytex.learn(ripples(frames=6), components=5)
@@ -140,6 +140,18 @@ def test_distances_of_textures():
     assert lacking[0, 2] == matrices["kl"][0, 1] and np.isnan(lacking[1]).all() and np.isnan(lacking[:, 1]).all()
     growth = ef.dytex.kl_growth(a, b, 50)
     assert np.isclose(growth[-1] - growth[-2], ef.dytex.kl_rate(a, b), rtol=0.05)
+
+
+def test_windows_know_a_texture_elsewhere():
+    clip = np.random.default_rng(1).integers(0, 255, (70, 48, 96)).astype(np.uint8)
+    slow = np.repeat(clip[:35], 2, axis=0)
+    here, there, other = (ef.dytex.window_spectrum(part) for part in (clip[:, :, :48], clip[:, :, 48:], slow))
+    assert ef.dytex.window_distance(here, there) < 1 < 2 < ef.dytex.window_distance(here, other)
+    assert ef.dytex.window_spectrum(clip[:20]) is None and ef.dytex.window_spectrum(np.repeat(clip[:1], 40, axis=0)) is None
+    model = ef.dytex.learn(clip, components=4)
+    assert ef.dytex.window_spectrum(model).shape == here.shape
+    with pytest.raises(ValueError, match="bands"):
+        ef.dytex.window_distance(here, here[:3])
 
 
 def test_textures_are_compressed():

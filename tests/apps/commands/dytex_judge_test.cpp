@@ -95,6 +95,7 @@ std::vector<dytex::Distances> grouped(const std::vector<std::size_t>& group) {
       pair.kl = pair.kl_back = 10 * d;
       pair.angles = Eigen::Vector2d(d, 1.5 * d);
       pair.binet_cauchy = 1 - d;
+      pair.windows = 3 * d;
       pairs.push_back(pair);
     }
   return pairs;
@@ -110,7 +111,7 @@ TEST_CASE("dytex distance tells all distances of two models") {
   INFO(told.err);
   REQUIRE(told.exit == 0);
   for (const char* part :
-       {"slow (1) and quick (2)", "1 from 2", "KL rate", "Martin", "Binet-Cauchy", "degrees"})
+       {"slow (1) and quick (2)", "1 from 2", "KL rate", "Martin", "Binet-Cauchy", "degrees", "windows'"})
     CHECK(contains(told.out, part));
   const auto p = read_texture(a), q = read_texture(b);
   const auto result = run_command({"dytex", "distance", a, b, "--json", "-q"});
@@ -153,7 +154,7 @@ TEST_CASE("dytex distance writes matrix and growth, the same at any number of th
   }
   const Json matrix = Json::parse(bytes_of(temp / "out1" / "matrix.json"));
   CHECK(matrix["format"] == "emberfold.texture_distances");
-  for (const char* measure : {"kl", "martin", "binet-cauchy", "angles"}) {
+  for (const char* measure : {"kl", "martin", "binet-cauchy", "angles", "windows"}) {
     const Json& rows = matrix["measures"][measure];
     REQUIRE(rows.size() == 3);
     CHECK(rows[0][1] < rows[0][2]);  // the same dynamics are nearer
@@ -184,7 +185,8 @@ TEST_CASE("What dytex distance cannot compare is refused in one line") {
     check_one_line(joined({"dytex", "distance"}, more, {"-q"}), exit, what, out);
   };
   refused({a}, 2, {"one model has no distance"});
-  refused({a, a, "--measure", "cosine"}, 2, {"--measure is cosine", "kl, martin, binet-cauchy, angles"});
+  refused({a, a, "--measure", "cosine"}, 2,
+          {"--measure is cosine", "kl, martin, binet-cauchy, angles, windows"});
   refused({a, a, "--growth", "5"}, 2, {"--growth", "--output"});
   refused({a, a, "--growth", "0", "-o", out}, 2, {"--growth is 0", "1 to 100000"});
   refused({a, a, "--discount", "0"}, 2, {"--discount is 0", "0.001 to 50"});
@@ -248,7 +250,7 @@ TEST_CASE("Blocks of one clip do not tell each other's label") {
       }
     const auto pairs = grouped(clip_of);
     const auto honest = cross_validate(samples, pairs);
-    REQUIRE(honest.size() == 8);
+    REQUIRE(honest.size() == 10);
     for (const auto& result : honest) {
       CAPTURE(name(result.measure), name(result.classifier), folds);
       CHECK(result.accuracy < 0.72);
@@ -270,7 +272,7 @@ TEST_CASE("Both classifiers know what lies in groups by every measure") {
     samples.fold.push_back(i);
   }
   const auto results = cross_validate(samples, grouped(samples.label));
-  REQUIRE(results.size() == 8);
+  REQUIRE(results.size() == 10);
   for (const auto& result : results) {
     CAPTURE(name(result.measure), name(result.classifier));
     CHECK(result.accuracy == 1);
@@ -305,9 +307,9 @@ TEST_CASE("A sample without KL is left out of KL alone, and changes nothing for 
         without.push_back(pairs[k]);
     }
   const auto results = cross_validate(samples, pairs), expected = cross_validate(others, without);
-  REQUIRE(results.size() == 8);
-  REQUIRE(expected.size() == 8);
-  for (std::size_t r = 0; r < 8; ++r) {
+  REQUIRE(results.size() == 10);
+  REQUIRE(expected.size() == 10);
+  for (std::size_t r = 0; r < 10; ++r) {
     CAPTURE(name(results[r].measure), name(results[r].classifier));
     const bool kl = results[r].measure == dytex::Measure::kl;
     CHECK(results[r].samples == (kl ? 17 : 18));
@@ -321,7 +323,7 @@ TEST_CASE("A sample without KL is left out of KL alone, and changes nothing for 
   }
   // By a measure that no two samples have none is classified, and it is left out.
   for (auto& pair : pairs) pair.kl.reset(), pair.kl_back.reset();
-  CHECK(cross_validate(samples, pairs).size() == 6);
+  CHECK(cross_validate(samples, pairs).size() == 8);
 }
 
 TEST_CASE("One model without noise leaves the others their KL") {
@@ -375,14 +377,14 @@ TEST_CASE("dytex classify leaves a clip without noise out of KL alone") {
   CHECK(line_of("kl").ends_with("of 9 samples"));
   CHECK_FALSE(contains(line_of("martin"), "samples"));
   const Json found = Json::parse(bytes_of(out / "classification.json"));
-  REQUIRE(found["methods"].size() == 8);
+  REQUIRE(found["methods"].size() == 10);
   for (const Json& method : found["methods"])
     CHECK(method["samples"] == (method["measure"] == "kl" ? 9 : 10));
   const auto csv = bytes_of(out / "predictions.csv");
   const auto at = csv.find("\"medium/exact\",\"medium\",");
   REQUIRE(at != std::string::npos);
   const auto row = csv.substr(at, csv.find('\n', at) - at);
-  CHECK(std::ranges::count(row, ',') == 10);
+  CHECK(std::ranges::count(row, ',') == 12);
   std::size_t empty = 0;
   for (auto comma = row.find(",,"); comma != std::string::npos; comma = row.find(",,", comma + 1)) ++empty;
   CHECK(empty == 2);
@@ -403,7 +405,7 @@ TEST_CASE("dytex classify knows synthetic classes by their dynamics") {
   const Json found = Json::parse(bytes_of(temp / "out1" / "classification.json"));
   CHECK(found["classes"] == Json({"medium", "quick", "slow"}));
   CHECK(found["samples"] == 24);
-  REQUIRE(found["methods"].size() == 8);
+  REQUIRE(found["methods"].size() == 10);
   for (const auto& method : found["methods"]) {
     CAPTURE(method["measure"].get<std::string>(), method["classifier"].get<std::string>());
     int hits = 0, all = 0;
@@ -435,6 +437,52 @@ TEST_CASE("dytex classify finds nothing where labels mean nothing") {
   REQUIRE(result.exit == 0);
   const Json found = Json::parse(result.out);
   for (const auto& method : found["methods"]) CHECK(method["accuracy"] < 0.67);
+}
+
+TEST_CASE("dytex classify knows a texture at another place and in frames of another size by its windows") {
+  // One class runs up, one down; each clip is another part of the waves, and only half as bright.
+  const TempFolder temp;
+  for (int i = 0; i < 6; ++i) {
+    const cv::Size size(40 + 8 * (i / 2), 64 - 8 * (i / 2));
+    const auto folder = temp / "classes" / (i % 2 == 0 ? "down" : "up");
+    fs::create_directories(folder);
+    const auto writer = io::create_video(folder / ("clip" + std::to_string(i)), size, 25, false);
+    core::Rng rng(static_cast<std::uint64_t>(i));
+    const double phase = rng.uniform(0, 7), contrast = rng.uniform(10, 40);
+    for (int t = 0; t < 50; ++t) {
+      cv::Mat1f levels(size);
+      for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x)
+          levels(y, x) = static_cast<float>(
+              100 + 10 * i + contrast * std::sin(0.2 * x + 0.8 * y + (i % 2 == 0 ? -0.6 : 0.6) * t + phase) +
+              contrast / 10 * rng.normal());
+      writer->write(core::to_bytes(levels));
+    }
+    writer->finish();
+  }
+  const auto result = run_command(
+      {"dytex", "classify", (temp / "classes").string(), "-o", (temp / "out").string(), "-n", "4", "--json"});
+  INFO(result.err);
+  REQUIRE(result.exit == 0);
+  int told = 0;
+  const Json found = Json::parse(result.out);
+  for (const Json& method : found["methods"]) {
+    if (method["measure"] != "windows") continue;
+    CHECK(method["accuracy"] == 1);
+    ++told;
+  }
+  CHECK(told == 2);
+}
+
+TEST_CASE("dytex classify says which samples have no windows") {
+  const TempFolder temp;
+  const auto folder = write_classes(temp / "classes", 2);
+  write_waves(temp / "classes" / "slow" / "short", {0.15, 0.97}, 30, {24, 20}, 31);
+  const auto result = run_command({"dytex", "classify", folder, "-o", (temp / "out").string(), "-n", "8"});
+  CHECK(result.exit == 0);
+  CHECK(contains(result.err, "slow/short: no windows of 16x16 that move for 32 frames"));
+  const auto line = result.out.substr(result.out.find("\nwindows ") + 1);
+  CHECK(contains(line.substr(0, line.find('\n')), "of 6 samples"));
 }
 
 TEST_CASE("dytex classify takes models beside clips") {
