@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,6 +10,7 @@
 #include "dytex/distributed/stripes.hpp"
 #include "dytex/distributed/together.hpp"
 #include "dytex/learning/fitted_spectra.hpp"
+#include "dytex/learning/gram.hpp"
 
 namespace emberfold::dytex::detail {
 

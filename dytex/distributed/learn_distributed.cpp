@@ -104,7 +104,7 @@ DistributedResult learn_distributed(Communicator& ranks, const SharedClip& clip,
   const detail::DistributedJob job{ranks, stripes, rounds, keeper, options, rows, context};
   together(ranks, [&] {
     options.validate();
-    if (options.channels != Channels::joint)
+    if (options.channels != Channels::joint && info.channels > 1)
       throw core::InputError("channels: learned by stripes are joint channels alone");
     if (by_blocks) check_blocks(options);
     const std::size_t own = stripes.begin(job.end_stripe()) - stripes.begin(job.first_stripe()),
