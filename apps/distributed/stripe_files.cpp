@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -40,9 +39,11 @@ void write_at(int file, std::size_t offset, std::span<const std::byte> bytes, co
   }
 }
 
-std::string text_of(const fs::path& path) {
+std::string first_line(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::string line;
+  std::getline(in, line);
+  return line;
 }
 
 }  // namespace
@@ -126,9 +127,9 @@ void StripeFiles::remove(const std::string& name) {
 }
 
 bool begin_kept_work(const fs::path& folder, const std::string& key) {
-  const std::string text = std::string(kHead) + key + "\n";
+  const std::string text = std::string(kHead) + key;
   std::error_code ignored;
-  const std::string found = text_of(folder / kKey);
+  const std::string found = first_line(folder / kKey);
   if (found == text) return true;
   if (fs::exists(folder, ignored) && !found.starts_with(kHead) && !fs::is_empty(folder, ignored))
     throw core::IoError("cannot keep work in " + folder.string() +
@@ -136,14 +137,14 @@ bool begin_kept_work(const fs::path& folder, const std::string& key) {
   fs::remove_all(folder, ignored);
   io::make_folder(folder);
   std::ofstream out(folder / kKey, std::ios::binary);
-  out << text << std::flush;
+  out << text << '\n' << std::flush;
   if (!out) fail("write", folder / kKey, errno != 0 ? errno : ENOSPC);
   return false;
 }
 
 void drop_unbegun_work(const fs::path& folder) {
   std::error_code ignored;
-  if (text_of(folder / kKey).starts_with(kHead) && !fs::exists(folder / "progress", ignored))
+  if (first_line(folder / kKey).starts_with(kHead) && !fs::exists(folder / "progress", ignored))
     fs::remove_all(folder, ignored);
 }
 

@@ -18,7 +18,8 @@ import time
 
 PROGRAM, MODE, MPIRUN = sys.argv[1], sys.argv[2], sys.argv[3:]
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
+               "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
+               "OMPI_MCA_mpi_yield_when_idle": "1"}
 
 
 def fail(text):
@@ -46,7 +47,8 @@ def lines_of(done):
 
 
 def files_of(model):
-    return {p.name: p.read_bytes() for p in pathlib.Path(model).iterdir() if p.name != "summary.json"}
+    return {p.name: p.read_bytes() for p in pathlib.Path(model).iterdir()
+            if p.is_file() and p.name != "summary.json"}
 
 
 def figures_of(model):
@@ -100,8 +102,15 @@ def check_alike(a, b):
     check(most < 1e-6 * max(map(max, left)), f"the forecast frames lie {most} apart")
 
 
-def test_same_model(work):
-    clip = ["builtin:fire", "--range", "0:40", "--scale", "0.25", "-n", "8"]
+def draw_frames(work):
+    """A folder of 60 pictures of 80 by 60 pixels."""
+    run(0, "builtin:fire", "--scale", "0.25", "-n", "12", "-o", work / "fire", "-q")
+    subprocess.run([PROGRAM, "dytex", "synth", work / "fire", "-o", work / "frames", "--frames", "60", "-q"], check=True)
+    return work / "frames"
+
+
+def test_same_model(work, frames):
+    clip = [frames, "--range", "0:40", "-n", "8"]
     run(0, *clip, "-o", work / "one")
     for ranks in (1, 2, 4):
         run(ranks, *clip, "-o", work / f"ranks{ranks}")
@@ -117,18 +126,16 @@ def test_same_model(work):
     check(not list(work.glob("*.learning")), "what was kept is still there")
     info = subprocess.run([PROGRAM, "dytex", "info", work / "blocks2"], capture_output=True, text=True)
     check(info.returncode == 0, info.stderr)
-    return work / "one"
 
 
-def test_damaged_frame(work, model):
-    frames = work / "frames"
-    subprocess.run([PROGRAM, "dytex", "synth", model, "-o", frames, "--frames", "24", "-q"], check=True)
-    pictures = sorted(frames.glob("*.png"))
-    check(len(pictures) == 24, f"{len(pictures)} pictures were drawn")
-    run(2, frames, "-o", work / "whole", "-n", "4")
+def test_damaged_frame(work, frames):
+    broken = work / "broken_frames"
+    shutil.copytree(frames, broken)
+    pictures = sorted(broken.glob("*.png"))
+    check(len(pictures) == 60, f"{len(pictures)} pictures were drawn")
     pictures[20].write_bytes(pictures[20].read_bytes()[:200])
     for extra in ([], ["--set", "learn.block=8"]):
-        done = run(4, frames, "-o", work / "broken", "-n", "4", "-q", *extra, exit=1)
+        done = run(4, broken, "-o", work / "broken", "-n", "4", "-q", *extra, exit=1)
         told = [line for line in lines_of(done) if "warning" not in line]
         check(len(told) == 1 and pictures[20].name in told[0], f"not one clear line:\n{done.stderr}")
         check(not (work / "broken").exists(), "a part of a model was left")
@@ -160,8 +167,8 @@ def kept(folder):
         return [0, 0]
 
 
-def test_killed_rank(work):
-    clip = ["builtin:cloth", "-n", "6", "--set", "learn.block=4"]
+def test_killed_rank(work, frames):
+    clip = [frames, "-n", "6", "--set", "learn.block=4"]
     run(2, *clip, "-o", work / "undisturbed")
     launched = subprocess.Popen(command(2, *clip, "-o", work / "killed"), env=ENVIRONMENT,
                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -195,9 +202,10 @@ def main():
         return test_without()
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
-        model = test_same_model(work)
-        test_damaged_frame(work, model)
-        test_killed_rank(work)
+        frames = draw_frames(work)
+        test_same_model(work, frames)
+        test_damaged_frame(work, frames)
+        test_killed_rank(work, frames)
 
 
 main()
