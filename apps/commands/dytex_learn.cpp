@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "apps/commands/dytex_learn.hpp"
+
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -12,7 +14,6 @@
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
 #include "apps/commands/dytex_em.hpp"
-#include "apps/commands/dytex_learn.hpp"
 #include "apps/distributed/mpi_job.hpp"
 #include "apps/textures/texture_modes.hpp"
 #include "apps/textures/texture_picture.hpp"
@@ -132,7 +133,8 @@ void check_options(const dytex::LearnOptions& options) {
 }
 
 /// Learns from the region inside the mask alone, where there is one.
-dytex::LearnResult learn_region(const TextureLearning& asked, core::FrameSource& source, const core::Context& context) {
+dytex::LearnResult learn_region(const TextureLearning& asked, core::FrameSource& source,
+                                const core::Context& context) {
   if (asked.mask.empty()) return dytex::learn(source, asked.options, context);
   const cv::Mat mask = io::read_mask(asked.mask);
   std::unique_ptr<dytex::RegionSource> region;

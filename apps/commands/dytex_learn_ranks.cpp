@@ -140,9 +140,8 @@ class LearningRank {
     if (resumed_) session_.console.say("going on with what is kept in " + folder_path_);
     StripeFiles keeper(folder_path_);
     const ComponentFile file(C_path_, values());
-    const dytex::RowSink rows{
-        [&](Eigen::Index n) { file.begin(n); },
-        [&](std::size_t first, const Eigen::MatrixXf& some) { file.put(first, some); }};
+    const dytex::RowSink rows{[&](Eigen::Index n) { file.begin(n); },
+                              [&](std::size_t first, const Eigen::MatrixXf& some) { file.put(first, some); }};
     const dytex::SharedClip clip{info_, readers_, ranks_.rank() < readers_ ? source_.get() : nullptr};
     result_ = dytex::learn_distributed(ranks_, clip, asked_.options, static_cast<std::size_t>(asked_.block),
                                        keeper, rows, session_.context);
@@ -150,8 +149,8 @@ class LearningRank {
 
   /// Writes the model; what was kept is removed.
   void finish() {
-    const auto sent = dytex::tell_together(
-        ranks_, [&] { return static_cast<std::int64_t>(ranks_.bytes_sent()); });
+    const auto sent =
+        dytex::tell_together(ranks_, [&] { return static_cast<std::int64_t>(ranks_.bytes_sent()); });
     const auto decoded =
         dytex::tell_together(ranks_, [&] { return static_cast<std::int64_t>(result_.decoded); });
     dytex::together(ranks_, [&] {
@@ -205,12 +204,9 @@ class LearningRank {
     texture.C = ComponentFile(C_path_, values()).first_columns(std::min(n, kDrawnComponents), n);
     write_components(folder_->output(), texture);
     stages_.end();
-    summary["learning"]["distributed"] = {{"ranks", ranks_.ranks()},
-                                          {"readers", readers_},
-                                          {"block", result_.block},
-                                          {"resumed_frames", result_.resumed},
-                                          {"bytes_sent", sent},
-                                          {"frames_decoded", decoded}};
+    summary["learning"]["distributed"] = {{"ranks", ranks_.ranks()}, {"readers", readers_},
+                                          {"block", result_.block},  {"resumed_frames", result_.resumed},
+                                          {"bytes_sent", sent},      {"frames_decoded", decoded}};
     end_summary(summary, session_, stages_);
     write_summary(folder_->output(), summary);
     session_.check_stop();

@@ -2,10 +2,10 @@
 #include "apps/distributed/component_file.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <span>
 #include <string>
+#include <system_error>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -47,7 +47,7 @@ class Written {
 
  private:
   [[noreturn]] static void fail(int reason) {
-    throw core::IoError(std::string("cannot write C.npy: ") + std::strerror(reason));
+    throw core::IoError(std::string("cannot write C.npy: ") + std::generic_category().message(reason));
   }
   int file_;
 };

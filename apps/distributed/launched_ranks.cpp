@@ -8,7 +8,8 @@ namespace emberfold::apps {
 namespace {
 
 int number_in(const char* name) {
-  const char* const text = std::getenv(name);
+  const char* const text =
+      std::getenv(name);  // NOLINT(concurrency-mt-unsafe): no thread is there yet that sets it
   return text == nullptr ? 0 : std::atoi(text);
 }
 

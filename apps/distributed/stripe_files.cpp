@@ -2,7 +2,6 @@
 #include "apps/distributed/stripe_files.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <system_error>
 #include <utility>
@@ -25,7 +24,8 @@ constexpr const char* kKey = "key";
 constexpr std::string_view kHead = "emberfold.learning 1 ";
 
 [[noreturn]] void fail(const char* what, const fs::path& path, int reason) {
-  throw core::IoError(std::string("cannot ") + what + " " + path.string() + ": " + std::strerror(reason));
+  throw core::IoError(std::string("cannot ") + what + " " + path.string() + ": " +
+                      std::generic_category().message(reason));
 }
 
 /// Writes all bytes at an offset.

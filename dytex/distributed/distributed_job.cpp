@@ -38,8 +38,8 @@ void gather_mean(const DistributedJob& job, const StripeMeans& means, LearnResul
 
 /// What makes columns orthonormal: L⁻ᵀ with CᵀC = L Lᵀ.
 Eigen::MatrixXd orthonormalising(const DistributedJob& job, const StripeRows& C, Eigen::Index n) {
-  const Eigen::MatrixXd products = sum_stripes(
-      job.ranks, job.stripes, n, n, false, true, [&](std::size_t stripe, Eigen::MatrixXd& sum) {
+  const Eigen::MatrixXd products =
+      sum_stripes(job.ranks, job.stripes, n, n, false, true, [&](std::size_t stripe, Eigen::MatrixXd& sum) {
         add_stripe_products({&C.at(stripe)}, sum, job.context);
       });
   Eigen::MatrixXd right;
@@ -96,10 +96,9 @@ StripeMeans stripe_means(const DistributedJob& job, std::size_t frames,
 Eigen::MatrixXd gram_of_stripes(const DistributedJob& job, std::size_t frames,
                                 const std::function<FrameValues(std::size_t)>& values) {
   const auto size = static_cast<Eigen::Index>(frames);
-  return sum_stripes(job.ranks, job.stripes, size, size, job.rounds.info().depth == CV_8U, true,
-                     [&](std::size_t stripe, Eigen::MatrixXd& sum) {
-                       add_gram(values(stripe), sum, job.context);
-                     });
+  return sum_stripes(
+      job.ranks, job.stripes, size, size, job.rounds.info().depth == CV_8U, true,
+      [&](std::size_t stripe, Eigen::MatrixXd& sum) { add_gram(values(stripe), sum, job.context); });
 }
 
 void finish_model(const DistributedJob& job, StripeRows C, const StripeMeans& means, LearnResult& learned) {

@@ -22,10 +22,11 @@ std::string kind_text(int width, int height, int type) {
 
 }  // namespace
 
-FrameRounds::FrameRounds(Communicator& ranks, const Stripes& stripes, SharedClip clip, std::size_t memory)
+FrameRounds::FrameRounds(Communicator& ranks, const Stripes& stripes, const SharedClip& clip,
+                         std::size_t memory)
     : ranks_(ranks),
       stripes_(stripes),
-      clip_(std::move(clip)),
+      clip_(clip),
       value_bytes_(CV_ELEM_SIZE1(clip_.info.depth)),
       segment_(std::max<std::size_t>(memory / kCopies / (stripes.values() * value_bytes_), 1)) {}
 
@@ -102,8 +103,8 @@ std::size_t FrameRounds::next(std::size_t first, std::size_t most, const PutValu
   together(ranks_, [&] { received.resize(all * own); });
   for (std::size_t r = 0, at = 0; r < count; ++r) {
     const std::size_t frame_bytes = frames_of(me) * value_bytes_;
-    to.push_back(std::span(sent).subspan(values_of(r) * frame_bytes,
-                                         (values_of(r + 1) - values_of(r)) * frame_bytes));
+    to.push_back(
+        std::span(sent).subspan(values_of(r) * frame_bytes, (values_of(r + 1) - values_of(r)) * frame_bytes));
     from.push_back(std::span(received).subspan(at, frames_of(r) * own));
     at += frames_of(r) * own;
   }

@@ -17,8 +17,8 @@ namespace emberfold::dytex {
 
 /// A clip that ranks read by turns.
 struct SharedClip {
-  core::ClipInfo info;                  ///< the same on all ranks
-  int readers = 1;                      ///< ranks 0 … readers − 1 read; above 1, info.frames is what there is
+  core::ClipInfo info;  ///< the same on all ranks
+  int readers = 1;      ///< ranks 0 … readers − 1 read; above 1, info.frames is what there is
   core::FrameSource* source = nullptr;  ///< on those ranks
 };
 
@@ -30,7 +30,7 @@ using PutValues = std::function<void(std::size_t, std::size_t, std::span<const s
 class FrameRounds {
  public:
   /// `memory`: bytes, for what a rank reads, sends and receives in a round. At least a frame is held.
-  FrameRounds(Communicator& ranks, const Stripes& stripes, SharedClip clip, std::size_t memory);
+  FrameRounds(Communicator& ranks, const Stripes& stripes, const SharedClip& clip, std::size_t memory);
 
   /// Reads at most `most` frames from frame `first` on, and puts this rank's stripes of them. Returns the
   /// number of frames, the same on all ranks; 0 at the clip's end. Throws FailedTogether.

@@ -189,8 +189,7 @@ MergedStripes decompose(const DistributedJob& job, const BlockFrames& frames, st
     for (const auto& [stripe, mean] : result.means) {
       Eigen::MatrixXf& scores = result.scores[stripe];
       scores = Eigen::MatrixXf::Zero(mean.size(), block.V.cols());
-      if (block.V.cols() > 0)
-        make_components(values(stripe), 0, mean, block.V, scores, job.context);
+      if (block.V.cols() > 0) make_components(values(stripe), 0, mean, block.V, scores, job.context);
     }
   });
   return result;
@@ -223,14 +222,13 @@ void merge(const DistributedJob& job, MergedStripes& merged, const MergedStripes
     return SideBySide{&merged.scores.at(stripe), &added.scores.at(stripe), &steps.at(stripe)};
   };
   Eigen::Index width = 0;  // the same on all ranks; one without stripes does not know it
-  width = broadcast_number(job.ranks, job.is_root() ? merged.scores.begin()->second.cols() +
-                                                          added.scores.begin()->second.cols() + 1
-                                                    : 0);
-  const Eigen::MatrixXd products =
-      sum_stripes(job.ranks, job.stripes, width, width, false, true,
-                  [&](std::size_t stripe, Eigen::MatrixXd& sum) {
-                    add_stripe_products(columns(stripe), sum, job.context);
-                  });
+  width = broadcast_number(
+      job.ranks,
+      job.is_root() ? merged.scores.begin()->second.cols() + added.scores.begin()->second.cols() + 1 : 0);
+  const Eigen::MatrixXd products = sum_stripes(job.ranks, job.stripes, width, width, false, true,
+                                               [&](std::size_t stripe, Eigen::MatrixXd& sum) {
+                                                 add_stripe_products(columns(stripe), sum, job.context);
+                                               });
   together(job.ranks, [&] {
     if (!job.is_root()) return;
     take_directions(products, kept_directions(job.options), block);
@@ -276,7 +274,7 @@ struct WholeSpectrum {
 
 /// Directions that were not kept are taken as alike.
 WholeSpectrum whole_spectrum(const std::vector<BlockMerge>& blocks, Eigen::Index frames, double to_levels,
-                        Eigen::Index values) {
+                             Eigen::Index values) {
   const BlockMerge& last = blocks.back();
   const Eigen::Index kept = last.singular.size(), others = std::min(frames - 1, values) - kept;
   WholeSpectrum whole{{Eigen::VectorXd::Zero(frames), right_vectors(blocks, frames)},
@@ -358,8 +356,8 @@ DistributedResult learn_by_blocks(const DistributedJob& job, std::size_t block_f
     info.frames = progress.frames;
     check_count(job.options, progress.frames);
     const double to_levels = 255 / info.white;
-    const auto [spectrum, signs] = whole_spectrum(blocks, progress.frames, to_levels,
-                                                  static_cast<Eigen::Index>(job.stripes.values()));
+    const auto [spectrum, signs] =
+        whole_spectrum(blocks, progress.frames, to_levels, static_cast<Eigen::Index>(job.stripes.values()));
     fitted = fit_spectra({spectrum}, {}, info, job.options, job.context);
     const Eigen::Index n = fitted.result.texture.components();
     weights = Eigen::MatrixXd::Zero(signs.size(), n);

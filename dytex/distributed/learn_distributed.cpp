@@ -12,13 +12,14 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr std::size_t kMostAtOnce = 10'000;   // frames: a Gram matrix of 800 MB, decomposed in an hour
-constexpr std::size_t kUsualBlock = 1024;     // frames: decomposed in seconds
+constexpr std::size_t kMostAtOnce = 10'000;  // frames: a Gram matrix of 800 MB, decomposed in an hour
+constexpr std::size_t kUsualBlock = 1024;    // frames: decomposed in seconds
 
 void check_blocks(const LearnOptions& options) {
   if (options.order != Order::given)
-    throw core::InputError("order: a rule needs all frames at once; by blocks the number of components or "
-                           "their share of the variance is told");
+    throw core::InputError(
+        "order: a rule needs all frames at once; by blocks the number of components or "
+        "their share of the variance is told");
 }
 
 }  // namespace
@@ -49,8 +50,8 @@ DistributedResult learn_at_once(const DistributedJob& job, std::size_t most_fram
     });
     save_progress(job, progress);
     if (job.rounds.info().frames)
-      job.context.report("reading", static_cast<double>(progress.frames) /
-                                        static_cast<double>(*job.rounds.info().frames));
+      job.context.report(
+          "reading", static_cast<double>(progress.frames) / static_cast<double>(*job.rounds.info().frames));
   }
   result.frames = static_cast<std::size_t>(progress.frames);
   const auto values = [&](std::size_t stripe) {
@@ -112,9 +113,8 @@ DistributedResult learn_distributed(Communicator& ranks, const SharedClip& clip,
     if (block > 0 && frame > 0 && options.memory / frame < block)
       throw core::InputError("learn.block is " + std::to_string(block) + "; on " +
                              std::to_string(ranks.ranks()) + (ranks.ranks() == 1 ? " rank " : " ranks ") +
-                             std::to_string(options.memory >> 20) +
-                             " MiB of learn.memory hold at most " + std::to_string(options.memory / frame) +
-                             " frames");
+                             std::to_string(options.memory >> 20) + " MiB of learn.memory hold at most " +
+                             std::to_string(options.memory / frame) + " frames");
   });
   DistributedResult result =
       by_blocks ? detail::learn_by_blocks(job, block) : detail::learn_at_once(job, kMostAtOnce);

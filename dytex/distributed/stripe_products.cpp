@@ -47,8 +47,7 @@ void add_stripe_products(const SideBySide& columns, Eigen::MatrixXd& sum, const 
       const Eigen::Index some = std::min(kStripeRows, rows - row);
       convert_part(columns, row, some, i0, left);
       convert_part(columns, row, some, j0, right);
-      sum.block(i0, j0, height, width).noalias() +=
-          left.topRows(some).transpose() * right.topRows(some);
+      sum.block(i0, j0, height, width).noalias() += left.topRows(some).transpose() * right.topRows(some);
     }
   });
 }
@@ -57,14 +56,13 @@ Eigen::MatrixXf product(const SideBySide& columns, const Eigen::MatrixXd& right,
                         const core::Context& context) {
   const Eigen::Index count = column_count(columns), rows = columns.front()->rows();
   Eigen::MatrixXf result(rows, right.cols());
-  core::parallel_for(static_cast<std::size_t>((rows + kStripeRows - 1) / kStripeRows), context,
-                     [&](std::size_t i) {
-                       const auto row = static_cast<Eigen::Index>(i) * kStripeRows,
-                                  some = std::min(kStripeRows, rows - row);
-                       Eigen::MatrixXd block(some, count);
-                       convert_part(columns, row, some, 0, block);
-                       result.middleRows(row, some) = (block * right).cast<float>();
-                     });
+  core::parallel_for(
+      static_cast<std::size_t>((rows + kStripeRows - 1) / kStripeRows), context, [&](std::size_t i) {
+        const auto row = static_cast<Eigen::Index>(i) * kStripeRows, some = std::min(kStripeRows, rows - row);
+        Eigen::MatrixXd block(some, count);
+        convert_part(columns, row, some, 0, block);
+        result.middleRows(row, some) = (block * right).cast<float>();
+      });
   return result;
 }
 

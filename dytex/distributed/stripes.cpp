@@ -85,8 +85,7 @@ class TreeSum {
   void send(int to, Eigen::MatrixXd& matrix) {
     pass_columns(matrix, lower_, [&](Eigen::Index j0, Eigen::Index j1, std::vector<double>& packed) {
       auto at = packed.begin();
-      for (Eigen::Index j = j0; j < j1; ++j)
-        at = std::ranges::copy(column_part(matrix, j, lower_), at).out;
+      for (Eigen::Index j = j0; j < j1; ++j) at = std::ranges::copy(column_part(matrix, j, lower_), at).out;
       ranks_.send(to, std::as_bytes(std::span(packed)));
     });
   }

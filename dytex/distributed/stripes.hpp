@@ -30,11 +30,11 @@ class Stripes {
   std::size_t values_, ranks_, blocks_, count_;
 };
 
-/// Adds matrices of `rows` × `columns`, one of each stripe, along a fixed tree; rank 0 returns the sum, others
-/// return anything. `term(stripe, sum)` adds a stripe's matrix to `sum` and is called on the stripe's owner
-/// alone. The same bits at any number of ranks. `exact`: sums of these numbers are not rounded, so that a
-/// rank may add what it has as it comes, in less memory. `lower`: only the lower half is sent and added; the
-/// matrix is square. Throws FailedTogether.
+/// Adds matrices of `rows` × `columns`, one of each stripe, along a fixed tree; rank 0 returns the sum,
+/// others return anything. `term(stripe, sum)` adds a stripe's matrix to `sum` and is called on the stripe's
+/// owner alone. The same bits at any number of ranks. `exact`: sums of these numbers are not rounded, so that
+/// a rank may add what it has as it comes, in less memory. `lower`: only the lower half is sent and added;
+/// the matrix is square. Throws FailedTogether.
 Eigen::MatrixXd sum_stripes(Communicator& ranks, const Stripes& stripes, Eigen::Index rows,
                             Eigen::Index columns, bool exact, bool lower,
                             const std::function<void(std::size_t, Eigen::MatrixXd&)>& term);

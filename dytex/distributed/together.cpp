@@ -49,12 +49,18 @@ Failure caught(const std::function<void()>& body) {
 
 std::exception_ptr exception_of(const Failure& failure) {
   switch (failure.kind) {
-    case Kind::input: return std::make_exception_ptr(core::InputError(failure.text));
-    case Kind::io: return std::make_exception_ptr(core::IoError(failure.text));
-    case Kind::numerical: return std::make_exception_ptr(core::NumericalError(failure.text));
-    case Kind::cancelled: return std::make_exception_ptr(core::Cancelled(failure.text));
-    case Kind::memory: return std::make_exception_ptr(std::bad_alloc());
-    default: return std::make_exception_ptr(std::runtime_error(failure.text));
+    case Kind::input:
+      return std::make_exception_ptr(core::InputError(failure.text));
+    case Kind::io:
+      return std::make_exception_ptr(core::IoError(failure.text));
+    case Kind::numerical:
+      return std::make_exception_ptr(core::NumericalError(failure.text));
+    case Kind::cancelled:
+      return std::make_exception_ptr(core::Cancelled(failure.text));
+    case Kind::memory:
+      return std::make_exception_ptr(std::bad_alloc());
+    default:
+      return std::make_exception_ptr(std::runtime_error(failure.text));
   }
 }
 
@@ -118,8 +124,7 @@ void broadcast_matrix(Communicator& ranks, Eigen::MatrixXd& matrix) {
   std::array<std::int64_t, 2> shape{matrix.rows(), matrix.cols()};
   broadcast(ranks, std::as_writable_bytes(std::span(shape)));
   if (ranks.rank() > 0) matrix.resize(shape[0], shape[1]);
-  broadcast(ranks,
-            std::as_writable_bytes(std::span(matrix.data(), static_cast<std::size_t>(matrix.size()))));
+  broadcast(ranks, std::as_writable_bytes(std::span(matrix.data(), static_cast<std::size_t>(matrix.size()))));
 }
 
 }  // namespace emberfold::dytex

@@ -16,7 +16,8 @@ namespace emberfold::dytex {
 /// Tells that a rank failed and that all ranks know: each of them throws it.
 class FailedTogether : public std::exception {
  public:
-  FailedTogether(int rank, std::exception_ptr cause) : rank_(rank), cause_(std::move(cause)) {}
+  FailedTogether(int rank, const std::exception_ptr& cause)
+      : rank_(rank), cause_(cause) {}  // NOLINT(bugprone-throw-keyword-missing): it is kept
   [[nodiscard]] const char* what() const noexcept override { return "a rank failed"; }
   [[nodiscard]] int rank() const { return rank_; }  ///< the first that failed
   /// Throws what that rank threw: core::InputError, IoError, NumericalError, Cancelled, std::bad_alloc or

@@ -58,8 +58,8 @@ Eigen::Index count_by_rule(const Spectrum& spectrum, const Eigen::MatrixXd& gram
 }
 
 std::vector<Direction> choose(const std::vector<Spectrum>& spectra, const std::vector<Eigen::MatrixXd>& grams,
-                              Eigen::Index m, double to_levels,
-                              const LearnOptions& options, LearnResult& result) {
+                              Eigen::Index m, double to_levels, const LearnOptions& options,
+                              LearnResult& result) {
   std::vector<Direction> all = directions(spectra);
   if (all.empty()) {
     result.notes.emplace_back("the frames do not change: the model is their mean, without components");
@@ -85,8 +85,7 @@ std::vector<Direction> choose(const std::vector<Spectrum>& spectra, const std::v
 }
 
 /// The chosen directions of each spectrum, and which components of the model they become.
-std::vector<Block> blocks_of(const std::vector<Spectrum>& spectra,
-                                     const std::vector<Direction>& chosen) {
+std::vector<Block> blocks_of(const std::vector<Spectrum>& spectra, const std::vector<Direction>& chosen) {
   std::vector<Block> blocks(spectra.size());
   for (std::size_t place = 0; place < chosen.size(); ++place)
     blocks[chosen[place].spectrum].places.push_back(static_cast<Eigen::Index>(place));
@@ -99,8 +98,7 @@ std::vector<Block> blocks_of(const std::vector<Spectrum>& spectra,
 }
 
 /// The columns of V S⁻¹ that make C out of the frames' values, in the order of the components.
-Eigen::MatrixXd component_weights(const std::vector<Block>& blocks, Eigen::Index n,
-                                  double to_levels) {
+Eigen::MatrixXd component_weights(const std::vector<Block>& blocks, Eigen::Index n, double to_levels) {
   Eigen::MatrixXd weights(blocks[0].V.rows(), n);
   for (const Block& block : blocks)
     for (std::size_t i = 0; i < block.places.size(); ++i) {
@@ -127,8 +125,7 @@ void match_variance(LearnResult& result) {
 
 /// The variance that the components leave, by its degrees of freedom: n directions of the frames and of time,
 /// and the mean, are taken out of m × τ values.
-double left_variance(const std::vector<Spectrum>& spectra, const std::vector<Block>& blocks,
-                     Eigen::Index m) {
+double left_variance(const std::vector<Spectrum>& spectra, const std::vector<Block>& blocks, Eigen::Index m) {
   const Eigen::Index frames = spectra[0].singular.size(),
                      values = m / static_cast<Eigen::Index>(spectra.size());
   double sum = 0, freedom = 0;

@@ -38,7 +38,7 @@ TEST_CASE("dytex learn by blocks writes a model like any other") {
   const auto texture = dytex::linear_dynamic_texture(io::read_model(temp / "model", io::kTextureFormat));
   CHECK(texture.components() == 5);
   CHECK((texture.C.transpose() * texture.C - Eigen::MatrixXf::Identity(5, 5)).norm() < 1e-5F);
-  CHECK(summary["texture"]["parameters"] == 61 * 40 * 6 + 2 * 25);
+  CHECK(summary["texture"]["parameters"] == 61 * 40 * 3 * 6 + 2 * 25);
   CHECK(fs::file_size(temp / "model/components.png") > 1000);
   CHECK_FALSE(fs::exists(temp / "model.learning"));
 }
@@ -83,9 +83,9 @@ TEST_CASE("dytex learn by blocks refuses what it cannot do") {
   check_one_line(learn(clip, model, {"--em"}), 2, {"--em is not there", "learn.block"}, model);
   check_one_line(learn(clip, model, {"--set", "learn.block=-1"}), 2, {"learn.block is -1"}, model);
   check_one_line(learn("nothing.avi", model), 1, {"cannot read nothing.avi"}, model);
-  check_one_line({"dytex", "learn", clip, "-o", model.string(), "-q", "--order", "auto", "--set",
-                  "learn.block=8"},
-                 2, {"order", "all frames at once"}, model);
+  check_one_line(
+      {"dytex", "learn", clip, "-o", model.string(), "-q", "--order", "auto", "--set", "learn.block=8"}, 2,
+      {"order", "all frames at once"}, model);
   CHECK_FALSE(fs::exists(temp / "model.learning"));
   fs::create_directory(temp / "model.learning");
   std::ofstream(temp / "model.learning/thesis.txt") << "mine";
