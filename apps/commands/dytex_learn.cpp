@@ -203,6 +203,7 @@ void say_learned(const TextureLearning& asked, const dytex::LinearDynamicTexture
 namespace {
 
 void run_learn(TextureLearning asked, Session& session) {
+  if (is_left_out()) return;
   const auto job = join_mpi_job();
   if (job || asked.block > 0) return learn_on_ranks(asked, session, job.get());
   const io::ReadOptions read = check_learning(asked, session);

@@ -21,4 +21,8 @@ int launched_ranks() {
   return ranks > 1 ? ranks : 0;
 }
 
+int launched_rank() {
+  return number_in(number_in("OMPI_COMM_WORLD_SIZE") > 0 ? "OMPI_COMM_WORLD_RANK" : "PMI_RANK");
+}
+
 }  // namespace emberfold::apps

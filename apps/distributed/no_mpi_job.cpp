@@ -15,4 +15,8 @@ std::unique_ptr<MpiJob> join_mpi_job() {
   return nullptr;
 }
 
+bool is_left_out() {
+  return launched_ranks() > 1 && launched_rank() > 0;
+}
+
 }  // namespace emberfold::apps
