@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "core/error.hpp"
+#include "core/npy_header.hpp"
 
 namespace emberfold::core {
 
@@ -364,6 +365,12 @@ NpyView view(const NpyArray& array) {
           std::visit([](const auto& values) -> NpyView::Data { return std::span(values); }, array.data)};
 }
 
+std::string npy_header(const NpyView& array) {
+  const std::string text = header_text(array);
+  const char prefix[] = {1, 0, static_cast<char>(text.size() & 0xff), static_cast<char>(text.size() >> 8)};
+  return std::string(kMagic).append(prefix, sizeof prefix) + text;
+}
+
 void write_npy(std::ostream& out, const NpyArray& array) {
   write_npy_view(out, view(array));
 }
@@ -377,11 +384,9 @@ void write_npy_view(std::ostream& out, const NpyView& array) {
   if (!count || *count != size)
     throw InputError("write_npy: the shape " + shape_text(array.shape) + " does not fit the data's " +
                      std::to_string(size) + " elements");
-  const std::string text = header_text(array);
-  const char prefix[] = {1, 0, static_cast<char>(text.size() & 0xff), static_cast<char>(text.size() >> 8)};
+  const std::string header = npy_header(array);
   try {
-    out << kMagic;
-    out.write(prefix, sizeof prefix) << text;
+    out << header;
     std::visit(
         [&]<class T>(std::span<const T> values) {
           const auto write = [&](std::span<const T> part) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "apps/commands/dytex_learn.hpp"
+
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -12,6 +14,7 @@
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
 #include "apps/commands/dytex_em.hpp"
+#include "apps/distributed/mpi_job.hpp"
 #include "apps/textures/texture_modes.hpp"
 #include "apps/textures/texture_picture.hpp"
 #include "core/io/mask_file.hpp"
@@ -49,19 +52,10 @@ Value value_of(const Words<Value>& words, const std::string& word) {
   return std::ranges::find(words, word, &Words<Value>::value_type::first)->second;
 }
 
-struct Learn {
-  Reading reading;
-  std::string output, mask;
-  dytex::LearnOptions options;
-  bool asked_components = false, asked_energy = false, asked_order = false;
-  double energy = 0.95;
-  EmRequest em;
-  int memory = static_cast<int>(dytex::LearnOptions{}.memory >> 20);  // MiB
-  std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
-};
+}  // namespace
 
 // Fifty components are the default for a long clip; a short one has fewer.
-void fit_to_length(Learn& asked, const core::ClipInfo& info, const Session& session) {
+void fit_to_length(TextureLearning& asked, const core::ClipInfo& info, const Session& session) {
   if (!info.frames) return;
   const auto most = *info.frames - 1;
   if (most < 1)
@@ -76,13 +70,17 @@ void fit_to_length(Learn& asked, const core::ClipInfo& info, const Session& sess
                       " frames: " + std::to_string(most) + " components are learned");
 }
 
+namespace {
+
 const char* transition_name(dytex::Transition transition) {
   constexpr std::array<const char*, 5> kNames{"least_squares", "yule_walker", "soc", "n4sid",
                                               "prediction_error"};
   return kNames[static_cast<std::size_t>(transition)];
 }
 
-Json learn_summary(const Learn& asked, const io::ReadOptions& read, const core::ClipInfo& info,
+}  // namespace
+
+Json learn_summary(const TextureLearning& asked, const io::ReadOptions& read, const core::ClipInfo& info,
                    const dytex::LearnResult& learned, const Session& session) {
   Json summary = begin_summary("dytex learn", session);
   const auto& texture = learned.texture;
@@ -112,7 +110,7 @@ Json learn_summary(const Learn& asked, const io::ReadOptions& read, const core::
   return summary;
 }
 
-void write_picture(io::OutputFolder& output, const dytex::LinearDynamicTexture& texture) {
+void write_components(io::OutputFolder& output, const dytex::LinearDynamicTexture& texture) {
   std::vector<unsigned char> bytes;
   if (!cv::imencode(".png", draw_components(texture), bytes))
     throw core::IoError("cannot write " + (output.path() / "components.png").string() + " as PNG");
@@ -121,7 +119,9 @@ void write_picture(io::OutputFolder& output, const dytex::LinearDynamicTexture& 
   });
 }
 
-void check_learning(const dytex::LearnOptions& options) {
+namespace {
+
+void check_options(const dytex::LearnOptions& options) {
   try {
     options.validate();
   } catch (const core::InputError& error) {
@@ -133,7 +133,8 @@ void check_learning(const dytex::LearnOptions& options) {
 }
 
 /// Learns from the region inside the mask alone, where there is one.
-dytex::LearnResult learn_region(const Learn& asked, core::FrameSource& source, const core::Context& context) {
+dytex::LearnResult learn_region(const TextureLearning& asked, core::FrameSource& source,
+                                const core::Context& context) {
   if (asked.mask.empty()) return dytex::learn(source, asked.options, context);
   const cv::Mat mask = io::read_mask(asked.mask);
   std::unique_ptr<dytex::RegionSource> region;
@@ -147,19 +148,18 @@ dytex::LearnResult learn_region(const Learn& asked, core::FrameSource& source, c
   return learned;
 }
 
-dytex::LearnResult learn_texture(const Learn& asked, core::FrameSource& source, Session& session) {
+dytex::LearnResult learn_texture(const TextureLearning& asked, core::FrameSource& source, Session& session) {
   try {
     auto learned = learn_region(asked, source, session.context);
     return learned;
   } catch (const Misuse&) {
     throw;
   } catch (const core::InputError& error) {
-    // "lags: …" keeps its beginning: it is the option's name.
-    throw Misuse(asked.reading.clip + ": " + with_option_name(error.what(), "components"));
+    throw Misuse(learning_message(asked, error.what()));
   }
 }
 
-void take_words(Learn& asked) {
+void take_words(TextureLearning& asked) {
   dytex::LearnOptions& options = asked.options;
   if (asked.asked_energy) options.energy = asked.energy;
   if (asked.asked_order) options.order = value_of(kOrders, asked.order);
@@ -169,15 +169,44 @@ void take_words(Learn& asked) {
   options.noise = value_of(kNoise, asked.noise);
   if (asked.memory < 1)
     throw Misuse("learn.memory is " + std::to_string(asked.memory) + " MiB; allowed is at least 1");
+  if (asked.block < 0)
+    throw Misuse("learn.block is " + std::to_string(asked.block) + "; allowed is at least 0");
   options.memory = static_cast<std::size_t>(asked.memory) << 20;
 }
 
-void run_learn(Learn asked, Session& session) {
+}  // namespace
+
+std::string learning_message(const TextureLearning& asked, const std::string& message) {
+  // "lags: …" keeps its beginning: it is the option's name.
+  return asked.reading.clip + ": " + with_option_name(message, "components");
+}
+
+io::ReadOptions check_learning(TextureLearning& asked, const Session& session) {
   take_words(asked);
-  const io::ReadOptions read = check_reading(asked.reading, session);
-  check_learning(asked.options);
+  io::ReadOptions read = check_reading(asked.reading, session);
+  check_options(asked.options);
   asked.em.options.memory = asked.options.memory;
   check_em(asked.em, asked.options);
+  return read;
+}
+
+void say_learned(const TextureLearning& asked, const dytex::LinearDynamicTexture& texture,
+                 const Session& session) {
+  std::ostringstream said;
+  said.precision(4);
+  said << texture.components() << " components with "
+       << 100 * share_of_variance(texture, texture.components()) << " % of the variance of "
+       << texture.states.cols() << " frames; the model is " << asked.output;
+  session.console.say(said.str());
+}
+
+namespace {
+
+void run_learn(TextureLearning asked, Session& session) {
+  if (is_left_out()) return;
+  const auto job = join_mpi_job();
+  if (job || asked.block > 0) return learn_on_ranks(asked, session, job.get());
+  const io::ReadOptions read = check_learning(asked, session);
   io::require_apart({asked.reading.clip, asked.mask, asked.em.missing}, {{asked.output}, {asked.em.filled}});
   require_new({asked.em.filled}, session.common);
   io::ModelFolder folder(asked.output);
@@ -185,14 +214,14 @@ void run_learn(Learn asked, Session& session) {
   stages.begin("learn");
   const auto source = open_held_clip(asked.reading.clip, read, session);
   fit_to_length(asked, source->info(), session);
-  check_learning(asked.options);
+  check_options(asked.options);
   EmStage em(asked.em, *source, read, session);
   auto learned = learn_texture(asked, em.source(), session);
   for (const auto& note : learned.notes) session.warn(asked.em.is_needed() ? "closed form: " + note : note);
   em.improve(learned.texture);
   stages.begin("write");
   io::write_model(folder.output(), "", dytex::archive_view(learned.texture));
-  write_picture(folder.output(), learned.texture);
+  write_components(folder.output(), learned.texture);
   stages.end();
   em.write_filled(learned.texture);
   Json summary = learn_summary(asked, read, source->info(), learned, session);
@@ -201,12 +230,7 @@ void run_learn(Learn asked, Session& session) {
   write_summary(folder.output(), summary);
   session.check_stop();
   folder.commit();
-  std::ostringstream said;
-  said.precision(4);
-  said << learned.texture.components() << " components with "
-       << 100 * share_of_variance(learned.texture, learned.texture.components()) << " % of the variance of "
-       << learned.texture.states.cols() << " frames; the model is " << asked.output;
-  session.console.say(said.str());
+  say_learned(asked, learned.texture, session);
   if (session.common.json) session.print(json_text(summary));
 }
 
@@ -227,7 +251,7 @@ std::vector<std::string> names_of(const auto& words) {
   return names;
 }
 
-void add_model_options(CLI::App& command, Settings& settings, Learn& asked) {
+void add_model_options(CLI::App& command, Settings& settings, TextureLearning& asked) {
   add_words(command, "--channels", asked.channels, kChannels,
             "Learn components of all channels (joint) or of each (separate)");
   add_number(command, "--lags", asked.options.lags, "N", "Predict a frame from the last N");
@@ -244,6 +268,9 @@ void add_model_options(CLI::App& command, Settings& settings, Learn& asked) {
   settings.add("learn", "memory", asked.memory, "MIB",
                "Memory for frames; more passes over the clip where they do not fit",
                [] { return "at least 1"; });
+  settings.add("learn", "block", asked.block, "N",
+               "Decompose so many frames at a time and merge; 0: all, beyond 10000 under mpirun 1024",
+               [] { return "at least 0"; });
 }
 
 }  // namespace
@@ -254,7 +281,7 @@ void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
   emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100
   emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2
   emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4)");
-  const auto asked = std::make_shared<Learn>();
+  const auto asked = std::make_shared<TextureLearning>();
   add_reading(*command, asked->reading, false);
   add_output(*command, asked->output);
   auto* components =

@@ -14,6 +14,7 @@
 
 #include "core/error.hpp"
 #include "core/text/json_reader.hpp"
+#include "dytex/model/archive_parts.hpp"
 
 namespace emberfold::dytex {
 
@@ -231,6 +232,12 @@ void read_second_version(const nlohmann::json& json, const core::ModelArchive& a
 
 core::ModelView archive_view(const LinearDynamicTexture& texture) {
   validate(texture);
+  core::ModelView archive = archive_view_without_C(texture);
+  archive.arrays["C"] = array_of(texture.C);
+  return archive;
+}
+
+core::ModelView archive_view_without_C(const LinearDynamicTexture& texture) {
   const core::ClipInfo& info = texture.info;
   const auto* const depth =
       std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.first == info.depth; });
@@ -259,7 +266,6 @@ core::ModelView archive_view(const LinearDynamicTexture& texture) {
     json["component_channels"] = std::vector<int>(texture.channels.begin(), texture.channels.end());
   core::ModelView archive{json.dump(2) + "\n", {}};
   archive.arrays["mean"] = array_of(texture.mean);
-  archive.arrays["C"] = array_of(texture.C);
   archive.arrays["weights"] = array_of(texture.weights);
   archive.arrays["A"] = array_of(texture.A);
   archive.arrays["B"] = array_of(texture.B);

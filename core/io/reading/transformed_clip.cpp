@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/clip/masked_source.hpp"
+#include "core/clip/skipping.hpp"
 #include "core/error.hpp"
 #include "core/io/reading/levels.hpp"
 #include "core/io/reading/mask_clip.hpp"
@@ -24,7 +25,7 @@ namespace {
 
 constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
-class TransformedClip final : public core::FrameSource, public core::ClipKnowledge {
+class TransformedClip final : public core::FrameSource, public core::ClipKnowledge, public core::Skipping {
  public:
   TransformedClip(std::string name, std::unique_ptr<FrameDecoder> decoder, const ReadOptions& options,
                   const core::Warn& warn)
@@ -72,6 +73,18 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
 
   [[nodiscard]] cv::Mat mask() const override { return mask_; }
   [[nodiscard]] std::vector<core::CameraMotion> drift() const override { return drift_; }
+
+  void skip(std::int64_t count) override {
+    // What follows the picture's motion, or reads a mask beside it, has to see every frame.
+    if (masks_ || options_.stabilize != Stabilize::none) {
+      while (count-- > 0 && !next().empty()) {
+      }
+      return;
+    }
+    if (count <= 0) return;
+    pending_.release();
+    taken_ += count;
+  }
 
   void rewind() override {
     if (taken_ == 0) return;

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/command_line.hpp"
+#include "apps/commands/dytex_em.hpp"
+#include "core/clip.hpp"
+#include "core/io/staged_output.hpp"
+#include "dytex/learn.hpp"
+
+namespace emberfold::apps {
+
+class MpiJob;
+
+/// What `dytex learn` is asked for.
+struct TextureLearning {
+  Reading reading;
+  std::string output, mask;
+  dytex::LearnOptions options;
+  bool asked_components = false, asked_energy = false, asked_order = false;
+  double energy = 0.95;
+  EmRequest em;
+  int memory = static_cast<int>(dytex::LearnOptions{}.memory >> 20);  ///< MiB
+  int block = 0;  ///< frames decomposed at a time; 0: all, or what suits a long clip
+  std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
+};
+
+/// Checks the options and puts the words among them into `options`. Throws Misuse.
+io::ReadOptions check_learning(TextureLearning& asked, const Session& session);
+/// Takes fewer components than the default of a short clip; IoError of a clip of one frame, Misuse where more
+/// are asked for than there may be.
+void fit_to_length(TextureLearning& asked, const core::ClipInfo& info, const Session& session);
+/// Returns the message of an InputError of learning as one for the user.
+std::string learning_message(const TextureLearning& asked, const std::string& message);
+
+/// Writes components.png.
+void write_components(io::OutputFolder& output, const dytex::LinearDynamicTexture& texture);
+nlohmann::ordered_json learn_summary(const TextureLearning& asked, const io::ReadOptions& read,
+                                     const core::ClipInfo& info, const dytex::LearnResult& learned,
+                                     const Session& session);
+/// Tells what was learned.
+void say_learned(const TextureLearning& asked, const dytex::LinearDynamicTexture& texture,
+                 const Session& session);
+
+/// Runs the command on the ranks of a job, or on this process alone (`job` null), by stripes of the frames.
+void learn_on_ranks(const TextureLearning& asked, Session& session, MpiJob* job);
+
+}  // namespace emberfold::apps

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "core/npy.hpp"
+
+namespace emberfold::core {
+
+/// Returns what stands before the numbers in the file that write_npy writes, for an array whose numbers are
+/// written elsewhere: `array.data` tells their type alone.
+std::string npy_header(const NpyView& array);
+
+}  // namespace emberfold::core

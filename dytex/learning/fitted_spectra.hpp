@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "dytex/learn.hpp"
+#include "dytex/learning/model_order.hpp"
+
+namespace emberfold::dytex::detail {
+
+/// What follows from the frames' spectra alone: all of a model but its mean and C.
+struct FittedSpectra {
+  LearnResult result;       ///< `texture.C` has n columns and no rows, `texture.mean` is empty
+  Eigen::MatrixXd weights;  ///< τ × n, V S⁻¹: centred frames times it are C
+  bool single = true;       ///< single precision is enough for C
+};
+
+/// Throws InputError where `components` are asked for by number and a clip of so many frames has fewer.
+void check_count(const LearnOptions& options, Eigen::Index frames);
+
+/// Chooses the components by the options and fits their motion. `spectra`: of all channels, or one for each;
+/// `grams`: the raw matrices they are of, which Order::held_out reads; `info` tells the number of frames.
+FittedSpectra fit_spectra(const std::vector<Spectrum>& spectra, const std::vector<Eigen::MatrixXd>& grams,
+                          const core::ClipInfo& info, const LearnOptions& options,
+                          const core::Context& context);
+
+}  // namespace emberfold::dytex::detail
