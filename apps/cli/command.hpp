@@ -78,6 +78,7 @@ void add_sketch(CLI::App& app, CommandLine& line);
 void add_score(CLI::App& app, CommandLine& line);
 void add_bench_events(CLI::App& app, CommandLine& line);
 void add_synthesis(CLI::App& app, CommandLine& line);
+void add_morph(CLI::App& app, CommandLine& line);
 void add_motion(CLI::App& app, CommandLine& line);
 void add_demo(CLI::App& app, CommandLine& line);
 void add_dytex(CLI::App& app, CommandLine& line);

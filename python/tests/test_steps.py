@@ -100,6 +100,19 @@ def test_graphs_run_backwards(run):
     assert set(curves.patches(5)["stroke"]) == set(run.patches(5)["curve"])
 
 
+def test_a_graph_moves_into_another(sketch, run):
+    one = ef.graph.morph(sketch, sketch, frames=4)
+    assert one.length < 1e-9 and one.died == one.born == 0 and len(one.motion) == 4
+    there = ef.graph.morph(run.motion.sketch, run.motion.sketch, at=0, to=-1, frames=5)
+    back = ef.graph.morph(run.motion.sketch, run.motion.sketch, at=-1, to=0, frames=5)
+    assert there.length > 0 and np.isclose(there.length, back.length) and (there.died, there.born) == (back.born, back.died)
+    assert [len(o) for o in there.opacity] == [len(there.motion.patches(t)) for t in range(5)]
+    frames = ef.sketch.draw_morph(there, channels=1)
+    assert frames.dtype == np.uint8 and frames.shape == (5, there.motion.height, there.motion.width)
+    with pytest.raises(ef.InputError, match="frames is 2"):
+        ef.graph.morph(sketch, sketch, frames=2)
+
+
 def test_measures_of_frames_and_clips():
     clip = ripples(frames=24)
     frame = clip[0].astype(np.float32)

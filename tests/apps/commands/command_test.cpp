@@ -285,7 +285,7 @@ TEST_CASE("an overview, help that opens with examples and shows the defaults, th
 TEST_CASE("the help of every command fits on one screen") {
   std::vector<std::vector<std::string>> commands{{}};
   for (const char* one : {"analyze", "batch", "gather", "export", "sketch", "synth", "compare", "score",
-                          "bench-events", "demo", "quilt", "dytex", "motion"})
+                          "bench-events", "demo", "quilt", "dytex", "motion", "morph"})
     commands.push_back({one});
   for (const char* one : {"learn", "edit", "synth", "compose", "page", "info", "forecast", "curve",
                           "distance", "classify", "compress"})
