@@ -80,6 +80,7 @@ void add_bench_events(CLI::App& app, CommandLine& line);
 void add_synthesis(CLI::App& app, CommandLine& line);
 void add_morph(CLI::App& app, CommandLine& line);
 void add_motion(CLI::App& app, CommandLine& line);
+void add_motion_likelihood(CLI::App& motion, CommandLine& line);
 void add_demo(CLI::App& app, CommandLine& line);
 void add_dytex(CLI::App& app, CommandLine& line);
 void add_compare(CLI::App& app, CommandLine& line);

@@ -91,6 +91,19 @@ def test_models_are_learned_of_graphs(run):
     assert again != rates
 
 
+def test_graphs_have_a_likelihood_under_a_model(run):
+    model = ef.mcmc.fit(run.motion, calibrate=False)
+    told = ef.mcmc.transition_likelihoods(model, run.motion)
+    assert list(told.index) == list(range(1, run.frames)) and np.isfinite(told).all().all()
+    terms = ["displacement", "contrast", *ef.graph.EVENT_TYPES]
+    assert np.allclose(told[terms].sum(axis=1), told["total"])
+    other = copy.deepcopy(model)
+    other.displacement.noise *= 5
+    assert ef.mcmc.transition_likelihoods(other, run.motion)["total"].mean() < told["total"].mean()
+    with pytest.raises(ef.InputError, match="two frames or more"):
+        ef.mcmc.transition_likelihoods(model, ef.mcmc.synthesize(model, 1))
+
+
 def test_graphs_run_backwards(run):
     back = ef.graph.reverse_time(run.motion)
     assert len(back.patches(0)) == len(run.patches(run.frames - 1)) and ef.graph.reverse_time(ef.graph.reverse_time(back)) == back
