@@ -116,7 +116,7 @@ io::ReadOptions check_morphing(const Morphing& asked, const Session& session) {
       throw Misuse(std::string(name) + " is " + std::to_string(frame) + "; allowed is 0 or more");
   if (!asked.words.range.empty())
     throw Misuse("--range: a morph is between two frames; --at and --to name them");
-  const io::ReadOptions read = check_reading(asked.words, asked.read, session);
+  io::ReadOptions read = check_reading(asked.words, asked.read, session);
   if (read.every != 1 || read.stabilize != io::Stabilize::none)
     throw Misuse("--every and --stabilize are for whole clips; a morph is between two frames");
   return read;

@@ -146,7 +146,7 @@ TEST_CASE("any number of threads writes the same bytes") {
         0);
   for (const char* name : {"sketch.jsonl", "motion.jsonl", "events.json", "events.csv", "trajectories.csv",
                            "strokes.csv", "curves.csv", "joints.csv", "topology.csv", "tips.csv",
-                           "review.html", "birth_map.png", "death_map.png"}) {
+                           "review.html", "birth_map.png", "death_map.png", "trajectories.png"}) {
     INFO(name);
     const auto one = bytes_of(temp / "1" / name);
     CHECK(one.size() > 100);
