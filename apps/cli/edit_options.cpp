@@ -58,8 +58,9 @@ void add_looks(CLI::App& app, EditOptions& options) {
 
 void add_edit_options(CLI::App& app, EditOptions& options, Settings* settings) {
   auto& edit = options.edit;
-  add_number(app, "--speed", edit.speed, "X", "Move X times as fast, 0.1 to 10");
-  app.add_flag("--reverse", edit.reverse, "Run time backwards");
+  add_number(app, "--speed", edit.speed, "X",
+             "Move X times as fast, 0.1 to 10; --reverse runs time backwards");
+  app.add_flag("--reverse", edit.reverse, "Run time backwards")->group("");
   add_looks(app, options);
   if (settings != nullptr) options.rates = std::string(kSynthGroup) + ".";
   for (std::size_t i = 0; i < kRates.size(); ++i) {

@@ -100,7 +100,7 @@ class HelpFormatter : public CLI::Formatter {
     text += "\n" + usage(app);
     std::vector<Row> rows;
     for (const auto* command : subcommands(app))
-      rows.push_back({command->get_name(), command->get_description()});
+      if (command->get_name() != "help") rows.push_back({command->get_name(), command->get_description()});
     for (const auto* option : app->get_options())
       if (option->get_positional()) rows.push_back(option_row(option));
     for (const auto* option : app->get_options())

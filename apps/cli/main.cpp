@@ -78,6 +78,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   apps::add_gather(app, line);
   apps::add_export(app, line);
   apps::add_synthesis(app, line);
+  apps::add_morph(app, line);
   apps::add_motion(app, line);
   apps::add_sketch(app, line);
   apps::add_compare(app, line);

@@ -8,6 +8,7 @@
 #include "dytex/learn.hpp"
 #include "graph/events/event_score.hpp"
 #include "graph/matching/match.hpp"
+#include "graph/morphing/morph.hpp"
 #include "mcmc/sampler/infer.hpp"
 #include "pipeline/calibration.hpp"
 #include "pipeline/readings.hpp"
@@ -52,6 +53,12 @@ void visit_fields(MaybeConst<graph::MatchOptions> auto& o, auto&& visit) {
   visit("sigma_shape", o.sigma_shape, "PX", "Spread of a stroke's shape");
   visit("sigma_degree", o.sigma_degree, "N", "Spread of a stroke's vertex degrees");
   visit("flicker", o.flicker, "FRAMES", "Remove what comes and goes within this many frames; 0: nothing");
+}
+
+void visit_fields(MaybeConst<graph::MorphOptions> auto& o, auto&& visit) {
+  visit("frames", o.frames, "N", "Draw this many frames of a morph, both ends included");
+  visit("farthest", o.farthest, "PX", "Let strokes fade rather than move so far");
+  visit("level_weight", o.level_weight, "PX", "Count a change by one grey level as a motion by so much");
 }
 
 void visit_fields(MaybeConst<pipeline::StartOptions> auto& o, auto&& visit) {

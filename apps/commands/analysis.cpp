@@ -16,6 +16,8 @@
 #include "apps/commands/run_estimate.hpp"
 #include "apps/pictures/pictures.hpp"
 #include "apps/pictures/rate_map.hpp"
+#include "apps/pictures/still.hpp"
+#include "apps/pictures/trajectory_picture.hpp"
 #include "apps/report/report_model.hpp"
 #include "apps/report/report_network.hpp"
 #include "apps/report/report_sampler.hpp"
@@ -150,6 +152,7 @@ Json files_json(bool reconstruction, bool keeps) {
       {"lives.csv", "how long each stroke lives, grows and moves"},
       {"birth_map.png", "where strokes are born"},
       {"death_map.png", "where they die"},
+      {"trajectories.png", "strokes in space and time, with their events"},
       {"overlay.mp4", "the clip with its graph and events"},
       {"matches/", "neighbouring frames, matched"},
       {"summary.json", "all figures"}};
@@ -235,6 +238,9 @@ Pictures write_pictures(core::FrameSource& source, const pipeline::Analysis& fou
   const auto& model = found.model.motion;
   write_png(output, "birth_map.png", draw_rate_map(pictures.mean, birth_map(model), found.events));
   write_png(output, "death_map.png", draw_rate_map(pictures.mean, death_map(model), found.events));
+  const cv::Mat trajectories = draw_trajectories(found.motion, found.events);
+  write_png(output, "trajectories.png", trajectories);
+  pictures.report.trajectories = make_still(trajectories, trajectories.cols, kTrajectoryBytes);
   return pictures;
 }
 

@@ -201,14 +201,17 @@ void add_page(CLI::App& motion, CommandLine& line) {
 }  // namespace
 
 void add_motion(CLI::App& app, CommandLine& line) {
-  auto* command = add_command(app, "motion", "Edit and describe motion models, run them in a page", R"(
+  auto* command =
+      add_command(app, "motion", "Edit and describe motion models, judge clips by them, run them in a page", R"(
   emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
   emberfold synth out/wild -o wild.mp4
   emberfold motion info out/wild
+  emberfold motion likelihood out/fire/model out/fire
   emberfold motion page out/wild -o wild.html)");
   command->require_subcommand(0, 1);
   add_edit(*command, line);
   add_info(*command, line);
+  add_motion_likelihood(*command, line);
   add_page(*command, line);
 }
 

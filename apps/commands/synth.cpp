@@ -12,9 +12,11 @@
 #include "apps/cli/summary.hpp"
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
+#include "apps/pictures/synthesis_film.hpp"
 #include "apps/report/report_model.hpp"
 #include "core/io/clip_writer.hpp"
 #include "core/io/files.hpp"
+#include "core/io/model_folder.hpp"
 #include "core/io/require_apart.hpp"
 #include "graph/io/motion_io.hpp"
 #include "mcmc/simulation/synthesize.hpp"
@@ -34,7 +36,7 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 struct Synth {
-  std::string model, output, overlay, motion;
+  std::string model, output, overlay, motion, film;
   std::optional<pipeline::ModelFill> fill_kind;
   int frames = 300;
   std::optional<int> loop;
@@ -61,6 +63,7 @@ std::unique_ptr<io::VideoWriter> create_output(const std::string& path, cv::Size
 std::string stroke_option(const Synth& asked) {
   if (!asked.motion.empty()) return "--motion";
   if (!asked.overlay.empty()) return "--overlay";
+  if (!asked.film.empty()) return "--film";
   if (asked.start != "data") return "--start";
   return stroke_option(asked.edit);
 }
@@ -91,8 +94,17 @@ void check(Synth& asked) {
 /// The graphs with their links, where somebody asks for them: all are held.
 std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::MotionModel& model,
                                               const Session& session) {
-  if (asked.motion.empty() && asked.overlay.empty()) return std::nullopt;
+  if (asked.motion.empty() && asked.overlay.empty() && asked.film.empty()) return std::nullopt;
   return mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.first());
+}
+
+/// The frames of the clip that the model was learned from; none where it holds none.
+pipeline::Footage clip_of(const std::string& folder, const core::ClipInfo& info) {
+  io::ModelLimits limits;
+  limits.parts = false;
+  auto clip =
+      pipeline::read_footage(io::read_model(folder, io::kMotionFormat, limits), {info.width, info.height});
+  return clip.channels == info.channels ? clip : pipeline::Footage{};
 }
 
 /// Output files; none gets its name before finish().
@@ -106,11 +118,13 @@ class Outputs {
     if (!asked.motion.empty()) motion_file_.emplace(asked.motion);
     motion_ = make_motion(asked, model, session);
     if (!asked.overlay.empty()) events_ = graph::stroke_events(*motion_);
+    if (!asked.film.empty()) film_ = create_film(asked, info);
   }
 
   void write(const cv::Mat& frame) {
     clip_->write(frame);
     const int t = frames_++;
+    if (film_) film_->add(frame, motion_->sketch.frames[static_cast<std::size_t>(t)]);
     if (asked_.overlay.empty()) return;
     const cv::Mat shown = draw_overlay(to_colour_bytes(frame, info_),
                                        motion_->sketch.frames[static_cast<std::size_t>(t)], t, events_);
@@ -126,15 +140,25 @@ class Outputs {
       motion_file_->write([&](std::ostream& out) { graph::write_motion(out, *motion_); });
     }
     if (overlay_) overlay_->finish();
+    if (film_) film_->finish();
     if (motion_file_) motion_file_->finish();
     clip_->finish();
   }
   [[nodiscard]] int frames() const { return frames_; }
 
  private:
+  static std::unique_ptr<SynthesisFilm> create_film(const Synth& asked, const core::ClipInfo& info) {
+    try {
+      return std::make_unique<SynthesisFilm>(asked.film, clip_of(asked.model, info), info, asked.frames);
+    } catch (const core::InputError& error) {
+      throw Misuse(error.what());
+    }
+  }
+
   const Synth& asked_;
   core::ClipInfo info_;
   std::unique_ptr<io::VideoWriter> clip_, overlay_;
+  std::unique_ptr<SynthesisFilm> film_;
   std::optional<io::StagedFile> motion_file_;
   std::optional<graph::MotionGraph> motion_;
   std::vector<graph::Event> events_;
@@ -203,14 +227,16 @@ Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipelin
       frames.footage() ? footage_json(*frames.footage()) : statistics_json(*frames.statistics());
   summary["files"] = {{asked.output, "the new clip"}};
   if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
+  if (!asked.film.empty()) summary["files"][asked.film] = "the clip, the drawn sketch and the drawn frame";
   if (!asked.overlay.empty()) summary["files"][asked.overlay] = "the clip under its graph, with its events";
   return summary;
 }
 
 void run_synth(Synth asked, Session& session) {
   check(asked);
-  io::require_apart({asked.model, asked.edit.birth_map}, {{asked.output}, {asked.overlay}, {asked.motion}});
-  require_new({asked.output, asked.overlay, asked.motion}, session.common);
+  io::require_apart({asked.model, asked.edit.birth_map},
+                    {{asked.output}, {asked.overlay}, {asked.motion}, {asked.film}});
+  require_new({asked.output, asked.overlay, asked.motion, asked.film}, session.common);
   Stages stages;
   stages.begin("read");
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
@@ -267,6 +293,10 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   command->add_option("--motion", asked->motion, "Write the graphs and their links too, as motion.jsonl")
       ->type_name("FILE");
   command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")
+      ->type_name("OUT");
+  command
+      ->add_option("--film", asked->film,
+                   "Write clip, drawn sketch and drawn frame side by side; .png: six moments")
       ->type_name("OUT");
   const auto settings = add_settings(*command, line);
   command

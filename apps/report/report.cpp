@@ -108,6 +108,10 @@ std::string make_report(const ReportInput& input, const Json& summary) {
     shown["share"] = still.share;
     data["stills"].push_back(std::move(shown));
   }
+  if (input.trajectories)
+    data["space_time"] = {{"uri", data_uri(*input.trajectories)},
+                          {"width", input.trajectories->width},
+                          {"height", input.trajectories->height}};
   data["matches"] = Json::array();
   for (const auto& match : input.matches) data["matches"].push_back(picture_json(match.frame, match.still));
   if (input.model != nullptr) data["learned"]["motion"] = report_motion_model(*input.model, input.events);

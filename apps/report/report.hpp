@@ -25,7 +25,8 @@ namespace emberfold::apps {
 constexpr std::size_t kReportBytes = 8'000'000;
 constexpr std::size_t kStillBytes = 1'750'000, kStills = 6;  ///< three layers each
 constexpr std::size_t kEventFrameBytes = 1'450'000, kEventFrames = 90;
-constexpr std::size_t kMatchBytes = 850'000, kMatches = 6;
+constexpr std::size_t kMatchBytes = 700'000, kMatches = 6;
+constexpr std::size_t kTrajectoryBytes = 130'000;
 constexpr std::size_t kClipBytes = 1'000'000;  ///< of video
 
 /// One frame: input, sketch, and reconstruction from the sketch.
@@ -50,6 +51,7 @@ struct ReportInput {
   std::vector<ReportStill> stills;                ///< at most kStills
   std::vector<ReportPicture> event_frames;        ///< at most kEventFrames
   std::vector<ReportPicture> matches;             ///< at most kMatches
+  std::optional<Still> trajectories;              ///< strokes in space and time (draw_trajectories)
   const mcmc::MotionModel* model = nullptr;       ///< what was learned, where it was
   std::vector<std::complex<double>> eigenvalues;  ///< of the linear dynamic texture, where there is one
   std::optional<ReportClips> clips;               ///< drawn from the models, beside their source

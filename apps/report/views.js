@@ -139,6 +139,9 @@ function timeColour(share) {
 }
 function buildPaths() {
   if (!data.strokes.length && !data.patches.length) { $("trajectories").hidden = true; return; }
+  if (data.space_time)
+    $("space-time").append(make("figure", {}, make("img", {src: data.space_time.uri, width: data.space_time.width, height: data.space_time.height, loading: "lazy", alt: "Strokes in space and time, with their events"}),
+      make("figcaption", {}, "Left: strokes that last and move, x in depth, y down, time to the right. Right: the middles of strokes against time. One colour a stroke.")));
   const sets = [data.patches, data.strokes], names = ["patch", "stroke"];
   let which = data.patches.length ? 0 : 1;
   const least = $("path-least"), lengthOf = (path) => (path.length - 1) / 2, shape = clip.height / clip.width;

@@ -81,6 +81,13 @@ class RestFilter {
   [[nodiscard]] Lanes<N> squares() const { return squares_ - product_.square() / information_; }
   /// Returns the expected place, given all places so far.
   [[nodiscard]] Lanes<N> place() const { return now_ + product_ / information_ * (1 - one_now_); }
+  /// Returns the variance of the next place about place(), given all places so far. `gain`: that of the next
+  /// place.
+  [[nodiscard]] Lanes<N> place_variance(const KalmanGain<N>& gain) const {
+    return gain.precision.inverse() + gain.one.square() / information_;
+  }
+  /// Returns the expected deviation from rest, given all places so far.
+  [[nodiscard]] Lanes<N> deviation() const { return now_ - product_ / information_ * one_now_; }
 
  private:
   void step(Lanes<N>& now, Lanes<N>& before) const {

@@ -93,7 +93,7 @@ std::size_t typical_frame(const graph::MotionGraph& motion) {
   return static_cast<std::size_t>(found - frames.begin());
 }
 
-void add(CellMap& to, const CellMap& from, double share) {
+void add_map(CellMap& to, const CellMap& from, double share) {
   for (std::size_t c = 0; c < to.values.size(); ++c) to.values[c] += share * from.values[c];
 }
 
@@ -167,8 +167,8 @@ std::vector<FollowedSample> learn_motion(std::span<const graph::MotionGraph> sam
   for (const auto& motion : samples) {
     followed.push_back({detail::track_curves(motion), {}});
     const Drift one = estimate_drift(followed.back().tracks, grid);
-    add(drift.x, one.x, 1 / static_cast<double>(samples.size()));
-    add(drift.y, one.y, 1 / static_cast<double>(samples.size()));
+    add_map(drift.x, one.x, 1 / static_cast<double>(samples.size()));
+    add_map(drift.y, one.y, 1 / static_cast<double>(samples.size()));
   }
   MotionObservations normal_displacements, brightness;
   for (std::size_t i = 0; i < samples.size(); ++i) {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 
+#include "mcmc/learning/event_history.hpp"
 #include "mcmc/learning/operator_sites.hpp"
 #include "mcmc/learning/stroke_places.hpp"
 
@@ -31,43 +31,9 @@ struct ClassCounts {
   }
 };
 
-bool is_union(EventType type) {
-  return type == EventType::merge || type == EventType::connect;
-}
-bool is_separation(EventType type) {
-  return type == EventType::split || type == EventType::disconnect;
-}
-
-// Events of a clip before a frame.
-struct Past {
-  std::vector<PastEvent> unions, separations;
-  std::map<graph::SubgraphId, double> born;
-
-  [[nodiscard]] std::size_t age(graph::SubgraphId stroke, double frame) const {
-    const auto found = born.find(stroke);
-    return elapsed_class(found == born.end() ? std::numeric_limits<double>::infinity()
-                                             : frame - found->second);
-  }
-  void forget(double frame) {
-    const auto long_ago = [frame](const PastEvent& one) { return frame - one.frame >= begins.back(); };
-    std::erase_if(unions, long_ago);
-    std::erase_if(separations, long_ago);
-  }
-  void note(const graph::Event& event) {
-    const double frame = event.frame;
-    if (event.type == EventType::birth) born[event.after.at(0)] = frame;
-    if (is_union(event.type)) unions.push_back({event.position, frame});
-    if (is_separation(event.type)) separations.push_back({event.position, frame});
-    // A stroke is as old as the oldest stroke that it came from.
-    double began = std::numeric_limits<double>::infinity();
-    for (const auto stroke : event.before) {
-      const auto found = born.find(stroke);
-      if (found == born.end()) return;
-      began = std::min(began, found->second);
-    }
-    for (const auto stroke : event.after) born.try_emplace(stroke, began);
-  }
-};
+using detail::EventHistory;
+using detail::is_separation;
+using detail::is_union;
 
 struct ModifierCounts {
   ClassCounts<kElapsedClasses> death, separation, unification;
@@ -80,10 +46,10 @@ std::size_t class_of(const graph::AttributeGraph& graph, const OperatorSites::Pa
 }
 
 void add_expected(const graph::AttributeGraph& graph, const graph::Components& parts,
-                  const OperatorSites& found, const Past& past, double frame, const OperatorRates& rates,
-                  ModifierCounts& counts) {
+                  const OperatorSites& found, const EventHistory& past, double frame,
+                  const OperatorRates& rates, ModifierCounts& counts) {
   for (const auto& stroke : vertices_by_stroke(parts)) {
-    const auto age = past.age(graph.vertices()[stroke[0]].subgraph, frame);
+    const auto age = elapsed_class(past.age(graph.vertices()[stroke[0]].subgraph, frame));
     counts.death.expected[age] +=
         rates.death_by_size[size_class(stroke.size())] * rates.death.at(stroke_middle(graph, stroke));
   }
@@ -108,9 +74,10 @@ void add_expected(const graph::AttributeGraph& graph, const graph::Components& p
 }
 
 void add_event(const graph::Event& event, const graph::AttributeGraph& before, const OperatorSites& found,
-               const Past& past, ModifierCounts& counts) {
+               const EventHistory& past, ModifierCounts& counts) {
   const double frame = event.frame;
-  if (event.type == EventType::death) ++counts.death.events[past.age(event.before.at(0), frame)];
+  if (event.type == EventType::death)
+    ++counts.death.events[elapsed_class(past.age(event.before.at(0), frame))];
   if (is_separation(event.type))
     ++counts.separation.events[elapsed_class(frames_since(past.unions, event.position, frame))];
   if (!is_union(event.type)) return;
@@ -150,7 +117,7 @@ RateModifiers estimate_rate_modifiers(std::span<const graph::MotionGraph> sample
                                       const OperatorRates& rates) {
   ModifierCounts counts;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    Past past;
+    EventHistory past;
     auto event = events[i].begin();
     const auto& frames = samples[i].sketch.frames;
     for (std::size_t t = 1; t < frames.size(); ++t) {

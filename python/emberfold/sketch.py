@@ -13,7 +13,7 @@ from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
 __all__ = ["Dictionary", "ExtractOptions", "FillOptions", "NonsketchableFillOptions", "SketchSequence", "add_anchors", "draw_learned",
-           "draw_patches", "estimate_noise", "extract", "fill", "fill_nonsketchable", "learn_dictionary", "make_heat_film",
+           "draw_morph", "draw_patches", "estimate_noise", "extract", "fill", "fill_nonsketchable", "learn_dictionary", "make_heat_film",
            "reconstruct", "sketch_clip"]
 
 
@@ -45,6 +45,14 @@ def make_heat_film(levels: np.ndarray, mask: np.ndarray, steps: Sequence[int], *
         return _native.make_heat_film(levels, _bytes(mask), list(steps), report)
 
 
+def draw_morph(morph: _native.Morph, *, channels: int = 3, empty: Tuple[float, float] = (0, 0), progress: Progress = None,
+               **options: Any) -> np.ndarray:
+    """Draws the frames of a morph, uint8; a first and last frame without strokes have the levels `empty`. Arguments are the
+    fields of FillOptions."""
+    with reporter(progress) as report:
+        return _native.draw_morph(morph, channels, empty, FillOptions(**options), report)
+
+
 def reconstruct(levels: np.ndarray, sketch: SketchSequence, **options: Any) -> np.ndarray:
     """Draws a frame again from its sketch, the rest by diffusion; arguments are the fields of FillOptions."""
     return _native.reconstruct(levels, sketch, FillOptions(**options))
@@ -67,5 +75,5 @@ def sketch_clip(clip: ClipLike, *, progress: Progress = None, **options: Any) ->
         return _native.sketch_clip(data_of(clip), own, report)
 
 
-for _made in (extract, fill, fill_nonsketchable, learn_dictionary, make_heat_film, reconstruct, sketch_clip):
+for _made in (draw_morph, extract, fill, fill_nonsketchable, learn_dictionary, make_heat_film, reconstruct, sketch_clip):
     _made.__doc__ = f"{_made.__doc__}\n\n{getattr(_native, _made.__name__).__doc__}"

@@ -20,6 +20,7 @@
 #include "sketch/extract.hpp"
 #include "sketch/inpainting/anchors.hpp"
 #include "sketch/inpainting/heat_film.hpp"
+#include "sketch/rendering/morph_frames.hpp"
 #include "sketch/rendering/render.hpp"
 #include "sketch/texture/texture_fill.hpp"
 
@@ -179,11 +180,29 @@ void bind_dictionary(py::module_& module) {
              doc("sketch::draw_learned"));
 }
 
+void bind_morph_drawing(py::module_& module) {
+  module.def(
+      "draw_morph",
+      [](const graph::Morph& morph, int channels, std::pair<float, float> empty,
+         const sketch::FillOptions& fill, const py::object& progress) {
+        const sketch::MorphLook look{channels, empty.first, empty.second, fill};
+        return to_array(call(progress, [&](const core::Context& context) {
+          std::vector<cv::Mat> frames;
+          sketch::draw_morph(
+              morph, look, [&](const cv::Mat& frame) { frames.push_back(frame); }, context);
+          return frames;
+        }));
+      },
+      py::arg("morph"), py::arg("channels") = 3, py::arg("empty") = std::pair{0.0F, 0.0F},
+      py::arg("fill") = sketch::FillOptions{}, py::arg("progress") = py::none(), doc("sketch::draw_morph"));
+}
+
 }  // namespace
 
 void bind_drawing(py::module_& module) {
   bind_options(module);
   bind_dictionary(module);
+  bind_morph_drawing(module);
   module.def("draw_patches", draw_patches, py::arg("levels"), py::arg("sketch"),
              py::arg("patches") = "fitted", doc("pipeline::draw_patches"));
   module.def("fill_nonsketchable", fill_nonsketchable, py::arg("observed"), py::arg("drawn"), py::arg("mask"),

@@ -9,6 +9,7 @@
 
 #include <pybind11/stl.h>
 
+#include "mcmc/inference/transition_likelihood.hpp"
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/model/motion_model.hpp"
@@ -212,6 +213,21 @@ void bind_learning(py::module_& module) {
         }));
       },
       py::arg("model"), py::arg("motion"), py::arg("steps") = 1, doc("mcmc::predict"));
+  module.def(
+      "transition_likelihoods",
+      [](const MotionModel& given, const Motion& motion, const py::object& progress) {
+        const MotionModel model = given;
+        const auto gaps = call(progress, [&](const core::Context& context) {
+          return mcmc::transition_likelihoods(model, *motion.graphs, context);
+        });
+        py::list rows;
+        for (const auto& gap : gaps)
+          rows.append(py::make_tuple(gap.displacement, gap.contrast, gap.events, gap.total(), gap.places,
+                                     gap.happened));
+        return rows;
+      },
+      py::arg("model"), py::arg("motion"), py::arg("progress") = py::none(),
+      doc("mcmc::transition_likelihoods"));
   module.def(
       "event_statistics",
       [](const Motion& motion) {

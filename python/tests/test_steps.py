@@ -91,6 +91,19 @@ def test_models_are_learned_of_graphs(run):
     assert again != rates
 
 
+def test_graphs_have_a_likelihood_under_a_model(run):
+    model = ef.mcmc.fit(run.motion, calibrate=False)
+    told = ef.mcmc.transition_likelihoods(model, run.motion)
+    assert list(told.index) == list(range(1, run.frames)) and np.isfinite(told).all().all()
+    terms = ["displacement", "contrast", *ef.graph.EVENT_TYPES]
+    assert np.allclose(told[terms].sum(axis=1), told["total"])
+    other = copy.deepcopy(model)
+    other.displacement.noise *= 5
+    assert ef.mcmc.transition_likelihoods(other, run.motion)["total"].mean() < told["total"].mean()
+    with pytest.raises(ef.InputError, match="two frames or more"):
+        ef.mcmc.transition_likelihoods(model, ef.mcmc.synthesize(model, 1))
+
+
 def test_graphs_run_backwards(run):
     back = ef.graph.reverse_time(run.motion)
     assert len(back.patches(0)) == len(run.patches(run.frames - 1)) and ef.graph.reverse_time(ef.graph.reverse_time(back)) == back
@@ -98,6 +111,19 @@ def test_graphs_run_backwards(run):
     assert forth.count("birth") == [e[1] for e in ef.graph.stroke_events(back)].count("death")
     curves = ef.graph.curves_as_strokes(run.motion)
     assert set(curves.patches(5)["stroke"]) == set(run.patches(5)["curve"])
+
+
+def test_a_graph_moves_into_another(sketch, run):
+    one = ef.graph.morph(sketch, sketch, frames=4)
+    assert one.length < 1e-9 and one.died == one.born == 0 and len(one.motion) == 4
+    there = ef.graph.morph(run.motion.sketch, run.motion.sketch, at=0, to=-1, frames=5)
+    back = ef.graph.morph(run.motion.sketch, run.motion.sketch, at=-1, to=0, frames=5)
+    assert there.length > 0 and np.isclose(there.length, back.length) and (there.died, there.born) == (back.born, back.died)
+    assert [len(o) for o in there.opacity] == [len(there.motion.patches(t)) for t in range(5)]
+    frames = ef.sketch.draw_morph(there, channels=1)
+    assert frames.dtype == np.uint8 and frames.shape == (5, there.motion.height, there.motion.width)
+    with pytest.raises(ef.InputError, match="frames is 2"):
+        ef.graph.morph(sketch, sketch, frames=2)
 
 
 def test_measures_of_frames_and_clips():

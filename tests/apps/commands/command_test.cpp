@@ -146,7 +146,7 @@ TEST_CASE("any number of threads writes the same bytes") {
         0);
   for (const char* name : {"sketch.jsonl", "motion.jsonl", "events.json", "events.csv", "trajectories.csv",
                            "strokes.csv", "curves.csv", "joints.csv", "topology.csv", "tips.csv",
-                           "review.html", "birth_map.png", "death_map.png"}) {
+                           "review.html", "birth_map.png", "death_map.png", "trajectories.png"}) {
     INFO(name);
     const auto one = bytes_of(temp / "1" / name);
     CHECK(one.size() > 100);
@@ -285,12 +285,12 @@ TEST_CASE("an overview, help that opens with examples and shows the defaults, th
 TEST_CASE("the help of every command fits on one screen") {
   std::vector<std::vector<std::string>> commands{{}};
   for (const char* one : {"analyze", "batch", "gather", "export", "sketch", "synth", "compare", "score",
-                          "bench-events", "demo", "quilt", "dytex", "motion"})
+                          "bench-events", "demo", "quilt", "dytex", "motion", "morph"})
     commands.push_back({one});
   for (const char* one : {"learn", "edit", "synth", "compose", "page", "info", "forecast", "curve",
                           "distance", "classify", "compress"})
     commands.push_back({"dytex", one});
-  for (const char* one : {"edit", "info"}) commands.push_back({"motion", one});
+  for (const char* one : {"edit", "info", "likelihood"}) commands.push_back({"motion", one});
   for (auto words : commands) {
     words.emplace_back("--help");
     const auto help = run_command(words);

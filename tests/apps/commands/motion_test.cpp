@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <regex>
 #include <string>
 #include <vector>
@@ -152,4 +153,32 @@ TEST_CASE("motion edit tells misuse in the option's name and leaves nothing behi
                  1, {"model"}, nowhere);
   check_one_line({"motion", "edit", made.model, "-o", made.model, "--speed", "2", "-q"}, 2,
                  {"which is read"});
+}
+
+TEST_CASE("motion likelihood tells the terms of every gap, which sum to the total") {
+  const auto& made = learned();
+  const auto run = (made.temp / "run").string();
+  const auto told = Json::parse(run_command({"motion", "likelihood", made.model, run, "--json"}).out);
+  REQUIRE(told["gaps"].size() == 23);
+  for (const auto& gap : told["gaps"]) {
+    double sum = 0;
+    for (const char* term :
+         {"displacement", "contrast", "births", "deaths", "splits", "merges", "connects", "disconnects"})
+      sum += gap[term].get<double>();
+    CHECK(gap["total"].get<double>() == Approx(sum));
+  }
+  const auto csv = run_command({"motion", "likelihood", made.model, run + "/motion.jsonl", "--csv"}).out;
+  CHECK(csv.starts_with("frame,displacement,contrast,births,"));
+  CHECK(std::ranges::count(csv, '\n') == 24);
+  const auto table = run_command({"motion", "likelihood", made.model, run}).out;
+  CHECK(contains(table, "\n  mean "));
+  CHECK(contains(table, "motion of a place: "));
+
+  check_one_line({"motion", "likelihood", made.model, run, "--csv", "--json"}, 2, {"--csv and --json"});
+  check_one_line({"motion", "likelihood", made.model, (made.temp / "nothing").string()}, 1, {"nothing"});
+  check_one_line({"motion", "likelihood", run, run}, 1, {"model"});
+  const auto large = write_strokes(made.temp / "large.avi", {200, 120}, 8, 4);
+  REQUIRE(run_command({"sketch", large, "-o", (made.temp / "large").string(), "-q"}).exit == 0);
+  check_one_line({"motion", "likelihood", made.model, (made.temp / "large/sketch.jsonl").string()}, 1,
+                 {"sketch.jsonl"});
 }

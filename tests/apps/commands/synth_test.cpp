@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "apps/builtin/open_clip.hpp"
 #include "core/io/clip_reader.hpp"
@@ -105,6 +106,38 @@ TEST_CASE("analyze writes the model that its clip's motion gives, and tells its 
   CHECK(summary["sketch"]["coding_gain"]["positive_share"] > 0.5);
   CHECK(summary["sketch"]["coding_gain"]["mean"] > 0);
   CHECK(contains(bytes_of(made.temp / "a/report.html"), "\"learned\":{\"motion\":"));
+}
+
+TEST_CASE("synth shows the clip, the drawn sketch and the drawn frame beside each other") {
+  const Learned made;
+  const auto avi = made.temp / "new.avi", film = made.temp / "film.avi", sheet = made.temp / "film.png";
+  const auto draw = [&](const std::string& model, const fs::path& to) {
+    const auto result = run_command(
+        {"synth", model, "-o", avi.string(), "--frames", "12", "--film", to.string(), "-q", "--overwrite"});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+  };
+  draw(made.model, film);
+  const auto drawn = read_clip(avi), shown = read_clip(film);
+  REQUIRE(shown.frames.size() == 12);
+  // Three panels of one height beside each other: the last is the drawn frame, enlarged.
+  const cv::Mat whole = shown.frames[7];
+  const int height = 240, width = 320, label = whole.rows / height > 0 ? whole.rows % height : 0;
+  REQUIRE(whole.cols >= 3 * width);
+  cv::Mat panel = whole(cv::Rect(whole.cols - width - (whole.cols - 3 * width) % 2, label, width, height)),
+          small;
+  cv::resize(drawn.frames[7], small, {width, height}, 0, 0, cv::INTER_CUBIC);
+  CHECK(cv::norm(panel, small, cv::NORM_L1) / double(small.total() * 3) < 8);
+  draw(made.model, sheet);
+  const cv::Mat rows = cv::imread(sheet.string());
+  CHECK(rows.rows > 3 * height);
+  CHECK(rows.cols > 6 * width);
+  SECTION("an edited model has no footage to show") {
+    const auto edited = (made.temp / "edited").string();
+    REQUIRE(run_command({"motion", "edit", made.model, "-o", edited, "--births", "2", "-q"}).exit == 0);
+    draw(edited, sheet);
+    CHECK(cv::imread(sheet.string()).rows < 3 * height);
+  }
 }
 
 TEST_CASE("synth draws the frames of the model's graphs, in every form") {
@@ -262,6 +295,8 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(2, {"-o", (made.temp / "new.gif").string()}, {".gif"});
   refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
   refused(1, {"-o", out.string(), "--motion", (made.temp / "no/where.jsonl").string()}, {"where.jsonl"});
+  refused(2, {"-o", out.string(), "--film", (made.temp / "film.gif").string(), "--frames", "2"}, {".gif"});
+  refused(2, {"-o", out.string(), "--film", (made.temp / "film.avi").string(), "--loop", "9"}, {"--film"});
   refused(2, {"-o", out.string(), "--overlay", (made.temp / "over.gif").string(), "--frames", "2"}, {".gif"});
   CommandOptions full;
   full.most_file_bytes = 3000;

@@ -58,6 +58,7 @@ TEST_CASE("the report is one page that asks for nothing else, and its data are w
   auto input = input_for(motion, events);
   const Still still = make_still(made_picture(strokes, 160, 120, 15), 960, 50'000);
   input.stills.push_back({15, still, still, still, 31.5, 0.2});
+  input.trajectories = still;
   input.event_frames.push_back({events[2].frame, still});
   input.matches.push_back({events[2].frame, still});
   const std::string page = make_report(input, kSummary);
@@ -81,6 +82,7 @@ TEST_CASE("the report is one page that asks for nothing else, and its data are w
     CHECK(std::abs(data["events"]["x"][i].get<double>() - events[i].position.x) <= 0.05001);
   }
   CHECK(data["stills"][0]["uri"].get<std::string>().starts_with("data:image/jpeg;base64,/9j/"));
+  CHECK(data["space_time"]["uri"].get<std::string>().starts_with("data:image/jpeg;base64,/9j/"));
   CHECK(data["summary"]["seed"] == 1);
 }
 
@@ -128,6 +130,7 @@ TEST_CASE("the report stays below its limit for a long, large, crowded clip of p
     input.stills.push_back({static_cast<int>(i), layer, layer, layer, 30, 0.2});
   for (std::size_t i = 0; i < kEventFrames; ++i)
     input.event_frames.push_back({static_cast<int>(8 * i), small});
+  input.trajectories = of(1400, kTrajectoryBytes);
   for (std::size_t i = 0; i < kMatches; ++i) input.matches.push_back({static_cast<int>(8 * i + 1), pair});
   // the budget is meant to be used, or the test would show nothing
   CHECK(3 * kStills * layer.jpeg.size() + kEventFrames * small.jpeg.size() + kMatches * pair.jpeg.size() >

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "apps/pictures/side_by_side.hpp"
+#include "core/clip.hpp"
+#include "graph/attribute_graph.hpp"
+#include "pipeline/footage/footage.hpp"
+
+namespace emberfold::apps {
+
+/// Returns whether a film of this name is a picture of some of its frames.
+bool is_film_picture(const std::filesystem::path& path);
+
+/// Shows a drawn clip beside what it was drawn from, as in Fig. 12 of Wang & Zhu 2004: the clip that was
+/// learned from, the drawn sketch, the drawn frame. A name that ends with .png makes a picture of six
+/// moments, one row for each of these; any other a video.
+class SynthesisFilm {
+ public:
+  /// `clip`: frames of the clip, shown over and over; where it is empty, two panels are shown. `info`: of the
+  /// drawn clip of `frames` frames. Errors as for io::create_video.
+  SynthesisFilm(std::filesystem::path path, pipeline::Footage clip, const core::ClipInfo& info, int frames);
+  /// Takes the next drawn frame and its graph.
+  void add(const cv::Mat& frame, const graph::AttributeGraph& graph);
+  /// Completes the video, or writes the picture. Throws core::IoError.
+  void finish();
+
+ private:
+  std::filesystem::path path_;
+  pipeline::Footage clip_;
+  core::ClipInfo info_;
+  int frames_ = 0, next_ = 0;
+  std::vector<std::string> labels_;
+  std::optional<SideBySide> video_;
+  std::vector<std::vector<cv::Mat>> moments_;  ///< of a picture
+  std::vector<int> numbers_;
+};
+
+}  // namespace emberfold::apps
