@@ -26,8 +26,12 @@ namespace {
 class Meeting {
  public:
 #ifdef __SANITIZE_THREAD__
-  void hand_over() { __tsan_release(this); }
-  void take_over() { __tsan_acquire(this); }
+  void hand_over() {
+    __tsan_release(this);
+  }
+  void take_over() {
+    __tsan_acquire(this);
+  }
 #else
   void hand_over() {}
   void take_over() {}

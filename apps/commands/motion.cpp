@@ -189,7 +189,8 @@ void add_info(CLI::App& motion, CommandLine& line) {
 }
 
 void add_page(CLI::App& motion, CommandLine& line) {
-  auto* command = add_command(motion, "page", "Write an HTML page that draws a motion model live, with sliders", R"(
+  auto* command =
+      add_command(motion, "page", "Write an HTML page that draws a motion model live, with sliders", R"(
   emberfold motion page out/fire/model -o fire.html
   emberfold motion page out/sea/model -o sea.html && xdg-open sea.html)");
   const auto asked = std::make_shared<MotionPage>();
@@ -201,8 +202,8 @@ void add_page(CLI::App& motion, CommandLine& line) {
 }  // namespace
 
 void add_motion(CLI::App& app, CommandLine& line) {
-  auto* command =
-      add_command(app, "motion", "Edit and describe motion models, judge clips by them, run them in a page", R"(
+  auto* command = add_command(app, "motion",
+                              "Edit and describe motion models, judge clips by them, run them in a page", R"(
   emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
   emberfold synth out/wild -o wild.mp4
   emberfold motion info out/wild

@@ -87,10 +87,14 @@ Json stroke_distances_json(const pipeline::StrokeDistances& distances) {
 }
 
 Json visible_json(const pipeline::VisibleFigures& figures) {
-  return {{"complete", rounded_json(figures.complete)}, {"coherent", rounded_json(figures.coherent)},
-          {"flow", rounded_json(figures.flow)},         {"variance", rounded_json(figures.variance)},
-          {"difference", rounded_json(figures.difference)}, {"copied", rounded_json(figures.copied)},
-          {"moves_alike", figures.moves_alike()},       {"apart", rounded_json(figures.apart())}};
+  return {{"complete", rounded_json(figures.complete)},
+          {"coherent", rounded_json(figures.coherent)},
+          {"flow", rounded_json(figures.flow)},
+          {"variance", rounded_json(figures.variance)},
+          {"difference", rounded_json(figures.difference)},
+          {"copied", rounded_json(figures.copied)},
+          {"moves_alike", figures.moves_alike()},
+          {"apart", rounded_json(figures.apart())}};
 }
 
 Json quality_json(const std::optional<pipeline::FrameQuality>& quality) {

@@ -204,10 +204,10 @@ std::vector<std::string> stroke_words(const Json& measures) {
 std::string visible_text(const Json& visible) {
   const auto figure = [&](const char* key) { return visible[key].get<double>(); };
   return "completeness " + number(figure("complete"), 2) + " and coherence " + number(figure("coherent"), 2) +
-         " (1 as the source's own halves), " +
-         number(figure("flow"), 2) + " of its flow, " + number(figure("variance"), 2) + " of its variance, " +
-         number(figure("difference"), 2) + " of its change from frame to frame; " +
-         number(100 * figure("copied"), 0) + " % of what moves is as in one frame of it";
+         " (1 as the source's own halves), " + number(figure("flow"), 2) + " of its flow, " +
+         number(figure("variance"), 2) + " of its variance, " + number(figure("difference"), 2) +
+         " of its change from frame to frame; " + number(100 * figure("copied"), 0) +
+         " % of what moves is as in one frame of it";
 }
 
 // The verdict: which new clip a person would take for the source, beside the loop that only repeats it.

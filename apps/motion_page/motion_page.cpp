@@ -87,7 +87,8 @@ Json put_look(const pipeline::ClipModel& model, PageBytes& bytes) {
 std::string run_title(const std::string& folder) {
   const auto path = std::filesystem::path(folder).lexically_normal();
   const auto model = path.has_filename() ? path : path.parent_path();
-  return page_title(model.filename() == "model" && model.has_parent_path() ? model.parent_path().string() : folder);
+  return page_title(model.filename() == "model" && model.has_parent_path() ? model.parent_path().string()
+                                                                           : folder);
 }
 
 void check(const MotionPageInput& input) {
@@ -109,17 +110,16 @@ std::string make_motion_page(const MotionPageInput& input) {
   const auto& motion = input.model->motion;
   const std::string title = run_title(input.folder);
   PageBytes bytes;
-  Json data = {{"title", title},          {"model", shown_path(input.folder)},  {"version", input.version},
-               {"width", motion.width},   {"height", motion.height}, {"fps", motion.fps},
+  Json data = {{"title", title},          {"model", shown_path(input.folder)}, {"version", input.version},
+               {"width", motion.width},   {"height", motion.height},           {"fps", motion.fps},
                {"frames", motion.frames}, {"files", put_model(motion, bytes)}};
   data["look"] = put_look(*input.model, bytes);
-  return fill_in(kMotionPageTemplate,
-                 {{"title", escape_html(title)},
-                  {"style", std::string(kPageStyle) + std::string(kMotionPageStyle)},
-                  {"data", embed_json(data)},
-                  {"program", packed_bytes(motion_page_program())},
-                  {"files", packed_bytes(bytes.all)},
-                  {"script", kMotionPageScript}});
+  return fill_in(kMotionPageTemplate, {{"title", escape_html(title)},
+                                       {"style", std::string(kPageStyle) + std::string(kMotionPageStyle)},
+                                       {"data", embed_json(data)},
+                                       {"program", packed_bytes(motion_page_program())},
+                                       {"files", packed_bytes(bytes.all)},
+                                       {"script", kMotionPageScript}});
 }
 
 }  // namespace emberfold::apps

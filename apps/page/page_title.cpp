@@ -33,7 +33,7 @@ std::string shown_path(const std::string& model) {
   if (path.is_relative() && *path.begin() != "..") return as_utf8(path.string());
   const std::filesystem::path run = path.parent_path().filename();
   return as_utf8(path.filename() == "model" && !run.empty() && run != ".." ? (run / path.filename()).string()
-                                                                          : path.filename().string());
+                                                                           : path.filename().string());
 }
 
 }  // namespace emberfold::apps

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/learning/operator_sites.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 
 namespace emberfold::mcmc::detail {
 

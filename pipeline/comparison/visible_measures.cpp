@@ -27,11 +27,11 @@ constexpr int kFewestMoving = 300;       // px; where fewer move …
 constexpr double kMovingShare = 0.15;    // … this share of all is taken
 constexpr int kRadius = 3;               // px of a patch
 constexpr int kBasePatches = 30'000, kPatches = 1'500, kComponents = 16;
-constexpr std::uint32_t kPatchStream = 0x70617463;  // of the random stream
-constexpr double kFastest = 0.95;                   // quantile of the speeds
-constexpr int kMostFlows = 50;                      // pairs of frames whose flow is measured
+constexpr std::uint32_t kPatchStream = 0x70617463;       // of the random stream
+constexpr double kFastest = 0.95;                        // quantile of the speeds
+constexpr int kMostFlows = 50;                           // pairs of frames whose flow is measured
 constexpr double kMostApart = 1.0986, kPatchWeight = 3;  // ln 3; by eye (VisibleFigures::apart)
-constexpr std::size_t kCopiedEvery = 5;             // frames: where copied pixels are counted
+constexpr std::size_t kCopiedEvery = 5;                  // frames: where copied pixels are counted
 // Below these a source counts as still, and a clip as it: px, levels², levels, levels.
 constexpr double kLeastFlow = 0.01, kLeastVariance = 0.25, kLeastDifference = 0.1, kLeastDistance = 0.1;
 
@@ -110,7 +110,8 @@ double VisibleFigures::apart() const {
   double sum = 0;
   for (const double one : {flow, variance, difference})
     sum += std::pow(std::clamp(logarithm(one), -kMostApart, kMostApart), 2);
-  for (const double one : {complete, coherent}) sum += std::pow(kPatchWeight * std::max(logarithm(one), 0.0), 2);
+  for (const double one : {complete, coherent})
+    sum += std::pow(kPatchWeight * std::max(logarithm(one), 0.0), 2);
   return std::sqrt(sum);
 }
 

@@ -18,8 +18,8 @@ void distance_from_patches(cv::Size size, const std::uint8_t* mask, const float*
         padded[(y + 1) * stride + x + 1] =
             opacity == nullptr ? 0 : static_cast<float>(kBackgroundDistance) * (1 - opacity[i]);
   const auto pass = [&](float* at, const float* beside, const float* row) {
-    *at = std::min({*at, *beside + kStraightStep, row[0] + kStraightStep,
-                    std::min(row[-1], row[1]) + kSlantedStep});
+    *at = std::min(
+        {*at, *beside + kStraightStep, row[0] + kStraightStep, std::min(row[-1], row[1]) + kSlantedStep});
   };
   for (std::size_t y = 1; y <= rows; ++y)
     for (std::size_t x = 1; x <= columns; ++x) {

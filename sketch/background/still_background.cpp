@@ -122,8 +122,7 @@ BackgroundImage expand_background(const Background& background, cv::Size frame, 
 sketch::Sketchable add_background_pixels(const sketch::Sketchable& part, const BackgroundImage& background,
                                          const cv::Mat& opacity) {
   if (background.empty()) return part;
-  cv::Mat still =
-      background.still & (patch_distances(part.mask, opacity) > kBackgroundDistance) & ~part.mask;
+  cv::Mat still = background.still & (patch_distances(part.mask, opacity) > kBackgroundDistance) & ~part.mask;
   if (!background.fixed.empty()) still |= background.fixed;
   sketch::Sketchable held{part.levels.clone(), part.mask | still};
   background.levels.copyTo(held.levels, still);

@@ -60,7 +60,8 @@ void add(const std::array<float, 2>& a, const std::array<float, 2>& b, double s,
 
 /// Divides the sums of each pixel, `count` of them, by its weight.
 void divide(const PatchPlanes& planes, float* sums, std::size_t count) {
-  const auto pixels = static_cast<std::size_t>(planes.size.width) * static_cast<std::size_t>(planes.size.height);
+  const auto pixels =
+      static_cast<std::size_t>(planes.size.width) * static_cast<std::size_t>(planes.size.height);
   for (std::size_t i = 0; i < pixels; ++i)
     if (planes.weights[i] > 0)
       for (std::size_t c = 0; c < count; ++c) sums[i * count + c] /= planes.weights[i];

@@ -17,7 +17,7 @@ using PatchValues = std::span<const std::array<float, 2>>;
 /// Refers to what patches are drawn into: arrays of a frame's pixels, row by row, zeros at the beginning.
 struct PatchPlanes {
   cv::Size size;
-  int channels = 1;        ///< 1 or 3
+  int channels = 1;         ///< 1 or 3
   float* levels = nullptr;  ///< `channels` numbers a pixel, white = 255
   float* weights = nullptr;
   std::uint8_t* mask = nullptr;  ///< becomes 255 where a patch lies

@@ -47,7 +47,8 @@ void lay_out(Simulation& all) {
       all.patches.push_back(value);
   }
   for (const auto& edge : graph.edges())
-    for (const auto id : {edge.a, edge.b}) all.edges.push_back(static_cast<std::uint32_t>(graph.index_of(id)));
+    for (const auto id : {edge.a, edge.b})
+      all.edges.push_back(static_cast<std::uint32_t>(graph.index_of(id)));
 }
 
 }  // namespace
@@ -58,13 +59,19 @@ extern "C" {
 [[noreturn]] __attribute__((import_module("page"), import_name("fail"))) void page_fail(const char* words);
 
 // Exceptions do not unwind here: a call that throws is the last one of this instance.
-void* __cxa_allocate_exception(std::size_t size) { return std::malloc(size); }
+void* __cxa_allocate_exception(std::size_t size) {
+  return std::malloc(size);
+}
 void __cxa_throw(void* thrown, std::type_info*, void (*)(void*)) {
   page_fail(static_cast<std::exception*>(thrown)->what());
 }
 
-void* EXPORT(room)(int bytes) { return std::malloc(static_cast<std::size_t>(bytes)); }
-void EXPORT(release)(void* room) { std::free(room); }
+void* EXPORT(room)(int bytes) {
+  return std::malloc(static_cast<std::size_t>(bytes));
+}
+void EXPORT(release)(void* room) {
+  std::free(room);
+}
 
 // Takes a file of the model's folder: model.json, or an array, named without ".npy".
 void EXPORT(add_file)(const char* name, const char* bytes, int size) {
@@ -83,10 +90,12 @@ void EXPORT(set_look)(int channels, double blur_share, double contrast_gain) {
   look.channels = channels, look.blur_share = blur_share, look.contrast_gain = contrast_gain;
 }
 
-void EXPORT(set_range)(int columns, int rows, int channels, const std::uint8_t* low, const std::uint8_t* high) {
+void EXPORT(set_range)(int columns, int rows, int channels, const std::uint8_t* low,
+                       const std::uint8_t* high) {
   auto& look = simulation().look;
   look.range_columns = columns, look.range_rows = rows, look.range_channels = channels;
-  look.range_low = copy(low, columns * rows * channels), look.range_high = copy(high, columns * rows * channels);
+  look.range_low = copy(low, columns * rows * channels),
+  look.range_high = copy(high, columns * rows * channels);
 }
 
 void EXPORT(set_still)(int pixels, const std::uint8_t* levels, const std::uint8_t* still,
@@ -124,11 +133,23 @@ void EXPORT(next)() {
   lay_out(all);
 }
 
-const std::uint8_t* EXPORT(pixels)() { return simulation().frames->pixels().data(); }
-const int* EXPORT(operators)() { return simulation().frames->operators().data(); }
-int EXPORT(patch_count)() { return static_cast<int>(simulation().patches.size() / 4); }
-const double* EXPORT(patches)() { return simulation().patches.data(); }
-int EXPORT(edge_count)() { return static_cast<int>(simulation().edges.size() / 2); }
-const std::uint32_t* EXPORT(edges)() { return simulation().edges.data(); }
+const std::uint8_t* EXPORT(pixels)() {
+  return simulation().frames->pixels().data();
+}
+const int* EXPORT(operators)() {
+  return simulation().frames->operators().data();
+}
+int EXPORT(patch_count)() {
+  return static_cast<int>(simulation().patches.size() / 4);
+}
+const double* EXPORT(patches)() {
+  return simulation().patches.data();
+}
+int EXPORT(edge_count)() {
+  return static_cast<int>(simulation().edges.size() / 2);
+}
+const std::uint32_t* EXPORT(edges)() {
+  return simulation().edges.data();
+}
 
 }  // extern "C"

@@ -119,7 +119,8 @@ TEST_CASE("motion page writes one file that asks for nothing else") {
   const std::string html = bytes_of(page);
   CHECK(Json::parse(result.out)["bytes"] == html.size());
   CHECK_FALSE(std::regex_search(html, std::regex("(src|href|action|poster)\\s*=\\s*[\"']?(https?:)?//")));
-  CHECK_FALSE(std::regex_search(html, std::regex("@import|fetch\\(|XMLHttpRequest|import\\(|WebSocket|https?://")));
+  CHECK_FALSE(
+      std::regex_search(html, std::regex("@import|fetch\\(|XMLHttpRequest|import\\(|WebSocket|https?://")));
   CHECK(html.find("default-src 'none'") != std::string::npos);
   CHECK(html.find("{{") == std::string::npos);
   CHECK(html.find("<title>run &ndash;") != std::string::npos);
@@ -131,8 +132,10 @@ TEST_CASE("motion page writes one file that asks for nothing else") {
 TEST_CASE("motion page refuses what is no model in one line") {
   const auto& made = learned();
   const auto page = made.temp / "refused.html";
-  check_one_line({"motion", "page", made.temp.path().string(), "-o", page.string(), "-q"}, 1, {"model"}, page);
-  check_one_line({"motion", "page", made.model + "/texture", "-o", page.string(), "-q"}, 1, {"texture"}, page);
+  check_one_line({"motion", "page", made.temp.path().string(), "-o", page.string(), "-q"}, 1, {"model"},
+                 page);
+  check_one_line({"motion", "page", made.model + "/texture", "-o", page.string(), "-q"}, 1, {"texture"},
+                 page);
   check_one_line({"motion", "page", made.model, "-q"}, 2, {"--output"}, page);
 }
 

@@ -75,11 +75,13 @@ TEST_CASE("the verdict comes first: what is least apart from the source to the e
   measures["synthesis"] = {{"footage", visible(1.04, 0.3, 0.46)},
                            {"star", visible(1.01, 0.8, 0.1)},
                            {"video_loop", visible(0.9, 0, 1)}};
-  CHECK(comparison_words(measures).front() ==
-        "To the eye the new clip of the clip's footage is nearest to the source: completeness 1.04 and coherence "
-        "1.10 (1 as the source's own halves), 0.90 of its flow, 1.00 of its variance, 1.00 of its change from "
-        "frame to frame; 46 % of what moves is as in one frame of it. The loop of the clip itself, the peer to "
-        "beat, has completeness 0.90 and is copied by 100 %.");
+  CHECK(
+      comparison_words(measures).front() ==
+      "To the eye the new clip of the clip's footage is nearest to the source: completeness 1.04 and "
+      "coherence "
+      "1.10 (1 as the source's own halves), 0.90 of its flow, 1.00 of its variance, 1.00 of its change from "
+      "frame to frame; 46 % of what moves is as in one frame of it. The loop of the clip itself, the peer to "
+      "beat, has completeness 0.90 and is copied by 100 %.");
   measures["synthesis"]["footage"] = visible(1.04, 1.7, 0.46);
   measures["synthesis"]["star"] = visible(1.01, 1.2, 0.46);
   CHECK(comparison_words(measures).front().starts_with(
