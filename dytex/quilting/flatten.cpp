@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <sstream>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -14,16 +16,57 @@ namespace emberfold::dytex {
 
 namespace {
 
-// A wide Gaussian, taken on a smaller picture where it is so wide that nothing is lost by that.
-cv::Mat blurred(const cv::Mat& levels, double sigma) {
-  const double factor = std::max(1.0, std::floor(sigma / 4));
-  cv::Mat small, wide;
-  const cv::Size size(std::max(1, cvRound(levels.cols / factor)), std::max(1, cvRound(levels.rows / factor)));
-  cv::resize(levels, small, size, 0, 0, cv::INTER_AREA);
-  const double across = sigma * size.width / levels.cols, down = sigma * size.height / levels.rows;
-  cv::GaussianBlur(small, small, {}, across, down, cv::BORDER_REFLECT);
-  cv::resize(small, wide, levels.size(), 0, 0, cv::INTER_CUBIC);
-  return wide;
+constexpr double kGuideShare = 0.25;     // SD of the guide, of sigma: what is finer is detail
+constexpr double kLeastVariance = 1e-8;  // of white squared: a frame without any structure
+
+// Wide means, taken on a smaller picture where nothing is lost by that.
+class Surroundings {
+ public:
+  Surroundings(cv::Size frame, double sigma)
+      : frame_(frame), sigma_(sigma), factor_(std::max(1.0, std::floor(sigma * kGuideShare / 2))) {}
+
+  [[nodiscard]] cv::Mat reduced(const cv::Mat& levels) const {
+    cv::Mat small;
+    const cv::Size size(std::max(1, cvRound(frame_.width / factor_)),
+                        std::max(1, cvRound(frame_.height / factor_)));
+    cv::resize(levels, small, size, 0, 0, cv::INTER_AREA);
+    return small;
+  }
+  [[nodiscard]] cv::Mat mean(const cv::Mat& small, double share = 1) const {
+    cv::Mat wide;
+    cv::GaussianBlur(small, wide, {}, share * sigma_ * small.cols / frame_.width,
+                     share * sigma_ * small.rows / frame_.height, cv::BORDER_REFLECT);
+    return wide;
+  }
+  [[nodiscard]] cv::Mat enlarged(const cv::Mat& small) const {
+    cv::Mat whole;
+    cv::resize(small, whole, frame_, 0, 0, cv::INTER_CUBIC);
+    return whole;
+  }
+
+ private:
+  cv::Size frame_;
+  double sigma_, factor_;
+};
+
+double median(const cv::Mat1f& values) {
+  std::vector<float> sorted(values.begin(), values.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  return double{*middle};
+}
+
+// The light that falls on one channel.
+cv::Mat light(const cv::Mat& levels, double sigma, double white) {
+  const Surroundings around(levels.size(), sigma);
+  const cv::Mat small = around.reduced(levels), guide = around.mean(small, kGuideShare);
+  const cv::Mat mean = around.mean(guide), level = around.mean(small);
+  const cv::Mat1f variance = around.mean(guide.mul(guide)) - mean.mul(mean);
+  const cv::Mat covariance = around.mean(guide.mul(small)) - mean.mul(level);
+  const double usual = std::max(median(variance), kLeastVariance * white * white);
+  const cv::Mat slope = covariance / (cv::max(variance, 0) + usual);
+  const cv::Mat offset = level - slope.mul(mean);
+  return around.enlarged(around.mean(slope).mul(guide) + around.mean(offset));
 }
 
 }  // namespace
@@ -31,7 +74,10 @@ cv::Mat blurred(const cv::Mat& levels, double sigma) {
 cv::Mat flatten(const cv::Mat& frame, const core::ClipInfo& info, double sigma) {
   cv::Mat levels, result;
   frame.convertTo(levels, CV_32F);
-  levels = levels - blurred(levels, sigma) + cv::mean(levels);
+  std::vector<cv::Mat> channels;
+  cv::split(levels, channels);
+  for (cv::Mat& channel : channels) channel += cv::mean(channel)[0] - light(channel, sigma, info.white);
+  cv::merge(channels, levels);
   if (info.depth != CV_32F) {
     cv::min(levels, cv::Scalar::all(info.white), levels);
     cv::max(levels, cv::Scalar::all(0), levels);

@@ -8,7 +8,10 @@
 #include <string>
 #include <tuple>
 
+#include <opencv2/imgproc.hpp>
+
 #include "core/error.hpp"
+#include "core/rng.hpp"
 #include "dytex/quilting/flatten.hpp"
 #include "dytex/quilting/quilt_measures.hpp"
 #include "tests/dytex/quilting/quilt_make.hpp"
@@ -224,6 +227,33 @@ TEST_CASE("flattening takes a gradient away and leaves detail and brightness") {
     left -= detail + cv::mean(flat)[0];
     CHECK(cv::norm(left(cv::Rect(20, 20, 88, 56)), cv::NORM_INF) < 0.02 * white);
   }
+}
+
+TEST_CASE("flattening leaves no halo around a large thing") {
+  cv::Mat frame(256, 256, CV_32F);
+  core::Rng rng(3);
+  for (float& level : cv::Mat1f(frame)) level = static_cast<float>(40 * rng.normal());
+  cv::GaussianBlur(frame, frame, {}, 1.5);
+  const cv::Point middle(128, 128);
+  const auto ring = [&](int from, int to) {
+    cv::Mat mask = cv::Mat::zeros(frame.size(), CV_8U);
+    cv::circle(mask, middle, to, 255, -1);
+    cv::circle(mask, middle, from, 0, -1);
+    return mask;
+  };
+  frame += 120;
+  const cv::Mat texture = frame.clone();
+  frame.setTo(60, ring(0, 50));
+  const cv::Mat flat = dytex::flatten(frame, {256, 256, 1, CV_32F, 25, 255, 1}, 20);
+  const double near = cv::mean(flat, ring(54, 64))[0], far = cv::mean(flat, ring(95, 120))[0];
+  CHECK(std::abs(near - far) < 4);  // less a Gaussian mean it is 15
+  cv::Scalar mean, before, after;
+  cv::meanStdDev(texture, mean, before, ring(80, 120));
+  cv::meanStdDev(flat, mean, after, ring(80, 120));
+  CHECK(after[0] > 0.87 * before[0]);
+  // and a frame without anything in it stays as it is
+  const cv::Mat plain(40, 50, CV_8UC3, cv::Scalar(10, 90, 200));
+  CHECK(same(dytex::flatten(plain, {50, 40, 3, CV_8U, 25, 255, 1}, 8), plain));
 }
 
 TEST_CASE("a map survives its array and other arrays are refused") {
