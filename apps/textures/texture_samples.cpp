@@ -84,7 +84,7 @@ Shape common_shape(const LabelledClips& labelled, const SampleOptions& options, 
     }
   }
   if (!models || !cells) {
-    const Shape shape = models ? *models : *cells;
+    Shape shape = models ? *models : *cells;
     if (shape.width < 1 || shape.height < 1)
       throw core::IoError(shape.decided_by + " is too small to be cut into so many blocks");
     return shape;
