@@ -2,7 +2,10 @@
 #include "apps/textures/texture_samples.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+
+#include <opencv2/imgproc.hpp>
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/interrupt.hpp"
@@ -19,6 +22,8 @@ namespace emberfold::apps {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr double kWindowsSide = 320;  // px, the longer side of the frames whose windows are described
 
 std::vector<fs::path> entries(const fs::path& folder) {
   std::error_code error;
@@ -79,7 +84,7 @@ Shape common_shape(const LabelledClips& labelled, const SampleOptions& options, 
     }
   }
   if (!models || !cells) {
-    const Shape shape = models ? *models : *cells;
+    Shape shape = models ? *models : *cells;
     if (shape.width < 1 || shape.height < 1)
       throw core::IoError(shape.decided_by + " is too small to be cut into so many blocks");
     return shape;
@@ -108,7 +113,7 @@ class Learner {
           session_.check_stop();
           samples_.samples.push_back({sample_name(labelled, row, column, piece), index});
           samples_.textures.push_back(learn(cut_block(clip, block(clip, row, column), first, last)));
-          samples_.windows.push_back(describe(cut_block(clip, cell(clip, row, column), first, last)));
+          samples_.windows.push_back(describe(clip, cell(clip, row, column), first, last));
         }
     }
   }
@@ -158,9 +163,20 @@ class Learner {
     auto learned = dytex::learn(source, options, session_.context.with_progress({}));
     return std::move(learned.texture);
   }
-  [[nodiscard]] dytex::WindowSpectrum describe(const core::Clip& part) const {
-    core::ClipSource source(part);
-    return dytex::window_spectrum(source, session_.context.with_progress({}));
+  // Of large frames made smaller, so that windows of all clips show about as much of their scene.
+  [[nodiscard]] dytex::WindowSpectrum describe(const core::Clip& clip, const cv::Rect& part,
+                                               std::size_t first, std::size_t last) const {
+    const double scale = std::min(1.0, kWindowsSide / std::max(clip.info.width, clip.info.height));
+    const cv::Size size(std::max(1, static_cast<int>(std::lround(scale * part.width))),
+                        std::max(1, static_cast<int>(std::lround(scale * part.height))));
+    dytex::WindowEnergies energies(size);
+    for (std::size_t t = first; t < last; ++t) {
+      session_.check_stop();
+      cv::Mat levels = core::luma(clip.frames[t](part), clip.info);
+      if (size != part.size()) cv::resize(levels, levels, size, 0, 0, cv::INTER_AREA);
+      energies.add(levels);
+    }
+    return energies.spectrum();
   }
 
   const SampleOptions& options_;

@@ -50,8 +50,9 @@ struct TextureSample {
 struct TextureSamples {
   std::vector<TextureSample> samples;
   std::vector<dytex::LinearDynamicTexture> textures;  ///< one for each
-  /// One for each, of all pixels of the sample's cell; empty where a model folder is among the samples, for
-  /// windows of clips and of models are not compared.
+  /// One for each, of all pixels of the sample's cell, in frames made smaller to 320 px where they are
+  /// longer; empty where a model folder is among the samples, for windows of clips and of models are not
+  /// compared.
   std::vector<dytex::WindowSpectrum> windows;
 };
 
