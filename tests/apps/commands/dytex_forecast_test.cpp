@@ -20,7 +20,7 @@ using namespace emberfold::test;
 namespace {
 
 /// Waves that travel, and grain; what a texture of few components is good at.
-std::string write_waves(const fs::path& path, int frames, int width = 48, int height = 36) {
+std::string write_wave_video(const fs::path& path, int frames, int width = 48, int height = 36) {
   const auto writer = io::create_video(path, {width, height}, 25, false);
   core::Rng rng(3);
   double phase = 0;
@@ -54,7 +54,7 @@ std::string write_mask(const fs::path& path, int frames, int width = 48, int hei
 
 TEST_CASE("dytex forecast tells its error and how it was met") {
   const TempFolder temp;
-  const auto clip = write_waves(temp / "clip.avi", 120);
+  const auto clip = write_wave_video(temp / "clip.avi", 120);
   const auto model = (temp / "model").string(), out = (temp / "next").string();
   REQUIRE(run_command({"dytex", "learn", clip, "-o", model, "-n", "4", "--range", "0:100", "-q"}).exit == 0);
   const auto run =
@@ -87,7 +87,7 @@ TEST_CASE("dytex forecast tells its error and how it was met") {
 
 TEST_CASE("dytex curve finds the length from which on more frames do not help") {
   const TempFolder temp;
-  const auto clip = write_waves(temp / "clip.avi", 160, 32, 24);
+  const auto clip = write_wave_video(temp / "clip.avi", 160, 32, 24);
   const auto out = (temp / "curve").string();
   const auto run = run_command({"dytex", "curve", clip, "-o", out, "-n", "4", "--lengths", "15", "--json"});
   INFO(run.err);
@@ -104,7 +104,7 @@ TEST_CASE("dytex curve finds the length from which on more frames do not help") 
 
 TEST_CASE("dytex learn goes on to the most likely model") {
   const TempFolder temp;
-  const auto clip = write_waves(temp / "clip.avi", 60);
+  const auto clip = write_wave_video(temp / "clip.avi", 60);
   const auto model = (temp / "model").string();
   const auto run = run_command(
       {"dytex", "learn", clip, "-o", model, "-n", "4", "--em", "--set", "em.iterations=6", "--json"});
@@ -123,7 +123,7 @@ TEST_CASE("dytex learn goes on to the most likely model") {
 
 TEST_CASE("dytex learn fills what a mask hides") {
   const TempFolder temp;
-  const auto clip = write_waves(temp / "clip.avi", 60), mask = write_mask(temp / "mask.avi", 60);
+  const auto clip = write_wave_video(temp / "clip.avi", 60), mask = write_mask(temp / "mask.avi", 60);
   const auto whole = core::read_all(*apps::open_clip(clip, {}, {})),
              hidden = core::read_all(*apps::open_clip(mask, {}, {}));
   // Hidden pixels are black in the clip that is learned from.
@@ -164,7 +164,8 @@ TEST_CASE("dytex learn fills what a mask hides") {
 
 TEST_CASE("what forecast and curve and EM cannot take is refused in one line") {
   const TempFolder temp;
-  const auto clip = write_waves(temp / "clip.avi", 30), other = write_waves(temp / "other.avi", 30, 40, 30);
+  const auto clip = write_wave_video(temp / "clip.avi", 30),
+             other = write_wave_video(temp / "other.avi", 30, 40, 30);
   const auto mask = write_mask(temp / "mask.avi", 29), out = (temp / "out").string();
   const auto model = (temp / "model").string();
   REQUIRE(run_command({"dytex", "learn", clip, "-o", model, "-n", "4", "-q"}).exit == 0);
