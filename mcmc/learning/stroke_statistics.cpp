@@ -39,7 +39,7 @@ double student(std::size_t blocks) {
   return boost::math::quantile(law, 0.5 + probability / 2);
 }
 
-constexpr double normal_quantile = 1.959964;
+constexpr double kNormalQuantile = 1.959964;
 
 }  // namespace
 
@@ -76,7 +76,7 @@ RateInterval mean_count(std::span<const double> counts) {
     const double mean = total(sums) / static_cast<double>(sums.size());
     double squares = 0;
     for (const double sum : sums) squares += (sum - mean) * (sum - mean);
-    const double heavier = student(sums.size()) / normal_quantile;
+    const double heavier = student(sums.size()) / kNormalQuantile;
     if (mean > 0)
       dispersion = std::max(1.0, squares / (static_cast<double>(sums.size() - 1) * mean) * heavier * heavier);
   }
