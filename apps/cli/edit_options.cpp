@@ -9,7 +9,7 @@
 
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/interrupt.hpp"
-#include "apps/commands/corrected_model.hpp"
+#include "apps/runs/corrected_model.hpp"
 #include "core/io/mask_file.hpp"
 #include "pipeline/edit_model.hpp"
 

@@ -13,7 +13,6 @@
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/summary.hpp"
-#include "apps/commands/run_estimate.hpp"
 #include "apps/pictures/pictures.hpp"
 #include "apps/pictures/rate_map.hpp"
 #include "apps/pictures/still.hpp"
@@ -23,6 +22,7 @@
 #include "apps/report/report_sampler.hpp"
 #include "apps/review/review_page.hpp"
 #include "apps/review/review_summary.hpp"
+#include "apps/runs/run_estimate.hpp"
 #include "apps/units/event_units.hpp"
 #include "core/io/model_folder.hpp"
 #include "graph/curves/curve_strokes.hpp"

@@ -12,7 +12,7 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/commands/analyze_options.hpp"
-#include "apps/commands/run_folder.hpp"
+#include "apps/runs/run_folder.hpp"
 #include "apps/units/event_units.hpp"
 #include "core/io/files.hpp"
 #include "graph/io/review_io.hpp"

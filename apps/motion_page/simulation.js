@@ -21,7 +21,7 @@ class Simulation {
     if (look.still)
       this.lend([look.still.levels, look.still.still, look.still.fixed],
         (levels, still, fixed) => exports.set_still(data.width * data.height, levels, still, fixed));
-    exports.read();
+    exports.read_model();
   }
   imports() {
     const fail = (words) => { throw new Error(this.text(words)); };

@@ -61,7 +61,7 @@ cv::Mat light(const cv::Mat& levels, double sigma, double white) {
   const Surroundings around(levels.size(), sigma);
   const cv::Mat small = around.reduced(levels), guide = around.mean(small, kGuideShare);
   const cv::Mat mean = around.mean(guide), level = around.mean(small);
-  const cv::Mat1f variance = around.mean(guide.mul(guide)) - mean.mul(mean);
+  const cv::Mat variance = around.mean(guide.mul(guide)) - mean.mul(mean);
   const cv::Mat covariance = around.mean(guide.mul(small)) - mean.mul(level);
   const double usual = std::max(median(variance), kLeastVariance * white * white);
   const cv::Mat slope = covariance / (cv::max(variance, 0) + usual);

@@ -105,7 +105,7 @@ void EXPORT(set_still)(int pixels, const std::uint8_t* levels, const std::uint8_
   look.still = copy(still, pixels), look.fixed = copy(fixed, pixels);
 }
 
-void EXPORT(read)() {
+void EXPORT(read_model)() {
   auto& all = simulation();
   all.model = all.edited = mcmc::motion_model(all.archive);
   all.archive = {};

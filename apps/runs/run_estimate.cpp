@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/commands/run_estimate.hpp"
+#include "apps/runs/run_estimate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/commands/corrected_model.hpp"
+#include "apps/runs/corrected_model.hpp"
 
 #include <algorithm>
 #include <cstdlib>

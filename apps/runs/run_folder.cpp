@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/commands/run_folder.hpp"
+#include "apps/runs/run_folder.hpp"
 
 #include <filesystem>
 #include <initializer_list>
