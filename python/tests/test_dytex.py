@@ -78,7 +78,7 @@ def test_comparisons():
 def test_comparisons_tell_what_a_person_sees():
     clip = ripples(frames=32)
     visible = ef.compare(clip, clip, strokes=False).visible
-    assert list(visible.index) == ["complete", "flow", "variance", "difference", "copied", "moves_alike"]
+    assert list(visible.index) == ["complete", "coherent", "flow", "variance", "difference", "copied", "moves_alike", "apart"]
     assert visible.loc["copied", "value"] == 1 and bool(visible.loc["moves_alike", "value"])
     still = np.repeat(clip[:1], 32, axis=0)
     frozen = ef.compare(clip, still, strokes=False).visible["value"]

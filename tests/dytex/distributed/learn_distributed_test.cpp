@@ -232,7 +232,7 @@ TEST_CASE("What a rank sends is its share of the frames and some matrices", "[dy
   const core::Clip clip = test::wavy_clip(320, 160, 1, CV_8U, 40);
   const auto learned = learn(clip, {.ranks = 2});
   const double frames = 40 * 320 * 160, half = frames / 2;  // of each frame the half that is not one's own
-  const double gram = 8 * 40 * 41 / 2, weights = 8 * 40 * 5, mean = 4 * 320 * 160 / 2;
+  const double gram = 8.0 * 40 * 41 / 2, weights = 8 * 40 * 5, mean = 4.0 * 320 * 160 / 2;
   const double all = half + gram + weights + mean;
   CHECK(static_cast<double>(learned.sent) > all);
   CHECK(static_cast<double>(learned.sent) < all + 4000);
