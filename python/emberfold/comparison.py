@@ -21,8 +21,9 @@ def _table(columns: Dict[str, Dict[str, Optional[float]]]) -> pd.DataFrame:
 def _visible(columns: Dict[str, Optional[Dict[str, Any]]]) -> pd.DataFrame:
     rows = [(key, name, about, *(None if column is None else column[key] for column in columns.values()))
             for key, name, _, about in _native.VISIBLE_MEASURES]
-    rows.append(("moves_alike", "Moves alike", "flow, variance and difference all within 0.7 to 1.4",
-                 *(None if column is None else column["moves_alike"] for column in columns.values())))
+    for key, name, about in (("moves_alike", "Moves alike", "flow, variance and difference all within 0.7 to 1.4"),
+                             ("apart", "Apart", "how far from the source to the eye, 0 not at all")):
+        rows.append((key, name, about, *(None if column is None else column[key] for column in columns.values())))
     return pd.DataFrame(rows, columns=["figure", "name", "about", *columns]).set_index("figure")
 
 
