@@ -52,7 +52,7 @@ struct RatedFrame {
   }
   [[nodiscard]] RatedSite unification(const OperatorSites::Pair& pair, double rate) const {
     const auto& modifiers = model.rates.modifiers;
-    const auto [low, high] = std::minmax(stroke(pair.a), stroke(pair.b));
+    const auto [low, high] = std::minmax({stroke(pair.a), stroke(pair.b)});
     return {(place(pair.a) + place(pair.b)) * 0.5, low, high,
             rate * after(modifiers.unification, frames_since(history.separations, place(pair.a), frame)) *
                 modifiers.bridging[gap_class(graph::distance(place(pair.a), place(pair.b)))]};
