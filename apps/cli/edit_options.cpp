@@ -86,7 +86,7 @@ void check(EditOptions& options) {
     for (const std::string field : {"speed", "intensity", "flicker", "contrast", "wind"})
       message = with_option_name(message, field);
     for (const std::string field : kRates)
-      if (message.starts_with(field)) message = options.rates + message;
+      if (message.starts_with(field)) message.insert(0, options.rates);
     throw Misuse(message);
   }
 }

@@ -91,6 +91,7 @@ std::string packed_numbers(std::span<const double> numbers) {
 
 std::string packed_image(std::span<const std::int16_t> values, cv::Size size) {
   const auto area = static_cast<std::size_t>(size.area());
+  if (area == 0) throw core::InputError("a page takes no image without pixels");
   const std::size_t channels = values.size() / area;
   std::vector<std::int16_t> planes(values.size());
   for (std::size_t p = 0; p < area; ++p)

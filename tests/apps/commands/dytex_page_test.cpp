@@ -51,7 +51,8 @@ int wrapped(int value) {
 
 // The other way round than apps/page/packed_text.cpp, as its header tells it.
 std::vector<int> unpacked_image(const std::string& text, int width, int height, int channels) {
-  const auto area = static_cast<std::size_t>(width * height), all = area * static_cast<std::size_t>(channels);
+  const auto area = static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+             all = area * static_cast<std::size_t>(channels);
   const Bytes bytes = inflated(text, 2 * all);
   std::vector<int> planes(all);
   for (std::size_t at = 0; at < all; ++at) {
