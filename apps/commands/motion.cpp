@@ -48,6 +48,13 @@ pipeline::ClipModel read_whole_model(const std::string& folder) {
   }
 }
 
+pipeline::ClipModel read_drawable_model(const std::string& folder) {
+  auto model = read_whole_model(folder);
+  if (const auto why = pipeline::why_undrawable(model.motion); !why.empty())
+    throw core::IoError(folder + ": " + why);
+  return model;
+}
+
 Json model_json(const pipeline::ClipModel& model) {
   const auto& motion = model.motion;
   Json fills = {"diffusion"};
@@ -104,9 +111,7 @@ void run_edit(Edited asked, Session& session) {
   io::ModelFolder folder(asked.output);
   Stages stages;
   stages.begin("read");
-  auto model = read_whole_model(asked.model);
-  if (const auto why = pipeline::why_undrawable(model.motion); !why.empty())
-    throw core::IoError(asked.model + ": " + why);
+  auto model = read_drawable_model(asked.model);
   stages.begin("edit");
   const auto edited = apply_edits(std::move(model), asked.edit, session);
   stages.begin("write");
@@ -136,9 +141,7 @@ void run_motion_page(const MotionPage& asked, Session& session) {
   const io::StagedFile file(asked.output);
   Stages stages;
   stages.begin("read");
-  auto model = read_whole_model(asked.model);
-  if (const auto why = pipeline::why_undrawable(model.motion); !why.empty())
-    throw core::IoError(asked.model + ": " + why);
+  auto model = read_drawable_model(asked.model);
   stages.begin("rates");
   correct_rates_once(model, session.context);
   stages.begin("make");

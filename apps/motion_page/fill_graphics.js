@@ -1,9 +1,5 @@
 // The fill of fill.js on the graphics processor: each grid is a texture, each step a draw.
 
-const wholeTriangle = `#version 300 es
-void main() {
-  gl_Position = vec4(vec2(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1), 0.0, 1.0);
-}`;
 const fragmentHead = `#version 300 es
 precision highp float;
 precision highp int;
@@ -73,18 +69,12 @@ const shaders = {
   }`,
 };
 
-function linkedProgram(gl, source) {
-  const program = gl.createProgram();
-  for (const [type, text] of [[gl.VERTEX_SHADER, wholeTriangle], [gl.FRAGMENT_SHADER, fragmentHead + source]]) {
-    const shader = gl.createShader(type);
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) return null;
-  const place = (name) => gl.getUniformLocation(program, name);
-  return {program, places: Object.fromEntries(["first", "second", "size", "other", "empty", "kept"].map((name) => [name, place(name)]))};
+/** The program of a step and the places of its numbers; null where it cannot be compiled. */
+function stepProgram(gl, source) {
+  const program = linkedProgram(gl, fragmentHead + source);
+  if (!program) return null;
+  const names = ["first", "second", "size", "other", "empty", "kept"];
+  return {program, places: Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)]))};
 }
 
 /** null where WebGL 2 with textures of floats is missing, or smaller than the frame. */
@@ -94,7 +84,7 @@ function makeGraphicsFill({width, height, empty}) {
   canvas.height = height;
   const gl = canvas.getContext("webgl2", {alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true});
   if (!gl || !gl.getExtension("EXT_color_buffer_float") || Math.max(width, height) > gl.getParameter(gl.MAX_TEXTURE_SIZE)) return null;
-  const programs = Object.fromEntries(Object.entries(shaders).map(([name, source]) => [name, linkedProgram(gl, source)]));
+  const programs = Object.fromEntries(Object.entries(shaders).map(([name, source]) => [name, stepProgram(gl, source)]));
   if (Object.values(programs).includes(null)) return null;
   const texture = (format, w, h) => {
     const made = gl.createTexture();

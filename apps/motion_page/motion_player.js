@@ -4,7 +4,6 @@ const neutral = {
   speed: 1, reverse: false, intensity: 1, flicker: 1, contrast: 1, windx: 0, windy: 0,
   births: 1, deaths: 1, splits: 1, merges: 1, connects: 1, disconnects: 1,
 };
-const isNeutral = (settings) => Object.entries(neutral).every(([name, value]) => settings[name] === value);
 const countedFrames = 100;
 
 class MotionPlayer {

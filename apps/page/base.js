@@ -1,3 +1,4 @@
+"use strict";
 // What the pages of models share.
 
 const $ = (id) => document.getElementById(id);
@@ -17,3 +18,5 @@ function seedOf(text) {
   const seed = BigInt(text);
   return seed < 2n ** 64n ? seed : null;
 }
+
+const shellWord = (text) => (/^[\w\-./:=,+@%]+$/.test(text) ? text : "'" + text.replace(/'/g, "'\\''") + "'");

@@ -1,10 +1,5 @@
 // Frames from states: mean + sum of components, on the graphics processor, or else here.
 
-const vertexSource = `#version 300 es
-void main() {  // one triangle over all
-  gl_Position = vec4(vec2(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1), 0.0, 1.0);
-}`;
-
 /** A texel holds four planes' bytes of one channel; the channels of four planes are layers behind each other. */
 const fragmentSource = (fours, height, channels) => `#version 300 es
 precision highp float;
@@ -25,18 +20,6 @@ void main() {
   colour = vec4(floor(clamp(level, 0.0, 255.0) + 0.5) / 255.0, 1.0);
 }`;
 
-function program(gl, fours, height, channels) {
-  const result = gl.createProgram();
-  for (const [type, source] of [[gl.VERTEX_SHADER, vertexSource], [gl.FRAGMENT_SHADER, fragmentSource(fours, height, channels)]]) {
-    const shader = gl.createShader(type);
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    gl.attachShader(result, shader);
-  }
-  gl.linkProgram(result);
-  return gl.getProgramParameter(result, gl.LINK_STATUS) ? result : null;
-}
-
 /**
  * Images live in planes of 8 bits: one where a byte holds all values (plus 128), else two, the high one (plus 128) and
  * the low one. null where WebGL 2 is missing or too small for that.
@@ -50,7 +33,7 @@ function makeGraphicsDrawer({width, height, channels, wide}) {
   const count = wide.reduce((sum, two) => sum + (two ? 2 : 1), 0), fours = Math.ceil(count / 4);
   if (Math.max(width, height) > gl.getParameter(gl.MAX_TEXTURE_SIZE) || channels * fours > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS) ||
       fours + 2 > gl.getParameter(gl.MAX_FRAGMENT_UNIFORM_VECTORS)) return null;
-  const linked = program(gl, fours, height, channels);
+  const linked = linkedProgram(gl, fragmentSource(fours, height, channels));
   if (!linked) return null;
   gl.useProgram(linked);
   gl.bindTexture(gl.TEXTURE_2D_ARRAY, gl.createTexture());

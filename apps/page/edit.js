@@ -125,8 +125,6 @@ function nextState(edit, state, seed, frame) {
   return next;
 }
 
-const shellWord = (text) => (/^[\w\-./:=,+@%]+$/.test(text) ? text : "'" + text.replace(/'/g, "'\\''") + "'");
-
 /** What makes the same clip on the command line, from the first frame on. */
 function commandFor(modelName, settings, seed) {
   const words = [];

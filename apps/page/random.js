@@ -1,4 +1,3 @@
-"use strict";
 // Random numbers, the same as core::Rng's: Philox4x32-10 (Salmon et al. 2011), counter-based.
 
 /** High and low 32 bits of a product of two 32-bit numbers. */
