@@ -33,3 +33,27 @@ export async function close(page) {
   assert.deepEqual(pageErrors.get(page), []);
   await page.context().close();
 }
+
+/** Mean and largest difference of levels between what the page shows, from here on, and each of the frames (data URIs). */
+export function frameDifferences(page, frames, name) {
+  return page.evaluate(async ([uris, canvasName]) => {
+    const all = [];
+    for (const [t, frame] of uris.entries()) {
+      if (t > 0) emberfold.step();
+      const image = new Image();
+      image.src = frame;
+      await image.decode();
+      const canvas = new OffscreenCanvas(image.width, image.height), context = canvas.getContext("2d", {willReadFrequently: true});
+      context.drawImage(image, 0, 0);
+      const theirs = context.getImageData(0, 0, image.width, image.height).data, ours = emberfold.pixels(canvasName);
+      let sum = 0, most = 0;
+      for (let i = 0; i < ours.length; ++i) {
+        const apart = Math.abs(ours[i] - theirs[i]);
+        sum += apart;
+        most = Math.max(most, apart);
+      }
+      all.push({mean: sum / (0.75 * ours.length), most});  // opacity is the fourth
+    }
+    return all;
+  }, [frames, name]);
+}

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import {mkdtempSync, readFileSync, readdirSync} from "node:fs";
 import {join} from "node:path";
 import {after, before, describe, test} from "node:test";
-import {close, open, startBrowser, stopBrowser} from "./browser.js";
+import {close, frameDifferences, open, startBrowser, stopBrowser} from "./browser.js";
 import {emberfold, folder, removeFolder} from "./models.js";
 
 const model = join(folder, "run", "model"), url = `file://${folder}/motion.html`;
@@ -43,25 +43,10 @@ function apart(ours, theirs) {
     return Math.max(0, ...vertices.map((vertex, i) => Math.hypot(vertex.x - patches[4 * i + 1], vertex.y - patches[4 * i + 2])));
   }));
 }
-/** Mean difference of levels between what the page shows, frame by frame, and the program's frames. */
-function differences(page, images) {
-  return page.evaluate(async (frames) => {
-    const all = [];
-    emberfold.restart(1);
-    for (const [t, frame] of frames.entries()) {
-      if (t > 0) emberfold.step();
-      const image = new Image();
-      image.src = frame;
-      await image.decode();
-      const canvas = new OffscreenCanvas(image.width, image.height), context = canvas.getContext("2d", {willReadFrequently: true});
-      context.drawImage(image, 0, 0);
-      const theirs = context.getImageData(0, 0, image.width, image.height).data, ours = emberfold.pixels();
-      let sum = 0;
-      for (let i = 0; i < ours.length; ++i) sum += Math.abs(ours[i] - theirs[i]);
-      all.push(sum / (0.75 * ours.length));  // opacity is the fourth
-    }
-    return all;
-  }, images);
+/** Mean difference of levels between what the page shows, from frame 0 on, and the program's frames. */
+async function differences(page, images) {
+  await page.evaluate(() => emberfold.restart(1));
+  return (await frameDifferences(page, images)).map(({mean}) => mean);
 }
 
 before(async () => {

@@ -2,7 +2,7 @@
 // `emberfold dytex page` in a headless Chromium: what the page does is held against what the program does.
 import assert from "node:assert/strict";
 import {after, before, describe, test} from "node:test";
-import {close, open, startBrowser, stopBrowser} from "./browser.js";
+import {close, frameDifferences, open, startBrowser, stopBrowser} from "./browser.js";
 import {edit, emberfold, folder, learn, readArray, relativeDifference, removeFolder, stillClip, synthesize} from "./models.js";
 
 const models = {};
@@ -17,21 +17,8 @@ function modelOf(page) {
 }
 
 /** Largest difference between what the page shows, step by step, and frames of the program. */
-function difference(page, frames, name = "result") {
-  return page.evaluate(async ([frames, name]) => {
-    let most = 0;
-    for (const [t, frame] of frames.entries()) {
-      if (t > 0) emberfold.step();
-      const image = new Image();
-      image.src = frame;
-      await image.decode();
-      const canvas = new OffscreenCanvas(image.width, image.height), context = canvas.getContext("2d", {willReadFrequently: true});
-      context.drawImage(image, 0, 0);
-      const theirs = context.getImageData(0, 0, image.width, image.height).data, ours = emberfold.pixels(name);
-      for (let i = 0; i < ours.length; ++i) most = Math.max(most, Math.abs(ours[i] - theirs[i]));
-    }
-    return most;
-  }, [frames, name]);
+async function difference(page, frames, name) {
+  return Math.max(...(await frameDifferences(page, frames, name)).map(({most}) => most));
 }
 /** The same from the seed's first frame on. */
 async function clipDifference(page, seed, frames) {
