@@ -9,6 +9,7 @@
 
 #include "core/math/bilinear.hpp"
 #include "core/math/fast_round.hpp"
+#include "sketch/detection/contrast_gaps.hpp"
 #include "sketch/detection/crease_map.hpp"
 #include "sketch/detection/half_resolution.hpp"
 #include "sketch/detection/oriented_response.hpp"
@@ -83,7 +84,7 @@ struct PointLimits {
 
 // Contrast counts no more than this many SD above the usual: a short line of great contrast is not a long
 // one.
-constexpr double kMostCounted = 4;
+constexpr double kMostCounted = 12;
 
 // How far along the normal of pixel (x, y) the response is greatest, if that is within the pixel.
 std::optional<double> find_greatest(const cv::Mat1f& response, int x, int y, Point n) {
@@ -264,6 +265,23 @@ bool is_explained(const CreasePoint& p, const Drawn& same, const Drawn& opposite
   return false;
 }
 
+// The greatest number that a gap of these curves bears.
+int last_gap(const std::vector<Chain>& chains) {
+  int last = 0;
+  for (const Chain& chain : chains) last = std::max({last, chain.gap[0], chain.gap[1]});
+  return last;
+}
+
+// Cuts curves where averaging along them has closed a gap. `numbered`: gaps that have a number already.
+std::vector<Chain> cut_at_closed_gaps(const std::vector<Chain>& chains, const ScaleSpace& space, double noise,
+                                      int numbered) {
+  constexpr double kShare = 0.25;  // of the usual contrast: ragged curves often fall to half of it
+  std::vector<Chain> pieces = cut_at_contrast_gaps(chains, space, {kShare, noise});
+  for (Chain& piece : pieces)
+    for (int& gap : piece.gap) gap += gap > 0 ? numbered : 0;
+  return pieces;
+}
+
 // Adds the pieces of a curve that nothing explains.
 void add_pieces(const Chain& chain, const Drawn& same, const Drawn& opposite, std::vector<Chain>& to) {
   std::vector<char> gone;
@@ -274,10 +292,13 @@ void add_pieces(const Chain& chain, const Drawn& same, const Drawn& opposite, st
   }
   Chain piece{chain.kind, {}, false};
   for (std::size_t i = 0; i <= gone.size(); ++i) {
-    if (i < gone.size() && gone[i] == 0)
+    if (i < gone.size() && gone[i] == 0) {
+      if (i == 0) piece.gap[0] = chain.gap[0];
       piece.points.push_back(chain.points[i]);
-    else if (!piece.points.empty())
+    } else if (!piece.points.empty()) {
+      if (i == gone.size()) piece.gap[1] = chain.gap[1];
       to.push_back(std::exchange(piece, Chain{chain.kind, {}, false}));
+    }
   }
 }
 
@@ -311,6 +332,8 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
   const WeakSearch searched{half, noise, usual};
   constexpr double kSeed = 0.6;          // SD more where a curve begins
   constexpr double kLeastOfPiece = 1.5;  // nats
+  constexpr double kLeastLength =
+      6 * kPixel * kAlong;          // px of the frame: averaging makes short lines of blobs
   constexpr double kOfFlank = 1.3;  // more of a flank's contrast: lines with a flat core have such flanks
   Drawn ridges(frame), valleys(frame), all(frame);
   CreaseMap lines_drawn;
@@ -324,12 +347,18 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
     }
   };
   draw(strong);
+  int gaps = last_gap(strong);
   std::vector<Chain> found;
   const auto trace = [&](const CreaseMap& map, double begins, const Drawn& same, const Drawn& opposite) {
     std::vector<Chain> chains = trace_curves(map, half, {begins});
     for (Chain& chain : chains) chain = halving.to_frame(chain);
-    for (const Chain& chain : remove_hooks(std::move(chains)))
-      if (evidence(chain) >= limits.evidence) add_pieces(chain, same, opposite, found);
+    chains = remove_hooks(std::move(chains));
+    std::erase_if(chains, [&](const Chain& chain) {
+      return evidence(chain) < limits.evidence || arc_lengths(chain).back() < kLeastLength;
+    });
+    const std::vector<Chain> pieces = cut_at_closed_gaps(chains, space, noise, gaps);
+    gaps = std::max(gaps, last_gap(pieces));
+    for (const Chain& piece : pieces) add_pieces(piece, same, opposite, found);
   };
   CreaseLines lines = find_line_points(searched, limits);
   for (CreaseMap* map : {&lines.ridges, &lines.valleys}) {

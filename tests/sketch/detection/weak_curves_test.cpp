@@ -120,7 +120,7 @@ TEST_CASE("A mirrored or turned frame has the mirrored or turned response", "[sk
 TEST_CASE("A line that no point of it shows is found by its length", "[sketch][weak]") {
   int found_at_all = 0;
   for (const double theta : {0.0, 0.35, 1.1, 2.2}) {
-    const cv::Mat1f frame = with_noise(line(theta, 1.5, 11), 7, static_cast<std::uint64_t>(10 * theta) + 1);
+    const cv::Mat1f frame = with_noise(line(theta, 1.5, 9), 7, static_cast<std::uint64_t>(10 * theta) + 1);
     const Drawn seen = drawn(sketch::extract(frame, {.edges = false}), theta, 2);
     INFO("theta " << theta << ": on the line " << seen.on << " px, elsewhere " << seen.off);
     CHECK(seen.on > 70);
