@@ -249,7 +249,7 @@ void measure_all(core::FrameSource& source, std::span<Reading> readings, int fra
     while (ready < measurements.size() && std::min(frames, measurements[ready].frame + kReach) <= end)
       ++ready;
     core::parallel_for(readings.size(), context,
-                       [&](std::size_t k) { readings[k].index.hold(window.first(), end); });
+                       [&](std::size_t k) { readings[k].index.hold(window.first(), std::min(frames, end)); });
     core::parallel_for(ready - done, context, [&](std::size_t k) {
       const Measurement& one = measurements[done + k];
       measure(one, readings, window, frames, events[one.pooled].weighed.evidence);

@@ -3,10 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <numeric>
-#include <string>
 #include <vector>
 
 #include "core/error.hpp"
@@ -17,11 +14,6 @@ using namespace emberfold;
 using namespace emberfold::test;
 
 namespace {
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 core::NpyArray pairs(double first, std::size_t rows) {
   std::vector<double> values(2 * rows);
