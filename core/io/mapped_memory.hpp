@@ -14,7 +14,7 @@ namespace emberfold::io {
 /// Allocates memory in a file that is mapped into the address space, in whole pages: for what is large, is
 /// kept long and is seldom looked at. The system writes it to the disk where memory is scarce. The file has
 /// no name and vanishes with this object, however the program ends. What is given back is used again.
-/// Thread-safe. Allocation throws core::IoError where the disk is full. O(log n) in the blocks.
+/// Thread-safe. Allocation throws core::IoError where the disk is full. O(runs of pages that are free).
 class MappedMemory : public std::pmr::memory_resource {
  public:
   /// Puts the file into `folder` once it is needed.

@@ -74,14 +74,14 @@ TEST_CASE("Memory grows with the clip by no more than its graphs need", "[slow]"
   const Most shorter = analyze_clip(40), longer = analyze_clip(200);
   REQUIRE(longer.patches > 3 * shorter.patches);
   const auto more = static_cast<double>(longer.patches - shorter.patches);
-  // Small graphs fill their pages by half; a patch takes some 160 bytes.
+  // A patch takes some 170 bytes in a graph. There are the sketch, what was matched of it, and four readings.
   const double mapped = static_cast<double>(longer.mapped - shorter.mapped) / more;
   INFO("mapped: " << mapped << " bytes a patch");
-  CHECK(mapped < 3000);
+  CHECK(mapped < 1500);
   for (const auto& [stage, bytes] : longer.heap) {
     const auto at_first = shorter.heap.count(stage) > 0 ? shorter.heap.at(stage) : 0;
     const double heap = (static_cast<double>(bytes) - static_cast<double>(at_first)) / more;
     INFO(stage << ": " << heap << " bytes a patch");
-    CHECK(heap < 300);
+    CHECK(heap < (stage == "match" ? 100 : 250));  // no copy of the graphs; tracks and what is learned
   }
 }
