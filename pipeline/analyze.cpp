@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/freed_memory.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
@@ -60,6 +61,7 @@ std::vector<graph::Event> find_events(core::FrameSource& source, const StartSket
                                       const AnalyzeOptions& options, const graph::MotionGraph& motion,
                                       core::StageClock& clock, const core::Context& context) {
   clock.begin("events");
+  core::return_freed_memory();
   const bool of_curves = options.curve_events;
   auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
   if (options.bottom_up) return graph::stroke_events(read);
@@ -79,7 +81,9 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
     group_curves(analysis, clock, context);
     analysis.all_events = find_events(source, sketches, options, analysis.motion, clock, context);
     clock.begin("learn");
+    core::return_freed_memory();
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
+    core::return_freed_memory();
   } else {
     const auto starts = match_starts(sketches, options.match, options.starts, context);
     clock.begin("sample");
