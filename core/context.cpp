@@ -22,7 +22,15 @@ void Context::warn(const std::string& text) const {
 }
 
 Context Context::with_progress(Progress progress) const {
-  return Context(stop_, std::move(progress), warning_);
+  Context changed = *this;
+  changed.progress_ = std::move(progress);
+  return changed;
+}
+
+Context Context::with_memory(LargeMemory memory) const {
+  Context changed = *this;
+  changed.memory_ = std::move(memory);
+  return changed;
 }
 
 }  // namespace emberfold::core

@@ -3,6 +3,8 @@
 
 #include <exception>
 #include <functional>
+#include <memory>
+#include <memory_resource>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -22,8 +24,11 @@ class Cancelled : public std::exception {
 /// Receives warnings, one line each, no newline; may be empty.
 using Warn = std::function<void(const std::string&)>;
 
-/// Carries a stop token and sinks for progress and warnings into a long call.
-/// The default context never stops and discards both.
+/// Memory for what is large and is kept long, such as io::MappedMemory; thread-safe.
+using LargeMemory = std::shared_ptr<std::pmr::memory_resource>;
+
+/// Carries a stop token, sinks for progress and warnings, and memory for large things into a long call.
+/// The default context never stops, discards both, and keeps everything on the heap.
 class Context {
  public:
   /// Receives the name of a stage and its finished share, 0…1; called from one thread at a time.
@@ -41,11 +46,16 @@ class Context {
   void warn(const std::string& text) const;
   /// Returns a copy of this context with another sink for progress.
   [[nodiscard]] Context with_progress(Progress progress) const;
+  /// Returns a copy of this context under which what grows with a clip is kept in other memory.
+  [[nodiscard]] Context with_memory(LargeMemory memory) const;
+  /// Returns the memory for what grows with a clip; null: the heap.
+  [[nodiscard]] const LargeMemory& memory() const { return memory_; }
 
  private:
   std::stop_token stop_;
   Progress progress_;
   Warn warning_;
+  LargeMemory memory_;
 };
 
 }  // namespace emberfold::core

@@ -8,4 +8,8 @@ namespace emberfold::core {
 /// of the time when they are touched again. For programs, at their start. Does nothing without glibc.
 void keep_freed_memory();
 
+/// Gives all memory that is freed by now back to the system, after work that needed much of it. Some
+/// milliseconds. Does nothing without glibc.
+void return_freed_memory();
+
 }  // namespace emberfold::core

@@ -387,6 +387,14 @@ void write_npy_view(std::ostream& out, const NpyView& array) {
   const std::string header = npy_header(array);
   try {
     out << header;
+  } catch (const std::ios_base::failure&) {
+    throw IoError("npy: writing failed");
+  }
+  write_npy_values(out, array.data);
+}
+
+void write_npy_values(std::ostream& out, const NpyView::Data& data) {
+  try {
     std::visit(
         [&]<class T>(std::span<const T> values) {
           const auto write = [&](std::span<const T> part) {
@@ -398,7 +406,7 @@ void write_npy_view(std::ostream& out, const NpyView& array) {
           reverse_bytes(std::span<T>(copy));
           write(copy);
         },
-        array.data);
+        data);
   } catch (const std::ios_base::failure&) {
     throw IoError("npy: writing failed");
   }

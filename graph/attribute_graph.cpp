@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <boost/pending/disjoint_sets.hpp>
@@ -64,15 +66,15 @@ void sort_edges(std::vector<Edge>& edges) {
 
 }  // namespace
 
-AttributeGraph::AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> edges)
-    : vertices_(std::move(vertices)), edges_(std::move(edges)) {
-  sort_vertices(vertices_);
-  sort_edges(edges_);
+AttributeGraph::AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> edges, GraphMemory memory) {
+  sort_vertices(vertices);
+  sort_edges(edges);
+  vertices_ = vertices, edges_ = edges;  // until they are placed
 
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends(edges_.size());
-  first_neighbour_.assign(vertices_.size() + 1, 0);
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const auto [a, b] = edges_[e];
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends(edges.size());
+  std::vector<std::uint32_t> first(vertices.size() + 1, 0);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto [a, b] = edges[e];
     const std::size_t i = index_of(a), j = index_of(b);
     if (i == size() || j == size()) {
       throw core::InputError("attribute graph: the edge from vertex " + text(a) + " to vertex " + text(b) +
@@ -84,17 +86,55 @@ AttributeGraph::AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> e
                              ", an anchor, which has no edges");
     }
     ends[e] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)};
-    ++first_neighbour_[i + 1];
-    ++first_neighbour_[j + 1];
+    ++first[i + 1];
+    ++first[j + 1];
   }
-  for (std::size_t i = 0; i < size(); ++i) first_neighbour_[i + 1] += first_neighbour_[i];
+  for (std::size_t i = 0; i < size(); ++i) first[i + 1] += first[i];
 
   // Edges are sorted by (a, b), so the lower neighbours of a vertex, filled first, and the higher ones come
   // out ascending.
-  neighbours_.resize(2 * edges_.size());
-  std::vector<std::uint32_t> next(first_neighbour_.begin(), first_neighbour_.end() - 1);
-  for (const auto& [i, j] : ends) neighbours_[next[j]++] = i;
-  for (const auto& [i, j] : ends) neighbours_[next[i]++] = j;
+  std::vector<std::uint32_t> neighbours(2 * edges.size());
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for (const auto& [i, j] : ends) neighbours[next[j]++] = i;
+  for (const auto& [i, j] : ends) neighbours[next[i]++] = j;
+  place(vertices, edges, first, neighbours, std::move(memory));
+}
+
+std::span<Vertex> AttributeGraph::place(std::span<const Vertex> vertices, std::span<const Edge> edges,
+                                        std::span<const std::uint32_t> first_neighbour,
+                                        std::span<const std::uint32_t> neighbours, GraphMemory memory) {
+  static_assert(std::is_trivially_copyable_v<Vertex> && std::is_trivially_copyable_v<Edge>);
+  static_assert(alignof(Vertex) >= alignof(Edge) && alignof(Edge) >= alignof(std::uint32_t));
+  const std::size_t bytes =
+      vertices.size_bytes() + edges.size_bytes() + first_neighbour.size_bytes() + neighbours.size_bytes();
+  auto* const source = memory ? memory.get() : std::pmr::new_delete_resource();
+  void* const block = source->allocate(bytes, alignof(Vertex));
+  block_ = std::shared_ptr<const void>(
+      block, [memory, source, bytes](void* given) { source->deallocate(given, bytes, alignof(Vertex)); });
+  auto* end = static_cast<std::byte*>(block);
+  const auto put = [&]<class T>(std::span<const T> values) {
+    T* const at = reinterpret_cast<T*>(end);
+    std::uninitialized_copy(values.begin(), values.end(), at);
+    end += values.size_bytes();
+    return std::span<T>(at, values.size());
+  };
+  const auto placed = put(vertices);
+  vertices_ = placed, edges_ = put(edges);
+  first_neighbour_ = put(first_neighbour), neighbours_ = put(neighbours);
+  memory_ = std::move(memory);
+  return placed;
+}
+
+bool AttributeGraph::operator==(const AttributeGraph& other) const {
+  if (block_ == other.block_) return true;
+  return std::ranges::equal(vertices_, other.vertices_) && std::ranges::equal(edges_, other.edges_);
+}
+
+AttributeGraph AttributeGraph::kept_in(GraphMemory memory) const {
+  AttributeGraph result = *this;
+  if (block_ != nullptr && memory != memory_)
+    result.place(vertices_, edges_, first_neighbour_, neighbours_, std::move(memory));
+  return result;
 }
 
 std::span<const std::uint32_t> AttributeGraph::neighbours(std::size_t index) const {
@@ -120,8 +160,9 @@ AttributeGraph AttributeGraph::with_subgraphs(std::span<const SubgraphId> subgra
     throw core::InputError("attribute graph: " + std::to_string(subgraphs.size()) +
                            " stroke identities for " + std::to_string(size()) + " vertices");
   }
-  AttributeGraph result = *this;
-  for (std::size_t i = 0; i < size(); ++i) result.vertices_[i].subgraph = subgraphs[i];
+  AttributeGraph result;
+  const auto changed = result.place(vertices_, edges_, first_neighbour_, neighbours_, memory_);
+  for (std::size_t i = 0; i < size(); ++i) changed[i].subgraph = subgraphs[i];
   return result;
 }
 
@@ -130,8 +171,9 @@ AttributeGraph AttributeGraph::with_curves(std::span<const CurveId> curves) cons
     throw core::InputError("attribute graph: " + std::to_string(curves.size()) + " curve identities for " +
                            std::to_string(size()) + " vertices");
   }
-  AttributeGraph result = *this;
-  for (std::size_t i = 0; i < size(); ++i) result.vertices_[i].curve = curves[i];
+  AttributeGraph result;
+  const auto changed = result.place(vertices_, edges_, first_neighbour_, neighbours_, memory_);
+  for (std::size_t i = 0; i < size(); ++i) changed[i].curve = curves[i];
   return result;
 }
 
@@ -140,7 +182,7 @@ AttributeGraph without_anchors(const AttributeGraph& graph) {
   if (std::ranges::none_of(graph.vertices(), is_one)) return graph;
   std::vector<Vertex> strokes(graph.vertices().begin(), graph.vertices().end());
   std::erase_if(strokes, is_one);
-  return {std::move(strokes), {graph.edges().begin(), graph.edges().end()}};
+  return {std::move(strokes), {graph.edges().begin(), graph.edges().end()}, graph.memory()};
 }
 
 Components components(const AttributeGraph& graph) {

@@ -3,6 +3,8 @@
 
 #include <compare>
 #include <cstdint>
+#include <memory>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -44,16 +46,24 @@ struct Edge {
   auto operator<=>(const Edge&) const = default;
 };
 
+/// Memory that graphs lie in; null: the heap. Thread-safe.
+using GraphMemory = std::shared_ptr<std::pmr::memory_resource>;
+
 /// Holds the attribute graph G = ⟨V, E⟩ of one frame as an immutable value.
 /// Vertices are sorted by id; edges are sorted, without loops or repeats. Algorithms address a vertex by its
-/// index in vertices().
+/// index in vertices(). Copies look at the same memory, which lives as long as one of them; what is made of a
+/// graph lies where that does.
 class AttributeGraph {
  public:
   AttributeGraph() = default;
   /// Builds a graph from vertices and edges in any order, either end of an edge first.
   /// Throws InputError, naming the ids, for a repeated id or edge, a loop, an edge to a missing vertex or to
-  /// an anchor, or a patch with a number that is not finite. O(n log n).
-  AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> edges);
+  /// an anchor, or a patch with a number that is not finite; and what the memory throws. O(n log n).
+  AttributeGraph(std::vector<Vertex> vertices, std::vector<Edge> edges, GraphMemory memory = {});
+  // A move is a copy: what was moved from still is the graph.
+  AttributeGraph(const AttributeGraph&) = default;
+  AttributeGraph& operator=(const AttributeGraph&) = default;
+  ~AttributeGraph() = default;
 
   [[nodiscard]] std::span<const Vertex> vertices() const { return vertices_; }
   [[nodiscard]] std::span<const Edge> edges() const { return edges_; }
@@ -74,16 +84,25 @@ class AttributeGraph {
   /// Returns a copy with other curve identities, one for each vertex in order; errors likewise.
   [[nodiscard]] AttributeGraph with_curves(std::span<const CurveId> curves) const;
 
-  bool operator==(const AttributeGraph& other) const {
-    return vertices_ == other.vertices_ && edges_ == other.edges_;
-  }
+  /// Returns a copy of the graph that lies in other memory.
+  [[nodiscard]] AttributeGraph kept_in(GraphMemory memory) const;
+  [[nodiscard]] const GraphMemory& memory() const { return memory_; }
+
+  bool operator==(const AttributeGraph& other) const;
 
  private:
-  std::vector<Vertex> vertices_;
-  std::vector<Edge> edges_;
-  std::vector<std::uint32_t>
+  /// Copies all parts into one block of `memory`; returns its vertices.
+  std::span<Vertex> place(std::span<const Vertex> vertices, std::span<const Edge> edges,
+                          std::span<const std::uint32_t> first_neighbour,
+                          std::span<const std::uint32_t> neighbours, GraphMemory memory);
+
+  std::span<const Vertex> vertices_;
+  std::span<const Edge> edges_;
+  std::span<const std::uint32_t>
       first_neighbour_;  // neighbours of i: [first_neighbour_[i], first_neighbour_[i + 1])
-  std::vector<std::uint32_t> neighbours_;
+  std::span<const std::uint32_t> neighbours_;
+  GraphMemory memory_;
+  std::shared_ptr<const void> block_;  // that all of them lie in
 };
 
 /// Returns the strokes and blobs of a graph without its anchors; they keep their ids. Whatever links, counts

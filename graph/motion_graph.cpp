@@ -54,7 +54,7 @@ void SketchSequence::append(const AttributeGraph& graph) {
       if (i < j) edges.push_back({renumbered(i), renumbered(j)});
     }
   }
-  frames.emplace_back(std::move(vertices), std::move(edges));
+  frames.emplace_back(std::move(vertices), std::move(edges), graph.memory());
 }
 
 void validate_links(const AttributeGraph& before, const AttributeGraph& after, std::span<const Link> links) {

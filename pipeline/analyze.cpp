@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/freed_memory.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
@@ -60,6 +61,7 @@ std::vector<graph::Event> find_events(core::FrameSource& source, const StartSket
                                       const AnalyzeOptions& options, const graph::MotionGraph& motion,
                                       core::StageClock& clock, const core::Context& context) {
   clock.begin("events");
+  core::return_freed_memory();
   const bool of_curves = options.curve_events;
   auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
   if (options.bottom_up) return graph::stroke_events(read);
@@ -79,7 +81,9 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
     group_curves(analysis, clock, context);
     analysis.all_events = find_events(source, sketches, options, analysis.motion, clock, context);
     clock.begin("learn");
+    core::return_freed_memory();
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
+    core::return_freed_memory();
   } else {
     const auto starts = match_starts(sketches, options.match, options.starts, context);
     clock.begin("sample");
@@ -148,7 +152,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
                  const AnalysisStages* stages, bool has_model, Analysis& analysis, mcmc::FitResult& fitted,
                  core::StageClock& clock, const core::Context& context) {
   const bool keeps = stages != nullptr && !options.sample;
-  auto kept = keeps ? stages->read_motion() : std::nullopt;
+  auto kept = keeps ? stages->read_motion(context) : std::nullopt;
   if (kept) {
     analysis.motion = std::move(kept->motion);
     analysis.joints = std::move(kept->joints);
@@ -171,12 +175,13 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
 
 /// Learns all that new clips are drawn with. `fitted`: how the strokes move.
 LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketches,
-                         const AnalyzeOptions& options, const Analysis& analysis, mcmc::FitResult fitted,
-                         core::StageClock& clock, const core::Context& context) {
+                         sketch::Background background, const AnalyzeOptions& options,
+                         const Analysis& analysis, mcmc::FitResult fitted, core::StageClock& clock,
+                         const core::Context& context) {
   const auto& sketch = analysis.motion.sketch;
   LearnedModel learned;
   ClipModel& model = learned.model;
-  model.background = sketch::estimate_background(sketches.clip.grounds);
+  model.background = std::move(background);
   model.background.static_pixels = sketch::find_static_pixels(source, context);
   const double gradient = sketch::measure_clip_flank_gradient(source, sketch, context).mean();
   model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
@@ -223,14 +228,18 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   core::StageClock clock;
   clock.begin("sketch");
   if (source.info().frames) check_two_frames(options.clip, *source.info().frames);
-  const auto sketches = sketch_readings(source, options, stages, context);
+  auto sketches = sketch_readings(source, options, stages, context);
   check_two_frames(options.clip, static_cast<std::int64_t>(sketches.clip.sketch.frames.size()));
   if (options.keep_sketch) analysis.sketched = sketches.clip;
   auto learned = stages != nullptr ? stages->read_model() : std::nullopt;
+  sketch::Background background;
+  if (!learned) background = sketch::estimate_background(sketches.clip.grounds);
+  sketches.clip.grounds = {};  // they grow with the clip, and nothing else asks for them
   mcmc::FitResult fitted;
   find_motion(source, sketches, options, stages, learned.has_value(), analysis, fitted, clock, context);
   if (!learned) {
-    learned = learn_model(source, sketches, options, analysis, std::move(fitted), clock, context);
+    learned = learn_model(source, sketches, std::move(background), options, analysis, std::move(fitted),
+                          clock, context);
     if (stages != nullptr) stages->keep_model(*learned);
   }
   for (const auto& note : learned->notes) context.warn("model: " + note);

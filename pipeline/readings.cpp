@@ -95,9 +95,10 @@ StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOpti
         return made;
       },
       [&](int, Frame made) {
-        own.append(made.graphs.front());
+        own.append(made.graphs.front().kept_in(context.memory()));
         starts.clip.grounds.push_back(std::move(made.ground));
-        for (std::size_t copy = 0; copy < count; ++copy) starts.perturbed[copy].append(made.graphs[copy + 1]);
+        for (std::size_t copy = 0; copy < count; ++copy)
+          starts.perturbed[copy].append(made.graphs[copy + 1].kept_in(context.memory()));
       });
   return starts;
 }

@@ -29,7 +29,7 @@ SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions
         return Frame{std::move(own.graph), std::move(ground)};
       },
       [&](int, Frame made) {
-        clip.sketch.append(made.graph);
+        clip.sketch.append(made.graph.kept_in(context.memory()));
         clip.grounds.push_back(std::move(made.ground));
         if (!keep || clip.grounds.size() - kept < at_once) return;
         keep(clip, kept);

@@ -52,9 +52,24 @@ graph::AttributeGraph inside_mask(const graph::AttributeGraph& graph, const cv::
   return {std::move(vertices), std::move(edges)};
 }
 
+cv::Mat packed_levels(const cv::Mat& levels) {
+  cv::Mat bytes;
+  levels.convertTo(bytes, CV_8U);
+  cv::Mat changed;
+  cv::compare(levels.reshape(1), unpacked_levels(bytes).reshape(1), changed, cv::CMP_NE);
+  return cv::countNonZero(changed) == 0 ? bytes : levels;
+}
+
+cv::Mat unpacked_levels(const cv::Mat& packed) {
+  if (packed.depth() == CV_32F) return packed;
+  cv::Mat levels;
+  packed.convertTo(levels, CV_32F);
+  return levels;
+}
+
 void SteadyFrames::push(std::vector<FrameReading> readings, cv::Mat mask) {
   Entry entry{std::move(readings), std::move(mask), {}, {}, {}};
-  if (is_on_) entry.luma = core::luma(entry.readings.front().levels);
+  if (is_on_) entry.luma = core::luma(unpacked_levels(entry.readings.front().levels));
   entries_.push_back(std::move(entry));
 }
 
@@ -79,6 +94,7 @@ std::vector<FrameReading> SteadyFrames::steady(std::size_t i) const {
   const std::size_t at = first_ + i;
   const Entry& entry = entries_[at];
   std::vector<FrameReading> result = entry.readings;
+  for (FrameReading& reading : result) reading.levels = unpacked_levels(reading.levels);
   const auto cut = [&] {
     for (FrameReading& reading : result) reading.graph = inside_mask(reading.graph, entry.mask);
   };

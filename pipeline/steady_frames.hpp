@@ -27,6 +27,12 @@ struct FrameReading {
   graph::AttributeGraph graph;
 };
 
+/// Returns levels (CV_32F) in a quarter of the memory, CV_8U, where they are whole numbers up to 255; others
+/// as they are. O(pixels).
+cv::Mat packed_levels(const cv::Mat& levels);
+/// Returns packed levels as they were.
+cv::Mat unpacked_levels(const cv::Mat& packed);
+
 /// Returns the graph without the patches outside the mask (CV_8U, 0 outside; empty: all stay).
 graph::AttributeGraph inside_mask(const graph::AttributeGraph& graph, const cv::Mat& mask);
 
@@ -41,8 +47,8 @@ class SteadyFrames {
   explicit SteadyFrames(const sketch::ExtractOptions& options)
       : options_(options), is_on_(options.steady && options.budget <= 0 && !options.blobs) {}
 
-  /// Appends the next frame, in as many readings as the others. `mask`: where structure counts; empty:
-  /// everywhere.
+  /// Appends the next frame, in as many readings as the others; their levels may be packed. `mask`: where
+  /// structure counts; empty: everywhere.
   void push(std::vector<FrameReading> readings, cv::Mat mask = {});
   /// Returns how many frames wait for others.
   [[nodiscard]] std::size_t waiting() const { return entries_.size() - first_; }
@@ -109,7 +115,10 @@ int stream_steady_frames(core::FrameSource& source, std::string_view stage,
         before(t);
       },
       [&](int t, const cv::Mat& frame) {
-        return t >= first ? read(t, core::to_levels(frame, info)) : std::vector<FrameReading>();
+        std::vector<FrameReading> readings;
+        if (t >= first) readings = read(t, core::to_levels(frame, info));
+        for (FrameReading& reading : readings) reading.levels = packed_levels(reading.levels);
+        return readings;
       },
       [&](int t, std::vector<FrameReading> readings) {
         if (t < first) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -24,6 +25,7 @@
 #include "apps/review/review_summary.hpp"
 #include "apps/runs/run_estimate.hpp"
 #include "apps/units/event_units.hpp"
+#include "core/io/mapped_memory.hpp"
 #include "core/io/model_folder.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "graph/events/event_score.hpp"
@@ -268,7 +270,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   }
   pipeline::AnalyzeOptions asked = static_cast<const pipeline::AnalyzeOptions&>(options);
   asked.seed = session.common.seed, asked.clip = made.clip;
-  made.found = pipeline::analyze(*source, asked, session.context, stages);
+  const auto memory = std::make_shared<io::MappedMemory>(output.path());
+  made.found = pipeline::analyze(*source, asked, session.context.with_memory(memory), stages);
   const auto& found = made.found;
   made.stages.add(found.stages);
   made.stages.begin("write");

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/column_folder.hpp"
 
+#include <algorithm>
 #include <cerrno>
-#include <fstream>
-#include <functional>
-#include <iterator>
+#include <span>
 #include <system_error>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
 #include "core/io/files.hpp"
 #include "core/io/scratch.hpp"
+#include "core/npy_header.hpp"
 
 namespace emberfold::io {
 
@@ -23,47 +24,87 @@ constexpr const char* kAbout = "columns.json";
 constexpr const char* kFormat = "emberfold.columns";
 constexpr int kVersion = 1;
 
-void write_file(const fs::path& path, const fs::path& told, const std::function<void(std::ostream&)>& body) {
-  errno = 0;
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  if (out) body(out);
-  out.close();
-  if (!out)
-    throw core::IoError("cannot write " + told.string() + ": " +
-                        (errno != 0 ? std::generic_category().message(errno) : "the disk may be full"));
+std::span<const std::size_t> row_of(std::span<const std::size_t> shape) {
+  return shape.empty() ? shape : shape.subspan(1);
 }
 
 }  // namespace
 
-void write_columns(const fs::path& folder, const Columns& columns) {
-  make_folder(folder.parent_path());
-  const fs::path part = scratch_path(folder.parent_path());
-  std::error_code error;
+ColumnWriter::ColumnWriter(fs::path folder) : folder_(std::move(folder)) {
+  make_folder(folder_.parent_path());
+  part_ = scratch_path(folder_.parent_path());
+  make_folder(part_);
+}
+
+ColumnWriter::~ColumnWriter() {
+  columns_.clear();
+  std::error_code ignored;
+  fs::remove_all(part_, ignored);
+}
+
+template <class Write>
+void ColumnWriter::write(const std::string& name, std::ofstream& file, const Write& body) const {
+  errno = 0;
   try {
-    make_folder(part);
-    nlohmann::ordered_json about = {{"format", kFormat}, {"version", kVersion}, {"key", columns.key}};
-    about["text"] = columns.text;
-    about["columns"] = nlohmann::json::array();
-    for (const auto& [name, array] : columns.arrays) {
-      about["columns"].push_back(name);
-      write_file(part / (name + ".npy"), folder / (name + ".npy"), [&array = array](std::ostream& out) {
-        try {
-          core::write_npy(out, array);
-        } catch (const core::IoError&) {
-          out.setstate(std::ios::failbit);  // told with the file's name and the system's reason
-        }
-      });
-    }
-    write_file(part / kAbout, folder / kAbout, [&](std::ostream& out) { out << about.dump(1) << '\n'; });
-    fs::remove_all(folder, error);
-    fs::rename(part, folder);
-  } catch (const fs::filesystem_error& failed) {
-    fs::remove_all(part, error);
-    throw core::IoError("cannot write " + folder.string() + ": " + failed.code().message());
-  } catch (...) {
-    fs::remove_all(part, error);
-    throw;
+    if (!file.is_open()) file.open(part_ / name, std::ios::binary | std::ios::trunc);
+    if (file) body(file);
+  } catch (const core::IoError&) {
+    file.setstate(std::ios::failbit);  // told with the file's name and the system's reason
   }
+  if (!file)
+    throw core::IoError("cannot write " + (folder_ / name).string() + ": " +
+                        (errno != 0 ? std::generic_category().message(errno) : "the disk may be full"));
+}
+
+void ColumnWriter::append(const std::map<std::string, core::NpyArray>& arrays) {
+  for (const auto& [name, array] : arrays) {
+    const auto [found, is_new] = columns_.try_emplace(name);
+    auto& [file, whole] = found->second;
+    const core::NpyView more = core::view(array);
+    if (is_new) {
+      whole = more;
+      write(name + ".npy", file, [&](std::ostream& out) { core::write_npy_view(out, more); });
+      continue;
+    }
+    if (more.shape.empty() || !std::ranges::equal(row_of(more.shape), row_of(whole.shape)) ||
+        more.data.index() != whole.data.index())
+      throw core::InputError("the rows of the column " + name + " are not alike");
+    whole.shape.front() += more.shape.front();
+    write(name + ".npy", file, [&](std::ostream& out) { core::write_npy_values(out, more.data); });
+  }
+}
+
+void ColumnWriter::finish(const std::string& key, const std::string& text) {
+  nlohmann::ordered_json about = {{"format", kFormat}, {"version", kVersion}, {"key", key}};
+  about["text"] = text;
+  about["columns"] = nlohmann::json::array();
+  for (auto& [name, column] : columns_) {
+    about["columns"].push_back(name);
+    write(name + ".npy", column.file, [&column = column](std::ofstream& out) {
+      out.seekp(0);  // the number of rows is known now; there was room left for it
+      out << core::npy_header(column.whole);
+      out.close();
+    });
+  }
+  columns_.clear();
+  std::ofstream file;
+  write(kAbout, file, [&](std::ofstream& out) {
+    out << about.dump(1) << '\n';
+    out.close();
+  });
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+  try {
+    fs::rename(part_, folder_);
+  } catch (const fs::filesystem_error& failed) {
+    throw core::IoError("cannot write " + folder_.string() + ": " + failed.code().message());
+  }
+}
+
+void write_columns(const fs::path& folder, const Columns& columns) {
+  ColumnWriter writer(folder);
+  writer.append(columns.arrays);
+  writer.finish(columns.key, columns.text);
 }
 
 std::optional<Columns> read_columns(const fs::path& folder, const std::string& key) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/npy.hpp"
 
@@ -17,8 +19,34 @@ struct Columns {
   std::map<std::string, core::NpyArray> arrays;
 };
 
-/// Writes columns.json and NAME.npy for each array into a folder, which appears whole or not at all: a killed
-/// process leaves the one before. Throws core::IoError.
+/// Writes columns.json and NAME.npy for each array into a folder, some rows after the others. The folder
+/// appears whole or not at all: a killed process leaves the one before. Throws core::IoError.
+class ColumnWriter {
+ public:
+  explicit ColumnWriter(std::filesystem::path folder);
+  ~ColumnWriter();
+  ColumnWriter(const ColumnWriter&) = delete;
+  ColumnWriter& operator=(const ColumnWriter&) = delete;
+
+  /// Appends to each of these arrays, along the first axis. All that has one name has rows of one shape and
+  /// type; throws core::InputError otherwise.
+  void append(const std::map<std::string, core::NpyArray>& arrays);
+  /// Puts the folder into place, as read_columns finds it.
+  void finish(const std::string& key, const std::string& text);
+
+ private:
+  struct Column {
+    std::ofstream file;
+    core::NpyView whole;  // its shape and type
+  };
+  template <class Write>
+  void write(const std::string& name, std::ofstream& file, const Write& body) const;
+
+  std::filesystem::path folder_, part_;
+  std::map<std::string, Column> columns_;
+};
+
+/// Writes columns as ColumnWriter does.
 void write_columns(const std::filesystem::path& folder, const Columns& columns);
 
 /// Reads a folder that write_columns wrote with this key. Nothing where there is none, its key is another, or

@@ -4,7 +4,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <utility>
 #include <vector>
+
+#include "core/io/mapped_memory.hpp"
 
 namespace emberfold::io {
 
@@ -17,23 +20,17 @@ using ChunkMemory = std::function<std::byte*(int chunk, std::size_t bytes)>;
 class MappedFrames {
  public:
   /// Puts the file into `folder` once it is needed.
-  MappedFrames(std::filesystem::path folder, std::size_t heap_bytes);
-  ~MappedFrames();
-  MappedFrames(const MappedFrames&) = delete;
-  MappedFrames& operator=(const MappedFrames&) = delete;
+  MappedFrames(std::filesystem::path folder, std::size_t heap_bytes)
+      : mapped_(std::move(folder)), heap_left_(heap_bytes) {}
 
   /// Returns the allocator. It throws core::IoError where the disk is full.
   [[nodiscard]] ChunkMemory memory();
-  [[nodiscard]] std::size_t mapped_bytes() const { return end_; }
+  [[nodiscard]] std::size_t mapped_bytes() const { return mapped_.used_bytes(); }
 
  private:
-  std::byte* map(std::size_t bytes);
-
-  std::filesystem::path folder_;
-  std::size_t heap_left_, end_ = 0;
-  int file_ = -1;
+  MappedMemory mapped_;
+  std::size_t heap_left_;
   std::vector<std::vector<std::byte>> heap_;
-  std::vector<std::pair<void*, std::size_t>> maps_;
 };
 
 }  // namespace emberfold::io

@@ -17,7 +17,7 @@ AttributeGraph without_touches(const AttributeGraph& graph) {
     if (vertices[graph.index_of(edge.a)].curve == vertices[graph.index_of(edge.b)].curve)
       edges.push_back(edge);
   }
-  return {std::move(vertices), std::move(edges)};
+  return {std::move(vertices), std::move(edges), graph.memory()};
 }
 
 }  // namespace

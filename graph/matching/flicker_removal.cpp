@@ -3,117 +3,46 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <tuple>
+#include <utility>
+#include <vector>
 
-#include <boost/pending/disjoint_sets.hpp>
-
-#include "core/math/robust.hpp"
 #include "graph/events/events.hpp"
+#include "graph/matching/frame_draft.hpp"
+#include "graph/matching/lasting.hpp"
 
 namespace emberfold::graph {
 
 namespace {
 
+using detail::Draft;
+using detail::Lasting;
+
 // Larger distances repair more flicker, and sooner take two strokes for one.
-constexpr double kSamePlace = 15;       // px: largest distance between the two events of one joint
-constexpr double kSameStroke = 4;       // px: largest mean distance of a stroke that comes back
-constexpr double kNearMiddle = 20;      // px: the same of its middle, which growth moves too
-constexpr double kWidestTear = 25;      // px: widest gap that is bridged
-constexpr double kWidestGap = 60;       // px: the same where pieces part and unite in one place
-constexpr double kMostPersistence = 2;  // largest factor on how long a stroke of low gain has to last
-
-/// A frame that is being changed.
-struct Draft {
-  std::vector<Vertex> vertices;
-  std::set<Edge> edges;
-
-  [[nodiscard]] AttributeGraph graph() const { return {vertices, {edges.begin(), edges.end()}}; }
-};
+constexpr double kSamePlace = 15;   // px: largest distance between the two events of one joint
+constexpr double kSameStroke = 4;   // px: largest mean distance of a stroke that comes back
+constexpr double kNearMiddle = 20;  // px: the same of its middle, which growth moves too
+constexpr double kWidestTear = 25;  // px: widest gap that is bridged
+constexpr double kWidestGap = 60;   // px: the same where pieces part and unite in one place
 
 std::vector<Draft> make_drafts(const SketchSequence& sketch) {
-  std::vector<Draft> result;
-  for (const AttributeGraph& g : sketch.frames) {
-    result.push_back({{g.vertices().begin(), g.vertices().end()}, {g.edges().begin(), g.edges().end()}});
-  }
-  return result;
-}
-
-void remove_vertices(Draft& draft, const std::set<VertexId>& gone) {
-  std::erase_if(draft.edges, [&](const Edge& e) { return gone.contains(e.a) || gone.contains(e.b); });
-  std::erase_if(draft.vertices, [&](const Vertex& v) { return gone.contains(v.id); });
+  return {sketch.frames.begin(), sketch.frames.end()};
 }
 
 // ---- strokes that last too short a time ----
 
-/// Returns the factor on the least duration of a stroke: 1 for patches of median gain, up to 2 for lower
-/// gains.
-double persistence_factor(double gain, double usual) {
-  if (!(usual > 0)) return 1;
-  return gain * kMostPersistence <= usual ? kMostPersistence : std::max(1.0, usual / gain);
-}
-
-/// Finds for each vertex whether its component over all frames, by edges and links, lasts long enough.
-/// `weigh_gain`: components of low gain have to last longer.
-std::map<VertexId, bool> find_lasting(const MotionGraph& motion, int frames, bool weigh_gain) {
-  std::map<VertexId, std::size_t> index;
-  std::vector<std::size_t> frame_of;
-  std::vector<double> gains;
-  for (std::size_t t = 0; t < motion.sketch.frames.size(); ++t) {
-    for (const Vertex& v : motion.sketch.frames[t].vertices()) {
-      index.emplace(v.id, index.size());
-      frame_of.push_back(t);
-      gains.push_back(v.patch.gain);
-    }
-  }
-  const std::size_t n = index.size();
-  std::vector<std::size_t> rank(n), parent(n);
-  boost::disjoint_sets wholes(rank.data(), parent.data());
-  for (std::size_t i = 0; i < n; ++i) wholes.make_set(i);
-  for (const AttributeGraph& g : motion.sketch.frames) {
-    for (const Edge& e : g.edges()) wholes.union_set(index.at(e.a), index.at(e.b));
-  }
-  for (const auto& gap : motion.links) {
-    for (const Link& l : gap) wholes.union_set(index.at(l.before), index.at(l.after));
-  }
-  std::vector<std::size_t> first(n, std::numeric_limits<std::size_t>::max()), last(n, 0);
-  std::vector<double> gain(n, 0), patches(n, 0);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t root = wholes.find_set(i);
-    first[root] = std::min(first[root], frame_of[i]);
-    last[root] = std::max(last[root], frame_of[i]);
-    gain[root] += gains[i];
-    patches[root] += 1;
-  }
-  const double usual = gains.empty() ? 0 : core::median(gains);
-  const std::size_t end = motion.sketch.frames.size() - 1;
-  std::map<VertexId, bool> result;
-  for (const auto& [id, i] : index) {
-    const std::size_t root = wholes.find_set(i);
-    // It may have lasted longer outside the clip.
-    const double least =
-        first[root] == 0 || last[root] == end
-            ? 1
-            : frames * (weigh_gain ? persistence_factor(gain[root] / patches[root], usual) : 1);
-    result.emplace(id, static_cast<double>(last[root] - first[root] + 1) > least);
-  }
-  return result;
-}
-
-/// Removes the vertices that do not last. Inserted ones, which `lasts` lacks, and repaired strokes stay.
-void remove_short_lived(std::vector<Draft>& drafts, const std::map<VertexId, bool>& lasts,
+/// Removes the vertices that do not last. Inserted ones and repaired strokes stay.
+void remove_short_lived(Draft& draft, std::size_t frame, const Lasting& lasts,
                         const std::set<SubgraphId>& repaired) {
-  for (Draft& draft : drafts) {
-    std::set<VertexId> gone;
-    for (const Vertex& v : draft.vertices) {
-      const auto known = lasts.find(v.id);
-      if (known != lasts.end() && !known->second && !repaired.contains(v.subgraph)) gone.insert(v.id);
-    }
-    remove_vertices(draft, gone);
-  }
+  const auto vertices = draft.base().vertices();
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (!lasts(frame, i) && !repaired.contains(vertices[i].subgraph)) draft.remove(vertices[i].id);
 }
 
 // ---- strokes that are missing, joined or broken for a short time ----
@@ -153,11 +82,11 @@ void insert_stroke(std::vector<Draft>& drafts, const AttributeGraph& from,
       Vertex copy = from.vertices()[i];
       copies.emplace(copy.id, VertexId{next_id});
       copy.id = {next_id++};
-      draft.vertices.push_back(copy);
+      draft.add(copy);
     }
     for (const Edge& e : from.edges()) {
       const auto a = copies.find(e.a), b = copies.find(e.b);
-      if (a != copies.end() && b != copies.end()) draft.edges.insert({a->second, b->second});
+      if (a != copies.end() && b != copies.end()) draft.join({a->second, b->second});
     }
   }
 }
@@ -182,32 +111,32 @@ bool is_cut_edge(const std::multimap<VertexId, VertexId>& neighbours, Edge edge)
 /// Removes the cut edge of the stroke that is nearest to the place, within kSamePlace.
 void cut_stroke(Draft& draft, SubgraphId stroke, Point place) {
   std::map<VertexId, Point> positions;
-  for (const Vertex& v : draft.vertices) {
+  draft.each_vertex([&](const Vertex& v) {
     if (v.subgraph == stroke) positions.emplace(v.id, v.patch.position);
-  }
+  });
   std::multimap<VertexId, VertexId> neighbours;
   std::vector<std::pair<double, Edge>> near;
-  for (const Edge& e : draft.edges) {
+  draft.each_edge([&](const Edge& e) {
     const auto a = positions.find(e.a), b = positions.find(e.b);
-    if (a == positions.end() || b == positions.end()) continue;
+    if (a == positions.end() || b == positions.end()) return;
     neighbours.emplace(e.a, e.b);
     neighbours.emplace(e.b, e.a);
     const double way = distance((a->second + b->second) * 0.5, place);
     if (way < kSamePlace) near.emplace_back(way, e);
-  }
+  });
   std::sort(near.begin(), near.end());
   const auto first = std::find_if(near.begin(), near.end(),
                                   [&](const auto& n) { return is_cut_edge(neighbours, n.second); });
-  if (first != near.end()) draft.edges.erase(first->second);
+  if (first != near.end()) draft.cut(first->second);
 }
 
 /// Joins two of these strokes by an edge between their nearest patches, less than `widest` px apart.
 /// With more than two strokes, only patches near the place are joined.
 void bridge_pieces(Draft& draft, std::span<const SubgraphId> strokes, Point place, double widest) {
   std::vector<const Vertex*> members;
-  for (const Vertex& v : draft.vertices) {
+  draft.each_vertex([&](const Vertex& v) {
     if (std::ranges::find(strokes, v.subgraph) != strokes.end()) members.push_back(&v);
-  }
+  });
   const bool several = std::ranges::any_of(
       members, [&](const Vertex* v) { return v->subgraph != strokes[0] && v->subgraph != strokes[1]; });
   double least = widest;
@@ -223,16 +152,16 @@ void bridge_pieces(Draft& draft, std::span<const SubgraphId> strokes, Point plac
       nearest = Edge{std::min(a->id, b->id), std::max(a->id, b->id)};
     }
   }
-  if (nearest) draft.edges.insert(*nearest);
+  if (nearest) draft.join(*nearest);
 }
 
 /// Removes all vertices of a stroke.
 void remove_stroke(Draft& draft, SubgraphId stroke) {
-  std::set<VertexId> gone;
-  for (const Vertex& v : draft.vertices) {
-    if (v.subgraph == stroke) gone.insert(v.id);
-  }
-  remove_vertices(draft, gone);
+  std::vector<VertexId> gone;
+  draft.each_vertex([&](const Vertex& v) {
+    if (v.subgraph == stroke) gone.push_back(v.id);
+  });
+  for (const VertexId id : gone) draft.remove(id);
 }
 
 bool is_union(const Event& e) {
@@ -246,15 +175,14 @@ bool is_separation(const Event& e) {
 /// Every event belongs to one pair at most.
 class FlickerRepair {
  public:
-  FlickerRepair(const MotionGraph& motion, const std::map<VertexId, bool>& lasts, int frames)
+  FlickerRepair(const MotionGraph& motion, const Lasting& lasts, int frames)
       : motion_(motion), lasts_(lasts), events_(stroke_events(motion)), frames_(frames) {}
 
   /// Repairs the drafts; returns the strokes that were copied into frames which lacked them.
   std::set<SubgraphId> repair(std::vector<Draft>& drafts) {
     std::uint32_t next_id = 0;
-    for (const Draft& d : drafts) {
-      for (const Vertex& v : d.vertices) next_id = std::max(next_id, v.id.value + 1);
-    }
+    for (const AttributeGraph& g : motion_.sketch.frames)
+      if (!g.empty()) next_id = g.vertices().back().id.value + 1;
     std::set<SubgraphId> repaired;
     std::vector<bool> done(events_.size(), false);
     merge_short_pieces(drafts, done);
@@ -313,7 +241,10 @@ class FlickerRepair {
 
   /// Returns the frame of the piece's death (its birth if it unites), if that is within `frames` frames.
   [[nodiscard]] std::optional<int> find_piece_end(SubgraphId piece, int frame, bool parts) const {
-    for (const Event& e : events_) {
+    const auto before = [](const Event& e, int t) { return e.frame < t; };
+    const auto begin = std::lower_bound(events_.begin(), events_.end(), frame - frames_, before);
+    const auto end = std::lower_bound(begin, events_.end(), frame + frames_ + 1, before);
+    for (const Event& e : std::span(begin, end)) {
       if (parts && e.type == EventType::death && e.before[0] == piece && e.frame - frame <= frames_)
         return e.frame;
       if (!parts && e.type == EventType::birth && e.after[0] == piece && frame - e.frame <= frames_)
@@ -349,11 +280,11 @@ class FlickerRepair {
     }
     if (first.type == EventType::death && second.type == EventType::birth &&
         distance(first.position, second.position) < kNearMiddle) {
-      const AttributeGraph& before = motion_.sketch.frames[static_cast<std::size_t>(first.frame - 1)];
-      const AttributeGraph& after = motion_.sketch.frames[static_cast<std::size_t>(second.frame)];
+      const auto last = static_cast<std::size_t>(first.frame) - 1,
+                 again = static_cast<std::size_t>(second.frame);
+      const AttributeGraph &before = motion_.sketch.frames[last], &after = motion_.sketch.frames[again];
       const auto gone = find_vertices(before, first.before[0]), back = find_vertices(after, second.after[0]);
-      if (!lasts_.at(before.vertices()[gone.front()].id) || !lasts_.at(after.vertices()[back.front()].id))
-        return false;
+      if (!lasts_(last, gone.front()) || !lasts_(again, back.front())) return false;
       if (mean_distance(before, gone, after, back) > kSameStroke ||
           mean_distance(after, back, before, gone) > kSameStroke)
         return false;
@@ -364,7 +295,7 @@ class FlickerRepair {
   }
 
   const MotionGraph& motion_;
-  const std::map<VertexId, bool>& lasts_;
+  const Lasting& lasts_;
   std::vector<Event> events_;
   int frames_;
 };
@@ -373,12 +304,15 @@ class FlickerRepair {
 
 SketchSequence remove_flicker(const MotionGraph& motion, int frames) {
   if (motion.sketch.frames.empty() || frames <= 0) return motion.sketch;
-  const std::map<VertexId, bool> lasts = find_lasting(motion, frames, false);
   std::vector<Draft> changed = make_drafts(motion.sketch);
-  const std::set<SubgraphId> repaired = FlickerRepair(motion, lasts, frames).repair(changed);
-  remove_short_lived(changed, find_lasting(motion, frames, true), repaired);
+  const auto repaired = FlickerRepair(motion, Lasting(motion, frames, false), frames).repair(changed);
+  const Lasting lasts(motion, frames, true);
   SketchSequence result{motion.sketch.width, motion.sketch.height, motion.sketch.fps, {}};
-  for (const Draft& draft : changed) result.append(draft.graph());
+  for (std::size_t t = 0; t < changed.size(); ++t) {
+    remove_short_lived(changed[t], t, lasts, repaired);
+    result.append(changed[t].graph());
+    changed[t] = Draft(AttributeGraph());
+  }
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 namespace emberfold::mcmc::detail {
@@ -192,7 +193,10 @@ std::vector<CurveTrack> track_curves(const graph::MotionGraph& motion) {
       std::vector<Index> going;
       for (const Index i : alive) {
         auto sample = step(frames[t - 1], frames[t], next, all[i].samples.back());
-        if (!sample) continue;
+        if (!sample) {
+          all[i].samples.shrink_to_fit();
+          continue;
+        }
         sample->normal_displacement += all[i].samples.back().normal_displacement;
         all[i].samples.push_back(*sample);
         going.push_back(i);
@@ -206,27 +210,43 @@ std::vector<CurveTrack> track_curves(const graph::MotionGraph& motion) {
   return all;
 }
 
-TrackNeighbours find_track_neighbours(const graph::MotionGraph& motion, const std::vector<CurveTrack>& all) {
+void visit_frames(const std::vector<CurveTrack>& tracks, std::size_t frames,
+                  const std::function<void(std::size_t, std::span<const Index>)>& visit) {
+  std::vector<Index> by_first(tracks.size()), there;
+  std::iota(by_first.begin(), by_first.end(), Index{0});
+  std::ranges::stable_sort(by_first, {}, [&](Index i) { return tracks[i].first; });
+  auto next = by_first.begin();
+  for (std::size_t t = 0; t < frames; ++t) {
+    std::erase_if(there, [&](Index i) { return tracks[i].last() < static_cast<int>(t); });
+    for (; next != by_first.end() && tracks[*next].first <= static_cast<int>(t); ++next)
+      if (tracks[*next].last() >= static_cast<int>(t)) there.push_back(*next);
+    std::ranges::sort(there);
+    visit(t, there);
+  }
+}
+
+void visit_track_neighbours(
+    const graph::MotionGraph& motion, const std::vector<CurveTrack>& all,
+    const std::function<void(std::size_t, const std::vector<TrackNeighbours::Pair>&)>& visit) {
   const auto& frames = motion.sketch.frames;
-  std::vector<Lists> at(frames.size());
-  for (std::size_t t = 0; t < frames.size(); ++t) at[t].resize(frames[t].size());
-  for (Index i = 0; i < all.size(); ++i)
-    for (std::size_t k = 0; k < all[i].samples.size(); ++k)
-      at[static_cast<std::size_t>(all[i].first) + k][all[i].samples[k].vertex].push_back(i);
-  TrackNeighbours result;
-  result.frames.resize(frames.size());
-  for (std::size_t t = 0; t < frames.size(); ++t)
+  visit_frames(all, frames.size(), [&](std::size_t t, std::span<const Index> there) {
+    const auto sample = [&](Index i) -> const TrackSample& {
+      return all[i].samples[t - static_cast<std::size_t>(all[i].first)];
+    };
+    Lists at(frames[t].size());
+    for (const Index i : there) at[sample(i).vertex].push_back(i);
+    std::vector<TrackNeighbours::Pair> pairs;
     for (Index v = 0; v < frames[t].size(); ++v)
-      for (const Index i : at[t][v]) {
-        const auto& mine = all[i].samples[t - static_cast<std::size_t>(all[i].first)];
+      for (const Index i : at[v]) {
+        const auto& mine = sample(i);
         const Point along = {mine.normal.y, -mine.normal.x};
         // The nearest one ahead and the nearest one behind.
         for (const double side : {1.0, -1.0}) {
           double nearest = side_by_side;
           std::optional<Index> found;
           int sense = 1;
-          visit_near(frames[t], at[t], v, [&](Index j) {
-            const auto& other = all[j].samples[t - static_cast<std::size_t>(all[j].first)];
+          visit_near(frames[t], at, v, [&](Index j) {
+            const auto& other = sample(j);
             const Point offset = other.position - mine.position;
             const double distance = graph::norm(offset);
             if (j == i || distance >= nearest || side * graph::dot(offset, along) < 0.5 * distance) return;
@@ -234,9 +254,18 @@ TrackNeighbours find_track_neighbours(const graph::MotionGraph& motion, const st
             found = j;
             sense = graph::dot(mine.normal, other.normal) < 0 ? -1 : 1;
           });
-          if (found) result.frames[t].push_back({i, *found, sense});
+          if (found) pairs.push_back({i, *found, sense});
         }
       }
+    visit(t, pairs);
+  });
+}
+
+TrackNeighbours find_track_neighbours(const graph::MotionGraph& motion, const std::vector<CurveTrack>& all) {
+  TrackNeighbours result;
+  visit_track_neighbours(motion, all, [&](std::size_t, const std::vector<TrackNeighbours::Pair>& pairs) {
+    result.frames.push_back(pairs);
+  });
   return result;
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "graph/motion_graph.hpp"
@@ -31,6 +34,11 @@ struct CurveTrack {
 /// Returns the tracks ordered by first frame, then vertex. O(vertices).
 std::vector<CurveTrack> track_curves(const graph::MotionGraph& motion);
 
+/// Visits so many frames in order, each with the indices of the tracks that go through it, ascending.
+/// O(samples).
+void visit_frames(const std::vector<CurveTrack>& tracks, std::size_t frames,
+                  const std::function<void(std::size_t frame, std::span<const std::uint32_t> there)>& visit);
+
 /// Lists for every frame the pairs of tracks that lie next to each other on a curve.
 struct TrackNeighbours {
   struct Pair {
@@ -43,6 +51,10 @@ struct TrackNeighbours {
 /// Finds the nearest track ahead and behind of each track in every frame, up to 12 px away. O(samples).
 TrackNeighbours find_track_neighbours(const graph::MotionGraph& motion,
                                       const std::vector<CurveTrack>& tracks);
+/// Visits each frame's pairs of neighbours, in order, and keeps none.
+void visit_track_neighbours(
+    const graph::MotionGraph& motion, const std::vector<CurveTrack>& tracks,
+    const std::function<void(std::size_t frame, const std::vector<TrackNeighbours::Pair>& pairs)>& visit);
 
 /// Holds a value that a track assigns to a patch.
 struct TrackValue {

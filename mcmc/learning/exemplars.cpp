@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/simulation/simulated_strokes.hpp"
@@ -53,29 +54,33 @@ Exemplar exemplar(const AttributeGraph& rest, const std::vector<Index>& indices)
 std::vector<std::vector<Deviation>> patch_deviations(const graph::MotionGraph& motion,
                                                      const std::vector<detail::CurveTrack>& all,
                                                      const Series& normal_displacement) {
-  const auto& frames = motion.sketch.frames;
-  std::vector<std::vector<detail::TrackValue>> moved(frames.size()), shone(frames.size());
+  struct Mean {
+    double displacement = 0, contrast = 0;
+  };
+  std::vector<Mean> means;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& samples = all[i].samples;
     const double length = double(samples.size());
-    const double mean =
-        std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) / length;
-    double contrast = 0;
-    for (const auto& sample : samples) contrast += sample.contrast / length;
-    for (std::size_t k = 0; k < samples.size(); ++k) {
-      const auto t = static_cast<std::size_t>(all[i].first) + k;
-      moved[t].push_back({samples[k].vertex, samples[k].normal * (normal_displacement[i][k] - mean)});
-      shone[t].push_back({samples[k].vertex, {samples[k].contrast - contrast, 0}});
-    }
+    means.push_back(
+        {std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) / length, 0});
+    for (const auto& sample : samples) means.back().contrast += sample.contrast / length;
   }
+  const auto& frames = motion.sketch.frames;
   std::vector<std::vector<Deviation>> result;
-  for (std::size_t t = 0; t < frames.size(); ++t) {
-    const auto offsets = detail::smooth_over_patches(frames[t], moved[t]);
-    const auto gains = detail::smooth_over_patches(frames[t], shone[t]);
-    result.emplace_back();
+  detail::visit_frames(all, frames.size(), [&](std::size_t t, std::span<const Index> there) {
+    std::vector<detail::TrackValue> moved, shone;
+    for (const Index i : there) {
+      const auto k = t - static_cast<std::size_t>(all[i].first);
+      const auto& sample = all[i].samples[k];
+      moved.push_back({sample.vertex, sample.normal * (normal_displacement[i][k] - means[i].displacement)});
+      shone.push_back({sample.vertex, {sample.contrast - means[i].contrast, 0}});
+    }
+    const auto offsets = detail::smooth_over_patches(frames[t], moved);
+    const auto gains = detail::smooth_over_patches(frames[t], shone);
+    result.emplace_back().reserve(offsets.size());
     for (std::size_t v = 0; v < offsets.size(); ++v)
       result.back().push_back({offsets[v], std::clamp(gains[v].x, -most_gain, most_gain)});
-  }
+  });
   return result;
 }
 

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include <Eigen/LU>
@@ -27,7 +29,7 @@ struct Deviations {
   Series own, neighbours;
 };
 
-Deviations track_deviations(const std::vector<detail::CurveTrack>& all, const detail::TrackNeighbours& sides,
+Deviations track_deviations(const graph::MotionGraph& motion, const std::vector<detail::CurveTrack>& all,
                             const Series& series, bool turns) {
   Deviations result{series, series};
   for (auto& d : result.own) {
@@ -37,13 +39,14 @@ Deviations track_deviations(const std::vector<detail::CurveTrack>& all, const de
   for (auto& g : result.neighbours) std::ranges::fill(g, 0.0);
   std::vector<std::vector<int>> count(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) count[i].resize(series[i].size());
-  for (std::size_t t = 0; t < sides.frames.size(); ++t)
-    for (const auto& [a, b, sense] : sides.frames[t]) {
+  detail::visit_track_neighbours(motion, all, [&](std::size_t t, const auto& pairs) {
+    for (const auto& [a, b, sense] : pairs) {
       const auto at_a = t - static_cast<std::size_t>(all[a].first),
                  at_b = t - static_cast<std::size_t>(all[b].first);
       result.neighbours[a][at_a] += (turns ? sense : 1) * result.own[b][at_b];
       ++count[a][at_a];
     }
+  });
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t k = 0; k < count[i].size(); ++k)
       if (count[i][k] > 0) result.neighbours[i][k] = result.neighbours[i][k] / count[i][k] - result.own[i][k];
@@ -186,35 +189,40 @@ Moments& Moments::operator+=(const Moments& other) {
   return *this;
 }
 
-MotionObservations& MotionObservations::operator+=(const MotionObservations& other) {
+MotionObservations& MotionObservations::operator+=(MotionObservations other) {
   moments += other.moments;
-  paths.insert(paths.end(), other.paths.begin(), other.paths.end());
+  if (paths.empty()) {
+    paths = std::move(other.paths);
+  } else {
+    std::ranges::move(other.paths, std::back_inserter(paths));
+  }
   return *this;
 }
 
 MotionObservations collect_observations(const graph::MotionGraph& motion,
                                         const std::vector<detail::CurveTrack>& all, const Series& series,
                                         bool turns) {
-  const Deviations d = track_deviations(all, detail::find_track_neighbours(motion, all), series, turns);
+  const Deviations d = track_deviations(motion, all, series, turns);
   const auto tells_rest = [&](std::size_t i) { return d.own[i].size() >= shortest_window; };
   MotionObservations seen;
   Moments& sums = seen.moments;
-  std::vector<std::vector<std::uint32_t>> there(motion.sketch.frames.size());
   for (std::uint32_t i = 0; i < all.size(); ++i) {
     for (std::size_t t = K - 1; tells_rest(i) && t < d.own[i].size(); ++t) {
       const Window psi = window(d, i, t);
       sums.own += psi * psi.transpose();
       ++sums.windows;
     }
-    for (std::size_t k = 0; tells_rest(i) && k < all[i].samples.size(); ++k)
-      there[static_cast<std::size_t>(all[i].first) + k].push_back(i);
     if (d.own[i].size() < shortest_path) continue;
     detail::DeviationPath path{d.own[i], d.own[i]};
     for (std::size_t k = 0; k < path.neighbour_mean.size(); ++k) path.neighbour_mean[k] += d.neighbours[i][k];
     seen.paths.push_back(std::move(path));
   }
-  for (std::size_t t = 0; t < there.size(); ++t)
-    add_pairs(sums, motion.sketch.frames[t], t, there[t], all, d.own, turns);
+  const auto& frames = motion.sketch.frames;
+  detail::visit_frames(all, frames.size(), [&](std::size_t t, std::span<const std::uint32_t> there) {
+    std::vector<std::uint32_t> resting;
+    std::ranges::copy_if(there, std::back_inserter(resting), tells_rest);
+    add_pairs(sums, frames[t], t, resting, all, d.own, turns);
+  });
   return seen;
 }
 

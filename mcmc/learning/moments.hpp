@@ -54,7 +54,7 @@ struct MotionObservations {
   Moments moments;                           ///< of tracks of 12 frames or more: shorter ones show no rest
   std::vector<detail::DeviationPath> paths;  ///< of tracks of 6 frames or more
 
-  MotionObservations& operator+=(const MotionObservations& other);
+  MotionObservations& operator+=(MotionObservations other);
 };
 
 /// Collects the observations of one attribute of a clip's tracks. `turns_with_normal`: whether its sign

@@ -238,7 +238,7 @@ void measure(const Measurement& one, std::span<const Reading> readings, const Fr
 }
 
 /// Measures all while the clip is read once.
-void measure_all(core::FrameSource& source, std::span<const Reading> readings, int frames,
+void measure_all(core::FrameSource& source, std::span<Reading> readings, int frames,
                  std::span<const Measurement> measurements, std::span<PooledEvent> events,
                  const core::Context& context) {
   FrameWindow window;
@@ -248,6 +248,8 @@ void measure_all(core::FrameSource& source, std::span<const Reading> readings, i
     std::size_t ready = done;
     while (ready < measurements.size() && std::min(frames, measurements[ready].frame + kReach) <= end)
       ++ready;
+    core::parallel_for(readings.size(), context,
+                       [&](std::size_t k) { readings[k].index.hold(window.first(), std::min(frames, end)); });
     core::parallel_for(ready - done, context, [&](std::size_t k) {
       const Measurement& one = measurements[done + k];
       measure(one, readings, window, frames, events[one.pooled].weighed.evidence);

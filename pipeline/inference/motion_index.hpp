@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -10,10 +12,15 @@
 
 namespace emberfold::pipeline {
 
-/// Finds the patches of a motion graph by link and by place. Refers to the graph.
+/// Finds the patches of a motion graph by link and by place, in the frames that it holds. Refers to the
+/// graph.
 class MotionIndex {
  public:
-  explicit MotionIndex(const graph::MotionGraph& motion);
+  explicit MotionIndex(const graph::MotionGraph& motion) : motion_(motion) {}
+
+  /// Indexes the frames first…end − 1, as far as it does not hold them, and forgets those before. Neither
+  /// number may decrease from call to call.
+  void hold(int first, int end);
 
   [[nodiscard]] const graph::AttributeGraph& graph(int frame) const {
     return motion_.sketch.frames[static_cast<std::size_t>(frame)];
@@ -29,8 +36,14 @@ class MotionIndex {
     std::vector<std::uint32_t> next, previous;  // vertex indices, kNone where there is none
     graph::detail::PointGrid places;
   };
+  [[nodiscard]] Frame index(std::size_t frame) const;
+  [[nodiscard]] const Frame& held(int frame) const {
+    return frames_[static_cast<std::size_t>(frame - first_)];
+  }
+
   const graph::MotionGraph& motion_;
-  std::vector<Frame> frames_;
+  int first_ = 0;
+  std::deque<Frame> frames_;
 };
 
 }  // namespace emberfold::pipeline

@@ -33,9 +33,9 @@ io::Columns sketch_columns(const std::string& key, const SketchedClip& clip, std
 }
 
 /// Appends the frames of columns; false where they are damaged.
-bool append_sketch(SketchedClip& clip, const io::Columns& columns) {
+bool append_sketch(SketchedClip& clip, const io::Columns& columns, const core::Context& context) {
   try {
-    const auto graphs = read_graphs(columns);
+    const auto graphs = read_graphs(columns, context.memory());
     auto grounds = read_grounds(columns);
     if (graphs.size() != grounds.size()) return false;
     for (const auto& graph : graphs) clip.sketch.append(graph);
@@ -145,11 +145,11 @@ std::string model_mark(const core::ModelArchive& archive) {
 AnalysisStages::AnalysisStages(fs::path run, StageKeys keys)
     : run_(std::move(run)), folder_(run_ / "stages"), keys_(std::move(keys)) {}
 
-SketchedClip AnalysisStages::read_parts(int* parts) const {
+SketchedClip AnalysisStages::read_parts(int* parts, const core::Context& context) const {
   SketchedClip clip;
   for (*parts = 0;; ++*parts) {
     const auto columns = io::read_columns(folder_ / kParts / std::to_string(*parts), keys_.sketch);
-    if (!columns || !append_sketch(clip, *columns)) return clip;
+    if (!columns || !append_sketch(clip, *columns, context)) return clip;
   }
 }
 
@@ -158,13 +158,13 @@ SketchedClip AnalysisStages::sketch(core::FrameSource& source, const sketch::Ext
   std::error_code ignored;
   if (const auto whole = io::read_columns(folder_ / "sketch", keys_.sketch)) {
     SketchedClip clip;
-    if (append_sketch(clip, *whole)) {
+    if (append_sketch(clip, *whole, context)) {
       set_size(clip, source.info());
       return clip;
     }
   }
   int parts = 0;
-  auto begun = read_parts(&parts);
+  auto begun = read_parts(&parts, context);
   if (parts == 0) fs::remove_all(folder_ / kParts, ignored);
   auto clip = sketch_clip(source, options, context, std::move(begun),
                           [&](const SketchedClip& made, std::size_t first) {
@@ -173,17 +173,19 @@ SketchedClip AnalysisStages::sketch(core::FrameSource& source, const sketch::Ext
                                               sketch_columns(keys_.sketch, made, first));
                           });
   if (clip.grounds.size() < kLeastFrames) return clip;
-  io::write_columns(folder_ / "sketch", sketch_columns(keys_.sketch, clip, 0));
+  io::ColumnWriter writer(folder_ / "sketch");
+  write_graphs(writer, clip.sketch, clip.grounds, {});
+  writer.finish(keys_.sketch, {});
   fs::remove_all(folder_ / kParts, ignored);
   return clip;
 }
 
-std::optional<FoundMotion> AnalysisStages::read_motion() const {
+std::optional<FoundMotion> AnalysisStages::read_motion(const core::Context& context) const {
   const auto columns = io::read_columns(folder_ / "motion", keys_.motion);
   if (!columns) return std::nullopt;
   try {
     FoundMotion found;
-    found.motion.sketch.frames = read_graphs(*columns);
+    found.motion.sketch.frames = read_graphs(*columns, context.memory());
     found.motion.links = read_links(*columns);
     const auto size = nlohmann::json::parse(columns->text);
     found.motion.sketch.width = size.at("width"), found.motion.sketch.height = size.at("height");
@@ -200,12 +202,13 @@ std::optional<FoundMotion> AnalysisStages::read_motion() const {
 void AnalysisStages::keep_motion(const FoundMotion& found) const {
   const auto& sketch = found.motion.sketch;
   const nlohmann::json size = {{"width", sketch.width}, {"height", sketch.height}, {"fps", sketch.fps}};
-  io::Columns columns{keys_.motion, size.dump(), {}};
-  add_graphs(columns, sketch.frames);
-  add_links(columns, found.motion);
+  io::ColumnWriter writer(folder_ / "motion");
+  write_graphs(writer, sketch, {}, found.motion.links);
+  io::Columns columns;
   add_joints(columns, found.joints);
   add_events(columns, found.all_events);
-  io::write_columns(folder_ / "motion", columns);
+  writer.append(columns.arrays);
+  writer.finish(keys_.motion, size.dump());
 }
 
 std::optional<LearnedModel> AnalysisStages::read_model() const {

@@ -44,7 +44,7 @@ class AnalysisStages {
   /// Sketches the clip, or what is missing of it.
   SketchedClip sketch(core::FrameSource& source, const sketch::ExtractOptions& options,
                       const core::Context& context) const;
-  [[nodiscard]] std::optional<FoundMotion> read_motion() const;
+  [[nodiscard]] std::optional<FoundMotion> read_motion(const core::Context& context = {}) const;
   void keep_motion(const FoundMotion& found) const;
   [[nodiscard]] std::optional<LearnedModel> read_model() const;
   /// Keeps the model in the run's folder `model`.
@@ -54,7 +54,7 @@ class AnalysisStages {
   std::function<void(const Analysis& found, const core::ClipInfo& info)> on_events;
 
  private:
-  [[nodiscard]] SketchedClip read_parts(int* parts) const;
+  [[nodiscard]] SketchedClip read_parts(int* parts, const core::Context& context) const;
 
   std::filesystem::path run_, folder_;
   StageKeys keys_;

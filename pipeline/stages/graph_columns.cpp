@@ -110,7 +110,7 @@ void add_graphs(io::Columns& columns, std::span<const graph::AttributeGraph> fra
   add(columns, "edges", {2}, std::move(edges));
 }
 
-std::vector<graph::AttributeGraph> read_graphs(const io::Columns& columns) {
+std::vector<graph::AttributeGraph> read_graphs(const io::Columns& columns, const graph::GraphMemory& memory) {
   const auto& types = values<std::uint8_t>(columns, "types", 1);
   const auto& numbers = values<double>(columns, "numbers", kNumbers);
   const auto& levels = values<float>(columns, "levels", kLevels);
@@ -143,7 +143,7 @@ std::vector<graph::AttributeGraph> read_graphs(const io::Columns& columns) {
       joined.push_back({end(0), end(1)});
     }
     try {
-      graphs.emplace_back(std::move(vertices), std::move(joined));
+      graphs.emplace_back(std::move(vertices), std::move(joined), memory);
     } catch (const core::InputError& error) {
       throw core::IoError(error.what());
     }
@@ -190,9 +190,9 @@ std::vector<sketch::FrameBackground> read_grounds(const io::Columns& columns) {
   return grounds;
 }
 
-void add_links(io::Columns& columns, const graph::MotionGraph& motion) {
+void add_links(io::Columns& columns, std::span<const std::vector<graph::Link>> links_of) {
   std::vector<std::int64_t> begin{0}, links;
-  for (const auto& gap : motion.links) {
+  for (const auto& gap : links_of) {
     for (const auto& link : gap) links.insert(links.end(), {link.before.value, link.after.value});
     begin.push_back(static_cast<std::int64_t>(links.size() / 2));
   }
@@ -213,6 +213,47 @@ std::vector<std::vector<graph::Link>> read_links(const io::Columns& columns) {
       gaps[t].push_back({end(0), end(1)});
     }
   return gaps;
+}
+
+namespace {
+
+/// Takes the places where frames begin out of the columns of some frames and puts them behind those of the
+/// frames before. `row`: numbers a frame has.
+void move_begins(io::Columns& columns, const std::string& name, std::size_t row,
+                 std::vector<std::int64_t>& begin) {
+  const auto found = columns.arrays.extract(name);
+  const auto& more = std::get<std::vector<std::int64_t>>(found.mapped().data);
+  if (begin.empty()) begin.assign(row, 0);
+  const std::size_t before = begin.size() - row;
+  for (std::size_t i = row; i < more.size(); ++i) begin.push_back(begin[before + i % row] + more[i]);
+}
+
+}  // namespace
+
+void write_graphs(io::ColumnWriter& writer, const graph::SketchSequence& sketch,
+                  std::span<const sketch::FrameBackground> grounds,
+                  std::span<const std::vector<graph::Link>> links) {
+  constexpr std::size_t kTogether = 32;  // frames
+  const std::span frames(sketch.frames);
+  std::vector<std::int64_t> begin, begin_links;
+  std::size_t first = 0;
+  do {
+    const std::size_t count = std::min(kTogether, frames.size() - first);
+    io::Columns block;
+    add_graphs(block, frames.subspan(first, count));
+    move_begins(block, "frames", 2, begin);
+    if (!grounds.empty()) add_grounds(block, grounds.subspan(first, count));
+    if (!links.empty()) {
+      add_links(block, links.subspan(first, count));
+      move_begins(block, "link_frames", 1, begin_links);
+    }
+    writer.append(block.arrays);
+    first += count;
+  } while (first < frames.size());
+  io::Columns whole;
+  add(whole, "frames", {2}, std::move(begin));
+  if (!links.empty()) add(whole, "link_frames", {}, std::move(begin_links));
+  writer.append(whole.arrays);
 }
 
 }  // namespace emberfold::pipeline

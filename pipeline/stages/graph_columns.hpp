@@ -17,8 +17,9 @@ namespace emberfold::pipeline {
 /// float32: left, middle, right of blue, green, red), `types` (uint8: PatchType) and `ids` (× 3, int64:
 /// vertex, stroke, curve); `edges` (× 2, int32): which patches of their frame they join.
 void add_graphs(io::Columns& columns, std::span<const graph::AttributeGraph> frames);
-/// Reads the graphs. Throws core::IoError where the columns do not fit each other.
-std::vector<graph::AttributeGraph> read_graphs(const io::Columns& columns);
+/// Reads the graphs into this memory. Throws core::IoError where the columns do not fit each other.
+std::vector<graph::AttributeGraph> read_graphs(const io::Columns& columns,
+                                               const graph::GraphMemory& memory = {});
 
 /// Adds the backgrounds of frames, all of one size: `cells` (frames × rows × columns × channels, float32),
 /// `open` (frames × rows × columns, uint8), `seen` (frames × 2 × rows × columns × channels, uint8).
@@ -27,7 +28,13 @@ std::vector<sketch::FrameBackground> read_grounds(const io::Columns& columns);
 
 /// Adds links: `links` (× 2, int64: vertices) and `link_frames` (frames + 1, int64: where each frame's
 /// begin).
-void add_links(io::Columns& columns, const graph::MotionGraph& motion);
+void add_links(io::Columns& columns, std::span<const std::vector<graph::Link>> links);
 std::vector<std::vector<graph::Link>> read_links(const io::Columns& columns);
+
+/// Writes what add_graphs, add_grounds and add_links add, some frames at a time. `grounds`: as many as the
+/// sketch has frames, or none; `links`: none, or those of a motion graph.
+void write_graphs(io::ColumnWriter& writer, const graph::SketchSequence& sketch,
+                  std::span<const sketch::FrameBackground> grounds,
+                  std::span<const std::vector<graph::Link>> links);
 
 }  // namespace emberfold::pipeline

@@ -20,12 +20,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           return core::ModelArchive{{}, columns.arrays, {}};
         });
   };
-  check(pipeline::read_graphs, pipeline::add_graphs);
+  check([](const io::Columns& columns) { return pipeline::read_graphs(columns); }, pipeline::add_graphs);
   check(pipeline::read_grounds, pipeline::add_grounds);
   check(pipeline::read_links, [](io::Columns& columns, const std::vector<std::vector<graph::Link>>& links) {
-    graph::MotionGraph motion;
-    motion.links = links;
-    pipeline::add_links(columns, motion);
+    pipeline::add_links(columns, links);
   });
   return 0;
 }

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/attribute_graph.hpp"
 
+#include <algorithm>
 #include <map>
+#include <memory>
+#include <memory_resource>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "core/error.hpp"
 #include "tests/support/catch.hpp"
@@ -176,4 +181,56 @@ TEST_CASE("Anchors are vertices, but no curves or components, and have no edges"
         AttributeGraph({test::vertex(2, 0, 0), test::vertex(9, 5, 0)}, {{{2}, {9}}}));
   CHECK(test::contains(refusal({test::vertex(0, 0, 0), test::anchor(1, 2, 3)}, {{{0}, {1}}}),
                        "ends at vertex 1, an anchor"));
+}
+
+namespace {
+
+/// Counts what is taken from the heap and given back.
+class CountingMemory final : public std::pmr::memory_resource {
+ public:
+  int blocks = 0;
+  std::size_t bytes = 0;
+
+ private:
+  void* do_allocate(std::size_t size, std::size_t alignment) override {
+    ++blocks, bytes += size;
+    return std::pmr::new_delete_resource()->allocate(size, alignment);
+  }
+  void do_deallocate(void* block, std::size_t size, std::size_t alignment) override {
+    --blocks, bytes -= size;
+    std::pmr::new_delete_resource()->deallocate(block, size, alignment);
+  }
+  [[nodiscard]] bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
+    return this == &other;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Copies of a graph share its memory, and what is made of it lies there", "[graph]") {
+  const auto memory = std::make_shared<CountingMemory>();
+  core::Rng rng(2);
+  const AttributeGraph plain = test::random_graph(rng, 5, 4);
+  {
+    const AttributeGraph kept = plain.kept_in(memory);
+    CHECK(kept == plain);
+    CHECK(kept.memory() == memory);
+    CHECK(memory->blocks == 1);
+    CHECK(kept.vertices().data() != plain.vertices().data());
+    for (std::size_t i = 0; i < plain.size(); ++i)
+      CHECK(std::ranges::equal(kept.neighbours(i), plain.neighbours(i)));
+    AttributeGraph copy = kept;
+    CHECK(copy.kept_in(memory).vertices().data() == kept.vertices().data());
+    const AttributeGraph moved = std::move(copy);
+    CHECK(moved.vertices().data() == kept.vertices().data());
+    CHECK(memory->blocks == 1);
+    const auto curves = kept.with_curves(std::vector<graph::CurveId>(kept.size(), {7}));
+    CHECK(memory->blocks == 2);
+    CHECK(curves.vertices().front().curve == graph::CurveId{7});
+    CHECK(kept.vertices().front().curve == graph::CurveId{});
+    CHECK(memory->bytes < 2 * (kept.size() * (sizeof(graph::Vertex) + 4) + kept.edges().size() * 16 + 8));
+  }
+  CHECK(memory->blocks == 0);
+  CHECK(AttributeGraph().kept_in(memory) == AttributeGraph());
+  CHECK(memory->blocks == 0);
 }

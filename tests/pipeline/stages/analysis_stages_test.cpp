@@ -74,7 +74,7 @@ TEST_CASE("graphs, backgrounds and links that are kept as columns are read back 
   const auto motion = graph::match(made.sketch, {});
   io::Columns columns{"key", "text", {}};
   pipeline::add_graphs(columns, motion.sketch.frames);
-  pipeline::add_links(columns, motion);
+  pipeline::add_links(columns, motion.links);
   pipeline::add_grounds(columns, made.grounds);
   const TempFolder temp;
   io::write_columns(temp / "stage", columns);
@@ -85,6 +85,24 @@ TEST_CASE("graphs, backgrounds and links that are kept as columns are read back 
   CHECK(pipeline::read_graphs(*read) == motion.sketch.frames);
   CHECK(pipeline::read_links(*read) == motion.links);
   CHECK(same({made.sketch, pipeline::read_grounds(*read)}, made));
+}
+
+TEST_CASE("graphs that are written some frames at a time are the same columns") {
+  const auto clip = moving_strokes(70);
+  core::ClipSource source(clip);
+  const auto made = pipeline::sketch_clip(source, {}, {});
+  const auto motion = graph::match(made.sketch, {});
+  io::Columns columns{"key", {}, {}};
+  pipeline::add_graphs(columns, motion.sketch.frames);
+  pipeline::add_links(columns, motion.links);
+  pipeline::add_grounds(columns, made.grounds);
+  const TempFolder temp;
+  io::ColumnWriter writer(temp / "stage");
+  pipeline::write_graphs(writer, motion.sketch, made.grounds, motion.links);
+  writer.finish("key", {});
+  const auto read = io::read_columns(temp / "stage", "key");
+  REQUIRE(read);
+  CHECK(read->arrays == columns.arrays);
 }
 
 TEST_CASE("columns that are cut off or do not fit each other are found out") {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "graph/motion_graph.hpp"
+
+namespace emberfold::graph::detail {
+
+/// Tells of each vertex of a motion graph whether its component over all frames, by edges and links, lasts
+/// long enough.
+class Lasting {
+ public:
+  /// `weigh_gain`: components of low gain have to last longer.
+  Lasting(const MotionGraph& motion, int frames, bool weigh_gain);
+
+  [[nodiscard]] bool operator()(std::size_t frame, std::size_t vertex) const {
+    return lasts_[begin_[frame] + vertex];
+  }
+
+ private:
+  std::vector<std::size_t> begin_;  // of each frame's vertices
+  std::vector<bool> lasts_;
+};
+
+}  // namespace emberfold::graph::detail
