@@ -109,6 +109,7 @@ void bind_model_options(py::module_& module) {
       .value("fine", mcmc::StrokeChoice::fine);
   py::enum_<pipeline::ModelFill>(module, "ModelFill", doc("pipeline::ModelFill"))
       .value("footage", pipeline::ModelFill::footage)
+      .value("carried", pipeline::ModelFill::carried)
       .value("diffusion", pipeline::ModelFill::diffusion)
       .value("texture", pipeline::ModelFill::texture)
       .value("dytex", pipeline::ModelFill::dytex);
