@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <utility>
 
 #include "core/error.hpp"
 #include "core/math/robust.hpp"
 #include "mcmc/learning/stroke_places.hpp"
+#include "pipeline/carried/life_again.hpp"
 #include "pipeline/footage/motion_scale.hpp"
 
 namespace emberfold::pipeline {
@@ -21,15 +21,10 @@ using graph::Point;
 using Index = std::uint32_t;
 
 constexpr std::uint32_t kStream = 0x63617272;  // of the random stream
-constexpr int kFade = 4;               // moments over which strokes come and go that did not in the clip
-constexpr int kTries = 32;             // lives and places of which the most fitting is taken
-constexpr double kBorder = 6;          // px over which a stroke blends into where it is carried
-constexpr double kJitter = 3;          // px, SD: from where a stroke lived to where it lives again
-constexpr int kApart = 8;              // frames between a stroke's life and its life again, at least
-constexpr double kCrowd = 30;          // grey levels that another stroke at its place counts for
-constexpr std::size_t kCompared = 10;  // patches that are looked at
-constexpr double kFarthest = 32;       // px that the wind carries a stroke, about
-constexpr std::size_t kFromEnd = 4;    // patches between a split and a free end
+constexpr int kFade = 4;             // moments over which strokes come and go that did not in the clip
+constexpr double kBorder = 6;        // px over which a stroke blends into where it is carried
+constexpr double kFarthest = 32;     // px that the wind carries a stroke, about
+constexpr std::size_t kFromEnd = 4;  // patches between a split and a free end
 
 std::size_t index(EventType type) {
   return static_cast<std::size_t>(type);
@@ -229,44 +224,10 @@ void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
   hide(gap, false);
 }
 
-/// Lets a stroke of another time live again where it fits in.
+/// Lets a stroke of another time live again.
 void CarriedPlay::bear_again(core::Rng& rng) {
-  const auto& lives = clip_->lives();
-  if (lives.empty()) return;
-  std::vector<double> weights;
-  if (edit_.birth_map) weights = edit_.birth_map->values;
-  Again best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kTries; ++i) {
-    const auto& life = lives[rng.below(static_cast<std::uint32_t>(lives.size()))];
-    const auto& graph = clip_->graph(life.first);
-    const auto& patches = life.patches.front();
-    Point offset{kJitter * rng.normal(), kJitter * rng.normal()};
-    if (edit_.birth_map) {
-      const auto cell = rng.categorical(weights);
-      const auto columns = static_cast<std::size_t>(edit_.birth_map->columns);
-      const Point to{
-          (static_cast<double>(cell % columns) + rng.uniform()) * edit_.birth_map->cell,
-          (std::floor(static_cast<double>(cell / columns)) + rng.uniform()) * edit_.birth_map->cell};
-      offset = to - mcmc::stroke_middle(graph, patches);
-    } else if (std::abs(life.first - frame_) < kApart) {
-      continue;
-    }
-    double sum = 0;
-    int count = 0;
-    for (std::size_t k = 0; k < patches.size();
-         k += std::max<std::size_t>(1, patches.size() / kCompared), ++count) {
-      const auto& patch = graph.patch(patches[k]);
-      const Point to = patch.position + offset;
-      sum += unlikeness_around(*clip_, patch, to, frame_, offset * -1, life.first) +
-             (clip_->occupied(frame_, to) ? kCrowd : 0);
-    }
-    if (sum / count < least) {
-      least = sum / count;
-      best = {&life, moment_, offset, {}};
-    }
-  }
-  if (best.life != nullptr) again_.push_back(std::move(best));
+  if (const auto found = find_life_again(*clip_, frame_, edit_.birth_map, rng))
+    again_.push_back({found->life, moment_, found->offset, {}});
 }
 
 /// Strokes that change in this moment, as they did in the clip or for the first time.
