@@ -12,17 +12,70 @@ namespace emberfold::pipeline {
 
 namespace {
 
+constexpr float kDark = 16;  // grey levels, added where gains are taken: black has no colour to be scaled
+
 /// What the patches about a pixel say of it.
 struct PixelSource {
   float share = 0;     // of the carried pixel
   float weight = 0;    // of the sums
+  Fit fit{{}, {}};     // sums
   float x = 0, y = 0;  // sums of where it lies in its frame, less its own place
 };
+
+/// Mean levels of 3×3 pixels about a place, of those within the frame.
+std::array<float, 3> mean_levels(const cv::Mat& frame, graph::Point at) {
+  std::array<float, 3> sum{};
+  const int cx = static_cast<int>(std::lround(std::clamp(at.x, 0.0, double(frame.cols - 1))));
+  const int cy = static_cast<int>(std::lround(std::clamp(at.y, 0.0, double(frame.rows - 1))));
+  int count = 0;
+  for (int y = std::max(0, cy - 1); y <= std::min(frame.rows - 1, cy + 1); ++y)
+    for (int x = std::max(0, cx - 1); x <= std::min(frame.cols - 1, cx + 1); ++x, ++count)
+      for (int c = 0; c < frame.channels(); ++c)
+        sum[static_cast<std::size_t>(c)] +=
+            static_cast<float>(frame.ptr<std::uint8_t>(y)[frame.channels() * x + c]);
+  for (auto& level : sum) level /= static_cast<float>(count);
+  return sum;
+}
+
+/// What brings pixels to the levels that lie beside a patch: brighter ones are scaled down, so that none
+/// becomes negative and tints, darker ones are raised, so that none is blown up.
+struct Fit {
+  std::array<float, 3> gain{1, 1, 1}, added{};
+};
+/// Those at `across` px to the left and to the right of its curve.
+struct Sides {
+  Fit left, right;
+  double across = 1;
+};
+
+Sides fit_sides(const CarriedStroke& stroke, const CarriedPatch& patch, const cv::Mat& frame,
+                const cv::Mat& source) {
+  Sides sides;
+  if (stroke.fit <= 0) return sides;
+  sides.across = patch.reach + stroke.feather / 2;
+  const auto most = static_cast<float>(stroke.fit);
+  const auto fit = [&](double side) {
+    const double there = patch.theta + patch.turn;
+    const graph::Point to{-std::sin(patch.theta) * side, std::cos(patch.theta) * side},
+        from{-std::sin(there) * side, std::cos(there) * side};
+    const auto levels = mean_levels(frame, patch.to + to), seen = mean_levels(source, patch.from + from);
+    Fit found;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float lacking = std::clamp(levels[c] - seen[c], -most, most);
+      found.gain[c] = (seen[c] + std::min(0.F, lacking) + kDark) / (seen[c] + kDark);
+      found.added[c] = std::max(0.F, lacking);
+    }
+    return found;
+  };
+  sides.left = fit(-sides.across), sides.right = fit(sides.across);
+  return sides;
+}
 
 /// The part of a frame that patches reach.
 class Window {
  public:
-  Window(const CarriedStroke& stroke, cv::Size frame) : feather_(stroke.feather) {
+  Window(const CarriedStroke& stroke, const cv::Mat& base, const cv::Mat& source) : feather_(stroke.feather) {
+    const cv::Size frame = base.size();
     double left = frame.width, top = frame.height, right = -1, bottom = -1;
     for (const auto& patch : stroke.patches) {
       const double radius = patch.reach + feather_;
@@ -37,7 +90,7 @@ class Window {
         cv::Point(clamped(std::ceil(right) + 1, frame.width), clamped(std::ceil(bottom) + 1, frame.height))};
     if (area_.empty()) return;
     pixels_.resize(static_cast<std::size_t>(area_.width) * static_cast<std::size_t>(area_.height));
-    for (const auto& patch : stroke.patches) add(patch);
+    for (const auto& patch : stroke.patches) add(patch, fit_sides(stroke, patch, base, source));
   }
   [[nodiscard]] const cv::Rect& area() const { return area_; }
   [[nodiscard]] const PixelSource* row(int y) const { return &pixels_[at(y)]; }
@@ -47,9 +100,10 @@ class Window {
     return static_cast<std::size_t>(y - area_.y) * static_cast<std::size_t>(area_.width);
   }
 
-  void add(const CarriedPatch& patch) {
+  void add(const CarriedPatch& patch, const Sides& sides) {
     const double radius = patch.reach + feather_;
     const double c = std::cos(patch.turn), s = std::sin(patch.turn);
+    const graph::Point normal{-std::sin(patch.theta), std::cos(patch.theta)};
     const int top = std::max(area_.y, static_cast<int>(std::ceil(patch.to.y - radius)));
     const int bottom =
         std::min(area_.y + area_.height - 1, static_cast<int>(std::floor(patch.to.y + radius)));
@@ -65,6 +119,15 @@ class Window {
         auto& pixel = pixels[x - area_.x];
         pixel.share = std::max(pixel.share, static_cast<float>(u * u * (3 - 2 * u)));
         pixel.weight += static_cast<float>(weight);
+        const double aside = normal.x * dx + normal.y * dy;
+        const auto right = static_cast<float>(std::clamp(0.5 + aside / (2 * sides.across), 0.0, 1.0));
+        for (std::size_t k = 0; k < 3; ++k) {
+          const auto between = [&](const std::array<float, 3>& a, const std::array<float, 3>& b) {
+            return static_cast<float>(weight) * (a[k] + right * (b[k] - a[k]));
+          };
+          pixel.fit.gain[k] += between(sides.left.gain, sides.right.gain);
+          pixel.fit.added[k] += between(sides.left.added, sides.right.added);
+        }
         pixel.x += static_cast<float>(weight * (patch.from.x - patch.to.x + (c - 1) * dx - s * dy));
         pixel.y += static_cast<float>(weight * (patch.from.y - patch.to.y + s * dx + (c - 1) * dy));
       }
@@ -111,8 +174,10 @@ void draw(cv::Mat& frame, const cv::Mat& source, const Window& window, float opa
       for (int c = 0; c < Channels; ++c) {
         auto& level = row[Channels * x + c];
         const auto before = static_cast<float>(level);
-        level =
-            cv::saturate_cast<std::uint8_t>(before + share * (levels[static_cast<std::size_t>(c)] - before));
+        const auto k = static_cast<std::size_t>(c);
+        const float fitted =
+            ((levels[k] + kDark) * pixel.fit.gain[k] + pixel.fit.added[k]) / pixel.weight - kDark;
+        level = cv::saturate_cast<std::uint8_t>(before + share * (fitted - before));
       }
     }
   }
@@ -126,9 +191,9 @@ double carried_reach(const graph::Patch& patch) {
 
 void draw_carried(cv::Mat& frame, const std::vector<cv::Mat>& footage, const CarriedStroke& stroke) {
   if (stroke.patches.empty() || stroke.opacity <= 0) return;
-  const Window window(stroke, frame.size());
-  if (window.area().empty()) return;
   const auto& source = footage[static_cast<std::size_t>(stroke.frame)];
+  const Window window(stroke, frame, source);
+  if (window.area().empty()) return;
   const auto opacity = static_cast<float>(std::min(1.0, stroke.opacity));
   if (frame.channels() == 3)
     draw<3>(frame, source, window, opacity);

@@ -22,6 +22,8 @@ using Index = std::uint32_t;
 
 constexpr std::uint32_t kStream = 0x63617272;  // of the random stream
 constexpr int kFade = 4;             // moments over which strokes come and go that did not in the clip
+constexpr double kFit = 64;          // grey levels by which its pixels are fitted to those beside it there
+constexpr double kWholeFit = 255;    // so are those that hide a stroke
 constexpr double kBorder = 6;        // px over which a stroke blends into where it is carried
 constexpr double kFarthest = 32;     // px that the wind carries a stroke, about
 constexpr std::size_t kFromEnd = 4;  // patches between a split and a free end
@@ -290,15 +292,17 @@ void CarriedPlay::draw_frame_strokes(CarriedMoment& moment, std::vector<graph::V
     const int age = moment_ - hiding.begin;
     CarriedStroke cover{hiding.place.frame(frame_, clip_->size()),
                         hiding.sudden ? 1 : std::min(1.0, (age + 1.0) / kFade),
+                        kWholeFit,
                         kHidingFeather,
                         {}};
-    CarriedStroke moved{frame_, 1, kBorder, {}};
+    CarriedStroke moved{frame_, 1, kFit, kBorder, {}};
     for (const Index v : patches) {
       const auto& patch = graph.patch(v);
       cover.patches.push_back(
-          {patch.position, patch.position + hiding.place.beside, 0, carried_reach(patch)});
+          {patch.position, patch.position + hiding.place.beside, patch.theta, 0, carried_reach(patch)});
       if (hiding.drift >= 0)
-        moved.patches.push_back({patch.position + drifted(hiding), patch.position, 0, carried_reach(patch)});
+        moved.patches.push_back(
+            {patch.position + drifted(hiding), patch.position, patch.theta, 0, carried_reach(patch)});
     }
     if (hiding.drift >= 0) {
       const int of_way = age % hiding.drift;
@@ -324,7 +328,8 @@ void CarriedPlay::draw_again(CarriedMoment& moment, std::vector<graph::Vertex>& 
     const auto& patches = one.life->patches[age];
     const auto from = age > 0 ? clip_->continued(t - 1, t) : std::vector<int>(graph.size(), -1);
     std::vector<std::uint32_t> ids;
-    CarriedStroke stroke{t, std::min({1.0, (double(age) + 1) / kFade, double(left) / kFade}), kBorder, {}};
+    CarriedStroke stroke{
+        t, std::min({1.0, (double(age) + 1) / kFade, double(left) / kFade}), kFit, kBorder, {}};
     const auto place_of = [](const std::vector<Index>& list, Index v) {
       return static_cast<std::size_t>(std::ranges::lower_bound(list, v) - list.begin());
     };
@@ -343,7 +348,8 @@ void CarriedPlay::draw_again(CarriedMoment& moment, std::vector<graph::Vertex>& 
       const Point seen = vertex.patch.position;
       vertex.id = {id}, vertex.subgraph = {}, vertex.curve = {};
       vertex.patch.position = seen + one.offset;
-      stroke.patches.push_back({vertex.patch.position, seen, 0, carried_reach(vertex.patch)});
+      stroke.patches.push_back(
+          {vertex.patch.position, seen, vertex.patch.theta, 0, carried_reach(vertex.patch)});
       vertices.push_back(vertex);
     }
     for (std::size_t i = 0; i < patches.size(); ++i)

@@ -15,8 +15,9 @@ namespace {
 
 using graph::Point;
 
-constexpr int kTries = 32;             // lives and places of which the most fitting is taken
-constexpr double kJitter = 3;          // px, SD: from where a stroke lived to where it lives again
+constexpr int kLives = 4;    // of which the most fitting is taken; more would all lie where the frame is dark
+constexpr int kPlaces = 16;  // of each
+constexpr double kJitter = 8;          // px, SD: from where a stroke lived to where it lives again
 constexpr int kApart = 8;              // frames between a stroke's life and its life again, at least
 constexpr double kCrowd = 30;          // grey levels that another stroke at its place counts for
 constexpr std::size_t kCompared = 10;  // patches whose surroundings are compared
@@ -52,16 +53,19 @@ std::optional<LifeAgain> find_life_again(const SeenClip& clip, int t,
   if (lives.empty()) return std::nullopt;
   std::optional<LifeAgain> best;
   double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kLives; ++i) {
     const auto& life = lives[rng.below(static_cast<std::uint32_t>(lives.size()))];
-    Point offset{kJitter * rng.normal(), kJitter * rng.normal()};
-    if (births)
-      offset = place_drawn(*births, rng) - mcmc::stroke_middle(clip.graph(life.first), life.patches.front());
-    else if (std::abs(life.first - t) < kApart)
-      continue;
-    if (const double found = misfit(clip, t, life, offset); found < least) {
-      least = found;
-      best = LifeAgain{&life, offset};
+    for (int j = 0; j < kPlaces; ++j) {
+      Point offset{kJitter * rng.normal(), kJitter * rng.normal()};
+      if (births)
+        offset =
+            place_drawn(*births, rng) - mcmc::stroke_middle(clip.graph(life.first), life.patches.front());
+      else if (std::abs(life.first - t) < kApart)
+        continue;
+      if (const double found = misfit(clip, t, life, offset); found < least) {
+        least = found;
+        best = LifeAgain{&life, offset};
+      }
     }
   }
   return best;
