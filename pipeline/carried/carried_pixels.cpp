@@ -14,6 +14,12 @@ namespace {
 
 constexpr float kDark = 16;  // grey levels, added where gains are taken: black has no colour to be scaled
 
+/// What brings pixels to the levels that lie beside a patch: brighter ones are scaled down, so that none
+/// becomes negative and tints, darker ones are raised, so that none is blown up.
+struct Fit {
+  std::array<float, 3> gain{1, 1, 1}, added{};
+};
+
 /// What the patches about a pixel say of it.
 struct PixelSource {
   float share = 0;     // of the carried pixel
@@ -22,14 +28,14 @@ struct PixelSource {
   float x = 0, y = 0;  // sums of where it lies in its frame, less its own place
 };
 
-/// Mean levels of 3×3 pixels about a place, of those within the frame.
+/// Mean levels of 5×5 pixels about a place, of those within the frame.
 std::array<float, 3> mean_levels(const cv::Mat& frame, graph::Point at) {
   std::array<float, 3> sum{};
   const int cx = static_cast<int>(std::lround(std::clamp(at.x, 0.0, double(frame.cols - 1))));
   const int cy = static_cast<int>(std::lround(std::clamp(at.y, 0.0, double(frame.rows - 1))));
   int count = 0;
-  for (int y = std::max(0, cy - 1); y <= std::min(frame.rows - 1, cy + 1); ++y)
-    for (int x = std::max(0, cx - 1); x <= std::min(frame.cols - 1, cx + 1); ++x, ++count)
+  for (int y = std::max(0, cy - 2); y <= std::min(frame.rows - 1, cy + 2); ++y)
+    for (int x = std::max(0, cx - 2); x <= std::min(frame.cols - 1, cx + 2); ++x, ++count)
       for (int c = 0; c < frame.channels(); ++c)
         sum[static_cast<std::size_t>(c)] +=
             static_cast<float>(frame.ptr<std::uint8_t>(y)[frame.channels() * x + c]);
@@ -37,11 +43,6 @@ std::array<float, 3> mean_levels(const cv::Mat& frame, graph::Point at) {
   return sum;
 }
 
-/// What brings pixels to the levels that lie beside a patch: brighter ones are scaled down, so that none
-/// becomes negative and tints, darker ones are raised, so that none is blown up.
-struct Fit {
-  std::array<float, 3> gain{1, 1, 1}, added{};
-};
 /// Those at `across` px to the left and to the right of its curve.
 struct Sides {
   Fit left, right;

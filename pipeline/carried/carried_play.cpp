@@ -188,7 +188,8 @@ void CarriedPlay::begin_strokes(const Played& played, core::Rng& rng, CarriedMom
       hide(stroke, true);
       continue;
     }
-    if (born) ++moment.operators[index(EventType::birth)];
+    if (!born) continue;
+    ++moment.operators[index(EventType::birth)];
     if (edit_.wind != Point{}) let_drift(stroke, rng);
   }
 }

@@ -32,8 +32,9 @@ std::string edit_not_carried(const mcmc::MotionEdit& edit);
 /// Edits the strokes of a clip while its frames are played. What is not edited stays as it was seen.
 /// More births: other strokes of the clip live once more, near where they lived. Fewer: strokes are hidden
 /// from their birth on. Splits and disconnects: gaps are hidden in strokes, whose ends go on; unions that are
-/// left out: the patches that would join are hidden. Wind: strokes drift away from where they are, and begin
-/// there anew. Each happens as often as the edit asks, in terms of what the clip shows.
+/// left out: the patches that would join are hidden. Wind: strokes drift from their birth on, and begin anew
+/// where they are when they have come far. Each happens as often as the edit asks, in terms of what the clip
+/// shows.
 class CarriedPlay {
  public:
   /// `gaps`: px that a split and a disconnect open. Throws core::InputError for an edit that is not carried.
