@@ -25,6 +25,7 @@ constexpr int kFade = 4;             // moments over which strokes come and go t
 constexpr double kFit = 64;          // grey levels by which its pixels are fitted to those beside it there
 constexpr double kWholeFit = 255;    // so are those that hide a stroke
 constexpr double kBorder = 6;        // px over which a stroke blends into where it is carried
+constexpr int kLeastHeld = 8;        // moments for which what hides a stroke stays, even if strokes are there
 constexpr double kFarthest = 32;     // px that the wind carries a stroke, about
 constexpr std::size_t kFromEnd = 4;  // patches between a split and a free end
 
@@ -146,14 +147,25 @@ CarriedPlay::Played CarriedPlay::follow(int frame) {
   return played;
 }
 
+/// Chooses what hides patches of the frame, anew where strokes have come there; where they always are, only
+/// now and then.
+void CarriedPlay::choose_place(Hiding& hiding, const std::vector<Index>& vertices) {
+  const bool first = hiding.begin == moment_;
+  if (!first && !hiding.free && moment_ - hiding.chosen < kLeastHeld) return;
+  std::vector<graph::Patch> patches;
+  for (const Index v : vertices) patches.push_back(clip_->graph(frame_).patch(v));
+  if (!first && !shows_strokes(*clip_, frame_, patches, hiding.place)) return;
+  hiding.place = find_hidden_place(*clip_, frame_, patches);
+  hiding.chosen = moment_;
+  hiding.free = !shows_strokes(*clip_, frame_, patches, hiding.place);
+}
+
 /// Hides patches of the frame from now on, and returns the number of what hides them.
 int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden) {
-  std::vector<graph::Patch> patches;
-  for (const Index v : vertices) {
-    patches.push_back(clip_->graph(frame_).patch(v));
-    now_[v].hiding = next_hiding_;
-  }
-  hidings_[next_hiding_] = {find_hidden_place(*clip_, frame_, patches), moment_, sudden, -1};
+  for (const Index v : vertices) now_[v].hiding = next_hiding_;
+  Hiding hiding;
+  hiding.begin = moment_, hiding.sudden = sudden;
+  hidings_[next_hiding_] = hiding;
   return next_hiding_++;
 }
 
@@ -289,7 +301,8 @@ void CarriedPlay::draw_frame_strokes(CarriedMoment& moment, std::vector<graph::V
   std::erase_if(hidings_, [&](const auto& one) { return !hidden.contains(one.first); });
   std::vector<CarriedStroke> drifting;
   for (const auto& [number, patches] : hidden) {
-    const auto& hiding = hidings_.at(number);
+    auto& hiding = hidings_.at(number);
+    choose_place(hiding, patches);
     const int age = moment_ - hiding.begin;
     CarriedStroke cover{hiding.place.frame(frame_, clip_->size()),
                         hiding.sudden ? 1 : std::min(1.0, (age + 1.0) / kFade),

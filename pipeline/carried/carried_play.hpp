@@ -53,6 +53,8 @@ class CarriedPlay {
     HiddenPlace place;
     int begin = 0;        // moment
     bool sudden = false;  // what it hides was not there before
+    int chosen = 0;       // moment when the place was
+    bool free = true;     // of strokes then
     int drift = -1;       // moments after which the stroke is back at its place; −1: it does not drift
   };
   struct Again {  // a stroke that lives once more
@@ -74,6 +76,7 @@ class CarriedPlay {
   void open_gap(core::Rng& rng, bool at_junction);
   void bear_again(core::Rng& rng);
   int hide(const std::vector<std::uint32_t>& vertices, bool sudden);
+  void choose_place(Hiding& hiding, const std::vector<std::uint32_t>& vertices);
   void let_drift(const std::vector<std::uint32_t>& vertices, core::Rng& rng);
   [[nodiscard]] bool is_whole(std::uint32_t vertex) const;
   void draw_frame_strokes(CarriedMoment& moment, std::vector<graph::Vertex>& vertices,

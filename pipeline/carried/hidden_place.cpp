@@ -72,6 +72,15 @@ double unlikeness_around(const SeenClip& clip, const graph::Patch& patch, Point 
   return sum / (2.0 * frame.channels());
 }
 
+bool shows_strokes(const SeenClip& clip, int t, std::span<const graph::Patch> patches,
+                   const HiddenPlace& place) {
+  const int other = place.frame(t, clip.size());
+  const auto shown = std::ranges::count_if(patches, [&](const graph::Patch& patch) {
+    return clip.occupied(other, patch.position + place.beside);
+  });
+  return 4 * shown > static_cast<std::ptrdiff_t>(patches.size());
+}
+
 HiddenPlace find_hidden_place(const SeenClip& clip, int t, std::span<const graph::Patch> patches) {
   double reach = 0;
   for (const auto& patch : patches) reach = std::max(reach, carried_reach(patch));

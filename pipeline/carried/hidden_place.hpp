@@ -23,6 +23,10 @@ struct HiddenPlace {
 /// one where no stroke lies, now and some frames on, and that looks like what is around the patches.
 HiddenPlace find_hidden_place(const SeenClip& clip, int t, std::span<const graph::Patch> patches);
 
+/// Returns whether strokes lie where the pixels come from that hide patches of frame t: at a quarter of them.
+bool shows_strokes(const SeenClip& clip, int t, std::span<const graph::Patch> patches,
+                   const HiddenPlace& place);
+
 /// Returns how unlike two places look around a patch, grey levels: `at` in frame t, and beside it (by
 /// `beside`, px) in frame `other`.
 double unlikeness_around(const SeenClip& clip, const graph::Patch& patch, graph::Point at, int t,
