@@ -305,7 +305,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   command
       ->add_option_function<std::string>(
           "--fill", [asked](const std::string& text) { asked->fill_kind = parse_fill(text); },
-          "Make it of footage, of carried strokes, or of drawn ones and diffusion, texture or dytex")
+          "Use footage, carried strokes, or drawn ones on diffusion, texture, dytex")
       ->type_name("KIND")
       ->default_str("footage");
   command->add_option("--loop", asked->loop, "Draw N frames that repeat without a seam")->type_name("N");
