@@ -193,7 +193,7 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
                                    render_options(model.motion, model.background, options.fill), context);
   if (!residual.empty()) model.residual = std::move(residual);
   clock.begin("footage");
-  model.footage = gather_footage(source, context);
+  model.footage = gather_footage(source, analysis.motion, context);
   if (options.texture > 0) {
     clock.begin("texture");
     learned.texture = learn_texture(source, sketch, options.texture, model, context);

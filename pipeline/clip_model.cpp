@@ -11,6 +11,7 @@
 #include "core/text/size_text.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/model/compression.hpp"
+#include "pipeline/footage/footage_strokes.hpp"
 #include "pipeline/frame_synthesis.hpp"
 
 namespace emberfold::pipeline {
@@ -20,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTexturePart = "texture";  // the folder beside model.json
-constexpr std::array kFills = {ModelFill::footage, ModelFill::diffusion, ModelFill::texture,
-                               ModelFill::dytex};
+constexpr std::array kFills = {ModelFill::footage, ModelFill::carried, ModelFill::diffusion,
+                               ModelFill::texture, ModelFill::dytex};
 
 bool never_changes(const mcmc::OperatorRates& rates) {
   const auto zero = [](double rate) { return rate == 0; };
@@ -69,9 +70,15 @@ std::optional<ResidualTexture> residual_of(const core::ModelArchive& archive, co
 }
 
 /// Reads the footage; nothing where the archive holds none.
-std::optional<Footage> footage_of(const core::ModelArchive& archive, const ClipModel& model) {
+std::optional<Footage> footage_of(const core::ModelArchive& archive, const ClipModel& model,
+                                  bool with_strokes) {
   auto footage = read_footage(archive, {model.motion.width, model.motion.height});
-  return footage.empty() ? std::nullopt : std::optional(std::move(footage));
+  if (footage.empty()) return std::nullopt;
+  if (!with_strokes) return footage;
+  footage.strokes = read_footage_strokes(archive, footage.frames.size());
+  auto& sketch = footage.strokes.sketch;
+  sketch.width = model.motion.width, sketch.height = model.motion.height, sketch.fps = model.motion.fps;
+  return footage;
 }
 
 /// Reads all but the residual, the footage and the parts.
@@ -100,7 +107,7 @@ core::ModelArchive to_archive(const ClipModel& model) {
 ClipModel clip_model(const core::ModelArchive& archive) {
   ClipModel model = strokes_and_background(archive);
   model.residual = residual_of(archive, model);
-  model.footage = footage_of(archive, model);
+  model.footage = footage_of(archive, model, true);
   if (const auto part = archive.parts.find(kTexturePart); part != archive.parts.end()) {
     model.texture = dytex::linear_dynamic_texture(part->second);
     check_size(*model.texture, model.motion, "the texture between the strokes");
@@ -110,6 +117,7 @@ ClipModel clip_model(const core::ModelArchive& archive) {
 
 std::string_view name(ModelFill fill) {
   if (fill == ModelFill::footage) return "footage";
+  if (fill == ModelFill::carried) return "carried";
   if (fill == ModelFill::diffusion) return "diffusion";
   return fill == ModelFill::texture ? "texture" : "dytex";
 }
@@ -139,10 +147,12 @@ ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fi
         throw core::IoError(
             "holds no residual of its clip to draw a texture from; 'emberfold analyze' measures it");
     }
-    if (!fill || fill == ModelFill::footage) {
-      model.footage = footage_of(archive, model);
+    if (!fill || fill == ModelFill::footage || fill == ModelFill::carried) {
+      model.footage = footage_of(archive, model, fill == ModelFill::carried);
       if (fill && !model.footage)
         throw core::IoError("holds no frames of its clip; 'emberfold analyze' keeps them");
+      if (fill == ModelFill::carried && model.footage->strokes.sketch.frames.empty())
+        throw core::IoError("holds no strokes of its clip's frames; 'emberfold analyze' keeps them");
     }
     if (const auto why = why_undrawable(model.motion); !model.footage && !why.empty())
       throw core::IoError(why);
@@ -151,6 +161,11 @@ ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fi
   }
   if (fill == ModelFill::dytex) model.texture = read_texture(folder, model.motion);
   return model;
+}
+
+bool holds_footage_strokes(const std::string& folder) {
+  std::error_code ignored;
+  return fs::exists(fs::path(folder) / "footage_counts.npy", ignored);
 }
 
 sketch::Sharpening fit_sharpening(const mcmc::MotionModel& model, const sketch::Background& background,

@@ -24,7 +24,7 @@ struct ClipModel {
   sketch::Sharpening sharpening;
   std::optional<ResidualTexture> residual = {};             ///< for ModelFill::texture
   std::optional<dytex::LinearDynamicTexture> texture = {};  ///< for ModelFill::dytex
-  std::optional<Footage> footage = {};                      ///< for ModelFill::footage
+  std::optional<Footage> footage = {};                      ///< for ModelFill::footage and carried
   std::optional<RateCorrection> correction = {};            ///< to be made before strokes are drawn
 };
 
@@ -41,7 +41,8 @@ std::string why_undrawable(const mcmc::MotionModel& model);
 
 /// What a new clip is made of: the clip's own frames, or strokes and a fill between them.
 enum class ModelFill {
-  footage,    ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
+  footage,  ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
+  carried,  ///< frames of the clip and, where the strokes seen in them are edited, their pixels carried along
   diffusion,  ///< levels that diffuse from the strokes and the still background
   texture,    ///< diffusion and on it a Gaussian texture with the statistics of the clip's residual
   dytex       ///< a linear dynamic texture learned from the pixels between the strokes
@@ -54,6 +55,9 @@ std::optional<ModelFill> model_fill(std::string_view name);
 /// Throws core::IoError, naming the folder, where it is no such model, of a newer version, cannot be drawn
 /// from (no exemplars, all rates 0), or lacks that part.
 ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fill);
+
+/// Returns whether the model in a folder holds the strokes of its clip's frames, for ModelFill::carried.
+bool holds_footage_strokes(const std::string& folder);
 
 /// Finds the sharpening at which the mean gradient on the patches' flanks over 60 frames is `wanted`.
 /// `wanted`: levels/px, the clip's own. Throws core::Cancelled.

@@ -11,7 +11,10 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
+#include "graph/motion_graph.hpp"
+#include "mcmc/simulation/edit_model.hpp"
 #include "mcmc/simulation/synthesize.hpp"
+#include "pipeline/carried/carried_synthesis.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/footage/footage_synthesis.hpp"
 #include "pipeline/frame_synthesis.hpp"
@@ -25,6 +28,7 @@ struct ClipSynthesisOptions {
   std::optional<ModelFill> fill_kind = {};  ///< none: the model's footage, or without one the diffusion
   mcmc::Start start = mcmc::Start::data;    ///< the clip's own strokes, or the model's stationary law
   double speed = 1;              ///< of the footage or the residual, −100…100, not 0; below 0 backwards
+  mcmc::MotionEdit edit = {};    ///< of ModelFill::carried alone; other strokes are drawn of an edited model
   std::optional<int> loop = {};  ///< of the footage: frames after which the clip begins anew, ≥ 2
   sketch::FillOptions fill = {};
 };
@@ -52,8 +56,11 @@ class ClipSynthesis final : public core::FrameSource {
   void each(int count, const std::function<void(cv::Mat)>& take);
   /// Returns statistics of the strokes drawn so far, those ahead of next() included; nothing of a footage.
   [[nodiscard]] const SynthesisStatistics* statistics() const {
-    return frames_ ? &frames_->statistics() : nullptr;
+    return frames_ ? &frames_->statistics() : carried_ ? &carried_->statistics() : nullptr;
   }
+  /// Returns the graphs of the clip's first `count` ≥ 1 frames with their links. Throws core::InputError for
+  /// a clip of footage, which draws no strokes; core::Cancelled.
+  [[nodiscard]] graph::MotionGraph motion(int count) const;
   /// Returns the synthesis of the footage; nothing where strokes are drawn.
   [[nodiscard]] const FootageSynthesis* footage() const { return footage_ ? &*footage_ : nullptr; }
   /// Returns what the clip is made of.
@@ -69,6 +76,7 @@ class ClipSynthesis final : public core::FrameSource {
   core::ClipInfo info_;
   ModelFill fill_kind_ = ModelFill::diffusion;
   std::optional<FrameSynthesis> frames_;
+  std::optional<CarriedSynthesis> carried_;
   std::optional<FootageSynthesis> footage_;
   std::deque<cv::Mat> ahead_;
 };

@@ -91,16 +91,21 @@ void check(EditOptions& options) {
   }
 }
 
-pipeline::ClipModel apply_edits(pipeline::ClipModel model, const EditOptions& options, Session& session) {
-  correct_rates_once(model, session.context);
+mcmc::MotionEdit read_edit(const EditOptions& options, const mcmc::MotionModel& model) {
   mcmc::MotionEdit edit = options.edit;
   if (!options.birth_map.empty()) {
     try {
-      edit.birth_map = pipeline::birth_map(io::read_mask(options.birth_map), model.motion);
+      edit.birth_map = pipeline::birth_map(io::read_mask(options.birth_map), model);
     } catch (const core::InputError&) {
       throw Misuse("--birth-map " + options.birth_map + " is black: nothing would be born");
     }
   }
+  return edit;
+}
+
+pipeline::ClipModel apply_edits(pipeline::ClipModel model, const EditOptions& options, Session& session) {
+  correct_rates_once(model, session.context);
+  const auto edit = read_edit(options, model.motion);
   auto edited = pipeline::edit_model(std::move(model), edit, session.common.seed, session.context);
   for (const auto& note : edited.notes) session.warn(note);
   return std::move(edited.model);

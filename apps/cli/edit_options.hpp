@@ -26,9 +26,12 @@ void add_edit_options(CLI::App& command, EditOptions& options, Settings* setting
 /// Checks the options. Throws Misuse that names the option.
 void check(EditOptions& options);
 
-/// Returns the changed model (pipeline::edit_model); what could not be achieved becomes warnings. Reads the
-/// picture of --birth-map: births are proportional to its brightness. Throws core::Cancelled, core::IoError,
-/// Misuse.
+/// Returns the edit with the picture of --birth-map, which it reads: births are proportional to its
+/// brightness. Throws core::IoError, Misuse.
+mcmc::MotionEdit read_edit(const EditOptions& options, const mcmc::MotionModel& model);
+
+/// Returns the changed model (pipeline::edit_model); what could not be achieved becomes warnings. Throws
+/// core::Cancelled, core::IoError, Misuse.
 pipeline::ClipModel apply_edits(pipeline::ClipModel model, const EditOptions& options, Session& session);
 
 /// Returns the first option of those that were given that only drawn strokes can fulfil; empty where none

@@ -59,6 +59,7 @@ Json model_json(const pipeline::ClipModel& model) {
   const auto& motion = model.motion;
   Json fills = {"diffusion"};
   if (model.footage) fills.push_back("footage");
+  if (model.footage && !model.footage->strokes.sketch.frames.empty()) fills.push_back("carried");
   if (model.residual) fills.push_back("texture");
   if (model.texture) fills.push_back("dytex");
   Json out = {{"width", motion.width},

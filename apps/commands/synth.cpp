@@ -29,7 +29,7 @@ namespace {
 
 pipeline::ModelFill parse_fill(const std::string& text) {
   if (const auto fill = pipeline::model_fill(text)) return *fill;
-  throw Misuse("--fill is " + text + "; allowed is one of footage, diffusion, texture, dytex");
+  throw Misuse("--fill is " + text + "; allowed is one of footage, carried, diffusion, texture, dytex");
 }
 
 using Json = nlohmann::ordered_json;
@@ -41,6 +41,7 @@ struct Synth {
   int frames = 300;
   std::optional<int> loop;
   bool asked_frames = false;
+  std::string drawn_since;  ///< why strokes are drawn that were to be carried
   sketch::FillOptions fill;
   std::string start = "data";
   EditOptions edit;
@@ -68,13 +69,29 @@ std::string stroke_option(const Synth& asked) {
   return stroke_option(asked.edit);
 }
 
-/// Chooses drawn strokes where an option needs them, and refuses options that exclude each other.
+/// Returns what cannot be shown with the clip's own strokes; empty where nothing was asked that cannot.
+std::string not_carried(const Synth& asked) {
+  return asked.start != "data" ? "--start" : pipeline::edit_not_carried(asked.edit.edit);
+}
+
+/// Chooses carried strokes where an option needs strokes, drawn ones where it needs these, and refuses
+/// options that exclude each other.
 void choose_fill(Synth& asked) {
   using pipeline::ModelFill;
   const auto option = stroke_option(asked);
   if (!option.empty() && asked.fill_kind == ModelFill::footage)
-    throw Misuse(option + " is for clips of drawn strokes (--fill diffusion, texture or dytex), not footage");
-  if (!option.empty() && !asked.fill_kind) asked.fill_kind = ModelFill::diffusion;
+    throw Misuse(option +
+                 " is for clips with strokes (--fill carried, diffusion, texture or dytex), not footage");
+  const auto why = not_carried(asked);
+  if (asked.fill_kind == ModelFill::carried && !why.empty())
+    throw Misuse("--fill carried keeps the clip's own strokes; " + why + " needs drawn ones");
+  if (!option.empty() && !asked.fill_kind) {
+    if (!why.empty())
+      asked.drawn_since = why + " needs drawn strokes";
+    else if (!pipeline::holds_footage_strokes(asked.model))
+      asked.drawn_since = "strokes are drawn, since the model holds none of its clip's frames";
+    asked.fill_kind = asked.drawn_since.empty() ? ModelFill::carried : ModelFill::diffusion;
+  }
   if (asked.loop && asked.fill_kind && asked.fill_kind != ModelFill::footage)
     throw Misuse("--loop is for clips made of footage; " + (option.empty() ? "--fill" : option) +
                  " draws strokes");
@@ -92,10 +109,9 @@ void check(Synth& asked) {
 }
 
 /// The graphs with their links, where somebody asks for them: all are held.
-std::optional<graph::MotionGraph> make_motion(const Synth& asked, const mcmc::MotionModel& model,
-                                              const Session& session) {
+std::optional<graph::MotionGraph> make_motion(const Synth& asked, const pipeline::ClipSynthesis& frames) {
   if (asked.motion.empty() && asked.overlay.empty() && asked.film.empty()) return std::nullopt;
-  return mcmc::synthesize(model, asked.frames, session.common.seed, session.context, asked.first());
+  return frames.motion(asked.frames);
 }
 
 /// The frames of the clip that the model was learned from; none where it holds none.
@@ -110,15 +126,14 @@ pipeline::Footage clip_of(const std::string& folder, const core::ClipInfo& info)
 /// Output files; none gets its name before finish().
 class Outputs {
  public:
-  Outputs(const Synth& asked, const mcmc::MotionModel& model, const core::ClipInfo& info,
-          const Session& session)
+  Outputs(const Synth& asked, const pipeline::ClipSynthesis& frames)
       : asked_(asked),
-        info_(info),
-        clip_(create_output(asked.output, {info.width, info.height}, info.fps, info.channels == 3)) {
+        info_(frames.info()),
+        clip_(create_output(asked.output, {info_.width, info_.height}, info_.fps, info_.channels == 3)) {
     if (!asked.motion.empty()) motion_file_.emplace(asked.motion);
-    motion_ = make_motion(asked, model, session);
+    motion_ = make_motion(asked, frames);
     if (!asked.overlay.empty()) events_ = graph::stroke_events(*motion_);
-    if (!asked.film.empty()) film_ = create_film(asked, info);
+    if (!asked.film.empty()) film_ = create_film(asked, info_);
   }
 
   void write(const cv::Mat& frame) {
@@ -242,19 +257,22 @@ void run_synth(Synth asked, Session& session) {
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
   stages.begin("edit");
   const auto& edit = asked.edit.edit;
-  const bool plays = opened.footage.has_value();  // at another speed it is played so, not edited
-  if (!plays) opened = apply_edits(std::move(opened), asked.edit, session);
+  const bool carries = asked.fill_kind == pipeline::ModelFill::carried;
+  const bool plays = opened.footage && !carries;  // at another speed it is played so, not edited
+  if (!plays && !carries) opened = apply_edits(std::move(opened), asked.edit, session);
   stages.begin("synthesize");
-  const pipeline::ClipSynthesisOptions options{.seed = session.common.seed,
-                                               .fill_kind = asked.fill_kind,
-                                               .start = asked.first(),
-                                               .speed = !plays         ? 1
-                                                        : edit.reverse ? -edit.speed
-                                                                       : edit.speed,
-                                               .loop = asked.loop,
-                                               .fill = asked.fill};
+  const pipeline::ClipSynthesisOptions options{
+      .seed = session.common.seed,
+      .fill_kind = asked.fill_kind,
+      .start = asked.first(),
+      .speed = !plays         ? 1
+               : edit.reverse ? -edit.speed
+                              : edit.speed,
+      .edit = carries ? read_edit(asked.edit, opened.motion) : mcmc::MotionEdit{},
+      .loop = asked.loop,
+      .fill = asked.fill};
   pipeline::ClipSynthesis frames(opened, options, session.context);
-  Outputs outputs(asked, opened.motion, frames.info(), session);
+  Outputs outputs(asked, frames);
   write_clips(asked, outputs, frames, session);
   stages.end();
   const auto* const footage = frames.footage();
@@ -264,7 +282,8 @@ void run_synth(Synth asked, Session& session) {
            ? "; " + std::to_string(std::lround(100 * footage->copied_share())) +
                  " % of what moves is as in one frame of the clip" +
                  (footage->plays_back() ? "; it has no like moments and is played back, too" : "")
-           : ""));
+       : asked.drawn_since.empty() ? ""
+                                   : "; " + asked.drawn_since));
   if (!session.common.json) return;
   Json summary = summarise(asked, opened.motion, frames, session);
   end_summary(summary, session, stages);
@@ -286,7 +305,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   command
       ->add_option_function<std::string>(
           "--fill", [asked](const std::string& text) { asked->fill_kind = parse_fill(text); },
-          "Make it of footage, or of strokes and diffusion, texture or dytex")
+          "Use footage, carried strokes, or drawn ones on diffusion, texture, dytex")
       ->type_name("KIND")
       ->default_str("footage");
   command->add_option("--loop", asked->loop, "Draw N frames that repeat without a seam")->type_name("N");

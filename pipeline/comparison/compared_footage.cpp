@@ -43,7 +43,7 @@ std::optional<ComparedModel> footage_model(const TrainingInput& input, const Kno
     core::ClipRange drawn_part(input.source, 0,
                                known.motion_model != nullptr ? input.frames : input.learned_frames);
     const auto frames = std::make_shared<const std::vector<cv::Mat>>(
-        decode(gather_footage(drawn_part, input.context), input.context));
+        decode(gather_footage(drawn_part, {}, input.context), input.context));
     ComparedModel model{"footage", "clip's footage"};
     model.parameters = static_cast<double>(frames->size()) * static_cast<double>(frames->front().total()) *
                            frames->front().channels() +

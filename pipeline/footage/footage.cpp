@@ -14,6 +14,7 @@
 #include "core/math/robust.hpp"
 #include "core/parallel.hpp"
 #include "core/text/size_text.hpp"
+#include "pipeline/footage/footage_strokes.hpp"
 
 namespace emberfold::pipeline {
 
@@ -46,7 +47,8 @@ int channels_of_stack(std::span<const std::uint8_t> bytes, cv::Size frame) {
 
 }  // namespace
 
-Footage gather_footage(core::FrameSource& source, const core::Context& context, std::size_t most) {
+Footage gather_footage(core::FrameSource& source, const graph::MotionGraph& motion,
+                       const core::Context& context, std::size_t most) {
   const auto& info = source.info();
   Footage all{{info.width, info.height}, info.channels, {}};
   const auto size = static_cast<std::size_t>(info.width) * static_cast<std::size_t>(info.height) *
@@ -69,11 +71,15 @@ Footage gather_footage(core::FrameSource& source, const core::Context& context, 
   if (left_out > 0)
     context.warn("new clips are made of the first " + std::to_string(all.frames.size()) + " frames; " +
                  std::to_string(left_out) + " more take too much memory");
-  if (all.frames.size() < 3) return all;
-  const double least = kRepeat * core::median(change);
+  const double least = all.frames.size() < 3 ? 0 : kRepeat * core::median(change);
   Footage kept{all.size, all.channels, {}};
-  for (std::size_t t = 0; t < all.frames.size(); ++t)
-    if (t == 0 || change[t - 1] >= least) kept.frames.push_back(std::move(all.frames[t]));
+  std::vector<int> moments;
+  for (std::size_t t = 0; t < all.frames.size(); ++t) {
+    if (t > 0 && change[t - 1] < least) continue;
+    kept.frames.push_back(std::move(all.frames[t]));
+    moments.push_back(static_cast<int>(t));
+  }
+  if (!motion.sketch.frames.empty()) kept.strokes = strokes_of_frames(motion, moments);
   return kept;
 }
 
@@ -99,6 +105,7 @@ void add_footage(core::ModelArchive& archive, const Footage& footage) {
   }
   archive.arrays["footage"] = {{bytes.size()}, false, std::move(bytes)};
   archive.arrays["footage_ends"] = {{ends.size()}, false, std::move(ends)};
+  add_footage_strokes(archive, footage.strokes);
 }
 
 Footage read_footage(const core::ModelArchive& archive, cv::Size frame) {

@@ -10,6 +10,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
+#include "graph/motion_graph.hpp"
 
 // A clip's own frames as a part of its model: new clips can be made of them instead of being drawn from
 // nothing.
@@ -20,6 +21,7 @@ struct Footage {
   cv::Size size;     ///< px
   int channels = 1;  ///< 1 or 3
   std::vector<std::vector<std::uint8_t>> frames;
+  graph::MotionGraph strokes = {};  ///< seen in the frames; empty where they are not known
 
   [[nodiscard]] bool empty() const { return frames.empty(); }
 };
@@ -29,17 +31,18 @@ constexpr std::size_t kMostFootage = std::size_t{3} * 1280 * 720 * 300;
 
 /// Reads a clip and keeps its first frames, as many as `most` bytes hold and at least two.
 /// Leaves out repeated frames, whose mean difference from the frame before is below a fifth of the median.
+/// `motion`: the clip's graphs, of which those of the frames are kept; empty: none.
 /// Warns of frames that are not kept. Throws core::Cancelled.
-Footage gather_footage(core::FrameSource& source, const core::Context& context,
-                       std::size_t most = kMostFootage);
+Footage gather_footage(core::FrameSource& source, const graph::MotionGraph& motion,
+                       const core::Context& context, std::size_t most = kMostFootage);
 
 /// Decompresses the frames: CV_8U. Throws core::IoError where one is broken, core::Cancelled.
 std::vector<cv::Mat> decode(const Footage& footage, const core::Context& context = {});
 
 /// Adds the arrays "footage" and "footage_ends" to a motion model's archive, about a tenth of the frames'
-/// bytes.
+/// bytes, and the strokes (add_footage_strokes).
 void add_footage(core::ModelArchive& archive, const Footage& footage);
-/// Reads the footage; empty where the archive has none. Looks into the first frame alone.
+/// Reads the footage without its strokes; empty where the archive has none. Looks into the first frame alone.
 /// Throws core::IoError, naming the array, where the arrays are no frames of that size.
 Footage read_footage(const core::ModelArchive& archive, cv::Size frame);
 

@@ -36,7 +36,8 @@ py::array synthesize(const HeldModel& given, int frames, const py::object& progr
   mcmc::validate(model.motion);
   if (const auto why = pipeline::why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
   const auto usual = model.footage ? pipeline::ModelFill::footage : pipeline::ModelFill::diffusion;
-  if (how.fill_kind.value_or(usual) != pipeline::ModelFill::footage)
+  const auto fill = how.fill_kind.value_or(usual);
+  if (fill != pipeline::ModelFill::footage && fill != pipeline::ModelFill::carried)
     run_interruptibly(progress,
                       [&](const core::Context& context) { pipeline::correct_rates(model, context); });
   const auto info = pipeline::ClipSynthesis(model, how).info();
@@ -109,6 +110,7 @@ void bind_model_options(py::module_& module) {
       .value("fine", mcmc::StrokeChoice::fine);
   py::enum_<pipeline::ModelFill>(module, "ModelFill", doc("pipeline::ModelFill"))
       .value("footage", pipeline::ModelFill::footage)
+      .value("carried", pipeline::ModelFill::carried)
       .value("diffusion", pipeline::ModelFill::diffusion)
       .value("texture", pipeline::ModelFill::texture)
       .value("dytex", pipeline::ModelFill::dytex);

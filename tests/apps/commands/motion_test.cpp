@@ -96,7 +96,7 @@ TEST_CASE("motion info and dytex info tell how many parameters a model has") {
   const auto model = mcmc::motion_model(io::read_model(made.model, io::kMotionFormat));
   CHECK(told["parameters"] == pipeline::parameter_count(model));
   CHECK(told["width"] == 160);
-  CHECK(told["fills"] == Json({"diffusion", "footage", "texture", "dytex"}));
+  CHECK(told["fills"] == Json({"diffusion", "footage", "carried", "texture", "dytex"}));
   const auto table = run_command({"motion", "info", made.model}).out;
   CHECK(contains(
       table, "parameters            " + std::to_string(static_cast<long>(pipeline::parameter_count(model)))));

@@ -146,7 +146,7 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
              motion_file = made.temp / "new.jsonl", overlay = made.temp / "over.mp4";
   const auto result =
       run_command({"synth", made.model, "-o", avi.string(), "--frames", "40", "--seed", "5", "--json",
-                   "--motion", motion_file.string(), "--overlay", overlay.string()});
+                   "--fill", "diffusion", "--motion", motion_file.string(), "--overlay", overlay.string()});
   INFO(result.err);
   REQUIRE(result.exit == 0);
   std::ifstream stream(motion_file);
@@ -225,7 +225,7 @@ TEST_CASE("models and new clips are the same bytes at any number of threads, and
     CHECK(one == bytes_of(made.temp / "2" / name));
     CHECK(one == bytes_of(made.temp / "8" / name));
   }
-  for (const auto& [fill, same] : {std::pair("footage", "footage.avi"), std::pair("diffusion", "new.avi")}) {
+  for (const auto& [fill, same] : {std::pair("footage", "footage.avi"), std::pair("carried", "new.avi")}) {
     REQUIRE(run_command({"synth", made.model, "-o", (made.temp / "other.avi").string(), "--frames", "50",
                          "--seed", "2", "-q", "--overwrite", "--fill", fill})
                 .exit == 0);
@@ -290,7 +290,8 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(2, {"-o", out.string(), "--frames", "0"}, {"--frames", "0"});
   refused(2, {"-o", out.string(), "--frames", "-3"}, {"--frames", "-3"});
   refused(2, {"-o", out.string(), "--frames", "many"}, {"--frames", "many"});
-  refused(2, {"-o", out.string(), "--fill", "paint"}, {"--fill", "paint", "diffusion, texture, dytex"});
+  refused(2, {"-o", out.string(), "--fill", "paint"},
+          {"--fill", "paint", "carried, diffusion, texture, dytex"});
   refused(2, {"-o", out.string(), "--set", "fill.tolerance=0"}, {"fill.tolerance", "0"});
   refused(2, {"-o", (made.temp / "new.gif").string()}, {".gif"});
   refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
@@ -544,15 +545,16 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
   // Strokes of the clip are bright lines on a ground; those of a footage have the clip's levels.
   const auto source = read_clip(made.clip).frames;
   CHECK(std::abs(cv::mean(frames[5])[0] - cv::mean(source[5])[0]) < 5);
-  for (const std::vector<std::string>& more :
-       std::vector<std::vector<std::string>>{{"--motion", (made.temp / "new.jsonl").string()},
-                                             {"--intensity", "2"},
-                                             {"--start", "stationary"},
-                                             {"--strokes", "coarse"},
-                                             {"--set", "synth.births=2"}}) {
+  for (const auto& [fill, more] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"carried", {"--motion", (made.temp / "new.jsonl").string()}},
+           {"diffusion", {"--intensity", "2"}},
+           {"diffusion", {"--start", "stationary"}},
+           {"carried", {"--strokes", "coarse"}},
+           {"diffusion", {"--set", "synth.splits=0.5"}},
+           {"carried", {"--set", "synth.births=2"}}}) {
     auto arguments = more;
     arguments.insert(arguments.end(), {"--frames", "3", "--overwrite"});
-    CHECK(draw("strokes.avi", arguments)["options"]["synth"]["fill"] == "diffusion");
+    CHECK(draw("strokes.avi", arguments)["options"]["synth"]["fill"] == fill);
     arguments = {"synth", made.model, "-o", (made.temp / "no.avi").string(), "--fill", "footage"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     check_refused(arguments, 2, {more[0], "footage"}, made.temp / "no.avi");
@@ -563,6 +565,9 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
     arguments.insert(arguments.end(), more.begin(), more.end());
     check_refused(arguments, exit, what, made.temp / "no.avi");
   };
+  refuse({"--fill", "carried", "--flicker", "2"}, 2, {"--fill carried", "flicker"});
+  refuse({"--fill", "carried", "--start", "stationary"}, 2, {"--fill carried", "--start"});
+  refuse({"--fill", "carried", "--loop", "9"}, 2, {"--loop"});
   refuse({"--loop", "1"}, 2, {"--loop is 1", "2 or more"});
   refuse({"--loop", "9", "--fill", "diffusion"}, 2, {"--loop", "--fill draws strokes"});
   refuse({"--loop", "9", "--flicker", "2"}, 2, {"--loop", "--flicker draws strokes"});
@@ -571,5 +576,38 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
   refuse({"--frames", "2"}, 1, {"footage.npy"});
   fs::remove(bytes);
   refuse({"--fill", "footage"}, 1, {"holds no frames of its clip"});
+  refuse({"--fill", "carried"}, 1, {"holds no frames of its clip"});
   CHECK(draw("older.avi", {"--frames", "3"})["options"]["synth"]["fill"] == "diffusion");
+}
+
+TEST_CASE("synth carries the clip's own strokes where they are edited, and says where it draws others") {
+  const Learned made;
+  const auto out = made.temp / "new.avi", graphs = made.temp / "new.jsonl";
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"synth",    made.model, "-o",         out.string(),
+                                       "--frames", "30",       "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return result.err;
+  };
+  CHECK_FALSE(contains(run({"--motion", graphs.string()}), "drawn strokes"));
+  std::ifstream stream(graphs);
+  const auto motion = graph::read_motion(stream, "new.jsonl");
+  REQUIRE(motion.sketch.frames.size() == 30);
+  // Every frame and its graph are the clip's own.
+  const auto source = read_clip(made.clip).frames;
+  const auto drawn = read_clip(out).frames;
+  for (std::size_t t = 0; t < drawn.size(); t += 7) {
+    double least = 1e9;
+    for (const auto& frame : source) least = std::min(least, cv::norm(frame, drawn[t], cv::NORM_L1));
+    CHECK(least / double(drawn[t].total() * 3) < 6);
+    CHECK(motion.sketch.frames[t].size() > 10);
+  }
+  CHECK(contains(run({"--set", "synth.merges=2"}), "merges above 1 needs drawn strokes"));
+  fs::remove(made.temp / "a/model/footage_counts.npy");
+  CHECK(contains(run({"--set", "synth.births=2"}), "holds none of its clip's frames"));
+  check_refused({"synth", made.model, "-o", (made.temp / "no.avi").string(), "-q", "--fill", "carried"}, 1,
+                {"holds no strokes of its clip's frames"}, made.temp / "no.avi");
 }

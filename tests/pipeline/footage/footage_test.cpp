@@ -39,7 +39,7 @@ core::Clip disc(int frames, int channels, const std::vector<int>& repeated = {})
 
 pipeline::Footage gather(const core::Clip& clip, std::size_t most = pipeline::kMostFootage) {
   core::ClipSource source(clip);
-  return pipeline::gather_footage(source, {}, most);
+  return pipeline::gather_footage(source, {}, {}, most);
 }
 
 double rms(const cv::Mat& a, const cv::Mat& b) {
@@ -77,9 +77,9 @@ TEST_CASE("footage: no more frames are kept than asked for, and a warning says s
   const auto clip = disc(12, 1);
   std::string warned;
   core::ClipSource source(clip);
-  const auto footage =
-      pipeline::gather_footage(source, core::Context({}, {}, [&](const std::string& text) { warned = text; }),
-                               std::size_t{5} * 48 * 40);
+  const auto footage = pipeline::gather_footage(
+      source, {}, core::Context({}, {}, [&](const std::string& text) { warned = text; }),
+      std::size_t{5} * 48 * 40);
   CHECK(footage.frames.size() == 5);
   CHECK(warned == "new clips are made of the first 5 frames; 7 more take too much memory");
 }

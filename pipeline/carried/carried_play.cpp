@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/carried/carried_play.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "core/error.hpp"
+#include "core/math/robust.hpp"
+#include "mcmc/learning/stroke_places.hpp"
+#include "pipeline/carried/life_again.hpp"
+#include "pipeline/footage/motion_scale.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+using graph::EventType;
+using graph::Point;
+using Index = std::uint32_t;
+
+constexpr std::uint32_t kStream = 0x63617272;  // of the random stream
+constexpr int kFade = 4;             // moments over which strokes come and go that did not in the clip
+constexpr double kFit = 64;          // grey levels by which its pixels are fitted to those beside it there
+constexpr double kWholeFit = 255;    // so are those that hide a stroke
+constexpr double kBorder = 6;        // px over which a stroke blends into where it is carried
+constexpr int kLeastHeld = 8;        // moments for which what hides a stroke stays, even if strokes are there
+constexpr double kFarthest = 32;     // px that the wind carries a stroke, about
+constexpr std::size_t kFromEnd = 4;  // patches between a split and a free end
+
+std::size_t index(EventType type) {
+  return static_cast<std::size_t>(type);
+}
+
+/// A whole number whose mean is `mean` ≥ 0.
+int draw_count(double mean, core::Rng& rng) {
+  const double whole = std::floor(mean);
+  return static_cast<int>(whole) + (rng.uniform() < mean - whole ? 1 : 0);
+}
+
+EventType reversed(EventType type) {
+  using enum EventType;
+  constexpr std::array kBackwards = {death, birth, merge, split, disconnect, connect};
+  return kBackwards[index(type)];
+}
+
+bool is_union(EventType type) {
+  return type == EventType::merge || type == EventType::connect;
+}
+
+double mean_width(const graph::AttributeGraph& graph, const std::vector<Index>& stroke) {
+  double sum = 0;
+  for (const auto v : stroke) sum += graph.patch(v).width + 2 * graph.patch(v).blur;
+  return sum / static_cast<double>(stroke.size());
+}
+
+/// Patches that a walk along edges reaches from `from`, not through `not_through`, within so many px.
+std::vector<Index> patches_within(const graph::AttributeGraph& graph, Index from, Index not_through,
+                                  double distance) {
+  std::vector<std::pair<Index, double>> open{{from, 0.0}};
+  std::set<Index> found{from};
+  while (!open.empty()) {
+    const auto [v, way] = open.back();
+    open.pop_back();
+    for (const Index w : graph.neighbours(v)) {
+      const double further = way + graph::distance(graph.patch(v).position, graph.patch(w).position);
+      if (w == not_through || further > distance || graph.degree(w) > 2 || !found.insert(w).second) continue;
+      open.emplace_back(w, further);
+    }
+  }
+  return {found.begin(), found.end()};
+}
+
+/// Returns whether no free end and no junction lies within kFromEnd patches of a curve's inner patch.
+bool is_inside(const graph::AttributeGraph& graph, Index vertex) {
+  if (graph.degree(vertex) != 2) return false;
+  for (const Index side : graph.neighbours(vertex)) {
+    Index behind = vertex, at = side;
+    for (std::size_t i = 1; i < kFromEnd; ++i) {
+      if (graph.degree(at) != 2) return false;
+      const auto sides = graph.neighbours(at);
+      behind = std::exchange(at, sides[0] == behind ? sides[1] : sides[0]);
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string edit_not_carried(const mcmc::MotionEdit& edit) {
+  const auto rate = [&](EventType type) { return edit.rates[index(type)]; };
+  if (edit.speed != 1) return "speed";
+  if (edit.intensity != 1) return "intensity";
+  if (edit.flicker != 1) return "flicker";
+  if (edit.contrast != 1) return "contrast";
+  if (rate(EventType::death) < 1) return "deaths below 1";
+  if (rate(EventType::split) < 1) return "splits below 1";
+  if (rate(EventType::disconnect) < 1) return "disconnects below 1";
+  if (rate(EventType::merge) > 1) return "merges above 1";
+  if (rate(EventType::connect) > 1) return "connects above 1";
+  return {};
+}
+
+CarriedPlay::CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::MotionEdit& edit,
+                         std::array<double, 2> gaps, std::uint64_t seed)
+    : clip_(std::move(clip)), edit_(edit), gaps_(gaps), seed_(seed) {
+  edit.validate();
+  if (const auto what = edit_not_carried(edit); !what.empty())
+    throw core::InputError("strokes of footage cannot be carried with another " + what);
+  if (edit.wind != Point{}) moves_ = moving_pixels(clip_->frames());
+  if (edit.strokes == mcmc::StrokeChoice::all) return;
+  std::vector<double> widths;
+  for (int t = 0; t < clip_->size(); ++t)
+    for (const auto& vertex : clip_->graph(t).vertices())
+      widths.push_back(vertex.patch.width + 2 * vertex.patch.blur);
+  if (!widths.empty()) usual_width_ = core::median(widths);
+}
+
+/// Follows the patches into the frame; new ones of a stroke are as the nearest of it that continue others.
+CarriedPlay::Played CarriedPlay::follow(int frame) {
+  Played played;
+  played.first = frame_ < 0;
+  const auto& graph = clip_->graph(frame);
+  std::vector<Followed> now(graph.size());
+  const auto from = played.first ? std::vector<int>(graph.size(), -1) : clip_->continued(frame_, frame);
+  std::set<std::uint32_t> taken;
+  for (std::size_t v = 0; v < now.size(); ++v) {
+    if (from[v] >= 0) now[v] = now_[static_cast<std::size_t>(from[v])];
+    if (from[v] < 0 || !taken.insert(now[v].id).second) now[v].id = next_id_++;
+  }
+  for (auto& stroke : mcmc::vertices_by_stroke(graph::components(graph))) {
+    std::vector<Index> known;
+    std::ranges::copy_if(stroke, std::back_inserter(known), [&](Index v) { return from[v] >= 0; });
+    if (known.empty()) {
+      played.fresh.push_back(std::move(stroke));
+      continue;
+    }
+    for (const Index v : stroke)
+      if (from[v] < 0)
+        now[v].hiding = now[std::ranges::min(known, {}, [&](Index w) {
+                          return graph::distance(graph.patch(v).position, graph.patch(w).position);
+                        })].hiding;
+  }
+  if (!played.first && std::abs(frame - frame_) == 1) played.step = frame - frame_;
+  now_ = std::move(now);
+  return played;
+}
+
+/// Chooses what hides patches of the frame, anew where strokes have come there; where they always are, only
+/// now and then.
+void CarriedPlay::choose_place(Hiding& hiding, const std::vector<Index>& vertices) {
+  const bool first = hiding.begin == moment_;
+  if (!first && !hiding.free && moment_ - hiding.chosen < kLeastHeld) return;
+  std::vector<graph::Patch> patches;
+  for (const Index v : vertices) patches.push_back(clip_->graph(frame_).patch(v));
+  if (!first && !shows_strokes(*clip_, frame_, patches, hiding.place)) return;
+  hiding.place = find_hidden_place(*clip_, frame_, patches);
+  hiding.chosen = moment_;
+  hiding.free = !shows_strokes(*clip_, frame_, patches, hiding.place);
+}
+
+/// Hides patches of the frame from now on, and returns the number of what hides them.
+int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden) {
+  for (const Index v : vertices) now_[v].hiding = next_hiding_;
+  Hiding hiding;
+  hiding.begin = moment_, hiding.sudden = sudden;
+  hidings_[next_hiding_] = hiding;
+  return next_hiding_++;
+}
+
+void CarriedPlay::let_drift(const std::vector<Index>& vertices, core::Rng& rng) {
+  const auto& graph = clip_->graph(frame_);
+  const auto moving = std::ranges::count_if(vertices, [&](Index v) {
+    const auto p = graph.patch(v).position;
+    const int x = std::clamp(static_cast<int>(std::lround(p.x)), 0, moves_.cols - 1);
+    return moves_(std::clamp(static_cast<int>(std::lround(p.y)), 0, moves_.rows - 1), x) != 0;
+  });
+  const double farthest = kFarthest * rng.uniform(0.6, 1.4);
+  if (2 * moving < static_cast<std::ptrdiff_t>(vertices.size())) return;
+  hidings_[hide(vertices, true)].drift =
+      std::max(2 * kFade, static_cast<int>(std::lround(farthest / graph::norm(edit_.wind))));
+}
+
+/// Strokes that begin in this moment.
+void CarriedPlay::begin_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment) {
+  const double births = edit_.rates[index(EventType::birth)];
+  for (const auto& stroke : played.fresh) {
+    const bool born = played.step != 0;
+    if (born) {
+      const int more = draw_count(edit_.birth_map ? births : std::max(0.0, births - 1), rng);
+      for (int i = 0; i < more; ++i) bear_again(rng);
+      moment.operators[index(EventType::birth)] += more;
+    }
+    const bool wrong = edit_.strokes != mcmc::StrokeChoice::all &&
+                       (mean_width(clip_->graph(frame_), stroke) >= usual_width_) !=
+                           (edit_.strokes == mcmc::StrokeChoice::coarse);
+    const bool elsewhere = born && edit_.birth_map.has_value();
+    if (wrong || elsewhere || (!played.first && births < 1 && rng.uniform() >= births)) {
+      hide(stroke, true);
+      continue;
+    }
+    if (!born) continue;
+    ++moment.operators[index(EventType::birth)];
+    if (edit_.wind != Point{}) let_drift(stroke, rng);
+  }
+}
+
+/// Returns whether a patch is there, at its place.
+bool CarriedPlay::is_whole(Index vertex) const {
+  return now_[vertex].hiding < 0;
+}
+
+void CarriedPlay::end_stroke(core::Rng& rng) {
+  auto strokes = mcmc::vertices_by_stroke(graph::components(clip_->graph(frame_)));
+  std::erase_if(strokes, [&](const auto& stroke) {
+    return !std::ranges::all_of(stroke, [&](Index v) { return is_whole(v); });
+  });
+  if (!strokes.empty()) hide(strokes[rng.below(static_cast<std::uint32_t>(strokes.size()))], false);
+}
+
+/// Opens a gap in a curve, or between a junction and one of its arms.
+void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
+  const auto& graph = clip_->graph(frame_);
+  std::vector<std::pair<Index, Index>> sites;  // where it opens, and what it does not go through
+  for (Index v = 0; v < graph.size(); ++v) {
+    const auto sides = graph.neighbours(v);
+    if (!is_whole(v) || !std::ranges::all_of(sides, [&](Index w) { return is_whole(w); })) continue;
+    if (!at_junction && is_inside(graph, v)) sites.emplace_back(v, v);
+    if (at_junction && graph.degree(v) > 2)
+      for (const Index w : sides)
+        if (graph.degree(w) == 2) sites.emplace_back(w, v);
+  }
+  if (sites.empty()) return;
+  const auto [at, not_through] = sites[rng.below(static_cast<std::uint32_t>(sites.size()))];
+  const double wide = at_junction ? gaps_[1] : gaps_[0] / 2;
+  auto gap = patches_within(graph, at, not_through, wide);
+  std::erase_if(gap, [&](Index v) { return !is_whole(v); });
+  hide(gap, false);
+}
+
+/// Lets a stroke of another time live again.
+void CarriedPlay::bear_again(core::Rng& rng) {
+  if (const auto found = find_life_again(*clip_, frame_, edit_.birth_map, rng))
+    again_.push_back({found->life, moment_, found->offset, {}});
+}
+
+/// Strokes that change in this moment, as they did in the clip or for the first time.
+void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment) {
+  if (played.step == 0) return;
+  const auto& events = clip_->events(std::max(frame_, frame_ - played.step));
+  const auto& graph = clip_->graph(frame_);
+  for (const auto& [event, path_frame, path] : events) {
+    const auto type = played.step > 0 ? event.type : reversed(event.type);
+    if (type == EventType::birth) continue;
+    const double rate = edit_.rates[index(type)];
+    auto& count = moment.operators[index(type)];
+    if (is_union(type) && rng.uniform() >= rate) {
+      std::vector<Index> gap;
+      for (const auto id : path)
+        if (const auto v = graph.index_of(id); v < graph.size() && is_whole(static_cast<Index>(v)))
+          gap.push_back(static_cast<Index>(v));
+      if (!gap.empty()) hide(gap, true);
+      continue;
+    }
+    ++count;
+    if (is_union(type)) continue;
+    const int more = draw_count(std::max(0.0, rate - 1), rng);
+    for (int i = 0; i < more; ++i)
+      if (type == EventType::death)
+        end_stroke(rng);
+      else
+        open_gap(rng, type == EventType::disconnect);
+    count += more;
+  }
+}
+
+Point CarriedPlay::drifted(const Hiding& hiding) const {
+  return edit_.wind * static_cast<double>((moment_ - hiding.begin) % hiding.drift);
+}
+
+/// The frame's own strokes: those that are seen, what hides the others, and those that drift.
+void CarriedPlay::draw_frame_strokes(CarriedMoment& moment, std::vector<graph::Vertex>& vertices,
+                                     std::vector<graph::Edge>& edges) {
+  const auto& graph = clip_->graph(frame_);
+  std::map<int, std::vector<Index>> hidden;
+  for (Index v = 0; v < graph.size(); ++v) {
+    auto vertex = graph.vertices()[v];
+    vertex.id = {now_[v].id}, vertex.subgraph = {}, vertex.curve = {};
+    const auto found = hidings_.find(now_[v].hiding);
+    if (found != hidings_.end()) hidden[found->first].push_back(v);
+    if (found != hidings_.end() && found->second.drift < 0) continue;
+    if (found != hidings_.end()) vertex.patch.position = vertex.patch.position + drifted(found->second);
+    vertices.push_back(vertex);
+    for (const Index w : graph.neighbours(v)) {
+      const auto other = hidings_.find(now_[w].hiding);
+      if (v < w && (other == hidings_.end() || other->second.drift >= 0))
+        edges.push_back({{now_[v].id}, {now_[w].id}});
+    }
+  }
+  std::erase_if(hidings_, [&](const auto& one) { return !hidden.contains(one.first); });
+  std::vector<CarriedStroke> drifting;
+  for (const auto& [number, patches] : hidden) {
+    auto& hiding = hidings_.at(number);
+    choose_place(hiding, patches);
+    const int age = moment_ - hiding.begin;
+    CarriedStroke cover{hiding.place.frame(frame_, clip_->size()),
+                        hiding.sudden ? 1 : std::min(1.0, (age + 1.0) / kFade),
+                        kWholeFit,
+                        kHidingFeather,
+                        {}};
+    CarriedStroke moved{frame_, 1, kFit, kBorder, {}};
+    for (const Index v : patches) {
+      const auto& patch = graph.patch(v);
+      cover.patches.push_back(
+          {patch.position, patch.position + hiding.place.beside, patch.theta, 0, carried_reach(patch)});
+      if (hiding.drift >= 0)
+        moved.patches.push_back(
+            {patch.position + drifted(hiding), patch.position, patch.theta, 0, carried_reach(patch)});
+    }
+    if (hiding.drift >= 0) {
+      const int of_way = age % hiding.drift;
+      moved.opacity = std::min({1.0, (of_way + 1.0) / kFade, double(hiding.drift - of_way) / kFade});
+      drifting.push_back(std::move(moved));
+    }
+    moment.strokes.push_back(std::move(cover));
+  }
+  std::ranges::move(drifting, std::back_inserter(moment.strokes));
+}
+
+/// The strokes that live again.
+void CarriedPlay::draw_again(CarriedMoment& moment, std::vector<graph::Vertex>& vertices,
+                             std::vector<graph::Edge>& edges) {
+  const auto age_of = [&](const Again& one) { return static_cast<std::size_t>(moment_ - one.begin); };
+  const auto gone =
+      std::erase_if(again_, [&](const Again& one) { return age_of(one) >= one.life->patches.size(); });
+  moment.operators[index(EventType::death)] += static_cast<int>(gone);
+  for (auto& one : again_) {
+    const std::size_t age = age_of(one), left = one.life->patches.size() - age;
+    const int t = one.life->first + static_cast<int>(age);
+    const auto& graph = clip_->graph(t);
+    const auto& patches = one.life->patches[age];
+    const auto from = age > 0 ? clip_->continued(t - 1, t) : std::vector<int>(graph.size(), -1);
+    std::vector<std::uint32_t> ids;
+    CarriedStroke stroke{
+        t, std::min({1.0, (double(age) + 1) / kFade, double(left) / kFade}), kFit, kBorder, {}};
+    const auto place_of = [](const std::vector<Index>& list, Index v) {
+      return static_cast<std::size_t>(std::ranges::lower_bound(list, v) - list.begin());
+    };
+    for (const Index v : patches) {
+      std::uint32_t id = next_id_;
+      if (from[v] >= 0) {
+        const auto& before = one.life->patches[age - 1];
+        const auto at = place_of(before, static_cast<Index>(from[v]));
+        if (at < before.size() && before[at] == static_cast<Index>(from[v]) &&
+            std::ranges::find(ids, one.ids[at]) == ids.end())
+          id = one.ids[at];
+      }
+      if (id == next_id_) ++next_id_;
+      ids.push_back(id);
+      auto vertex = graph.vertices()[v];
+      const Point seen = vertex.patch.position;
+      vertex.id = {id}, vertex.subgraph = {}, vertex.curve = {};
+      vertex.patch.position = seen + one.offset;
+      stroke.patches.push_back(
+          {vertex.patch.position, seen, vertex.patch.theta, 0, carried_reach(vertex.patch)});
+      vertices.push_back(vertex);
+    }
+    for (std::size_t i = 0; i < patches.size(); ++i)
+      for (const Index w : graph.neighbours(patches[i]))
+        if (patches[i] < w && std::ranges::binary_search(patches, w))
+          edges.push_back({{ids[i]}, {ids[place_of(patches, w)]}});
+    one.ids = std::move(ids);
+    moment.strokes.push_back(std::move(stroke));
+  }
+}
+
+CarriedMoment CarriedPlay::next(int frame) {
+  ++moment_;
+  core::Rng rng(seed_, {kStream, static_cast<std::uint32_t>(moment_), 0});
+  const auto played = follow(frame);
+  frame_ = frame;
+  CarriedMoment moment;
+  begin_strokes(played, rng, moment);
+  change_strokes(played, rng, moment);
+  std::vector<graph::Vertex> vertices;
+  std::vector<graph::Edge> edges;
+  draw_frame_strokes(moment, vertices, edges);
+  draw_again(moment, vertices, edges);
+  moment.graph = {std::move(vertices), std::move(edges)};
+  return moment;
+}
+
+}  // namespace emberfold::pipeline

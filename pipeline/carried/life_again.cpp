@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/carried/life_again.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "mcmc/learning/stroke_places.hpp"
+#include "pipeline/carried/hidden_place.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+using graph::Point;
+
+constexpr int kLives = 4;    // of which the most fitting is taken; more would all lie where the frame is dark
+constexpr int kPlaces = 16;  // of each
+constexpr double kJitter = 8;          // px, SD: from where a stroke lived to where it lives again
+constexpr int kApart = 8;              // frames between a stroke's life and its life again, at least
+constexpr double kCrowd = 30;          // grey levels that another stroke at its place counts for
+constexpr std::size_t kCompared = 10;  // patches whose surroundings are compared
+
+Point place_drawn(const mcmc::CellMap& map, core::Rng& rng) {
+  const auto cell = static_cast<int>(rng.categorical(map.values));
+  const int column = cell % map.columns, row = cell / map.columns;
+  const double x = rng.uniform(), y = rng.uniform();
+  return Point{column + x, row + y} * map.cell;
+}
+
+/// Mean over the patches of a newborn stroke, grey levels.
+double misfit(const SeenClip& clip, int t, const StrokeLife& life, Point offset) {
+  const auto& graph = clip.graph(life.first);
+  const auto& patches = life.patches.front();
+  double sum = 0;
+  int count = 0;
+  for (std::size_t k = 0; k < patches.size();
+       k += std::max<std::size_t>(1, patches.size() / kCompared), ++count) {
+    const auto& patch = graph.patch(patches[k]);
+    const Point to = patch.position + offset;
+    sum += unlikeness_around(clip, patch, to, t, offset * -1, life.first);
+    if (clip.occupied(t, to)) sum += kCrowd;
+  }
+  return sum / count;
+}
+
+}  // namespace
+
+std::optional<LifeAgain> find_life_again(const SeenClip& clip, int t,
+                                         const std::optional<mcmc::CellMap>& births, core::Rng& rng) {
+  const auto& lives = clip.lives();
+  if (lives.empty()) return std::nullopt;
+  std::optional<LifeAgain> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kLives; ++i) {
+    const auto& life = lives[rng.below(static_cast<std::uint32_t>(lives.size()))];
+    for (int j = 0; j < kPlaces; ++j) {
+      Point offset{kJitter * rng.normal(), kJitter * rng.normal()};
+      if (births)
+        offset =
+            place_drawn(*births, rng) - mcmc::stroke_middle(clip.graph(life.first), life.patches.front());
+      else if (std::abs(life.first - t) < kApart)
+        continue;
+      if (const double found = misfit(clip, t, life, offset); found < least) {
+        least = found;
+        best = LifeAgain{&life, offset};
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace emberfold::pipeline

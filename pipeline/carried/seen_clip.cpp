@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/carried/seen_clip.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <utility>
+
+#include "core/error.hpp"
+#include "graph/matching/match.hpp"
+
+namespace emberfold::pipeline {
+
+namespace {
+
+constexpr std::size_t kShortestLife = 4;  // frames
+
+std::vector<StrokeLife> born_strokes(const graph::MotionGraph& strokes,
+                                     const std::vector<std::vector<graph::TracedEvent>>& events) {
+  std::map<graph::SubgraphId, std::size_t> number;
+  std::vector<StrokeLife> lives;
+  for (std::size_t t = 1; t < strokes.sketch.frames.size(); ++t) {
+    for (const auto& [event, frame, path] : events[t])
+      if (event.type == graph::EventType::birth) {
+        number.emplace(event.after.at(0), lives.size());
+        lives.push_back({static_cast<int>(t), {}});
+      }
+    const auto vertices = strokes.sketch.frames[t].vertices();
+    for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+      const auto found = number.find(vertices[v].subgraph);
+      if (found == number.end()) continue;
+      auto& life = lives[found->second];
+      life.patches.resize(t - static_cast<std::size_t>(life.first) + 1);
+      life.patches.back().push_back(v);
+    }
+  }
+  std::erase_if(lives, [](const StrokeLife& life) { return life.patches.size() < kShortestLife; });
+  return lives;
+}
+
+}  // namespace
+
+SeenClip::SeenClip(std::vector<cv::Mat> frames, graph::MotionGraph strokes)
+    : frames_(std::move(frames)), strokes_(std::move(strokes)), events_(frames_.size()) {
+  if (frames_.size() < 2) throw core::InputError("a footage of one frame has no motion to play");
+  if (strokes_.sketch.frames.size() != frames_.size())
+    throw core::InputError("the strokes are of " + std::to_string(strokes_.sketch.frames.size()) +
+                           " frames, the footage of " + std::to_string(frames_.size()));
+  for (auto& event : graph::trace_stroke_events(strokes_))
+    events_[static_cast<std::size_t>(event.event.frame)].push_back(std::move(event));
+  lives_ = born_strokes(strokes_, events_);
+  for (const auto& graph : strokes_.sketch.frames) {
+    std::vector<graph::Point> places;
+    for (const auto& vertex : graph.vertices()) places.push_back(vertex.patch.position);
+    places_.emplace_back(std::move(places), kNear);
+  }
+}
+
+std::vector<int> SeenClip::continued(int from, int to) const {
+  const auto &before = graph(from), &after = graph(to);
+  std::vector<int> found(after.size(), -1);
+  if (from == to)
+    for (std::size_t v = 0; v < found.size(); ++v) found[v] = static_cast<int>(v);
+  const auto take = [&](graph::VertexId old, graph::VertexId now) {
+    auto& of = found[after.index_of(now)];
+    if (of < 0) of = static_cast<int>(before.index_of(old));
+  };
+  if (to == from + 1)
+    for (const auto& link : strokes_.links[static_cast<std::size_t>(to)]) take(link.before, link.after);
+  else if (to == from - 1)
+    for (const auto& link : strokes_.links[static_cast<std::size_t>(from)]) take(link.after, link.before);
+  else if (to != from)
+    for (const auto& link : graph::match_frames(before, after, {}, {})) take(link.before, link.after);
+  return found;
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "graph/events/events.hpp"
+#include "graph/matching/point_grid.hpp"
+#include "graph/motion_graph.hpp"
+
+namespace emberfold::pipeline {
+
+/// A stroke that was seen from its birth on, with its patches in each frame until it ended or changed.
+struct StrokeLife {
+  int first = 0;                                    ///< frame
+  std::vector<std::vector<std::uint32_t>> patches;  ///< by frame: vertex indices, ascending
+};
+
+/// A clip's frames with the strokes seen in them, and what is looked up in these.
+class SeenClip {
+ public:
+  /// `frames`: CV_8U, 1 or 3 channels; `strokes`: identified, of as many frames of that size.
+  /// Throws core::InputError where they disagree.
+  SeenClip(std::vector<cv::Mat> frames, graph::MotionGraph strokes);
+
+  [[nodiscard]] int size() const { return static_cast<int>(frames_.size()); }
+  [[nodiscard]] double fps() const { return strokes_.sketch.fps; }
+  [[nodiscard]] const std::vector<cv::Mat>& frames() const { return frames_; }
+  [[nodiscard]] const cv::Mat& frame(int t) const { return frames_[static_cast<std::size_t>(t)]; }
+  [[nodiscard]] const graph::AttributeGraph& graph(int t) const {
+    return strokes_.sketch.frames[static_cast<std::size_t>(t)];
+  }
+  /// Returns for each vertex of frame `to` the index of the one it continues in frame `from`, or −1. Frames
+  /// that are no neighbours are matched. O(vertices log vertices).
+  [[nodiscard]] std::vector<int> continued(int from, int to) const;
+  /// Returns the events between frame t − 1 and t ≥ 1, with the patches that appeared or vanished.
+  [[nodiscard]] const std::vector<graph::TracedEvent>& events(int t) const {
+    return events_[static_cast<std::size_t>(t)];
+  }
+  /// Strokes of at least four frames that were born in the clip.
+  [[nodiscard]] const std::vector<StrokeLife>& lives() const { return lives_; }
+  /// Returns whether a patch of frame t lies within kNear px of a place.
+  [[nodiscard]] bool occupied(int t, graph::Point place) const {
+    return !places_[static_cast<std::size_t>(t)].find_near(place).empty();
+  }
+  static constexpr double kNear = 5;
+
+ private:
+  std::vector<cv::Mat> frames_;
+  graph::MotionGraph strokes_;
+  std::vector<std::vector<graph::TracedEvent>> events_;
+  std::vector<StrokeLife> lives_;
+  std::vector<graph::detail::PointGrid> places_;
+};
+
+}  // namespace emberfold::pipeline
