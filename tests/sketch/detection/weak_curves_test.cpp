@@ -40,6 +40,19 @@ cv::Mat1f line(double theta, double s, double height) {
   });
 }
 
+/// Texture in the frame's lower half, in which single points of a line of 40 levels do not stand out; above
+/// it, in the calm, such a line with a gap of so many px in its middle.
+cv::Mat1f broken_line_above_texture(double gap, std::uint64_t seed) {
+  cv::Mat1f texture = with_noise(cv::Mat1f(kSize, 0.0F), 1, seed);
+  cv::GaussianBlur(texture, texture, {}, 1.2);
+  cv::Mat1f frame = draw(kSize, [=](Point p) {
+    const double along = std::abs(p.x - kMiddle.x), beyond = std::max({0.0, along - 45, gap / 2 - along});
+    return 90 + 40 * std::exp(-0.5 * (std::pow((p.y - 30) / 1.8, 2) + std::pow(beyond / 1.2, 2)));
+  });
+  frame.rowRange(60, kSize.height) += 150 * texture.rowRange(60, kSize.height);
+  return with_noise(frame, 2, seed + 1);
+}
+
 /// The length of the edges within `reach` px of the line through the middle, and of all others.
 struct Drawn {
   double on = 0, off = 0;
@@ -130,6 +143,26 @@ TEST_CASE("A line that no point of it shows is found by its length", "[sketch][w
     found_at_all += strict.on > 70 ? 1 : 0;
   }
   CHECK(found_at_all <= 1);
+}
+
+TEST_CASE("A gap that averaging along a line closes is cut open, and the short parts beside it are drawn",
+          "[sketch][weak]") {
+  for (const double gap : {0.0, 12.0, 50.0})
+    for (const std::uint64_t seed : {1U, 5U, 9U}) {
+      INFO("gap " << gap << ", seed " << seed);
+      const AttributeGraph graph =
+          sketch::extract(broken_line_above_texture(gap, seed), {.sensitivity = 0.3, .edges = false});
+      double drawn_length = 0, in_gap = 0;  // px
+      for (const graph::Edge& e : graph.edges()) {
+        const Point a = graph.patch(graph.index_of(e.a)).position,
+                    b = graph.patch(graph.index_of(e.b)).position, middle = (a + b) * 0.5;
+        if (std::abs(middle.y - 30) > 3) continue;
+        drawn_length += graph::distance(a, b);
+        if (std::abs(middle.x - kMiddle.x) < gap / 2 - 2) in_gap += graph::distance(a, b);
+      }
+      CHECK(drawn_length > 0.8 * (90 - gap));
+      CHECK(in_gap == 0);
+    }
 }
 
 TEST_CASE("A step that no point of it shows is found by its length, with the brighter side on its right",
