@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/curves/curve_identity.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <set>
 
 #include "core/error.hpp"
 #include "graph/curves/curve_strokes.hpp"
+#include "graph/curves/joint_evidence.hpp"
 #include "graph/events/events.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/touching_curves.hpp"
@@ -86,6 +89,52 @@ TEST_CASE("A curve whose tip touches the side of another and leaves it keeps its
     CHECK(graph::stroke_events(graph::curves_as_strokes(named)).empty());
   }
   CHECK(kept.share() == 1);
+}
+
+TEST_CASE("Curves that cross at a small angle keep their names", "[graph][curves]") {
+  Kept kept;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const double angle = 0.35 + 0.01 * static_cast<double>(seed);
+    const std::vector<test::MovingCurve> curves{
+        moving_line({160, 105}, {0, 1.5}, 0.1, 130, 40),
+        moving_line({160, 135}, {0, -1.5}, 0.1 + angle, 130, 42),
+    };
+    kept.add(TouchingCurves(curves, 21, seed), 2);
+  }
+  INFO(kept.kept << " of " << kept.all);
+  CHECK(kept.share() >= 0.98);
+}
+
+TEST_CASE("Tips that meet in line for some frames leave each other under their old names",
+          "[graph][curves]") {
+  for (const int met : {2, 6, 10}) {
+    Kept kept;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto along = [=](double middle, double sign) {
+        return test::MovingCurve{[=](int t) {
+          const double apart = 2 + std::max(0.0, 1.5 * (std::abs(t - 12) - met / 2.0));
+          std::vector<graph::Point> points;
+          for (double s = 0; s <= 70; s += 0.5) points.push_back({middle + sign * (apart + s), 120});
+          return points;
+        }};
+      };
+      kept.add(TouchingCurves({along(160, -1), along(160, 1)}, 25, seed), 2);
+    }
+    INFO(met << ": " << kept.kept << " of " << kept.all);
+    CHECK(kept.share() >= 0.98);
+  }
+}
+
+TEST_CASE("A difference of contrast tells less where the sides are uneven", "[graph][curves]") {
+  graph::detail::JointScales scales;
+  scales.contrast = {0.02, 0.03, 0.4};
+  scales.width = {0.02, 0.03, 0.03};
+  graph::detail::JointLook look{.stronger = 0.25, .patches = 0.5};
+  const double even = graph::detail::joint_evidence(look, scales).properties;
+  look.uneven = 0.25;
+  const double uneven = graph::detail::joint_evidence(look, scales).properties;
+  CHECK(even < -1);
+  CHECK(std::abs(uneven) < std::abs(even) / 2);
 }
 
 TEST_CASE("Curves of different contrast that touch all the time are two", "[graph][curves]") {
