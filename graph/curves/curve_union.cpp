@@ -7,7 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include "core/math/robust.hpp"
 #include "graph/curves/curve_pieces.hpp"
 
 namespace emberfold::graph::detail {
@@ -51,18 +50,6 @@ std::map<Pair, PairJoint> joints_of_pairs(const FrameArcs& frame, const std::vec
   return best;
 }
 
-/// Returns the median of the logarithm of contrast of each identity: over all its patches it is much surer
-/// than beside a joint, where lines blend.
-std::map<std::uint32_t, double> usual_contrasts(const ClipArcs& clip, const Identities& identity) {
-  std::map<std::uint32_t, std::vector<double>> values;
-  for (std::size_t t = 0; t < identity.size(); ++t)
-    for (std::uint32_t v = 0; v < identity[t].size(); ++v)
-      values[identity[t][v]].push_back(log_contrast(clip.frames[t].graph->patch(v)));
-  std::map<std::uint32_t, double> usual;
-  for (auto& [i, contrasts] : values) usual[i] = core::median(std::move(contrasts));
-  return usual;
-}
-
 /// Returns the odds of each two identities that ever meet.
 std::map<Pair, double> odds_of_pairs(const ClipArcs& clip, const std::vector<std::vector<TimedJoint>>& joints,
                                      const JointScales& scales, const Identities& identity) {
@@ -76,10 +63,8 @@ std::map<Pair, double> odds_of_pairs(const ClipArcs& clip, const std::vector<std
     for (const auto& [pair, here] : joints_of_pairs(clip.frames[t], joints[t], identity[t]))
       records[pair].add(*here.joint, here.sense);
   }
-  const std::map<std::uint32_t, double> contrast = usual_contrasts(clip, identity);
   std::map<Pair, double> odds;
-  for (auto& [pair, record] : records) {
-    std::ranges::fill(record.stronger, contrast.at(pair.first) - contrast.at(pair.second));
+  for (const auto& [pair, record] : records) {
     const auto &a = frames_of[pair.first], &b = frames_of[pair.second];
     std::vector<std::size_t> both;
     std::ranges::set_intersection(a, b, std::back_inserter(both));

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/math/robust.hpp"
 #include "graph/events/joints.hpp"
 
 namespace emberfold::graph::detail {
@@ -24,9 +23,11 @@ constexpr double kLeastSpread = 0.01;
 constexpr double kLeastTurn = 0.1;  // rad
 constexpr double kQuartileToSd =
     3.138;  // of sizes: the lower quartile, for the more of them may lie at joints
-constexpr std::size_t kTellingPatches = 3;  // of a side: fewer have no spread
 constexpr std::size_t kMostSamples = 200000;
 
+double log_contrast(const Patch& patch) {
+  return std::log(1 + std::abs(patch.contrast));
+}
 double log_width(const Patch& patch) {
   return std::log(0.1 + std::sqrt(patch.width * patch.width / 12 + patch.blur * patch.blur));
 }
@@ -46,14 +47,6 @@ double median_of(const FrameArcs& frame, std::span<const std::uint32_t> way, Pro
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
   return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
-}
-
-/// Returns how a side's contrast varies along it; a few patches do not tell.
-double unevenness(const FrameArcs& frame, std::span<const std::uint32_t> way) {
-  if (way.size() < kTellingPatches) return 0;
-  const double usual = median_of(frame, way, log_contrast);
-  return core::kMadToSd *
-         median_of(frame, way, [=](const Patch& p) { return std::abs(log_contrast(p) - usual); });
 }
 
 double log_normal(double x, double sd) {
@@ -159,10 +152,6 @@ struct Samples {
 
 }  // namespace
 
-double log_contrast(const Patch& patch) {
-  return std::log(1 + std::abs(patch.contrast));
-}
-
 JointWays ways_from(const FrameArcs& frame, const JointSite& site, double reach) {
   if (site.at_knot()) {
     const auto& arms = frame.knots[site.knot].arms;
@@ -202,7 +191,6 @@ JointLook look_at_joint(const FrameArcs& frame, const JointSite& site, const Arc
   look.stronger = median_of(frame, a, log_contrast) - median_of(frame, b, log_contrast);
   look.wider = median_of(frame, a, log_width) - median_of(frame, b, log_width);
   look.patches = 1.0 / static_cast<double>(a.size()) + 1.0 / static_cast<double>(b.size());
-  look.uneven = std::hypot(unevenness(frame, a), unevenness(frame, b));
   look.turn = turn_at(frame, ways);
   return look;
 }
@@ -211,8 +199,8 @@ JointEvidence joint_evidence(const JointLook& look, const JointScales& scales) {
   if (look.other_kind) return {kOtherKind, 0};
   const double uniform = -std::log(std::numbers::pi);
   const double half_normal = log_normal(look.turn, scales.turn) + 0.5 * std::log(2 / std::numbers::pi);
-  // Where two lines blend the width is off, and with it the contrast, which then varies along the sides.
-  const double doubt = std::hypot(look.wider, look.uneven);
+  // Where two lines blend the width is off, and with it the contrast.
+  const double doubt = std::abs(look.wider);
   return {difference_evidence(look.stronger, look.patches, scales.contrast, doubt, kOutliersOfTwo) +
               difference_evidence(look.wider, look.patches, scales.width, 0, kOutliers),
           log_sum(std::log(1 - kCorners) + half_normal, std::log(kCorners) + uniform) - uniform};

@@ -39,8 +39,6 @@ struct JointScales {
   Spread contrast, width;
   double turn = 0.1;  ///< rad, of curves at a place
 };
-/// Returns the logarithm of a patch's contrast, as joints compare it.
-double log_contrast(const Patch& patch);
 /// Measures the spreads in the frames of a clip.
 JointScales measure_scales(std::span<const FrameArcs> frames);
 
@@ -48,7 +46,6 @@ JointScales measure_scales(std::span<const FrameArcs> frames);
 struct JointLook {
   double stronger = 0, wider = 0;  ///< side a less side b, of the logarithms of contrast and width
   double patches = 0;              ///< 1 / n of either side, summed
-  double uneven = 0;               ///< how contrast varies along the sides, robust SD of its logarithm
   double turn = 0;                 ///< rad, 0: one line
   bool other_kind = false;         ///< a line and a step, or lines of different sign
 };

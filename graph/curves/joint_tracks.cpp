@@ -261,8 +261,7 @@ void sum_up(const ClipArcs& clip, const JointScales& scales, std::vector<std::ve
 
 void JointRecord::add(const TimedJoint& joint, double sense) {
   stronger.push_back(sense * joint.look.stronger), wider.push_back(sense * joint.look.wider);
-  patches.push_back(joint.look.patches), uneven.push_back(joint.look.uneven);
-  turn.push_back(joint.look.turn);
+  patches.push_back(joint.look.patches), turn.push_back(joint.look.turn);
   inside += joint.site.at_knot() ? 0 : 1;
   other_kind += joint.look.other_kind ? 1 : 0;
 }
@@ -270,7 +269,7 @@ void JointRecord::add(const TimedJoint& joint, double sense) {
 double JointRecord::odds(const JointScales& scales) const {
   const auto n = static_cast<double>(turn.size());
   const JointLook usual{core::median(stronger), core::median(wider), core::median(patches),
-                        core::median(uneven),   core::median(turn),  2 * other_kind > n};
+                        core::median(turn), 2 * other_kind > n};
   const JointEvidence evidence = joint_evidence(usual, scales);
   const double frames = n / (1 + kDependence * (n - 1));
   return (kPriorInside * inside + kPriorAtKnot * (n - inside)) / n + evidence.properties * frames +

@@ -10,7 +10,7 @@ namespace emberfold::graph::detail {
 
 /// How a joint looks in many frames.
 struct JointRecord {
-  std::vector<double> stronger, wider, patches, uneven, turn;
+  std::vector<double> stronger, wider, patches, turn;
   double inside = 0,
          other_kind = 0;  ///< frames in which it lies on an arc, and in which its sides are of other kinds
 

@@ -2,13 +2,12 @@
 #include "graph/curves/curve_identity.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <set>
 
 #include "core/error.hpp"
 #include "graph/curves/curve_strokes.hpp"
-#include "graph/curves/joint_evidence.hpp"
 #include "graph/events/events.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/touching_curves.hpp"
@@ -123,18 +122,6 @@ TEST_CASE("Tips that meet in line for some frames leave each other under their o
     INFO(met << ": " << kept.kept << " of " << kept.all);
     CHECK(kept.share() >= 0.98);
   }
-}
-
-TEST_CASE("A difference of contrast tells less where the sides are uneven", "[graph][curves]") {
-  graph::detail::JointScales scales;
-  scales.contrast = {0.02, 0.03, 0.4};
-  scales.width = {0.02, 0.03, 0.03};
-  graph::detail::JointLook look{.stronger = 0.25, .patches = 0.5};
-  const double even = graph::detail::joint_evidence(look, scales).properties;
-  look.uneven = 0.25;
-  const double uneven = graph::detail::joint_evidence(look, scales).properties;
-  CHECK(even < -1);
-  CHECK(std::abs(uneven) < std::abs(even) / 2);
 }
 
 TEST_CASE("Curves of different contrast that touch all the time are two", "[graph][curves]") {
