@@ -18,10 +18,11 @@ namespace {
 
 using detail::kNoIndex;
 
-constexpr std::size_t kMemory = 6;         // frames before that a piece takes its identity from
-constexpr double kFading = 0.6;            // weight of a frame against the next
+constexpr std::size_t kMemory = 12;        // frames before that a piece takes its identity from
+constexpr double kFading = 0.8;            // weight of a frame against the next
 constexpr std::uint32_t kLeastLinks = 2;   // patches that carry an identity on, and
 constexpr double kShareOfPiece = 1.0 / 3;  // of the patches of the piece
+constexpr int kSettlings = 2;              // times that pieces look at the frames around them
 
 /// Follows the pieces of the frames through time: each takes, one to one, the identity that most of its
 /// patches had in the frames before.
@@ -62,6 +63,37 @@ detail::Identities follow_pieces(const detail::ClipArcs& clip,
   return identity;
 }
 
+/// Gives each piece the identity that most of its patches have in this frame and those before and after it.
+void settle(const detail::ClipArcs& clip, const std::vector<detail::FramePieces>& pieces,
+            detail::Identities& identity) {
+  const detail::Identities now = identity;
+  for (std::size_t t = 0; t < pieces.size(); ++t) {
+    const auto& piece = pieces[t].of_vertex;
+    std::vector<std::map<std::uint32_t, double>> votes(pieces[t].count);
+    const auto follow = [&](std::uint32_t v, bool forward) {
+      std::size_t s = t;
+      double weight = 1;
+      std::uint32_t u = v;
+      for (std::size_t k = 0; k < kMemory && (forward ? s + 1 < pieces.size() : s > 0); ++k) {
+        u = forward ? clip.after[s][u] : clip.before[s][u];
+        if (u == kNoIndex) return;
+        s = forward ? s + 1 : s - 1;
+        weight *= kFading;
+        votes[piece[v]][now[s][u]] += weight;
+      }
+    };
+    for (std::uint32_t v = 0; v < piece.size(); ++v) {
+      votes[piece[v]][now[t][v]] += 1;
+      follow(v, false), follow(v, true);
+    }
+    std::vector<std::uint32_t> most;
+    for (const auto& of_piece : votes)
+      most.push_back(
+          std::ranges::max_element(of_piece, {}, [](const auto& vote) { return vote.second; })->first);
+    for (std::uint32_t v = 0; v < piece.size(); ++v) identity[t][v] = most[piece[v]];
+  }
+}
+
 /// Numbers the identities from 1 in order of appearance.
 void renumber(detail::Identities& identity) {
   std::map<std::uint32_t, std::uint32_t> number;
@@ -94,6 +126,7 @@ CurveGrouping identify_curves(MotionGraph motion, const core::Context& context) 
                      [&](std::size_t t) { pieces[t] = detail::divide_frame(clip.frames[t], joints[t]); });
   detail::Identities identity = follow_pieces(clip, pieces);
   detail::unite_identities(clip, joints, scales, identity);
+  for (int k = 0; k < kSettlings; ++k) settle(clip, pieces, identity);
   renumber(identity);
   CurveGrouping result;
   for (std::size_t t = 0; t < joints.size(); ++t)

@@ -13,7 +13,7 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr double kMostApart = 10;  // nats against two identities, one for each frame that has them apart
+constexpr double kMostApart = 20;  // nats against two identities, one for each frame that has them apart
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;  // of identities, the lower first
 

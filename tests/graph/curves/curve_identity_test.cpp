@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/curves/curve_identity.hpp"
 
+#include <algorithm>
+#include <cstdlib>
 #include <numbers>
 #include <set>
 
@@ -86,6 +88,40 @@ TEST_CASE("A curve whose tip touches the side of another and leaves it keeps its
     CHECK(graph::stroke_events(graph::curves_as_strokes(named)).empty());
   }
   CHECK(kept.share() == 1);
+}
+
+TEST_CASE("Curves that cross at a small angle keep their names", "[graph][curves]") {
+  Kept kept;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const double angle = 0.35 + 0.01 * static_cast<double>(seed);
+    const std::vector<test::MovingCurve> curves{
+        moving_line({160, 105}, {0, 1.5}, 0.1, 130, 40),
+        moving_line({160, 135}, {0, -1.5}, 0.1 + angle, 130, 42),
+    };
+    kept.add(TouchingCurves(curves, 21, seed), 2);
+  }
+  INFO(kept.kept << " of " << kept.all);
+  CHECK(kept.share() >= 0.98);
+}
+
+TEST_CASE("Tips that meet in line for some frames leave each other under their old names",
+          "[graph][curves]") {
+  for (const int met : {2, 6, 10}) {
+    Kept kept;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto along = [=](double middle, double sign) {
+        return test::MovingCurve{[=](int t) {
+          const double apart = 2 + std::max(0.0, 1.5 * (std::abs(t - 12) - met / 2.0));
+          std::vector<graph::Point> points;
+          for (double s = 0; s <= 70; s += 0.5) points.push_back({middle + sign * (apart + s), 120});
+          return points;
+        }};
+      };
+      kept.add(TouchingCurves({along(160, -1), along(160, 1)}, 25, seed), 2);
+    }
+    INFO(met << ": " << kept.kept << " of " << kept.all);
+    CHECK(kept.share() >= 0.98);
+  }
 }
 
 TEST_CASE("Curves of different contrast that touch all the time are two", "[graph][curves]") {
