@@ -335,7 +335,7 @@ TEST_CASE("an interrupted synth leaves what was drawn, whole and of one length")
   // They are those that a shorter clip has.
   const auto shorter = made.temp / "shorter.avi";
   REQUIRE(
-      run_command({"synth", made.model, "-o", shorter.string(), "--frames", "5", "-q", "--fill", "diffusion"})
+      run_command({"synth", made.model, "-o", shorter.string(), "--frames", "5", "-q", "--fill", "carried"})
           .exit == 0);
   const auto five = read_clip(shorter);
   for (std::size_t t = 0; t < std::min<std::size_t>(5, count); ++t)
