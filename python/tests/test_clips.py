@@ -101,7 +101,7 @@ def test_errors_have_their_classes(tmp_path):
         ef.dytex.learn(ripples(), n=3)
     with pytest.raises(ValueError, match="ExtractOptions.spacing is 'wide'"):
         ef.ExtractOptions(spacing="wide")
-    with pytest.raises(ValueError, match="fill_kind is 'paint'; allowed is footage, diffusion, texture, dytex"):
+    with pytest.raises(ValueError, match="fill_kind is 'paint'; allowed is footage, carried, diffusion, texture, dytex"):
         ef.ClipSynthesisOptions(fill_kind="paint")
     assert ef.ClipSynthesisOptions(fill_kind="dytex").fill_kind.name == "dytex"
     with pytest.raises(ValueError, match="LearnOptions.order is 'best'; allowed is given, gavish_donoho, held_out"):
