@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 #include <iterator>
 #include <limits>
 #include <new>
@@ -93,7 +93,7 @@ void MappedMemory::add_free(std::byte* begin, std::size_t bytes) {
 void MappedMemory::map(std::size_t bytes) {
   const auto fail = [&](int reason) {
     throw core::IoError("cannot keep what is large in a file in " + folder_.string() + ": " +
-                        std::strerror(reason));
+                        std::generic_category().message(reason));
   };
   if (file_ < 0) {
     std::string name = (folder_ / ".emberfold-cache-XXXXXX").string();
