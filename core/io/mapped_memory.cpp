@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <system_error>
 #include <iterator>
 #include <limits>
 #include <new>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
