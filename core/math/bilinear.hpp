@@ -7,17 +7,34 @@
 
 namespace emberfold::core {
 
+/// The four pixels about a place, clamped to the frame, and how far it lies from the left upper one.
+template <class Number>
+struct BilinearPlace {
+  int left, top, right, bottom;
+  Number u, v;
+
+  BilinearPlace(Number x, Number y, cv::Size size) {
+    x = std::clamp(x, Number{0}, static_cast<Number>(size.width - 1));
+    y = std::clamp(y, Number{0}, static_cast<Number>(size.height - 1));
+    left = static_cast<int>(x), top = static_cast<int>(y);
+    right = std::min(left + 1, size.width - 1), bottom = std::min(top + 1, size.height - 1);
+    u = x - static_cast<Number>(left), v = y - static_cast<Number>(top);
+  }
+
+  /// Returns what lies between the values at(row, column) of the rows `top` and `bottom`.
+  template <class Row, class At>
+  [[nodiscard]] auto between(Row upper, Row lower, const At& at) const {
+    return (1 - v) * ((1 - u) * at(upper, left) + u * at(upper, right)) +
+           v * ((1 - u) * at(lower, left) + u * at(lower, right));
+  }
+};
+
 /// Interpolates bilinearly at (x, y) px; positions outside the frame are clamped to it.
 /// `values`: CV_32F, one channel.
 inline double sample_bilinear(const cv::Mat& values, double x, double y) {
-  x = std::clamp(x, 0.0, values.cols - 1.0);
-  y = std::clamp(y, 0.0, values.rows - 1.0);
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const int right = std::min(left + 1, values.cols - 1), bottom = std::min(top + 1, values.rows - 1);
-  const double u = x - left, v = y - top;
-  const float *above = values.ptr<float>(top), *below = values.ptr<float>(bottom);
-  return (1 - v) * ((1 - u) * double{above[left]} + u * double{above[right]}) +
-         v * ((1 - u) * double{below[left]} + u * double{below[right]});
+  const BilinearPlace place(x, y, values.size());
+  return place.between(values.ptr<float>(place.top), values.ptr<float>(place.bottom),
+                       [](const float* row, int column) { return double{row[column]}; });
 }
 
 }  // namespace emberfold::core

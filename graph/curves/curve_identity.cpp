@@ -24,6 +24,21 @@ constexpr std::uint32_t kLeastLinks = 2;   // patches that carry an identity on,
 constexpr double kShareOfPiece = 1.0 / 3;  // of the patches of the piece
 constexpr int kSettlings = 2;              // times that pieces look at the frames around them
 
+/// Visits the patches that a patch of frame t was, or becomes if `forward`: visit(frame, patch, weight) for
+/// up to kMemory frames, the nearest first and of weight 1.
+template <class Visit>
+void follow_patch(const detail::ClipArcs& clip, std::size_t t, std::uint32_t v, bool forward,
+                  const Visit& visit) {
+  double weight = 1;
+  for (std::size_t k = 0; k < kMemory && (forward ? t + 1 < clip.frames.size() : t > 0); ++k) {
+    v = forward ? clip.after[t][v] : clip.before[t][v];
+    if (v == kNoIndex) return;
+    t = forward ? t + 1 : t - 1;
+    visit(t, v, weight);
+    weight *= kFading;
+  }
+}
+
 /// Follows the pieces of the frames through time: each takes, one to one, the identity that most of its
 /// patches had in the frames before.
 detail::Identities follow_pieces(const detail::ClipArcs& clip,
@@ -40,15 +55,10 @@ detail::Identities follow_pieces(const detail::ClipArcs& clip,
     std::vector<std::uint32_t> size(pieces[t].count, 0), id(pieces[t].count, 0);
     for (std::uint32_t v = 0; v < piece.size(); ++v) {
       ++size[piece[v]];
-      double weight = 1;
-      std::uint32_t u = v;
-      for (std::size_t k = 1; k <= kMemory && k <= t; ++k) {
-        u = clip.before[t - k + 1][u];
-        if (u == kNoIndex) break;
-        Vote& vote = votes[{identity[t - k][u], piece[v]}];
+      follow_patch(clip, t, v, false, [&](std::size_t s, std::uint32_t u, double weight) {
+        Vote& vote = votes[{identity[s][u], piece[v]}];
         vote.weight += weight, ++vote.links;
-        weight *= kFading;
-      }
+      });
     }
     std::vector<Candidate> gains;
     for (const auto& [pair, vote] : votes) {
@@ -70,21 +80,12 @@ void settle(const detail::ClipArcs& clip, const std::vector<detail::FramePieces>
   for (std::size_t t = 0; t < pieces.size(); ++t) {
     const auto& piece = pieces[t].of_vertex;
     std::vector<std::map<std::uint32_t, double>> votes(pieces[t].count);
-    const auto follow = [&](std::uint32_t v, bool forward) {
-      std::size_t s = t;
-      double weight = 1;
-      std::uint32_t u = v;
-      for (std::size_t k = 0; k < kMemory && (forward ? s + 1 < pieces.size() : s > 0); ++k) {
-        u = forward ? clip.after[s][u] : clip.before[s][u];
-        if (u == kNoIndex) return;
-        s = forward ? s + 1 : s - 1;
-        weight *= kFading;
-        votes[piece[v]][now[s][u]] += weight;
-      }
-    };
     for (std::uint32_t v = 0; v < piece.size(); ++v) {
       votes[piece[v]][now[t][v]] += 1;
-      follow(v, false), follow(v, true);
+      for (const bool forward : {false, true})
+        follow_patch(clip, t, v, forward, [&](std::size_t s, std::uint32_t u, double weight) {
+          votes[piece[v]][now[s][u]] += kFading * weight;
+        });
     }
     std::vector<std::uint32_t> most;
     for (const auto& of_piece : votes)

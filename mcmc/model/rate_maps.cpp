@@ -64,6 +64,15 @@ std::vector<double> spread_over_cells(const CellMap& map, double sigma) {
   return both;
 }
 
+graph::Point draw_place(const CellMap& map, core::Rng& rng) {
+  const auto cell = rng.categorical(map.values);
+  const auto columns = static_cast<std::size_t>(map.columns);
+  const std::size_t column = cell % columns, row = cell / columns;
+  const double x = rng.uniform(), y = rng.uniform();
+  return {(static_cast<double>(column) + x) * map.cell - 0.5,
+          (static_cast<double>(row) + y) * map.cell - 0.5};
+}
+
 double interpolate(const CellMap& map, graph::Point p) {
   const double x = (p.x + 0.5) / map.cell - 0.5, y = (p.y + 0.5) / map.cell - 0.5;
   const double u = x - std::floor(x), v = y - std::floor(y);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/rng.hpp"
 #include "graph/patch.hpp"
 
 namespace emberfold::mcmc {
@@ -27,6 +28,9 @@ CellMap make_cell_grid(int width, int height);
 /// Smooths a map by a Gaussian of SD `sigma` cells and returns the new values; 0 changes nothing.
 /// Each cell's value is distributed in shares that sum to 1, so the borders lose no mass. O(cells · sigma).
 std::vector<double> spread_over_cells(const CellMap& map, double sigma);
+
+/// Draws a place, px, with the map's values as the cells' weights: not negative, one at least above 0.
+graph::Point draw_place(const CellMap& map, core::Rng& rng);
 
 /// Returns the map's value at a place, bilinear between the centres of the cells.
 double interpolate(const CellMap& map, graph::Point p);

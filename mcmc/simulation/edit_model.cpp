@@ -243,12 +243,8 @@ void place_exemplars(MotionModel& model, const CellMap& map, std::uint64_t seed)
   for (std::size_t i = 0; i < model.exemplars.size(); ++i)
     for (std::size_t copy = 0; copy < copies; ++copy) {
       core::Rng rng(seed, {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(copy), 0});
-      const auto cell = rng.categorical(map.values);
-      const auto columns = static_cast<std::size_t>(map.columns);
-      const std::size_t column = cell % columns, row = cell / columns;
       Exemplar one = model.exemplars[i];
-      one.place = {(static_cast<double>(column) + rng.uniform()) * map.cell - 0.5,
-                   (static_cast<double>(row) + rng.uniform()) * map.cell - 0.5};
+      one.place = draw_place(map, rng);
       exemplars.push_back(std::move(one));
     }
   model.exemplars = std::move(exemplars);

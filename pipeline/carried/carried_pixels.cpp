@@ -8,6 +8,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/math/bilinear.hpp"
+
 namespace emberfold::pipeline {
 
 namespace {
@@ -143,20 +145,13 @@ class Window {
 /// Bilinear levels at a place, of the nearest pixel beyond the border.
 template <int Channels>
 std::array<float, Channels> levels_at(const cv::Mat& frame, float x, float y) {
-  x = std::clamp(x, 0.F, static_cast<float>(frame.cols - 1));
-  y = std::clamp(y, 0.F, static_cast<float>(frame.rows - 1));
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const int right = std::min(left + 1, frame.cols - 1), bottom = std::min(top + 1, frame.rows - 1);
-  const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
-  const auto *upper = frame.ptr<std::uint8_t>(top), *lower = frame.ptr<std::uint8_t>(bottom);
+  const core::BilinearPlace place(x, y, frame.size());
+  const auto *upper = frame.ptr<std::uint8_t>(place.top), *lower = frame.ptr<std::uint8_t>(place.bottom);
   std::array<float, Channels> levels{};
-  for (int c = 0; c < Channels; ++c) {
-    const auto at = [&](const std::uint8_t* row, int column) {
-      return static_cast<float>(row[Channels * column + c]);
-    };
-    levels[static_cast<std::size_t>(c)] = (1 - v) * ((1 - u) * at(upper, left) + u * at(upper, right)) +
-                                          v * ((1 - u) * at(lower, left) + u * at(lower, right));
-  }
+  for (int c = 0; c < Channels; ++c)
+    levels[static_cast<std::size_t>(c)] = place.between(
+        upper, lower,
+        [&](const std::uint8_t* row, int column) { return static_cast<float>(row[Channels * column + c]); });
   return levels;
 }
 

@@ -26,16 +26,6 @@ std::shared_ptr<const SeenClip> played_clip(std::vector<cv::Mat> frames, graph::
   return std::make_shared<const SeenClip>(std::move(frames), std::move(strokes));
 }
 
-/// The frame that a moment shows more of.
-int frame_of(const PlayedMoment& shown) {
-  return shown.half > 0 && shown.place >= 0 ? shown.other : shown.frame;
-}
-
-/// Returns whether two moments are of one turn.
-bool same_turn(const PlayedMoment& a, const PlayedMoment& b) {
-  return a.half == b.half && a.frame - a.place == b.frame - b.place && a.other - a.place == b.other - b.place;
-}
-
 }  // namespace
 
 CarriedSynthesis::CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGraph strokes,
@@ -54,12 +44,12 @@ int CarriedSynthesis::batch() const {
 CarriedSynthesis::Drawn CarriedSynthesis::next() {
   Drawn drawn{order_.at(next_++), {}, {}};
   if (drawn.shown.half > 0) {
-    if (turning_.empty() || !same_turn(drawn.shown, turn_))
-      turning_ = turning_places(clip_->frames(), drawn.shown);
-    turn_ = drawn.shown;
+    const Turn turn = turn_of(drawn.shown);
+    if (turning_.empty() || turn != turn_) turning_ = turning_places(clip_->frames(), drawn.shown);
+    turn_ = turn;
     drawn.turning = turning_;
   }
-  drawn.moment = play_.next(frame_of(drawn.shown));
+  drawn.moment = play_.next(shown_frame(drawn.shown));
   statistics_.patches.push_back(drawn.moment.graph.size());
   statistics_.strokes.push_back(graph::components(drawn.moment.graph).count);
   for (std::size_t k = 0; k < statistics_.operators.size(); ++k)
@@ -91,7 +81,7 @@ graph::MotionGraph CarriedSynthesis::motion(int count, const core::Context& cont
   mcmc::detail::LinkedFrames linked;
   for (int n = 0; n < count; ++n) {
     context.check();
-    linked.append(play.next(frame_of(order.at(n))).graph);
+    linked.append(play.next(shown_frame(order.at(n))).graph);
   }
   const auto& frame = clip_->frame(0);
   linked.motion.sketch.width = frame.cols, linked.motion.sketch.height = frame.rows;

@@ -64,7 +64,7 @@ class CarriedSynthesis {
   CarriedPlay play_;
   SynthesisStatistics statistics_;
   std::int64_t next_ = 0;
-  PlayedMoment turn_;  // of `turning_`
+  Turn turn_;  // of `turning_`
   cv::Mat1f turning_;
 };
 

@@ -22,13 +22,6 @@ constexpr int kApart = 8;              // frames between a stroke's life and its
 constexpr double kCrowd = 30;          // grey levels that another stroke at its place counts for
 constexpr std::size_t kCompared = 10;  // patches whose surroundings are compared
 
-Point place_drawn(const mcmc::CellMap& map, core::Rng& rng) {
-  const auto cell = static_cast<int>(rng.categorical(map.values));
-  const int column = cell % map.columns, row = cell / map.columns;
-  const double x = rng.uniform(), y = rng.uniform();
-  return Point{column + x, row + y} * map.cell;
-}
-
 /// Mean over the patches of a newborn stroke, grey levels.
 double misfit(const SeenClip& clip, int t, const StrokeLife& life, Point offset) {
   const auto& graph = clip.graph(life.first);
@@ -58,8 +51,8 @@ std::optional<LifeAgain> find_life_again(const SeenClip& clip, int t,
     for (int j = 0; j < kPlaces; ++j) {
       Point offset{kJitter * rng.normal(), kJitter * rng.normal()};
       if (births)
-        offset =
-            place_drawn(*births, rng) - mcmc::stroke_middle(clip.graph(life.first), life.patches.front());
+        offset = mcmc::draw_place(*births, rng) -
+                 mcmc::stroke_middle(clip.graph(life.first), life.patches.front());
       else if (std::abs(life.first - t) < kApart)
         continue;
       if (const double found = misfit(clip, t, life, offset); found < least) {

@@ -13,6 +13,7 @@
 
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
+#include "core/math/bilinear.hpp"
 #include "core/parallel.hpp"
 #include "pipeline/footage/seams.hpp"
 
@@ -97,13 +98,9 @@ struct Source {
 
 /// Samples a motion field of fewer vectors than the frame has pixels.
 cv::Vec2f motion_at(const cv::Mat& motion, float x, float y) {
-  x = std::clamp(x, 0.F, static_cast<float>(motion.cols - 1));
-  y = std::clamp(y, 0.F, static_cast<float>(motion.rows - 1));
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const int right = std::min(left + 1, motion.cols - 1), below = std::min(top + 1, motion.rows - 1);
-  const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
-  const auto *a = motion.ptr<cv::Vec2f>(top), *b = motion.ptr<cv::Vec2f>(below);
-  return (1 - v) * ((1 - u) * a[left] + u * a[right]) + v * ((1 - u) * b[left] + u * b[right]);
+  const core::BilinearPlace place(x, y, motion.size());
+  return place.between(motion.ptr<cv::Vec2f>(place.top), motion.ptr<cv::Vec2f>(place.bottom),
+                       [](const cv::Vec2f* row, int column) { return row[column]; });
 }
 
 std::array<float, 4> catmull_rom(float t) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <functional>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "pipeline/footage/like_moments.hpp"
@@ -21,6 +22,19 @@ struct PlayedMoment {
 
   bool operator==(const PlayedMoment&) const = default;
 };
+
+/// Returns the frame that a moment shows more of.
+inline int shown_frame(const PlayedMoment& moment) {
+  return moment.half > 0 && moment.place >= 0 ? moment.other : moment.frame;
+}
+
+/// Names a turn by the frames of both runs at its middle, and its half.
+using Turn = std::tuple<int, int, int>;
+
+/// Returns the turn that a moment is of, of those whose half is not 0.
+inline Turn turn_of(const PlayedMoment& moment) {
+  return {moment.frame - moment.place, moment.other - moment.place, moment.half};
+}
 
 /// Holds the settings of a PlayOrder.
 struct PlayOrderOptions {

@@ -15,11 +15,6 @@ namespace {
 
 constexpr int kAhead = 4;  // moments that a seam looks ahead, so that it need not leave at once
 
-/// The frame that a moment shows more of.
-int shown_frame(const PlayedMoment& moment) {
-  return moment.half > 0 && moment.place >= 0 ? moment.other : moment.frame;
-}
-
 }  // namespace
 
 PlayedFrames::PlayedFrames(std::shared_ptr<const std::vector<cv::Mat>> footage,

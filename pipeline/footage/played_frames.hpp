@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -45,10 +44,6 @@ class PlayedFrames {
     SeamLines seams;
     cv::Mat frame, motion;
   };
-  using Turn = std::tuple<int, int, int>;  // the frames of both runs at its middle, and its half
-  [[nodiscard]] static Turn turn_of(const PlayedMoment& shown) {
-    return {shown.frame - shown.place, shown.other - shown.place, shown.half};
-  }
   void find_turning_places(const std::vector<Moment*>& moments, const core::Context& context);
   [[nodiscard]] SeamLines seams_at(std::int64_t n);
   [[nodiscard]] SeamLines next_seams(std::int64_t n, const SeamLines& before);

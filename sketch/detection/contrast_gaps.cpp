@@ -213,7 +213,7 @@ void split_chain(const Chain& chain, const std::vector<double>& s, const std::ve
 std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const ScaleSpace& space,
                                         const ContrastGapLimits& limits) {
   std::vector<Chain> pieces;
-  int number = 0;
+  int number = limits.numbered;
   for (const Chain& chain : chains) {
     const std::size_t own = median_level(chain.points, space);
     const std::vector<double> s = arc_lengths(chain);

@@ -9,8 +9,9 @@ namespace emberfold::sketch {
 
 /// Holds the thresholds of gaps.
 struct ContrastGapLimits {
-  double share;  ///< of the usual contrast around it, below which a point is no part of the curve
-  double noise;  ///< grey levels, SD of the pixels
+  double share = 0;  ///< of the usual contrast around it, below which a point is no part of the curve
+  double noise = 0;  ///< grey levels, SD of the pixels
+  int numbered = 0;  ///< gaps that have a number already, 1 to this
 };
 
 /// Cuts curves where their contrast fades. The contrast across the curve is measured twice:

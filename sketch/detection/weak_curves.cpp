@@ -272,16 +272,6 @@ int last_gap(const std::vector<Chain>& chains) {
   return last;
 }
 
-// Cuts curves where averaging along them has closed a gap. `numbered`: gaps that have a number already.
-std::vector<Chain> cut_at_closed_gaps(const std::vector<Chain>& chains, const ScaleSpace& space, double noise,
-                                      int numbered) {
-  constexpr double kShare = 0.25;  // of the usual contrast: ragged curves often fall to half of it
-  std::vector<Chain> pieces = cut_at_contrast_gaps(chains, space, {kShare, noise});
-  for (Chain& piece : pieces)
-    for (int& gap : piece.gap) gap += gap > 0 ? numbered : 0;
-  return pieces;
-}
-
 // Adds the pieces of a curve that nothing explains.
 void add_pieces(const Chain& chain, const Drawn& same, const Drawn& opposite, std::vector<Chain>& to) {
   std::vector<char> gone;
@@ -334,6 +324,7 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
   constexpr double kLeastOfPiece = 1.5;  // nats
   constexpr double kLeastLength =
       6 * kPixel * kAlong;          // px of the frame: averaging makes short lines of blobs
+  constexpr double kOfGap = 0.25;   // of the usual contrast: ragged curves often fall to half of it
   constexpr double kOfFlank = 1.3;  // more of a flank's contrast: lines with a flat core have such flanks
   Drawn ridges(frame), valleys(frame), all(frame);
   CreaseMap lines_drawn;
@@ -347,7 +338,6 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
     }
   };
   draw(strong);
-  int gaps = last_gap(strong);
   std::vector<Chain> found;
   const auto trace = [&](const CreaseMap& map, double begins, const Drawn& same, const Drawn& opposite) {
     std::vector<Chain> chains = trace_curves(map, half, {begins});
@@ -356,9 +346,10 @@ std::vector<Chain> find_weak_curves(const std::vector<Chain>& strong, const Scal
     std::erase_if(chains, [&](const Chain& chain) {
       return evidence(chain) < limits.evidence || arc_lengths(chain).back() < kLeastLength;
     });
-    const std::vector<Chain> pieces = cut_at_closed_gaps(chains, space, noise, gaps);
-    gaps = std::max(gaps, last_gap(pieces));
-    for (const Chain& piece : pieces) add_pieces(piece, same, opposite, found);
+    // Averaging along a line closes its gaps.
+    const int numbered = std::max(last_gap(strong), last_gap(found));
+    for (const Chain& piece : cut_at_contrast_gaps(chains, space, {kOfGap, noise, numbered}))
+      add_pieces(piece, same, opposite, found);
   };
   CreaseLines lines = find_line_points(searched, limits);
   for (CreaseMap* map : {&lines.ridges, &lines.valleys}) {
