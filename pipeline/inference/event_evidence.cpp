@@ -17,6 +17,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "graph/events/event_family.hpp"
+#include "graph/events/part_events.hpp"
 #include "pipeline/inference/event_paths.hpp"
 #include "pipeline/inference/frame_likeness.hpp"
 #include "sketch/refinement/amplitude.hpp"
@@ -105,7 +106,7 @@ double measure_factor(const graph::TracedEvent& traced, const MotionIndex& motio
 /// One motion graph of the clip, its events, and where its patches are.
 struct Reading {
   explicit Reading(const graph::MotionGraph& motion)
-      : index(motion), traced(graph::trace_stroke_events(motion)), of_frame(motion.sketch.frames.size()) {
+      : index(motion), traced(graph::trace_seen_events(motion)), of_frame(motion.sketch.frames.size()) {
     for (std::size_t k = 0; k < traced.size(); ++k)
       of_frame[static_cast<std::size_t>(traced[k].event.frame)].push_back(k);
   }
