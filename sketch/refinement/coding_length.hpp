@@ -6,7 +6,6 @@
 #include <opencv2/core/mat.hpp>
 
 #include "graph/patch.hpp"
-#include "sketch/detection/colour.hpp"
 
 namespace emberfold::sketch {
 
