@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kLeastLength = 20;  // px of a part: four patches; gaps that close are shorter
 constexpr int kOwnFrames = 4;        // around a birth or death, in which all parts are of that one
-constexpr double kOfJoint = 0.5;     // of what joins two strokes: a part with so much of it is no joint
+constexpr double kOfPart = 0.5;      // that joins two strokes: such a part is a joint
 
 using detail::Family;
 
@@ -103,14 +103,13 @@ bool is_of_birth_or_death(const Event& part, const Lives& lives) {
          });
 }
 
-/// Returns whether a joint is made of a part that appears or vanishes with it.
-bool is_part(const TracedEvent& joint, const Part& part) {
-  const Family joined = detail::family(joint.event.type);
-  if (joint.event.frame != part.event.event.frame) return false;
-  if (joined != (part.event.event.type == EventType::birth ? Family::unite : Family::separate)) return false;
-  const auto within =
+/// Returns whether a part joins two strokes (parts them, if it vanishes).
+bool is_joint(const Part& part, const TracedEvent& joint) {
+  const Family joined = part.event.event.type == EventType::birth ? Family::unite : Family::separate;
+  if (detail::family(joint.event.type) != joined) return false;
+  const auto shared =
       std::ranges::count_if(joint.path, [&](VertexId id) { return part.vertices.contains(id); });
-  return static_cast<double>(within) >= kOfJoint * static_cast<double>(joint.path.size());
+  return static_cast<double>(shared) >= kOfPart * static_cast<double>(part.event.path.size());
 }
 
 }  // namespace
@@ -126,12 +125,12 @@ std::vector<TracedEvent> trace_seen_events(const MotionGraph& motion) {
   }
   std::vector<Part> parts = find_all_parts(motion);
   std::erase_if(parts, [&](const Part& part) { return is_of_birth_or_death(part.event.event, lives); });
-  std::map<int, std::vector<const Part*>> of_frame;
-  for (const Part& part : parts) of_frame[part.event.event.frame].push_back(&part);
-  std::erase_if(events, [&](const TracedEvent& one) {
-    const auto found = of_frame.find(one.event.frame);
+  std::map<int, std::vector<const TracedEvent*>> of_frame;
+  for (const TracedEvent& one : events) of_frame[one.event.frame].push_back(&one);
+  std::erase_if(parts, [&](const Part& part) {
+    const auto found = of_frame.find(part.event.event.frame);
     return found != of_frame.end() &&
-           std::ranges::any_of(found->second, [&](const Part* part) { return is_part(one, *part); });
+           std::ranges::any_of(found->second, [&](const TracedEvent* one) { return is_joint(part, *one); });
   });
   for (Part& part : parts) events.push_back(std::move(part.event));
   std::ranges::stable_sort(events, [](const auto& a, const auto& b) { return precedes(a.event, b.event); });

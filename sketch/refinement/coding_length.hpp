@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "graph/patch.hpp"
+#include "sketch/detection/colour.hpp"
 
 namespace emberfold::sketch {
 
