@@ -17,7 +17,6 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "graph/events/event_family.hpp"
-#include "graph/events/part_events.hpp"
 #include "pipeline/inference/event_paths.hpp"
 #include "pipeline/inference/frame_likeness.hpp"
 #include "sketch/refinement/amplitude.hpp"
@@ -106,7 +105,7 @@ double measure_factor(const graph::TracedEvent& traced, const MotionIndex& motio
 /// One motion graph of the clip, its events, and where its patches are.
 struct Reading {
   explicit Reading(const graph::MotionGraph& motion)
-      : index(motion), traced(graph::trace_seen_events(motion)), of_frame(motion.sketch.frames.size()) {
+      : index(motion), traced(graph::trace_stroke_events(motion)), of_frame(motion.sketch.frames.size()) {
     for (std::size_t k = 0; k < traced.size(); ++k)
       of_frame[static_cast<std::size_t>(traced[k].event.frame)].push_back(k);
   }
@@ -223,14 +222,14 @@ std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
   return result;
 }
 
-/// Measures one event: the smallest factor of its members, as far as they could still make it likely.
+/// Measures one event: the mean factor of its members, as far as they could still make it likely.
 void measure(const Measurement& one, std::span<const Reading> readings, const FrameWindow& window, int frames,
              mcmc::ChangeEvidence& evidence) {
   evidence.log_factor = mcmc::kMostChangeFactor;
   for (const auto& [reading, event] : one.members) {
     const double factor =
         measure_factor(readings[reading].traced[event], readings[reading].index, window, frames);
-    evidence.log_factor = std::min(evidence.log_factor, factor);
+    evidence.log_factor += (factor - mcmc::kMostChangeFactor) / static_cast<double>(one.members.size());
     if (mcmc::change_log_odds(evidence) < kLeastLogOdds) break;
   }
   const auto& [reading, event] = one.members.back();
