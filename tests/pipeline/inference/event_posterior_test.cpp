@@ -185,6 +185,32 @@ TEST_CASE("An event that one reading lacks is less likely", "[posterior]") {
   }
 }
 
+TEST_CASE("Readings of an event count by their mean", "[posterior]") {
+  const core::Clip clip =
+      film([](Point p,
+              int t) { return 80 + line(p, 80, 15, t < 15 ? 105 : 50) + line(p, 80, t < 15 ? 15 : 72, 105); },
+           2);
+  const graph::MotionGraph motion = matched(clip);
+  graph::SketchSequence aside = motion.sketch;
+  aside.frames.clear();
+  for (const graph::AttributeGraph& g : motion.sketch.frames) {
+    std::vector<graph::Vertex> vertices(g.vertices().begin(), g.vertices().end());
+    for (graph::Vertex& v : vertices) v.patch.position.x += 3.5;
+    aside.append({std::move(vertices), {g.edges().begin(), g.edges().end()}});
+  }
+  const graph::MotionGraph off = graph::match(aside, {});
+  const auto factor = [&](std::vector<graph::MotionGraph> readings) {
+    core::ClipSource source(clip);
+    const auto weighed = pipeline::weigh_events(source, {std::move(readings), {}});
+    REQUIRE(weighed.size() == 1);
+    return weighed[0].evidence.log_factor;
+  };
+  const double good = factor({motion}), poor = factor({off});
+  REQUIRE(good > poor + 2);
+  for (const auto& both : {std::vector{motion, off}, std::vector{off, motion}})
+    CHECK_THAT(factor(both), WithinAbs((good + poor) / 2, 1e-9));
+}
+
 TEST_CASE("A copy in noise tells how steady an event is, and brings none", "[posterior]") {
   const core::Clip clip = film(
       [](Point p, int t) { return 80 + line(p, 40, 15, 105) + (t >= 12 ? line(p, 110, 15, 105) : 0); }, 2);
