@@ -24,12 +24,12 @@ std::vector<double> kernel(double sigma) {
 void spread_line(const std::vector<double>& weights, const double* from, double* into, int count,
                  int stride) {
   const int r = static_cast<int>(weights.size() / 2);
+  const double* of_distance = weights.data() + r;
   for (int j = 0; j < count; ++j) {
     const int first = std::max(0, j - r), last = std::min(count - 1, j + r);
     double sum = 0;
-    for (int i = first; i <= last; ++i) sum += weights[static_cast<std::size_t>(i - j + r)];
-    for (int i = first; i <= last; ++i)
-      into[i * stride] += weights[static_cast<std::size_t>(i - j + r)] / sum * from[j * stride];
+    for (int i = first; i <= last; ++i) sum += of_distance[i - j];
+    for (int i = first; i <= last; ++i) into[i * stride] += of_distance[i - j] / sum * from[j * stride];
   }
 }
 
