@@ -2,6 +2,7 @@
 
 const factors = ["speed", "intensity", "flicker", "contrast", ...eventNames];
 const sliders = [...factors, "windx", "windy"];
+const addressed = {};
 const windText = (value) => (value < 0 ? "\u2212" : "") + Math.abs(value).toFixed(2) + "\u00a0px";
 
 /** The command that writes the clip of these settings. */

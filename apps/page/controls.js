@@ -1,6 +1,16 @@
 // The page of a texture: its sliders, presets and pictures.
 
 const sliders = ["speed", "intensity", "coarse", "medium", "fine"];
+const longestLoop = 1000;
+/** Components that can be weighted alone: of a model per channel, as many as each channel has. */
+const singles = Math.min(data.components, ...data.groups.map((group) => group.shown));
+const addressed = {
+  weights(text) {
+    const fits = ([component, factor]) => Number.isInteger(component) && component >= 1 && component <= singles && factor >= 0 && factor <= 3;
+    return /^\d+:[\d.]+(,\d+:[\d.]+)*$/.test(text) && [...weightsOf(text)].every(fits) ? weightsText(weightsOf(text)) : undefined;
+  },
+  loop: (text) => (/^\d+$/.test(text) && Number(text) >= 2 && Number(text) <= longestLoop ? Number(text) : undefined),
+};
 /** The sliders that a preset sets: one that names no speed leaves it. */
 const slidersOf = (preset) => sliders.filter((name) => name !== "speed" || preset.speed !== 1);
 
@@ -8,6 +18,48 @@ class TexturePage extends ModelPage {
   constructor(player) {
     super(player);
     this.wanted = null;  // settings that the next animation frame takes over
+    this.listenToComponents();
+    this.listenToLoop();
+  }
+  listenToComponents() {
+    $("component").max = singles;
+    const weigh = (factor) => {
+      const weights = weightsOf((this.wanted ?? this.player.settings).weights ?? this.player.settings.weights);
+      this.want({weights: weightsText(weights.set(Number($("component").value), factor))});
+    };
+    $("component").addEventListener("change", () => {
+      $("component").value = Math.min(Math.max(Math.round(Number($("component").value)) || 1, 1), singles);
+      this.showSettings(this.player.settings);
+    });
+    $("weight").addEventListener("input", () => weigh(Number($("weight").value)));
+    $("weight-reset").addEventListener("click", () => weigh(1));
+  }
+  listenToLoop() {
+    const take = () => {
+      $("loop").value = Math.min(Math.max(Math.round(Number($("loop").value)) || 2, 2), longestLoop);
+      this.want({loop: $("looped").checked ? Number($("loop").value) : 0});
+    };
+    $("looped").addEventListener("change", take);
+    $("loop").addEventListener("change", take);
+    $("save-loop").addEventListener("click", () => this.saveLoop());
+  }
+  /** Hands out the frames of the loop, PNGs in a ZIP archive. */
+  async saveLoop() {
+    const {player} = this, files = [];
+    this.play(false);
+    $("save-loop").disabled = true;
+    for (let frame = 0; frame < player.settings.loop; ++frame) {
+      player.turnTo(frame);
+      player.show();
+      const copy = new OffscreenCanvas(data.width, data.height);
+      copy.getContext("2d", {alpha: false}).drawImage(player.screens.result.canvas, 0, 0);
+      const png = await copy.convertToBlob({type: "image/png"});
+      files.push({name: `frame_${String(frame).padStart(5, "0")}.png`, bytes: new Uint8Array(await png.arrayBuffer())});
+    }
+    const address = URL.createObjectURL(zipArchive(files));
+    make("a", {href: address, download: "loop.zip"}).click();
+    setTimeout(() => URL.revokeObjectURL(address), 60_000);
+    this.restart();
   }
   listenTo(name) {
     $(name).addEventListener("input", () => this.want({[name]: Number($(name).value)}));
@@ -29,6 +81,15 @@ class TexturePage extends ModelPage {
     for (const name of sliders) this.showSlider(name, settings[name], factorText(settings[name]));
     $("intensity-amplitude").textContent = (100 * Math.sqrt(settings.intensity)).toFixed(0) + "\u00a0%";
     $("reverse").checked = settings.reverse;
+    const weights = weightsOf(settings.weights), weight = weights.get(Number($("component").value)) ?? 1;
+    $("weight").value = weight;
+    $("weight").setAttribute("aria-valuetext", factorText(weight));
+    $("weight-value").textContent = factorText(weight);
+    $("weight-reset").disabled = weight === 1;
+    $("weights").textContent = weights.size === 0 ? "" : "Changed: " + [...weights].map(([i, factor]) => `${i} (${factorText(factor)})`).join(", ");
+    $("looped").checked = settings.loop > 0;
+    if (settings.loop > 0) $("loop").value = settings.loop;
+    $("save-loop").disabled = settings.loop === 0;
     $("all-reset").disabled = isNeutral(settings);
     for (const button of document.querySelectorAll("[data-preset]")) {
       const preset = data.presets[button.dataset.preset];
@@ -42,7 +103,7 @@ class TexturePage extends ModelPage {
   showFrame() {
     const {player} = this;
     $("source-frame").textContent = `frame ${player.sourceFrame} of ${data.frames}`;
-    $("result-frame").textContent = `frame ${player.frame}` + this.rateText();
+    $("result-frame").textContent = `frame ${player.frame}` + (player.circle ? ` of ${player.circle.length}` : "") + this.rateText();
   }
 }
 

@@ -1,8 +1,15 @@
 // Edits, as `emberfold dytex edit` makes them, in this order: --reverse, --speed, --intensity, --coarse, --medium,
-// --fine.
+// --fine, --weights.
 
-const neutral = {reverse: false, speed: 1, intensity: 1, coarse: 1, medium: 1, fine: 1};
+/** weights: of single components, as in "3:0.5,7:2"; loop: frames after which the clip repeats, 0 where it does not. */
+const neutral = {reverse: false, speed: 1, intensity: 1, coarse: 1, medium: 1, fine: 1, weights: "", loop: 0};
 const scaleOf = (i) => (i < 5 ? "coarse" : i < 15 ? "medium" : "fine");  // of component i, the first being 0
+
+/** The weights of components, by their numbers from 1 on. */
+const weightsOf = (text) => new Map(text === "" ? [] : text.split(",").map((one) => one.split(":").map(Number)));
+/** The same as a text, without those that are as learned. */
+const weightsText = (weights) => [...weights].filter(([, factor]) => factor !== 1).sort((a, b) => a[0] - b[0])
+  .map(([component, factor]) => `${component}:${factor}`).join(",");
 
 /** The model from the page's data: forward and backward, each {A, B, residuals, marginals, groups}. */
 function readModel(data, numbers) {
@@ -84,6 +91,9 @@ function edited(model, settings) {
   for (let i = 0; i < result.B.data.length; ++i) result.B.data[i] *= strength;
   for (const group of direction.groups)
     for (let i = 0; i < group.shown; ++i) result.weights[group.states[i]] *= settings[scaleOf(i)];
+  for (const [component, factor] of weightsOf(settings.weights))
+    for (const group of direction.groups)
+      if (component <= group.shown) result.weights[group.states[component - 1]] *= factor;
   return result;
 }
 
@@ -108,20 +118,19 @@ function marginalNoise(marginals, count, rng) {
   return noise;
 }
 
+/** What drives a frame from the one before it. */
+function drivingNoise({B, residuals, marginals}, seed, frame) {
+  const rng = frameStream(seed, frame, purposes.driving);
+  if (residuals) {
+    const k = residuals.rows, at = rng.below(residuals.cols);
+    return residuals.data.subarray(at * k, (at + 1) * k);
+  }
+  return marginals ? marginalNoise(marginals, B.cols, rng) : rng.normals(B.cols);
+}
 /** x(t) from x(t - 1); t: its frame. */
 function nextState(edit, state, seed, frame) {
-  const rng = frameStream(seed, frame, purposes.driving), next = new Float64Array(state.length);
-  let noise;
-  if (edit.residuals) {
-    const k = edit.residuals.rows, at = rng.below(edit.residuals.cols);
-    noise = edit.residuals.data.subarray(at * k, (at + 1) * k);
-  } else if (edit.marginals) {
-    noise = marginalNoise(edit.marginals, edit.B.cols, rng);
-  } else {
-    noise = rng.normals(edit.B.cols);
-  }
-  addProduct(next, edit.A, state);
-  addProduct(next, edit.B, noise);
+  const next = times(edit.A, state);
+  addProduct(next, edit.B, drivingNoise(edit, seed, frame));
   return next;
 }
 
@@ -131,8 +140,13 @@ function commandFor(modelName, settings, seed) {
   if (settings.reverse) words.push("--reverse");
   for (const name of ["speed", "intensity", "coarse", "medium", "fine"])
     if (settings[name] !== 1) words.push(`--${name} ${settings[name]}`);
+  const weights = weightsOf(settings.weights);
+  if (weights.size > 0) {
+    const last = Math.max(...weights.keys());
+    words.push("--weights " + Array.from({length: last}, (_, i) => weights.get(i + 1) ?? 1).join(","));
+  }
   const to = modelName.replace(/\/+$/, "") + "_edited";
-  const synth = (from) => `emberfold dytex synth ${shellWord(from)} -o clip.mp4 --seed ${seed}`;
+  const synth = (from) => `emberfold dytex synth ${shellWord(from)} -o clip.mp4${settings.loop > 0 ? " --loop " + settings.loop : ""} --seed ${seed}`;
   if (words.length === 0) return synth(modelName);
   return `emberfold dytex edit ${shellWord(modelName)} -o ${shellWord(to)} ${words.join(" ")} && \\\n` + synth(to);
 }

@@ -35,6 +35,13 @@ function addProduct(to, m, x) {
     for (let i = 0; i < m.rows; ++i) to[i] += m.data[j * m.rows + i] * x[j];
 }
 
+/** m x. */
+function times(m, x) {
+  const result = new Float64Array(m.rows);
+  addProduct(result, m, x);
+  return result;
+}
+
 /** P = A P A' + B B' by doubling; null where there is none. */
 function stationaryCovariance(A, B) {
   let covariance = multiplied(B, transposed(B)), power = A;

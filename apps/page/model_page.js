@@ -1,5 +1,6 @@
 // What the pages of models have in common: sliders, buttons, keys, and the address, which keeps them all. A page's own script
-// names its `sliders`, their `neutral` settings, and the class of its page.
+// names its `sliders`, the `neutral` settings, and the class of its page; and in `addressed` what else the address keeps: by its
+// name the setting that a text tells, undefined where it tells none.
 
 /** Settings, seed and whether to play, from the address; what it does not tell, or tells wrongly, is as learned. */
 function readHash() {
@@ -8,12 +9,14 @@ function readHash() {
     const value = Number(words.get(name) ?? "x"), {min, max} = $(name);
     if (value >= Number(min) && value <= Number(max)) settings[name] = value;
   }
+  for (const [name, read] of Object.entries(addressed)) settings[name] = read(words.get(name) ?? "") ?? neutral[name];
   settings.reverse = words.get("reverse") === "1";
   return {settings, seed: seedOf(words.get("seed") ?? "") ?? 1n, playing: words.get("play") !== "0"};
 }
 const isNeutral = (settings) => Object.entries(neutral).every(([name, value]) => settings[name] === value);
 function hashOf(settings, seed, playing) {
-  const words = sliders.filter((name) => settings[name] !== neutral[name]).map((name) => `${name}=${settings[name]}`);
+  const words = [...sliders, ...Object.keys(addressed)].filter((name) => settings[name] !== neutral[name])
+    .map((name) => `${name}=${settings[name]}`);
   if (settings.reverse) words.push("reverse=1");
   if (seed !== 1n) words.push("seed=" + seed);
   if (!playing) words.push("play=0");

@@ -11,25 +11,42 @@ class Player {
     this.edit = edited(model, this.settings);
     this.restart();
   }
-  /** Other settings, from the next frame on: the state stays. */
+  /** Other settings, from the next frame on: the state stays, but in a loop. */
   set(settings) {
-    const wanted = {...this.settings, ...settings};
-    this.edit = edited(this.model, wanted);
+    const wanted = {...this.settings, ...settings}, edit = edited(this.model, wanted);
+    this.circle = wanted.loop > 0 ? loopStates(edit, this.seed, wanted.loop) : null;
+    this.edit = edit;
     this.settings = wanted;
+    if (this.circle) this.turnTo(this.frame);
     this.show();
+  }
+  /** Takes a frame of the loop. */
+  turnTo(frame) {
+    this.frame = frame % this.circle.length;
+    this.state = this.circle[this.frame];
   }
   /** Frame 0 of the seed: what `emberfold dytex synth` begins with. */
   restart(seed = this.seed) {
     this.seed = seed;
     this.frame = 0;
     this.sourceFrame = 0;
-    this.state = firstState(this.edit, seed);
+    if (this.settings.loop > 0) {
+      this.circle = loopStates(this.edit, seed, this.settings.loop);
+      this.turnTo(0);
+    } else {
+      this.circle = null;
+      this.state = firstState(this.edit, seed);
+    }
     this.show();
   }
   step() {
-    this.frame += 1;
     this.sourceFrame = (this.sourceFrame + 1) % this.data.frames;
-    this.state = nextState(this.edit, this.state, this.seed, this.frame);
+    if (this.circle) {
+      this.turnTo(this.frame + 1);
+    } else {
+      this.frame += 1;
+      this.state = nextState(this.edit, this.state, this.seed, this.frame);
+    }
     this.show();
   }
   show() {

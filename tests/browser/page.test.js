@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // `emberfold dytex page` in a headless Chromium: what the page does is held against what the program does.
 import assert from "node:assert/strict";
+import {execFileSync} from "node:child_process";
+import {readFileSync, readdirSync} from "node:fs";
 import {after, before, describe, test} from "node:test";
 import {close, frameDifferences, open, startBrowser, stopBrowser} from "./browser.js";
 import {edit, emberfold, folder, learn, readArray, relativeDifference, removeFolder, stillClip, synthesize} from "./models.js";
@@ -65,6 +67,31 @@ describe("the same numbers as the program's", () => {
       }
       const last = edit(model, edits.at(-1));
       assert.ok(await clipDifference(page, 5n, synthesize(last, 5n, 6)) <= 2);
+      await close(page);
+    });
+
+  for (const [name, weights, words] of [["colour", "2:0.5,17:3", [1, 0.5, ...Array(14).fill(1), 3]], ["each", "2:0", [1, 0]]])
+    test(`weights of single components are those of dytex edit: ${name}`, async () => {
+      const {model, url} = models[name], page = await open(url + `#play=0&coarse=2&weights=${weights}`);
+      const changed = edit(model, {coarse: 2, weights: words.join(",")}), now = (await modelOf(page)).weights;
+      assert.ok(relativeDifference({rows: now.length, cols: 1, data: now}, readArray(changed, "weights")) < 1e-12);
+      assert.ok((await page.textContent("#command")).includes(`--coarse 2 --weights ${words.join(",")} &&`));
+      await close(page);
+    });
+
+  for (const [name, frames, edits] of [["colour", 12, {}], ["grey", 30, {speed: 0.5, fine: 2}], ["each", 5, {reverse: true}], ["still", 4, {}]])
+    test(`a loop is that of dytex synth --loop: ${name}`, async () => {
+      const {model, url} = models[name], page = await open(url + "#play=0&seed=8");
+      await page.evaluate((s) => emberfold.set(s), {...edits, loop: frames});
+      const changed = Object.keys(edits).length > 0 ? edit(model, edits) : model;
+      assert.ok(await clipDifference(page, 8n, synthesize(changed, 8n, frames, "--loop", String(frames))) <= 3);
+      const last = await digest(page, "result");
+      await page.evaluate(() => emberfold.step());
+      assert.equal(await page.evaluate(() => emberfold.frame), 0);
+      const first = await digest(page, "result");
+      await page.evaluate((n) => { for (let t = 1; t < n; ++t) emberfold.step(); }, frames);
+      assert.equal(await digest(page, "result"), last);
+      assert.equal(name === "still", first === last);
       await close(page);
     });
 
@@ -134,6 +161,54 @@ describe("the page", () => {
     await close(page);
   });
 
+  test("weighs a single component by its number", async () => {
+    const page = await open(models.colour.url + "#play=0"), before = await digest(page, "result");
+    await page.fill("#component", "3");
+    await page.keyboard.press("Tab");
+    await page.focus("#weight");
+    await page.keyboard.press("Home");
+    await page.waitForFunction(() => emberfold.settings.weights === "3:0");
+    assert.notEqual(await digest(page, "result"), before);
+    assert.match(await page.textContent("#weights"), /3 \(0.00\s×\)/);
+    await page.fill("#component", "99");
+    await page.keyboard.press("Tab");
+    assert.equal(await page.inputValue("#component"), "18");
+    assert.match(await page.textContent("#weight-value"), /1.00/);
+    await page.fill("#component", "3");
+    await page.keyboard.press("Tab");
+    await page.click("#weight-reset");
+    await page.waitForFunction(() => emberfold.settings.weights === "");
+    assert.equal(await digest(page, "result"), before);
+    for (const wrong of ["0:1", "19:1", "2:4", "x", "2", "2:1.5.1"]) {
+      await page.evaluate((text) => { location.hash = `#weights=${text}&fine=2&play=0`; }, wrong);
+      await page.waitForFunction(() => emberfold.settings.fine === 2);
+      assert.equal(await page.evaluate(() => emberfold.settings.weights), "", wrong);
+      await page.evaluate(() => emberfold.set({fine: 1}));
+      await page.waitForFunction(() => !location.hash.includes("fine"));
+    }
+    await close(page);
+  });
+
+  test("saves its loop as pictures that repeat", async () => {
+    const {model, url} = models.colour, page = await open(url + "#play=0&seed=3");
+    assert.ok(await page.isDisabled("#save-loop"));
+    await page.fill("#loop", "6");
+    await page.check("#looped");
+    await page.waitForFunction(() => emberfold.settings.loop === 6 && location.hash.includes("loop=6"));
+    assert.match(await page.textContent("#command"), /--loop 6 --seed 3$/);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-loop")]);
+    const archive = `${folder}/loop.zip`, to = `${folder}/loop`;
+    await download.saveAs(archive);
+    execFileSync("python3", ["-m", "zipfile", "-e", archive, to]);
+    const names = readdirSync(to).sort();
+    assert.deepEqual(names, [0, 1, 2, 3, 4, 5].map((t) => `frame_0000${t}.png`));
+    const saved = names.map((name) => "data:image/png;base64," + readFileSync(`${to}/${name}`).toString("base64"));
+    await page.waitForFunction(() => emberfold.frame === 0);
+    assert.equal(await difference(page, saved), 0);
+    assert.ok(await clipDifference(page, 3n, synthesize(model, 3n, 6, "--loop", "6")) <= 3);
+    await close(page);
+  });
+
   test("draws what the sliders say", async () => {
     const page = await open(models.colour.url + "#play=0"), source = await digest(page, "source");
     const meanOnly = await page.evaluate(() => { emberfold.set({coarse: 0, medium: 0, fine: 0}); return emberfold.pixels().join(); });
@@ -171,7 +246,7 @@ describe("the page", () => {
     const hash = "#speed=-1.5&intensity=2&fine=0.25&reverse=1&seed=18446744073709551615&play=0";
     const page = await open(models.colour.url + hash);
     const settings = () => page.evaluate(() => ({...emberfold.settings, seed: String(emberfold.seed), playing: emberfold.playing}));
-    const wanted = {reverse: true, speed: -1.5, intensity: 2, coarse: 1, medium: 1, fine: 0.25, seed: "18446744073709551615", playing: false};
+    const wanted = {reverse: true, speed: -1.5, intensity: 2, coarse: 1, medium: 1, fine: 0.25, weights: "", loop: 0, seed: "18446744073709551615", playing: false};
     assert.deepEqual(await settings(), wanted);
     assert.match(await page.textContent("#command"), /--reverse --speed -1.5 --intensity 2 --fine 0.25 && [^]*--seed 18446744073709551615$/);
     await page.waitForFunction((h) => location.hash === h, hash);
