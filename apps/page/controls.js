@@ -1,10 +1,12 @@
 // The page of a texture: its sliders, presets and pictures.
 
-const sliders = ["speed", "intensity", "coarse", "medium", "fine"];
+const sliders = ["speed", "flow", "intensity", "coarse", "medium", "fine"];
 const longestLoop = 1000;
 /** Components that can be weighted alone: of a model per channel, as many as each channel has. */
 const singles = Math.min(data.components, ...data.groups.map((group) => group.shown));
+const channels = data.groups.map(({channel}) => channelLetters[channel]).filter((letter) => letter);
 const addressed = {
+  channel: (text) => (channels.includes(text) ? text : undefined),
   weights(text) {
     const fits = ([component, factor]) => Number.isInteger(component) && component >= 1 && component <= singles && factor >= 0 && factor <= 3;
     return /^\d+:[\d.]+(,\d+:[\d.]+)*$/.test(text) && [...weightsOf(text)].every(fits) ? weightsText(weightsOf(text)) : undefined;
@@ -12,7 +14,7 @@ const addressed = {
   loop: (text) => (/^\d+$/.test(text) && Number(text) >= 2 && Number(text) <= longestLoop ? Number(text) : undefined),
 };
 /** The sliders that a preset sets: one that names no speed leaves it. */
-const slidersOf = (preset) => sliders.filter((name) => name !== "speed" || preset.speed !== 1);
+const slidersOf = (preset) => sliders.filter((name) => name in preset && (name !== "speed" || preset.speed !== 1));
 
 class TexturePage extends ModelPage {
   constructor(player) {
@@ -20,6 +22,7 @@ class TexturePage extends ModelPage {
     this.wanted = null;  // settings that the next animation frame takes over
     this.listenToComponents();
     this.listenToLoop();
+    $("channel").addEventListener("change", () => this.want({channel: $("channel").value}));
   }
   listenToComponents() {
     $("component").max = singles;
@@ -87,6 +90,7 @@ class TexturePage extends ModelPage {
     $("weight-value").textContent = factorText(weight);
     $("weight-reset").disabled = weight === 1;
     $("weights").textContent = weights.size === 0 ? "" : "Changed: " + [...weights].map(([i, factor]) => `${i} (${factorText(factor)})`).join(", ");
+    $("channel").value = settings.channel;
     $("looped").checked = settings.loop > 0;
     if (settings.loop > 0) $("loop").value = settings.loop;
     $("save-loop").disabled = settings.loop === 0;
@@ -120,6 +124,9 @@ function describe() {
     groups.get(subject).append(make("button", {type: "button", "data-preset": i, "aria-pressed": false, title: effect}, preset.name));
   });
   for (const [subject, chips] of groups) $("presets").append(make("div", {}, make("i", {}, subject), chips));
+  const names = {b: "blue", g: "green", r: "red"};
+  for (const letter of channels) $("channel").append(make("option", {value: letter}, names[letter]));
+  $("channel-label").hidden = channels.length === 0;
   for (const name of ["source", "result"]) {
     $(name).width = data.width;
     $(name).height = data.height;

@@ -1,8 +1,9 @@
-// Edits, as `emberfold dytex edit` makes them, in this order: --reverse, --speed, --intensity, --coarse, --medium,
+// Edits, as `emberfold dytex edit` makes them, in this order: --channel, --reverse, --speed, --flow, --intensity, --coarse, --medium,
 // --fine, --weights.
 
-/** weights: of single components, as in "3:0.5,7:2"; loop: frames after which the clip repeats, 0 where it does not. */
-const neutral = {reverse: false, speed: 1, intensity: 1, coarse: 1, medium: 1, fine: 1, weights: "", loop: 0};
+/** weights: of single components, as in "3:0.5,7:2"; channel: the one that is edited, "" for all; loop: frames after which the clip repeats, 0 where it does not. */
+const neutral = {reverse: false, speed: 1, flow: 1, intensity: 1, coarse: 1, medium: 1, fine: 1, weights: "", channel: "", loop: 0};
+const channelLetters = ["b", "g", "r"];
 const scaleOf = (i) => (i < 5 ? "coarse" : i < 15 ? "medium" : "fine");  // of component i, the first being 0
 
 /** The weights of components, by their numbers from 1 on. */
@@ -20,7 +21,7 @@ function readModel(data, numbers) {
     marginals: data[name].marginals ? numbers.marginals : null,
     groups: data.groups.map((group, g) => ({
       ...group,
-      turning: data[name].turning[g],
+      blocks: data[name].blocks[g],
       basis: numbers[`${name}.${g}.basis`],
       inverse: numbers[`${name}.${g}.inverse`],
       diagonal: numbers[`${name}.${g}.diagonal`],
@@ -35,21 +36,41 @@ function readModel(data, numbers) {
   };
 }
 
-/** basis D inverse, D the diagonal with its turning blocks at the speed; and how many poles became 0. */
-function atSpeed(group, speed) {
-  const n = group.diagonal.rows, diagonal = copied(group.diagonal);
+/** Rows of a block. */
+const rowsOf = ({first, size}) => Array.from({length: size}, (_, i) => first + i);
+function putPart(m, first, values) {
+  for (let j = 0; j < values.cols; ++j)
+    for (let i = 0; i < values.rows; ++i) m.data[(first + j) * m.rows + first + i] = values.data[j * values.rows + i];
+}
+
+/** The diagonal with its turning blocks at the speed; and how many poles became 0. */
+function diagonalAtSpeed(group, speed) {
+  const diagonal = copied(group.diagonal);
   let dropped = 0;
-  for (const {first, size, phase} of group.turning) {
-    const rows = Array.from({length: size}, (_, i) => first + i);
-    const gone = Math.abs(speed) * phase > Math.PI * (1 + 1e-12), angle = (speed - 1) * phase;
-    const block = part(group.diagonal, rows, rows), turned = multiplied(block, part(group.turn, rows, rows));
-    if (gone) dropped += size;
-    for (let j = 0; j < size; ++j)
-      for (let i = 0; i < size; ++i)
-        diagonal.data[(first + j) * n + first + i] =
-          gone ? 0 : Math.cos(angle) * block.data[j * size + i] + Math.sin(angle) * turned.data[j * size + i];
+  for (const block of group.blocks.filter(({turns}) => turns)) {
+    const rows = rowsOf(block), still = part(diagonal, rows, rows), turned = multiplied(still, part(group.turn, rows, rows));
+    const gone = Math.abs(speed) * block.phase > Math.PI * (1 + 1e-12), angle = (speed - 1) * block.phase;
+    if (gone) dropped += block.size;
+    const [plain, across] = gone ? [0, 0] : [Math.cos(angle), Math.sin(angle)];
+    putPart(diagonal, block.first, matrix(block.size, block.size, still.data.map((v, i) => plain * v + across * turned.data[i])));
   }
-  return {A: multiplied(multiplied(group.basis, diagonal), group.inverse), dropped};
+  return {diagonal, dropped};
+}
+
+/** The power of a diagonal whose blocks are alone, its pairs at the speed. */
+function powerOfDiagonal(group, diagonal, speed, exponent) {
+  const result = copied(diagonal), n = diagonal.rows;
+  for (const block of group.blocks) {
+    const {first, size, phase} = block, rows = rowsOf(block), d = part(diagonal, rows, rows).data;
+    if (size === 1) {
+      result.data[first * n + first] = Math.sign(d[0]) * Math.abs(d[0]) ** exponent;
+      continue;
+    }
+    const modulus = Math.max(d[0] * d[3] - d[1] * d[2], 0) ** (exponent / 2), angle = exponent * speed * phase;
+    const turn = part(group.turn, rows, rows).data, c = modulus * Math.cos(angle), s = modulus * Math.sin(angle);
+    putPart(result, first, matrix(2, 2, turn.map((v, i) => s * v + (i === 0 || i === 3 ? c : 0))));
+  }
+  return result;
 }
 
 /** Variance of what the group shows, tr W P W; unweighted where all weights are 0. */
@@ -65,35 +86,64 @@ function contrast(group, weights, A, B) {
   return shown > 0 ? shown : plain;
 }
 
-function changeSpeed(result, direction, weights, speed) {
-  const {A, B} = result, n = A.rows;
-  for (const group of direction.groups) {
-    const {states} = group, before = part(direction.A, states, states), noise = part(direction.B, states);
-    const {A: after, dropped} = atSpeed(group, speed);
-    group.contrast ??= contrast(group, weights, before, noise);
-    const now = contrast(group, weights, after, noise);
-    const factor = now > 0 ? Math.sqrt(group.contrast / now) : 1;
-    result.dropped += dropped;
-    states.forEach((j, q) => states.forEach((i, p) => { A.data[j * n + i] = after.data[q * states.length + p]; }));
-    for (let k = 0; k < B.cols; ++k) for (const i of states) B.data[k * n + i] *= factor;
+/** B with more columns, of zeros. */
+function widened(B, cols) {
+  const result = matrix(B.rows, cols);
+  result.data.set(B.data);
+  return result;
+}
+/** Gives the group its motion; what it was drawn from goes where the noise has more inputs than before. */
+function storeGroup(result, group, A, B) {
+  if (B.cols > result.B.cols) {
+    result.B = widened(result.B, B.cols);
+    result.residuals = null;
   }
+  const n = result.A.rows, {states} = group, m = states.length;
+  states.forEach((j, q) => states.forEach((i, p) => { result.A.data[j * n + i] = A.data[q * m + p]; }));
+  for (let k = 0; k < B.cols; ++k) states.forEach((i, p) => { result.B.data[k * n + i] = B.data[k * m + p]; });
+}
+/** B times what brings the contrast back. */
+function withContrast(group, weights, A, B, wanted) {
+  const now = contrast(group, weights, A, B), factor = now > 0 ? Math.sqrt(wanted / now) : 1;
+  return matrix(B.rows, B.cols, B.data.map((v) => v * factor));
+}
+
+/** {A, B, dropped} of a group at the speed, then the flow. */
+function changedDynamics(group, direction, weights, {speed, flow}) {
+  const {states} = group, through = (diagonal) => multiplied(multiplied(group.basis, diagonal), group.inverse);
+  let A = part(direction.A, states, states), B = part(direction.B, states);
+  if (speed === 1 && flow === 1) return {A, B, dropped: 0};
+  group.contrast ??= contrast(group, weights, A, B);
+  const {diagonal, dropped} = diagonalAtSpeed(group, speed);
+  if (speed !== 1) {
+    A = through(diagonal);
+    B = withContrast(group, weights, A, B, group.contrast);
+  }
+  if (flow === 0) return {...atRest(A, B), dropped};
+  if (flow === 1) return {A, B, dropped};
+  if (!group.blocks.every(({alone}) => alone)) throw new Error("poles of this model lie too close together for another flow of time");
+  const P = stationaryCovariance(A, B);
+  A = through(powerOfDiagonal(group, diagonal, speed, flow));
+  return {A, B: withContrast(group, weights, A, noiseThatKeeps(P, A, B), group.contrast), dropped};
 }
 
 /** {A, B, weights, residuals, marginals, dropped} of the model with the settings. */
 function edited(model, settings) {
-  const direction = settings.reverse ? model.backward : model.forward;
-  const result = {
-    A: copied(direction.A), B: copied(direction.B), weights: model.weights.slice(),
-    residuals: direction.residuals, marginals: direction.marginals, dropped: 0,
+  const {forward, backward} = model, result = {
+    A: copied(forward.A), B: copied(forward.B), weights: model.weights.slice(),
+    residuals: forward.residuals, marginals: forward.marginals, dropped: 0,
   };
-  if (settings.speed !== 1) changeSpeed(result, direction, model.weights, settings.speed);
-  const strength = Math.sqrt(settings.intensity);
-  for (let i = 0; i < result.B.data.length; ++i) result.B.data[i] *= strength;
-  for (const group of direction.groups)
+  const strength = Math.sqrt(settings.intensity), direction = settings.reverse ? backward : forward;
+  if (settings.reverse) Object.assign(result, {residuals: backward.residuals, marginals: backward.marginals});
+  for (const group of direction.groups) {
+    if (settings.channel !== "" && channelLetters[group.channel] !== settings.channel) continue;
+    const {A, B, dropped} = changedDynamics(group, direction, model.weights, settings);
+    storeGroup(result, group, A, matrix(B.rows, B.cols, B.data.map((v) => v * strength)));
+    result.dropped += dropped;
     for (let i = 0; i < group.shown; ++i) result.weights[group.states[i]] *= settings[scaleOf(i)];
-  for (const [component, factor] of weightsOf(settings.weights))
-    for (const group of direction.groups)
+    for (const [component, factor] of weightsOf(settings.weights))
       if (component <= group.shown) result.weights[group.states[component - 1]] *= factor;
+  }
   return result;
 }
 
@@ -137,8 +187,10 @@ function nextState(edit, state, seed, frame) {
 /** What makes the same clip on the command line, from the first frame on. */
 function commandFor(modelName, settings, seed) {
   const words = [];
+  if (settings.channel !== "") words.push("--channel " + settings.channel);
+  const before = words.length;
   if (settings.reverse) words.push("--reverse");
-  for (const name of ["speed", "intensity", "coarse", "medium", "fine"])
+  for (const name of ["speed", "flow", "intensity", "coarse", "medium", "fine"])
     if (settings[name] !== 1) words.push(`--${name} ${settings[name]}`);
   const weights = weightsOf(settings.weights);
   if (weights.size > 0) {
@@ -147,6 +199,6 @@ function commandFor(modelName, settings, seed) {
   }
   const to = modelName.replace(/\/+$/, "") + "_edited";
   const synth = (from) => `emberfold dytex synth ${shellWord(from)} -o clip.mp4${settings.loop > 0 ? " --loop " + settings.loop : ""} --seed ${seed}`;
-  if (words.length === 0) return synth(modelName);
+  if (words.length === before) return synth(modelName);
   return `emberfold dytex edit ${shellWord(modelName)} -o ${shellWord(to)} ${words.join(" ")} && \\\n` + synth(to);
 }

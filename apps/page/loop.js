@@ -2,18 +2,6 @@
 
 const leastLoopVariance = 1e-13;  // of the largest; directions below it do not move
 
-function identity(n) {
-  const result = matrix(n, n);
-  for (let i = 0; i < n; ++i) result.data[i * n + i] = 1;
-  return result;
-}
-function added(a, b, factor = 1) {
-  return matrix(a.rows, a.cols, a.data.map((v, i) => v + factor * b.data[i]));
-}
-/** The columns times these factors. */
-function scaledColumns(m, factors) {
-  return matrix(m.rows, m.cols, m.data.map((v, i) => v * factors[Math.floor(i / m.rows)]));
-}
 function powerOf(base, exponent) {
   let result = identity(base.rows);
   for (; exponent > 0; exponent = Math.floor(exponent / 2)) {

@@ -35,6 +35,18 @@ function addProduct(to, m, x) {
     for (let i = 0; i < m.rows; ++i) to[i] += m.data[j * m.rows + i] * x[j];
 }
 
+function identity(n) {
+  const result = matrix(n, n);
+  for (let i = 0; i < n; ++i) result.data[i * n + i] = 1;
+  return result;
+}
+function added(a, b, factor = 1) {
+  return matrix(a.rows, a.cols, a.data.map((v, i) => v + factor * b.data[i]));
+}
+/** The columns times these factors. */
+function scaledColumns(m, factors) {
+  return matrix(m.rows, m.cols, m.data.map((v, i) => v * factors[Math.floor(i / m.rows)]));
+}
 /** m x. */
 function times(m, x) {
   const result = new Float64Array(m.rows);

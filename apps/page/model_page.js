@@ -29,6 +29,7 @@ class ModelPage {
     this.player = player;
     this.clock = new Clock(data.fps, () => this.advance());
     this.hashTimer = 0;
+    this.address = location.hash;  // as it was read or written last
     this.listen();
   }
 
@@ -50,6 +51,7 @@ class ModelPage {
     $("copy").addEventListener("click", () => this.copy());
     document.addEventListener("keydown", (event) => this.key(event));
     window.addEventListener("hashchange", () => {
+      this.address = location.hash;
       if (location.hash.slice(1) !== this.hash()) this.begin(readHash());
     });
   }
@@ -127,7 +129,12 @@ class ModelPage {
     $("command").textContent = this.command();
     this.showFrame();
     clearTimeout(this.hashTimer);  // browsers slow down pages that change their address too often
-    this.hashTimer = setTimeout(() => history.replaceState(null, "", "#" + this.hash()), 200);
+    this.hashTimer = setTimeout(() => this.writeAddress(), 200);
+  }
+  writeAddress() {
+    if (location.hash !== this.address) return;  // somebody has changed it: it is about to be read
+    history.replaceState(null, "", "#" + this.hash());
+    this.address = location.hash;
   }
   showSlider(name, value, text) {
     $(name).value = value;

@@ -111,12 +111,17 @@ Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTe
     numbers.put(prefix + "diagonal", form.diagonal);
     numbers.put(prefix + "turn", form.quarter_turn);
     Json blocks = Json::array();
-    for (const auto& block : form.blocks)
-      if (dytex::detail::turns(block))
-        blocks.push_back({{"first", block.first}, {"size", block.size}, {"phase", block.phase}});
+    for (const auto& block : form.blocks) {
+      const bool alone = block.size == 1 || (block.size == 2 && block.pairs == 1);
+      blocks.push_back({{"first", block.first},
+                        {"size", block.size},
+                        {"phase", block.phase},
+                        {"turns", dytex::detail::turns(block)},
+                        {"alone", alone}});
+    }
     list.push_back(std::move(blocks));
   }
-  return {{"turning", std::move(list)},
+  return {{"blocks", std::move(list)},
           {"residuals", texture.residuals.size() > 0},
           {"marginals", texture.marginals.size() > 0}};
 }
@@ -128,7 +133,10 @@ Json put_dynamics(Numbers& numbers, const LinearDynamicTexture& texture) {
                                                 : dytex::detail::groups(texture, std::nullopt);
   data["groups"] = Json::array();
   for (const auto& group : groups)
-    data["groups"].push_back({{"states", group.states}, {"shown", group.shown}});
+    data["groups"].push_back(
+        {{"states", group.states},
+         {"shown", group.shown},
+         {"channel", texture.channels.size() == 0 ? -1 : texture.channels[group.states.front()]}});
   data["forward"] = put_motion(numbers, "forward", texture, groups);
   const std::array edits{dytex::Edit{dytex::Reverse{}}};
   const dytex::EditResult back = dytex::edit(texture, edits);
