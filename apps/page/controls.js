@@ -27,7 +27,7 @@ class TexturePage extends ModelPage {
   listenToComponents() {
     $("component").max = singles;
     const weigh = (factor) => {
-      const weights = weightsOf((this.wanted ?? this.player.settings).weights ?? this.player.settings.weights);
+      const {weights: text} = {...this.player.settings, ...this.wanted}, weights = weightsOf(text);
       this.want({weights: weightsText(weights.set(Number($("component").value), factor))});
     };
     $("component").addEventListener("change", () => {
@@ -46,23 +46,18 @@ class TexturePage extends ModelPage {
     $("loop").addEventListener("change", take);
     $("save-loop").addEventListener("click", () => this.saveLoop());
   }
-  /** Hands out the frames of the loop, PNGs in a ZIP archive. */
+  /** Hands out the frames of the loop, PNGs in a ZIP archive; the page goes on meanwhile. */
   async saveLoop() {
-    const {player} = this, files = [];
-    this.play(false);
-    $("save-loop").disabled = true;
-    for (let frame = 0; frame < player.settings.loop; ++frame) {
-      player.turnTo(frame);
-      player.show();
-      const copy = new OffscreenCanvas(data.width, data.height);
-      copy.getContext("2d", {alpha: false}).drawImage(player.screens.result.canvas, 0, 0);
-      const png = await copy.convertToBlob({type: "image/png"});
+    const {player} = this, {circle, edit: {weights}} = player, files = [];
+    const canvas = new OffscreenCanvas(data.width, data.height), screen = canvas.getContext("2d", {alpha: false});
+    for (const [frame, state] of circle.entries()) {
+      player.drawer.draw(player.worth(state, weights), screen);
+      const png = await canvas.convertToBlob({type: "image/png"});
       files.push({name: `frame_${String(frame).padStart(5, "0")}.png`, bytes: new Uint8Array(await png.arrayBuffer())});
     }
     const address = URL.createObjectURL(zipArchive(files));
     make("a", {href: address, download: "loop.zip"}).click();
     setTimeout(() => URL.revokeObjectURL(address), 60_000);
-    this.restart();
   }
   listenTo(name) {
     $(name).addEventListener("input", () => this.want({[name]: Number($(name).value)}));

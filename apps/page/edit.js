@@ -105,7 +105,7 @@ function storeGroup(result, group, A, B) {
 /** B times what brings the contrast back. */
 function withContrast(group, weights, A, B, wanted) {
   const now = contrast(group, weights, A, B), factor = now > 0 ? Math.sqrt(wanted / now) : 1;
-  return matrix(B.rows, B.cols, B.data.map((v) => v * factor));
+  return scaled(B, factor);
 }
 
 /** {A, B, dropped} of a group at the speed, then the flow. */
@@ -138,7 +138,7 @@ function edited(model, settings) {
   for (const group of direction.groups) {
     if (settings.channel !== "" && channelLetters[group.channel] !== settings.channel) continue;
     const {A, B, dropped} = changedDynamics(group, direction, model.weights, settings);
-    storeGroup(result, group, A, matrix(B.rows, B.cols, B.data.map((v) => v * strength)));
+    storeGroup(result, group, A, scaled(B, strength));
     result.dropped += dropped;
     for (let i = 0; i < group.shown; ++i) result.weights[group.states[i]] *= settings[scaleOf(i)];
     for (const [component, factor] of weightsOf(settings.weights))

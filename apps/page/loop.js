@@ -31,14 +31,14 @@ function squareRoot(positive) {
 function transport(from, to) {
   const {vectors, values} = symmetricEigen(from);
   const kept = values.filter((v) => v > leastLoopVariance * values[0]);
-  const U = part(vectors, values.map((_, i) => i), kept.map((_, i) => i));
+  const U = firstColumns(vectors, kept.length);
   const F = scaledColumns(U, kept.map(Math.sqrt)), inverse = scaledColumns(U, kept.map((v) => 1 / Math.sqrt(v)));
   return multiplied(multiplied(inverse, squareRoot(multiplied(multiplied(transposed(F), to), F))), transposed(inverse));
 }
 
 /** The states of all frames of a loop. */
-function loopStates({A, B, ...noise}, seed, frames) {
-  const n = A.rows, edit = {A, B, ...noise};
+function loopStates(edit, seed, frames) {
+  const {A, B} = edit, n = A.rows;
   if (n === 0 || B.cols === 0) return Array.from({length: frames}, () => new Float64Array(n));
   const driven = Array.from({length: frames}, (_, t) => times(B, drivingNoise(edit, seed, t + 1)));
   const next = (x, t) => times(A, x).map((v, i) => v + driven[t][i]);

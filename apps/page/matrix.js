@@ -43,6 +43,12 @@ function identity(n) {
 function added(a, b, factor = 1) {
   return matrix(a.rows, a.cols, a.data.map((v, i) => v + factor * b.data[i]));
 }
+function scaled(m, factor) {
+  return matrix(m.rows, m.cols, m.data.map((v) => v * factor));
+}
+function firstColumns(m, count) {
+  return matrix(m.rows, count, m.data.slice(0, count * m.rows));
+}
 /** The columns times these factors. */
 function scaledColumns(m, factors) {
   return matrix(m.rows, m.cols, m.data.map((v, i) => v * factors[Math.floor(i / m.rows)]));

@@ -13,7 +13,7 @@ function whitening(covariance) {
 /** F with F F' = the symmetric matrix without its negative part. */
 function positiveFactor(symmetric, size) {
   const {vectors, values} = symmetricEigen(symmetric), kept = values.filter((v) => v > negativeRounding * size);
-  return scaledColumns(part(vectors, values.map((_, i) => i), kept.map((_, i) => i)), kept.map(Math.sqrt));
+  return scaledColumns(firstColumns(vectors, kept.length), kept.map(Math.sqrt));
 }
 
 /** v without what lies along the rows, of length 1; null where next to nothing is left. */
@@ -52,12 +52,11 @@ function noiseThatKeeps(P, A, B) {
   const {L, inverse} = whitening(P), left = multiplied(inverse, A);
   const white = multiplied(multiplied(inverse, P), transposed(inverse));
   const rest = added(white, multiplied(multiplied(left, P), transposed(left)), -1);
-  const even = added(rest, transposed(rest));
-  return alignedFactor(multiplied(L, positiveFactor(matrix(even.rows, even.cols, even.data.map((v) => v / 2)), norm(white))), B);
+  const even = scaled(added(rest, transposed(rest)), 0.5);
+  return alignedFactor(multiplied(L, positiveFactor(even, norm(white))), B);
 }
 /** Motion that stands still, anywhere it could be. */
 function atRest(A, B) {
   const left = 1 - lostAtRest, {L} = whitening(stationaryCovariance(A, B)), noise = Math.sqrt(1 - left * left);
-  const scaled = (m, factor) => matrix(m.rows, m.cols, m.data.map((v) => v * factor));
   return {A: scaled(identity(A.rows), left), B: alignedFactor(scaled(L, noise), B)};
 }

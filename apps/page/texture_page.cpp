@@ -111,14 +111,12 @@ Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTe
     numbers.put(prefix + "diagonal", form.diagonal);
     numbers.put(prefix + "turn", form.quarter_turn);
     Json blocks = Json::array();
-    for (const auto& block : form.blocks) {
-      const bool alone = block.size == 1 || (block.size == 2 && block.pairs == 1);
+    for (const auto& block : form.blocks)
       blocks.push_back({{"first", block.first},
                         {"size", block.size},
                         {"phase", block.phase},
                         {"turns", dytex::detail::turns(block)},
-                        {"alone", alone}});
-    }
+                        {"alone", dytex::detail::is_alone(block)}});
     list.push_back(std::move(blocks));
   }
   return {{"blocks", std::move(list)},

@@ -90,8 +90,7 @@ MatrixXd assembled(const MatrixXd& basis, MatrixXd diagonal, const MatrixXd& inv
   for (const PoleBlock& block : blocks) {
     auto part = diagonal.block(block.first, block.first, block.size, block.size);
     part = change(block, MatrixXd(part));
-    const bool alone = block.size == 1 || (block.size == 2 && block.pairs == 1);
-    if (!alone && block.zero < block.size) result.together += static_cast<int>(block.size);
+    if (!is_alone(block) && block.zero < block.size) result.together += static_cast<int>(block.size);
   }
   MatrixXd changed = basis * diagonal * inverse;
   // Poles keep their moduli, or get smaller: only rounding can bring the largest to 1.
@@ -131,6 +130,10 @@ MatrixXd aligned_factor(const MatrixXd& F, const MatrixXd& like) {
 
 bool turns(const PoleBlock& block) {
   return block.pairs > 0 && 2 * block.pairs >= block.size;
+}
+
+bool is_alone(const PoleBlock& block) {
+  return block.size == 1 || (block.size == 2 && block.pairs == 1);
 }
 
 bool passes_half_turn(const PoleBlock& block, double factor) {

@@ -31,6 +31,8 @@ SpeedForm speed_form(const Eigen::MatrixXd& A, const Eigen::MatrixXd& covariance
 /// Tells whether the block's poles are pairs that Speed turns. Real poles stay, and pairs joined with more
 /// real ones.
 bool turns(const PoleBlock& block);
+/// Tells whether the block is one real pole or one pair, and none joined with others.
+bool is_alone(const PoleBlock& block);
 /// Tells whether the block's phase times the factor would pass π.
 bool passes_half_turn(const PoleBlock& block, double factor);
 
