@@ -75,6 +75,7 @@ std::vector<double> frame_evidence(const ChangeSeries& series) {
     const std::size_t away = i >= series.at ? i - series.at : series.at - 1 - i;
     if (there && series.followed > 0 && away >= series.followed) nats = std::max(nats, 0.0);
     nats = std::clamp(nats, -tuning::kMostOfFrame, tuning::kMostOfFrame);
+    if (!series.in_view.empty()) nats *= series.in_view[i];
     result.push_back(nats + (there ? tuning::kOfReading : -tuning::kOfReading));
   }
   return result;
@@ -127,6 +128,9 @@ double log_change_factor(const ChangeSeries& series) {
                            "; allowed is 1 to one less than their number");
   if (!std::ranges::all_of(series.amplitude, [](double a) { return std::isfinite(a); }))
     throw core::InputError("change: an amplitude is not finite");
+  if (!series.in_view.empty() && series.in_view.size() != count)
+    throw core::InputError("change: " + std::to_string(series.in_view.size()) + " shares in view of " +
+                           std::to_string(count) + " frames");
   if (!(series.level > 0 && series.weight > 0))
     throw core::InputError("change: level and weight must be positive");
   const std::size_t first = series.at - std::min(series.at - 1, tuning::kTolerance);

@@ -12,6 +12,9 @@ struct ChangeSeries {
   /// By frame, how strongly the patches show: about 1 where they are there, about 0 where not, after division
   /// by `level`.
   std::vector<double> amplitude;
+  /// By frame, the share of the patches that are within the picture, 0…1: the others tell nothing. Empty:
+  /// all.
+  std::vector<double> in_view;
   double level = 1;   ///< > 0: the amplitude where they are there
   double weight = 1;  ///< > 0: number of independent measurements in one amplitude
   /// Index of the first frame after the change as it was read from the graphs, 1…size − 1.

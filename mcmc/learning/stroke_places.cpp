@@ -9,6 +9,10 @@ namespace emberfold::mcmc {
 
 using graph::Point;
 
+namespace {
+constexpr double kEqual = 1e-6;  // px
+}  // namespace
+
 std::vector<std::vector<std::uint32_t>> vertices_by_stroke(const graph::Components& parts) {
   std::vector<std::vector<std::uint32_t>> result(parts.count);
   for (std::uint32_t v = 0; v < parts.of_vertex.size(); ++v) result[parts.of_vertex[v]].push_back(v);
@@ -19,9 +23,11 @@ Point stroke_middle(const graph::AttributeGraph& graph, std::span<const std::uin
   Point mean;
   for (const auto v : stroke) mean = mean + graph.patch(v).position;
   mean = mean * (1.0 / static_cast<double>(stroke.size()));
-  const auto nearest = std::ranges::min_element(
-      stroke, {}, [&](std::uint32_t v) { return graph::distance(graph.patch(v).position, mean); });
-  return graph.patch(*nearest).position;
+  const auto away = [&](std::uint32_t v) { return graph::distance(graph.patch(v).position, mean); };
+  const auto nearest = std::ranges::min_element(stroke, {}, away);
+  // Both patches of a pair are equally near: the last digits must not choose.
+  const auto first = std::ranges::find_if(stroke, [&](auto v) { return away(v) <= away(*nearest) + kEqual; });
+  return graph.patch(*first).position;
 }
 
 double gap_between_strokes(const graph::AttributeGraph& graph, graph::SubgraphId a, graph::SubgraphId b) {

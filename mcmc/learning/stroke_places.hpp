@@ -9,7 +9,7 @@
 
 namespace emberfold::mcmc {
 
-/// Returns the place of the patch nearest the mean of a stroke's places, px.
+/// Returns the place of the patch nearest the mean of a stroke's places, px; the first of equally near ones.
 graph::Point stroke_middle(const graph::AttributeGraph& graph, std::span<const std::uint32_t> stroke);
 
 /// Returns the distance between the nearest patches of two strokes of a frame, px; infinite where one is

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <iterator>
-#include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -37,7 +37,9 @@ constexpr double kSamePlace = 10;     // px
 constexpr double kSameJoint = 15;     // px between opposite events of one place
 constexpr double kLeastLogOdds = -4;  // that the images at their best would have to reach
 constexpr std::size_t kWeakest = 3;   // one in so many patches of a joint decides whether it is open
+constexpr double kBorder = 10;        // px within the picture's border: what comes so near may have left it
 
+using graph::Point;
 using graph::detail::Family;
 
 bool is_of_stroke(graph::EventType type) {
@@ -49,14 +51,27 @@ bool appears(graph::EventType type) {
   return type == birth || type == merge || type == connect;
 }
 
-/// How strongly a path shows: a stroke on average, a joint at its weakest.
-double path_amplitude(const cv::Mat& levels, const Path& path, bool of_stroke) {
+/// How strongly a path shows, and the share of its patches that are in view.
+struct PathAmplitude {
+  double amplitude = 0, in_view = 0;
+};
+
+bool is_in_view(const cv::Mat& levels, Point p) {
+  return p.x >= kBorder && p.y >= kBorder && p.x < levels.cols - kBorder && p.y < levels.rows - kBorder;
+}
+
+/// Measures a path in a frame: a stroke on average, a joint at its weakest.
+PathAmplitude measure_path(const cv::Mat& levels, const Path& path, bool of_stroke) {
   std::vector<double> all;
-  for (const graph::Patch& patch : path) all.push_back(sketch::measure_amplitude(levels, patch, kSlipAcross));
+  for (const graph::Patch& patch : path)
+    if (is_in_view(levels, patch.position))
+      all.push_back(sketch::measure_amplitude(levels, patch, kSlipAcross));
+  if (all.empty()) return {};
   const std::size_t count = of_stroke ? all.size() : std::max<std::size_t>(1, all.size() / kWeakest);
   std::ranges::sort(all);
-  return std::accumulate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), 0.0) /
-         static_cast<double>(count);
+  const double sum = std::accumulate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), 0.0);
+  return {sum / static_cast<double>(count),
+          static_cast<double>(all.size()) / static_cast<double>(path.size())};
 }
 
 /// Returns the upper median of the amplitudes of the frames next to the change in which the path is there.
@@ -64,10 +79,11 @@ double level_beside(const mcmc::ChangeSeries& series) {
   std::vector<double> levels;
   for (std::size_t k = 0; k < kLevelFrames; ++k) {
     if (series.appears ? series.at + k >= series.amplitude.size() : k >= series.at) break;
-    levels.push_back(series.amplitude[series.appears ? series.at + k : series.at - 1 - k]);
+    const std::size_t i = series.appears ? series.at + k : series.at - 1 - k;
+    if (series.in_view[i] > 0) levels.push_back(series.amplitude[i]);
   }
   std::ranges::sort(levels);
-  return std::max(kLeastLevel, levels[levels.size() / 2]);
+  return levels.empty() ? kLeastLevel : std::max(kLeastLevel, levels[levels.size() / 2]);
 }
 
 /// Returns the mean contrast of the patches that an event is about.
@@ -93,10 +109,13 @@ double measure_factor(const graph::TracedEvent& traced, const MotionIndex& motio
       of_stroke ? std::min(kMostMeasurements, static_cast<double>(traced.path.size())) : kMeasurementsOfJoint;
   series.followed = of_stroke ? 0 : kFollowed;
   for (int t = first; t <= last; ++t) {
-    double most = -std::numeric_limits<double>::max();
-    for (const Path& path : guesses[static_cast<std::size_t>(t - first)])
-      most = std::max(most, path_amplitude(window.levels(t), path, of_stroke));
-    series.amplitude.push_back(most);
+    std::optional<PathAmplitude> most;
+    for (const Path& path : guesses[static_cast<std::size_t>(t - first)]) {
+      const PathAmplitude one = measure_path(window.levels(t), path, of_stroke);
+      if (!most || (one.in_view > 0 && (most->in_view <= 0 || one.amplitude > most->amplitude))) most = one;
+    }
+    series.amplitude.push_back(most->amplitude);
+    series.in_view.push_back(most->in_view);
   }
   series.level = level_beside(series);
   return mcmc::log_change_factor(series);

@@ -82,8 +82,7 @@ describe("the same clip as the program's", () => {
     [{births: 2, deaths: 2, intensity: 0.5, flicker: 2}, ["--set", "synth.births=2", "--set", "synth.deaths=2", "--intensity", "0.5", "--flicker", "2"]],
   ])
     test(`sliders edit as the program does: ${words.join(" ")}`, async () => {
-      // Both round the last digits in their own way; later on that may decide whether a patch fades.
-      const frames = 25, page = await open(url + "#play=0"), {graphs} = synthesize(frames, ...words);
+      const frames = 60, page = await open(url + "#play=0"), {graphs} = synthesize(frames, ...words);
       await page.evaluate((s) => emberfold.set(s), settings);
       assert.ok(apart(await graphsOf(page, frames, 1), graphs) < 1e-6);
       for (const word of words) assert.ok((await page.textContent("#command")).includes(word), word);

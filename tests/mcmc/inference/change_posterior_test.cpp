@@ -33,7 +33,7 @@ double evidence(const ChangeSeries& s, std::size_t i) {
   const bool there = (i >= s.at) == s.appears;
   const std::size_t away = i >= s.at ? i - s.at : s.at - 1 - i;
   if (there && s.followed > 0 && away >= s.followed) nats = std::max(nats, 0.0);
-  return std::clamp(nats, -6.0, 6.0) + (there ? 0.1 : -0.1);
+  return std::clamp(nats, -6.0, 6.0) * s.in_view[i] + (there ? 0.1 : -0.1);
 }
 
 /// Sums over all ways to be on and off: the odds of a change in the right sense within 2 frames.
@@ -64,7 +64,10 @@ ChangeSeries random_series(std::uint64_t seed, std::size_t count) {
   series.followed = rng.below(4);
   series.level = rng.uniform(0.5, 1.5);
   series.weight = rng.uniform(0.1, 0.6);  // so that no probability is cut off at 0 or 1
-  for (std::size_t i = 0; i < count; ++i) series.amplitude.push_back(rng.uniform(-0.3, 1.6));
+  for (std::size_t i = 0; i < count; ++i) {
+    series.amplitude.push_back(rng.uniform(-0.3, 1.6));
+    series.in_view.push_back(rng.uniform() < 0.3 ? rng.uniform() : 1);
+  }
   return series;
 }
 
@@ -99,6 +102,7 @@ TEST_CASE("Time reversed, a change has the same factor", "[change]") {
     ChangeSeries series = random_series(seed, 12);
     const double forwards = mcmc::log_change_factor(series);
     std::ranges::reverse(series.amplitude);
+    std::ranges::reverse(series.in_view);
     series.appears = !series.appears;
     series.at = 12 - series.at;
     CHECK_THAT(mcmc::log_change_factor(series), WithinAbs(forwards, 1e-9));
@@ -112,6 +116,18 @@ TEST_CASE("Beyond the frames that can be followed, absence does not count", "[ch
   const double lost = mcmc::log_change_factor(series);
   series.followed = 3;
   CHECK(mcmc::log_change_factor(series) > lost);
+}
+
+TEST_CASE("Frames in which nothing of the change is in view tell nothing", "[change]") {
+  ChangeSeries series;
+  series.at = 6;
+  for (int i = 0; i < 16; ++i) series.amplitude.push_back(i < 6 ? 1 : 0), series.in_view.push_back(i < 6);
+  series.appears = false;
+  CHECK(mcmc::log_change_factor(series) < 2);
+  series.in_view.clear();
+  CHECK(mcmc::log_change_factor(series) > 8);
+  series.in_view.assign(15, 1);
+  CHECK_THROWS_AS(mcmc::log_change_factor(series), core::InputError);
 }
 
 TEST_CASE("Each kind of evidence moves the odds of a change its own way", "[change]") {

@@ -75,6 +75,19 @@ TEST_CASE("A stroke's middle is one of its patches", "[rates]") {
   CHECK(mcmc::stroke_middle(graph, strokes[1]) == Point{100, 125});
 }
 
+TEST_CASE("Of equally near patches the first is a stroke's middle, whatever the last digits are", "[rates]") {
+  for (int seed = 1; seed <= 50; ++seed) {
+    core::Rng rng(static_cast<std::uint64_t>(seed));
+    const Point a{rng.uniform(0, 300), rng.uniform(0, 200)},
+        b = a + Point{rng.uniform(3, 5), rng.uniform(-4, 4)};
+    test::Frame frame;
+    frame.line({a, b});
+    const auto graph = frame.graph();
+    CHECK(mcmc::stroke_middle(graph, mcmc::vertices_by_stroke(graph::components(graph))[0]) ==
+          graph.patch(0).position);
+  }
+}
+
 TEST_CASE("Births and deaths are counted by place and size, and what could have died", "[rates]") {
   // Three frames. A: 9 patches at (40, 40), always there. B: 5 patches at (200, 40), dies after the first
   // frame. C: 12 patches about (100, 200), born in the last.

@@ -104,6 +104,26 @@ TEST_CASE("What is born and breaks in a clip is told from what stays", "[posteri
   CHECK(std::ranges::count_if(events, [](const auto& e) { return e.probability >= 0.5; }) == 3);
 }
 
+TEST_CASE("What leaves the picture has not died", "[posterior]") {
+  // A line goes down by 3 px a frame; once it is in the middle when it ends, once on the border.
+  const auto factor_of_death = [](double start) {
+    const core::Clip clip = film(
+        [&](Point p, int t) {
+          const double y = start + 3 * t;
+          return 80 + (t < 15 ? 50 * segment({20, y}, {140, y}, 3, 1)(p) : 0) + line(p, 80, 10, 30);
+        },
+        2);
+    core::ClipSource source(clip);
+    double factor = -mcmc::kMostChangeFactor;
+    for (const auto& [event, evidence] : pipeline::weigh_events(source, {{matched(clip)}, {}}))
+      if (event.type == EventType::death && std::abs(event.frame - 15) <= 2)
+        factor = std::max(factor, evidence.log_factor);
+    return factor;
+  };
+  CHECK(factor_of_death(40) > 5);
+  CHECK(factor_of_death(76) < 2);
+}
+
 TEST_CASE("Of an event the contrast is measured, and the frames until its opposite or the clip's end",
           "[posterior]") {
   const core::Clip clip = film(
