@@ -90,7 +90,6 @@ bool is_inside(const graph::AttributeGraph& graph, Index vertex) {
 
 std::string edit_not_carried(const mcmc::MotionEdit& edit) {
   const auto rate = [&](EventType type) { return edit.rates[index(type)]; };
-  if (edit.speed != 1) return "speed";
   if (edit.intensity != 1) return "intensity";
   if (edit.flicker != 1) return "flicker";
   if (edit.contrast != 1) return "contrast";

@@ -25,8 +25,8 @@ struct CarriedMoment {
 };
 
 /// Returns the first of the edits that no clip can show whose strokes are carried; empty where there is none:
-/// of MotionEdit those of strokes, birth_map, wind and rates, but no fewer deaths, splits or disconnects and
-/// no more merges or connects.
+/// of MotionEdit those of speed, reverse, strokes, birth_map, wind and rates, but no fewer deaths, splits or
+/// disconnects and no more merges or connects.
 std::string edit_not_carried(const mcmc::MotionEdit& edit);
 
 /// Edits the strokes of a clip while its frames are played. What is not edited stays as it was seen.
@@ -34,7 +34,7 @@ std::string edit_not_carried(const mcmc::MotionEdit& edit);
 /// from their birth on. Splits and disconnects: gaps are hidden in strokes, whose ends go on; unions that are
 /// left out: the patches that would join are hidden. Wind: strokes drift from their birth on, and begin anew
 /// where they are when they have come far. Each happens as often as the edit asks, in terms of what the clip
-/// shows.
+/// shows. Speed and sense of time are left to whoever plays the frames.
 class CarriedPlay {
  public:
   /// `gaps`: px that a split and a disconnect open. Throws core::InputError for an edit that is not carried.

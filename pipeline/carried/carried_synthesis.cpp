@@ -2,7 +2,12 @@
 #include "pipeline/carried/carried_synthesis.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
@@ -10,6 +15,7 @@
 #include "graph/events/events.hpp"
 #include "graph/matching/time_reversal.hpp"
 #include "mcmc/simulation/linked_frames.hpp"
+#include "pipeline/footage/between_frames.hpp"
 #include "pipeline/footage/turn.hpp"
 
 namespace emberfold::pipeline {
@@ -26,6 +32,29 @@ std::shared_ptr<const SeenClip> played_clip(std::vector<cv::Mat> frames, graph::
   return std::make_shared<const SeenClip>(std::move(frames), std::move(strokes));
 }
 
+/// The edit in terms of the moments that are played: speed and sense of time are those of the play.
+mcmc::MotionEdit played_edit(mcmc::MotionEdit edit) {
+  edit.wind = edit.wind * (1 / edit.speed);
+  edit.speed = 1, edit.reverse = false;
+  return edit;
+}
+
+/// Returns the graph at a share of the way from one moment to the next: the nearer one's, its patches between
+/// their places in both.
+graph::AttributeGraph graph_between(const graph::AttributeGraph& before, const graph::AttributeGraph& after,
+                                    double share) {
+  const bool is_after = share >= 0.5;
+  const auto& base = is_after ? after : before;
+  const auto& other = is_after ? before : after;
+  std::vector<graph::Vertex> vertices(base.vertices().begin(), base.vertices().end());
+  for (graph::Vertex& vertex : vertices)
+    if (const auto there = other.index_of(vertex.id); there < other.size()) {
+      const graph::Point way = other.patch(there).position - vertex.patch.position;
+      vertex.patch.position = vertex.patch.position + way * (is_after ? 1 - share : share);
+    }
+  return {std::move(vertices), {base.edges().begin(), base.edges().end()}};
+}
+
 }  // namespace
 
 CarriedSynthesis::CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGraph strokes,
@@ -34,54 +63,110 @@ CarriedSynthesis::CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGr
       options_(options),
       moments_(compare_moments(clip_->frames(), context)),
       order_(moments_, {.seed = options.seed}),
-      play_(clip_, options.edit, options.gaps, options.seed) {}
+      play_(clip_, played_edit(options.edit), options.gaps, options.seed) {}
 
 int CarriedSynthesis::batch() const {
   const auto& frame = clip_->frame(0);
-  return static_cast<int>(core::frames_at_once(frame.cols, frame.rows, frame.channels()));
+  const auto most = core::frames_at_once(frame.cols, frame.rows, frame.channels());
+  return std::max(1, static_cast<int>(static_cast<double>(most) / std::max(1.0, options_.edit.speed)));
 }
 
-CarriedSynthesis::Drawn CarriedSynthesis::next() {
-  Drawn drawn{order_.at(next_++), {}, {}};
-  if (drawn.shown.half > 0) {
-    const Turn turn = turn_of(drawn.shown);
-    if (turning_.empty() || turn != turn_) turning_ = turning_places(clip_->frames(), drawn.shown);
+/// The moment that a frame shows, or a time between two.
+double CarriedSynthesis::time(std::int64_t frame) const {
+  return options_.edit.speed * static_cast<double>(frame);
+}
+
+CarriedSynthesis::Moment CarriedSynthesis::next_moment() {
+  Moment moment{order_.at(next_moment_++), {}, {}};
+  if (moment.shown.half > 0) {
+    const Turn turn = turn_of(moment.shown);
+    if (turning_.empty() || turn != turn_) turning_ = turning_places(clip_->frames(), moment.shown);
     turn_ = turn;
-    drawn.turning = turning_;
+    moment.turning = turning_;
   }
-  drawn.moment = play_.next(shown_frame(drawn.shown));
-  statistics_.patches.push_back(drawn.moment.graph.size());
-  statistics_.strokes.push_back(graph::components(drawn.moment.graph).count);
+  moment.carried = play_.next(shown_frame(moment.shown));
+  statistics_.patches.push_back(moment.carried.graph.size());
+  statistics_.strokes.push_back(graph::components(moment.carried.graph).count);
   for (std::size_t k = 0; k < statistics_.operators.size(); ++k)
-    statistics_.operators[k] += static_cast<std::size_t>(drawn.moment.operators[k]);
-  return drawn;
+    statistics_.operators[k] += static_cast<std::size_t>(moment.carried.operators[k]);
+  return moment;
 }
 
-cv::Mat CarriedSynthesis::draw(const Drawn& drawn) const {
-  cv::Mat frame = drawn.shown.half > 0 ? draw_turn(clip_->frames(), drawn.shown, drawn.turning)
-                                       : clip_->frame(drawn.shown.frame).clone();
-  for (const auto& stroke : drawn.moment.strokes) draw_carried(frame, clip_->frames(), stroke);
+cv::Mat CarriedSynthesis::draw(const Moment& moment) const {
+  cv::Mat frame = moment.shown.half > 0 ? draw_turn(clip_->frames(), moment.shown, moment.turning)
+                                        : clip_->frame(moment.shown.frame).clone();
+  for (const auto& stroke : moment.carried.strokes) draw_carried(frame, clip_->frames(), stroke);
   return frame;
+}
+
+/// Draws the moments up to `last` that are not drawn yet.
+void CarriedSynthesis::draw_moments(std::int64_t last, const core::Context& context) {
+  if (last < next_moment_) return;
+  const auto first = next_moment_;
+  const auto room = static_cast<std::size_t>(batch());
+  std::vector<Moment> moments(room);
+  std::vector<cv::Mat> frames(room);
+  core::parallel_stream(static_cast<std::size_t>(last - first + 1), room, context,
+                        {[&](std::size_t i) { moments[i % room] = next_moment(); },
+                         [&](std::size_t i) { frames[i % room] = draw(moments[i % room]); },
+                         [&](std::size_t i) {
+                           drawn_[first + static_cast<std::int64_t>(i)].frame = std::move(frames[i % room]);
+                         }});
+}
+
+/// Finds the motion from each moment after which one of the next `count` frames lies.
+void CarriedSynthesis::find_motion(std::int64_t count, const core::Context& context) {
+  std::set<std::int64_t> missing;
+  for (auto n = next_frame_; n < next_frame_ + count; ++n)
+    if (const double moment = std::floor(time(n)); moment < time(n)) missing.insert(std::int64_t(moment));
+  std::erase_if(missing, [&](std::int64_t k) { return !drawn_.at(k).motion.empty(); });
+  const std::vector<std::int64_t> all(missing.begin(), missing.end());
+  core::parallel_for(all.size(), context, [&](std::size_t i) {
+    DrawnMoment& from = drawn_.at(all[i]);
+    from.motion = footage_motion(from.frame, drawn_.at(all[i] + 1).frame);
+  });
+}
+
+cv::Mat CarriedSynthesis::frame_at(std::int64_t frame) const {
+  const auto moment = static_cast<std::int64_t>(std::floor(time(frame)));
+  const double share = time(frame) - static_cast<double>(moment);
+  const DrawnMoment& from = drawn_.at(moment);
+  if (share <= 0) return from.frame.clone();
+  const cv::Mat& to = drawn_.at(moment + 1).frame;
+  return draw_between(std::array<MovingFrame, 2>{{{&from.frame, &from.motion}, {&to, nullptr}}}, share,
+                      cv::Mat1f(to.size(), 0.F));
 }
 
 void CarriedSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
                             const core::Context& context) {
-  const auto room = static_cast<std::size_t>(batch());
-  std::vector<Drawn> moments(room);
-  std::vector<cv::Mat> frames(room);
-  core::parallel_stream(static_cast<std::size_t>(count), room, context,
-                        {[&](std::size_t i) { moments[i % room] = next(); },
-                         [&](std::size_t i) { frames[i % room] = draw(moments[i % room]); },
-                         [&](std::size_t i) { take(std::move(frames[i % room])); }});
+  while (count > 0) {
+    const int some = std::min(count, batch());
+    draw_moments(static_cast<std::int64_t>(std::ceil(time(next_frame_ + some - 1))), context);
+    find_motion(some, context);
+    std::vector<cv::Mat> frames(static_cast<std::size_t>(some));
+    core::parallel_for(frames.size(), context,
+                       [&](std::size_t i) { frames[i] = frame_at(next_frame_ + std::int64_t(i)); });
+    next_frame_ += some, count -= some;
+    drawn_.erase(drawn_.begin(),
+                 drawn_.lower_bound(static_cast<std::int64_t>(std::floor(time(next_frame_)))));
+    for (cv::Mat& frame : frames) take(std::move(frame));
+  }
 }
 
 graph::MotionGraph CarriedSynthesis::motion(int count, const core::Context& context) const {
   PlayOrder order(moments_, {.seed = options_.seed});
-  CarriedPlay play(clip_, options_.edit, options_.gaps, options_.seed);
+  CarriedPlay play(clip_, played_edit(options_.edit), options_.gaps, options_.seed);
   mcmc::detail::LinkedFrames linked;
+  std::int64_t played = 0;
+  std::array<graph::AttributeGraph, 2> newest;  // graphs of the two moments played last
   for (int n = 0; n < count; ++n) {
     context.check();
-    linked.append(play.next(shown_frame(order.at(n))).graph);
+    for (; static_cast<double>(played) <= std::ceil(time(n)); ++played) {
+      newest[0] = std::move(newest[1]);
+      newest[1] = play.next(shown_frame(order.at(played))).graph;
+    }
+    const double share = time(n) - std::floor(time(n));
+    linked.append(share > 0 ? graph_between(newest[0], newest[1], share) : newest[1]);
   }
   const auto& frame = clip_->frame(0);
   linked.motion.sketch.width = frame.cols, linked.motion.sketch.height = frame.rows;

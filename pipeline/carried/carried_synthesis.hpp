@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct CarriedSynthesisOptions {
 /// Draws new frames of a footage without end, with its strokes edited.
 /// The footage is played with jumps between like moments (PlayOrder); on each frame lie the pixels of strokes
 /// that are born elsewhere or drift, and what hides those that are not to be seen (CarriedPlay). Without
-/// edits frames are those of the footage. The same at any number of threads.
+/// edits frames are those of the footage. At another speed frames lie between those so drawn (draw_between),
+/// and patches on the way from one to the next. The same at any number of threads.
 class CarriedSynthesis {
  public:
   /// `footage`: frames of a clip, CV_8U, 1 or 3 channels, of one size; `strokes`: those seen in them.
@@ -49,13 +51,21 @@ class CarriedSynthesis {
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context = {}) const;
 
  private:
-  struct Drawn {
+  /// What a moment of the played footage shows, and what is drawn over it.
+  struct Moment {
     PlayedMoment shown;
     cv::Mat1f turning;  // places, of a turn
-    CarriedMoment moment;
+    CarriedMoment carried;
   };
-  [[nodiscard]] Drawn next();
-  [[nodiscard]] cv::Mat draw(const Drawn& drawn) const;
+  struct DrawnMoment {
+    cv::Mat frame, motion;  // to the next moment, where it was needed
+  };
+  [[nodiscard]] double time(std::int64_t frame) const;
+  [[nodiscard]] Moment next_moment();
+  [[nodiscard]] cv::Mat draw(const Moment& moment) const;
+  void draw_moments(std::int64_t last, const core::Context& context);
+  void find_motion(std::int64_t count, const core::Context& context);
+  [[nodiscard]] cv::Mat frame_at(std::int64_t frame) const;
 
   std::shared_ptr<const SeenClip> clip_;
   CarriedSynthesisOptions options_;
@@ -63,7 +73,8 @@ class CarriedSynthesis {
   PlayOrder order_;
   CarriedPlay play_;
   SynthesisStatistics statistics_;
-  std::int64_t next_ = 0;
+  std::int64_t next_frame_ = 0, next_moment_ = 0;
+  std::map<std::int64_t, DrawnMoment> drawn_;
   Turn turn_;  // of `turning_`
   cv::Mat1f turning_;
 };

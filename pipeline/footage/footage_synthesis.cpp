@@ -13,8 +13,8 @@
 
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
-#include "core/math/bilinear.hpp"
 #include "core/parallel.hpp"
+#include "pipeline/footage/between_frames.hpp"
 #include "pipeline/footage/seams.hpp"
 
 namespace emberfold::pipeline {
@@ -29,7 +29,6 @@ constexpr double kLeastMotion = 0.5;  // px a frame: what moves less is not wort
 // all, since what lies between two frames is not known.
 constexpr double kKnown = 0.6, kUnknown = 0.8;
 constexpr double kRate = 0.2;                      // SD by which local time runs faster or slower
-constexpr float kMixFrom = 0.35F, kMixTo = 0.65F;  // share of a frame's time at which the next one mixes in
 constexpr int kCopiedEvery = 4;                    // frames: where copied pixels are counted
 constexpr double kFewTimes = 0.5;                  // frames: amplitude below which plays stand side by side
 constexpr int kPlays = 3;                          // enough that none fills most of the frame
@@ -37,7 +36,6 @@ constexpr int kApart = 6;                          // frames between those that 
 constexpr std::uint64_t kPlayStream = 0x706c6179;  // between the seeds of plays
 constexpr double kLead = 2;                        // frames by which times differ in the first frame
 constexpr double kLeadRate = 0.3;                  // frames more by each frame of the footage
-constexpr float kStill = 0.1F;                     // px: moved by less, pixels are copied
 
 std::shared_ptr<const std::vector<cv::Mat>> in_playing_order(std::vector<cv::Mat> footage,
                                                              const FootageSynthesisOptions& options) {
@@ -91,78 +89,6 @@ PlayedFrames make_plays(const std::shared_ptr<const std::vector<cv::Mat>>& foota
   return {footage, std::move(orders), seams, loop};
 }
 
-/// A prepared moment: its frame, and its motion to the next one.
-struct Source {
-  const cv::Mat *frame, *motion;
-};
-
-/// Samples a motion field of fewer vectors than the frame has pixels.
-cv::Vec2f motion_at(const cv::Mat& motion, float x, float y) {
-  const core::BilinearPlace place(x, y, motion.size());
-  return place.between(motion.ptr<cv::Vec2f>(place.top), motion.ptr<cv::Vec2f>(place.bottom),
-                       [](const cv::Vec2f* row, int column) { return row[column]; });
-}
-
-std::array<float, 4> catmull_rom(float t) {
-  return {t * (-0.5F + t * (1 - 0.5F * t)), 1 + t * t * (-2.5F + 1.5F * t), t * (0.5F + t * (2 - 1.5F * t)),
-          t * t * (-0.5F + 0.5F * t)};
-}
-
-/// Adds `weight` times the frame's levels at (x, y) to `sum`; beyond the border are its last pixels.
-template <int Channels>
-void add_levels(const cv::Mat& frame, float x, float y, float weight, std::array<float, Channels>& sum) {
-  const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
-  const auto across = catmull_rom(x - static_cast<float>(left)),
-             down = catmull_rom(y - static_cast<float>(top));
-  std::array<int, 4> columns{};
-  for (int j = 0; j < 4; ++j)
-    columns[static_cast<std::size_t>(j)] = Channels * std::clamp(left - 1 + j, 0, frame.cols - 1);
-  for (int i = 0; i < 4; ++i) {
-    const auto* const row = frame.ptr<std::uint8_t>(std::clamp(top - 1 + i, 0, frame.rows - 1));
-    const float w = weight * down[static_cast<std::size_t>(i)];
-    for (std::size_t j = 0; j < 4; ++j)
-      for (std::size_t c = 0; c < Channels; ++c)
-        sum[c] += w * across[j] * static_cast<float>(row[static_cast<std::size_t>(columns[j]) + c]);
-  }
-}
-
-/// Draws a frame whose pixels show the times `begin` + offsets; sources[i] is moment `first` + i.
-template <int Channels>
-cv::Mat draw(const std::vector<Source>& sources, std::int64_t first, double begin, const cv::Mat1f& offsets) {
-  cv::Mat out(offsets.size(), CV_8UC(Channels));
-  const cv::Size size = offsets.size(), vectors = sources.front().motion->size();
-  const float to_x = static_cast<float>(vectors.width) / static_cast<float>(size.width);
-  const float to_y = static_cast<float>(vectors.height) / static_cast<float>(size.height);
-  for (int y = 0; y < size.height; ++y) {
-    auto* const row = out.ptr<std::uint8_t>(y);
-    for (int x = 0; x < size.width; ++x) {
-      const double time = begin + double{offsets(y, x)} - static_cast<double>(first);
-      const auto k = static_cast<std::size_t>(time);
-      const float f = static_cast<float>(time - static_cast<double>(k));
-      const auto px = static_cast<float>(x), py = static_cast<float>(y);
-      const auto v = motion_at(*sources[k].motion, (px + 0.5F) * to_x - 0.5F, (py + 0.5F) * to_y - 0.5F);
-      const float whole = std::round(f);
-      const bool still = std::abs((f - whole) * v[0]) < kStill && std::abs((f - whole) * v[1]) < kStill;
-      const float next = still ? whole : std::clamp((f - kMixFrom) / (kMixTo - kMixFrom), 0.F, 1.F);
-      std::array<float, Channels> sum{};
-      const auto add = [&](const cv::Mat& frame, float moved, float weight) {
-        if (std::abs(moved * v[0]) < kStill && std::abs(moved * v[1]) < kStill) {
-          for (int c = 0; c < Channels; ++c)
-            sum[static_cast<std::size_t>(c)] +=
-                weight * static_cast<float>(frame.ptr<std::uint8_t>(y)[Channels * x + c]);
-        } else {
-          add_levels<Channels>(frame, px - moved * v[0], py - moved * v[1], weight, sum);
-        }
-      };
-      if (next < 1) add(*sources[k].frame, f, 1 - next);
-      if (next > 0) add(*sources[k + 1].frame, f - 1, next);
-      for (std::size_t c = 0; c < Channels; ++c)
-        row[static_cast<std::size_t>(Channels * x) + c] = cv::saturate_cast<std::uint8_t>(sum[c]);
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 FootageSynthesis::FootageSynthesis(std::vector<cv::Mat> footage, const FootageSynthesisOptions& options,
@@ -201,14 +127,13 @@ void FootageSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
     const auto last =
         static_cast<std::int64_t>(std::floor(time(next_ + some - 1) + bound(next_ + some - 1))) + 1;
     played_.prepare(first, last + 1, context);
-    std::vector<Source> sources;
-    for (auto n = first; n <= last; ++n) sources.push_back({&played_.frame(n), &played_.motion(n)});
+    std::vector<MovingFrame> moving;
+    for (auto n = first; n <= last; ++n) moving.push_back({&played_.frame(n), &played_.motion(n)});
     std::vector<cv::Mat> drawn(static_cast<std::size_t>(some));
     core::parallel_for(drawn.size(), context, [&](std::size_t i) {
       const auto n = next_ + static_cast<std::int64_t>(i);
       const auto offsets = front_.at(static_cast<double>(n), footage_->front().size(), bound(n));
-      drawn[i] = footage_->front().channels() == 3 ? draw<3>(sources, first, time(n), offsets)
-                                                   : draw<1>(sources, first, time(n), offsets);
+      drawn[i] = draw_between(moving, time(n) - static_cast<double>(first), offsets);
     });
     for (auto& frame : drawn) {
       if (next_ % kCopiedEvery == 0) copied_.add(frame);

@@ -550,6 +550,7 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
            {"diffusion", {"--intensity", "2"}},
            {"diffusion", {"--start", "stationary"}},
            {"carried", {"--strokes", "coarse"}},
+           {"carried", {"--set", "synth.splits=2", "--speed", "0.5", "--reverse"}},
            {"diffusion", {"--set", "synth.splits=0.5"}},
            {"carried", {"--set", "synth.births=2"}}}) {
     auto arguments = more;

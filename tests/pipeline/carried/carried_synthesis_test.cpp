@@ -204,6 +204,48 @@ TEST_CASE("carried strokes: the wind takes them along") {
   };
   CHECK_THAT(speed(still), Catch::Matchers::WithinAbs(0, 0.01));
   CHECK_THAT(speed(blown), Catch::Matchers::WithinAbs(2, 0.01));
+  edit.speed = 0.5;  // what the clip shows moves by 0.125 px a frame, the wind as ever
+  const auto slowed = CarriedSynthesis(scene.frames, scene.strokes, {1, edit, {10, 10}}).motion(60);
+  CHECK_THAT(speed(slowed), Catch::Matchers::WithinAbs(2, 0.01));
+}
+
+TEST_CASE("carried strokes: at another speed the same moments are shown, and what lies between them") {
+  const auto scene = carried_scene(60, GENERATE(1, 3));
+  const auto at_speed = [&](double speed) {
+    CarriedSynthesisOptions options{1, times(EventType::birth, 2), {10, 10}};
+    options.edit.speed = speed;
+    return CarriedSynthesis(scene.frames, scene.strokes, options);
+  };
+  auto usual = at_speed(1), slow = at_speed(0.5), fast = at_speed(2);
+  const auto frames = draw(usual, 41), halves = draw(slow, 41), every_other = draw(fast, 20);
+  for (std::size_t n = 0; n < 20; ++n) {
+    CHECK(cv::norm(halves[2 * n], frames[n], cv::NORM_L1) == 0);
+    CHECK(cv::norm(every_other[n], frames[2 * n], cv::NORM_L1) == 0);
+    // Lines move by a quarter of a pixel a frame.
+    const double apart = cv::norm(frames[n], frames[n + 1], cv::NORM_L1);
+    CHECK(cv::norm(halves[2 * n + 1], frames[n], cv::NORM_L1) <= 1.05 * apart);
+    CHECK(cv::norm(halves[2 * n + 1], frames[n + 1], cv::NORM_L1) <= 1.05 * apart);
+  }
+  const auto seen = usual.motion(41), slowed = slow.motion(41), hurried = fast.motion(20);
+  for (std::size_t n = 0; n < 20; ++n) {
+    const auto& graph = seen.sketch.frames[n];
+    REQUIRE(slowed.sketch.frames[2 * n].size() == graph.size());
+    REQUIRE(hurried.sketch.frames[n].size() == seen.sketch.frames[2 * n].size());
+    for (std::size_t v = 0; v < graph.size(); ++v)
+      CHECK(distance(slowed.sketch.frames[2 * n].patch(v).position, graph.patch(v).position) == 0);
+    // Half way the later graph stands, half a step back where its patches were there before.
+    const auto &between = slowed.sketch.frames[2 * n + 1], &after = seen.sketch.frames[n + 1];
+    REQUIRE(between.size() == after.size());
+    std::vector<graph::Point> expected;
+    for (const graph::Vertex& vertex : after.vertices()) expected.push_back(vertex.patch.position);
+    for (const auto& [a, b] : seen.links[n + 1])
+      expected[after.index_of(b)] =
+          (expected[after.index_of(b)] + graph.patch(graph.index_of(a)).position) * 0.5;
+    for (std::size_t v = 0; v < after.size(); ++v)
+      CHECK(distance(between.patch(v).position, expected[v]) < 1e-9);
+  }
+  CHECK(slow.statistics().patches.size() == 21);
+  CHECK(events(slow.motion(41), EventType::birth) == events(usual.motion(21), EventType::birth));
 }
 
 TEST_CASE("carried strokes: the same bytes at any number of threads, and others for another seed") {
