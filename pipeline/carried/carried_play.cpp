@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -28,6 +29,9 @@ constexpr double kBorder = 6;        // px over which a stroke blends into where
 constexpr int kLeastHeld = 8;        // moments for which what hides a stroke stays, even if strokes are there
 constexpr double kFarthest = 32;     // px that the wind carries a stroke, about
 constexpr std::size_t kFromEnd = 4;  // patches between a split and a free end
+constexpr double kMostOwed = 4;      // strokes that are still to be hidden: then the next one is
+constexpr std::size_t kRemembered = 32;  // newborn strokes that one is compared with
+constexpr int kTries = 24;               // places of which the one that can be hidden best is
 
 std::size_t index(EventType type) {
   return static_cast<std::size_t>(type);
@@ -107,7 +111,7 @@ CarriedPlay::CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::Motio
   edit.validate();
   if (const auto what = edit_not_carried(edit); !what.empty())
     throw core::InputError("strokes of footage cannot be carried with another " + what);
-  if (edit.wind != Point{}) moves_ = moving_pixels(clip_->frames());
+  moves_ = moving_pixels(clip_->frames());
   if (edit.strokes == mcmc::StrokeChoice::all) return;
   std::vector<double> widths;
   for (int t = 0; t < clip_->size(); ++t)
@@ -151,8 +155,7 @@ CarriedPlay::Played CarriedPlay::follow(int frame) {
 void CarriedPlay::choose_place(Hiding& hiding, const std::vector<Index>& vertices) {
   const bool first = hiding.begin == moment_;
   if (!first && !hiding.free && moment_ - hiding.chosen < kLeastHeld) return;
-  std::vector<graph::Patch> patches;
-  for (const Index v : vertices) patches.push_back(clip_->graph(frame_).patch(v));
+  const auto patches = patches_of(vertices);
   if (!first && !shows_strokes(*clip_, frame_, patches, hiding.place)) return;
   hiding.place = find_hidden_place(*clip_, frame_, patches);
   hiding.chosen = moment_;
@@ -168,17 +171,54 @@ int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden) {
   return next_hiding_++;
 }
 
-void CarriedPlay::let_drift(const std::vector<Index>& vertices, core::Rng& rng) {
+/// Returns whether the clip moves at half of the patches.
+bool CarriedPlay::moves(const std::vector<Index>& vertices) const {
   const auto& graph = clip_->graph(frame_);
   const auto moving = std::ranges::count_if(vertices, [&](Index v) {
     const auto p = graph.patch(v).position;
     const int x = std::clamp(static_cast<int>(std::lround(p.x)), 0, moves_.cols - 1);
     return moves_(std::clamp(static_cast<int>(std::lround(p.y)), 0, moves_.rows - 1), x) != 0;
   });
+  return 2 * moving >= static_cast<std::ptrdiff_t>(vertices.size());
+}
+
+void CarriedPlay::let_drift(const std::vector<Index>& vertices, core::Rng& rng) {
   const double farthest = kFarthest * rng.uniform(0.6, 1.4);
-  if (2 * moving < static_cast<std::ptrdiff_t>(vertices.size())) return;
+  if (!moves(vertices)) return;
   hidings_[hide(vertices, true)].drift =
       std::max(2 * kFade, static_cast<int>(std::lround(farthest / graph::norm(edit_.wind))));
+}
+
+std::vector<graph::Patch> CarriedPlay::patches_of(const std::vector<Index>& vertices) const {
+  std::vector<graph::Patch> patches;
+  for (const Index v : vertices) patches.push_back(clip_->graph(frame_).patch(v));
+  return patches;
+}
+
+/// How badly these patches can be hidden, grey levels: how unlike its surroundings what hides them looks, and
+/// what they part. The border between two things cannot be hidden.
+double CarriedPlay::misfit_of_hiding(const std::vector<Index>& vertices) const {
+  const auto patches = patches_of(vertices);
+  double parted = 0;
+  for (const auto& patch : patches)
+    for (std::size_t c = 0; c < 3; ++c)
+      parted += std::abs(double{patch.right[c]} - double{patch.left[c]}) / 3;
+  return find_hidden_place(*clip_, frame_, patches).misfit + parted / static_cast<double>(patches.size());
+}
+
+/// Decides whether a newborn stroke is hidden: as many as the edit asks, and of those born one after the
+/// other the ones that can be hidden best.
+bool CarriedPlay::is_left_out(const std::vector<Index>& stroke, double births) {
+  if (births >= 1) return false;
+  const double misfit = misfit_of_hiding(stroke);
+  const auto better = std::ranges::count_if(misfits_, [&](double other) { return other < misfit; });
+  misfits_.push_back(misfit);
+  if (misfits_.size() > kRemembered) misfits_.erase(misfits_.begin());
+  owed_ += 1 - births;
+  const bool is_hidden = static_cast<double>(better) < (1 - births) * static_cast<double>(misfits_.size());
+  const bool now = owed_ >= kMostOwed || (owed_ > 0 && is_hidden);
+  if (now) owed_ -= 1;
+  return now;
 }
 
 /// Strokes that begin in this moment.
@@ -195,7 +235,7 @@ void CarriedPlay::begin_strokes(const Played& played, core::Rng& rng, CarriedMom
                        (mean_width(clip_->graph(frame_), stroke) >= usual_width_) !=
                            (edit_.strokes == mcmc::StrokeChoice::coarse);
     const bool elsewhere = born && edit_.birth_map.has_value();
-    if (wrong || elsewhere || (!played.first && births < 1 && rng.uniform() >= births)) {
+    if (wrong || elsewhere || (!played.first && is_left_out(stroke, births))) {
       hide(stroke, true);
       continue;
     }
@@ -213,9 +253,23 @@ bool CarriedPlay::is_whole(Index vertex) const {
 void CarriedPlay::end_stroke(core::Rng& rng) {
   auto strokes = mcmc::vertices_by_stroke(graph::components(clip_->graph(frame_)));
   std::erase_if(strokes, [&](const auto& stroke) {
-    return !std::ranges::all_of(stroke, [&](Index v) { return is_whole(v); });
+    return !moves(stroke) || !std::ranges::all_of(stroke, [&](Index v) { return is_whole(v); });
   });
-  if (!strokes.empty()) hide(strokes[rng.below(static_cast<std::uint32_t>(strokes.size()))], false);
+  if (const auto found = least_visible(std::move(strokes), rng)) hide(*found, false);
+}
+
+/// Returns the one of some of the sets that can be hidden best, if any is there.
+std::optional<std::vector<Index>> CarriedPlay::least_visible(std::vector<std::vector<Index>> sets,
+                                                             core::Rng& rng) const {
+  std::optional<std::vector<Index>> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kTries && !sets.empty(); ++i) {
+    std::swap(sets[rng.below(static_cast<std::uint32_t>(sets.size()))], sets.back());
+    if (const double misfit = misfit_of_hiding(sets.back()); misfit < least)
+      least = misfit, best = std::move(sets.back());
+    sets.pop_back();
+  }
+  return best;
 }
 
 /// Opens a gap in a curve, or between a junction and one of its arms.
@@ -224,18 +278,22 @@ void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
   std::vector<std::pair<Index, Index>> sites;  // where it opens, and what it does not go through
   for (Index v = 0; v < graph.size(); ++v) {
     const auto sides = graph.neighbours(v);
-    if (!is_whole(v) || !std::ranges::all_of(sides, [&](Index w) { return is_whole(w); })) continue;
+    if (!moves({v}) || !is_whole(v) || !std::ranges::all_of(sides, [&](Index w) { return is_whole(w); }))
+      continue;
     if (!at_junction && is_inside(graph, v)) sites.emplace_back(v, v);
     if (at_junction && graph.degree(v) > 2)
       for (const Index w : sides)
         if (graph.degree(w) == 2) sites.emplace_back(w, v);
   }
-  if (sites.empty()) return;
-  const auto [at, not_through] = sites[rng.below(static_cast<std::uint32_t>(sites.size()))];
   const double wide = at_junction ? gaps_[1] : gaps_[0] / 2;
-  auto gap = patches_within(graph, at, not_through, wide);
-  std::erase_if(gap, [&](Index v) { return !is_whole(v); });
-  hide(gap, false);
+  std::vector<std::vector<Index>> gaps;
+  for (int i = 0; i < kTries && !sites.empty(); ++i) {
+    std::swap(sites[rng.below(static_cast<std::uint32_t>(sites.size()))], sites.back());
+    gaps.push_back(patches_within(graph, sites.back().first, sites.back().second, wide));
+    std::erase_if(gaps.back(), [&](Index v) { return !is_whole(v); });
+    sites.pop_back();
+  }
+  if (const auto gap = least_visible(std::move(gaps), rng)) hide(*gap, false);
 }
 
 /// Lets a stroke of another time live again.

@@ -33,7 +33,8 @@ std::string edit_not_carried(const mcmc::MotionEdit& edit);
 /// More births: other strokes of the clip live once more, near where they lived. Fewer: strokes are hidden
 /// from their birth on. Splits and disconnects: gaps are hidden in strokes, whose ends go on; unions that are
 /// left out: the patches that would join are hidden. Wind: strokes drift from their birth on, and begin anew
-/// where they are when they have come far. Each happens as often as the edit asks, in terms of what the clip
+/// where they are when they have come far. Strokes of a ground that stands still do not break, end or drift
+/// more often. Each happens as often as the edit asks, in terms of what the clip
 /// shows. Speed and sense of time are left to whoever plays the frames.
 class CarriedPlay {
  public:
@@ -72,11 +73,17 @@ class CarriedPlay {
   Played follow(int frame);
   void begin_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment);
   void change_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment);
+  [[nodiscard]] std::vector<graph::Patch> patches_of(const std::vector<std::uint32_t>& vertices) const;
+  [[nodiscard]] double misfit_of_hiding(const std::vector<std::uint32_t>& vertices) const;
+  [[nodiscard]] bool is_left_out(const std::vector<std::uint32_t>& stroke, double births);
+  [[nodiscard]] std::optional<std::vector<std::uint32_t>> least_visible(
+      std::vector<std::vector<std::uint32_t>> sets, core::Rng& rng) const;
   void end_stroke(core::Rng& rng);
   void open_gap(core::Rng& rng, bool at_junction);
   void bear_again(core::Rng& rng);
   int hide(const std::vector<std::uint32_t>& vertices, bool sudden);
   void choose_place(Hiding& hiding, const std::vector<std::uint32_t>& vertices);
+  [[nodiscard]] bool moves(const std::vector<std::uint32_t>& vertices) const;
   void let_drift(const std::vector<std::uint32_t>& vertices, core::Rng& rng);
   [[nodiscard]] bool is_whole(std::uint32_t vertex) const;
   void draw_frame_strokes(CarriedMoment& moment, std::vector<graph::Vertex>& vertices,
@@ -89,12 +96,14 @@ class CarriedPlay {
   mcmc::MotionEdit edit_;
   std::array<double, 2> gaps_;
   std::uint64_t seed_;
-  cv::Mat1b moves_;         // with wind: where the clip moves
+  cv::Mat1b moves_;         // where the clip moves
   double usual_width_ = 0;  // with a choice of strokes: between the coarse and the fine ones
   int frame_ = -1, moment_ = -1;
   std::uint32_t next_id_ = 0;
   int next_hiding_ = 0;
-  std::vector<Followed> now_;  // by vertex of the frame
+  double owed_ = 0;              // births that are still to be left out
+  std::vector<double> misfits_;  // of hiding the strokes born last
+  std::vector<Followed> now_;    // by vertex of the frame
   std::map<int, Hiding> hidings_;
   std::vector<Again> again_;
 };

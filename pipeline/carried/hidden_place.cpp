@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -35,7 +34,7 @@ bool inside(const cv::Mat& frame, Point at) {
   return at.x >= 0 && at.y >= 0 && at.x <= frame.cols - 1 && at.y <= frame.rows - 1;
 }
 
-double cost(const SeenClip& clip, int t, std::span<const graph::Patch> patches, const HiddenPlace& place) {
+double misfit(const SeenClip& clip, int t, std::span<const graph::Patch> patches, const HiddenPlace& place) {
   const std::size_t step = std::max<std::size_t>(1, patches.size() / kSampled);
   const int other = place.frame(t, clip.size());
   const int ahead = place.frame(std::min(t + kLookAhead, clip.size() - 1), clip.size());
@@ -88,15 +87,12 @@ HiddenPlace find_hidden_place(const SeenClip& clip, int t, std::span<const graph
   for (const double distance : {2 * reach + kHidingFeather, 3 * reach + kHidingFeather})
     for (int k = 0; k < kDirections; ++k) {
       const double angle = 2 * std::numbers::pi * k / kDirections;
-      places.push_back({Point{std::cos(angle), std::sin(angle)} * distance, 0});
+      places.push_back({Point{std::cos(angle), std::sin(angle)} * distance, 0, 0});
     }
   for (const int later : kTimes)
-    if (std::abs(later) < clip.size()) places.push_back({{}, later});
-  HiddenPlace best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& place : places)
-    if (const double found = cost(clip, t, patches, place); found < least) least = found, best = place;
-  return best;
+    if (std::abs(later) < clip.size()) places.push_back({{}, later, 0});
+  for (auto& place : places) place.misfit = misfit(clip, t, patches, place);
+  return *std::ranges::min_element(places, {}, &HiddenPlace::misfit);
 }
 
 }  // namespace emberfold::pipeline

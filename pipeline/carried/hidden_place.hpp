@@ -14,6 +14,7 @@ constexpr double kHidingFeather = 3;
 struct HiddenPlace {
   graph::Point beside;  ///< px, from the stroke's place
   int later = 0;        ///< frames, from the frame that is shown
+  double misfit = 0;    ///< grey levels: unlike surroundings, and what strokes there count for
 
   /// Returns the frame that is shown instead of frame t: of a clip of `size` frames, which goes to and fro.
   [[nodiscard]] int frame(int t, int size) const;

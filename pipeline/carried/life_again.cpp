@@ -15,27 +15,36 @@ namespace {
 
 using graph::Point;
 
-constexpr int kLives = 4;    // of which the most fitting is taken; more would all lie where the frame is dark
-constexpr int kPlaces = 16;  // of each
-constexpr double kJitter = 8;          // px, SD: from where a stroke lived to where it lives again
-constexpr int kApart = 8;              // frames between a stroke's life and its life again, at least
-constexpr double kCrowd = 30;          // grey levels that another stroke at its place counts for
-constexpr std::size_t kCompared = 10;  // patches whose surroundings are compared
+constexpr int kLives = 4, kMostLives = 16;  // of which the most fitting is taken; more only until one fits:
+constexpr double kFits = 8;                 // grey levels; else all would lie where the frame is dark
+constexpr int kPlaces = 16;                 // of each
+constexpr double kJitter = 8;               // px, SD: from where a stroke lived to where it lives again
+constexpr int kApart = 8;                   // frames between a stroke's life and its life again, at least
+constexpr double kCrowd = 30;               // grey levels that another stroke at its place counts for
+constexpr std::size_t kCompared = 10;       // patches whose surroundings are compared
+constexpr int kAhead = 8;  // frames, at most, from the birth to when they are compared once more
 
-/// Mean over the patches of a newborn stroke, grey levels.
-double misfit(const SeenClip& clip, int t, const StrokeLife& life, Point offset) {
-  const auto& graph = clip.graph(life.first);
-  const auto& patches = life.patches.front();
+/// Mean over the patches that a stroke has at an age, grey levels, on the frame that is shown then.
+double misfit_at(const SeenClip& clip, int shown, const StrokeLife& life, int age, Point offset) {
+  const auto& graph = clip.graph(life.first + age);
+  const auto& patches = life.patches[static_cast<std::size_t>(age)];
   double sum = 0;
   int count = 0;
   for (std::size_t k = 0; k < patches.size();
        k += std::max<std::size_t>(1, patches.size() / kCompared), ++count) {
     const auto& patch = graph.patch(patches[k]);
     const Point to = patch.position + offset;
-    sum += unlikeness_around(clip, patch, to, t, offset * -1, life.first);
-    if (clip.occupied(t, to)) sum += kCrowd;
+    sum += unlikeness_around(clip, patch, to, shown, offset * -1, life.first + age);
+    if (clip.occupied(shown, to)) sum += kCrowd;
   }
-  return sum / count;
+  return sum / std::max(1, count);
+}
+
+/// The mean of a stroke as it is born, and half way through its life.
+double misfit(const SeenClip& clip, int t, const StrokeLife& life, Point offset) {
+  const int later = std::min(static_cast<int>(life.patches.size()) / 2, kAhead);
+  return 0.5 * (misfit_at(clip, t, life, 0, offset) +
+                misfit_at(clip, std::min(t + later, clip.size() - 1), life, later, offset));
 }
 
 }  // namespace
@@ -46,7 +55,7 @@ std::optional<LifeAgain> find_life_again(const SeenClip& clip, int t,
   if (lives.empty()) return std::nullopt;
   std::optional<LifeAgain> best;
   double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kLives; ++i) {
+  for (int i = 0; i < kLives || (i < kMostLives && least > kFits); ++i) {
     const auto& life = lives[rng.below(static_cast<std::uint32_t>(lives.size()))];
     for (int j = 0; j < kPlaces; ++j) {
       Point offset{kJitter * rng.normal(), kJitter * rng.normal()};

@@ -2,6 +2,7 @@
 #include "pipeline/carried/carried_synthesis.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -117,6 +118,33 @@ TEST_CASE("carried strokes: births that do not happen leave the ground") {
   }
   CHECK(empty > 2);
   CHECK(brightest < 45);
+}
+
+TEST_CASE("carried strokes: what parts two things is hidden last") {
+  auto scene = carried_scene(120);
+  const auto is_border = [](graph::Point at) { return at.y < 48 || at.y > 92; };  // rows 0, 1, 4 of five
+  for (auto& graph : scene.strokes.sketch.frames) {
+    std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
+    for (auto& vertex : vertices)
+      if (is_border(vertex.patch.position))
+        for (float& level : vertex.patch.right) level += 100;
+    graph = {std::move(vertices), {graph.edges().begin(), graph.edges().end()}};
+  }
+  const auto births = [&](double factor) {
+    std::array<int, 2> counted{};
+    const auto motion =
+        CarriedSynthesis(scene.frames, scene.strokes, {1, times(EventType::birth, factor), {10, 10}})
+            .motion(110);
+    for (const auto& event : graph::stroke_events(motion))
+      if (event.type == EventType::birth) ++counted.at(is_border(event.position) ? 1 : 0);
+    return counted;
+  };
+  const auto all = births(1), fewer = births(0.7);
+  REQUIRE(all[0] >= 5);
+  REQUIRE(all[1] >= 8);
+  CHECK(fewer[1] >= all[1] - 3);  // the first ones have nothing to be compared with
+  CHECK(fewer[0] <= all[0] / 2);
+  CHECK(std::abs(fewer[0] + fewer[1] - 0.7 * (all[0] + all[1])) < 5);
 }
 
 TEST_CASE("carried strokes: births go where the map says") {
