@@ -162,7 +162,7 @@ graph::MotionGraph CarriedSynthesis::motion(int count, const core::Context& cont
   for (int n = 0; n < count; ++n) {
     context.check();
     for (; static_cast<double>(played) <= std::ceil(time(n)); ++played) {
-      newest[0] = std::move(newest[1]);
+      newest[0] = newest[1];
       newest[1] = play.next(shown_frame(order.at(played))).graph;
     }
     const double share = time(n) - std::floor(time(n));
