@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -83,6 +84,15 @@ void PlayedFrames::find_turning_places(const std::vector<Moment*>& moments, cons
   turning_places_ = std::move(places);
 }
 
+/// Returns the frames that two moments show, where they are neighbours in the footage and nothing else is
+/// seen: the motion between them is the same whenever they are played.
+std::optional<std::pair<int, int>> PlayedFrames::shown_pair(const Moment& moment, const Moment& next) {
+  if (moment.shown.size() != 1) return std::nullopt;
+  const PlayedMoment &from = moment.shown.front(), &to = next.shown.front();
+  if (from.half > 0 || to.half > 0 || std::abs(to.frame - from.frame) > 1) return std::nullopt;
+  return std::pair(from.frame, to.frame);
+}
+
 void PlayedFrames::prepare(std::int64_t first, std::int64_t last, const core::Context& context) {
   moments_.erase(moments_.begin(), moments_.lower_bound(first));
   std::vector<Moment*> moving, still;
@@ -99,13 +109,21 @@ void PlayedFrames::prepare(std::int64_t first, std::int64_t last, const core::Co
   core::parallel_for(still.size(), context, [&](std::size_t i) { still[i]->frame = draw(*still[i]); });
   for (std::int64_t n = first; n < last; ++n) {
     auto& moment = moments_.at(n);
+    const auto& next = moments_.at(n + 1);
     if (!moment.motion.empty()) continue;
+    if (const auto pair = shown_pair(moment, next))
+      if (const auto known = motions_.find(*pair); known != motions_.end()) {
+        moment.motion = known->second;
+        continue;
+      }
     moving.push_back(&moment);
-    after.push_back(&moments_.at(n + 1));
+    after.push_back(&next);
   }
   core::parallel_for(moving.size(), context, [&](std::size_t i) {
     moving[i]->motion = footage_motion(moving[i]->frame, after[i]->frame);
   });
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    if (const auto pair = shown_pair(*moving[i], *after[i])) motions_.emplace(*pair, moving[i]->motion);
 }
 
 }  // namespace emberfold::pipeline

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -48,6 +49,8 @@ class PlayedFrames {
   [[nodiscard]] SeamLines seams_at(std::int64_t n);
   [[nodiscard]] SeamLines next_seams(std::int64_t n, const SeamLines& before);
   [[nodiscard]] cv::Mat draw(const Moment& moment) const;
+  [[nodiscard]] static std::optional<std::pair<int, int>> shown_pair(const Moment& moment,
+                                                                     const Moment& next);
 
   std::shared_ptr<const std::vector<cv::Mat>> footage_;
   std::vector<std::shared_ptr<PlayOrder>> orders_;
@@ -57,7 +60,8 @@ class PlayedFrames {
   std::int64_t seams_next_ = 0;
   std::vector<SeamLines> loop_seams_;  // of a whole loop
   std::map<std::int64_t, Moment> moments_;
-  std::map<Turn, cv::Mat1f> turning_places_;  // of the moments drawn last
+  std::map<Turn, cv::Mat1f> turning_places_;        // of the moments drawn last
+  std::map<std::pair<int, int>, cv::Mat> motions_;  // between neighbouring frames of the footage
 };
 
 }  // namespace emberfold::pipeline
