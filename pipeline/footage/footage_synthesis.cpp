@@ -2,7 +2,6 @@
 #include "pipeline/footage/footage_synthesis.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
