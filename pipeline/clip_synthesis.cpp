@@ -107,6 +107,12 @@ graph::MotionGraph ClipSynthesis::motion(int count) const {
   return mcmc::synthesize(model_->motion, count, options_.seed, context_, options_.start);
 }
 
+FrameSources ClipSynthesis::sources() const {
+  if (footage_) return footage_->sources();
+  if (carried_) return carried_->sources();
+  throw core::InputError("drawn strokes have no source in the clip");
+}
+
 void ClipSynthesis::rewind() {
   ahead_.clear();
   begin();

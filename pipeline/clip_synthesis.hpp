@@ -63,6 +63,9 @@ class ClipSynthesis final : public core::FrameSource {
   [[nodiscard]] graph::MotionGraph motion(int count) const;
   /// Returns the synthesis of the footage; nothing where strokes are drawn.
   [[nodiscard]] const FootageSynthesis* footage() const { return footage_ ? &*footage_ : nullptr; }
+  /// Returns where in the clip the pixels of a frame come from; to be called while each() hands it over,
+  /// before which next() was not called. Throws core::InputError where strokes are drawn.
+  [[nodiscard]] FrameSources sources() const;
   /// Returns what the clip is made of.
   [[nodiscard]] ModelFill fill_kind() const { return fill_kind_; }
 

@@ -162,9 +162,10 @@ void require_new(const std::vector<std::string>& paths, const CommonOptions& com
   if (common.overwrite) return;
   for (const auto& path : paths) {
     std::error_code error;
-    const auto status = fs::status(path, error);
+    const auto replaced = io::replaced_path(path);
+    const auto status = fs::status(replaced, error);
     const bool holds =
-        fs::is_regular_file(status) || (fs::is_directory(status) && !fs::is_empty(path, error));
+        fs::is_regular_file(status) || (fs::is_directory(status) && !fs::is_empty(replaced, error));
     if (!path.empty() && holds)
       throw io::OverwriteError("cannot write " + path + ": it is there already; --overwrite replaces it");
   }

@@ -87,7 +87,7 @@ void add_output(CLI::App& command, std::string& folder);
 
 /// Adds -o OUT, required: a clip, or a folder of images.
 void add_clip_output(CLI::App& command, std::string& clip,
-                     const std::string& about = "Write this clip: .mp4, .avi (lossless), or a folder of PNG");
+                     const std::string& about = "Write this clip: .mp4, .avi (lossless), a folder of PNG, or DIR/%05d.exr");
 
 /// Validates. Throws Misuse that names a field as --set does ("sketch.min_contrast"), or by its own option
 /// where it has one (`group` is empty, or frames).

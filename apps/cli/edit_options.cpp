@@ -45,13 +45,15 @@ void add_looks(CLI::App& app, EditOptions& options) {
   app.add_option("--wind", options.wind, "Let strokes drift so many px a frame, too, each -8 to 8")
       ->type_name("X,Y")
       ->group("");
-  app.add_option("--birth-map", options.birth_map, "Let strokes be born where this picture is white")
+  app.add_option("--birth-map", options.birth_map,
+                 "Bear strokes where this is white; --strokes coarse or fine keeps a half")
       ->type_name("FILE");
   app.add_option("--strokes", options.strokes,
                  "Keep all strokes, or the wider (coarse) or narrower (fine) half")
       ->type_name("WHICH")
       ->check(CLI::IsMember({"all", "coarse", "fine"}).description(""))
-      ->default_str(options.strokes);
+      ->default_str(options.strokes)
+      ->group("");
 }
 
 }  // namespace

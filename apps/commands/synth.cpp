@@ -10,16 +10,10 @@
 #include "apps/cli/edit_options.hpp"
 #include "apps/cli/interrupt.hpp"
 #include "apps/cli/summary.hpp"
-#include "apps/pictures/draw.hpp"
-#include "apps/pictures/overlay.hpp"
-#include "apps/pictures/synthesis_film.hpp"
 #include "apps/report/report_model.hpp"
-#include "core/io/clip_writer.hpp"
-#include "core/io/files.hpp"
-#include "core/io/model_folder.hpp"
+#include "apps/synthesis/outputs.hpp"
+#include "apps/synthesis/request.hpp"
 #include "core/io/require_apart.hpp"
-#include "graph/io/motion_io.hpp"
-#include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/clip_synthesis.hpp"
 
@@ -33,155 +27,9 @@ pipeline::ModelFill parse_fill(const std::string& text) {
 }
 
 using Json = nlohmann::ordered_json;
-namespace fs = std::filesystem;
-
-struct Synth {
-  std::string model, output, overlay, motion, film;
-  std::optional<pipeline::ModelFill> fill_kind;
-  int frames = 300;
-  std::optional<int> loop;
-  bool asked_frames = false;
-  std::string drawn_since;  ///< why strokes are drawn that were to be carried
-  sketch::FillOptions fill;
-  std::string start = "data";
-  EditOptions edit;
-
-  [[nodiscard]] mcmc::Start first() const {
-    return start == "stationary" ? mcmc::Start::stationary : mcmc::Start::data;
-  }
-};
-
-std::unique_ptr<io::VideoWriter> create_output(const std::string& path, cv::Size size, double fps,
-                                               bool colour) {
-  try {
-    return io::create_video(path, size, fps, colour);
-  } catch (const core::InputError& error) {
-    throw Misuse(error.what());
-  }
-}
-
-/// Returns the option that only drawn strokes can fulfil; empty where none was given.
-std::string stroke_option(const Synth& asked) {
-  if (!asked.motion.empty()) return "--motion";
-  if (!asked.overlay.empty()) return "--overlay";
-  if (!asked.film.empty()) return "--film";
-  if (asked.start != "data") return "--start";
-  return stroke_option(asked.edit);
-}
-
-/// Returns what cannot be shown with the clip's own strokes; empty where nothing was asked that cannot.
-std::string not_carried(const Synth& asked) {
-  return asked.start != "data" ? "--start" : pipeline::edit_not_carried(asked.edit.edit);
-}
-
-/// Chooses carried strokes where an option needs strokes, drawn ones where it needs these, and refuses
-/// options that exclude each other.
-void choose_fill(Synth& asked) {
-  using pipeline::ModelFill;
-  const auto option = stroke_option(asked);
-  if (!option.empty() && asked.fill_kind == ModelFill::footage)
-    throw Misuse(option +
-                 " is for clips with strokes (--fill carried, diffusion, texture or dytex), not footage");
-  const auto why = not_carried(asked);
-  if (asked.fill_kind == ModelFill::carried && !why.empty())
-    throw Misuse("--fill carried keeps the clip's own strokes; " + why + " needs drawn ones");
-  if (!option.empty() && !asked.fill_kind) {
-    if (!why.empty())
-      asked.drawn_since = why + " needs drawn strokes";
-    else if (!pipeline::holds_footage_strokes(asked.model))
-      asked.drawn_since = "strokes are drawn, since the model holds none of its clip's frames";
-    asked.fill_kind = asked.drawn_since.empty() ? ModelFill::carried : ModelFill::diffusion;
-  }
-  if (asked.loop && asked.fill_kind && asked.fill_kind != ModelFill::footage)
-    throw Misuse("--loop is for clips made of footage; " + (option.empty() ? "--fill" : option) +
-                 " draws strokes");
-  if (asked.loop && *asked.loop < 2)
-    throw Misuse("--loop is " + std::to_string(*asked.loop) + "; allowed is 2 or more");
-  if (asked.loop && !asked.asked_frames) asked.frames = *asked.loop;
-}
-
-void check(Synth& asked) {
-  if (asked.frames < 1 || asked.frames > 1'000'000)
-    throw Misuse("--frames is " + std::to_string(asked.frames) + "; allowed is 1 to 1000000");
-  check_options(asked.fill, "fill");
-  check(asked.edit);
-  choose_fill(asked);
-}
-
-/// The graphs with their links, where somebody asks for them: all are held.
-std::optional<graph::MotionGraph> make_motion(const Synth& asked, const pipeline::ClipSynthesis& frames) {
-  if (asked.motion.empty() && asked.overlay.empty() && asked.film.empty()) return std::nullopt;
-  return frames.motion(asked.frames);
-}
-
-/// The frames of the clip that the model was learned from; none where it holds none.
-pipeline::Footage clip_of(const std::string& folder, const core::ClipInfo& info) {
-  io::ModelLimits limits;
-  limits.parts = false;
-  auto clip =
-      pipeline::read_footage(io::read_model(folder, io::kMotionFormat, limits), {info.width, info.height});
-  return clip.channels == info.channels ? clip : pipeline::Footage{};
-}
-
-/// Output files; none gets its name before finish().
-class Outputs {
- public:
-  Outputs(const Synth& asked, const pipeline::ClipSynthesis& frames)
-      : asked_(asked),
-        info_(frames.info()),
-        clip_(create_output(asked.output, {info_.width, info_.height}, info_.fps, info_.channels == 3)) {
-    if (!asked.motion.empty()) motion_file_.emplace(asked.motion);
-    motion_ = make_motion(asked, frames);
-    if (!asked.overlay.empty()) events_ = graph::stroke_events(*motion_);
-    if (!asked.film.empty()) film_ = create_film(asked, info_);
-  }
-
-  void write(const cv::Mat& frame) {
-    clip_->write(frame);
-    const int t = frames_++;
-    if (film_) film_->add(frame, motion_->sketch.frames[static_cast<std::size_t>(t)]);
-    if (asked_.overlay.empty()) return;
-    const cv::Mat shown = draw_overlay(to_colour_bytes(frame, info_),
-                                       motion_->sketch.frames[static_cast<std::size_t>(t)], t, events_);
-    if (!overlay_) overlay_ = create_output(asked_.overlay, shown.size(), info_.fps, true);
-    overlay_->write(shown);
-  }
-
-  /// All of one length, that of the frames written.
-  void finish() {
-    if (motion_file_) {
-      motion_->sketch.frames.resize(static_cast<std::size_t>(frames_));
-      motion_->links.resize(static_cast<std::size_t>(frames_));
-      motion_file_->write([&](std::ostream& out) { graph::write_motion(out, *motion_); });
-    }
-    if (overlay_) overlay_->finish();
-    if (film_) film_->finish();
-    if (motion_file_) motion_file_->finish();
-    clip_->finish();
-  }
-  [[nodiscard]] int frames() const { return frames_; }
-
- private:
-  static std::unique_ptr<SynthesisFilm> create_film(const Synth& asked, const core::ClipInfo& info) {
-    try {
-      return std::make_unique<SynthesisFilm>(asked.film, clip_of(asked.model, info), info, asked.frames);
-    } catch (const core::InputError& error) {
-      throw Misuse(error.what());
-    }
-  }
-
-  const Synth& asked_;
-  core::ClipInfo info_;
-  std::unique_ptr<io::VideoWriter> clip_, overlay_;
-  std::unique_ptr<SynthesisFilm> film_;
-  std::optional<io::StagedFile> motion_file_;
-  std::optional<graph::MotionGraph> motion_;
-  std::vector<graph::Event> events_;
-  int frames_ = 0;
-};
 
 /// Draws and writes all that was asked for. Whoever interrupts it keeps the frames that there are.
-void write_clips(const Synth& asked, Outputs& outputs, pipeline::ClipSynthesis& frames,
+void write_clips(const SynthRequest& asked, SynthOutputs& outputs, pipeline::ClipSynthesis& frames,
                  const Session& session) {
   try {
     session.context.report("synthesize", 0);
@@ -224,34 +72,47 @@ Json footage_json(const pipeline::FootageSynthesis& drawn) {
           {"copied_share", rounded(drawn.copied_share())}};
 }
 
-Json summarise(const Synth& asked, const mcmc::MotionModel& model, const pipeline::ClipSynthesis& frames,
-               const Session& session) {
+/// How much of the frames is still, played, … .
+Json shares_json(const SourceMap& sources) {
+  Json shares = Json::object();
+  const auto values = sources.shares();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    shares[name(static_cast<pipeline::SourceKind>(i))] = std::round(1000 * values[i]) / 1000;
+  return shares;
+}
+
+Json summarise(const SynthRequest& asked, const mcmc::MotionModel& model,
+               const pipeline::ClipSynthesis& frames, const SynthOutputs& outputs, const Session& session) {
   Json summary = begin_summary("synth", session);
   summary["model"] = {{"folder", asked.model}, {"learned_from_frames", model.frames}};
   summary["model"].update(motion_model_figures(model));
-  summary["clip"] = clip_json(asked.output, frames.info(), asked.frames);
+  summary["clip"] = clip_json(asked.output, outputs.info(), asked.frames);
   Json edits = edit_json(asked.edit);
   edits["start"] = asked.start;
   summary["options"] = {{"synth",
                          {{"frames", asked.frames},
                           {"fill", pipeline::name(frames.fill_kind())},
-                          {"loop", asked.loop ? Json(*asked.loop) : Json(nullptr)}}},
+                          {"loop", asked.loop ? Json(*asked.loop) : Json(nullptr)},
+                          {"alpha", asked.alpha.empty() ? Json(nullptr) : Json(asked.alpha)}}},
                         {"edit", edits},
                         {"fill", options_json(asked.fill)}};
   summary["synthesis"] =
       frames.footage() ? footage_json(*frames.footage()) : statistics_json(*frames.statistics());
+  if (const auto* sources = outputs.sources()) summary["synthesis"]["sources"] = shares_json(*sources);
   summary["files"] = {{asked.output, "the new clip"}};
   if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
   if (!asked.film.empty()) summary["files"][asked.film] = "the clip, the drawn sketch and the drawn frame";
+  if (!asked.explain.empty())
+    summary["files"][asked.explain] = "where in the clip the pixels of the new one come from";
   if (!asked.overlay.empty()) summary["files"][asked.overlay] = "the clip under its graph, with its events";
   return summary;
 }
 
-void run_synth(Synth asked, Session& session) {
+void run_synth(SynthRequest asked, Session& session) {
   check(asked);
-  io::require_apart({asked.model, asked.edit.birth_map},
-                    {{asked.output}, {asked.overlay}, {asked.motion}, {asked.film}});
-  require_new({asked.output, asked.overlay, asked.motion, asked.film}, session.common);
+  io::require_apart({asked.model, asked.edit.birth_map, asked.alpha},
+                    {{asked.output}, {asked.overlay}, {asked.motion}, {asked.film}, {asked.explain}});
+  require_new({asked.output, asked.overlay, asked.motion, asked.film, asked.explain}, session.common);
   Stages stages;
   stages.begin("read");
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
@@ -272,7 +133,7 @@ void run_synth(Synth asked, Session& session) {
       .loop = asked.loop,
       .fill = asked.fill};
   pipeline::ClipSynthesis frames(opened, options, session.context);
-  Outputs outputs(asked, frames);
+  SynthOutputs outputs(asked, frames);
   write_clips(asked, outputs, frames, session);
   stages.end();
   const auto* const footage = frames.footage();
@@ -285,7 +146,7 @@ void run_synth(Synth asked, Session& session) {
        : asked.drawn_since.empty() ? ""
                                    : "; " + asked.drawn_since));
   if (!session.common.json) return;
-  Json summary = summarise(asked, opened.motion, frames, session);
+  Json summary = summarise(asked, opened.motion, frames, outputs, session);
   end_summary(summary, session, stages);
   session.print(json_text(summary));
 }
@@ -296,7 +157,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   auto* command = add_command(app, "synth", "Draw a new clip from a motion model", R"(
   emberfold synth out/fire/model -o endless.mp4 --loop 120
   emberfold synth out/fire/model -o frames --frames 1000 --fill diffusion --motion new_fire.jsonl)");
-  const auto asked = std::make_shared<Synth>();
+  const auto asked = std::make_shared<SynthRequest>();
   command->add_option("MODEL", asked->model, "Read the model from this folder, DIR/model of analyze")
       ->required()
       ->type_name("");
@@ -309,14 +170,31 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
       ->type_name("KIND")
       ->default_str("footage");
   command->add_option("--loop", asked->loop, "Draw N frames that repeat without a seam")->type_name("N");
-  command->add_option("--motion", asked->motion, "Write the graphs and their links too, as motion.jsonl")
+  command
+      ->add_option("--motion", asked->motion,
+                   "Write graphs and links, as motion.jsonl; --overlay OUT draws them")
       ->type_name("FILE");
+  // Told with --motion, so that the help fits on one screen; so are others below.
   command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")
-      ->type_name("OUT");
+      ->type_name("OUT")
+      ->group("");
   command
       ->add_option("--film", asked->film,
-                   "Write clip, drawn sketch and drawn frame side by side; .png: six moments")
+                   "Write clip, sketch and frame in a row; --explain PNG pixels' sources")
       ->type_name("OUT");
+  command->add_option("--explain", asked->explain, "Draw where in the clip the new pixels come from")
+      ->type_name("PNG")
+      ->group("");
+  command
+      ->add_option("--width", asked->width, "Scale frames to this width, px, or to --height N; larger, too")
+      ->type_name("N");
+  command->add_option("--height", asked->height, "Scale frames to this height, px")
+      ->type_name("N")
+      ->group("");
+  command
+      ->add_option("--alpha", asked->alpha,
+                   "Write opacity over black, white, the clip's ground (ground) or a picture")
+      ->type_name("GROUND");
   const auto settings = add_settings(*command, line);
   command
       ->add_option("--start", asked->start,

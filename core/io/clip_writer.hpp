@@ -20,9 +20,10 @@ class VideoWriter {
   VideoWriter& operator=(const VideoWriter&) = delete;
   virtual ~VideoWriter() = default;
 
-  /// Writes a frame of the clip's size: CV_8UC1 or CV_8UC3; CV_16U too where the clip becomes a folder of
-  /// PNG. A grey frame in a colour clip is spread to three channels. Throws core::InputError for any other
-  /// frame, core::IoError where the disk refuses it.
+  /// Writes a frame of the clip's size: CV_8UC1 or CV_8UC3. A grey frame in a colour clip is spread to three
+  /// channels. A folder of pictures also takes CV_16U and a fourth channel, the opacity (not multiplied into
+  /// the colours), one of EXR also CV_32F: linear light, colours multiplied by their opacity. Throws
+  /// core::InputError for any other frame, core::IoError where the disk refuses it.
   virtual void write(const cv::Mat& frame) = 0;
 
   /// Completes the clip and gives it its name. Throws core::InputError where no frame was written;
@@ -35,12 +36,18 @@ class VideoWriter {
 ///   .mp4          H.264, yuv420p, plays in a browser
 ///   .avi          FFV1: lossless, 8 bits, grey or colour
 ///   no extension  a folder of PNG, frame_00000.png …, 8 or 16 bits
+///   DIR/N%05d.png the same with other names
+///   DIR/N%05d.exr a folder of OpenEXR, half floats; 8 and 16 bits (sRGB) become linear light
 /// Videos have even sizes: an odd width or height gets its last column or row once more. A folder of that
 /// name is replaced if it holds nothing but such frames, else refused. size: 1…16384 px each way; fps: (0,
 /// 1e6]; a video of fewer than 1 or more than 1000 a second is to be played at 25. Throws core::InputError
 /// for another extension, size or rate, core::IoError where the target cannot be written.
 std::unique_ptr<VideoWriter> create_video(const std::filesystem::path& path, cv::Size size, double fps,
                                           bool colour);
+
+/// Returns whether the clip of this name becomes a folder of pictures. Throws core::InputError for
+/// a pattern that create_video() refuses.
+bool is_frame_folder(const std::filesystem::path& path);
 
 /// Writes the next `frames` frames of a source (CV_8U) as create_video() does, fewer where it ends earlier.
 /// core::InputError for a source of another depth or without a frame; throws core::Cancelled.

@@ -152,11 +152,16 @@ void check_output(const Inputs& inputs, const OutputPath& output) {
 
 }  // namespace
 
+fs::path replaced_path(const fs::path& output) {
+  return is_pattern(output) && output.has_parent_path() ? output.parent_path() : output;
+}
+
 void require_apart(const std::vector<std::string>& inputs, const std::vector<OutputPath>& outputs) {
   const Inputs read(inputs);
   std::map<fs::path, fs::path> written;
-  for (const auto& output : outputs) {
-    if (output.path.empty()) continue;
+  for (const auto& asked : outputs) {
+    if (asked.path.empty()) continue;
+    const OutputPath output{replaced_path(asked.path), asked.is_folder};
     check_output(read, output);
     if (output.is_folder) continue;
     std::error_code error;

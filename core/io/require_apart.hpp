@@ -22,6 +22,9 @@ struct OutputPath {
   bool is_folder = false;
 };
 
+/// Returns what an output replaces: of a pattern of frames (dir/new_%05d.png) its folder, else itself.
+std::filesystem::path replaced_path(const std::filesystem::path& output);
+
 /// Throws OverwriteError, naming both, where an output is an input. Files are compared by device and inode,
 /// so that symbolic links, hard links and other spellings are found. An input is a file; a folder, which
 /// stands for the files in it; the folder of a model, which stands for all below it too; or a pattern of

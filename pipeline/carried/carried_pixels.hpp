@@ -24,6 +24,7 @@ struct CarriedStroke {
   double fit = 0;      ///< grey levels, ≥ 0, by which pixels are fitted to those beside the stroke, at most
   double feather = 6;  ///< px beyond the patches' reach over which the pixels blend into the frame, > 0
   std::vector<CarriedPatch> patches;
+  bool hides = false;  ///< a stroke that is there, with what lies beside it
 };
 
 /// Returns how far the pixels of a patch reach that belong to it, px: half its width and two blurs.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -29,9 +28,6 @@ constexpr double kBorder = 6;        // px over which a stroke blends into where
 constexpr int kLeastHeld = 8;        // moments for which what hides a stroke stays, even if strokes are there
 constexpr double kFarthest = 32;     // px that the wind carries a stroke, about
 constexpr std::size_t kFromEnd = 4;  // patches between a split and a free end
-constexpr double kMostOwed = 4;      // strokes that are still to be hidden: then the next one is
-constexpr std::size_t kRemembered = 32;  // newborn strokes that one is compared with
-constexpr int kTries = 24;               // places of which the one that can be hidden best is
 
 std::size_t index(EventType type) {
   return static_cast<std::size_t>(type);
@@ -107,7 +103,7 @@ std::string edit_not_carried(const mcmc::MotionEdit& edit) {
 
 CarriedPlay::CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::MotionEdit& edit,
                          std::array<double, 2> gaps, std::uint64_t seed)
-    : clip_(std::move(clip)), edit_(edit), gaps_(gaps), seed_(seed) {
+    : clip_(std::move(clip)), choice_(clip_), edit_(edit), gaps_(gaps), seed_(seed) {
   edit.validate();
   if (const auto what = edit_not_carried(edit); !what.empty())
     throw core::InputError("strokes of footage cannot be carried with another " + what);
@@ -118,6 +114,20 @@ CarriedPlay::CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::Motio
     for (const auto& vertex : clip_->graph(t).vertices())
       widths.push_back(vertex.patch.width + 2 * vertex.patch.blur);
   if (!widths.empty()) usual_width_ = core::median(widths);
+}
+
+/// What hides a new patch: that which hides the nearest known one of its stroke, unless it is as wide as it
+/// may be.
+int CarriedPlay::inherited_hiding(const graph::AttributeGraph& graph, const std::vector<Index>& known,
+                                  const std::vector<Followed>& now, Index vertex) const {
+  const auto nearest = std::ranges::min(known, {}, [&](Index w) {
+    return graph::distance(graph.patch(vertex).position, graph.patch(w).position);
+  });
+  const int number = now[nearest].hiding;
+  if (number < 0) return number;
+  const auto most = hidings_.at(number).most;
+  const auto hidden = std::ranges::count(now, number, &Followed::hiding);
+  return most > 0 && static_cast<std::size_t>(hidden) >= most ? -1 : number;
 }
 
 /// Follows the patches into the frame; new ones of a stroke are as the nearest of it that continue others.
@@ -140,10 +150,7 @@ CarriedPlay::Played CarriedPlay::follow(int frame) {
       continue;
     }
     for (const Index v : stroke)
-      if (from[v] < 0)
-        now[v].hiding = now[std::ranges::min(known, {}, [&](Index w) {
-                          return graph::distance(graph.patch(v).position, graph.patch(w).position);
-                        })].hiding;
+      if (from[v] < 0) now[v].hiding = inherited_hiding(graph, known, now, v);
   }
   if (!played.first && std::abs(frame - frame_) == 1) played.step = frame - frame_;
   now_ = std::move(now);
@@ -155,7 +162,7 @@ CarriedPlay::Played CarriedPlay::follow(int frame) {
 void CarriedPlay::choose_place(Hiding& hiding, const std::vector<Index>& vertices) {
   const bool first = hiding.begin == moment_;
   if (!first && !hiding.free && moment_ - hiding.chosen < kLeastHeld) return;
-  const auto patches = patches_of(vertices);
+  const auto patches = patches_of(*clip_, frame_, vertices);
   if (!first && !shows_strokes(*clip_, frame_, patches, hiding.place)) return;
   hiding.place = find_hidden_place(*clip_, frame_, patches);
   hiding.chosen = moment_;
@@ -163,21 +170,23 @@ void CarriedPlay::choose_place(Hiding& hiding, const std::vector<Index>& vertice
 }
 
 /// Hides patches of the frame from now on, and returns the number of what hides them.
-int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden) {
+int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden, bool whole) {
   for (const Index v : vertices) now_[v].hiding = next_hiding_;
   Hiding hiding;
   hiding.begin = moment_, hiding.sudden = sudden;
+  if (!whole) hiding.most = vertices.size();
   hidings_[next_hiding_] = hiding;
   return next_hiding_++;
 }
 
-/// Returns whether the clip moves at half of the patches.
+/// Returns whether the clip moves at half of the patches, and they with it.
 bool CarriedPlay::moves(const std::vector<Index>& vertices) const {
   const auto& graph = clip_->graph(frame_);
   const auto moving = std::ranges::count_if(vertices, [&](Index v) {
     const auto p = graph.patch(v).position;
     const int x = std::clamp(static_cast<int>(std::lround(p.x)), 0, moves_.cols - 1);
-    return moves_(std::clamp(static_cast<int>(std::lround(p.y)), 0, moves_.rows - 1), x) != 0;
+    return !clip_->stands_still(frame_, v) &&
+           moves_(std::clamp(static_cast<int>(std::lround(p.y)), 0, moves_.rows - 1), x) != 0;
   });
   return 2 * moving >= static_cast<std::ptrdiff_t>(vertices.size());
 }
@@ -187,38 +196,6 @@ void CarriedPlay::let_drift(const std::vector<Index>& vertices, core::Rng& rng) 
   if (!moves(vertices)) return;
   hidings_[hide(vertices, true)].drift =
       std::max(2 * kFade, static_cast<int>(std::lround(farthest / graph::norm(edit_.wind))));
-}
-
-std::vector<graph::Patch> CarriedPlay::patches_of(const std::vector<Index>& vertices) const {
-  std::vector<graph::Patch> patches;
-  for (const Index v : vertices) patches.push_back(clip_->graph(frame_).patch(v));
-  return patches;
-}
-
-/// How badly these patches can be hidden, grey levels: how unlike its surroundings what hides them looks, and
-/// what they part. The border between two things cannot be hidden.
-double CarriedPlay::misfit_of_hiding(const std::vector<Index>& vertices) const {
-  const auto patches = patches_of(vertices);
-  double parted = 0;
-  for (const auto& patch : patches)
-    for (std::size_t c = 0; c < 3; ++c)
-      parted += std::abs(double{patch.right[c]} - double{patch.left[c]}) / 3;
-  return find_hidden_place(*clip_, frame_, patches).misfit + parted / static_cast<double>(patches.size());
-}
-
-/// Decides whether a newborn stroke is hidden: as many as the edit asks, and of those born one after the
-/// other the ones that can be hidden best.
-bool CarriedPlay::is_left_out(const std::vector<Index>& stroke, double births) {
-  if (births >= 1) return false;
-  const double misfit = misfit_of_hiding(stroke);
-  const auto better = std::ranges::count_if(misfits_, [&](double other) { return other < misfit; });
-  misfits_.push_back(misfit);
-  if (misfits_.size() > kRemembered) misfits_.erase(misfits_.begin());
-  owed_ += 1 - births;
-  const bool is_hidden = static_cast<double>(better) < (1 - births) * static_cast<double>(misfits_.size());
-  const bool now = owed_ >= kMostOwed || (owed_ > 0 && is_hidden);
-  if (now) owed_ -= 1;
-  return now;
 }
 
 /// Strokes that begin in this moment.
@@ -235,7 +212,7 @@ void CarriedPlay::begin_strokes(const Played& played, core::Rng& rng, CarriedMom
                        (mean_width(clip_->graph(frame_), stroke) >= usual_width_) !=
                            (edit_.strokes == mcmc::StrokeChoice::coarse);
     const bool elsewhere = born && edit_.birth_map.has_value();
-    if (wrong || elsewhere || (!played.first && is_left_out(stroke, births))) {
+    if (wrong || elsewhere || (!played.first && choice_.leaves_out(frame_, stroke, births))) {
       hide(stroke, true);
       continue;
     }
@@ -255,21 +232,7 @@ void CarriedPlay::end_stroke(core::Rng& rng) {
   std::erase_if(strokes, [&](const auto& stroke) {
     return !moves(stroke) || !std::ranges::all_of(stroke, [&](Index v) { return is_whole(v); });
   });
-  if (const auto found = least_visible(std::move(strokes), rng)) hide(*found, false);
-}
-
-/// Returns the one of some of the sets that can be hidden best, if any is there.
-std::optional<std::vector<Index>> CarriedPlay::least_visible(std::vector<std::vector<Index>> sets,
-                                                             core::Rng& rng) const {
-  std::optional<std::vector<Index>> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kTries && !sets.empty(); ++i) {
-    std::swap(sets[rng.below(static_cast<std::uint32_t>(sets.size()))], sets.back());
-    if (const double misfit = misfit_of_hiding(sets.back()); misfit < least)
-      least = misfit, best = std::move(sets.back());
-    sets.pop_back();
-  }
-  return best;
+  if (const auto found = choice_.least_visible(frame_, std::move(strokes), rng)) hide(*found, false);
 }
 
 /// Opens a gap in a curve, or between a junction and one of its arms.
@@ -287,13 +250,13 @@ void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
   }
   const double wide = at_junction ? gaps_[1] : gaps_[0] / 2;
   std::vector<std::vector<Index>> gaps;
-  for (int i = 0; i < kTries && !sites.empty(); ++i) {
+  for (int i = 0; i < HidingChoice::kTries && !sites.empty(); ++i) {
     std::swap(sites[rng.below(static_cast<std::uint32_t>(sites.size()))], sites.back());
     gaps.push_back(patches_within(graph, sites.back().first, sites.back().second, wide));
     std::erase_if(gaps.back(), [&](Index v) { return !is_whole(v); });
     sites.pop_back();
   }
-  if (const auto gap = least_visible(std::move(gaps), rng)) hide(*gap, false);
+  if (const auto gap = choice_.least_visible(frame_, std::move(gaps), rng)) hide(*gap, false, false);
 }
 
 /// Lets a stroke of another time live again.
@@ -317,7 +280,7 @@ void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMo
       for (const auto id : path)
         if (const auto v = graph.index_of(id); v < graph.size() && is_whole(static_cast<Index>(v)))
           gap.push_back(static_cast<Index>(v));
-      if (!gap.empty()) hide(gap, true);
+      if (!gap.empty()) hide(gap, true, false);
       continue;
     }
     ++count;
@@ -365,7 +328,8 @@ void CarriedPlay::draw_frame_strokes(CarriedMoment& moment, std::vector<graph::V
                         hiding.sudden ? 1 : std::min(1.0, (age + 1.0) / kFade),
                         kWholeFit,
                         kHidingFeather,
-                        {}};
+                        {},
+                        true};
     CarriedStroke moved{frame_, 1, kFit, kBorder, {}};
     for (const Index v : patches) {
       const auto& patch = graph.patch(v);

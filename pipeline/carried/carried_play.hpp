@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "mcmc/simulation/edit_model.hpp"
 #include "pipeline/carried/carried_pixels.hpp"
 #include "pipeline/carried/hidden_place.hpp"
+#include "pipeline/carried/hiding_choice.hpp"
 #include "pipeline/carried/seen_clip.hpp"
 
 namespace emberfold::pipeline {
@@ -52,11 +52,12 @@ class CarriedPlay {
   };
   struct Hiding {
     HiddenPlace place;
-    int begin = 0;        // moment
-    bool sudden = false;  // what it hides was not there before
-    int chosen = 0;       // moment when the place was
-    bool free = true;     // of strokes then
-    int drift = -1;       // moments after which the stroke is back at its place; −1: it does not drift
+    int begin = 0;         // moment
+    bool sudden = false;   // what it hides was not there before
+    int chosen = 0;        // moment when the place was
+    bool free = true;      // of strokes then
+    std::size_t most = 0;  // patches that it hides at most; 0: any number, as of a whole stroke
+    int drift = -1;        // moments after which the stroke is back at its place; −1: it does not drift
   };
   struct Again {  // a stroke that lives once more
     const StrokeLife* life = nullptr;
@@ -71,17 +72,15 @@ class CarriedPlay {
   };
 
   Played follow(int frame);
+  [[nodiscard]] int inherited_hiding(const graph::AttributeGraph& graph,
+                                     const std::vector<std::uint32_t>& known,
+                                     const std::vector<Followed>& now, std::uint32_t vertex) const;
   void begin_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment);
   void change_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment);
-  [[nodiscard]] std::vector<graph::Patch> patches_of(const std::vector<std::uint32_t>& vertices) const;
-  [[nodiscard]] double misfit_of_hiding(const std::vector<std::uint32_t>& vertices) const;
-  [[nodiscard]] bool is_left_out(const std::vector<std::uint32_t>& stroke, double births);
-  [[nodiscard]] std::optional<std::vector<std::uint32_t>> least_visible(
-      std::vector<std::vector<std::uint32_t>> sets, core::Rng& rng) const;
   void end_stroke(core::Rng& rng);
   void open_gap(core::Rng& rng, bool at_junction);
   void bear_again(core::Rng& rng);
-  int hide(const std::vector<std::uint32_t>& vertices, bool sudden);
+  int hide(const std::vector<std::uint32_t>& vertices, bool sudden, bool whole = true);
   void choose_place(Hiding& hiding, const std::vector<std::uint32_t>& vertices);
   [[nodiscard]] bool moves(const std::vector<std::uint32_t>& vertices) const;
   void let_drift(const std::vector<std::uint32_t>& vertices, core::Rng& rng);
@@ -93,6 +92,7 @@ class CarriedPlay {
   [[nodiscard]] graph::Point drifted(const Hiding& hiding) const;
 
   std::shared_ptr<const SeenClip> clip_;
+  HidingChoice choice_;
   mcmc::MotionEdit edit_;
   std::array<double, 2> gaps_;
   std::uint64_t seed_;
@@ -101,9 +101,7 @@ class CarriedPlay {
   int frame_ = -1, moment_ = -1;
   std::uint32_t next_id_ = 0;
   int next_hiding_ = 0;
-  double owed_ = 0;              // births that are still to be left out
-  std::vector<double> misfits_;  // of hiding the strokes born last
-  std::vector<Followed> now_;    // by vertex of the frame
+  std::vector<Followed> now_;  // by vertex of the frame
   std::map<int, Hiding> hidings_;
   std::vector<Again> again_;
 };

@@ -5,9 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <set>
 #include <utility>
 #include <vector>
+
+#include <opencv2/imgproc.hpp>
 
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
@@ -16,6 +20,7 @@
 #include "graph/matching/time_reversal.hpp"
 #include "mcmc/simulation/linked_frames.hpp"
 #include "pipeline/footage/between_frames.hpp"
+#include "pipeline/footage/motion_scale.hpp"
 #include "pipeline/footage/turn.hpp"
 
 namespace emberfold::pipeline {
@@ -63,7 +68,8 @@ CarriedSynthesis::CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGr
       options_(options),
       moments_(compare_moments(clip_->frames(), context)),
       order_(moments_, {.seed = options.seed}),
-      play_(clip_, played_edit(options.edit), options.gaps, options.seed) {}
+      play_(clip_, played_edit(options.edit), options.gaps, options.seed),
+      moves_(moving_pixels(clip_->frames())) {}
 
 int CarriedSynthesis::batch() const {
   const auto& frame = clip_->frame(0);
@@ -99,6 +105,32 @@ cv::Mat CarriedSynthesis::draw(const Moment& moment) const {
   return frame;
 }
 
+FrameSources CarriedSynthesis::sources_of(const Moment& moment) const {
+  const cv::Size frame = clip_->frame(0).size();
+  const int shown = shown_frame(moment.shown);
+  auto sources = same_sources(source_cells(frame), shown,
+                              moment.shown.half > 0 ? SourceKind::turning : SourceKind::played);
+  const double cell = double(frame.width) / sources.kinds.cols;
+  for (const auto& stroke : moment.carried.strokes) {
+    const auto kind = static_cast<std::uint8_t>(stroke.hides ? SourceKind::hiding : SourceKind::carried);
+    for (const auto& patch : stroke.patches) {
+      const cv::Point at(static_cast<int>((patch.to.x + 0.5) / cell),
+                         static_cast<int>((patch.to.y + 0.5) / cell));
+      const int reach = static_cast<int>(std::lround(patch.reach / cell));
+      cv::circle(sources.kinds, at, reach, kind, cv::FILLED);
+      cv::circle(sources.frames, at, reach, stroke.frame, cv::FILLED);
+    }
+  }
+  mark_still(sources, moves_);
+  if (options_.edit.reverse) sources.frames = clip_->size() - 1 - sources.frames;
+  return sources;
+}
+
+FrameSources CarriedSynthesis::sources() const {
+  return drawn_.at(std::min(std::int64_t{std::llround(time(next_frame_))}, std::prev(drawn_.end())->first))
+      .sources;
+}
+
 /// Draws the moments up to `last` that are not drawn yet.
 void CarriedSynthesis::draw_moments(std::int64_t last, const core::Context& context) {
   if (last < next_moment_) return;
@@ -110,7 +142,9 @@ void CarriedSynthesis::draw_moments(std::int64_t last, const core::Context& cont
                         {[&](std::size_t i) { moments[i % room] = next_moment(); },
                          [&](std::size_t i) { frames[i % room] = draw(moments[i % room]); },
                          [&](std::size_t i) {
-                           drawn_[first + static_cast<std::int64_t>(i)].frame = std::move(frames[i % room]);
+                           auto& drawn = drawn_[first + static_cast<std::int64_t>(i)];
+                           drawn.frame = std::move(frames[i % room]);
+                           drawn.sources = sources_of(moments[i % room]);
                          }});
 }
 
@@ -146,10 +180,13 @@ void CarriedSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
     std::vector<cv::Mat> frames(static_cast<std::size_t>(some));
     core::parallel_for(frames.size(), context,
                        [&](std::size_t i) { frames[i] = frame_at(next_frame_ + std::int64_t(i)); });
-    next_frame_ += some, count -= some;
+    for (cv::Mat& frame : frames) {
+      take(std::move(frame));
+      ++next_frame_;
+    }
+    count -= some;
     drawn_.erase(drawn_.begin(),
                  drawn_.lower_bound(static_cast<std::int64_t>(std::floor(time(next_frame_)))));
-    for (cv::Mat& frame : frames) take(std::move(frame));
   }
 }
 

@@ -14,6 +14,7 @@
 #include "graph/motion_graph.hpp"
 #include "mcmc/simulation/edit_model.hpp"
 #include "pipeline/carried/carried_play.hpp"
+#include "pipeline/footage/frame_sources.hpp"
 #include "pipeline/footage/play_order.hpp"
 #include "pipeline/frame_synthesis.hpp"
 
@@ -46,6 +47,9 @@ class CarriedSynthesis {
   [[nodiscard]] int batch() const;
   /// Returns the statistics of the frames so far.
   [[nodiscard]] const SynthesisStatistics& statistics() const { return statistics_; }
+  /// Returns where in the clip the pixels of a frame come from, between two moments of the nearer one; to be
+  /// called while it is handed to each()'s `take`.
+  [[nodiscard]] FrameSources sources() const;
   /// Returns the graphs of the clip's first `count` ≥ 1 frames, with links and identified strokes.
   /// Throws core::Cancelled.
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context = {}) const;
@@ -59,10 +63,12 @@ class CarriedSynthesis {
   };
   struct DrawnMoment {
     cv::Mat frame, motion;  // to the next moment, where it was needed
+    FrameSources sources;
   };
   [[nodiscard]] double time(std::int64_t frame) const;
   [[nodiscard]] Moment next_moment();
   [[nodiscard]] cv::Mat draw(const Moment& moment) const;
+  [[nodiscard]] FrameSources sources_of(const Moment& moment) const;
   void draw_moments(std::int64_t last, const core::Context& context);
   void find_motion(std::int64_t count, const core::Context& context);
   [[nodiscard]] cv::Mat frame_at(std::int64_t frame) const;
@@ -72,6 +78,7 @@ class CarriedSynthesis {
   LikeMoments moments_;
   PlayOrder order_;
   CarriedPlay play_;
+  cv::Mat1b moves_;  // where the clip moves
   SynthesisStatistics statistics_;
   std::int64_t next_frame_ = 0, next_moment_ = 0;
   std::map<std::int64_t, DrawnMoment> drawn_;

@@ -2,6 +2,7 @@
 #include "pipeline/carried/seen_clip.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <utility>
@@ -14,6 +15,8 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr std::size_t kShortestLife = 4;  // frames
+constexpr int kStillFrames = 20;
+constexpr double kStillRange = 3;  // px: what a camera trembles
 
 std::vector<StrokeLife> born_strokes(const graph::MotionGraph& strokes,
                                      const std::vector<std::vector<graph::TracedEvent>>& events) {
@@ -38,6 +41,23 @@ std::vector<StrokeLife> born_strokes(const graph::MotionGraph& strokes,
   return lives;
 }
 
+/// How far a patch moves over time across its curve; along it patches slide although nothing moves.
+struct Track {
+  graph::Point last;
+  double across = 0, least = 0, most = 0;  // px
+  int frames = 0;
+
+  void add(const graph::Patch& patch) {
+    const graph::Point step = patch.position - last;
+    if (frames++ > 0) across += step.y * std::cos(patch.theta) - step.x * std::sin(patch.theta);
+    last = patch.position;
+    least = std::min(least, across), most = std::max(most, across);
+  }
+  [[nodiscard]] bool is_still(int of) const {
+    return frames >= std::min(kStillFrames, of / 2) && most - least < kStillRange;
+  }
+};
+
 }  // namespace
 
 SeenClip::SeenClip(std::vector<cv::Mat> frames, graph::MotionGraph strokes)
@@ -53,6 +73,27 @@ SeenClip::SeenClip(std::vector<cv::Mat> frames, graph::MotionGraph strokes)
     std::vector<graph::Point> places;
     for (const auto& vertex : graph.vertices()) places.push_back(vertex.patch.position);
     places_.emplace_back(std::move(places), kNear);
+  }
+  find_still();
+}
+
+void SeenClip::find_still() {
+  std::vector<Track> tracks;
+  std::vector<std::vector<std::size_t>> track_of(frames_.size());
+  for (int t = 0; t < size(); ++t) {
+    auto& now = track_of[static_cast<std::size_t>(t)];
+    const auto from = t > 0 ? continued(t - 1, t) : std::vector<int>(graph(t).size(), -1);
+    for (std::uint32_t v = 0; v < from.size(); ++v) {
+      now.push_back(from[v] < 0
+                        ? tracks.size()
+                        : track_of[static_cast<std::size_t>(t) - 1][static_cast<std::size_t>(from[v])]);
+      if (from[v] < 0) tracks.emplace_back();
+      tracks[now.back()].add(graph(t).patch(v));
+    }
+  }
+  for (const auto& now : track_of) {
+    auto& still = still_.emplace_back();
+    for (const auto track : now) still.push_back(tracks[track].is_still(size()));
   }
 }
 

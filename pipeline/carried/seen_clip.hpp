@@ -46,13 +46,21 @@ class SeenClip {
     return !places_[static_cast<std::size_t>(t)].find_near(place).empty();
   }
   static constexpr double kNear = 5;
+  /// Returns whether a patch belongs to what stands still: over 20 frames and more it moves by
+  /// less than 3 px across its curve.
+  [[nodiscard]] bool stands_still(int t, std::uint32_t vertex) const {
+    return still_[static_cast<std::size_t>(t)][vertex];
+  }
 
  private:
+  void find_still();
+
   std::vector<cv::Mat> frames_;
   graph::MotionGraph strokes_;
   std::vector<std::vector<graph::TracedEvent>> events_;
   std::vector<StrokeLife> lives_;
   std::vector<graph::detail::PointGrid> places_;
+  std::vector<std::vector<bool>> still_;  // by frame and vertex
 };
 
 }  // namespace emberfold::pipeline

@@ -11,6 +11,7 @@
 
 #include "core/context.hpp"
 #include "pipeline/footage/copied_share.hpp"
+#include "pipeline/footage/frame_sources.hpp"
 #include "pipeline/footage/motion_scale.hpp"
 #include "pipeline/footage/played_frames.hpp"
 #include "pipeline/footage/time_front.hpp"
@@ -50,6 +51,9 @@ class FootageSynthesis {
   [[nodiscard]] int plays() const { return played_.plays(); }
   /// Tells whether parts of the footage so far were played backwards, since it has no like moments.
   [[nodiscard]] bool plays_back() const { return played_.plays_back(); }
+  /// Returns where in the clip the pixels of a frame come from; to be called while it is handed to each()'s
+  /// `take`.
+  [[nodiscard]] FrameSources sources() const;
   /// SD of the times that a frame shows at once, frames.
   [[nodiscard]] double amplitude() const { return front_.bound() / 3; }
 

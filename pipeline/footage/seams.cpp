@@ -11,12 +11,12 @@
 
 #include "core/math/robust.hpp"
 #include "core/math/smooth_step.hpp"
+#include "pipeline/footage/frame_sources.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kCells = 80;          // on the longer side
 constexpr double kSlack = 0.14;     // of what moves, by which a seam may leave its place
 constexpr double kSmooth = 1.5;     // cells: SD over which a seam is smoothed, since it goes by whole cells
 constexpr float kStay = 0.5F;       // cost of a pixel that changes sides, of one that the seam passes
@@ -33,9 +33,8 @@ cv::Mat turn_over(const cv::Mat& picture, bool turned) {
 Seams::Seams(const std::vector<cv::Mat>& footage, const cv::Mat1b& moves, int plays)
     : turned_(footage.front().rows > footage.front().cols) {
   const cv::Size size = footage.front().size();
-  cell_ = std::max(1.0, double(std::max(size.width, size.height)) / kCells);
-  const cv::Size cells(std::max(1, static_cast<int>(std::lround(size.width / cell_))),
-                       std::max(1, static_cast<int>(std::lround(size.height / cell_))));
+  const cv::Size cells = source_cells(size);
+  cell_ = double(std::max(size.width, size.height)) / std::max(cells.width, cells.height);
   for (const auto& frame : footage) {
     cv::Mat small, levels;
     cv::resize(frame, small, cells, 0, 0, cv::INTER_AREA);
@@ -116,6 +115,16 @@ SeamLines Seams::next(const std::vector<std::vector<int>>& shown, const SeamLine
     lines.push_back(find_line(apart, bands_[s], before.empty() ? std::vector<float>{} : before[s]).cells);
   }
   return lines;
+}
+
+cv::Mat1b Seams::plays_by_cell(const SeamLines& lines) const {
+  cv::Mat1b plays(pictures_.front().size(), std::uint8_t{0});
+  for (std::size_t s = 0; s < lines.size(); ++s)
+    for (int y = 0; y < plays.rows; ++y)
+      for (int x = 0; x < plays.cols; ++x)
+        if (static_cast<float>(x) > lines[s][static_cast<std::size_t>(y)])
+          plays(y, x) = static_cast<std::uint8_t>(s + 1);
+  return turn_over(plays, turned_);
 }
 
 cv::Mat Seams::join(const std::vector<cv::Mat>& frames, const SeamLines& lines) const {

@@ -30,6 +30,9 @@ class Seams {
   /// for d = 0; `before`: the seams of the moment before, or none. O(cells · moments).
   [[nodiscard]] SeamLines next(const std::vector<std::vector<int>>& shown, const SeamLines& before) const;
 
+  /// Returns which play fills each cell, at most 80 a side (source_cells).
+  [[nodiscard]] cv::Mat1b plays_by_cell(const SeamLines& lines) const;
+
   /// Puts the plays' frames of a moment together, CV_8U, blended over some pixels along the seams.
   [[nodiscard]] cv::Mat join(const std::vector<cv::Mat>& frames, const SeamLines& lines) const;
 

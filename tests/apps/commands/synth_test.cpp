@@ -612,3 +612,65 @@ TEST_CASE("synth carries the clip's own strokes where they are edited, and says 
   check_refused({"synth", made.model, "-o", (made.temp / "no.avi").string(), "-q", "--fill", "carried"}, 1,
                 {"holds no strokes of its clip's frames"}, made.temp / "no.avi");
 }
+
+TEST_CASE("synth scales its frames, makes the ground transparent, and tells where pixels come from") {
+  const Learned made;
+  const auto out = [&](const char* name) { return (made.temp / name).string(); };
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"synth", made.model, "--frames", "8", "-o"});
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return result.out;
+  };
+  const auto text = run({out("plain"), "--explain", out("map.png"), "--json", "-q"});
+  const Json summary = Json::parse(text);
+  double shares = 0;
+  for (const auto& share : summary["synthesis"]["sources"]) shares += share.get<double>();
+  CHECK_THAT(shares, Catch::Matchers::WithinAbs(1, 0.003));
+  const cv::Mat map = cv::imread(out("map.png"));
+  CHECK(map.cols > 6 * 160);
+  CHECK(map.rows > 2 * 240 + 300);
+  run({out("large"), "--width", "320", "-q"});
+  run({out("clear/%04d.png"), "--alpha", "black", "-q"});
+  run({out("small.avi"), "--height", "60", "-q"});
+  const auto plain = read_clip(out("plain")), large = read_clip(out("large")),
+             small = read_clip(out("small.avi"));
+  REQUIRE(large.info.width == 320);
+  REQUIRE(large.info.height == 240);
+  REQUIRE(small.info.width == 80);
+  cv::Mat back;
+  cv::resize(large.frames[5], back, {160, 120}, 0, 0, cv::INTER_AREA);
+  CHECK(cv::norm(back, plain.frames[5], cv::NORM_L1) / double(back.total() * 3) < 3);
+  const cv::Mat clear = cv::imread(out("clear/0005.png"), cv::IMREAD_UNCHANGED);
+  REQUIRE(clear.channels() == 4);
+  for (int y = 0; y < clear.rows; y += 7)
+    for (int x = 0; x < clear.cols; x += 7)
+      for (int c = 0; c < 3; ++c) {
+        const auto& pixel = clear.at<cv::Vec4b>(y, x);
+        CHECK(std::abs(pixel[c] * pixel[3] / 255.0 - plain.frames[5].at<cv::Vec3b>(y, x)[c]) < 0.51);
+      }
+}
+
+TEST_CASE("synth refuses sizes, grounds and maps that cannot be") {
+  const Learned made(12);
+  const auto out = made.temp / "new";
+  const auto refused = [&](std::vector<std::string> arguments, int exit,
+                           const std::vector<std::string>& what) {
+    arguments.insert(arguments.begin(), {"synth", made.model, "-q"});
+    check_refused(arguments, exit, what, out);
+  };
+  const std::string to = out.string();
+  refused({"-o", to, "--width", "0"}, 2, {"--width is 0", "16384"});
+  refused({"-o", to, "--width", "99", "--height", "99"}, 2, {"distort", "160x120"});
+  refused({"-o", to + ".mp4", "--alpha", "black"}, 2, {"--alpha", "PNG", "EXR"});
+  refused({"-o", to, "--alpha", (made.temp / "none.png").string()}, 1, {"none.png"});
+  refused({"-o", to, "--alpha", (made.temp / "clip/frame_00000.png").string(), "--width", "0"}, 2,
+          {"--width"});
+  refused({"-o", to, "--explain", (made.temp / "map.jpg").string()}, 2, {"--explain", ".png"});
+  refused({"-o", to, "--explain", (made.temp / "map.png").string(), "--fill", "diffusion"}, 2,
+          {"--explain", "diffusion"});
+  refused({"-o", to + "_%05d.exr", "--explain", to + "_%05d.exr"}, 2, {"--explain"});
+  cv::imwrite((made.temp / "tiny.png").string(), cv::Mat(5, 5, CV_8UC3, cv::Scalar(9, 9, 9)));
+  refused({"-o", to, "--alpha", (made.temp / "tiny.png").string()}, 2, {"5x5", "160x120"});
+}

@@ -16,7 +16,7 @@
 
 #include "core/error.hpp"
 #include "core/io/clip_reader.hpp"
-#include "core/io/video_check.hpp"
+#include "core/io/writing/video_check.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/messages.hpp"
@@ -65,6 +65,72 @@ TEST_CASE("avi and PNG give back every byte, grey and colour") {
       CHECK(back.info.fps == (std::string(name) == "images" ? 25 : 12.5));
       for (std::size_t i = 0; i < frames.size(); ++i) CHECK(same_pixels(back.frames[i], frames[i]));
     }
+}
+
+TEST_CASE("a pattern names the frames of a folder, as PNG and as EXR in linear light") {
+  const TempFolder folder;
+  const auto frames = noise({9, 7}, CV_8UC3, 3);
+  write(folder / "shots/fire_%03d.png", frames);
+  CHECK(names_in(folder / "shots") ==
+        std::vector<std::string>{"fire_000.png", "fire_001.png", "fire_002.png"});
+  CHECK(same_pixels(read(folder / "shots/fire_%03d.png").frames[2], frames[2]));
+  write(folder / "light/%d.exr", frames);
+  CHECK(names_in(folder / "light") == std::vector<std::string>{"0.exr", "1.exr", "2.exr"});
+  const cv::Mat light = cv::imread((folder / "light/1.exr").string(), cv::IMREAD_UNCHANGED);
+  REQUIRE(light.type() == CV_32FC3);
+  double worst = 0;
+  for (int y = 0; y < 7; ++y)
+    for (int x = 0; x < 9; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const double value = frames[1].at<cv::Vec3b>(y, x)[c] / 255.0;
+        const double wanted =
+            value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);  // IEC 61966-2-1
+        worst = std::max(worst, std::abs(double{light.at<cv::Vec3f>(y, x)[c]} - wanted));
+      }
+  CHECK(worst < 3e-4);  // a half has 11 binary digits
+}
+
+TEST_CASE("folders of pictures take opacity, straight in PNG and multiplied in EXR") {
+  const TempFolder folder;
+  const auto frames = noise({9, 7}, CV_8UC4, 2);
+  for (const char* name : {"png", "exr/f_%05d.exr"}) {
+    const auto writer = io::create_video(folder / name, {9, 7}, 25, true);
+    for (const auto& frame : frames) writer->write(frame);
+    CHECK_THROWS_AS(writer->write(noise({9, 7}, CV_8UC3, 1)[0]), core::InputError);
+    writer->finish();
+  }
+  const cv::Mat png = cv::imread((folder / "png/frame_00001.png").string(), cv::IMREAD_UNCHANGED);
+  CHECK(same_pixels(png, frames[1]));
+  const cv::Mat exr = cv::imread((folder / "exr/f_00001.exr").string(), cv::IMREAD_UNCHANGED);
+  REQUIRE(exr.type() == CV_32FC4);
+  const auto& pixel = exr.at<cv::Vec4f>(3, 4);
+  const auto& level = frames[1].at<cv::Vec4b>(3, 4);
+  CHECK_THAT(double{pixel[3]}, Catch::Matchers::WithinAbs(level[3] / 255.0, 3e-4));
+  CHECK_THAT(double{pixel[0]}, Catch::Matchers::WithinAbs(
+                                   std::pow((level[0] / 255.0 + 0.055) / 1.055, 2.4) * level[3] / 255, 5e-4));
+  const auto video = io::create_video(folder / "clip.avi", {9, 7}, 25, true);
+  CHECK(contains(message_of<core::InputError>([&] { video->write(frames[0]); }), "opacity"));
+}
+
+TEST_CASE("names of frames that cannot be are refused, and foreign folders are left alone") {
+  const TempFolder folder;
+  const auto refused = [&](const fs::path& path) {
+    return message_of<core::InputError>([&] { io::create_video(path, {8, 8}, 25, true); });
+  };
+  CHECK(contains(refused("new_%05d.png"), "needs a folder"));
+  CHECK(contains(refused(folder / "a/%05d.tif"), ".exr"));
+  CHECK(contains(refused(folder / "a/%05d_%d.png"), "one number"));
+  CHECK(contains(refused(folder / "a/f*.png"), "one number"));
+  CHECK(contains(refused(folder / "f_%5d.png"), "cannot write a clip as .png"));
+  CHECK_FALSE(fs::exists(folder / "a"));
+  write(folder / "a/x_%02d.png", noise({8, 8}, CV_8UC1, 3));
+  write(folder / "a/x_%02d.png", noise({8, 8}, CV_8UC1, 2));
+  CHECK(names_in(folder / "a").size() == 2);
+  CHECK_THROWS_AS(io::create_video(folder / "a/y_%02d.png", {8, 8}, 25, true), core::IoError);
+  CHECK(names_in(folder / "a").size() == 2);
+  CHECK(io::is_frame_folder(folder / "a"));
+  CHECK(io::is_frame_folder(folder / "a/x_%02d.exr"));
+  CHECK_FALSE(io::is_frame_folder(folder / "a.mp4"));
 }
 
 TEST_CASE("an odd size gets its last row and column once more") {
@@ -279,7 +345,7 @@ TEST_CASE("targets and frames that cannot be are refused with a line that says w
   CHECK(contains(input_error([&] { video->write(cv::Mat(8, 9, CV_8UC1)); }), "9x8"));
   CHECK(contains(input_error([&] { video->write(cv::Mat(8, 8, CV_8UC3)); }), "colour"));
   CHECK(contains(input_error([&] { video->write(cv::Mat(8, 8, CV_16UC1)); }), "8 bits"));
-  CHECK(contains(input_error([&] { video->write(cv::Mat(8, 8, CV_8UC4)); }), "channels"));
+  CHECK(contains(input_error([&] { video->write(cv::Mat(8, 8, CV_8UC4)); }), "opacity"));
   const auto images = io::create_video(folder / "c/", {8, 8}, 25, true);
   images->write(noise_frame({8, 8}, CV_8UC1, 1));
   CHECK(contains(input_error([&] { images->write(cv::Mat(8, 8, CV_16UC1)); }), "do not mix"));

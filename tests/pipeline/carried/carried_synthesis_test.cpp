@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <set>
 #include <vector>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "graph/events/events.hpp"
+#include "pipeline/carried/carried_play.hpp"
 #include "tests/pipeline/carried/carried_scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/messages.hpp"
@@ -45,6 +48,34 @@ double level(const cv::Mat& frame, graph::Point at) {
 
 bool inside(graph::Point at) {
   return at.x >= 4 && at.y >= 4 && at.x < kSceneWidth - 4 && at.y < kSceneHeight - 4;
+}
+
+/// Lets one stroke lose a patch in its middle, half way through the clip.
+void add_split(graph::MotionGraph& strokes) {
+  auto& graphs = strokes.sketch.frames;
+  std::size_t at = 0;
+  for (std::size_t t = 12; t < graphs.size() && at == 0; ++t)
+    if (t > 12 && graph::components(graphs[t]).count == graph::components(graphs[t - 1]).count) at = t;
+  REQUIRE(at > 0);
+  const auto stroke = graph::curves(graphs[at - 1]).front();
+  std::set<std::uint32_t> cut;
+  std::uint32_t one = graphs[at - 1].vertices()[stroke[stroke.size() / 2]].id.value;
+  for (std::size_t t = at; t < graphs.size(); ++t)
+    for (const auto& link : strokes.links[t])
+      if (link.before.value == one || cut.contains(link.before.value)) cut.insert(link.after.value);
+  for (std::size_t t = at; t < graphs.size(); ++t) {
+    const auto gone = [&](graph::VertexId id) { return cut.contains(id.value); };
+    std::vector<graph::Vertex> vertices;
+    std::vector<graph::Edge> edges;
+    for (const auto& vertex : graphs[t].vertices())
+      if (!gone(vertex.id)) vertices.push_back(vertex);
+    for (const auto& edge : graphs[t].edges())
+      if (!gone(edge.a) && !gone(edge.b)) edges.push_back(edge);
+    graphs[t] = {std::move(vertices), std::move(edges)};
+    std::erase_if(strokes.links[t],
+                  [&](const graph::Link& link) { return gone(link.after) || gone(link.before); });
+  }
+  strokes = graph::identify(strokes);
 }
 
 }  // namespace
@@ -167,31 +198,7 @@ TEST_CASE("carried strokes: births go where the map says") {
 
 TEST_CASE("carried strokes: gaps open where none was, in the graph and in the frame") {
   auto scene = carried_scene(60);
-  // The clip has one split of its own: a stroke loses a patch in its middle.
-  auto& graphs = scene.strokes.sketch.frames;
-  std::size_t at = 0;
-  for (std::size_t t = 12; t < graphs.size() && at == 0; ++t)
-    if (t > 12 && graph::components(graphs[t]).count == graph::components(graphs[t - 1]).count) at = t;
-  REQUIRE(at > 0);
-  const auto stroke = graph::curves(graphs[at - 1]).front();
-  std::set<std::uint32_t> cut;
-  std::uint32_t one = graphs[at - 1].vertices()[stroke[stroke.size() / 2]].id.value;
-  for (std::size_t t = at; t < graphs.size(); ++t)
-    for (const auto& link : scene.strokes.links[t])
-      if (link.before.value == one || cut.contains(link.before.value)) cut.insert(link.after.value);
-  for (std::size_t t = at; t < graphs.size(); ++t) {
-    const auto gone = [&](graph::VertexId id) { return cut.contains(id.value); };
-    std::vector<graph::Vertex> vertices;
-    std::vector<graph::Edge> edges;
-    for (const auto& vertex : graphs[t].vertices())
-      if (!gone(vertex.id)) vertices.push_back(vertex);
-    for (const auto& edge : graphs[t].edges())
-      if (!gone(edge.a) && !gone(edge.b)) edges.push_back(edge);
-    graphs[t] = {std::move(vertices), std::move(edges)};
-    std::erase_if(scene.strokes.links[t],
-                  [&](const graph::Link& link) { return gone(link.after) || gone(link.before); });
-  }
-  scene.strokes = graph::identify(scene.strokes);
+  add_split(scene.strokes);
   REQUIRE(events(scene.strokes, EventType::split) == 1);
   CarriedSynthesis usual(scene.frames, scene.strokes, {}),
       more(scene.frames, scene.strokes, {1, times(EventType::split, 5), {10, 10}});
@@ -212,6 +219,88 @@ TEST_CASE("carried strokes: gaps open where none was, in the graph and in the fr
     }
   }
   CHECK(darker > 50);
+}
+
+TEST_CASE("carried strokes: a gap stays as wide as it was opened when patches beside it are new ones") {
+  auto scene = carried_scene(60);
+  add_split(scene.strokes);
+  // In every frame a third of the patches continue none.
+  for (std::size_t t = 1; t < scene.strokes.links.size(); ++t) {
+    std::size_t n = t;
+    std::erase_if(scene.strokes.links[t], [&](const graph::Link&) { return n++ % 3 == 0; });
+  }
+  scene.strokes = graph::identify(scene.strokes);
+  REQUIRE(events(scene.strokes, EventType::split) == 1);
+  const int count = 120, most = 5;  // patches 4 px apart within a gap of 20 px
+  const auto clip = std::make_shared<const pipeline::SeenClip>(scene.frames, scene.strokes);
+  pipeline::CarriedPlay play(clip, times(EventType::split, 6), {20, 20}, 1);
+  std::size_t opened = 0, widest = 0;
+  for (int n = 0; n < count; ++n)
+    for (const auto& stroke : play.next(n % 60).strokes)
+      if (stroke.hides) ++opened, widest = std::max(widest, stroke.patches.size());
+  CHECK(opened > 5);
+  CHECK(widest >= 3);
+  CHECK(widest <= most);
+}
+
+TEST_CASE("carried strokes: what moves across its curve does not stand still, what slides along it does") {
+  mcmc::detail::LinkedFrames linked;
+  std::vector<cv::Mat> frames;
+  for (int t = 0; t < 40; ++t) {
+    const auto at = [&](std::uint32_t id, double x, double y, double turn) {
+      auto made = vertex(id, x, y);
+      made.patch.theta = turn;
+      return made;
+    };
+    std::vector<graph::Vertex> vertices{at(1, 20, 20 + 0.02 * t, 0), at(2, 20 + 1.5 * t, 60, 0),
+                                        at(3, 20 + 1.5 * t, 90, 1.57), at(4, 120, 20 + 0.3 * t, 0)};
+    if (t < 15) vertices.push_back(vertex(5, 140, 100));
+    linked.append({std::move(vertices), {}});
+    frames.emplace_back(kSceneHeight, kSceneWidth, CV_8U, cv::Scalar(90));
+  }
+  linked.motion.sketch.width = kSceneWidth, linked.motion.sketch.height = kSceneHeight;
+  const pipeline::SeenClip clip(frames, graph::identify(std::move(linked.motion)));
+  const std::vector<bool> expected{true, true, false, false, false};
+  for (std::uint32_t v = 0; v < 5; ++v) CHECK(clip.stands_still(10, v) == expected[v]);
+  CHECK(clip.stands_still(39, 0));
+}
+
+TEST_CASE("carried strokes: the sources tell where strokes are hidden and carried, and what frame is shown") {
+  const auto scene = carried_scene(60);
+  mcmc::MotionEdit edit = times(EventType::birth, 0);
+  edit.reverse = GENERATE(false, true);
+  CarriedSynthesis none(scene.frames, scene.strokes, {1, edit, {10, 10}});
+  mcmc::MotionEdit same;
+  same.reverse = edit.reverse;
+  CarriedSynthesis usual(scene.frames, scene.strokes, {1, same, {10, 10}});
+  const auto whole = draw(usual, 40);
+  const auto hiding = static_cast<std::uint8_t>(pipeline::SourceKind::hiding);
+  std::size_t n = 0, hidden = 0, copied = 0;
+  none.each(40, [&](const cv::Mat& frame) {
+    const auto sources = none.sources();
+    REQUIRE(sources.kinds.size() == cv::Size(80, 60));
+    cv::Mat apart;
+    cv::absdiff(frame, whole[n], apart);
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 80; ++x) {
+        const auto kind = sources.kind(y, x);
+        const double most = cv::norm(apart(cv::Rect(2 * x, 2 * y, 2, 2)), cv::NORM_INF);
+        // What hides a stroke blends into the frame over three pixels.
+        const cv::Rect about = cv::Rect(x - 2, y - 2, 5, 5) & cv::Rect(0, 0, 80, 60);
+        if (most > 40) CHECK(cv::countNonZero(sources.kinds(about) == hiding) > 0);
+        hidden += kind == pipeline::SourceKind::hiding ? 1 : 0;
+        CHECK(kind != pipeline::SourceKind::carried);
+      }
+    const auto turning = static_cast<std::uint8_t>(pipeline::SourceKind::turning);
+    if (cv::countNonZero(sources.kinds == turning) == 0) {
+      ++copied;
+      CHECK(cv::norm(whole[n], scene.frames[static_cast<std::size_t>(sources.frames(0, 0))], cv::NORM_L1) ==
+            0);
+    }
+    ++n;
+  });
+  CHECK(hidden > 100);
+  CHECK(copied > 10);
 }
 
 TEST_CASE("carried strokes: the wind takes them along") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/io/steady_encoder.hpp"
+#include "core/io/writing/steady_encoder.hpp"
 
 #include <mutex>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/io/video_check.hpp"
+#include "core/io/writing/video_check.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "apps/pictures/source_map.hpp"
+#include "apps/pictures/synthesis_film.hpp"
+#include "apps/synthesis/request.hpp"
+#include "core/io/clip_writer.hpp"
+#include "core/io/files.hpp"
+#include "graph/events/events.hpp"
+#include "graph/motion_graph.hpp"
+#include "pipeline/clip_synthesis.hpp"
+#include "pipeline/output/opacity.hpp"
+
+namespace emberfold::apps {
+
+/// The files of a new clip: the clip, its graphs, overlay, film and map of sources, as they were asked for.
+/// None gets its name before finish().
+class SynthOutputs {
+ public:
+  /// Keeps references to both. Throws Misuse, core::IoError where a file cannot be written.
+  SynthOutputs(const SynthRequest& asked, const pipeline::ClipSynthesis& frames);
+
+  /// Takes the next frame, while it is handed over by ClipSynthesis::each().
+  void write(const cv::Mat& frame);
+  /// Completes all, of one length, that of the frames written.
+  void finish();
+
+  [[nodiscard]] int frames() const { return frames_; }
+  /// Returns the format of the clip that is written.
+  [[nodiscard]] const core::ClipInfo& info() const { return written_; }
+  /// Returns the map of sources; nothing without --explain.
+  [[nodiscard]] const SourceMap* sources() const { return sources_ ? &*sources_ : nullptr; }
+
+ private:
+  [[nodiscard]] cv::Mat written_frame(const cv::Mat& frame) const;
+
+  const SynthRequest& asked_;
+  const pipeline::ClipSynthesis& synthesis_;
+  core::ClipInfo info_, written_;  // of the frames as they are drawn, and as they are written
+  std::unique_ptr<io::VideoWriter> clip_, overlay_;
+  std::optional<pipeline::Ground> ground_;  // of the written size
+  pipeline::Light light_ = pipeline::Light::display;
+  std::optional<SynthesisFilm> film_;
+  std::optional<SourceMap> sources_;
+  std::optional<io::StagedFile> motion_file_, sources_file_;
+  std::optional<graph::MotionGraph> motion_;
+  std::vector<graph::Event> events_;
+  int frames_ = 0;
+};
+
+}  // namespace emberfold::apps

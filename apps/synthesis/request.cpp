@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/synthesis/request.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+
+#include "apps/cli/command_line.hpp"
+#include "core/io/clip_writer.hpp"
+#include "core/text/size_text.hpp"
+#include "pipeline/carried/carried_play.hpp"
+
+namespace emberfold::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Returns the option that only drawn strokes can fulfil; empty where none was given.
+std::string stroke_option(const SynthRequest& asked) {
+  if (!asked.motion.empty()) return "--motion";
+  if (!asked.overlay.empty()) return "--overlay";
+  if (!asked.film.empty()) return "--film";
+  if (asked.start != "data") return "--start";
+  return stroke_option(asked.edit);
+}
+
+/// Returns what cannot be shown with the clip's own strokes; empty where nothing was asked that cannot.
+std::string not_carried(const SynthRequest& asked) {
+  return asked.start != "data" ? "--start" : pipeline::edit_not_carried(asked.edit.edit);
+}
+
+/// Chooses carried strokes where an option needs strokes, drawn ones where it needs these, and refuses
+/// options that exclude each other.
+void choose_fill(SynthRequest& asked) {
+  using pipeline::ModelFill;
+  const auto option = stroke_option(asked);
+  if (!option.empty() && asked.fill_kind == ModelFill::footage)
+    throw Misuse(option +
+                 " is for clips with strokes (--fill carried, diffusion, texture or dytex), not footage");
+  const auto why = not_carried(asked);
+  if (asked.fill_kind == ModelFill::carried && !why.empty())
+    throw Misuse("--fill carried keeps the clip's own strokes; " + why + " needs drawn ones");
+  if (!option.empty() && !asked.fill_kind) {
+    if (!why.empty())
+      asked.drawn_since = why + " needs drawn strokes";
+    else if (!pipeline::holds_footage_strokes(asked.model))
+      asked.drawn_since = "strokes are drawn, since the model holds none of its clip's frames";
+    asked.fill_kind = asked.drawn_since.empty() ? ModelFill::carried : ModelFill::diffusion;
+  }
+  if (asked.loop && asked.fill_kind && asked.fill_kind != ModelFill::footage)
+    throw Misuse("--loop is for clips made of footage; " + (option.empty() ? "--fill" : option) +
+                 " draws strokes");
+  if (asked.loop && *asked.loop < 2)
+    throw Misuse("--loop is " + std::to_string(*asked.loop) + "; allowed is 2 or more");
+  if (asked.loop && !asked.asked_frames) asked.frames = *asked.loop;
+}
+
+/// Checks the size, the opacity and the map of sources.
+void check_pictures(const SynthRequest& asked) {
+  constexpr int kMostSide = 16384;
+  for (const auto& [side, what] : {std::pair(asked.width, "--width"), std::pair(asked.height, "--height")})
+    if (side && (*side < 1 || *side > kMostSide))
+      throw Misuse(std::string(what) + " is " + std::to_string(*side) + "; allowed is 1 to " +
+                   std::to_string(kMostSide) + " px");
+  if (!asked.alpha.empty() && !io::is_frame_folder(asked.output))
+    throw Misuse("--alpha needs a folder of PNG (-o DIR) or of EXR (-o DIR/new_%05d.exr), not " +
+                 asked.output);
+  if (asked.explain.empty()) return;
+  if (fs::path(asked.explain).extension() != ".png")
+    throw Misuse("--explain is " + asked.explain + "; it writes a .png");
+  if (asked.fill_kind && *asked.fill_kind != pipeline::ModelFill::footage &&
+      *asked.fill_kind != pipeline::ModelFill::carried)
+    throw Misuse("--explain tells where in the clip pixels come from; drawn strokes (--fill " +
+                 std::string(pipeline::name(*asked.fill_kind)) + ") have no such place");
+}
+
+}  // namespace
+
+void check(SynthRequest& asked) {
+  if (asked.frames < 1 || asked.frames > 1'000'000)
+    throw Misuse("--frames is " + std::to_string(asked.frames) + "; allowed is 1 to 1000000");
+  check_options(asked.fill, "fill");
+  check(asked.edit);
+  choose_fill(asked);
+  check_pictures(asked);
+}
+
+cv::Size output_size(const SynthRequest& asked, cv::Size frame) {
+  if (!asked.width && !asked.height) return frame;
+  const double shape = double(frame.width) / frame.height;
+  cv::Size size(asked.width.value_or(0), asked.height.value_or(0));
+  if (!asked.width) size.width = std::max(1, static_cast<int>(std::lround(*asked.height * shape)));
+  if (!asked.height) size.height = std::max(1, static_cast<int>(std::lround(*asked.width / shape)));
+  if (std::abs(size.width - size.height * shape) > std::max(2.0, 0.01 * size.width))
+    throw Misuse("--width " + std::to_string(size.width) + " and --height " + std::to_string(size.height) +
+                 " would distort frames of " + core::size_text(frame) + "; give one of them");
+  return size;
+}
+
+}  // namespace emberfold::apps

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <opencv2/core/types.hpp>
+
+#include "apps/cli/edit_options.hpp"
+#include "mcmc/simulation/synthesize.hpp"
+#include "pipeline/clip_model.hpp"
+#include "sketch/inpainting/fill.hpp"
+
+namespace emberfold::apps {
+
+/// What `emberfold synth` is asked for.
+struct SynthRequest {
+  std::string model, output, overlay, motion, film, explain, alpha;
+  std::optional<pipeline::ModelFill> fill_kind;
+  int frames = 300;
+  std::optional<int> loop, width, height;
+  bool asked_frames = false;
+  std::string drawn_since;  ///< why strokes are drawn that were to be carried
+  sketch::FillOptions fill;
+  std::string start = "data";
+  EditOptions edit;
+
+  [[nodiscard]] mcmc::Start first() const {
+    return start == "stationary" ? mcmc::Start::stationary : mcmc::Start::data;
+  }
+};
+
+/// Checks a request and chooses what its clip is made of. Throws Misuse that names the option.
+void check(SynthRequest& asked);
+
+/// Returns the new clip's size, which --width and --height may change, from that of the model's frames.
+/// Throws Misuse where they would distort it.
+cv::Size output_size(const SynthRequest& asked, cv::Size frame);
+
+}  // namespace emberfold::apps

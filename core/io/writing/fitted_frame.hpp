@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+namespace emberfold::io {
+
+/// What the frames of a clip may be that is written.
+struct FrameFormat {
+  cv::Size size;
+  bool colour = true;
+  std::string depths;  ///< in words
+  bool sixteen_bits = false, floats = false, opacity = false;
+};
+
+/// Returns the frame as a clip of this format holds it, a grey one in a colour clip with three channels.
+/// Throws core::InputError, naming the clip, where it does not fit.
+cv::Mat fitted_frame(const cv::Mat& frame, const FrameFormat& format, const std::filesystem::path& clip);
+
+/// Throws core::IoError: what cannot be written, and why.
+[[noreturn]] void refuse_to_write(const std::filesystem::path& clip, const std::string& reason);
+
+}  // namespace emberfold::io

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/rng.hpp"
+#include "pipeline/carried/seen_clip.hpp"
+
+namespace emberfold::pipeline {
+
+/// Patches of a frame by their vertex indices.
+using PatchSet = std::vector<std::uint32_t>;
+
+/// Chooses which strokes of a clip are hidden: of those that may be, the ones whose absence is least visible.
+class HidingChoice {
+ public:
+  static constexpr int kTries = 24;  ///< sets of which the one that can be hidden best is chosen
+
+  explicit HidingChoice(std::shared_ptr<const SeenClip> clip) : clip_(std::move(clip)) {}
+
+  /// Decides whether a stroke born in frame t is hidden: of all of them the share 1 − `births`, and of those
+  /// born one after the other the ones that can be hidden best.
+  [[nodiscard]] bool leaves_out(int t, const PatchSet& stroke, double births);
+  /// Returns the one of up to kTries of the sets of frame t that can be hidden best, if any is there.
+  [[nodiscard]] std::optional<PatchSet> least_visible(int t, std::vector<PatchSet> sets,
+                                                      core::Rng& rng) const;
+
+ private:
+  [[nodiscard]] double misfit(int t, const PatchSet& patches) const;
+
+  std::shared_ptr<const SeenClip> clip_;
+  double owed_ = 0;              // births that are still to be left out
+  std::vector<double> misfits_;  // of hiding the strokes born last
+};
+
+/// Returns patches of frame t.
+std::vector<graph::Patch> patches_of(const SeenClip& clip, int t, const PatchSet& vertices);
+
+}  // namespace emberfold::pipeline
