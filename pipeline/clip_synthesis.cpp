@@ -21,8 +21,8 @@ void check(const ClipModel& model, const ClipSynthesisOptions& options) {
   if ((fill == ModelFill::footage || fill == ModelFill::carried) && !model.footage)
     throw core::InputError("the model holds no frames of its clip");
   if (fill == ModelFill::footage) return;
-  if (options.loop) throw core::InputError("ClipSynthesisOptions.loop is for a model's footage alone");
   if (fill == ModelFill::carried) return;
+  if (options.loop) throw core::InputError("ClipSynthesisOptions.loop is not for drawn strokes");
   if (options.edit != mcmc::MotionEdit{})
     throw core::InputError("ClipSynthesisOptions.edit is for carried strokes alone");
   if (const auto why = why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
@@ -47,7 +47,10 @@ FrameSynthesis begin_strokes(const std::shared_ptr<const ClipModel>& model, Mode
 }
 
 CarriedSynthesisOptions carried_options(const ClipModel& model, const ClipSynthesisOptions& options) {
-  return {options.seed, options.edit, {model.motion.rates.split_gap, model.motion.rates.disconnect_gap}};
+  return {options.seed,
+          options.edit,
+          {model.motion.rates.split_gap, model.motion.rates.disconnect_gap},
+          options.loop};
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct ClipSynthesisOptions {
   mcmc::Start start = mcmc::Start::data;    ///< the clip's own strokes, or the model's stationary law
   double speed = 1;              ///< of the footage or the residual, −100…100, not 0; below 0 backwards
   mcmc::MotionEdit edit = {};    ///< of ModelFill::carried alone; other strokes are drawn of an edited model
-  std::optional<int> loop = {};  ///< of the footage: frames after which the clip begins anew, ≥ 2
+  std::optional<int> loop = {};  ///< of footage and carried strokes: frames until it begins anew, ≥ 2
   sketch::FillOptions fill = {};
 };
 

@@ -50,7 +50,9 @@ void choose_fill(SynthRequest& asked) {
       asked.drawn_since = "strokes are drawn, since the model holds none of its clip's frames";
     asked.fill_kind = asked.drawn_since.empty() ? ModelFill::carried : ModelFill::diffusion;
   }
-  if (asked.loop && asked.fill_kind && asked.fill_kind != ModelFill::footage)
+  const bool is_drawn =
+      asked.fill_kind && asked.fill_kind != ModelFill::footage && asked.fill_kind != ModelFill::carried;
+  if (asked.loop && is_drawn)
     throw Misuse("--loop is for clips made of footage; " + (option.empty() ? "--fill" : option) +
                  " draws strokes");
   if (asked.loop && *asked.loop < 2)

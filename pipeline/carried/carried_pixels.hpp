@@ -15,6 +15,8 @@ struct CarriedPatch {
   double theta = 0;       ///< rad: direction of its curve where it is shown
   double turn = 0;        ///< rad: direction of its curve in its frame, less that where it is shown
   double reach = 4;       ///< px about it that are shown whole
+
+  bool operator==(const CarriedPatch&) const = default;
 };
 
 /// Patches whose pixels are of one frame of a footage.
@@ -25,6 +27,8 @@ struct CarriedStroke {
   double feather = 6;  ///< px beyond the patches' reach over which the pixels blend into the frame, > 0
   std::vector<CarriedPatch> patches;
   bool hides = false;  ///< a stroke that is there, with what lies beside it
+
+  bool operator==(const CarriedStroke&) const = default;
 };
 
 /// Returns how far the pixels of a patch reach that belong to it, px: half its width and two blurs.

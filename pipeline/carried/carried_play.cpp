@@ -102,8 +102,8 @@ std::string edit_not_carried(const mcmc::MotionEdit& edit) {
 }
 
 CarriedPlay::CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::MotionEdit& edit,
-                         std::array<double, 2> gaps, std::uint64_t seed)
-    : clip_(std::move(clip)), choice_(clip_), edit_(edit), gaps_(gaps), seed_(seed) {
+                         std::array<double, 2> gaps, std::uint64_t seed, std::optional<int> loop)
+    : clip_(std::move(clip)), choice_(clip_), edit_(edit), gaps_(gaps), seed_(seed), loop_(loop) {
   edit.validate();
   if (const auto what = edit_not_carried(edit); !what.empty())
     throw core::InputError("strokes of footage cannot be carried with another " + what);
@@ -398,7 +398,9 @@ void CarriedPlay::draw_again(CarriedMoment& moment, std::vector<graph::Vertex>& 
 
 CarriedMoment CarriedPlay::next(int frame) {
   ++moment_;
-  core::Rng rng(seed_, {kStream, static_cast<std::uint32_t>(moment_), 0});
+  const int place = loop_ ? moment_ % *loop_ : moment_;
+  if (place == 0) choice_.forget();
+  core::Rng rng(seed_, {kStream, static_cast<std::uint32_t>(place), 0});
   const auto played = follow(frame);
   frame_ = frame;
   CarriedMoment moment;

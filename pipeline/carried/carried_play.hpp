@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,9 +39,10 @@ std::string edit_not_carried(const mcmc::MotionEdit& edit);
 /// shows. Speed and sense of time are left to whoever plays the frames.
 class CarriedPlay {
  public:
-  /// `gaps`: px that a split and a disconnect open. Throws core::InputError for an edit that is not carried.
+  /// `gaps`: px that a split and a disconnect open. `loop`: moments after which the same frames are shown
+  /// again, with the same chances. Throws core::InputError for an edit that is not carried.
   CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::MotionEdit& edit, std::array<double, 2> gaps,
-              std::uint64_t seed);
+              std::uint64_t seed, std::optional<int> loop = {});
 
   /// Returns the next moment, which shows this frame of the clip.
   CarriedMoment next(int frame);
@@ -96,6 +98,7 @@ class CarriedPlay {
   mcmc::MotionEdit edit_;
   std::array<double, 2> gaps_;
   std::uint64_t seed_;
+  std::optional<int> loop_;
   cv::Mat1b moves_;         // where the clip moves
   double usual_width_ = 0;  // with a choice of strokes: between the coarse and the fine ones
   int frame_ = -1, moment_ = -1;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <iterator>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,8 @@
 namespace emberfold::pipeline {
 
 namespace {
+
+constexpr int kMostRounds = 12;  // of a loop, until strokes at its end are those at its beginning
 
 /// The clip as it is played: backwards where the edit asks for that.
 std::shared_ptr<const SeenClip> played_clip(std::vector<cv::Mat> frames, graph::MotionGraph strokes,
@@ -67,9 +70,36 @@ CarriedSynthesis::CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGr
     : clip_(played_clip(std::move(footage), std::move(strokes), options.edit.reverse)),
       options_(options),
       moments_(compare_moments(clip_->frames(), context)),
-      order_(moments_, {.seed = options.seed}),
-      play_(clip_, played_edit(options.edit), options.gaps, options.seed),
-      moves_(moving_pixels(clip_->frames())) {}
+      order_(moments_, {.seed = options.seed, .loop = played_loop()}),
+      play_(clip_, played_edit(options.edit), options.gaps, options.seed, played_loop()),
+      moves_(moving_pixels(clip_->frames())) {
+  if (options.loop) play_rounds(context);
+}
+
+/// Moments of a loop, whose number is whole.
+std::optional<int> CarriedSynthesis::played_loop() const {
+  if (!options_.loop) return std::nullopt;
+  if (*options_.loop < 2)
+    throw core::InputError("CarriedSynthesisOptions.loop is " + std::to_string(*options_.loop) +
+                           "; allowed is 2 or more");
+  return std::max(2, static_cast<int>(std::lround(*options_.loop * options_.edit.speed)));
+}
+
+/// Plays rounds of a loop until one is as the one before, or the last of kMostRounds, and keeps that.
+void CarriedSynthesis::play_rounds(const core::Context& context) {
+  const int moments = *played_loop();
+  std::vector<CarriedMoment> before;
+  for (int round = 0; round < kMostRounds; ++round) {
+    round_.clear();
+    for (int m = 0; m < moments; ++m) {
+      context.check();
+      round_.push_back(play_.next(shown_frame(order_.at(m))));
+    }
+    const auto same = [](const CarriedMoment& a, const CarriedMoment& b) { return a.strokes == b.strokes; };
+    if (std::ranges::equal(before, round_, same)) return;
+    before = round_;
+  }
+}
 
 int CarriedSynthesis::batch() const {
   const auto& frame = clip_->frame(0);
@@ -79,18 +109,21 @@ int CarriedSynthesis::batch() const {
 
 /// The moment that a frame shows, or a time between two.
 double CarriedSynthesis::time(std::int64_t frame) const {
-  return options_.edit.speed * static_cast<double>(frame);
+  const double step = options_.loop ? double(*played_loop()) / *options_.loop : options_.edit.speed;
+  return step * static_cast<double>(frame);
 }
 
 CarriedSynthesis::Moment CarriedSynthesis::next_moment() {
-  Moment moment{order_.at(next_moment_++), {}, {}};
+  const auto number = next_moment_++;
+  Moment moment{order_.at(number), {}, {}};
   if (moment.shown.half > 0) {
     const Turn turn = turn_of(moment.shown);
     if (turning_.empty() || turn != turn_) turning_ = turning_places(clip_->frames(), moment.shown);
     turn_ = turn;
     moment.turning = turning_;
   }
-  moment.carried = play_.next(shown_frame(moment.shown));
+  moment.carried = round_.empty() ? play_.next(shown_frame(moment.shown))
+                                  : round_[static_cast<std::size_t>(number) % round_.size()];
   statistics_.patches.push_back(moment.carried.graph.size());
   statistics_.strokes.push_back(graph::components(moment.carried.graph).count);
   for (std::size_t k = 0; k < statistics_.operators.size(); ++k)
@@ -191,8 +224,10 @@ void CarriedSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
 }
 
 graph::MotionGraph CarriedSynthesis::motion(int count, const core::Context& context) const {
-  PlayOrder order(moments_, {.seed = options_.seed});
-  CarriedPlay play(clip_, played_edit(options_.edit), options_.gaps, options_.seed);
+  PlayOrder order(moments_, {.seed = options_.seed, .loop = played_loop()});
+  // That of a loop goes on from the round that is shown.
+  CarriedPlay play =
+      round_.empty() ? CarriedPlay(clip_, played_edit(options_.edit), options_.gaps, options_.seed) : play_;
   mcmc::detail::LinkedFrames linked;
   std::int64_t played = 0;
   std::array<graph::AttributeGraph, 2> newest;  // graphs of the two moments played last

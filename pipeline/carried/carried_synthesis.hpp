@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -25,13 +26,15 @@ struct CarriedSynthesisOptions {
   std::uint64_t seed = 1;
   mcmc::MotionEdit edit = {};             ///< one that is carried (edit_not_carried)
   std::array<double, 2> gaps = {10, 10};  ///< px that a split and a disconnect open
+  std::optional<int> loop = {};           ///< frames after which the clip repeats itself exactly, ≥ 2
 };
 
 /// Draws new frames of a footage without end, with its strokes edited.
 /// The footage is played with jumps between like moments (PlayOrder); on each frame lie the pixels of strokes
 /// that are born elsewhere or drift, and what hides those that are not to be seen (CarriedPlay). Without
 /// edits frames are those of the footage. At another speed frames lie between those so drawn (draw_between),
-/// and patches on the way from one to the next. The same at any number of threads.
+/// and patches on the way from one to the next. A loop shows the round of moments before which others went,
+/// so that strokes that live on across its end are there at its beginning. The same at any number of threads.
 class CarriedSynthesis {
  public:
   /// `footage`: frames of a clip, CV_8U, 1 or 3 channels, of one size; `strokes`: those seen in them.
@@ -65,7 +68,9 @@ class CarriedSynthesis {
     cv::Mat frame, motion;  // to the next moment, where it was needed
     FrameSources sources;
   };
+  [[nodiscard]] std::optional<int> played_loop() const;
   [[nodiscard]] double time(std::int64_t frame) const;
+  void play_rounds(const core::Context& context);
   [[nodiscard]] Moment next_moment();
   [[nodiscard]] cv::Mat draw(const Moment& moment) const;
   [[nodiscard]] FrameSources sources_of(const Moment& moment) const;
@@ -78,7 +83,8 @@ class CarriedSynthesis {
   LikeMoments moments_;
   PlayOrder order_;
   CarriedPlay play_;
-  cv::Mat1b moves_;  // where the clip moves
+  std::vector<CarriedMoment> round_;  // of a loop
+  cv::Mat1b moves_;                   // where the clip moves
   SynthesisStatistics statistics_;
   std::int64_t next_frame_ = 0, next_moment_ = 0;
   std::map<std::int64_t, DrawnMoment> drawn_;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/rng.hpp"
@@ -24,6 +25,8 @@ class HidingChoice {
   /// Decides whether a stroke born in frame t is hidden: of all of them the share 1 − `births`, and of those
   /// born one after the other the ones that can be hidden best.
   [[nodiscard]] bool leaves_out(int t, const PatchSet& stroke, double births);
+  /// Begins anew, as before the first stroke.
+  void forget() { owed_ = 0, misfits_.clear(); }
   /// Returns the one of up to kTries of the sets of frame t that can be hidden best, if any is there.
   [[nodiscard]] std::optional<PatchSet> least_visible(int t, std::vector<PatchSet> sets,
                                                       core::Rng& rng) const;

@@ -297,7 +297,10 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
   refused(1, {"-o", out.string(), "--motion", (made.temp / "no/where.jsonl").string()}, {"where.jsonl"});
   refused(2, {"-o", out.string(), "--film", (made.temp / "film.gif").string(), "--frames", "2"}, {".gif"});
-  refused(2, {"-o", out.string(), "--film", (made.temp / "film.avi").string(), "--loop", "9"}, {"--film"});
+  refused(
+      2,
+      {"-o", out.string(), "--film", (made.temp / "film.avi").string(), "--loop", "9", "--fill", "texture"},
+      {"--loop"});
   refused(2, {"-o", out.string(), "--overlay", (made.temp / "over.gif").string(), "--frames", "2"}, {".gif"});
   CommandOptions full;
   full.most_file_bytes = 3000;
@@ -568,7 +571,12 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
   };
   refuse({"--fill", "carried", "--flicker", "2"}, 2, {"--fill carried", "flicker"});
   refuse({"--fill", "carried", "--start", "stationary"}, 2, {"--fill carried", "--start"});
-  refuse({"--fill", "carried", "--loop", "9"}, 2, {"--loop"});
+  const auto looped = run_command({"synth", made.model, "-o", (made.temp / "looped").string(), "--loop", "9",
+                                   "--frames", "19", "--set", "synth.births=2", "-q"});
+  INFO(looped.err);
+  CHECK(looped.exit == 0);
+  CHECK(bytes_of(made.temp / "looped/frame_00003.png") == bytes_of(made.temp / "looped/frame_00012.png"));
+  refuse({"--fill", "texture", "--loop", "9"}, 2, {"--loop", "--fill draws strokes"});
   refuse({"--loop", "1"}, 2, {"--loop is 1", "2 or more"});
   refuse({"--loop", "9", "--fill", "diffusion"}, 2, {"--loop", "--fill draws strokes"});
   refuse({"--loop", "9", "--flicker", "2"}, 2, {"--loop", "--flicker draws strokes"});

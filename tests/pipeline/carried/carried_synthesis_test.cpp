@@ -365,6 +365,31 @@ TEST_CASE("carried strokes: at another speed the same moments are shown, and wha
   CHECK(events(slow.motion(41), EventType::birth) == events(usual.motion(21), EventType::birth));
 }
 
+TEST_CASE("carried strokes: a loop repeats itself to the byte, with strokes that live on across its end") {
+  const auto scene = carried_scene(60);
+  mcmc::MotionEdit edit;
+  edit.rates[0] = GENERATE(0.5, 3.0);
+  edit.rates[1] = 2;
+  edit.speed = GENERATE(1.0, 0.4);
+  const int loop = GENERATE(30, 47);
+  INFO(edit.rates[0] << " " << edit.speed << " " << loop);
+  CarriedSynthesis synthesis(scene.frames, scene.strokes, {1, edit, {10, 10}, loop});
+  const auto frames = draw(synthesis, 2 * loop + 5);
+  for (std::size_t n = 0; n + static_cast<std::size_t>(loop) < frames.size(); ++n)
+    CHECK(cv::norm(frames[n], frames[n + static_cast<std::size_t>(loop)], cv::NORM_L1) == 0);
+  // The step over its end shows no more than others do.
+  double most = 0;
+  for (std::size_t n = 1; n < static_cast<std::size_t>(loop); ++n)
+    most = std::max(most, cv::norm(frames[n - 1], frames[n], cv::NORM_L1));
+  CHECK(cv::norm(frames[static_cast<std::size_t>(loop) - 1], frames[0], cv::NORM_L1) <= 1.1 * most);
+  // Patches keep their ids across it.
+  const auto motion = synthesis.motion(loop + 1);
+  const auto& last = motion.sketch.frames.back();
+  REQUIRE(last.size() == motion.sketch.frames.front().size());
+  for (std::size_t v = 0; v < last.size(); ++v)
+    CHECK(distance(last.patch(v).position, motion.sketch.frames.front().patch(v).position) < 1e-9);
+}
+
 TEST_CASE("carried strokes: the same bytes at any number of threads, and others for another seed") {
   const auto scene = carried_scene(50, 3);
   const auto drawn = [&](std::size_t threads, std::uint64_t seed) {
