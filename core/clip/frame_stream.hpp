@@ -17,7 +17,11 @@ inline std::size_t frames_at_once(int width, int height, int channels) {
   return static_cast<std::size_t>(std::clamp(192e6 / (4.0 * width * height * channels), 1.0, 16.0));
 }
 
-/// Processes a clip in batches of frames_at_once() frames, from its first frame on.
+/// Returns the number of frames that are worked on at once: two for each thread of the process, at most
+/// frames_at_once().
+std::size_t frames_in_work(int width, int height, int channels);
+
+/// Processes a clip in batches of frames_in_work() frames, from its first frame on.
 /// Calls before(t, frame) in order, then work(t, frame) in parallel, then take(t, result) in order.
 /// `expected`: number of frames, for the progress only. Returns the number of frames. Throws Cancelled.
 template <class Before, class Work, class Take>
@@ -25,7 +29,7 @@ int stream_frames(core::FrameSource& source, std::string_view stage, std::option
                   const core::Context& context, const Before& before, const Work& work, const Take& take) {
   using Result = decltype(work(0, cv::Mat{}));
   const auto& info = source.info();
-  const auto batch_size = frames_at_once(info.width, info.height, info.channels);
+  const auto batch_size = frames_in_work(info.width, info.height, info.channels);
   source.rewind();
   int done = 0;
   context.report(stage, 0);
