@@ -3,18 +3,24 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/interrupt.hpp"
 #include "apps/comparison/comparison.hpp"
 #include "apps/report/report_strip.hpp"
 #include "apps/textures/texture_modes.hpp"
+#include "core/io/clip_writer.hpp"
 #include "core/io/model_folder.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/model/archive.hpp"
+#include "pipeline/clip_model.hpp"
+#include "pipeline/clip_synthesis.hpp"
 
 namespace emberfold::apps {
 
@@ -41,7 +47,42 @@ dytex::LinearDynamicTexture learn_demo_texture(core::FrameSource& source, const 
   return std::move(learned.texture);
 }
 
-/// The clip and those drawn from its models, side by side.
+/// An edit of the demo: what the strokes of the clip are asked for, or how its frames are played.
+struct DemoEdit {
+  const char *file, *name;
+  pipeline::ClipSynthesisOptions options;
+};
+
+std::vector<DemoEdit> demo_edits(std::uint64_t seed) {
+  const auto rates = [&](std::initializer_list<graph::EventType> types, double factor) {
+    pipeline::ClipSynthesisOptions options{.seed = seed, .fill_kind = pipeline::ModelFill::carried};
+    for (const auto type : types) options.edit.rates[static_cast<std::size_t>(type)] = factor;
+    return options;
+  };
+  const auto played = [&](double speed) {
+    return pipeline::ClipSynthesisOptions{
+        .seed = seed, .fill_kind = pipeline::ModelFill::footage, .speed = speed};
+  };
+  auto wind = rates({}, 1);
+  wind.edit.wind = {1.5, 0};
+  using enum graph::EventType;
+  return {{"edited_splits.avi", "Twice the splits", rates({split, disconnect}, 2)},
+          {"edited_births.avi", "Half the births", rates({birth}, 0.5)},
+          {"edited_wind.avi", "In the wind", wind},
+          {"edited_slower.avi", "Half as fast", played(0.5)},
+          {"edited_backwards.avi", "Backwards", played(-1)}};
+}
+
+/// Writes new clips of the model, edited, as long as the clip.
+void write_edits(int frames, io::OutputFolder& output, Session& session) {
+  const auto model = pipeline::read_clip_model(output.staged("model").string(), pipeline::ModelFill::carried);
+  for (const auto& [file, name, options] : demo_edits(session.common.seed)) {
+    pipeline::ClipSynthesis synthesis(model, options, session.context);
+    io::write_video(output.staged(file), synthesis, frames, session.context);
+  }
+}
+
+/// The clip, those drawn from its models and those edited, side by side.
 ReportClips make_clips(core::FrameSource& source, const Comparison& comparison,
                        const io::OutputFolder& output, const Session& session) {
   std::vector<std::unique_ptr<core::FrameSource>> drawn;
@@ -52,6 +93,10 @@ ReportClips make_clips(core::FrameSource& source, const Comparison& comparison,
     if (std::ranges::find(comparison.files, file) == comparison.files.end()) continue;
     drawn.push_back(open_clip(output.staged(file).string(), {}, {}));
     clips.push_back({name, drawn.back().get()});
+  }
+  for (const auto& edit : demo_edits(session.common.seed)) {
+    drawn.push_back(open_clip(output.staged(edit.file).string(), {}, {}));
+    clips.push_back({edit.name, drawn.back().get()});
   }
   return make_strip(clips, output, session);
 }
@@ -64,6 +109,8 @@ void list_files(const Comparison& comparison, Json& files) {
       {"synthesized_motion.avi", "a new clip of strokes, from the motion model"},
       {"synthesized_dytex.avi", "a new clip from the linear dynamic texture"}};
   files["dytex/"] = "a linear dynamic texture: 'emberfold dytex synth' draws from it";
+  for (const auto& edit : demo_edits(0))
+    files[edit.file] = std::string("a new clip of the clip's own frames: ") + edit.name;
   for (const auto& file : comparison.files)
     files[file] = about.contains(file) ? about.at(file) : "written by the comparison";
 }
@@ -133,6 +180,7 @@ void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, A
   const auto comparison = compare_clip(source, analysis.clip, compare, known, output, session);
   analysis.stages.begin("clips");
   analysis.report.measures = measures_table(comparison.measures);
+  write_edits(static_cast<int>(analysis.found.motion.sketch.frames.size()), output, session);
   analysis.report.clips = make_clips(source, comparison, output, session);
   analysis.stages.end();
   for (const char* part : {"prediction", "synthesis"})

@@ -5,9 +5,10 @@
 
 namespace emberfold::apps {
 
-/// Learns a linear dynamic texture of the clip and compares both models with the clip. Takes an analysis that
-/// kept its sketch, and adds the comparison to its report and summary. Writes dytex/ and the files of
-/// compare_clip(). Throws core::Cancelled.
+/// Learns a linear dynamic texture of the clip, compares both models with the clip, and draws new clips that
+/// are edited: twice the splits, half the births, wind, slower, backwards. Takes an analysis that kept its
+/// sketch, and adds the comparison to its report and summary. Writes dytex/, the files of compare_clip() and
+/// edited_….avi. Throws core::Cancelled.
 void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, Analysis& analysis,
                      io::OutputFolder& output, Session& session);
 
