@@ -171,6 +171,7 @@ def data_of(clip: ClipLike, name: str = "clip", fps: Optional[float] = None) -> 
 
 def write_video(path: Union[str, "os.PathLike[str]"], clip: ClipLike, frames: Optional[int] = None, *,
                 fps: Optional[float] = None, progress: Progress = None) -> None:
-    """Writes a clip of uint8: .mp4 (H.264), .avi (lossless), or a folder of PNG."""
+    """Writes a clip of uint8: .mp4 (H.264), .avi (lossless), a folder of PNG, or a pattern such as
+    frames/%05d.exr (OpenEXR, linear light)."""
     with reporter(progress) as report:
         _native.write_video(os.fspath(path), data_of(clip, fps=fps), frames, report)
