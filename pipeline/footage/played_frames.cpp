@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <opencv2/imgproc.hpp>
+
 #include "core/parallel.hpp"
 #include "pipeline/footage/turn.hpp"
 
@@ -84,13 +86,16 @@ void PlayedFrames::find_turning_places(const std::vector<Moment*>& moments, cons
   turning_places_ = std::move(places);
 }
 
-/// Returns the frames that two moments show, where they are neighbours in the footage and nothing else is
-/// seen: the motion between them is the same whenever they are played.
-std::optional<std::pair<int, int>> PlayedFrames::shown_pair(const Moment& moment, const Moment& next) {
-  if (moment.shown.size() != 1) return std::nullopt;
-  const PlayedMoment &from = moment.shown.front(), &to = next.shown.front();
-  if (from.half > 0 || to.half > 0 || std::abs(to.frame - from.frame) > 1) return std::nullopt;
-  return std::pair(from.frame, to.frame);
+/// Returns the frames that each play shows in two moments, where they are neighbours in the footage: the
+/// motion between them is the same whenever they are played. Empty where a play is about a jump.
+std::vector<std::pair<int, int>> PlayedFrames::shown_pairs(const Moment& moment, const Moment& next) {
+  std::vector<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < moment.shown.size(); ++i) {
+    const PlayedMoment &from = moment.shown[i], &to = next.shown[i];
+    if (from.half > 0 || to.half > 0 || std::abs(to.frame - from.frame) > 1) return {};
+    pairs.emplace_back(from.frame, to.frame);
+  }
+  return pairs;
 }
 
 FrameSources PlayedFrames::sources(std::int64_t n) const {
@@ -109,8 +114,7 @@ FrameSources PlayedFrames::sources(std::int64_t n) const {
 
 void PlayedFrames::prepare(std::int64_t first, std::int64_t last, const core::Context& context) {
   moments_.erase(moments_.begin(), moments_.lower_bound(first));
-  std::vector<Moment*> moving, still;
-  std::vector<const Moment*> after;
+  std::vector<Moment*> still;
   for (std::int64_t n = first; n <= last; ++n) {
     auto& moment = moments_[n];
     if (moment.frame.empty()) {
@@ -121,23 +125,46 @@ void PlayedFrames::prepare(std::int64_t first, std::int64_t last, const core::Co
   }
   find_turning_places(still, context);
   core::parallel_for(still.size(), context, [&](std::size_t i) { still[i]->frame = draw(*still[i]); });
+  find_motion(first, last, context);
+}
+
+/// Finds the motion of the moments from `first` up to `last`: about a jump from frame to frame, else between
+/// neighbouring frames of the footage, once for all times that they are played.
+void PlayedFrames::find_motion(std::int64_t first, std::int64_t last, const core::Context& context) {
+  std::vector<std::pair<Moment*, const Moment*>> jumping, playing;
+  std::map<std::pair<int, int>, cv::Mat> missing;
   for (std::int64_t n = first; n < last; ++n) {
     auto& moment = moments_.at(n);
-    const auto& next = moments_.at(n + 1);
     if (!moment.motion.empty()) continue;
-    if (const auto pair = shown_pair(moment, next))
-      if (const auto known = motions_.find(*pair); known != motions_.end()) {
-        moment.motion = known->second;
-        continue;
-      }
-    moving.push_back(&moment);
-    after.push_back(&next);
+    const auto pairs = shown_pairs(moment, moments_.at(n + 1));
+    (pairs.empty() ? jumping : playing).emplace_back(&moment, &moments_.at(n + 1));
+    for (const auto& pair : pairs)
+      if (!motions_.contains(pair)) missing.try_emplace(pair);
   }
-  core::parallel_for(moving.size(), context, [&](std::size_t i) {
-    moving[i]->motion = footage_motion(moving[i]->frame, after[i]->frame);
+  std::vector<std::map<std::pair<int, int>, cv::Mat>::value_type*> found;
+  for (auto& one : missing) found.push_back(&one);
+  core::parallel_for(jumping.size() + found.size(), context, [&](std::size_t i) {
+    if (i < jumping.size()) {
+      auto& [moment, next] = jumping[i];
+      moment->motion = footage_motion(moment->frame, next->frame);
+    } else {
+      auto& [pair, motion] = *found[i - jumping.size()];
+      motion = footage_motion((*footage_)[static_cast<std::size_t>(pair.first)],
+                              (*footage_)[static_cast<std::size_t>(pair.second)]);
+    }
   });
-  for (std::size_t i = 0; i < moving.size(); ++i)
-    if (const auto pair = shown_pair(*moving[i], *after[i])) motions_.emplace(*pair, moving[i]->motion);
+  motions_.merge(missing);
+  for (auto& [moment, next] : playing) moment->motion = joined(shown_pairs(*moment, *next), moment->seams);
+}
+
+/// Returns in each play's part of the frame the motion between its frames.
+cv::Mat PlayedFrames::joined(const std::vector<std::pair<int, int>>& pairs, const SeamLines& seams) const {
+  if (pairs.size() == 1) return motions_.at(pairs.front());
+  cv::Mat motion = motions_.at(pairs.front()).clone(), plays;
+  cv::resize(seams_->plays_by_cell(seams), plays, motion.size(), 0, 0, cv::INTER_NEAREST);
+  for (std::size_t i = 1; i < pairs.size(); ++i)
+    motions_.at(pairs[i]).copyTo(motion, plays == static_cast<double>(i));
+  return motion;
 }
 
 }  // namespace emberfold::pipeline

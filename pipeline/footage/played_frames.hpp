@@ -52,8 +52,9 @@ class PlayedFrames {
   [[nodiscard]] SeamLines seams_at(std::int64_t n);
   [[nodiscard]] SeamLines next_seams(std::int64_t n, const SeamLines& before);
   [[nodiscard]] cv::Mat draw(const Moment& moment) const;
-  [[nodiscard]] static std::optional<std::pair<int, int>> shown_pair(const Moment& moment,
-                                                                     const Moment& next);
+  void find_motion(std::int64_t first, std::int64_t last, const core::Context& context);
+  [[nodiscard]] cv::Mat joined(const std::vector<std::pair<int, int>>& pairs, const SeamLines& seams) const;
+  [[nodiscard]] static std::vector<std::pair<int, int>> shown_pairs(const Moment& moment, const Moment& next);
 
   std::shared_ptr<const std::vector<cv::Mat>> footage_;
   std::vector<std::shared_ptr<PlayOrder>> orders_;
