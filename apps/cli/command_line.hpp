@@ -86,8 +86,9 @@ void add_reading_options(CLI::App& command, ReadingWords& words, io::ReadOptions
 void add_output(CLI::App& command, std::string& folder);
 
 /// Adds -o OUT, required: a clip, or a folder of images.
-void add_clip_output(CLI::App& command, std::string& clip,
-                     const std::string& about = "Write this clip: .mp4, .avi (lossless), a folder of PNG, or DIR/%05d.exr");
+void add_clip_output(
+    CLI::App& command, std::string& clip,
+    const std::string& about = "Write this clip: .mp4, .avi (lossless), a folder of PNG, or DIR/%05d.exr");
 
 /// Validates. Throws Misuse that names a field as --set does ("sketch.min_contrast"), or by its own option
 /// where it has one (`group` is empty, or frames).

@@ -27,7 +27,11 @@ namespace {
 
 /// OpenCV reads and writes EXR only where this was set before it first asks.
 void enable_exr() {
-  ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
+  static const bool once = [] {
+    ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);  // NOLINT(concurrency-mt-unsafe): once
+    return true;
+  }();
+  static_cast<void>(once);
 }
 
 /// A printf number in a pattern: where it stands, and how many digits it has at least.

@@ -80,7 +80,8 @@ TEST_CASE("opacity: the still ground is what most frames show, and its noise is 
     footage.push_back(frame);
   }
   const Ground ground = pipeline::still_ground(footage);
-  for (const auto level : cv::Mat1b(ground.levels)) CHECK(std::abs(level - 100) <= 2);  // the square is there a third of the time
+  for (const auto level : cv::Mat1b(ground.levels))
+    CHECK(std::abs(level - 100) <= 2);  // the square is there a third of the time
   CHECK(ground.tolerance >= 4);
   CHECK(ground.tolerance <= 8);
   const cv::Mat shown = with_opacity(footage[7], ground, Light::display);
