@@ -32,7 +32,7 @@ TEST_CASE("opacity: over black it is the greatest channel, over white what the l
   const cv::Mat on_white = with_opacity(frame, {cv::Mat(kFrame, CV_8U, cv::Scalar(255))}, Light::display);
   for (int y = 0; y < kFrame.height; ++y)
     for (int x = 0; x < kFrame.width; ++x) {
-      const auto level = frame.at<cv::Vec3b>(y, x);
+      const auto& level = frame.at<cv::Vec3b>(y, x);
       CHECK(on_black.at<cv::Vec4b>(y, x)[3] == std::max({level[0], level[1], level[2]}));
       CHECK(on_white.at<cv::Vec4b>(y, x)[3] == 255 - std::min({level[0], level[1], level[2]}));
     }
