@@ -45,7 +45,7 @@ void fill_memory(int change, int byte) {
   const std::lock_guard lock(mutex);
   const bool was = living > 0;
   living += change;
-  if (was != (living > 0)) ::mallopt(M_PERTURB, byte);
+  if (was != (living > 0)) ::mallopt(M_PERTURB, byte);  // NOLINT(concurrency-mt-unsafe): under the lock
 }
 
 }  // namespace
