@@ -15,6 +15,7 @@
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/pictures/pictures.hpp"
+#include "apps/pictures/png.hpp"
 #include "apps/pictures/rate_map.hpp"
 #include "apps/pictures/still.hpp"
 #include "apps/pictures/trajectory_picture.hpp"

@@ -8,7 +8,7 @@
 
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
-#include "apps/pictures/pictures.hpp"
+#include "apps/pictures/png.hpp"
 #include "apps/textures/classification.hpp"
 #include "apps/textures/texture_samples.hpp"
 #include "core/io/staged_output.hpp"

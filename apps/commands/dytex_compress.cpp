@@ -13,7 +13,7 @@
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
 #include "apps/pictures/curve_plot.hpp"
-#include "apps/pictures/pictures.hpp"
+#include "apps/pictures/png.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
 #include "core/io/require_apart.hpp"

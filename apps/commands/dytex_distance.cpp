@@ -7,7 +7,7 @@
 #include "apps/cli/interrupt.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
-#include "apps/pictures/pictures.hpp"
+#include "apps/pictures/png.hpp"
 #include "apps/textures/texture_distances.hpp"
 #include "core/io/staged_output.hpp"
 

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/interrupt.hpp"
@@ -15,6 +14,7 @@
 #include "apps/commands/dytex.hpp"
 #include "apps/commands/dytex_em.hpp"
 #include "apps/distributed/mpi_job.hpp"
+#include "apps/pictures/png.hpp"
 #include "apps/textures/texture_modes.hpp"
 #include "apps/textures/texture_picture.hpp"
 #include "core/io/mask_file.hpp"
@@ -111,12 +111,7 @@ Json learn_summary(const TextureLearning& asked, const io::ReadOptions& read, co
 }
 
 void write_components(io::OutputFolder& output, const dytex::LinearDynamicTexture& texture) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", draw_components(texture), bytes))
-    throw core::IoError("cannot write " + (output.path() / "components.png").string() + " as PNG");
-  output.write("components.png", [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  });
+  write_png(output, "components.png", draw_components(texture));
 }
 
 namespace {

@@ -9,13 +9,13 @@
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
+#include "apps/pictures/png.hpp"
 #include "apps/pictures/side_by_side.hpp"
 #include "core/io/clip_writer.hpp"
 #include "core/io/files.hpp"
@@ -157,12 +157,7 @@ class MorphFilms {
     pictures.insert(pictures.end(), graphs_.begin(), graphs_.end());
     auto labels = labels_;
     labels.resize(pictures.size(), "graph");
-    std::vector<unsigned char> png;
-    if (!cv::imencode(".png", compose_rows(pictures, labels, stages_.size()), png))
-      throw core::IoError("cannot encode morph.png");
-    output.write("morph.png", [&](std::ostream& out) {
-      out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-    });
+    write_png(output, "morph.png", compose_rows(pictures, labels, stages_.size()));
   }
 
  private:

@@ -7,7 +7,7 @@
 #include "apps/cli/summary.hpp"
 #include "apps/comparison/comparison_json.hpp"
 #include "apps/comparison/comparison_words.hpp"
-#include "apps/pictures/pictures.hpp"
+#include "apps/pictures/png.hpp"
 #include "apps/units/event_units.hpp"
 #include "core/error.hpp"
 #include "core/text/format_number.hpp"

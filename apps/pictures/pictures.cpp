@@ -11,6 +11,7 @@
 
 #include "apps/pictures/match_picture.hpp"
 #include "apps/pictures/overlay.hpp"
+#include "apps/pictures/png.hpp"
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
 #include "core/io/clip_writer.hpp"
@@ -154,14 +155,6 @@ class Collector {
 };
 
 }  // namespace
-
-void write_png(io::OutputFolder& output, const std::string& name, const cv::Mat& picture) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", picture, png);
-  output.write(name, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  });
-}
 
 Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
                        std::span<const graph::Event> events, const PictureOptions& options,

@@ -34,9 +34,6 @@ struct Pictures {
   cv::Mat mean;  ///< of all frames, CV_8UC3
 };
 
-/// Writes a picture as PNG into the folder.
-void write_png(io::OutputFolder& output, const std::string& name, const cv::Mat& picture);
-
 /// Writes overlay.mp4, matches/ and, where asked for, reconstruction.avi, and makes the report's pictures.
 /// `events` are ordered by frame.
 Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,

@@ -100,7 +100,7 @@ cv::Mat SourceMap::draw_map(const cv::Mat& frame, const pipeline::FrameSources& 
   cv::Mat1f opacity(map.size(), static_cast<float>(kOfMap));
   for (int y = 0; y < map.rows; ++y)
     for (int x = 0; x < map.cols; ++x) {
-      const double share = double{static_cast<double>(sources.frames(y, x))} / std::max(1, clip_frames_ - 1);
+      const double share = static_cast<double>(sources.frames(y, x)) / std::max(1, clip_frames_ - 1);
       switch (sources.kind(y, x)) {
         case SourceKind::still:
           opacity(y, x) = 0;
@@ -135,9 +135,8 @@ cv::Mat SourceMap::draw_map(const cv::Mat& frame, const pipeline::FrameSources& 
   return grey;
 }
 
-/// Draws the clip's frames (upwards) by the new clip's (to the right), dark where they fill much of what
-/// moves.
-cv::Mat SourceMap::draw_times() const {
+/// The share of what moves that each of the clip's frames (upwards) fills in the new clip's (to the right).
+cv::Mat1f SourceMap::shown_areas() const {
   const int columns = static_cast<int>(shown_.size());
   cv::Mat1f area(clip_frames_, columns, 0.F);
   for (int i = 0; i < columns; ++i) {
@@ -149,14 +148,15 @@ cv::Mat SourceMap::draw_times() const {
   return area;
 }
 
-cv::Mat SourceMap::draw_scale(int width) const {
+/// Draws that, and the shares of all kinds of sources.
+cv::Mat SourceMap::draw_times(int width) const {
   cv::Mat picture(kTimesHeight + 3 * kLine + 2 * kLine, width, CV_8UC3, kPaper);
   const int plot_width = width - 2 * kMargin;
   write_text(picture,
              "Which frame of the clip (upwards) is shown in which frame of the new one; darker: in more "
              "of what moves",
              {kMargin, kLine - 6});
-  cv::Mat area = draw_times();
+  cv::Mat area = shown_areas();
   cv::Mat1f large;
   // Thin lines stay visible when many frames become few pixels.
   if (area.rows > kTimesHeight) cv::dilate(area, area, cv::Mat(area.rows / kTimesHeight + 1, 1, CV_8U, 1));
@@ -206,7 +206,7 @@ cv::Mat SourceMap::draw() const {
       labels.push_back(map ? "its sources" : "frame " + std::to_string(moment.number));
     }
   cv::Mat whole = compose_rows(pictures, labels, moments_.size());
-  whole.push_back(draw_scale(whole.cols));
+  whole.push_back(draw_times(whole.cols));
   return whole;
 }
 

@@ -29,9 +29,9 @@ class SourceMap {
   [[nodiscard]] std::array<double, pipeline::kSourceKinds> shares() const;
 
  private:
-  [[nodiscard]] cv::Mat draw_times() const;
+  [[nodiscard]] cv::Mat1f shown_areas() const;
   [[nodiscard]] cv::Mat draw_map(const cv::Mat& frame, const pipeline::FrameSources& sources) const;
-  [[nodiscard]] cv::Mat draw_scale(int width) const;
+  [[nodiscard]] cv::Mat draw_times(int width) const;
 
   struct Moment {
     int number = 0;

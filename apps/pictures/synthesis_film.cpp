@@ -7,11 +7,11 @@
 #include <utility>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
+#include "apps/pictures/png.hpp"
 #include "core/error.hpp"
 #include "core/io/files.hpp"
 
@@ -84,14 +84,8 @@ void SynthesisFilm::finish() {
       pictures.push_back(picture);
       labels.push_back((k == 0 ? labels_[row] + ", frame " : "frame ") + std::to_string(numbers_[k]));
     }
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", compose_rows(pictures, labels, moments_.size()), png))
-    throw core::IoError("cannot encode " + path_.string());
   io::StagedFile file(path_);
-  file.write([&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  });
-  file.finish();
+  write_png(file, compose_rows(pictures, labels, moments_.size()));
 }
 
 }  // namespace emberfold::apps

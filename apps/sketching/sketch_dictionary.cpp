@@ -6,8 +6,8 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
+#include "apps/pictures/png.hpp"
 #include "apps/sketching/dictionary_picture.hpp"
 #include "core/error.hpp"
 #include "core/io/model_folder.hpp"
@@ -112,12 +112,7 @@ nlohmann::ordered_json CodeFigures::json(const sketch::Dictionary& dictionary) c
 
 void write_dictionary(io::OutputFolder& output, const sketch::Dictionary& dictionary) {
   io::write_model(output, "dictionary", sketch::to_archive(dictionary));
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", draw_dictionary(dictionary), bytes))
-    throw core::IoError("cannot write " + (output.path() / "dictionary.png").string() + " as PNG");
-  output.write("dictionary.png", [&](std::ostream& out) {
-    for (const unsigned char byte : bytes) out.put(static_cast<char>(byte));
-  });
+  write_png(output, "dictionary.png", draw_dictionary(dictionary));
 }
 
 }  // namespace emberfold::apps

@@ -6,11 +6,11 @@
 #include <string>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/cli/interrupt.hpp"
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
+#include "apps/pictures/png.hpp"
 #include "core/clip/clip_range.hpp"
 #include "core/text/format_number.hpp"
 
@@ -70,12 +70,7 @@ void write_film_picture(core::FrameSource& source, const SketchRequest& request,
       [&](std::string_view, double share) { session.context.report("picture", share); });
   const auto drawn = draw_sketched(core::to_levels(frame, info), graph, t, request, context);
   const SketchFilm film({info.width, info.height}, request);
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", film.picture(to_colour_bytes(frame, info), graph, drawn, t), png))
-    throw core::IoError("cannot encode film.png");
-  output.write("film.png", [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  });
+  write_png(output, "film.png", film.picture(to_colour_bytes(frame, info), graph, drawn, t));
 }
 
 }  // namespace emberfold::apps

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
+#include "apps/pictures/png.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
 #include "core/text/size_text.hpp"
@@ -58,13 +58,13 @@ cv::Mat read_ground(const std::string& path, cv::Size frame, cv::Size written) {
 }
 
 /// What is to become transparent.
-pipeline::Ground ground_of(const SynthRequest& asked, const core::ClipInfo& info, cv::Size written) {
+pipeline::Ground ground_of(const SynthRequest& asked, const core::ClipInfo& info, cv::Size written,
+                           const pipeline::Footage& clip) {
   const cv::Size frame(info.width, info.height);
   pipeline::Ground ground;
   if (asked.alpha == "black" || asked.alpha == "white") {
     ground.levels = cv::Mat(frame, CV_8U, cv::Scalar(asked.alpha == "white" ? 255 : 0));
   } else if (asked.alpha == "ground") {
-    const auto clip = clip_of(asked.model, info);
     if (clip.empty())
       throw Misuse("--alpha ground needs the clip's frames, which " + asked.model +
                    " does not hold; give black, white or a picture");
@@ -76,37 +76,30 @@ pipeline::Ground ground_of(const SynthRequest& asked, const core::ClipInfo& info
   return ground;
 }
 
-void write_png(io::StagedFile& file, const cv::Mat& picture, const std::string& path) {
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", picture, png)) throw core::IoError("cannot encode " + path);
-  file.write([&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  });
-  file.finish();
-}
-
 }  // namespace
 
 SynthOutputs::SynthOutputs(const SynthRequest& asked, const pipeline::ClipSynthesis& frames)
     : asked_(asked), synthesis_(frames), info_(frames.info()), written_(info_) {
   const cv::Size size = output_size(asked, {info_.width, info_.height});
   written_.width = size.width, written_.height = size.height;
+  const bool with_clip = asked.alpha == "ground" || !asked.explain.empty() || !asked.film.empty();
+  const auto clip = with_clip ? clip_of(asked.model, info_) : pipeline::Footage{};
   if (!asked.alpha.empty()) {
-    ground_ = ground_of(asked, info_, size);
+    ground_ = ground_of(asked, info_, size, clip);
     if (fs::path(asked.output).extension() == ".exr") light_ = pipeline::Light::linear;
   }
   clip_ = create_output(asked.output, written_);
   if (!asked.motion.empty()) motion_file_.emplace(asked.motion);
   if (!asked.explain.empty()) {
     sources_file_.emplace(asked.explain);
-    sources_.emplace(asked.frames, static_cast<int>(clip_of(asked.model, info_).frames.size()));
+    sources_.emplace(asked.frames, static_cast<int>(clip.frames.size()));
   }
   const bool with_graphs = !asked.motion.empty() || !asked.overlay.empty() || !asked.film.empty();
   if (with_graphs) motion_ = frames.motion(asked.frames);
   if (!asked.overlay.empty()) events_ = graph::stroke_events(*motion_);
   if (asked.film.empty()) return;
   try {
-    film_.emplace(asked.film, clip_of(asked.model, info_), info_, asked.frames);
+    film_.emplace(asked.film, clip, info_, asked.frames);
   } catch (const core::InputError& error) {
     throw Misuse(error.what());
   }
@@ -147,7 +140,7 @@ void SynthOutputs::finish() {
   if (overlay_) overlay_->finish();
   if (film_) film_->finish();
   if (motion_file_) motion_file_->finish();
-  if (sources_) write_png(*sources_file_, sources_->draw(), asked_.explain);
+  if (sources_) write_png(*sources_file_, sources_->draw());
   clip_->finish();
 }
 

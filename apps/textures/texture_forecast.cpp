@@ -9,7 +9,7 @@
 
 #include "apps/cli/interrupt.hpp"
 #include "apps/pictures/curve_plot.hpp"
-#include "apps/pictures/pictures.hpp"
+#include "apps/pictures/png.hpp"
 #include "core/clip/clip_range.hpp"
 #include "core/io/clip_writer.hpp"
 #include "core/text/format_number.hpp"

@@ -38,27 +38,8 @@ std::string_view without_zeros(std::string_view digits) {
   return first == std::string_view::npos ? digits.substr(digits.size()) : digits.substr(first);
 }
 
-/// A printf number at the head of a pattern: how much of the pattern it takes, and the least digits it
-/// prints.
-struct Number {
-  std::size_t length;
-  std::size_t digits;  ///< 0: not filled with zeros
-};
-
-std::optional<Number> number_at(std::string_view pattern) {
-  if (pattern.empty() || pattern.front() != '%') return std::nullopt;
-  const std::string_view width = digits_at(pattern, 1);
-  if (1 + width.size() >= pattern.size() || pattern[1 + width.size()] != 'd') return std::nullopt;
-  std::size_t digits = 0;
-  if (!width.empty()) {
-    if (width.front() != '0' || width.size() > 3) return std::nullopt;
-    std::from_chars(width.data(), width.data() + width.size(), digits);
-  }
-  return Number{width.size() + 2, digits};
-}
-
 /// True if printf would have written exactly `digits` for `number`.
-bool prints_as(std::string_view digits, const Number& number) {
+bool prints_as(std::string_view digits, const PatternNumber& number) {
   if (digits.empty()) return false;
   const std::size_t least = std::max<std::size_t>(number.digits, 1);
   return digits.size() == least || (digits.size() > least && digits.front() != '0');
@@ -145,6 +126,18 @@ cv::Mat decode(const fs::path& path, const Bytes& bytes, int flags) {
 
 }  // namespace
 
+std::optional<PatternNumber> pattern_number(std::string_view pattern) {
+  if (pattern.empty() || pattern.front() != '%') return std::nullopt;
+  const std::string_view width = digits_at(pattern, 1);
+  if (1 + width.size() >= pattern.size() || pattern[1 + width.size()] != 'd') return std::nullopt;
+  std::size_t digits = 0;
+  if (!width.empty()) {
+    if (width.front() != '0' || width.size() > 3) return std::nullopt;
+    std::from_chars(width.data(), width.data() + width.size(), digits);
+  }
+  return PatternNumber{width.size() + 2, digits};
+}
+
 bool natural_less(std::string_view a, std::string_view b) {
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
@@ -179,7 +172,7 @@ bool is_pattern(const fs::path& path) {
   const std::string name = path.filename().string();
   if (name.find_first_of("*?") != std::string::npos) return true;
   for (auto at = name.find('%'); at != std::string::npos; at = name.find('%', at + 1))
-    if (number_at(std::string_view(name).substr(at))) return true;
+    if (pattern_number(std::string_view(name).substr(at))) return true;
   return false;
 }
 
@@ -190,7 +183,7 @@ bool fits_pattern(std::string_view pattern, std::string_view name) {
   while (!pattern.empty()) {
     std::vector<bool> next(name.size() + 1, false);
     std::size_t taken = 1;
-    if (const auto number = number_at(pattern)) {
+    if (const auto number = pattern_number(pattern)) {
       taken = number->length;
       for (std::size_t i = 0; i < name.size(); ++i)
         for (std::size_t n = 1; reach[i] && n <= digits_at(name, i).size(); ++n)

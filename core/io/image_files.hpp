@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +17,15 @@ bool natural_less(std::string_view a, std::string_view b);
 
 /// Returns whether the name has the extension of a still image.
 bool is_image_name(const std::filesystem::path& path);
+
+/// A printf number at the head of a pattern.
+struct PatternNumber {
+  std::size_t length = 0;  ///< of the pattern that it takes
+  std::size_t digits = 0;  ///< that it prints at least; 0: not filled with zeros
+};
+
+/// Returns the number that a pattern begins with, %d or %0Nd with N below 100; nothing where it does not.
+std::optional<PatternNumber> pattern_number(std::string_view pattern);
 
 /// Returns whether the last part of the name holds `*`, `?` or a printf number such as %04d.
 bool is_pattern(const std::filesystem::path& path);

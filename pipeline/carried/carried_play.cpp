@@ -170,13 +170,17 @@ void CarriedPlay::choose_place(Hiding& hiding, const std::vector<Index>& vertice
 }
 
 /// Hides patches of the frame from now on, and returns the number of what hides them.
-int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden, bool whole) {
+int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden) {
   for (const Index v : vertices) now_[v].hiding = next_hiding_;
   Hiding hiding;
   hiding.begin = moment_, hiding.sudden = sudden;
-  if (!whole) hiding.most = vertices.size();
   hidings_[next_hiding_] = hiding;
   return next_hiding_++;
+}
+
+/// Hides patches and no more of their stroke than these.
+void CarriedPlay::hide_gap(const std::vector<Index>& vertices, bool sudden) {
+  hidings_[hide(vertices, sudden)].most = vertices.size();
 }
 
 /// Returns whether the clip moves at half of the patches, and they with it.
@@ -256,7 +260,7 @@ void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
     std::erase_if(gaps.back(), [&](Index v) { return !is_whole(v); });
     sites.pop_back();
   }
-  if (const auto gap = choice_.least_visible(frame_, std::move(gaps), rng)) hide(*gap, false, false);
+  if (const auto gap = choice_.least_visible(frame_, std::move(gaps), rng)) hide_gap(*gap, false);
 }
 
 /// Lets a stroke of another time live again.
@@ -280,7 +284,7 @@ void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMo
       for (const auto id : path)
         if (const auto v = graph.index_of(id); v < graph.size() && is_whole(static_cast<Index>(v)))
           gap.push_back(static_cast<Index>(v));
-      if (!gap.empty()) hide(gap, true, false);
+      if (!gap.empty()) hide_gap(gap, true);
       continue;
     }
     ++count;

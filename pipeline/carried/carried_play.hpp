@@ -82,7 +82,8 @@ class CarriedPlay {
   void end_stroke(core::Rng& rng);
   void open_gap(core::Rng& rng, bool at_junction);
   void bear_again(core::Rng& rng);
-  int hide(const std::vector<std::uint32_t>& vertices, bool sudden, bool whole = true);
+  int hide(const std::vector<std::uint32_t>& vertices, bool sudden);
+  void hide_gap(const std::vector<std::uint32_t>& vertices, bool sudden);
   void choose_place(Hiding& hiding, const std::vector<std::uint32_t>& vertices);
   [[nodiscard]] bool moves(const std::vector<std::uint32_t>& vertices) const;
   void let_drift(const std::vector<std::uint32_t>& vertices, core::Rng& rng);

@@ -138,13 +138,16 @@ cv::Mat CarriedSynthesis::draw(const Moment& moment) const {
   return frame;
 }
 
-FrameSources CarriedSynthesis::sources_of(const Moment& moment) const {
+FrameSources CarriedSynthesis::sources() const {
+  const auto nearest =
+      std::min(std::int64_t{std::llround(time(next_frame_))}, std::prev(drawn_.end())->first);
+  const DrawnMoment& moment = drawn_.at(nearest);
   const cv::Size frame = clip_->frame(0).size();
   const int shown = shown_frame(moment.shown);
   auto sources = same_sources(source_cells(frame), shown,
                               moment.shown.half > 0 ? SourceKind::turning : SourceKind::played);
   const double cell = double(frame.width) / sources.kinds.cols;
-  for (const auto& stroke : moment.carried.strokes) {
+  for (const auto& stroke : moment.strokes) {
     const auto kind = static_cast<std::uint8_t>(stroke.hides ? SourceKind::hiding : SourceKind::carried);
     for (const auto& patch : stroke.patches) {
       const cv::Point at(static_cast<int>((patch.to.x + 0.5) / cell),
@@ -157,11 +160,6 @@ FrameSources CarriedSynthesis::sources_of(const Moment& moment) const {
   mark_still(sources, moves_);
   if (options_.edit.reverse) sources.frames = clip_->size() - 1 - sources.frames;
   return sources;
-}
-
-FrameSources CarriedSynthesis::sources() const {
-  return drawn_.at(std::min(std::int64_t{std::llround(time(next_frame_))}, std::prev(drawn_.end())->first))
-      .sources;
 }
 
 /// Draws the moments up to `last` that are not drawn yet.
@@ -177,7 +175,8 @@ void CarriedSynthesis::draw_moments(std::int64_t last, const core::Context& cont
                          [&](std::size_t i) {
                            auto& drawn = drawn_[first + static_cast<std::int64_t>(i)];
                            drawn.frame = std::move(frames[i % room]);
-                           drawn.sources = sources_of(moments[i % room]);
+                           drawn.shown = moments[i % room].shown;
+                           drawn.strokes = std::move(moments[i % room].carried.strokes);
                          }});
 }
 

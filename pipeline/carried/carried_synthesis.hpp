@@ -66,14 +66,14 @@ class CarriedSynthesis {
   };
   struct DrawnMoment {
     cv::Mat frame, motion;  // to the next moment, where it was needed
-    FrameSources sources;
+    PlayedMoment shown;
+    std::vector<CarriedStroke> strokes;
   };
   [[nodiscard]] std::optional<int> played_loop() const;
   [[nodiscard]] double time(std::int64_t frame) const;
   void play_rounds(const core::Context& context);
   [[nodiscard]] Moment next_moment();
   [[nodiscard]] cv::Mat draw(const Moment& moment) const;
-  [[nodiscard]] FrameSources sources_of(const Moment& moment) const;
   void draw_moments(std::int64_t last, const core::Context& context);
   void find_motion(std::int64_t count, const core::Context& context);
   [[nodiscard]] cv::Mat frame_at(std::int64_t frame) const;

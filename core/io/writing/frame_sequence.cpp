@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -34,31 +35,26 @@ void enable_exr() {
   static_cast<void>(once);
 }
 
-/// A printf number in a pattern: where it stands, and how many digits it has at least.
-struct Number {
-  std::size_t at = 0, length = 0;
-  int digits = 1;
-};
-
-/// Returns the only number of a pattern; nothing where it has none, several, or other signs of a pattern.
-std::optional<Number> only_number(const std::string& pattern) {
+/// Returns where a pattern's only number stands; nothing where it has none, several, or other signs of a
+/// pattern.
+std::optional<std::size_t> only_number(const std::string& pattern) {
+  constexpr std::size_t kMostDigits = 9;
   const auto at = pattern.find('%');
-  if (at == std::string::npos || pattern.find_first_of("*?") != std::string::npos) return std::nullopt;
-  const auto end = pattern.find_first_not_of("0123456789", at + 1);
-  if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos)
+  if (at == std::string::npos || pattern.find_first_of("*?") != std::string::npos ||
+      pattern.find('%', at + 1) != std::string::npos)
     return std::nullopt;
-  const std::string digits = pattern.substr(at + 1, end - at - 1);
-  if (digits.empty()) return Number{at, end + 1 - at, 1};
-  if (digits.size() > 2 || digits.front() != '0' || digits == "0") return std::nullopt;
-  return Number{at, end + 1 - at, std::stoi(digits)};
+  const auto number = pattern_number(std::string_view(pattern).substr(at));
+  const bool is_plain = number && number->length == 2;
+  return is_plain || (number && number->digits >= 1 && number->digits <= kMostDigits) ? std::optional(at)
+                                                                                      : std::nullopt;
 }
 
 std::string name_of(const std::string& pattern, long long frame) {
-  const Number number = *only_number(pattern);
+  const std::size_t at = *only_number(pattern);
+  const PatternNumber number = *pattern_number(std::string_view(pattern).substr(at));
   std::string digits = std::to_string(frame);
-  if (const auto least = static_cast<std::size_t>(number.digits); digits.size() < least)
-    digits.insert(0, least - digits.size(), '0');
-  return std::string(pattern).replace(number.at, number.length, digits);
+  if (digits.size() < number.digits) digits.insert(0, number.digits - digits.size(), '0');
+  return std::string(pattern).replace(at, number.length, digits);
 }
 
 fs::path absolute_folder(const fs::path& path) {
