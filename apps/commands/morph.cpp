@@ -62,8 +62,7 @@ MorphEnd read_sketched_end(const std::string& name, int frame) {
   auto sketch = graph::read_sketch(file, name);
   if (static_cast<std::size_t>(frame) >= sketch.frames.size())
     throw core::IoError(no_such_frame(name, frame, static_cast<std::int64_t>(sketch.frames.size())));
-  MorphEnd end{
-      std::move(sketch.frames[static_cast<std::size_t>(frame)]), {sketch.width, sketch.height}, sketch.fps};
+  MorphEnd end{sketch.frames[static_cast<std::size_t>(frame)], {sketch.width, sketch.height}, sketch.fps};
   double sum = 0, count = 0;
   for (const auto& vertex : end.graph.vertices())
     for (const auto& level : {vertex.patch.left, vertex.patch.right}) {

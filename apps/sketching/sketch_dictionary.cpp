@@ -32,7 +32,7 @@ SketchDictionary learn_dictionary(core::FrameSource& source, const sketch::Extra
         return std::vector<pipeline::FrameReading>{{levels, sketch::extract(levels, options)}};
       },
       [&](int, std::vector<pipeline::FrameReading> readings) {
-        Frame made{std::move(readings.front().graph), {}};
+        Frame made{readings.front().graph, {}};
         made.views = sketch::view_patches(readings.front().levels, made.graph);
         return made;
       },
