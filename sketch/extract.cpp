@@ -281,7 +281,9 @@ std::vector<Chain> find_curves(const Searched& frame, const cv::Mat& levels, con
   chains = cut_at_contrast_gaps(chains, frame.space, {kHalf, frame.noise});
   without_crumbs(chains);
   append(chains, find_weak_curves(chains, frame.space, frame.noise, limits.weak, frame.usual));
-  return chains;
+  int numbered = 0;
+  for (const Chain& chain : chains) numbered = std::max({numbered, chain.gap[0], chain.gap[1]});
+  return part_ends_at_gaps(std::move(chains), frame.space, {kHalf, frame.noise, numbered});
 }
 
 // The strokes of a frame or a part, along the curves that are found or given.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "sketch/detection/curve_tracing.hpp"
@@ -23,5 +24,16 @@ struct ContrastGapLimits {
 /// Pieces shorter than two points are dropped, and those of less than 6 px between two gaps. O(points).
 std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const ScaleSpace& space,
                                         const ContrastGapLimits& limits);
+
+/// Tells whether the frame shows a narrow gap of a curve, as cut_at_contrast_gaps() finds it there, at one of
+/// the points first…last. `sigma`: px, of the curve's profile. O(points).
+bool shows_gap(const Chain& chain, std::size_t first, std::size_t last, const cv::Mat1f& frame, double sigma,
+               const ContrastGapLimits& limits);
+
+/// Trims ends of curves that face each other where the frame shows a narrow gap on the way from one to the
+/// other, as cut_at_contrast_gaps() finds it within a curve. Both ends then bear the gap's number. The
+/// nearest ends come first, each end has one gap at most. O(ends² + points).
+std::vector<Chain> part_ends_at_gaps(std::vector<Chain> chains, const ScaleSpace& space,
+                                     const ContrastGapLimits& limits);
 
 }  // namespace emberfold::sketch

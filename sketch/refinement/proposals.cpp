@@ -9,6 +9,7 @@
 #include "core/math/bilinear.hpp"
 #include "core/math/luma.hpp"
 #include "core/math/robust.hpp"
+#include "sketch/detection/contrast_gaps.hpp"
 
 namespace emberfold::sketch {
 
@@ -146,6 +147,38 @@ double ProposalBuilder::visible_contrast(const Patch& patch, Point from, Point t
     least = std::min(least, (before + here + after) / expected * std::abs(patch.contrast / contrast));
   }
   return least;
+}
+
+bool ProposalBuilder::shows_gap(const std::vector<Slot>& before, const std::vector<Slot>& after) const {
+  constexpr double kShare = 0.5;  // a stroke is there as far as it shows at half of its contrast
+  const Patch &a = draft_.patch(before.front()), &b = draft_.patch(after.front());
+  std::vector<Point> corners;
+  for (auto slot = before.rbegin(); slot != before.rend(); ++slot)
+    corners.push_back(draft_.patch(*slot).position);
+  for (const Slot slot : after) corners.push_back(draft_.patch(slot).position);
+  Chain way{graph::on_step(a) ? CreaseKind::step
+            : a.contrast > 0  ? CreaseKind::ridge
+                              : CreaseKind::valley,
+            {},
+            false};
+  const auto at = [](Point place) {
+    CreasePoint point;
+    point.position = place;
+    return point;
+  };
+  std::size_t first = 0, last = 0;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {  // a point a pixel
+    const Point step = corners[i + 1] - corners[i];
+    const int pieces = std::max(1, static_cast<int>(std::lround(graph::norm(step))));
+    if (i + 1 == before.size()) first = way.points.size(), last = first + static_cast<std::size_t>(pieces);
+    for (int k = 0; k < pieces; ++k) way.points.push_back(at(corners[i] + step * (1.0 * k / pieces)));
+  }
+  way.points.push_back(at(corners.back()));
+  const auto variance = [](const Patch& patch) {
+    return patch.blur * patch.blur + patch.width * patch.width / 12;
+  };
+  return sketch::shows_gap(way, first, last, axes_[0].luma, std::sqrt(0.5 * (variance(a) + variance(b))),
+                           {kShare, axes_[0].noise, 0});
 }
 
 Patch ProposalBuilder::with_coding_cost(Patch patch) const {

@@ -53,6 +53,9 @@ class ProposalBuilder {
   /// so less sure. Stops early where less than `enough` shows.
   [[nodiscard]] double visible_contrast(const graph::Patch& patch, graph::Point from, graph::Point to,
                                         double contrast, double enough) const;
+  /// Tells whether a gap shows between two strokes, of which these are the patches from the gap on: a narrow
+  /// one too, that visible_contrast() evens out.
+  [[nodiscard]] bool shows_gap(const std::vector<Slot>& before, const std::vector<Slot>& after) const;
   /// Returns the patch with its cost and gain.
   [[nodiscard]] graph::Patch with_coding_cost(graph::Patch patch) const;
   /// Returns whether a patch would lie on a patch of the graph that is none of `besides`.

@@ -96,6 +96,7 @@ void join_ends(ProposalBuilder& editor, const End& a, const End& b) {
   if (length >= 0.6 * editor.spacing() &&
       (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length))
     return;
+  if (editor.shows_gap(stroke_tail(draft, a.slot), stroke_tail(draft, b.slot))) return;
   // Medians over both strokes: near a gap their ends have less contrast.
   const double contrast = std::copysign(std::sqrt(median_contrast(draft, stroke_tail(draft, a.slot)) *
                                                   median_contrast(draft, stroke_tail(draft, b.slot))),
