@@ -131,8 +131,8 @@ void cut_stroke(Draft& draft, SubgraphId stroke, Point place) {
 }
 
 /// Joins two of these strokes by an edge between their nearest patches, less than `widest` px apart.
-/// With more than two strokes, only patches near the place are joined.
-void bridge_pieces(Draft& draft, std::span<const SubgraphId> strokes, Point place, double widest) {
+/// With more than two strokes, only patches near the place are joined. Returns whether any were.
+bool bridge_pieces(Draft& draft, std::span<const SubgraphId> strokes, Point place, double widest) {
   std::vector<const Vertex*> members;
   draft.each_vertex([&](const Vertex& v) {
     if (std::ranges::find(strokes, v.subgraph) != strokes.end()) members.push_back(&v);
@@ -153,6 +153,7 @@ void bridge_pieces(Draft& draft, std::span<const SubgraphId> strokes, Point plac
     }
   }
   if (nearest) draft.join(*nearest);
+  return nearest.has_value();
 }
 
 /// Removes all vertices of a stroke.
@@ -205,7 +206,8 @@ class FlickerRepair {
  private:
   /// Merges short-lived pieces with their stroke: those that separate and soon die, or are born and soon
   /// unite. They are an end of the stroke that fades out or in. If both pieces are short-lived, the stroke
-  /// fades as a whole and its pieces are joined.
+  /// fades as a whole and its pieces are joined, or, where too much of it is missing between them, the larger
+  /// stands for it.
   void merge_short_pieces(std::vector<Draft>& drafts, std::vector<bool>& done) const {
     for (std::size_t i = 0; i < events_.size(); ++i) {
       if (!is_separation(events_[i]) && !is_union(events_[i])) continue;
@@ -225,8 +227,11 @@ class FlickerRepair {
       if (ends[0] && ends[1]) {
         const int end = parts ? std::min(*ends[0], *ends[1]) : std::max(*ends[0], *ends[1]);
         const auto [first, last] = frames_of(end);
-        for (int t = first; t < last; ++t)
-          bridge_pieces(drafts[static_cast<std::size_t>(t)], pieces, joint.position, kWidestTear);
+        const SubgraphId smaller = pieces[sizes[0] < sizes[1] ? 0 : 1];
+        for (int t = first; t < last; ++t) {
+          Draft& draft = drafts[static_cast<std::size_t>(t)];
+          if (!bridge_pieces(draft, pieces, joint.position, kWidestTear)) remove_stroke(draft, smaller);
+        }
         done[i] = true;
         continue;
       }

@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/clip/frame_stream.hpp"
@@ -146,9 +147,35 @@ struct PooledEvent {
   std::vector<std::pair<std::size_t, std::size_t>> members;
 };
 
-/// Tells which of the events a reading has, too; its others are added if it `brings_events`.
-void add_events(const Reading& reading, std::size_t number, bool brings_events,
+/// Tells whether the shorter of two strokes that appear or vanish lies on the longer: a part of it, that one
+/// reading has a frame earlier or later than the rest.
+bool is_part(const Reading& a, const graph::TracedEvent& of_a, const Reading& b,
+             const graph::TracedEvent& of_b) {
+  constexpr double kBeside = 5, kShare = 0.5;  // px; of the patches
+  const bool is_longer = of_a.path.size() > of_b.path.size();
+  const auto& [shorter, of_shorter] = is_longer ? std::tie(b, of_b) : std::tie(a, of_a);
+  const auto& [longer, of_longer] = is_longer ? std::tie(a, of_a) : std::tie(b, of_b);
+  const auto path_of = [](const Reading& reading, const graph::TracedEvent& traced) {
+    const graph::AttributeGraph& graph = reading.index.graph(traced.path_frame);
+    Path path;
+    for (const graph::VertexId id : traced.path)
+      path.push_back(graph.patch(static_cast<std::uint32_t>(graph.index_of(id))));
+    return path;
+  };
+  const Path whole = path_of(longer, of_longer), part = path_of(shorter, of_shorter);
+  const auto on_whole = std::ranges::count_if(part, [&](const graph::Patch& patch) {
+    return std::ranges::any_of(whole, [&](const graph::Patch& other) {
+      return same_kind(patch, other) && distance(patch.position, other.position) <= kBeside;
+    });
+  });
+  return static_cast<double>(on_whole) >= kShare * static_cast<double>(part.size());
+}
+
+/// Tells which of the events a reading has, too; its others are added if it `brings_events`, unless they are
+/// parts of strokes that appear or vanish in another reading.
+void add_events(std::span<const Reading> readings, std::size_t number, bool brings_events,
                 std::vector<PooledEvent>& events) {
+  const Reading& reading = readings[number];
   struct Pair {
     double apart = 0;
     std::size_t known = 0, other = 0;
@@ -169,7 +196,20 @@ void add_events(const Reading& reading, std::size_t number, bool brings_events,
     is_taken[pair.known] = is_known[pair.other] = true;
     events[pair.known].members.emplace_back(number, pair.other);
   }
-  for (std::size_t k = 0; brings_events && k < is_known.size(); ++k) {
+  if (!brings_events) return;
+  const std::size_t known = events.size();
+  for (std::size_t i = 0; i < known; ++i) {
+    if (!events[i].weighed.evidence.of_stroke) continue;
+    const auto& [first, first_event] = events[i].members.front();
+    const graph::TracedEvent& whole = readings[first].traced[first_event];
+    reading.each_near(events[i].weighed.event.frame, kSameFrames, [&](std::size_t k) {
+      const graph::TracedEvent& part = reading.traced[k];
+      if (!is_known[k] && first != number && part.event.type == whole.event.type &&
+          is_part(readings[first], whole, reading, part))
+        is_known[k] = true;
+    });
+  }
+  for (std::size_t k = 0; k < is_known.size(); ++k) {
     if (is_known[k]) continue;
     PooledEvent& added = events.emplace_back();
     added.weighed.event = reading.traced[k].event;
@@ -307,7 +347,7 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
     }
   const std::size_t steadied = readings.steadied.size(), own = steadied + readings.unsteadied.size();
   std::vector<PooledEvent> pooled;
-  for (std::size_t k = 0; k < all.size(); ++k) add_events(all[k], k, k < own, pooled);
+  for (std::size_t k = 0; k < all.size(); ++k) add_events(all, k, k < own, pooled);
   for (PooledEvent& event : pooled) {
     auto& evidence = event.weighed.evidence;
     evidence.log_factor = -mcmc::kMostChangeFactor;  // unless it is measured
