@@ -6,7 +6,9 @@
 #include <numeric>
 #include <utility>
 
+#include "core/math/bilinear.hpp"
 #include "core/math/fast_round.hpp"
+#include "core/math/robust.hpp"
 
 namespace emberfold::sketch {
 
@@ -164,6 +166,37 @@ bool blurred_ground(const Chain& chain, const ScaleSpace& space) {
   return at_half * at_own < 0 || std::abs(at_half) < kLeast * std::abs(at_own);
 }
 
+/// Tells whether a line is the ground between two lines of the other sign, seen there as beyond them: it
+/// falls no farther below them than what lies on their other sides, where no line of its own sign is near.
+bool is_ground_between(const Chain& chain, const Accepted& opposite, const Accepted& same,
+                       const ScaleSpace& space) {
+  constexpr double kReach = 4, kBeyond = 3;      // of a scale
+  constexpr double kShare = 0.6, kBelow = 0.25;  // of the points; of the lines' contrast
+  const ScaleLevel& own = space[median_level(chain.points, space)];
+  const double sign = chain.kind == CreaseKind::valley ? 1 : -1, reach = kReach * 1.5 * own.sigma + 4;
+  const auto level_at = [&](Point p) { return sign * core::sample_bilinear(own.frame, p.x, p.y); };
+  std::vector<double> below, contrast;
+  for (std::size_t i = 0; i < chain.points.size(); ++i) {
+    const Point p = chain.points[i].position, u = tangent(chain, i), across{-u.y, u.x};
+    double ground = 0, line = 0;
+    int sides = 0;
+    for (const Point side : {across, across * -1}) {
+      const CreasePoint* q = opposite.first_on(p + side * own.sigma, side, reach);
+      if (q == nullptr) break;
+      const double scale = space[static_cast<std::size_t>(q->level)].sigma;
+      const Point at = p + side * graph::dot(q->position - p, side);
+      const double beyond = kBeyond * scale;
+      if (same.first_on(at, side, beyond + own.sigma) != nullptr) break;
+      ground += level_at(at + side * beyond), line += level_at(at), ++sides;
+    }
+    if (sides < 2) continue;
+    below.push_back(0.5 * ground - level_at(p));
+    contrast.push_back(0.5 * (line - ground));
+  }
+  if (static_cast<double>(below.size()) < kShare * static_cast<double>(chain.points.size())) return false;
+  return core::median(std::move(below)) < kBelow * core::median(std::move(contrast));
+}
+
 double mean_strength(const Chain& chain) {
   return std::accumulate(chain.points.begin(), chain.points.end(), 0.0,
                          [](double sum, const CreasePoint& p) { return sum + p.strength; }) /
@@ -186,8 +219,10 @@ void drop_between(const std::vector<Chain>& chains, const std::vector<std::size_
                   const ScaleSpace& space, Judged& judged) {
   constexpr double kLeast = 0.2;  // of the response: less was explained by the stronger of the two
   for (const std::size_t c : order) {
-    if (judged.dropped[c] || judged.share[c] < kLeast) continue;
-    if (explained(chains[c], judged.opposite(chains[c].kind), space) * kOfAll <= 1) continue;
+    if (judged.dropped[c] || chains[c].kind == CreaseKind::step) continue;
+    const auto &same = judged.of(chains[c].kind), &opposite = judged.opposite(chains[c].kind);
+    const bool is_lobe = judged.share[c] >= kLeast && explained(chains[c], opposite, space) * kOfAll > 1;
+    if (!is_lobe && !is_ground_between(chains[c], opposite, same, space)) continue;
     judged.dropped[c] = true;
     judged.of(chains[c].kind).remove(chains[c]);
   }
