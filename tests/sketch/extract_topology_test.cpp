@@ -161,6 +161,15 @@ TEST_CASE("A gap of 8 px parts a stroke, one of 1 px does not") {
   }
 }
 
+TEST_CASE("Two arms that end 6 px from each other stay apart, at one place they meet", "[sketch][gaps]") {
+  for (const double width : {3.0, 4.0})
+    for (const double rise : {0.0, 15.0, 30.0}) {
+      INFO("width " << width << ", rise " << rise);
+      CHECK(share_right({{{{-45, rise}, {-3, 0}}, {{3, 0}, {45, rise}}}, width}, {2, 4, 0}) == 1);
+      CHECK(share_right({{{{-45, rise}, {0, 0}}, {{0, 0}, {45, rise}}}, width}, {1, 2, 0}) == 1);
+    }
+}
+
 TEST_CASE("A ring is one closed curve") {
   for (const double noise : {0.0, 5.0, 15.0})
     for (const double sign : {1.0, -1.0})
@@ -181,6 +190,35 @@ TEST_CASE("Strokes side by side are two, and what lies between them is none") {
       INFO("width " << width << ", " << apart << " px apart");
       const double y = apart / 2;
       CHECK(share_right({{{{-45, -y}, {45, -y}}, {{-45, y}, {45, y}}}, width}, {2, 4, 0}) >= 0.95);
+    }
+}
+
+TEST_CASE("Where two lines run close together the ground between is none, a line of its own there is one",
+          "[sketch]") {
+  for (const double noise : {0.0, 3.0})
+    for (const double sign : {1.0, -1.0}) {
+      INFO("noise " << noise << ", sign " << sign);
+      const auto found = [&](const std::vector<Cover>& shapes, const Cover& dark) {
+        const auto frame = draw(kSize, [&](Point p) {
+          double most = 0;
+          for (const Cover& shape : shapes) most = std::max(most, shape(p));
+          return 120 + sign * (70 * most - 50 * dark(p));
+        });
+        return sketch::extract(with_noise(frame, noise, 5), {});
+      };
+      const Cover none = [](Point) { return 0.0; };
+      const auto of_other_sign = [&](const AttributeGraph& graph) {
+        return std::ranges::count_if(graph.vertices(),
+                                     [&](const auto& v) { return v.patch.contrast * sign < 0; });
+      };
+      const auto rings =
+          found({ring(kMiddle - Point{19, 0}, 24, 4, 1), ring(kMiddle + Point{19, 0}, 24, 4, 1)}, none);
+      CHECK(of_other_sign(rings) == 0);
+      CHECK(graph::components(rings).count == 1);
+      const auto bar = [](double y, double width) {
+        return segment(kMiddle + Point{-45, y}, kMiddle + Point{45, y}, width, 1);
+      };
+      CHECK(of_other_sign(found({bar(-8, 4), bar(8, 4)}, bar(0, 4))) > 10);
     }
 }
 

@@ -176,6 +176,25 @@ TEST_CASE("A stroke that falls into pieces as it fades dies once and one that ap
   CHECK(graph::distance(born[0].position, dies[0].position) < 1);
 }
 
+TEST_CASE("A stroke of which only pieces far apart show for a frame is born and dies once",
+          "[graph][steady]") {
+  const Line other{{100, 20}, {100, 60}};
+  const AttributeGraph gone = draw({other}), whole = draw({other, kStroke[0]}),
+                       torn = draw({other, {{40, 20}, {40, 30}}, {{40, 60}, {40, 80}}});
+  std::vector<AttributeGraph> frames(4, gone);
+  frames.push_back(torn);
+  frames.insert(frames.end(), 6, whole);
+  frames.push_back(torn);
+  frames.insert(frames.end(), 4, gone);
+  const auto events = events_of(frames);
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].type == EventType::birth);
+  CHECK(events[0].frame == 4);
+  CHECK(events[1].type == EventType::death);
+  CHECK(events[1].frame == 12);
+  for (const graph::Event& event : events) CHECK(graph::distance(event.position, {40, 50}) < 8);
+}
+
 TEST_CASE("A stroke that gains little has to be seen twice as long", "[graph][steady]") {
   for (const int length : {4, 5, 6, 7}) {
     for (const double gain : {100.0, 30.0}) {

@@ -205,6 +205,22 @@ TEST_CASE("An event that one reading lacks is less likely", "[posterior]") {
   }
 }
 
+TEST_CASE("A piece of a stroke that one reading has first is no event of its own", "[posterior]") {
+  const core::Clip clip = film(
+      [](Point p, int t) { return 80 + line(p, 40, 15, 105) + (t >= 12 ? line(p, 110, 15, 105) : 0); }, 2);
+  const graph::MotionGraph motion = matched(clip);
+  const auto without_middle = [](int t, const graph::Patch& patch) {
+    return t <= 12 && patch.position.x > 75 && patch.position.y > 45 && patch.position.y < 75;
+  };
+  const graph::MotionGraph in_pieces = matched_without(motion, without_middle, 0);
+  REQUIRE(std::ranges::count(graph::stroke_events(in_pieces), EventType::birth, &graph::Event::type) == 2);
+  core::ClipSource source(clip);
+  const auto weighed = pipeline::weigh_events(source, {{motion}, {in_pieces}});
+  const auto births =
+      std::ranges::count_if(weighed, [](const auto& one) { return one.event.type == EventType::birth; });
+  CHECK(births == 1);
+}
+
 TEST_CASE("Readings of an event count by their mean", "[posterior]") {
   const core::Clip clip =
       film([](Point p,

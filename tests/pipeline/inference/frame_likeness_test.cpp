@@ -128,7 +128,7 @@ TEST_CASE("In frames that have nothing in common no event is believed, and that 
   std::string warned;
   const core::Context context({}, {}, [&](const std::string& text) { warned += text; });
   const auto events = pipeline::event_posterior(source, {{graph::match(sketch, {})}, {}}, context);
-  REQUIRE(events.size() > 10);
+  REQUIRE(events.size() > 4);
   CHECK(std::ranges::all_of(events, [](const graph::Event& e) { return e.probability < 0.1; }));
   CHECK(warned.find("no more alike") != std::string::npos);
 }
