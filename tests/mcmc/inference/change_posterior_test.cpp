@@ -148,7 +148,7 @@ TEST_CASE("Each kind of evidence moves the odds of a change its own way", "[chan
     CHECK(with([](auto& e) { e.until = 2; }) < odds);
     CHECK(with([](auto& e) { e.contrast = 3; }) < odds - 1);
     CHECK(with([](auto& e) { e.contrast = 2; }) < with([](auto& e) { e.contrast = 3; }));
-    CHECK(with([](auto& e) { e.contrast = 6; }) == odds);
+    CHECK(with([](auto& e) { e.contrast = 10; }) == odds);
     // Time has no sense here, and what is long enough ago does not count.
     CHECK(with([](auto& e) { std::swap(e.since, e.until); }) == odds);
     CHECK(with([](auto& e) { e.since = 12, e.until = 12; }) ==
@@ -203,7 +203,7 @@ TEST_CASE("The share of true changes is learned from all of a clip", "[change]")
     CHECK(found > last);
     last = found;
     const auto p = mcmc::change_probabilities(changes);
-    const double shift = 0.5 * std::clamp(std::log(found / (1 - found)) - usual, -4.0, 4.0);
+    const double shift = 0.68 * std::clamp(std::log(found / (1 - found)) - usual, -4.0, 4.0);
     for (std::size_t i = 0; i < p.size(); i += 200)
       CHECK_THAT(p[i], WithinAbs(logistic(mcmc::change_log_odds(changes[i]) + shift), 1e-12));
     // What some reading lacks does not tell how many are true.
