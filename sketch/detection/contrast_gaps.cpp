@@ -212,24 +212,10 @@ void split_chain(const Chain& chain, const std::vector<double>& s, const std::ve
 
 // ---- between two curves ----
 
-struct End {
-  std::size_t chain;
-  bool back;
-  Point position, outward;
-};
-
-std::vector<End> open_ends(const std::vector<Chain>& chains) {
-  std::vector<End> ends;
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    const std::size_t n = chains[c].points.size();
-    if (chains[c].closed || n < 2) continue;
-    for (const bool back : {false, true}) {
-      if (chains[c].gap.at(back ? 1 : 0) > 0) continue;
-      const std::size_t at = back ? n - 1 : 0;
-      const Point along = tangent(chains[c], at, 5);
-      ends.push_back({c, back, chains[c].points[at].position, back ? along : along * -1});
-    }
-  }
+// Ends that lie at no gap yet.
+std::vector<CurveEnd> open_ends(const std::vector<Chain>& chains) {
+  std::vector<CurveEnd> ends = free_ends(chains);
+  std::erase_if(ends, [&](const CurveEnd& end) { return chains[end.chain].gap.at(end.back ? 1 : 0) > 0; });
   return ends;
 }
 
@@ -242,8 +228,9 @@ std::vector<CreasePoint> points_from(const Chain& chain, bool back, std::size_t 
 
 // How many points lie in a gap on the way from one end to another, of the one and of the other curve; nothing
 // where there is no gap.
-std::optional<std::array<std::size_t, 2>> points_in_gap(const std::vector<Chain>& chains, const End& from,
-                                                        const End& to, const ScaleSpace& space,
+std::optional<std::array<std::size_t, 2>> points_in_gap(const std::vector<Chain>& chains,
+                                                        const CurveEnd& from, const CurveEnd& to,
+                                                        const ScaleSpace& space,
                                                         const ContrastGapLimits& limits) {
   constexpr std::size_t kMost = 20;
   const std::size_t most =
@@ -272,7 +259,7 @@ std::optional<std::array<std::size_t, 2>> points_in_gap(const std::vector<Chain>
   return std::array{begin < first ? first - begin : 0, end >= last ? end + 1 - last : 0};
 }
 
-void trim(Chain& chain, bool back, std::size_t count) {
+void trim_end(Chain& chain, bool back, std::size_t count) {
   const auto n = static_cast<std::ptrdiff_t>(std::min(count, chain.points.size() - 2));
   if (back)
     chain.points.erase(chain.points.end() - n, chain.points.end());
@@ -317,7 +304,7 @@ std::vector<Chain> part_ends_at_gaps(std::vector<Chain> chains, const ScaleSpace
     double apart;
     std::size_t from, to;
   };
-  const std::vector<End> ends = open_ends(chains);
+  const std::vector<CurveEnd> ends = open_ends(chains);
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < ends.size(); ++i)
     for (std::size_t j = i + 1; j < ends.size(); ++j) {
@@ -334,11 +321,11 @@ std::vector<Chain> part_ends_at_gaps(std::vector<Chain> chains, const ScaleSpace
   for (const Pair& pair : pairs) {
     if (is_done[pair.from] || is_done[pair.to]) continue;
     is_done[pair.from] = is_done[pair.to] = true;
-    const End &from = ends[pair.from], &to = ends[pair.to];
+    const CurveEnd &from = ends[pair.from], &to = ends[pair.to];
     const auto gap = points_in_gap(chains, from, to, space, limits);
     if (!gap) continue;
-    trim(chains[from.chain], from.back, (*gap)[0]);
-    trim(chains[to.chain], to.back, (*gap)[1]);
+    trim_end(chains[from.chain], from.back, (*gap)[0]);
+    trim_end(chains[to.chain], to.back, (*gap)[1]);
     chains[from.chain].gap.at(from.back ? 1 : 0) = chains[to.chain].gap.at(to.back ? 1 : 0) = ++number;
   }
   return chains;

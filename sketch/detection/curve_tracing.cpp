@@ -223,6 +223,20 @@ Point tangent(const Chain& chain, std::size_t at, std::size_t reach) {
   return v * (1 / length);
 }
 
+std::vector<CurveEnd> free_ends(const std::vector<Chain>& chains) {
+  constexpr std::size_t kReach = 5;  // points over which the direction of an end is taken
+  std::vector<CurveEnd> ends;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    if (chains[c].closed) continue;
+    for (const bool back : {false, true}) {
+      const std::size_t at = back ? chains[c].points.size() - 1 : 0;
+      const Point along = tangent(chains[c], at, kReach);
+      ends.push_back({c, back, chains[c].points[at].position, back ? along : along * -1});
+    }
+  }
+  return ends;
+}
+
 std::vector<Chain> remove_hooks(std::vector<Chain> chains) {
   constexpr std::size_t kTail = 6, kBody = 14;  // points
   constexpr double kAside = std::numbers::pi / 5;

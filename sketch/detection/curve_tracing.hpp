@@ -36,6 +36,16 @@ std::vector<double> arc_lengths(const Chain& chain);
 /// Returns the unit direction of the chain at a point, from its neighbours `reach` points off.
 graph::Point tangent(const Chain& chain, std::size_t at, std::size_t reach = 3);
 
+/// Holds an end of a curve that is not closed.
+struct CurveEnd {
+  std::size_t chain = 0;
+  bool back = false;               ///< the last point, else the first
+  graph::Point position, outward;  ///< px; the unit direction in which the curve runs out
+};
+
+/// Returns the ends of all curves, two by two, in their order.
+std::vector<CurveEnd> free_ends(const std::vector<Chain>& chains);
+
 /// Returns the median of the best responding levels along a curve or a part of it. Only the channel counts
 /// that most of its points belong to; at least one point.
 std::size_t median_level(std::span<const CreasePoint> points, const ScaleSpace& space);

@@ -19,12 +19,6 @@ using graph::Point;
 
 namespace {
 
-struct End {
-  std::size_t chain;
-  bool back;
-  Point position, outward;
-};
-
 struct Meeting {
   double cost;
   std::size_t end;
@@ -33,19 +27,6 @@ struct Meeting {
 
 std::size_t end_point(const Chain& chain, bool back) {
   return back ? chain.points.size() - 1 : 0;
-}
-
-std::vector<End> free_ends(const std::vector<Chain>& chains) {
-  std::vector<End> ends;
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    if (chains[c].closed) continue;
-    for (const bool back : {false, true}) {
-      const std::size_t at = end_point(chains[c], back);
-      const Point along = tangent(chains[c], at, 5);
-      ends.push_back({c, back, chains[c].points[at].position, back ? along : along * -1});
-    }
-  }
-  return ends;
 }
 
 // Points of all chains by cells of 8 px.
@@ -149,8 +130,8 @@ std::size_t level_near(const Chain& chain, const ScaleSpace& space, bool back) {
 
 // Points that the end points at and reaches, the nearest one of every curve within reach.
 std::vector<Meeting> candidates(const std::vector<Chain>& chains, const Grid& grid, const ScaleSpace& space,
-                                const std::vector<End>& ends, std::size_t e) {
-  const End& end = ends[e];
+                                const std::vector<CurveEnd>& ends, std::size_t e) {
+  const CurveEnd& end = ends[e];
   const Chain& own = chains[end.chain];
   const std::size_t own_end = end_point(own, end.back);
   const std::size_t own_level = level_near(own, space, end.back);
@@ -215,7 +196,7 @@ Contact snapped(const std::vector<Chain>& chains, Contact contact) {
 
 CurveNetwork join_free_ends(std::vector<Chain> chains, const ScaleSpace& space) {
   CurveNetwork network;
-  const std::vector<End> ends = free_ends(chains);
+  const std::vector<CurveEnd> ends = free_ends(chains);
   const Grid grid(chains);
   std::vector<Meeting> all;
   for (std::size_t e = 0; e < ends.size(); ++e) {
