@@ -38,11 +38,11 @@ class Grid {
         columns_ = std::max(columns_, column(p.position.x) + 1);
         rows_ = std::max(rows_, column(p.position.y) + 1);
       }
-    cells_.resize(static_cast<std::size_t>(columns_ * rows_));
+    cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
     for (std::size_t c = 0; c < chains.size(); ++c)
       for (std::size_t i = 0; i < chains[c].points.size(); ++i) {
         const Point p = chains[c].points[i].position;
-        cells_[static_cast<std::size_t>(column(p.y) * columns_ + column(p.x))].push_back({c, i});
+        cells_[cell(column(p.x), column(p.y))].push_back({c, i});
       }
   }
 
@@ -52,10 +52,13 @@ class Grid {
     const int y0 = std::max(0, column(p.y - radius)), y1 = std::min(rows_ - 1, column(p.y + radius));
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x)
-        for (const Contact& c : cells_[static_cast<std::size_t>(y * columns_ + x)]) visit(c);
+        for (const Contact& c : cells_[cell(x, y)]) visit(c);
   }
 
  private:
+  [[nodiscard]] std::size_t cell(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
+  }
   static int column(double v) { return static_cast<int>(std::floor(std::max(v, 0.0) / 8)); }
   int columns_ = 1, rows_ = 1;
   std::vector<std::vector<Contact>> cells_;
