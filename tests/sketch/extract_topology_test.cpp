@@ -133,7 +133,7 @@ TEST_CASE("A soft line on a steep slope of the ground is one stroke") {
                                          return 155 - 60 * reached(d - 8, 5) +
                                                 45 * line * reached(s + 55, 2) * reached(55 - s, 2);
                                        }),
-                                  2, static_cast<std::uint64_t>(k + 1));
+                                  2, static_cast<std::uint64_t>(k) + 1);
     const AttributeGraph found = sketch::extract(frame, {});
     std::vector<graph::VertexId> lines;
     double least = 1e9, most = -1e9;
