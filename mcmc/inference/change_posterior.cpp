@@ -30,11 +30,11 @@ constexpr double kOfStroke = -1.23;
 constexpr double kStrokeFactor = 0.35, kJointFactor = 0.26;  // of a nat
 constexpr double kShortSide = 1.49, kLongSide = 1.15;  // of a logarithm of frames without opposite change
 constexpr double kAgreement = 5.67;
-constexpr double kUsualShare = 0.4;   // of true changes among those that all readings have
+constexpr double kUsualShare = 0.4;    // of true changes among those that all readings have
 constexpr double kShareWeight = 0.68;  // of a clip's own share, on the scale of log odds
-constexpr double kMostLogOdds = 4;    // of one change, in the estimate of the share
-constexpr double kMostShift = 4;      // of log odds by the share
-constexpr double kPseudo = 0.5;       // true and false changes that are counted beforehand, each
+constexpr double kMostLogOdds = 4;     // of one change, in the estimate of the share
+constexpr double kMostShift = 4;       // of log odds by the share
+constexpr double kPseudo = 0.5;        // true and false changes that are counted beforehand, each
 
 // Not fitted, but chosen so that what cannot be seen is not believed (docs/method/events.md).
 constexpr double kFaint = 4, kPlainContrast = 10;  // of a logarithm of grey levels, below so many

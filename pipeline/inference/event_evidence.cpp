@@ -200,8 +200,8 @@ void add_events(std::span<const Reading> readings, std::size_t number, bool brin
   const std::size_t known = events.size();
   for (std::size_t i = 0; i < known; ++i) {
     if (!events[i].weighed.evidence.of_stroke) continue;
-    const auto& [first, first_event] = events[i].members.front();
-    const graph::TracedEvent& whole = readings[first].traced[first_event];
+    const std::size_t first = events[i].members.front().first;
+    const graph::TracedEvent& whole = readings[first].traced[events[i].members.front().second];
     reading.each_near(events[i].weighed.event.frame, kSameFrames, [&](std::size_t k) {
       const graph::TracedEvent& part = reading.traced[k];
       if (!is_known[k] && first != number && part.event.type == whole.event.type &&
