@@ -279,9 +279,7 @@ std::vector<Chain> find_curves(const Searched& frame, const cv::Mat& levels, con
   without_crumbs(chains);
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
   chains = cut_at_contrast_gaps(chains, frame.space, {kHalf, frame.noise});
-  int numbered = 0;
-  for (const Chain& chain : chains) numbered = std::max({numbered, chain.gap[0], chain.gap[1]});
-  chains = part_ends_at_gaps(std::move(chains), frame.space, {kHalf, frame.noise, numbered});
+  chains = part_ends_at_gaps(std::move(chains), frame.space, {kHalf, frame.noise});
   without_crumbs(chains);
   append(chains, find_weak_curves(chains, frame.space, frame.noise, limits.weak, frame.usual));
   return chains;

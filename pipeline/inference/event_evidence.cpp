@@ -204,7 +204,7 @@ void add_events(std::span<const Reading> readings, std::size_t number, bool brin
     const graph::TracedEvent& whole = readings[first].traced[events[i].members.front().second];
     reading.each_near(events[i].weighed.event.frame, kSameFrames, [&](std::size_t k) {
       const graph::TracedEvent& part = reading.traced[k];
-      if (!is_known[k] && first != number && part.event.type == whole.event.type &&
+      if (!is_known[k] && part.event.type == whole.event.type &&
           is_part(readings[first], whole, reading, part))
         is_known[k] = true;
     });

@@ -269,6 +269,12 @@ void trim_end(Chain& chain, bool back, std::size_t count) {
 
 }  // namespace
 
+int last_gap(const std::vector<Chain>& chains) {
+  int last = 0;
+  for (const Chain& chain : chains) last = std::max({last, chain.gap[0], chain.gap[1]});
+  return last;
+}
+
 std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const ScaleSpace& space,
                                         const ContrastGapLimits& limits) {
   std::vector<Chain> pieces;
@@ -317,7 +323,7 @@ std::vector<Chain> part_ends_at_gaps(std::vector<Chain> chains, const ScaleSpace
     }
   std::ranges::stable_sort(pairs, {}, &Pair::apart);
   std::vector<bool> is_done(ends.size(), false);
-  int number = limits.numbered;
+  int number = std::max(limits.numbered, last_gap(chains));
   for (const Pair& pair : pairs) {
     if (is_done[pair.from] || is_done[pair.to]) continue;
     is_done[pair.from] = is_done[pair.to] = true;

@@ -15,6 +15,9 @@ struct ContrastGapLimits {
   int numbered = 0;  ///< gaps that have a number already, 1 to this
 };
 
+/// Returns the greatest number that a gap of these curves bears, 0 where none has one.
+int last_gap(const std::vector<Chain>& chains);
+
 /// Cuts curves where their contrast fades. The contrast across the curve is measured twice:
 /// - at the curve's own scale: a point stays if its contrast is at least `share` of the usual one around it
 ///   (±20 px along the curve); dips below 3 px stay;
@@ -32,7 +35,8 @@ bool shows_gap(const Chain& chain, std::size_t first, std::size_t last, const cv
 
 /// Trims ends of curves that face each other where the frame shows a narrow gap on the way from one to the
 /// other, as cut_at_contrast_gaps() finds it within a curve. Both ends then bear the gap's number. The
-/// nearest ends come first, each end has one gap at most. O(ends² + points).
+/// nearest ends come first, each end has one gap at most; numbers go on from those that the curves bear.
+/// O(ends² + points).
 std::vector<Chain> part_ends_at_gaps(std::vector<Chain> chains, const ScaleSpace& space,
                                      const ContrastGapLimits& limits);
 

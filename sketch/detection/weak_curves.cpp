@@ -265,13 +265,6 @@ bool is_explained(const CreasePoint& p, const Drawn& same, const Drawn& opposite
   return false;
 }
 
-// The greatest number that a gap of these curves bears.
-int last_gap(const std::vector<Chain>& chains) {
-  int last = 0;
-  for (const Chain& chain : chains) last = std::max({last, chain.gap[0], chain.gap[1]});
-  return last;
-}
-
 // Adds the pieces of a curve that nothing explains.
 void add_pieces(const Chain& chain, const Drawn& same, const Drawn& opposite, std::vector<Chain>& to) {
   std::vector<char> gone;

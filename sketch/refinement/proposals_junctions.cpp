@@ -96,11 +96,11 @@ void join_ends(ProposalBuilder& editor, const End& a, const End& b) {
   if (length >= 0.6 * editor.spacing() &&
       (graph::dot(a.heading, gap) < kFacing * length || graph::dot(b.heading, gap) > -kFacing * length))
     return;
-  if (editor.shows_gap(stroke_tail(draft, a.slot), stroke_tail(draft, b.slot))) return;
+  const auto tail_a = stroke_tail(draft, a.slot), tail_b = stroke_tail(draft, b.slot);
+  if (editor.shows_gap(tail_a, tail_b)) return;
   // Medians over both strokes: near a gap their ends have less contrast.
-  const double contrast = std::copysign(std::sqrt(median_contrast(draft, stroke_tail(draft, a.slot)) *
-                                                  median_contrast(draft, stroke_tail(draft, b.slot))),
-                                        first.contrast);
+  const double contrast = std::copysign(
+      std::sqrt(median_contrast(draft, tail_a) * median_contrast(draft, tail_b)), first.contrast);
   const std::array<Slot, 2> both{a.slot, b.slot};
   if (length < 0.6 * editor.spacing()) {
     if (editor.visible_contrast(first, a.place, b.place, contrast, kClearlyShows) < kClearlyShows) return;
