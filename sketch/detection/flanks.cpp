@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/math/luma.hpp"
 #include "core/math/robust.hpp"
 #include "sketch/patches/patch_types.hpp"
 
@@ -46,21 +44,20 @@ class Cells {
     std::ranges::sort(places_, {}, [](const Place& place) { return std::pair(place.key, place.index); });
   }
 
-  /// Finds a patch for which `match` holds beside one at p of this width, not farther off than side_beside()
-  /// allows.
+  /// Returns whether `match` holds for a patch beside one at p of this width, not farther off than
+  /// lies_beside() allows.
   template <class Match>
-  [[nodiscard]] std::optional<std::uint32_t> find_near(Point p, double width, const Match& match) const {
+  [[nodiscard]] bool any_near(Point p, double width, const Match& match) const {
     for (int dy = -1; dy <= 1; ++dy) {
       const std::int64_t last = key(p, 1, dy);
       for (auto at = std::ranges::lower_bound(places_, key(p, -1, dy), {}, &Place::key);
            at != places_.end() && at->key <= last; ++at) {
         const Point off = at->position - p;
         const double across = 0.5 * (width + at->width) + kBeside;
-        if (dot(off, off) <= kMore * (kAlong * kAlong + across * across) && match(at->index))
-          return at->index;
+        if (dot(off, off) <= kMore * (kAlong * kAlong + across * across) && match(at->index)) return true;
       }
     }
-    return std::nullopt;
+    return false;
   }
 
  private:
@@ -97,32 +94,11 @@ bool may_flank(const Patch& patch, double width, const Patch& other, double of_s
          other.width <= kNarrower * width;
 }
 
-/// On which side of a patch another runs along with it: 1 right, −1 left, 0 if it does not.
-int side_beside(const Patch& patch, double width, const Patch& other) {
+bool lies_beside(const Patch& patch, double width, const Patch& other) {
   const Point along{std::cos(patch.theta), std::sin(patch.theta)}, off = other.position - patch.position;
-  const double across = off.y * along.x - off.x * along.y;  // to the right
-  const bool lies_beside = std::abs(dot(off, along)) <= kAlong &&
-                           std::abs(across) <= 0.5 * (width + other.width) + kBeside &&
-                           graph::orientation_difference(patch.theta, other.theta) <= kParallel;
-  return lies_beside ? (across < 0 ? -1 : 1) : 0;
-}
-
-double luma_of(const graph::Level& level) {
-  return core::luma(double{level[0]}, double{level[1]}, double{level[2]});
-}
-
-/// Tells whether a line between two of the other sign goes beyond the ground on their other sides: then it is
-/// no shading of theirs.
-bool is_below_ground(const Patch& patch, const Patch& a, const Patch& b) {
-  constexpr double kBelow = 0.25;  // of the lines' contrast
-  if (graph::on_step(patch)) return false;
-  const auto ground_beyond = [&](const Patch& line) {
-    const Point normal{-std::sin(line.theta), std::cos(line.theta)};
-    return luma_of(dot(patch.position - line.position, normal) > 0 ? line.left : line.right);
-  };
-  const double below = 0.5 * (ground_beyond(a) + ground_beyond(b)) - luma_of(patch.middle);
-  return (patch.contrast < 0 ? below : -below) >=
-         kBelow * 0.5 * (std::abs(a.contrast) + std::abs(b.contrast));
+  const double across = std::abs(off.y * along.x - off.x * along.y);
+  return std::abs(dot(off, along)) <= kAlong && across <= 0.5 * (width + other.width) + kBeside &&
+         graph::orientation_difference(patch.theta, other.theta) <= kParallel;
 }
 
 class Flanks {
@@ -167,16 +143,11 @@ class Flanks {
     for (const auto v : curve) asked_of_[v] = asked_;
     const auto flanked = [&](std::uint32_t v) {
       const Patch& patch = graph_.patch(v);
-      const auto beside = [&](int side) {
-        return cells_.find_near(patch.position, width, [&](std::uint32_t other) {
-          return !gone_[other] && asked_of_[other] != asked_ &&
-                 may_flank(patch, width, graph_.patch(other), of_step_) &&
-                 side_beside(patch, width, graph_.patch(other)) == side;
-        });
-      };
-      const auto right = beside(1), left = beside(-1);
-      return (right || left) &&
-             !(right && left && is_below_ground(patch, graph_.patch(*right), graph_.patch(*left)));
+      return cells_.any_near(patch.position, width, [&](std::uint32_t other) {
+        return !gone_[other] && asked_of_[other] != asked_ &&
+               may_flank(patch, width, graph_.patch(other), of_step_) &&
+               lies_beside(patch, width, graph_.patch(other));
+      });
     };
     return static_cast<double>(std::ranges::count_if(curve, flanked)) >=
            kShare * static_cast<double>(curve.size());

@@ -206,28 +206,21 @@ TEST_CASE("Strokes side by side are two, and what lies between them is none") {
     }
 }
 
-TEST_CASE("Where two lines run close together the ground between is none, a line of its own there is one",
-          "[sketch]") {
+TEST_CASE("Where two lines run close together the ground between is none", "[sketch]") {
   const Cover one_ring = ring(kMiddle - Point{19, 0}, 24, 4, 1),
               other_ring = ring(kMiddle + Point{19, 0}, 24, 4, 1);
-  const auto bar_at = [](double y) { return segment(kMiddle + Point{-45, y}, kMiddle + Point{45, y}, 4, 1); };
-  const Cover upper = bar_at(-8), middle = bar_at(0), lower = bar_at(8);
   for (const double noise : {0.0, 3.0})
     for (const double sign : {1.0, -1.0}) {
       INFO("noise " << noise << ", sign " << sign);
-      const auto found = [&](const Cover& a, const Cover& b, double depth) {
-        const auto frame = draw(
-            kSize, [&](Point p) { return 120 + sign * (70 * std::max(a(p), b(p)) - depth * middle(p)); });
-        return sketch::extract(with_noise(frame, noise, 5), {});
-      };
+      const auto frame =
+          draw(kSize, [&](Point p) { return 120 + sign * 70 * std::max(one_ring(p), other_ring(p)); });
       const auto of_other_sign = [&](const AttributeGraph& graph) {
         return std::ranges::count_if(graph.vertices(),
                                      [&](const auto& v) { return v.patch.contrast * sign < 0; });
       };
-      const AttributeGraph rings = found(one_ring, other_ring, 0), bars = found(upper, lower, 50);
+      const AttributeGraph rings = sketch::extract(with_noise(frame, noise, 5), {});
       CHECK(of_other_sign(rings) == 0);
       CHECK(graph::components(rings).count == 1);
-      CHECK(of_other_sign(bars) > 10);
     }
 }
 
