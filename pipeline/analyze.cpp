@@ -13,6 +13,7 @@
 #include "pipeline/frame_synthesis.hpp"
 #include "pipeline/inference/clip_readings.hpp"
 #include "pipeline/inference/event_posterior.hpp"
+#include "pipeline/inference/lasting_patches.hpp"
 #include "pipeline/rate_correction.hpp"
 #include "pipeline/stages/analysis_stages.hpp"
 #include "sketch/background/static_pixels.hpp"
@@ -102,12 +103,10 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
 
 /// Tells what the model's rates are to be corrected by when strokes are first drawn of it.
 std::optional<RateCorrection> rate_correction(const StartSketches& sketches, const AnalyzeOptions& options,
-                                              const Analysis& analysis, const mcmc::FitResult& fitted,
-                                              const core::Context& context) {
+                                              const mcmc::FitResult& fitted, const core::Context& context) {
   if (options.calibrate.calibrate == 0) return std::nullopt;
-  std::optional<graph::MotionGraph> matched;
-  if (options.sample) matched = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
-  const auto& motion = matched ? *matched : analysis.motion;
+  // Drawn clips are read without lasting patches, too.
+  const auto motion = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
   const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
   if (source.patches <= 0 || fitted.model.exemplars.empty()) return std::nullopt;
   return RateCorrection{options.calibrate.calibrate,
@@ -147,6 +146,14 @@ StartSketches sketch_readings(core::FrameSource& source, const AnalyzeOptions& o
   return {stages->sketch(source, options.sketch, context), {}};
 }
 
+/// Adds to the readings of a clip the patches that they lack though the clip shows them.
+StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sketches,
+                                   const core::Context& context) {
+  sketches.clip.sketch = add_lasting_patches(source, sketches.clip.sketch, context);
+  for (graph::SketchSequence& copy : sketches.perturbed) copy = add_lasting_patches(source, copy, context);
+  return sketches;
+}
+
 /// Finds motion and events, or reads those that are kept; the model is learned where it is not kept.
 void find_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
                  const AnalysisStages* stages, bool has_model, Analysis& analysis, mcmc::FitResult& fitted,
@@ -160,7 +167,10 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     clock.begin("learn");
     if (!has_model) fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
-    infer_motion(source, sketches, options, analysis, fitted, clock, context);
+    clock.begin("carry");
+    const StartSketches lasting =
+        options.sketch.steady ? with_lasting_patches(source, sketches, context) : sketches;
+    infer_motion(source, lasting, options, analysis, fitted, clock, context);
     if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events});
   }
   if (options.review) {
@@ -185,7 +195,7 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
   model.background.static_pixels = sketch::find_static_pixels(source, context);
   const double gradient = sketch::measure_clip_flank_gradient(source, sketch, context).mean();
   model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
-  model.correction = rate_correction(sketches, options, analysis, fitted, context);
+  model.correction = rate_correction(sketches, options, fitted, context);
   learned.rates = fitted.events_per_frame;
   learned.notes = std::move(fitted.notes);
   model.motion = std::move(fitted.model);

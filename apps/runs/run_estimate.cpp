@@ -19,7 +19,7 @@ namespace {
 // is learned from clips drawn of it and some frames of the clip, whatever its length. Measured on clips of
 // 36,000 and 920,000 pixels (docs/benchmarks.md).
 constexpr double kSketch = 1.0;
-constexpr double kEvents = 0.45, kBottomUp = 0.12;
+constexpr double kEvents = 0.7, kBottomUp = 0.35;
 constexpr double kPictures = 0.5;
 constexpr double kModel = 100;
 // MB: of the program, of each pixel of a frame, of each patch in each frame.
@@ -53,7 +53,7 @@ std::optional<RunEstimate> estimate_run(core::FrameSource& source, const pipelin
     found.processor_seconds += found.stages.back().seconds;
   };
   stage("sketch", {}, kSketch * found.frames);
-  stage("events", {"match", "events"}, (options.bottom_up ? kBottomUp : kEvents) * found.frames);
+  stage("events", {"carry", "match", "events"}, (options.bottom_up ? kBottomUp : kEvents) * found.frames);
   stage("model", {"fit", "balance", "synthesize", "render"}, kModel);
   stage("pictures", {}, kPictures * found.frames);
   const double cores = std::max(1U, std::thread::hardware_concurrency());

@@ -25,11 +25,11 @@ constexpr double kSwitch = 0.02;         // prior probability of a change, a fra
 constexpr std::size_t kTolerance = 2;    // frames
 
 // Weights of the log-linear model, fitted by tests/bench/fit_event_weights.py (docs/method/events.md).
-constexpr double kIntercept = -11.85;
-constexpr double kOfStroke = -1.23;
-constexpr double kStrokeFactor = 0.35, kJointFactor = 0.26;  // of a nat
-constexpr double kShortSide = 1.49, kLongSide = 1.15;  // of a logarithm of frames without opposite change
-constexpr double kAgreement = 5.67;
+constexpr double kIntercept = -13.51;
+constexpr double kOfStroke = -1.56;
+constexpr double kStrokeFactor = 0.44, kJointFactor = 0.26;  // of a nat
+constexpr double kShortSide = 1.22, kLongSide = 1.54;  // of a logarithm of frames without opposite change
+constexpr double kAgreement = 7.15;
 constexpr double kUsualShare = 0.4;    // of true changes among those that all readings have
 constexpr double kShareWeight = 0.68;  // of a clip's own share, on the scale of log odds
 constexpr double kMostLogOdds = 4;     // of one change, in the estimate of the share

@@ -66,7 +66,7 @@ PathAmplitude measure_path(const cv::Mat& levels, const Path& path, bool of_stro
   std::vector<double> all;
   for (const graph::Patch& patch : path)
     if (is_in_view(levels, patch.position))
-      all.push_back(sketch::measure_amplitude(levels, patch, kSlipAcross));
+      all.push_back(sketch::measure_amplitude(levels, patch, kSlipAcross).value);
   if (all.empty()) return {};
   const std::size_t count = of_stroke ? all.size() : std::max<std::size_t>(1, all.size() / kWeakest);
   std::ranges::sort(all);

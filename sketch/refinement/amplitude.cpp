@@ -149,8 +149,8 @@ std::vector<double> profile_across(const Patch& patch, const ProfileShape& shape
 
 }  // namespace
 
-double measure_amplitude(const cv::Mat& levels, const Patch& patch, double slip) {
-  if (patch.type == graph::PatchType::blob) return 1;
+Amplitude measure_amplitude(const cv::Mat& levels, const Patch& patch, double slip) {
+  if (patch.type == graph::PatchType::blob) return {};
   const ProfileShape shape(patch);
   const double reach = std::clamp(shape.half_width + 2 * shape.blur, kLeastReach, kMostReach) + 1;
   const int half = static_cast<int>(reach / kStep), slips = static_cast<int>(slip / kStep);
@@ -159,12 +159,13 @@ double measure_amplitude(const cv::Mat& levels, const Patch& patch, double slip)
   const auto profile = profile_across(patch, shape, half);
   double square = 0;
   for (const double p : profile) square += p * p;
-  double best = -std::numeric_limits<double>::infinity();
+  Amplitude best{-std::numeric_limits<double>::infinity(), 0};
   for (int shift = -slips; shift <= slips; ++shift) {
     double product = 0;
     for (std::size_t i = 0; i < profile.size(); ++i)
       product += profile[i] * seen[i + static_cast<std::size_t>(slips + shift)];
-    best = std::max(best, product / square - kOfSlip * kStep * std::abs(shift));
+    const double value = product / square - kOfSlip * kStep * std::abs(shift);
+    if (value > best.value) best = {value, kStep * shift};
   }
   return best;
 }

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits the weights with which the evidence for an event is combined into its probability.
 
-    fit_event_weights.py EVENT_EVIDENCE FOLDER... [--family A,B ...] [--keep DIR] [--power 0.68] [--sharper 1.35]
+    fit_event_weights.py EVENT_EVIDENCE FOLDER... [--family A,B ...] [--keep DIR] [--power 0.68]
 
 FOLDERs hold a clip.avi and a truth.json each: scenes with known events, real pictures that stand still or sway (without
 an event, or with painted ones). EVENT_EVIDENCE is the program of that name in tests/bench. Printed are, for each folder,
@@ -127,7 +127,6 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path)
     parser.add_argument("--power", type=float, default=0.68, help="of a clip's own share of true events")
     parser.add_argument("--usual", type=float, default=0.4, help="usual share of true events among those of all readings")
-    parser.add_argument("--sharper", type=float, default=1.35, help="factor on fitted weights that sets the calibration right")
     asked = parser.parse_args()
     data = {f.name: read_evidence(asked.program, f, asked.keep) for f in asked.folders}
     tables = {n: features(rows) for n, (rows, _) in data.items()}
@@ -138,7 +137,7 @@ def main():
     said, true, scores = [], [], []
     for name, (rows, truth) in data.items():
         others = [n for n in data if families[n] != families[name]]
-        weights = asked.sharper * fit([tables[n] for n in others], [labels[n] for n in others])
+        weights = fit([tables[n] for n in others], [labels[n] for n in others])
         p = estimate(tables[name], weights, asked.usual, asked.power)
         believed = p >= 0.5
         hits = pair(rows, truth, believed).sum()
@@ -151,7 +150,7 @@ def main():
         true.append(pair(rows, truth)[listed])
     print(f"mean F1 {np.nanmean(scores):.4f}")
     report_calibration(np.concatenate(said), np.concatenate(true).astype(float))
-    for name, weight in zip(NAMES, asked.sharper * fit(list(tables.values()), list(labels.values()))):
+    for name, weight in zip(NAMES, fit(list(tables.values()), list(labels.values()))):
         print(f"{name} = {weight:.2f}")
 
 

@@ -7,6 +7,7 @@
 
 #include "core/io/clip_reader.hpp"
 #include "pipeline/inference/event_evidence.hpp"
+#include "pipeline/inference/lasting_patches.hpp"
 #include "pipeline/readings.hpp"
 #include "pipeline/sketch_clip.hpp"
 
@@ -24,9 +25,10 @@ int main(int argc, char** argv) try {
   pipeline::StartOptions starts;
   starts.chains = in_noise ? 3 : 1;  // the first of noise is the third
   const auto sketches = pipeline::sketch_starts(*clip, options, starts, 1, {});
-  const auto& sketch = sketches.clip.sketch;
+  const auto sketch = pipeline::add_lasting_patches(*clip, sketches.clip.sketch);
   auto readings = pipeline::match_readings(sketch, graph::match(sketch, {}), {}, false);
-  for (const auto& copy : sketches.perturbed) pipeline::add_reading_in_noise(readings, copy, {}, false);
+  for (const auto& copy : sketches.perturbed)
+    pipeline::add_reading_in_noise(readings, pipeline::add_lasting_patches(*clip, copy), {}, false);
   std::cout << "frame,type,x,y,log_factor,of_stroke,agreement,since,until,contrast,next,apart\n";
   for (const auto& [event, evidence] : pipeline::weigh_events(*clip, readings)) {
     std::cout << event.frame << ',' << graph::name(event.type) << ',' << event.position.x << ','

@@ -43,7 +43,7 @@ TEST_CASE("A patch's amplitude is the share of it that the frame shows", "[ampli
       const cv::Mat1f levels =
           draw({80, 80}, [&](Point p) { return 80 + share * 50 * blurred_bar(across(patch, p), 4, 1.2); });
       INFO("theta " << theta << ", share " << share);
-      CHECK_THAT(sketch::measure_amplitude(levels, patch, 0), WithinAbs(share, 0.06));
+      CHECK_THAT(sketch::measure_amplitude(levels, patch, 0).value, WithinAbs(share, 0.06));
     }
 }
 
@@ -51,7 +51,7 @@ TEST_CASE("An amplitude does not depend on light, contrast or colour", "[amplitu
   Patch patch = bar_at({40, 40}, 0.3, 30);
   const auto bar = [&](Point p) { return blurred_bar(across(patch, p), 4, 1.2); };
   const cv::Mat1f brighter = draw({80, 80}, [&](Point p) { return 130 + 30 * bar(p); });
-  CHECK_THAT(sketch::measure_amplitude(brighter, patch, 0), WithinAbs(1, 0.06));
+  CHECK_THAT(sketch::measure_amplitude(brighter, patch, 0).value, WithinAbs(1, 0.06));
   // A red line as bright as its green surroundings.
   patch.left = {20, 100, 30}, patch.right = {20, 100, 30}, patch.middle = {20, 60, 110};
   std::vector<cv::Mat> channels;
@@ -61,7 +61,7 @@ TEST_CASE("An amplitude does not depend on light, contrast or colour", "[amplitu
     }));
   cv::Mat colour;
   cv::merge(channels, colour);
-  CHECK_THAT(sketch::measure_amplitude(colour, patch, 0), WithinAbs(0.6, 0.04));
+  CHECK_THAT(sketch::measure_amplitude(colour, patch, 0).value, WithinAbs(0.6, 0.04));
 }
 
 TEST_CASE("A step's amplitude is that of its difference of levels", "[amplitude]") {
@@ -73,7 +73,7 @@ TEST_CASE("A step's amplitude is that of its difference of levels", "[amplitude]
     const cv::Mat1f levels = draw({80, 80}, [&](Point p) {
       return 90 + share * 60 * (0.5 * std::erfc(-across(step, p) / 1.5 / std::numbers::sqrt2) - 0.5);
     });
-    CHECK_THAT(sketch::measure_amplitude(levels, step, 0), WithinAbs(share, 0.06));
+    CHECK_THAT(sketch::measure_amplitude(levels, step, 0).value, WithinAbs(share, 0.06));
   }
 }
 
@@ -83,13 +83,13 @@ TEST_CASE("A patch beside its line finds it within the slip", "[amplitude]") {
       draw({80, 80}, [&](Point p) { return 80 + 50 * blurred_bar(across(line, p), 4, 1.2); });
   Patch beside = line;
   beside.position = line.position + Point{-std::sin(0.5), std::cos(0.5)} * 1.5;
-  CHECK(sketch::measure_amplitude(levels, beside, 0) < 0.85);
-  CHECK(sketch::measure_amplitude(levels, beside, 1.5) > 0.92);
+  CHECK(sketch::measure_amplitude(levels, beside, 0).value < 0.85);
+  CHECK(sketch::measure_amplitude(levels, beside, 1.5).value > 0.92);
   // At the border, and far outside, there is a number too.
   beside.position = {0, 0};
-  CHECK(std::isfinite(sketch::measure_amplitude(levels, beside, 1.5)));
+  CHECK(std::isfinite(sketch::measure_amplitude(levels, beside, 1.5).value));
   beside.position = {-500, 900};
-  CHECK(std::isfinite(sketch::measure_amplitude(levels, beside, 1.5)));
+  CHECK(std::isfinite(sketch::measure_amplitude(levels, beside, 1.5).value));
 }
 
 TEST_CASE("An amplitude is the same of bytes, of floats and of grey in three channels", "[amplitude]") {
@@ -105,10 +105,11 @@ TEST_CASE("An amplitude is the same of bytes, of floats and of grey in three cha
     for (const double theta : {0.0, 0.9, 2.4}) {
       INFO("at " << place.x << ", " << place.y << ", theta " << theta);
       const Patch patch = bar_at(place, theta, 40);
-      CHECK(sketch::measure_amplitude(bytes, patch, 1.5) == sketch::measure_amplitude(floats, patch, 1.5));
-      CHECK_THAT(sketch::measure_amplitude(thrice, patch, 1.5),
-                 WithinAbs(sketch::measure_amplitude(grey_floats, patch, 1.5), 1e-4));
-      CHECK(sketch::measure_amplitude(grey, patch, 1.5) ==
-            sketch::measure_amplitude(grey_floats, patch, 1.5));
+      CHECK(sketch::measure_amplitude(bytes, patch, 1.5).value ==
+            sketch::measure_amplitude(floats, patch, 1.5).value);
+      CHECK_THAT(sketch::measure_amplitude(thrice, patch, 1.5).value,
+                 WithinAbs(sketch::measure_amplitude(grey_floats, patch, 1.5).value, 1e-4));
+      CHECK(sketch::measure_amplitude(grey, patch, 1.5).value ==
+            sketch::measure_amplitude(grey_floats, patch, 1.5).value);
     }
 }

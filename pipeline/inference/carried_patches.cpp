@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/inference/carried_patches.hpp"
+
+#include <cmath>
+
+#include "graph/matching/coincidence.hpp"
+#include "sketch/refinement/amplitude.hpp"
+
+namespace emberfold::pipeline {
+
+using graph::Patch;
+using graph::Point;
+
+namespace {
+
+namespace carrying {
+constexpr int kFramesDrawn = 2;       // in a row, in which a patch is drawn that is carried
+constexpr double kFitted = 0.5;       // least amplitude where it is from, of the patch as fitted
+constexpr double kLeastShare = 0.85;  // least amplitude elsewhere, of that
+constexpr double kSlip = 1.5;         // px across, in which it is looked for
+constexpr double kMargin = 4;         // px within the picture's border
+constexpr double kHalfLength = 2.5;   // px
+}  // namespace carrying
+
+Point tangent_of(const Patch& patch) {
+  return {std::cos(patch.theta), std::sin(patch.theta)};
+}
+
+/// Moves a patch with what it lies on, by a frame.
+Patch moved_along(Patch patch, const FrameWindow& window, int from, int step) {
+  const Point half = tangent_of(patch) * carrying::kHalfLength;
+  const Point way =
+      window.carry(patch.position + half, from, step) - window.carry(patch.position - half, from, step);
+  patch.position = window.carry(patch.position, from, step);
+  if (norm(way) > 0) patch.theta = std::atan2(way.y, way.x);
+  return patch;
+}
+
+/// Moves a patch onto the drawn one, but not along the curve, where patches look alike.
+Patch moved_onto(Patch patch, const Patch& drawn) {
+  const Point along = tangent_of(patch), off = drawn.position - patch.position;
+  patch.position = patch.position + (off - along * dot(off, along));
+  return patch;
+}
+
+bool is_within(const cv::Mat& levels, Point p) {
+  using carrying::kMargin;
+  return p.x >= kMargin && p.y >= kMargin && p.x < levels.cols - kMargin && p.y < levels.rows - kMargin;
+}
+
+/// Tells whether the patch is drawn in the frames before, seen in the sense of `step`, as far as there are
+/// any.
+bool is_lasting(Patch patch, int frame, int step, const DrawnPatches& drawn, const FrameWindow& window) {
+  for (int k = 1; k < carrying::kFramesDrawn; ++k, frame -= step) {
+    if (frame - step < 0 || frame - step >= drawn.frames()) return true;
+    patch = moved_along(patch, window, frame, -step);
+    const auto found = drawn.find(frame - step, patch);
+    if (!found) return false;
+    patch = moved_onto(patch, drawn.graph(frame - step).patch(*found));
+  }
+  return true;
+}
+
+/// Moves a patch on by a frame; `level`: its amplitude in its own frame. Returns false where it is lost.
+bool move_on(CarriedPatch& carried, int step, double level, const DrawnPatches& drawn,
+             const FrameWindow& window) {
+  carried.patch = moved_along(carried.patch, window, carried.frame, step);
+  carried.frame += step;
+  const cv::Mat& levels = window.levels(carried.frame);
+  if (!is_within(levels, carried.patch.position)) return false;
+  carried.drawn = drawn.find(carried.frame, carried.patch);
+  if (carried.drawn) {
+    carried.patch = moved_onto(carried.patch, drawn.graph(carried.frame).patch(*carried.drawn));
+    return true;
+  }
+  const auto seen = sketch::measure_amplitude(levels, carried.patch, carrying::kSlip);
+  carried.amplitude = seen.value / level;
+  const Point along = tangent_of(carried.patch);
+  carried.patch.position = carried.patch.position + Point{-along.y, along.x} * seen.slip;
+  return carried.amplitude >= carrying::kLeastShare;
+}
+
+}  // namespace
+
+void DrawnPatches::hold(int first, int end) {
+  for (; first_ < first && !places_.empty(); ++first_) places_.pop_front();
+  if (places_.empty()) first_ = first;
+  while (first_ + static_cast<int>(places_.size()) < end) {
+    std::vector<Point> points;
+    for (const graph::Vertex& v : graph(first_ + static_cast<int>(places_.size())).vertices())
+      points.push_back(v.patch.position);
+    places_.emplace_back(std::move(points), graph::kCoincidence);
+  }
+}
+
+std::optional<std::uint32_t> DrawnPatches::find(int frame, const Patch& patch) const {
+  std::optional<std::uint32_t> best;
+  double least = 0;
+  for (const std::uint32_t v : places_[static_cast<std::size_t>(frame - first_)].find_near(patch.position)) {
+    const auto apart = graph::coincidence(patch, graph(frame).patch(v));
+    if (apart && (!best || *apart < least)) least = *apart, best = v;
+  }
+  return best;
+}
+
+std::vector<CarriedPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
+                                        const FrameWindow& window) {
+  std::vector<CarriedPatch> result;
+  const graph::AttributeGraph& graph = drawn.graph(source);
+  for (std::uint32_t v = 0; v < graph.size(); ++v) {
+    CarriedPatch one{source, source, v, graph.patch(v)};
+    if (graph::is_anchor(one.patch) || one.patch.type == graph::PatchType::blob ||
+        !is_lasting(one.patch, source, step, drawn, window))
+      continue;
+    const double level = sketch::measure_amplitude(window.levels(source), one.patch, 0).value;
+    if (level < carrying::kFitted) continue;
+    for (int k = 1; k <= kFramesCarried; ++k) {
+      const int frame = source + k * step;
+      if (frame < 0 || frame >= drawn.frames() || !move_on(one, step, level, drawn, window)) break;
+      result.push_back(one);
+    }
+  }
+  return result;
+}
+
+}  // namespace emberfold::pipeline

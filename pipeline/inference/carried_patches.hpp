@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "graph/matching/point_grid.hpp"
+#include "graph/motion_graph.hpp"
+#include "pipeline/inference/frame_window.hpp"
+
+namespace emberfold::pipeline {
+
+inline constexpr int kFramesCarried = 10;  ///< farthest that a patch is carried
+
+/// Finds the patches of a clip's sketch by place, in the frames that it holds. Refers to the sketch.
+class DrawnPatches {
+ public:
+  explicit DrawnPatches(const graph::SketchSequence& sketch) : sketch_(sketch) {}
+
+  /// Indexes the frames first…end − 1, as far as it does not hold them, and forgets those before. Neither
+  /// number may decrease from call to call.
+  void hold(int first, int end);
+
+  [[nodiscard]] int frames() const { return static_cast<int>(sketch_.frames.size()); }  ///< of the clip
+  [[nodiscard]] const graph::AttributeGraph& graph(int frame) const {
+    return sketch_.frames[static_cast<std::size_t>(frame)];
+  }
+  /// Returns the vertex of a frame that shows the same place of a stroke; of several the nearest.
+  [[nodiscard]] std::optional<std::uint32_t> find(int frame, const graph::Patch& patch) const;
+
+ private:
+  const graph::SketchSequence& sketch_;
+  int first_ = 0;
+  std::deque<graph::detail::PointGrid> places_;
+};
+
+/// A patch of one frame, carried to another one that shows it.
+struct CarriedPatch {
+  int source = 0, frame = 0;  ///< where it is from, and where it is now
+  std::uint32_t vertex = 0;   ///< of the source's graph
+  graph::Patch patch;         ///< as it lies in the frame
+  double amplitude = 1;       ///< how strongly it shows, as a share of how it does in the source
+  std::optional<std::uint32_t> drawn = {};  ///< the frame's own vertex in its place, if there is one
+};
+
+/// Carries the patches of a frame along by the window's motion, into the frames after it (`step` 1) or before
+/// it (−1), each as far as it is drawn or its profile shows nearly as strongly as there, at most
+/// kFramesCarried. Only those are carried that were drawn in the frame on the other side, too. O(patches ·
+/// frames carried).
+std::vector<CarriedPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
+                                        const FrameWindow& window);
+
+}  // namespace emberfold::pipeline

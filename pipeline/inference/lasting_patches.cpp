@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/inference/lasting_patches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/clip/frame_stream.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "graph/matching/coincidence.hpp"
+#include "pipeline/inference/carried_patches.hpp"
+#include "pipeline/inference/frame_window.hpp"
+#include "sketch/patches/patch_types.hpp"
+
+namespace emberfold::pipeline {
+
+using graph::AttributeGraph;
+
+namespace {
+
+constexpr double kLongestEdge = 10;  // px, two patch spacings
+
+/// A frame's sketch to which patches are added.
+class GrowingSketch {
+ public:
+  explicit GrowingSketch(const AttributeGraph& own)
+      : own_(own), vertices_(own.vertices().begin(), own.vertices().end()) {}
+
+  /// Adds the patch, unless it is drawn or an added one shows the same.
+  void add(const CarriedPatch& carried) {
+    const std::pair key(carried.source, carried.vertex);
+    if (carried.drawn) {
+      places_of_.emplace(key, *carried.drawn);
+      return;
+    }
+    auto same = find_added(carried.patch);
+    if (!same) {
+      same = vertices_.size();
+      const std::uint32_t next = vertices_.empty() ? 0 : vertices_.back().id.value + 1;
+      vertices_.push_back({graph::VertexId{next}, {}, carried.patch});
+      cells_[cell_of(carried.patch.position)].push_back(*same);
+      added_.emplace_back(key, *same);
+    }
+    places_of_.emplace(key, *same);
+  }
+
+  /// Joins what was added as it was where it is from, and leaves out what is joined to nothing.
+  [[nodiscard]] AttributeGraph graph(const graph::SketchSequence& sketch) const {
+    if (added_.empty()) return own_;
+    std::vector<char> is_joined(vertices_.size(), 0);
+    std::set<graph::Edge> joined;
+    for (const auto& [key, index] : added_)
+      for (const std::uint32_t u :
+           sketch.frames[static_cast<std::size_t>(key.first)].neighbours(key.second)) {
+        const auto other = places_of_.find({key.first, u});
+        if (other == places_of_.end() || other->second == index) continue;
+        const graph::Vertex &a = vertices_[std::min(index, other->second)],
+                            &b = vertices_[std::max(index, other->second)];
+        if (distance(a.patch.position, b.patch.position) > kLongestEdge) continue;
+        joined.insert({a.id, b.id});
+        is_joined[index] = is_joined[other->second] = 1;
+      }
+    std::vector<graph::Vertex> vertices;
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
+      if (i < own_.size() || is_joined[i] != 0) vertices.push_back(vertices_[i]);
+    std::vector<graph::Edge> edges(own_.edges().begin(), own_.edges().end());
+    edges.insert(edges.end(), joined.begin(), joined.end());
+    return sketch::name_patch_types(std::move(vertices), std::move(edges)).kept_in(own_.memory());
+  }
+
+ private:
+  using Cell = std::pair<int, int>;
+  static Cell cell_of(graph::Point p) {
+    return {static_cast<int>(std::floor(p.x / graph::kCoincidence)),
+            static_cast<int>(std::floor(p.y / graph::kCoincidence))};
+  }
+  /// Returns the first added patch that may show the same place.
+  [[nodiscard]] std::optional<std::size_t> find_added(const graph::Patch& patch) const {
+    std::optional<std::size_t> first;
+    const auto [column, row] = cell_of(patch.position);
+    for (int x = column - 1; x <= column + 1; ++x)
+      for (int y = row - 1; y <= row + 1; ++y) {
+        const auto cell = cells_.find({x, y});
+        if (cell == cells_.end()) continue;
+        for (const std::size_t i : cell->second)
+          if ((!first || i < *first) && graph::coincidence(patch, vertices_[i].patch)) first = i;
+      }
+    return first;
+  }
+
+  using SourceVertex = std::pair<int, std::uint32_t>;  // frame and vertex
+  const AttributeGraph& own_;
+  std::vector<graph::Vertex> vertices_;
+  std::map<Cell, std::vector<std::size_t>> cells_;  // what was added
+  std::vector<std::pair<SourceVertex, std::size_t>> added_;
+  std::map<SourceVertex, std::size_t> places_of_;
+};
+
+/// Adds what was carried to a frame; where several show the same, that from the nearest frame.
+AttributeGraph with_carried(const graph::SketchSequence& sketch, int frame,
+                            std::vector<CarriedPatch> carried) {
+  const auto rank = [&](const CarriedPatch& c) {
+    return std::tuple(std::abs(c.source - frame), -c.amplitude, c.patch.position.x, c.patch.position.y,
+                      c.source, c.vertex);
+  };
+  std::ranges::sort(carried, {}, rank);
+  GrowingSketch growing(sketch.frames[static_cast<std::size_t>(frame)]);
+  for (const CarriedPatch& one : carried) growing.add(one);
+  return growing.graph(sketch);
+}
+
+/// Carries patches through a clip that is read frame by frame.
+class LastingPatches {
+ public:
+  LastingPatches(const graph::SketchSequence& sketch, const core::Context& context)
+      : sketch_(sketch),
+        context_(context),
+        drawn_(sketch),
+        result_{sketch.width, sketch.height, sketch.fps, {}} {}
+
+  void push(WindowFrame frame) {
+    window_.push(std::move(frame));
+    arrived_.emplace_back();
+  }
+
+  /// Carries from all frames around which enough are there.
+  void proceed() {
+    const int frames = drawn_.frames(), end = window_.end();
+    window_.prepare(context_);
+    const int ready = end == frames ? frames : std::max(carried_, end - kFramesCarried);
+    drawn_.hold(window_.first(), end);
+    std::vector<std::vector<CarriedPatch>> from(2 * static_cast<std::size_t>(ready - carried_));
+    core::parallel_for(from.size(), context_, [&](std::size_t k) {
+      from[k] = carry_patches(carried_ + static_cast<int>(k / 2), k % 2 == 0 ? 1 : -1, drawn_, window_);
+    });
+    const auto finished = static_cast<int>(result_.frames.size());
+    for (const auto& some : from)
+      for (const CarriedPatch& one : some)
+        arrived_[static_cast<std::size_t>(one.frame - finished)].push_back(one);
+    carried_ = ready;
+    finish(ready == frames ? frames : std::max(finished, ready - kFramesCarried));
+    window_.drop_before(ready - kFramesCarried);
+  }
+
+  [[nodiscard]] graph::SketchSequence take() { return std::move(result_); }
+
+ private:
+  /// Appends the frames before `end`, to which all was carried.
+  void finish(int end) {
+    const auto first = static_cast<int>(result_.frames.size());
+    std::vector<AttributeGraph> graphs(static_cast<std::size_t>(end - first));
+    core::parallel_for(graphs.size(), context_, [&](std::size_t k) {
+      graphs[k] = with_carried(sketch_, first + static_cast<int>(k), std::move(arrived_[k]));
+    });
+    for (const AttributeGraph& graph : graphs) {
+      result_.append(graph);
+      arrived_.pop_front();
+    }
+  }
+
+  const graph::SketchSequence& sketch_;
+  const core::Context& context_;
+  DrawnPatches drawn_;
+  FrameWindow window_;
+  std::deque<std::vector<CarriedPatch>> arrived_;  // in frames that are not finished
+  int carried_ = 0;                                // frames from which all was carried
+  graph::SketchSequence result_;
+};
+
+}  // namespace
+
+graph::SketchSequence add_lasting_patches(core::FrameSource& source, const graph::SketchSequence& sketch,
+                                          const core::Context& context) {
+  const int frames = static_cast<int>(sketch.frames.size());
+  LastingPatches lasting(sketch, context);
+  const auto& info = source.info();
+  const int batch = static_cast<int>(core::frames_at_once(info.width, info.height, info.channels));
+  const int read = core::stream_frames(
+      source, "carry", frames, context,
+      [&](int, const cv::Mat& frame) { return make_window_frame(frame, info); },
+      [&](int t, WindowFrame frame) {
+        lasting.push(std::move(frame));
+        if ((t + 1) % batch == 0 && t + 1 < frames) lasting.proceed();
+      });
+  if (read != frames)
+    throw core::InputError("carry: the clip has " + std::to_string(read) + " frames, its sketch " +
+                           std::to_string(frames));
+  lasting.proceed();
+  return lasting.take();
+}
+
+}  // namespace emberfold::pipeline
