@@ -85,6 +85,8 @@ TEST_CASE("A patch beside its line finds it within the slip", "[amplitude]") {
   beside.position = line.position + Point{-std::sin(0.5), std::cos(0.5)} * 1.5;
   CHECK(sketch::measure_amplitude(levels, beside, 0).value < 0.85);
   CHECK(sketch::measure_amplitude(levels, beside, 1.5).value > 0.92);
+  CHECK_THAT(sketch::measure_amplitude(levels, beside, 1.5).slip, WithinAbs(-1.5, 0.3));
+  CHECK_THAT(sketch::measure_amplitude(levels, line, 1.5).slip, WithinAbs(0, 0.3));
   // At the border, and far outside, there is a number too.
   beside.position = {0, 0};
   CHECK(std::isfinite(sketch::measure_amplitude(levels, beside, 1.5).value));
