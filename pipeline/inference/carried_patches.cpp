@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/inference/carried_patches.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "graph/matching/coincidence.hpp"
@@ -19,6 +20,8 @@ constexpr double kFitted = 0.5;       // least amplitude where it is from, of th
 constexpr double kLeastShare = 0.85;  // least amplitude elsewhere, of that
 constexpr double kSlip = 1.5;         // px across, in which it is looked for
 constexpr double kMargin = 4;         // px within the picture's border
+constexpr double kAcross = 3;         // px from the way between two drawn patches, and
+constexpr double kParallel = 0.6;     // rad from its direction, at which it is drawn there
 constexpr double kHalfLength = 2.5;   // px
 }  // namespace carrying
 
@@ -46,6 +49,18 @@ Patch moved_onto(Patch patch, const Patch& drawn) {
 bool is_within(const cv::Mat& levels, Point p) {
   using carrying::kMargin;
   return p.x >= kMargin && p.y >= kMargin && p.x < levels.cols - kMargin && p.y < levels.rows - kMargin;
+}
+
+/// Tells whether the patch lies between a drawn one and a neighbour of that, on the same curve.
+bool lies_on_edge(const Patch& patch, const graph::AttributeGraph& drawn, std::uint32_t v) {
+  const Point from = drawn.patch(v).position;
+  return std::ranges::any_of(drawn.neighbours(v), [&](std::uint32_t w) {
+    const Point way = drawn.patch(w).position - from, off = patch.position - from;
+    const double length = norm(way), along = dot(off, way) / length;
+    return same_kind(patch, drawn.patch(v)) && length > 0 && along > 0 && along < length &&
+           norm(off - way * (along / length)) <= carrying::kAcross &&
+           graph::orientation_difference(patch.theta, std::atan2(way.y, way.x)) <= carrying::kParallel;
+  });
 }
 
 /// Tells whether the patch is drawn in the frames before, seen in the sense of `step`, as far as there are
@@ -94,13 +109,15 @@ void DrawnPatches::hold(int first, int end) {
 }
 
 std::optional<std::uint32_t> DrawnPatches::find(int frame, const Patch& patch) const {
-  std::optional<std::uint32_t> best;
+  const graph::AttributeGraph& drawn = graph(frame);
+  std::optional<std::uint32_t> best, beside;
   double least = 0;
   for (const std::uint32_t v : places_[static_cast<std::size_t>(frame - first_)].find_near(patch.position)) {
-    const auto apart = graph::coincidence(patch, graph(frame).patch(v));
+    const auto apart = graph::coincidence(patch, drawn.patch(v));
     if (apart && (!best || *apart < least)) least = *apart, best = v;
+    if (!beside && lies_on_edge(patch, drawn, v)) beside = v;
   }
-  return best;
+  return best ? best : beside;
 }
 
 std::vector<CarriedPatch> carry_patches(int source, int step, const DrawnPatches& drawn,

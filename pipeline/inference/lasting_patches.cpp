@@ -59,6 +59,9 @@ class GrowingSketch {
     if (added_.empty()) return own_;
     std::vector<char> is_joined(vertices_.size(), 0);
     std::set<graph::Edge> joined;
+    Neighbours next_to;
+    for (const graph::Edge& edge : own_.edges())
+      next_to[edge.a].insert(edge.b), next_to[edge.b].insert(edge.a);
     for (const auto& [key, index] : added_)
       for (const std::uint32_t u :
            sketch.frames[static_cast<std::size_t>(key.first)].neighbours(key.second)) {
@@ -66,8 +69,10 @@ class GrowingSketch {
         if (other == places_of_.end() || other->second == index) continue;
         const graph::Vertex &a = vertices_[std::min(index, other->second)],
                             &b = vertices_[std::max(index, other->second)];
-        if (distance(a.patch.position, b.patch.position) > kLongestEdge) continue;
+        if (distance(a.patch.position, b.patch.position) > kLongestEdge || have_common(next_to, a.id, b.id))
+          continue;
         joined.insert({a.id, b.id});
+        next_to[a.id].insert(b.id), next_to[b.id].insert(a.id);
         is_joined[index] = is_joined[other->second] = 1;
       }
     std::vector<graph::Vertex> vertices;
@@ -79,6 +84,14 @@ class GrowingSketch {
   }
 
  private:
+  using Neighbours = std::map<graph::VertexId, std::set<graph::VertexId>>;
+  /// Tells whether an edge between two patches would close a triangle.
+  static bool have_common(const Neighbours& next_to, graph::VertexId a, graph::VertexId b) {
+    const auto of_a = next_to.find(a), of_b = next_to.find(b);
+    return of_a != next_to.end() && of_b != next_to.end() &&
+           std::ranges::any_of(of_a->second, [&](graph::VertexId c) { return of_b->second.contains(c); });
+  }
+
   using Cell = std::pair<int, int>;
   static Cell cell_of(graph::Point p) {
     return {static_cast<int>(std::floor(p.x / graph::kCoincidence)),
