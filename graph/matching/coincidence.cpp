@@ -2,6 +2,7 @@
 #include "graph/matching/coincidence.hpp"
 
 #include <cmath>
+#include <vector>
 
 namespace emberfold::graph {
 
@@ -15,6 +16,12 @@ bool is_meeting(const Patch& patch) {
   using enum PatchType;
   return patch.type == corner || patch.type == l_junction || patch.type == t_junction ||
          patch.type == y_junction || patch.type == crossing;
+}
+
+std::vector<Point> places_of(const AttributeGraph& graph) {
+  std::vector<Point> points;
+  for (const Vertex& v : graph.vertices()) points.push_back(v.patch.position);
+  return points;
 }
 
 }  // namespace
@@ -31,6 +38,19 @@ std::optional<double> coincidence(const Patch& patch, const Patch& other) {
   if (along > kAlong || across > kAcross || orientation_difference(patch.theta, other.theta) > kParallel)
     return std::nullopt;
   return along + across;
+}
+
+CoincidenceIndex::CoincidenceIndex(const AttributeGraph& graph)
+    : graph_(&graph), places_(places_of(graph), kCoincidence) {}
+
+std::optional<std::uint32_t> CoincidenceIndex::find(const Patch& patch) const {
+  std::optional<std::uint32_t> best;
+  double least = 0;
+  for (const std::uint32_t v : places_.find_near(patch.position)) {
+    const auto apart = coincidence(patch, graph_->patch(v));
+    if (apart && (!best || *apart < least)) least = *apart, best = v;
+  }
+  return best;
 }
 
 }  // namespace emberfold::graph

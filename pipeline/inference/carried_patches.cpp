@@ -15,7 +15,6 @@ using graph::Point;
 namespace {
 
 namespace carrying {
-constexpr int kFramesDrawn = 2;       // in a row, in which a patch is drawn that is carried
 constexpr double kFitted = 0.5;       // least amplitude where it is from, of the patch as fitted
 constexpr double kLeastShare = 0.85;  // least amplitude elsewhere, of that
 constexpr double kSlip = 1.5;         // px across, in which it is looked for
@@ -63,17 +62,12 @@ bool lies_on_edge(const Patch& patch, const graph::AttributeGraph& drawn, std::u
   });
 }
 
-/// Tells whether the patch is drawn in the frames before, seen in the sense of `step`, as far as there are
-/// any.
-bool is_lasting(Patch patch, int frame, int step, const DrawnPatches& drawn, const FrameWindow& window) {
-  for (int k = 1; k < carrying::kFramesDrawn; ++k, frame -= step) {
-    if (frame - step < 0 || frame - step >= drawn.frames()) return true;
-    patch = moved_along(patch, window, frame, -step);
-    const auto found = drawn.find(frame - step, patch);
-    if (!found) return false;
-    patch = moved_onto(patch, drawn.graph(frame - step).patch(*found));
-  }
-  return true;
+/// Tells whether the patch is drawn in the frame before, seen in the sense of `step`, if there is one.
+bool is_drawn_before(const Patch& patch, int frame, int step, const DrawnPatches& drawn,
+                     const FrameWindow& window) {
+  const int before = frame - step;
+  if (before < 0 || before >= drawn.frames()) return true;
+  return drawn.find(before, moved_along(patch, window, frame, -step)).has_value();
 }
 
 /// Moves a patch on by a frame; `level`: its amplitude in its own frame. Returns false where it is lost.
@@ -100,24 +94,17 @@ bool move_on(CarriedPatch& carried, int step, double level, const DrawnPatches& 
 void DrawnPatches::hold(int first, int end) {
   for (; first_ < first && !places_.empty(); ++first_) places_.pop_front();
   if (places_.empty()) first_ = first;
-  while (first_ + static_cast<int>(places_.size()) < end) {
-    std::vector<Point> points;
-    for (const graph::Vertex& v : graph(first_ + static_cast<int>(places_.size())).vertices())
-      points.push_back(v.patch.position);
-    places_.emplace_back(std::move(points), graph::kCoincidence);
-  }
+  while (first_ + static_cast<int>(places_.size()) < end)
+    places_.emplace_back(graph(first_ + static_cast<int>(places_.size())));
 }
 
 std::optional<std::uint32_t> DrawnPatches::find(int frame, const Patch& patch) const {
-  const graph::AttributeGraph& drawn = graph(frame);
-  std::optional<std::uint32_t> best, beside;
-  double least = 0;
-  for (const std::uint32_t v : places_[static_cast<std::size_t>(frame - first_)].find_near(patch.position)) {
-    const auto apart = graph::coincidence(patch, drawn.patch(v));
-    if (apart && (!best || *apart < least)) least = *apart, best = v;
-    if (!beside && lies_on_edge(patch, drawn, v)) beside = v;
-  }
-  return best ? best : beside;
+  const graph::CoincidenceIndex& places = places_[static_cast<std::size_t>(frame - first_)];
+  if (const auto found = places.find(patch)) return found;
+  const auto near = places.find_near(patch.position);
+  const auto first =
+      std::ranges::find_if(near, [&](std::uint32_t v) { return lies_on_edge(patch, graph(frame), v); });
+  return first == near.end() ? std::nullopt : std::optional(*first);
 }
 
 std::vector<CarriedPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
@@ -127,7 +114,7 @@ std::vector<CarriedPatch> carry_patches(int source, int step, const DrawnPatches
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
     CarriedPatch one{source, source, v, graph.patch(v)};
     if (graph::is_anchor(one.patch) || one.patch.type == graph::PatchType::blob ||
-        !is_lasting(one.patch, source, step, drawn, window))
+        !is_drawn_before(one.patch, source, step, drawn, window))
       continue;
     const double level = sketch::measure_amplitude(window.levels(source), one.patch, 0).value;
     if (level < carrying::kFitted) continue;

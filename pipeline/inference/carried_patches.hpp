@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "graph/matching/point_grid.hpp"
+#include "graph/matching/coincidence.hpp"
 #include "graph/motion_graph.hpp"
 #include "pipeline/inference/frame_window.hpp"
 
@@ -33,7 +33,7 @@ class DrawnPatches {
  private:
   const graph::SketchSequence& sketch_;
   int first_ = 0;
-  std::deque<graph::detail::PointGrid> places_;
+  std::deque<graph::CoincidenceIndex> places_;
 };
 
 /// A patch of one frame, carried to another one that shows it.

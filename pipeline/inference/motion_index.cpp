@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/inference/motion_index.hpp"
 
-#include <limits>
-
-#include "graph/matching/coincidence.hpp"
-
 namespace emberfold::pipeline {
 
 namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-std::vector<graph::Point> places(const graph::AttributeGraph& graph) {
-  std::vector<graph::Point> points;
-  for (const graph::Vertex& v : graph.vertices()) points.push_back(v.patch.position);
-  return points;
-}
-
 }  // namespace
 
 MotionIndex::Frame MotionIndex::index(std::size_t t) const {
   const auto& graphs = motion_.sketch.frames;
   Frame frame{std::vector(graphs[t].size(), kNone), std::vector(graphs[t].size(), kNone),
-              graph::detail::PointGrid(places(graphs[t]), graph::kCoincidence)};
+              graph::CoincidenceIndex(graphs[t])};
   const auto link = [](std::vector<std::uint32_t>& with, std::size_t from, std::size_t to) {
     if (with[from] == kNone) with[from] = static_cast<std::uint32_t>(to);
   };
@@ -46,16 +36,6 @@ std::optional<std::uint32_t> MotionIndex::linked(int frame, std::uint32_t vertex
   const Frame& at = held(frame);
   const std::uint32_t found = step > 0 ? at.next[vertex] : at.previous[vertex];
   return found == kNone ? std::nullopt : std::optional(found);
-}
-
-std::optional<std::uint32_t> MotionIndex::coinciding(int frame, const graph::Patch& patch) const {
-  std::optional<std::uint32_t> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t v : held(frame).places.find_near(patch.position)) {
-    const auto apart = graph::coincidence(patch, graph(frame).patch(v));
-    if (apart && *apart < least) least = *apart, best = v;
-  }
-  return best;
 }
 
 }  // namespace emberfold::pipeline

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "graph/matching/point_grid.hpp"
+#include "graph/matching/coincidence.hpp"
 #include "graph/motion_graph.hpp"
 
 namespace emberfold::pipeline {
@@ -29,12 +29,14 @@ class MotionIndex {
   /// several the first.
   [[nodiscard]] std::optional<std::uint32_t> linked(int frame, std::uint32_t vertex, int step) const;
   /// Returns the vertex of a frame that shows the same place of a stroke; of several the nearest.
-  [[nodiscard]] std::optional<std::uint32_t> coinciding(int frame, const graph::Patch& patch) const;
+  [[nodiscard]] std::optional<std::uint32_t> coinciding(int frame, const graph::Patch& patch) const {
+    return held(frame).places.find(patch);
+  }
 
  private:
   struct Frame {
     std::vector<std::uint32_t> next, previous;  // vertex indices, kNone where there is none
-    graph::detail::PointGrid places;
+    graph::CoincidenceIndex places;
   };
   [[nodiscard]] Frame index(std::size_t frame) const;
   [[nodiscard]] const Frame& held(int frame) const {

@@ -9,7 +9,6 @@
 #include "core/clip.hpp"
 #include "core/math/fast_round.hpp"
 #include "graph/matching/coincidence.hpp"
-#include "graph/matching/point_grid.hpp"
 #include "sketch/detection/colour.hpp"
 #include "sketch/patches/patch_types.hpp"
 #include "sketch/refinement/coding_length.hpp"
@@ -25,28 +24,6 @@ namespace {
 constexpr double kOfContrast = 0.25;  // difference of the images at which a vote counts e^{−1/2}
 constexpr std::size_t kRun = 2;       // patches in a row that go or come
 
-/// Finds patches of a sketch that are like another.
-class Drawn {
- public:
-  explicit Drawn(const AttributeGraph& graph) : graph_(graph), grid_(places(graph), graph::kCoincidence) {}
-
-  [[nodiscard]] bool has(const Patch& patch) const {
-    return std::ranges::any_of(grid_.find_near(patch.position), [&](auto other) {
-      return graph::coincidence(patch, graph_.patch(other)).has_value();
-    });
-  }
-
- private:
-  static std::vector<graph::Point> places(const AttributeGraph& graph) {
-    std::vector<graph::Point> points;
-    for (const graph::Vertex& v : graph.vertices()) points.push_back(v.patch.position);
-    return points;
-  }
-
-  const AttributeGraph& graph_;
-  graph::detail::PointGrid grid_;
-};
-
 /// The votes of the neighbouring frames.
 class Votes {
  public:
@@ -61,7 +38,7 @@ class Votes {
   [[nodiscard]] double count(const Patch& patch) const {
     double sum = 0;
     for (std::size_t i = 0; i < drawn_.size(); ++i)
-      sum += (drawn_[i].has(patch) ? 1 : -1) * weight(differences_[i], patch);
+      sum += (drawn_[i].find(patch) ? 1 : -1) * weight(differences_[i], patch);
     return sum;
   }
 
@@ -76,7 +53,7 @@ class Votes {
 
   double noise_;
   std::vector<cv::Mat1f> differences_;
-  std::vector<Drawn> drawn_;
+  std::vector<graph::CoincidenceIndex> drawn_;
 };
 
 /// Calls use(first, last) for each run of at least kRun patches of a curve for which `is_in` holds.
@@ -115,7 +92,7 @@ AttributeGraph without_outvoted(const AttributeGraph& own, const Votes& votes) {
 /// Collects the runs that most neighbours have and this frame lacks.
 AttributeGraph missing_strokes(const AttributeGraph& own, std::span<const CarriedSketch> neighbours,
                                const Votes& votes) {
-  const Drawn drawn(own);
+  const graph::CoincidenceIndex drawn(own);
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
   for (const CarriedSketch& neighbour : neighbours) {
@@ -123,7 +100,7 @@ AttributeGraph missing_strokes(const AttributeGraph& own, std::span<const Carrie
     const auto is_missing = [&](auto v) {
       const Patch& patch = neighbour.graph.patch(v);
       const auto known = std::span(vertices).first(before);
-      return !drawn.has(patch) && std::ranges::none_of(known, [&](const auto& other) {
+      return !drawn.find(patch) && std::ranges::none_of(known, [&](const auto& other) {
         return graph::coincidence(patch, other.patch).has_value();
       }) && votes.count(patch) - 1 > 0;
     };
