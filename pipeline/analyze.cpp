@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/freed_memory.hpp"
 #include "graph/curves/curve_strokes.hpp"
+#include "graph/events/kept_identity.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
 #include "pipeline/frame_synthesis.hpp"
@@ -178,6 +179,8 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     analysis.reviewed = apply_review(analysis.all_events, *options.review, gaps, options.seed);
     analysis.all_events = analysis.reviewed->events;
   }
+  if (!options.bottom_up && !options.curve_events)
+    graph::keep_identity(analysis.motion, analysis.all_events, kLikely);
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
                        [](const graph::Event& event) { return event.probability >= kLikely; });
   if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());

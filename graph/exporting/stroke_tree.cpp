@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/exporting/stroke_tree.hpp"
 
-#include <map>
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -13,22 +15,26 @@ StrokeTree make_stroke_tree(const MotionGraph& motion, const std::vector<Event>&
   StrokeTree tree;
   for (const auto& row : stroke_rows(motion))
     if (row.stroke > 0) tree.rows.push_back(row);
-  std::map<std::uint32_t, std::size_t> first, last;
-  for (std::size_t i = 0; i < tree.rows.size(); ++i) {
-    const auto& row = tree.rows[i];
-    first.emplace(row.stroke, i);
-    last[row.stroke] = i;
-    if (i > 0 && tree.rows[i - 1].stroke == row.stroke) tree.links.push_back({i - 1, i, 1, {}});
-  }
+  for (std::size_t i = 1; i < tree.rows.size(); ++i)
+    if (tree.rows[i - 1].stroke == tree.rows[i].stroke) tree.links.push_back({i - 1, i, 1, {}});
+  // Rows stand by stroke, then by frame.
+  const auto first_from = [&](SubgraphId stroke, int frame) {
+    return std::ranges::lower_bound(tree.rows, std::pair(stroke.value, static_cast<std::uint32_t>(frame)), {},
+                                    [](const StrokeRow& row) { return std::pair(row.stroke, row.frame); });
+  };
   std::set<std::pair<std::size_t, std::size_t>> linked;
   for (const auto& event : events)
     for (const auto& before : event.before)
       for (const auto& after : event.after) {
-        const auto from = last.find(before.value), to = first.find(after.value);
-        if (from == last.end() || to == first.end()) continue;
-        if (tree.rows[from->second].frame >= tree.rows[to->second].frame) continue;
-        if (linked.emplace(from->second, to->second).second)
-          tree.links.push_back({from->second, to->second, event.probability, std::string(name(event.type))});
+        if (before == after) continue;
+        const auto next = first_from(before, event.frame), to = first_from(after, event.frame);
+        if (next == tree.rows.begin() || to == tree.rows.end()) continue;
+        const auto from = std::prev(next);
+        if (from->stroke != before.value || to->stroke != after.value) continue;
+        const std::pair ends(static_cast<std::size_t>(from - tree.rows.begin()),
+                             static_cast<std::size_t>(to - tree.rows.begin()));
+        if (linked.insert(ends).second)
+          tree.links.push_back({ends.first, ends.second, event.probability, std::string(name(event.type))});
       }
   return tree;
 }

@@ -11,8 +11,8 @@ namespace emberfold::graph {
 
 /// A curve in one frame, as a row of curves.csv.
 struct CurveRow {
-  StrokeRow whole;                        ///< its number, a curve's; the middle is that of its longest piece
-  std::uint32_t pieces = 1, touches = 0;  ///< edges that lead to other curves
+  StrokeRow whole;            ///< its number is the curve's
+  std::uint32_t touches = 0;  ///< edges that lead to other curves
 };
 
 /// Returns a row for every curve and frame, curve after curve. The curves must be identified.

@@ -21,8 +21,19 @@ namespace {
 
 using Row = StrokeRow;
 
-/// Returns a row for each component, by its lowest vertex.
-std::vector<Row> rows_of(const AttributeGraph& graph, std::uint32_t frame) {
+/// Returns the graph without edges between different strokes.
+AttributeGraph without_touches(const AttributeGraph& graph) {
+  const auto stroke = [&](VertexId id) { return graph.vertices()[graph.index_of(id)].subgraph; };
+  std::vector<Edge> edges;
+  for (const Edge& edge : graph.edges())
+    if (stroke(edge.a) == stroke(edge.b)) edges.push_back(edge);
+  if (edges.size() == graph.edges().size()) return graph;
+  return {{graph.vertices().begin(), graph.vertices().end()}, std::move(edges), graph.memory()};
+}
+
+/// Returns a row for each piece of a stroke, by its lowest vertex.
+std::vector<Row> rows_of(const AttributeGraph& whole, std::uint32_t frame) {
+  const AttributeGraph graph = without_touches(whole);
   const Components parts = components(graph);
   std::vector<Row> rows(parts.count);
   std::vector<std::uint32_t> member(parts.count);
@@ -31,8 +42,8 @@ std::vector<Row> rows_of(const AttributeGraph& graph, std::uint32_t frame) {
     Row& row = rows[parts.of_vertex[i]];
     const Patch& patch = graph.patch(i);
     ++row.patches;
-    row.ends += graph.degree(i) == 1 ? 1 : 0;
-    row.junctions += graph.degree(i) >= 3 ? 1 : 0;
+    row.ends += whole.degree(i) == 1 ? 1 : 0;
+    row.junctions += whole.degree(i) >= 3 ? 1 : 0;
     row.width += patch.width;
     row.contrast += patch.contrast;
     for (const std::uint32_t other : graph.neighbours(i))
@@ -46,6 +57,29 @@ std::vector<Row> rows_of(const AttributeGraph& graph, std::uint32_t frame) {
     row.middle = detail::component_middle(graph, paths, member[k]);
     row.width /= row.patches;
     row.contrast /= row.patches;
+  }
+  return rows;
+}
+
+/// Makes one row of a stroke's pieces in a frame; patches of no stroke stay a row for each component.
+std::vector<Row> join_pieces(const std::vector<Row>& pieces) {
+  std::vector<Row> rows;
+  double longest = 0;
+  for (const Row& piece : pieces) {
+    if (piece.stroke == 0 || rows.empty() || rows.back().stroke != piece.stroke ||
+        rows.back().frame != piece.frame) {
+      rows.push_back(piece);
+      longest = piece.length;
+      continue;
+    }
+    Row& row = rows.back();
+    const double patches = row.patches + piece.patches;
+    row.width = (row.width * row.patches + piece.width * piece.patches) / patches;
+    row.contrast = (row.contrast * row.patches + piece.contrast * piece.patches) / patches;
+    if (piece.length > longest) row.middle = piece.middle, longest = piece.length;
+    row.patches += piece.patches, row.length += piece.length;
+    row.ends += piece.ends, row.junctions += piece.junctions;
+    ++row.pieces;
   }
   return rows;
 }
@@ -98,21 +132,7 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> touches_of(cons
 
 std::vector<CurveRow> curve_rows(const MotionGraph& motion) {
   std::vector<CurveRow> rows;
-  double longest = 0;
-  for (const Row& piece : stroke_rows(curves_as_strokes(motion))) {
-    if (rows.empty() || rows.back().whole.stroke != piece.stroke || rows.back().whole.frame != piece.frame) {
-      rows.push_back({piece});
-      longest = piece.length;
-      continue;
-    }
-    auto& [whole, pieces, touches] = rows.back();
-    const double patches = whole.patches + piece.patches;
-    whole.width = (whole.width * whole.patches + piece.width * piece.patches) / patches;
-    whole.contrast = (whole.contrast * whole.patches + piece.contrast * piece.patches) / patches;
-    if (piece.length > longest) whole.middle = piece.middle, longest = piece.length;
-    whole.patches += piece.patches, whole.length += piece.length;
-    ++pieces;
-  }
+  for (const Row& row : stroke_rows(curves_as_strokes(motion))) rows.push_back({row});
   const auto touches = touches_of(motion);
   for (CurveRow& row : rows) {
     const auto at = touches.find({row.whole.stroke, row.whole.frame});
@@ -126,13 +146,13 @@ void write_curves(std::ostream& out, const MotionGraph& motion, const Units& uni
   if (units.seconds) text += ",time_s";
   if (units.um) text += ",x_um,y_um,length_um";
   text += '\n';
-  for (const auto& [row, pieces, touches] : curve_rows(motion)) {
+  for (const auto& [row, touches] : curve_rows(motion)) {
     detail::TableLine line(text);
     line.add(row.stroke), line.add(row.frame);
     for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value);
     line.add(row.patches);
     for (const double value : {row.width, row.contrast}) line.add(value);
-    line.add(pieces), line.add(touches);
+    line.add(row.pieces), line.add(touches);
     if (units.seconds) line.add(row.frame * *units.seconds);
     if (units.um)
       for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value * *units.um);
@@ -166,7 +186,7 @@ std::vector<StrokeRow> stroke_rows(const MotionGraph& motion) {
     rows.insert(rows.end(), more.begin(), more.end());
   }
   std::ranges::stable_sort(rows, {}, &StrokeRow::stroke);
-  return rows;
+  return join_pieces(rows);
 }
 
 void write_strokes(std::ostream& out, const MotionGraph& motion) {

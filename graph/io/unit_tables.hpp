@@ -24,7 +24,8 @@ void write_events_csv(std::ostream& out, const std::vector<Event>& events, const
 /// A stroke in one frame, as a row of strokes.csv.
 struct StrokeRow {
   std::uint32_t stroke = 0, frame = 0, patches = 0, ends = 0, junctions = 0;
-  Point middle;                                ///< px, half way along the longest of its shortest paths
+  std::uint32_t pieces = 1;  ///< parts that no edges within the stroke join
+  Point middle;              ///< px, half way along the longest shortest path of its longest piece
   double length = 0, width = 0, contrast = 0;  ///< px, px, luma
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "graph/matching/point_grid.hpp"
+#include "mcmc/simulation/rounding.hpp"
 
 namespace emberfold::mcmc {
 
@@ -150,7 +151,7 @@ void enforce_hard_core(SimulatedStrokes& p, const MotionModel& model) {
         for (const auto w : sides[v]) push[v] = push[v] + now[w] * share;
       }
     }
-    for (std::size_t v = 0; v < push.size(); ++v) p.list[v].rest.position = p.list[v].rest.position + push[v];
+    for (std::size_t v = 0; v < push.size(); ++v) p.list[v].rest.position = p.list[v].rest.position + rounded(push[v]);
   }
 }
 

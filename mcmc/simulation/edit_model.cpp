@@ -13,6 +13,7 @@
 #include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/simulation/edit_population.hpp"
 #include "mcmc/simulation/rate_calibration.hpp"
+#include "mcmc/simulation/rounding.hpp"
 #include "mcmc/simulation/simulated_strokes.hpp"
 
 namespace emberfold::mcmc {
@@ -65,8 +66,11 @@ void resample_fade(std::array<double, 8>& shares, double factor) {
 void speed_up(MotionModel& model, double factor, std::uint64_t seed, const core::Context& context) {
   EventStatistics shown = detail::measure_event_statistics(model, seed, context);
   for (double& events : shown.events) events *= factor;
-  model.displacement = change_speed(model.displacement, factor);
-  model.contrast = change_speed(model.contrast, factor);
+  for (Autoregression* motion : {&model.displacement, &model.contrast}) {
+    *motion = change_speed(*motion, factor);
+    for (double* value : {&motion->a1, &motion->a2, &motion->coupling, &motion->noise})
+      *value = detail::rounded(*value);
+  }
   for (auto* map : {&model.drift_x, &model.drift_y, &model.rates.birth})
     for (double& value : map->values) value *= factor;
   auto& rates = model.rates;

@@ -11,6 +11,7 @@
 #include "mcmc/learning/hard_core.hpp"
 #include "mcmc/learning/operator_sites.hpp"
 #include "mcmc/learning/stroke_places.hpp"
+#include "mcmc/simulation/rounding.hpp"
 
 namespace emberfold::mcmc::detail {
 
@@ -246,7 +247,7 @@ void add_bridge(OperatorFrame& scene, Index a, Index b) {
   Index last = a;
   for (int i = 1; i <= patches; ++i) {
     const double u = i / (patches + 1.0);
-    const Index next = p.add(interpolate_patch(from, to, u, curve.at(u), curve.direction(u)));
+    const Index next = p.add(interpolate_patch(from, to, u, rounded(curve.at(u)), curve.direction(u)));
     scene.start_refractory_period(next);
     p.edges.emplace_back(last, next);
     last = next;
@@ -367,7 +368,7 @@ BirthSite choose_birth_site(OperatorFrame& scene, const std::vector<double>& wei
   for (int tries = 0; tries < 20 && most_free < 1; ++tries) {
     const Exemplar& exemplar = scene.model.exemplars[scene.rng.categorical(weights)];
     const double jitter = std::min(largest_jitter, usual * scene.model.displacement_scale.at(exemplar.place));
-    const Point place = exemplar.place + Point{scene.rng.normal(), scene.rng.normal()} * jitter;
+    const Point place = rounded(exemplar.place + Point{scene.rng.normal(), scene.rng.normal()} * jitter);
     const double crowded = scene.density.at(place);
     if (best.exemplar && scene.rng.uniform() * crowded * crowded > 1) continue;
     const double free = relative_clearance(scene, exemplar, place);

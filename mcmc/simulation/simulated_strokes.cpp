@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "graph/matching/point_grid.hpp"
+#include "mcmc/simulation/rounding.hpp"
 #include "mcmc/simulation/smooth_noise.hpp"
 
 namespace emberfold::mcmc::detail {
@@ -157,8 +158,8 @@ void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::
     const double alike = m.a1 / (1 - m.a2);
     return std::pair{deviation * first, deviation * (alike * first + std::sqrt(1 - alike * alike) * second)};
   };
-  const double displacement_sd = stationary_deviation(model.displacement),
-               gain_deviation = stationary_deviation(model.contrast);
+  const double displacement_sd = rounded(stationary_deviation(model.displacement)),
+               gain_deviation = rounded(stationary_deviation(model.contrast));
   for (std::size_t i = 0; i < p.list.size(); ++i) {
     SimulatedPatch& me = p.list[i];
     std::tie(me.offset_before.x, me.offset.x) =
@@ -193,7 +194,7 @@ void copy_neighbour_motion(SimulatedStrokes& fresh, const SimulatedStrokes& ther
     if (!nearest) continue;
     const auto mix = [&](double range, auto mine, auto other) {
       if (!(range > 0)) return mine;
-      const double alike = std::exp(-0.5 * least / (range * range));
+      const double alike = rounded(std::exp(-0.5 * least / (range * range)));
       return other * alike + mine * std::sqrt(1 - alike * alike);
     };
     me.offset = mix(model.displacement.range, me.offset, nearest->offset);

@@ -2,7 +2,6 @@
 #include "mcmc/simulation/simulation_step.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "graph/events/events.hpp"
 #include "mcmc/learning/hard_core.hpp"
@@ -14,7 +13,6 @@ namespace emberfold::mcmc::detail {
 namespace {
 
 constexpr int unknown_age = 1000;  // frames: nobody saw them being born
-constexpr double steps_a_unit = 1 << 20;
 
 // True if a part of a patch lies in the frame: half its width and two blurs to each side are drawn.
 bool is_visible(const graph::Patch& patch, graph::Point step, const MotionModel& model) {
@@ -49,16 +47,6 @@ int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model) {
   return left;
 }
 
-// Rounds what the next frame is made of to 2⁻²⁰ px. Mathematical libraries differ in the last digit; it would
-// grow over thousands of frames to another clip.
-void round_state(SimulatedStrokes& strokes) {
-  const auto round = [](double& value) { value = std::round(value * steps_a_unit) / steps_a_unit; };
-  for (SimulatedPatch& p : strokes.list)
-    for (double* value : {&p.rest.position.x, &p.rest.position.y, &p.rest.theta, &p.offset.x, &p.offset.y,
-                          &p.offset_before.x, &p.offset_before.y, &p.gain, &p.gain_before})
-      round(*value);
-}
-
 }  // namespace
 
 SimulatedStrokes initial_strokes(const MotionModel& model, std::uint64_t seed) {
@@ -70,7 +58,6 @@ SimulatedStrokes initial_strokes(const MotionModel& model, std::uint64_t seed) {
     simulated.offset = seen.offset, simulated.offset_before = seen.offset_before;
     simulated.gain = seen.gain, simulated.gain_before = seen.gain_before;
   }
-  round_state(strokes);
   return strokes;
 }
 
@@ -81,7 +68,6 @@ std::array<int, 6> advance_frame(SimulatedStrokes& strokes, const MotionModel& m
   enforce_hard_core(strokes, model);
   auto done = apply_operators(strokes, model, seed, frame);
   done[static_cast<std::size_t>(graph::EventType::death)] += left;
-  round_state(strokes);
   return done;
 }
 

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "core/rng.hpp"
+#include "mcmc/simulation/rounding.hpp"
 
 namespace emberfold::mcmc::detail {
 
@@ -91,7 +92,7 @@ std::vector<PatchNoise> draw_noise(const SimulatedStrokes& p, const MotionModel&
       noise.x = alone.normal(), noise.y = alone.normal();
     }
     noise.gain = model.contrast.range >= finest_range ? gain.at(place)[0] : alone.normal();
-    result.push_back(noise);
+    result.push_back({rounded(noise.x), rounded(noise.y), rounded(noise.gain)});
   }
   return result;
 }
