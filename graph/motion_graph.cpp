@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/error.hpp"
@@ -150,8 +151,14 @@ std::vector<Trajectory> trajectories(const MotionGraph& motion) {
     std::vector<std::uint32_t> course(frames[t].size(), kNoCourse);
     if (t > 0) {
       const detail::FrameLinks found = detail::index_links(frames[t - 1], frames[t], motion.links[t]);
-      for (const auto& [i, j] : found.links) {
-        if (found.successors[i] == 1 && found.predecessors[j] == 1) course[j] = course_before[i];
+      // A patch that parts or joins goes on with the nearest one.
+      std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> nearest;
+      for (const auto& [i, j] : found.links)
+        nearest.emplace_back(distance(frames[t - 1].patch(i).position, frames[t].patch(j).position), i, j);
+      std::ranges::sort(nearest);
+      for (const auto& [way, i, j] : nearest) {
+        if (course[j] != kNoCourse || course_before[i] == kNoCourse) continue;
+        course[j] = std::exchange(course_before[i], kNoCourse);
       }
     }
     for (std::size_t j = 0; j < course.size(); ++j) {

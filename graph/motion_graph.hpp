@@ -53,7 +53,8 @@ void validate(const MotionGraph& motion);
 /// appearance. Throws InputError as validate() does. O(n log n).
 MotionGraph identify(MotionGraph motion);
 
-/// The trajectory of one patch: vertices that follow each other by one-to-one links.
+/// The trajectory of one patch: vertices that follow each other by links, where patches part or join by the
+/// shortest.
 struct Trajectory {
   int first_frame = 0;
   std::vector<VertexId> vertices;  ///< one a frame

@@ -9,6 +9,7 @@
 #include "core/freed_memory.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "graph/events/kept_identity.hpp"
+#include "graph/matching/skipped_patches.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
 #include "pipeline/frame_synthesis.hpp"
@@ -181,6 +182,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
   }
   if (!options.bottom_up && !options.curve_events)
     graph::keep_identity(analysis.motion, analysis.all_events, kLikely);
+  graph::link_skipped_patches(analysis.motion);
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
                        [](const graph::Event& event) { return event.probability >= kLikely; });
   if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());
