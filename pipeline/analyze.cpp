@@ -156,6 +156,18 @@ StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sket
   return sketches;
 }
 
+/// Chooses the events to report, and lets the motion graph follow them.
+void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
+  if (!options.bottom_up && !options.curve_events)
+    graph::keep_identity(analysis.motion, analysis.all_events, kLikely);
+  std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
+                       [](const graph::Event& event) { return event.probability >= kLikely; });
+  // They are traced by links as matched.
+  analysis.contacts = graph::event_contacts(
+      options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, analysis.events);
+  graph::link_skipped_patches(analysis.motion);
+}
+
 /// Finds motion and events, or reads those that are kept; the model is learned where it is not kept.
 void find_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
                  const AnalysisStages* stages, bool has_model, Analysis& analysis, mcmc::FitResult& fitted,
@@ -180,11 +192,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     analysis.reviewed = apply_review(analysis.all_events, *options.review, gaps, options.seed);
     analysis.all_events = analysis.reviewed->events;
   }
-  if (!options.bottom_up && !options.curve_events)
-    graph::keep_identity(analysis.motion, analysis.all_events, kLikely);
-  graph::link_skipped_patches(analysis.motion);
-  std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
-                       [](const graph::Event& event) { return event.probability >= kLikely; });
+  settle_events(analysis, options);
   if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());
 }
 

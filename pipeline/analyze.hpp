@@ -12,6 +12,7 @@
 #include "core/context.hpp"
 #include "core/stage_clock.hpp"
 #include "graph/curves/curve_identity.hpp"
+#include "graph/events/event_names.hpp"
 #include "graph/events/events.hpp"
 #include "graph/events/review.hpp"
 #include "graph/matching/match.hpp"
@@ -72,9 +73,12 @@ struct LearnedTexture {
 /// Holds the results of analyze().
 struct Analysis {
   SketchedClip sketched;                  ///< empty without AnalyzeOptions::keep_sketch
-  graph::MotionGraph motion;              ///< with strokes and curves
+  /// With strokes and curves. Strokes keep their identity through what is no event (graph::keep_identity), unless
+  /// events are of curves, or taken as matched.
+  graph::MotionGraph motion;
   std::vector<graph::CurveJoint> joints;  ///< where curves go on or touch
   std::vector<graph::Event> events;       ///< of probability 0.5 or more
+  std::vector<graph::Contact> contacts;   ///< how the parts meet, of each of `events`
   std::vector<graph::Event> all_events;   ///< of any probability
   ClipModel model;
   /// Rates of births, deaths, splits, merges, connects and disconnects, a frame, with their intervals.

@@ -28,7 +28,6 @@
 #include "apps/units/event_units.hpp"
 #include "core/io/mapped_memory.hpp"
 #include "core/io/model_folder.hpp"
-#include "graph/curves/curve_strokes.hpp"
 #include "graph/events/event_score.hpp"
 #include "graph/io/contact_tables.hpp"
 #include "graph/io/curve_tables.hpp"
@@ -43,7 +42,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void write_data(io::OutputFolder& output, const pipeline::Analysis& found,
-                std::span<const graph::TopologyChange> changes, bool of_curves, const graph::Units& units) {
+                std::span<const graph::TopologyChange> changes, const graph::Units& units) {
   const auto& motion = found.motion;
   const auto& events = found.events;
   output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
@@ -51,10 +50,8 @@ void write_data(io::OutputFolder& output, const pipeline::Analysis& found,
   write_events(output, found, units);
   output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion, units); });
-  const auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
-  const auto contacts = graph::event_contacts(read, events);
   output.write("named_events.csv",
-               [&](std::ostream& out) { graph::write_named_events(out, events, contacts, units); });
+               [&](std::ostream& out) { graph::write_named_events(out, events, found.contacts, units); });
   output.write("contacts.csv",
                [&](std::ostream& out) { graph::write_contacts(out, graph::curve_contacts(motion), units); });
   output.write("network.csv", [&](std::ostream& out) { graph::write_network(out, motion, units); });
@@ -280,7 +277,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   const auto units = units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
   const auto changes = graph::topology_changes(found.motion);
-  write_data(output, found, changes, options.curve_events, units);
+  write_data(output, found, changes, units);
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
   write_drift(output, *source);
   made.stages.begin("pictures");
