@@ -156,16 +156,16 @@ StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sket
   return sketches;
 }
 
-/// Chooses the events to report, and lets the motion graph follow them.
+/// Chooses the events to report, and lets the motion graph follow them where they are weighed.
 void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
-  if (!options.bottom_up && !options.curve_events)
-    graph::keep_identity(analysis.motion, analysis.all_events, kLikely);
+  const bool weighs_strokes = !options.bottom_up && !options.curve_events;
+  if (weighs_strokes) graph::keep_identity(analysis.motion, analysis.all_events, kLikely);
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
                        [](const graph::Event& event) { return event.probability >= kLikely; });
   // They are traced by links as matched.
   analysis.contacts = graph::event_contacts(
       options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, analysis.events);
-  graph::link_skipped_patches(analysis.motion);
+  if (weighs_strokes) graph::link_skipped_patches(analysis.motion);
 }
 
 /// Finds motion and events, or reads those that are kept; the model is learned where it is not kept.

@@ -72,9 +72,10 @@ struct LearnedTexture {
 
 /// Holds the results of analyze().
 struct Analysis {
-  SketchedClip sketched;                  ///< empty without AnalyzeOptions::keep_sketch
-  /// With strokes and curves. Strokes keep their identity through what is no event (graph::keep_identity), unless
-  /// events are of curves, or taken as matched.
+  SketchedClip sketched;  ///< empty without AnalyzeOptions::keep_sketch
+  /// With strokes and curves. Strokes keep their identity through what is no event (graph::keep_identity),
+  /// and skipped patches are linked (graph::link_skipped_patches), unless events are of curves, or taken as
+  /// matched.
   graph::MotionGraph motion;
   std::vector<graph::CurveJoint> joints;  ///< where curves go on or touch
   std::vector<graph::Event> events;       ///< of probability 0.5 or more
