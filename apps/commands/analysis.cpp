@@ -42,11 +42,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void write_data(io::OutputFolder& output, const pipeline::Analysis& found,
-                std::span<const graph::TopologyChange> changes, const graph::Units& units) {
+                std::span<const graph::TopologyChange> changes, bool jsonl, const graph::Units& units) {
   const auto& motion = found.motion;
   const auto& events = found.events;
-  output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
-  output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
+  if (jsonl) {
+    output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
+    output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
+  }
   write_events(output, found, units);
   output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion, units); });
@@ -131,13 +133,11 @@ Json events_json(const std::vector<graph::Event>& events, std::size_t frames) {
   return {{"total", events.size()}, {"per_frame", std::round(per_frame * 1000) / 1000}, {"classes", classes}};
 }
 
-Json files_json(bool reconstruction, bool keeps) {
+Json files_json(const AnalyzeOptions& options, bool keeps) {
   Json files = {
       {"events.json", "the events of strokes"},
       {"events.csv", "the same as a table"},
       {"events_all.json", "those less probable too"},
-      {"motion.jsonl", "graphs and their links, a line a frame"},
-      {"sketch.jsonl", "the graphs alone"},
       {"trajectories.csv", "every patch through time"},
       {"model/", "what was learned: 'emberfold synth' draws new clips from it"},
       {"strokes.csv", "every stroke through time"},
@@ -157,7 +157,11 @@ Json files_json(bool reconstruction, bool keeps) {
       {"matches/", "neighbouring frames, matched"},
       {"summary.json", "all figures"}};
   if (keeps) files["stages/"] = "what each step made: the same command goes on from there";
-  if (reconstruction) files["reconstruction.avi"] = "the clip drawn from its sketch";
+  if (options.jsonl) {
+    files["motion.jsonl"] = "graphs and their links, a line a frame";
+    files["sketch.jsonl"] = "the graphs alone";
+  }
+  if (options.reconstruction) files["reconstruction.avi"] = "the clip drawn from its sketch";
   return files;
 }
 
@@ -277,7 +281,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   const auto units = units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
   const auto changes = graph::topology_changes(found.motion);
-  write_data(output, found, changes, units);
+  write_data(output, found, changes, options.jsonl, units);
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
   write_drift(output, *source);
   made.stages.begin("pictures");
@@ -302,7 +306,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
     summary["score"] = score_json(graph::score_events(*truth, found.events, tolerance));
     summary["score"]["tolerance"] = options_json(tolerance);
   }
-  summary["files"] = files_json(options.reconstruction, stages != nullptr);
+  summary["files"] = files_json(options, stages != nullptr);
   summary["per_frame"] = per_frame_json(found.motion, found.events);
   made.summary = std::move(summary);
   made.report = std::move(pictures.report);

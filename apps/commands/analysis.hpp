@@ -22,6 +22,7 @@ struct AnalyzeOptions : pipeline::AnalyzeOptions {
   io::ReadOptions read = {};
   bool reconstruction =
       false;  ///< write reconstruction.avi too: every frame is drawn again, not a choice of them
+  bool jsonl = true;  ///< write motion.jsonl and sketch.jsonl
 };
 
 /// A clip's analysis, and what is written of it.

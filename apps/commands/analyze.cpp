@@ -58,6 +58,12 @@ void publish_events(const Analyze& asked, const pipeline::Analysis& found, const
     std::filesystem::remove(std::filesystem::path(asked.output) / name, ignored);
 }
 
+/// Removes the graphs that an earlier run wrote as text: they may be others than those of the run.
+void remove_graphs(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {"motion.jsonl", "sketch.jsonl"}) std::filesystem::remove(folder / name, ignored);
+}
+
 /// Makes what is missing of a run. Without keys nothing is kept in between.
 Json make_run(const Analyze& asked, const AnalyzeOptions& options, const std::optional<RunKeys>& keys,
               Session& session) {
@@ -75,6 +81,7 @@ Json make_run(const Analyze& asked, const AnalyzeOptions& options, const std::op
       analyze_clip(asked.reading.clip, options, output, session, {}, {}, stages ? &*stages : nullptr);
   finish_analysis(analysis, output, session);
   output.commit();
+  if (!options.jsonl) remove_graphs(asked.output);
   if (keys) note_done(asked.output, keys->run);
   return std::move(analysis.summary);
 }
@@ -154,6 +161,8 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
       ->excludes(bottom_up)
       ->excludes(curve_events);
   add_sketch_options(command, options.sketch);
+  command.add_flag("--jsonl,!--no-jsonl", options.jsonl,
+                   "Write motion.jsonl and sketch.jsonl (the default); --no-jsonl leaves them out");
   command.add_flag("--reconstruction", options.reconstruction,
                    "Write reconstruction.avi too, and measure the PSNR of every frame");
   add_number(command, "--texture", options.texture, "N",

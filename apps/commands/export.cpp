@@ -37,8 +37,8 @@ FinishedRun read_finished_run(const fs::path& folder) {
   const auto open = [&](const char* name) {
     std::error_code error;
     if (!fs::exists(folder / name, error))
-      throw core::IoError(folder.string() + " is no finished run: it has no " + name +
-                          "; 'emberfold analyze' makes one");
+      throw core::IoError(folder.string() + " is no finished run with graphs: it has no " + name +
+                          "; 'emberfold analyze' makes one (with --jsonl where it was left out)");
     return io::open_file(folder / name);
   };
   auto summary_file = open("summary.json"), motion_file = open("motion.jsonl"),

@@ -85,3 +85,24 @@ TEST_CASE("an export that cannot be is refused in one line") {
   check_one_line({"export", temp.path().string(), "-q"}, 2, {"--geff"});
   check_one_line({"export", (temp / "none").string(), "--geff", "-q"}, 1, {"none"});
 }
+
+TEST_CASE("graphs are left out of a run that is told so, and come with the same command told otherwise") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip.avi", {160, 120}, 14, 9), run = (temp / "run").string();
+  const auto analyze = [&](const char* how) {
+    return run_command({"analyze", clip, "-o", run, "-q", "--bottom-up", "--json", how});
+  };
+  const auto with = Json::parse(analyze("--jsonl").out);
+  CHECK(with["files"].contains("motion.jsonl"));
+  const auto motion = bytes_of(temp / "run/motion.jsonl"), sketch = bytes_of(temp / "run/sketch.jsonl");
+  const auto events = bytes_of(temp / "run/events.json");
+  const auto without = Json::parse(analyze("--no-jsonl").out);
+  CHECK_FALSE(without["files"].contains("motion.jsonl"));
+  CHECK_FALSE(fs::exists(temp / "run/motion.jsonl"));
+  CHECK_FALSE(fs::exists(temp / "run/sketch.jsonl"));
+  CHECK(bytes_of(temp / "run/events.json") == events);
+  check_one_line({"export", run, "--csv", "-q"}, 1, {"--jsonl"});
+  REQUIRE(analyze("--jsonl").exit == 0);
+  CHECK(bytes_of(temp / "run/motion.jsonl") == motion);
+  CHECK(bytes_of(temp / "run/sketch.jsonl") == sketch);
+}
