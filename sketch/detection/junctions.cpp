@@ -106,23 +106,30 @@ struct Bridge {
 
 bool bridged(const ScaleLevel& level, CreaseKind kind, Point from, Point to, Point outward,
              const Bridge& bridge) {
-  // A line with less contrast, but some, continues if the level lines turn about it throughout.
+  // A line with less contrast, but some, continues if the level lines turn about it throughout. Over a long
+  // way they must turn for half of it: shading shows as a line does, but has no crest.
   constexpr double kLeastShare = 0.6, kTurning = 0.35;
+  constexpr double kLong = 8, kMostFlat = 0.5;  // px, share of the way
   const double length = graph::distance(from, to);
   if (length < 1.5) return true;
   // A step keeps its side: it is sampled across the direction in which the end runs out.
   const Point across{-outward.y, outward.x};
   const double least = bridge.ground + kLeastShare * (bridge.needed - bridge.ground);
   const double sign = kind == CreaseKind::valley ? -1 : 1;
+  int flat = 0;
   const int steps = static_cast<int>(std::ceil(length));
   for (int i = 1; i < steps; ++i) {
     const Point p = from + (to - from) * (1.0 * i / steps);
     const double shows = showing(level, kind, p, across, bridge.sigma);
-    if (shows >= bridge.needed) continue;
+    if (shows >= bridge.needed) {
+      if (length > kLong && kind != CreaseKind::step && sign * creaseness(level, p, bridge.slope) < kTurning)
+        ++flat;
+      continue;
+    }
     if (kind == CreaseKind::step || shows < least || sign * creaseness(level, p, bridge.slope) < kTurning)
       return false;
   }
-  return true;
+  return flat <= kMostFlat * steps;
 }
 
 std::size_t level_near(const Chain& chain, const ScaleSpace& space, bool back) {
