@@ -2,6 +2,7 @@
 #include "graph/motion_graph.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -80,11 +81,23 @@ void validate_links(const AttributeGraph& before, const AttributeGraph& after, s
   }
 }
 
+std::vector<Link> all_links(const MotionGraph& motion, std::size_t frame) {
+  if (motion.skipped.empty()) return motion.links[frame];
+  std::vector<Link> all;
+  std::ranges::merge(motion.links[frame], motion.skipped[frame], std::back_inserter(all));
+  return all;
+}
+
 void validate(const MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   if (motion.links.size() != frames.size()) {
     throw core::InputError("motion graph: " + std::to_string(motion.links.size()) + " lists of links for " +
                            std::to_string(frames.size()) + " frames");
+  }
+  if (!motion.skipped.empty() && motion.skipped.size() != frames.size()) {
+    throw core::InputError("motion graph: " + std::to_string(motion.skipped.size()) +
+                           " lists of links of skipped patches for " + std::to_string(frames.size()) +
+                           " frames");
   }
   for (std::size_t t = 0; t < frames.size(); ++t) {
     const std::string where = "motion graph: frame " + std::to_string(t) + ": ";
@@ -98,12 +111,13 @@ void validate(const MotionGraph& motion) {
       throw core::InputError(where + "vertex " + text(frames[t].vertices().front().id) +
                              " is not above the ids of the frames before (" + text(*last) + ")");
     }
-    if (t == 0 && !motion.links[0].empty()) {
-      throw core::InputError(where + text(motion.links[0].front()) + " comes from no frame");
+    const std::vector<Link> links = all_links(motion, t);
+    if (t == 0 && !links.empty()) {
+      throw core::InputError(where + text(links.front()) + " comes from no frame");
     }
     if (t == 0) continue;
     try {
-      validate_links(frames[t - 1], frames[t], motion.links[t]);
+      validate_links(frames[t - 1], frames[t], links);
     } catch (const core::InputError& error) {
       throw core::InputError(where + error.what());
     }
@@ -150,7 +164,7 @@ std::vector<Trajectory> trajectories(const MotionGraph& motion) {
   for (std::size_t t = 0; t < frames.size(); ++t) {
     std::vector<std::uint32_t> course(frames[t].size(), kNoCourse);
     if (t > 0) {
-      const detail::FrameLinks found = detail::index_links(frames[t - 1], frames[t], motion.links[t]);
+      const detail::FrameLinks found = detail::index_links(frames[t - 1], frames[t], all_links(motion, t));
       // A patch that parts or joins goes on with the nearest one.
       std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> nearest;
       for (const auto& [i, j] : found.links)

@@ -34,9 +34,15 @@ struct Link {
 struct MotionGraph {
   SketchSequence sketch;
   std::vector<std::vector<Link>> links;
+  /// Further links, which complete those to a star forest (link_skipped_patches); empty, or a sorted list a
+  /// frame. They are written and make trajectories; events, curves and models are read off the others.
+  std::vector<std::vector<Link>> skipped = {};
 
   bool operator==(const MotionGraph&) const = default;
 };
+
+/// Returns the links of both kinds from the frame before, sorted.
+std::vector<Link> all_links(const MotionGraph& motion, std::size_t frame);
 
 /// Checks the links between two frames.
 /// Throws InputError, naming the ids, if links miss an end, repeat, are unsorted or form no star forest.

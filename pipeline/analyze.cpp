@@ -52,8 +52,7 @@ void check_options(const AnalyzeOptions& options) {
 }
 
 /// Names the curves of the motion graph.
-void group_curves(Analysis& analysis, core::StageClock& clock, const core::Context& context) {
-  clock.begin("curves");
+void group_curves(Analysis& analysis, const core::Context& context) {
   auto grouped = graph::identify_curves(std::move(analysis.motion), context);
   analysis.motion = std::move(grouped.motion);
   analysis.joints = std::move(grouped.joints);
@@ -81,7 +80,8 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
   clock.begin("match");
   if (!options.sample) {
     analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
-    group_curves(analysis, clock, context);
+    clock.begin("curves");
+    group_curves(analysis, context);
     analysis.all_events = find_events(source, sketches, options, analysis.motion, clock, context);
     clock.begin("learn");
     core::return_freed_memory();
@@ -94,7 +94,8 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
         mcmc::sample_chains(starts, backward_readings(options.starts), options.infer, options.seed, context);
     fitted = std::move(sampled.fitted);
     analysis.motion = sampled.last.front();
-    group_curves(analysis, clock, context);
+    clock.begin("curves");
+    group_curves(analysis, context);
     clock.begin("events");
     auto readings = sampled_readings(sketches.clip.sketch, std::move(sampled.last), options.match, context);
     analysis.all_events = event_posterior(source, readings, context);

@@ -21,7 +21,7 @@ namespace emberfold::apps {
 struct AnalyzeOptions : pipeline::AnalyzeOptions {
   io::ReadOptions read = {};
   bool reconstruction =
-      false;  ///< write reconstruction.avi too: every frame is drawn again, not a choice of them
+      false;          ///< write reconstruction.avi too: every frame is drawn again, not a choice of them
   bool jsonl = true;  ///< write motion.jsonl and sketch.jsonl
 };
 

@@ -49,7 +49,8 @@ std::optional<RunKeys> run_keys(const std::string& clip, const std::string& revi
             flags({options.bottom_up, options.curve_events, options.sample, options.in_noise})});
   keys.stages.model = hash({keys.stages.motion, options_json(options.fill).dump(),
                             options_json(options.calibrate).dump(), std::to_string(options.texture)});
-  keys.run = hash({keys.stages.model, clip, io::clip_identity(review), flags({options.reconstruction, options.jsonl})});
+  keys.run = hash(
+      {keys.stages.model, clip, io::clip_identity(review), flags({options.reconstruction, options.jsonl})});
   return keys;
 }
 

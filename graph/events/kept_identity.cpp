@@ -45,17 +45,15 @@ void spread_names(const AttributeGraph& graph, Names& names, std::uint32_t& last
   }
 }
 
-/// Returns the name that most patches of a component have, which `identify` calls `stroke`, and how many have
-/// it; 0 if the stroke is not in the frame.
-std::pair<std::uint32_t, std::size_t> usual_name(const AttributeGraph& graph, const Names& names,
-                                                 SubgraphId stroke) {
+/// Returns the name that most patches have of a component that identify() calls `stroke`; 0 if there is none.
+std::uint32_t usual_name(const AttributeGraph& graph, const Names& names, SubgraphId stroke) {
   std::map<std::uint32_t, std::size_t> counts;
   for (std::uint32_t v = 0; v < names.size(); ++v)
     if (graph.vertices()[v].subgraph == stroke) ++counts[names[v]];
   std::pair<std::uint32_t, std::size_t> most{0, 0};
   for (const auto& [name, count] : counts)
     if (count > most.second) most = {name, count};
-  return most;
+  return most.first;
 }
 
 void rename(const AttributeGraph& graph, Names& names, SubgraphId stroke, std::uint32_t from,
@@ -64,26 +62,31 @@ void rename(const AttributeGraph& graph, Names& names, SubgraphId stroke, std::u
     if (graph.vertices()[v].subgraph == stroke && names[v] == from) names[v] = to;
 }
 
-/// Lets a believed separation or union change the names of the frame after it.
+/// Ends the strokes of a believed separation or union, and gives what it leaves new names. A stroke's pieces
+/// elsewhere go with its first part. `became`: names that strokes of the frame before have got in this frame.
 void change_names(const Event& event, const AttributeGraph& before, const AttributeGraph& after,
-                  const Names& names_before, Names& names, std::uint32_t& last) {
-  if (event.before.size() == 1 && event.after.size() == 2) {
-    auto a = usual_name(after, names, event.after[0]), b = usual_name(after, names, event.after[1]);
-    if (a.first != b.first || a.first == 0) return;
-    rename(after, names, event.after[a.second < b.second ? 0 : 1], a.first, ++last);
-  } else if (event.before.size() == 2 && event.after.size() == 1) {
-    auto a = usual_name(before, names_before, event.before[0]),
-         b = usual_name(before, names_before, event.before[1]);
-    if (a.first == 0 || b.first == 0) return;
-    if (a.second < b.second) std::swap(a, b);
-    rename(after, names, event.after[0], b.first, a.first);
+                  const Names& names_before, Names& names, std::uint32_t& last,
+                  std::map<std::uint32_t, std::uint32_t>& became) {
+  if (event.before.size() + event.after.size() != 3) return;
+  const std::uint32_t first = ++last;
+  if (event.after.size() == 2) {
+    rename(after, names, event.after[0], usual_name(after, names, event.after[0]), first);
+    rename(after, names, event.after[1], usual_name(after, names, event.after[1]), ++last);
+  }
+  for (const SubgraphId ended : event.before) {
+    const std::uint32_t name = usual_name(before, names_before, ended);
+    const auto [at, is_new] = became.try_emplace(name, name);
+    const std::uint32_t now = at->second;
+    std::ranges::replace(names, now, first);
+    for (auto& [was, is] : became)
+      if (is == now) is = first;
   }
 }
 
 std::vector<SubgraphId> renamed(const AttributeGraph& graph, const Names& names,
                                 const std::vector<SubgraphId>& strokes) {
   std::vector<SubgraphId> result;
-  for (const SubgraphId stroke : strokes) result.push_back({usual_name(graph, names, stroke).first});
+  for (const SubgraphId stroke : strokes) result.push_back({usual_name(graph, names, stroke)});
   return result;
 }
 
@@ -100,8 +103,10 @@ void keep_identity(MotionGraph& motion, std::vector<Event>& events, double belie
     const AttributeGraph after = frames[t];
     Names names = linked_names(before, after, motion.links[t], names_before);
     spread_names(after, names, last);
+    std::map<std::uint32_t, std::uint32_t> became;
     for (const Event* event : of_frame[t])
-      if (event->probability >= believed) change_names(*event, before, after, names_before, names, last);
+      if (event->probability >= believed)
+        change_names(*event, before, after, names_before, names, last, became);
     for (Event* event : of_frame[t]) {
       event->before = renamed(before, names_before, event->before);
       event->after = renamed(after, names, event->after);

@@ -10,11 +10,11 @@ namespace emberfold::graph {
 /// Lets strokes keep their identity through all that is no believed event.
 /// identify() names the components of frames, so every touch and every gap ends a stroke. Here patches keep
 /// the identity of the patch that they are linked with, others take that of the nearest one in their
-/// component, and components without any are new strokes. A believed separation gives the smaller part a new
-/// identity, a believed union the identity of the larger part to both. So a component may hold patches of
-/// several strokes, and a stroke may lie in pieces. The strokes that events name are renamed with them.
-/// `believed`: least probability. `events` are those of `motion`, which has its strokes identified.
-/// O(n log n) in vertices and links.
+/// component, and components without any are new strokes, and so is what a believed separation or union
+/// leaves. So a component may hold patches of several strokes, and a stroke may lie in pieces. The strokes
+/// that events name are renamed with them; what comes later has the higher number. `believed`: least
+/// probability. `events` are those of `motion`, which has its strokes identified. O(n log n) in vertices and
+/// links.
 void keep_identity(MotionGraph& motion, std::vector<Event>& events, double believed);
 
 }  // namespace emberfold::graph

@@ -40,8 +40,8 @@ enum VertexKey : unsigned {
 };
 constexpr unsigned kOptionalKeys = 1U << kCost | 1U << kGain | 1U << kEvidence | 1U << kCurve;
 constexpr unsigned kAnchorKeys = 1U << kId | 1U << kType | 1U << kX | 1U << kY | 1U << kMiddle;
-constexpr std::array<std::string_view, 4> kFrameKeys = {"frame", "vertices", "edges", "links"};
-enum FrameKey : unsigned { kFrame, kVertices, kEdges, kLinks };
+constexpr std::array<std::string_view, 5> kFrameKeys = {"frame", "vertices", "edges", "links", "skipped"};
+enum FrameKey : unsigned { kFrame, kVertices, kEdges, kLinks, kSkipped };
 constexpr unsigned kUnknown = ~0U;
 
 template <std::size_t N>
@@ -117,7 +117,7 @@ class Handler {
   bool end_object() {
     if (place_ == Place::skip) return close();
     if (place_ == Place::frame) {
-      require_all(kFrameKeys, seen_frame_ | 1U << kLinks, "");
+      require_all(kFrameKeys, seen_frame_ | 1U << kLinks | 1U << kSkipped, "");
       line.has_links = ((seen_frame_ >> kLinks) & 1U) != 0;
       place_ = Place::done;
       return true;
@@ -163,6 +163,7 @@ class Handler {
         if (count_ != 2) fail("every one of " + in_quotes(kFrameKeys[key_]) + " must be a pair of ids");
         if (key_ == kEdges) line.edges.push_back({{pair_[0]}, {pair_[1]}});
         if (key_ == kLinks) line.links.push_back({{pair_[0]}, {pair_[1]}});
+        if (key_ == kSkipped) line.skipped.push_back({{pair_[0]}, {pair_[1]}});
         place_ = Place::pairs;
         return true;
       default:

@@ -14,7 +14,7 @@ struct FrameLine {
   std::uint32_t frame = 0;
   std::vector<Vertex> vertices;
   std::vector<Edge> edges;
-  std::vector<Link> links;
+  std::vector<Link> links, skipped;
   bool has_links = false;
 };
 

@@ -110,7 +110,7 @@ std::string header_line(const SketchSequence& sketch, std::size_t frames, bool l
 
 /// Returns the line of the sequence's frame `frame`, number `t` of the file.
 std::string frame_line(const SketchSequence& sketch, std::size_t frame, std::size_t t,
-                       const std::vector<Link>* links) {
+                       const MotionGraph* motion) {
   std::string text = "{\"frame\":";
   core::append_number(text, static_cast<std::uint32_t>(t));
   text += ",\"vertices\":[";
@@ -120,9 +120,13 @@ std::string frame_line(const SketchSequence& sketch, std::size_t frame, std::siz
   }
   text += "],\"edges\":[";
   for (const Edge& edge : sketch.frames[frame].edges()) append_pair(text, edge.a, edge.b);
-  if (links != nullptr) {
+  if (motion != nullptr) {
     text += "],\"links\":[";
-    for (const Link& link : *links) append_pair(text, link.before, link.after);
+    for (const Link& link : all_links(*motion, t)) append_pair(text, link.before, link.after);
+    if (!motion->skipped.empty() && !motion->skipped[t].empty()) {
+      text += "],\"skipped\":[";
+      for (const Link& link : motion->skipped[t]) append_pair(text, link.before, link.after);
+    }
   }
   return text + "]}\n";
 }
@@ -147,7 +151,7 @@ void write_motion(std::ostream& out, const MotionGraph& motion) {
   validate(motion);
   const SketchSequence& sketch = motion.sketch;
   put(out, header_line(sketch, sketch.frames.size(), true));
-  for (std::size_t t = 0; t < sketch.frames.size(); ++t) put(out, frame_line(sketch, t, t, &motion.links[t]));
+  for (std::size_t t = 0; t < sketch.frames.size(); ++t) put(out, frame_line(sketch, t, t, &motion));
   finish_stream(out);
 }
 

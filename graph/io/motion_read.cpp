@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <istream>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -102,6 +103,20 @@ struct PartialMotion {
   std::optional<VertexId> last;
 };
 
+/// Adds a frame's links, sorted and checked, without those of skipped patches, which are kept for themselves.
+void take_links(MotionGraph& motion, detail::FrameLine& line) {
+  std::ranges::sort(line.skipped);
+  if (!std::ranges::includes(line.links, line.skipped))
+    throw core::IoError("\"skipped\" has a link that is not one of \"links\"");
+  std::vector<Link> links;
+  std::ranges::set_difference(line.links, line.skipped, std::back_inserter(links));
+  const std::size_t frame = motion.links.size();
+  motion.links.push_back(std::move(links));
+  if (motion.skipped.empty() && line.skipped.empty()) return;
+  motion.skipped.resize(frame);
+  motion.skipped.push_back(std::move(line.skipped));
+}
+
 void add_frame(PartialMotion& partial, detail::FrameLine line, bool with_links) {
   auto& frames = partial.motion.sketch.frames;
   if (line.frame != frames.size()) {
@@ -125,7 +140,7 @@ void add_frame(PartialMotion& partial, detail::FrameLine line, bool with_links) 
         throw core::InputError("a vertex is an anchor, which is for sketches alone");
       std::sort(line.links.begin(), line.links.end());
       validate_links(frames.empty() ? AttributeGraph{} : frames.back(), graph, line.links);
-      partial.motion.links.push_back(std::move(line.links));
+      take_links(partial.motion, line);
     }
     frames.push_back(std::move(graph));
   } catch (const core::InputError& error) {

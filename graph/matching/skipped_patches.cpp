@@ -68,11 +68,12 @@ bool fits(const Offer& offer, const Partners& successors, const Partners& predec
          std::ranges::all_of(of_after, [&](std::uint32_t v) { return successors[v].size() == 1; });
 }
 
-std::vector<Link> with_skipped(const AttributeGraph& before, const AttributeGraph& after,
-                               std::vector<Link> links) {
+std::vector<Link> find_skipped(const AttributeGraph& before, const AttributeGraph& after,
+                               std::span<const Link> links) {
   Partners successors(before.size()), predecessors(after.size());
   for (const auto& [i, j] : detail::index_links(before, after, links).links)
     successors[i].push_back(j), predecessors[j].push_back(i);
+  std::vector<Link> skipped;
   for (bool grows = true; grows;) {  // those beside newly linked ones come next
     grows = false;
     std::vector<Offer> offers;
@@ -82,20 +83,23 @@ std::vector<Link> with_skipped(const AttributeGraph& before, const AttributeGrap
     for (const Offer& offer : offers) {
       if (!fits(offer, successors, predecessors)) continue;
       successors[offer.before].push_back(offer.after), predecessors[offer.after].push_back(offer.before);
-      links.push_back({before.vertices()[offer.before].id, after.vertices()[offer.after].id});
+      skipped.push_back({before.vertices()[offer.before].id, after.vertices()[offer.after].id});
       grows = true;
     }
   }
-  std::ranges::sort(links);
-  return links;
+  std::ranges::sort(skipped);
+  return skipped;
 }
 
 }  // namespace
 
 void link_skipped_patches(MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
+  motion.skipped.assign(frames.size(), {});
   for (std::size_t t = 1; t < frames.size(); ++t)
-    motion.links[t] = with_skipped(frames[t - 1], frames[t], std::move(motion.links[t]));
+    motion.skipped[t] = find_skipped(frames[t - 1], frames[t], motion.links[t]);
+  if (std::ranges::all_of(motion.skipped, [](const auto& links) { return links.empty(); }))
+    motion.skipped.clear();
 }
 
 }  // namespace emberfold::graph

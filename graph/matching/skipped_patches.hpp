@@ -11,6 +11,7 @@ namespace emberfold::graph {
 /// patches part in two or join in one as a curve grows or shrinks. No two strokes become linked that were
 /// not, nothing is linked that would break the star forest, and reversing time gives the same links. O(n log
 /// n).
+/// The new links are MotionGraph::skipped.
 void link_skipped_patches(MotionGraph& motion);
 
 }  // namespace emberfold::graph

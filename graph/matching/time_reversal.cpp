@@ -20,15 +20,20 @@ MotionGraph reverse_time(const MotionGraph& motion) {
   MotionGraph result;
   result.sketch = reverse_time(motion.sketch);
   const auto &old = motion.sketch.frames, &now = result.sketch.frames;
-  result.links.resize(now.size());
-  for (std::size_t t = 1; t < now.size(); ++t) {
-    const std::size_t there = old.size() - t;  // the later frame of these links in the old order
-    for (const Link& link : motion.links[there]) {
-      const std::size_t i = old[there].index_of(link.after), j = old[there - 1].index_of(link.before);
-      result.links[t].push_back({now[t - 1].vertices()[i].id, now[t].vertices()[j].id});
+  const auto reverse_links = [&](const std::vector<std::vector<Link>>& lists) {
+    std::vector<std::vector<Link>> reversed(now.size());
+    for (std::size_t t = 1; t < now.size(); ++t) {
+      const std::size_t there = old.size() - t;  // the later frame of these links in the old order
+      for (const Link& link : lists[there]) {
+        const std::size_t i = old[there].index_of(link.after), j = old[there - 1].index_of(link.before);
+        reversed[t].push_back({now[t - 1].vertices()[i].id, now[t].vertices()[j].id});
+      }
+      std::sort(reversed[t].begin(), reversed[t].end());
     }
-    std::sort(result.links[t].begin(), result.links[t].end());
-  }
+    return reversed;
+  };
+  result.links = reverse_links(motion.links);
+  if (!motion.skipped.empty()) result.skipped = reverse_links(motion.skipped);
   return identify(std::move(result));
 }
 

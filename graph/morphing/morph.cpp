@@ -174,7 +174,8 @@ Scene end_scene(const AttributeGraph& graph, const Troupe& troupe, bool first) {
 }
 
 void append(Morph& morph, Scene& before, Scene scene, std::size_t actors) {
-  auto& [sketch, links] = morph.motion;
+  auto& sketch = morph.motion.sketch;
+  auto& links = morph.motion.links;
   const bool is_first = sketch.frames.empty();
   sketch.append(scene.graph);
   auto& added = links.emplace_back();

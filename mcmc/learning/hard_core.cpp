@@ -151,7 +151,8 @@ void enforce_hard_core(SimulatedStrokes& p, const MotionModel& model) {
         for (const auto w : sides[v]) push[v] = push[v] + now[w] * share;
       }
     }
-    for (std::size_t v = 0; v < push.size(); ++v) p.list[v].rest.position = p.list[v].rest.position + rounded(push[v]);
+    for (std::size_t v = 0; v < push.size(); ++v)
+      p.list[v].rest.position = p.list[v].rest.position + rounded(push[v]);
   }
 }
 

@@ -120,15 +120,19 @@ graph::SketchSequence sketch_from(const py::tuple& state) {
 }
 
 py::tuple motion_state(const Motion& motion) {
-  py::list links;
+  py::list links, skipped;
   for (const auto& gap : motion.graphs->links) links.append(pairs_view<Link>(gap, py::none()).attr("copy")());
-  return py::make_tuple(sketch_state(motion.graphs->sketch), links);
+  for (const auto& gap : motion.graphs->skipped)
+    skipped.append(pairs_view<Link>(gap, py::none()).attr("copy")());
+  return py::make_tuple(sketch_state(motion.graphs->sketch), links, skipped);
 }
 
 Motion motion_from(const py::tuple& state) {
   graph::MotionGraph motion{sketch_from(state[0]), {}};
   for (const auto& gap : py::list(state[1]))
     motion.links.push_back(items_of<Link>(gap, py::dtype::of<std::uint32_t>(), 2));
+  for (const auto& gap : py::list(state[2]))
+    motion.skipped.push_back(items_of<Link>(gap, py::dtype::of<std::uint32_t>(), 2));
   graph::validate(motion);
   return hold(std::move(motion));
 }

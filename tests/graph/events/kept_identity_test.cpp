@@ -68,18 +68,20 @@ TEST_CASE("Strokes that only seem to touch keep their identities", "[graph][kept
   for (const auto& life : lives) CHECK(life.frames() == 6);
 }
 
-TEST_CASE("A believed union gives the name of the larger stroke to both, a believed separation a new one",
-          "[graph][kept_identity]") {
+TEST_CASE("What a believed union or separation leaves are new strokes", "[graph][kept_identity]") {
   auto motion = touching();
   auto events = events_of(motion, 0.5, 0.9);
   graph::keep_identity(motion, events, 0.5);
   CHECK(strokes(motion, 1) == kTwo);
-  CHECK(strokes(motion, 2) == std::vector<std::uint32_t>(8, 1));
-  CHECK(strokes(motion, 3) == std::vector<std::uint32_t>(8, 1));
-  CHECK(strokes(motion, 4) == std::vector<std::uint32_t>{1, 1, 1, 1, 3, 3, 3});
+  CHECK(strokes(motion, 2) == std::vector<std::uint32_t>(8, 3));
+  CHECK(strokes(motion, 3) == std::vector<std::uint32_t>(8, 3));
+  CHECK(strokes(motion, 4) == std::vector<std::uint32_t>{4, 4, 4, 4, 5, 5, 5});
   CHECK(strokes(motion, 5) == strokes(motion, 4));
-  CHECK(events[1].after == std::vector<graph::SubgraphId>{{1}, {3}});
-  // The tree leads from the short one into the long one, and from there to the new one.
+  CHECK(events[0].before == std::vector<graph::SubgraphId>{{1}, {2}});
+  CHECK(events[0].after == std::vector<graph::SubgraphId>{{3}});
+  CHECK(events[1].before == std::vector<graph::SubgraphId>{{3}});
+  CHECK(events[1].after == std::vector<graph::SubgraphId>{{4}, {5}});
+  // The tree leads from both into the whole, and from there to both.
   const auto tree = graph::make_stroke_tree(motion, events);
   std::vector<std::pair<std::string, std::pair<std::uint32_t, std::uint32_t>>> changes;
   for (const auto& link : tree.links) {
@@ -88,16 +90,17 @@ TEST_CASE("A believed union gives the name of the larger stroke to both, a belie
     if (!link.event.empty()) changes.push_back({link.event, {from.stroke, to.stroke}});
   }
   using Change = decltype(changes)::value_type;
-  CHECK(changes == std::vector<Change>{{"merge", {2, 1}}, {"split", {1, 3}}});
+  CHECK(changes ==
+        std::vector<Change>{{"merge", {1, 3}}, {"merge", {2, 3}}, {"split", {3, 4}}, {"split", {3, 5}}});
 }
 
 TEST_CASE("A separation that is not believed leaves one stroke in two pieces", "[graph][kept_identity]") {
   auto motion = touching();
   auto events = events_of(motion, 1, 0.3);
   graph::keep_identity(motion, events, 0.5);
-  CHECK(strokes(motion, 5) == std::vector<std::uint32_t>(7, 1));
+  CHECK(strokes(motion, 5) == std::vector<std::uint32_t>(7, 3));
   for (const auto& row : graph::stroke_rows(motion)) {
-    if (row.stroke != 1 || row.frame != 5) continue;
+    if (row.stroke != 3 || row.frame != 5) continue;
     CHECK(row.pieces == 2);
     CHECK(row.patches == 7);
     CHECK(row.ends == 4);
@@ -121,4 +124,28 @@ TEST_CASE("Births that nothing is linked with are new strokes", "[graph][kept_id
   graph::keep_identity(motion, events, 0.5);
   CHECK(strokes(motion, 1) == std::vector<std::uint32_t>{1, 1, 1, 2, 2});
   CHECK(strokes(motion, 3) == std::vector<std::uint32_t>{1, 1, 1, 3, 3});
+}
+
+TEST_CASE("Three strokes that become one at once are one", "[graph][kept_identity]") {
+  test::Frame apart, whole;
+  for (const double x : {10.0, 40.0, 70.0}) apart.line({{x, 50}, {x + 5, 50}, {x + 10, 50}});
+  whole.line({{10, 50},
+              {15, 50},
+              {20, 50},
+              {30, 50},
+              {40, 50},
+              {45, 50},
+              {50, 50},
+              {60, 50},
+              {70, 50},
+              {75, 50},
+              {80, 50}});
+  auto motion = graph::identify(
+      test::motion({apart.graph(), whole.graph()},
+                   {{{0, 0}, {1, 1}, {2, 2}, {3, 4}, {4, 5}, {5, 6}, {6, 8}, {7, 9}, {8, 10}}}));
+  auto events = graph::stroke_events(motion);
+  REQUIRE(events.size() == 2);
+  graph::keep_identity(motion, events, 0.5);
+  for (const auto stroke : strokes(motion, 1)) CHECK(stroke == strokes(motion, 1)[0]);
+  CHECK(strokes(motion, 1)[0] > 3);
 }
