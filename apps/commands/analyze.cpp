@@ -161,8 +161,10 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
       ->excludes(bottom_up)
       ->excludes(curve_events);
   add_sketch_options(command, options.sketch);
-  command.add_flag("--jsonl,!--no-jsonl", options.jsonl,
-                   "Write motion.jsonl and sketch.jsonl (the default); --no-jsonl leaves them out");
+  command.add_flag_callback(
+      "--no-jsonl", [&options] { options.jsonl = false; },
+      "Leave out the graphs as text, motion.jsonl and sketch.jsonl");
+  command.add_flag_callback("--jsonl", [&options] { options.jsonl = true; })->group("");
   command.add_flag("--reconstruction", options.reconstruction,
                    "Write reconstruction.avi too, and measure the PSNR of every frame");
   add_number(command, "--texture", options.texture, "N",
