@@ -21,16 +21,6 @@ namespace {
 
 using Row = StrokeRow;
 
-/// Returns the graph without edges between different strokes.
-AttributeGraph without_touches(const AttributeGraph& graph) {
-  const auto stroke = [&](VertexId id) { return graph.vertices()[graph.index_of(id)].subgraph; };
-  std::vector<Edge> edges;
-  for (const Edge& edge : graph.edges())
-    if (stroke(edge.a) == stroke(edge.b)) edges.push_back(edge);
-  if (edges.size() == graph.edges().size()) return graph;
-  return {{graph.vertices().begin(), graph.vertices().end()}, std::move(edges), graph.memory()};
-}
-
 /// Returns a row for each piece of a stroke, by its lowest vertex.
 std::vector<Row> rows_of(const AttributeGraph& whole, std::uint32_t frame) {
   const AttributeGraph graph = without_touches(whole);
