@@ -71,7 +71,7 @@ bool is_drawn_before(const Patch& patch, int frame, int step, const DrawnPatches
 }
 
 /// Moves a patch on by a frame; `level`: its amplitude in its own frame. Returns false where it is lost.
-bool move_on(CarriedPatch& carried, int step, double level, const DrawnPatches& drawn,
+bool move_on(LastingPatch& carried, int step, double level, const DrawnPatches& drawn,
              const FrameWindow& window) {
   carried.patch = moved_along(carried.patch, window, carried.frame, step);
   carried.frame += step;
@@ -107,12 +107,12 @@ std::optional<std::uint32_t> DrawnPatches::find(int frame, const Patch& patch) c
   return first == near.end() ? std::nullopt : std::optional(*first);
 }
 
-std::vector<CarriedPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
+std::vector<LastingPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
                                         const FrameWindow& window) {
-  std::vector<CarriedPatch> result;
+  std::vector<LastingPatch> result;
   const graph::AttributeGraph& graph = drawn.graph(source);
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
-    CarriedPatch one{source, source, v, graph.patch(v)};
+    LastingPatch one{source, source, v, graph.patch(v)};
     if (graph::is_anchor(one.patch) || one.patch.type == graph::PatchType::blob ||
         !is_drawn_before(one.patch, source, step, drawn, window))
       continue;

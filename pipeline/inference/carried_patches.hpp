@@ -37,7 +37,7 @@ class DrawnPatches {
 };
 
 /// A patch of one frame, carried to another one that shows it.
-struct CarriedPatch {
+struct LastingPatch {
   int source = 0, frame = 0;  ///< where it is from, and where it is now
   std::uint32_t vertex = 0;   ///< of the source's graph
   graph::Patch patch;         ///< as it lies in the frame
@@ -49,7 +49,7 @@ struct CarriedPatch {
 /// it (−1), each as far as it is drawn or its profile shows nearly as strongly as there, at most
 /// kFramesCarried. Only those are carried that were drawn in the frame on the other side, too. O(patches ·
 /// frames carried).
-std::vector<CarriedPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
+std::vector<LastingPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
                                         const FrameWindow& window);
 
 }  // namespace emberfold::pipeline

@@ -37,7 +37,7 @@ class GrowingSketch {
       : own_(own), vertices_(own.vertices().begin(), own.vertices().end()) {}
 
   /// Adds the patch, unless it is drawn or an added one shows the same.
-  void add(const CarriedPatch& carried) {
+  void add(const LastingPatch& carried) {
     const std::pair key(carried.source, carried.vertex);
     if (carried.drawn) {
       places_of_.emplace(key, *carried.drawn);
@@ -121,14 +121,14 @@ class GrowingSketch {
 
 /// Adds what was carried to a frame; where several show the same, that from the nearest frame.
 AttributeGraph with_carried(const graph::SketchSequence& sketch, int frame,
-                            std::vector<CarriedPatch> carried) {
-  const auto rank = [&](const CarriedPatch& c) {
+                            std::vector<LastingPatch> carried) {
+  const auto rank = [&](const LastingPatch& c) {
     return std::tuple(std::abs(c.source - frame), -c.amplitude, c.patch.position.x, c.patch.position.y,
                       c.source, c.vertex);
   };
   std::ranges::sort(carried, {}, rank);
   GrowingSketch growing(sketch.frames[static_cast<std::size_t>(frame)]);
-  for (const CarriedPatch& one : carried) growing.add(one);
+  for (const LastingPatch& one : carried) growing.add(one);
   return growing.graph(sketch);
 }
 
@@ -152,13 +152,13 @@ class LastingPatches {
     window_.prepare(context_);
     const int ready = end == frames ? frames : std::max(carried_, end - kFramesCarried);
     drawn_.hold(window_.first(), end);
-    std::vector<std::vector<CarriedPatch>> from(2 * static_cast<std::size_t>(ready - carried_));
+    std::vector<std::vector<LastingPatch>> from(2 * static_cast<std::size_t>(ready - carried_));
     core::parallel_for(from.size(), context_, [&](std::size_t k) {
       from[k] = carry_patches(carried_ + static_cast<int>(k / 2), k % 2 == 0 ? 1 : -1, drawn_, window_);
     });
     const auto finished = static_cast<int>(result_.frames.size());
     for (const auto& some : from)
-      for (const CarriedPatch& one : some)
+      for (const LastingPatch& one : some)
         arrived_[static_cast<std::size_t>(one.frame - finished)].push_back(one);
     carried_ = ready;
     finish(ready == frames ? frames : std::max(finished, ready - kFramesCarried));
@@ -185,7 +185,7 @@ class LastingPatches {
   const core::Context& context_;
   DrawnPatches drawn_;
   FrameWindow window_;
-  std::deque<std::vector<CarriedPatch>> arrived_;  // in frames that are not finished
+  std::deque<std::vector<LastingPatch>> arrived_;  // in frames that are not finished
   int carried_ = 0;                                // frames from which all was carried
   graph::SketchSequence result_;
 };

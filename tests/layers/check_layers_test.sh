@@ -55,6 +55,13 @@ printf '#include "apps/cli/command.hpp"\n' > "$copy/tests/bench/made.cpp"
 "$check" "$copy"
 echo "a benchmark may include apps"
 
+printf 'namespace emberfold::graph {\nstruct Patch {\n' > "$copy/graph/made.hpp"
+expect_failure 'emberfold::graph::Patch is defined in graph/'
+printf 'namespace emberfold::mcmc {\nstruct Patch {\n' > "$copy/graph/made.hpp"
+"$check" "$copy"
+echo "a name may be used again in another namespace"
+rm "$copy/graph/made.hpp"
+
 mkdir "$copy/graph/made"
 for ((k = 1; k <= 40; ++k)); do : > "$copy/graph/made/file_$k.cpp"; done
 "$check" "$copy"
