@@ -70,16 +70,17 @@ bool is_drawn_before(const Patch& patch, int frame, int step, const DrawnPatches
   return drawn.find(before, moved_along(patch, window, frame, -step)).has_value();
 }
 
-/// Moves a patch on by a frame; `level`: its amplitude in its own frame. Returns false where it is lost.
+/// Moves a patch on by a frame; `level`: its amplitude in its own frame, `vertex`: that of the new frame
+/// which draws it, if there is one. Returns false where it is lost.
 bool move_on(LastingPatch& carried, int step, double level, const DrawnPatches& drawn,
-             const FrameWindow& window) {
+             const FrameWindow& window, std::optional<std::uint32_t>& vertex) {
   carried.patch = moved_along(carried.patch, window, carried.frame, step);
   carried.frame += step;
   const cv::Mat& levels = window.levels(carried.frame);
   if (!is_within(levels, carried.patch.position)) return false;
-  carried.drawn = drawn.find(carried.frame, carried.patch);
-  if (carried.drawn) {
-    carried.patch = moved_onto(carried.patch, drawn.graph(carried.frame).patch(*carried.drawn));
+  vertex = drawn.find(carried.frame, carried.patch);
+  if (vertex) {
+    carried.patch = moved_onto(carried.patch, drawn.graph(carried.frame).patch(*vertex));
     return true;
   }
   const auto seen = sketch::measure_amplitude(levels, carried.patch, carrying::kSlip);
@@ -107,9 +108,8 @@ std::optional<std::uint32_t> DrawnPatches::find(int frame, const Patch& patch) c
   return first == near.end() ? std::nullopt : std::optional(*first);
 }
 
-std::vector<LastingPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
-                                        const FrameWindow& window) {
-  std::vector<LastingPatch> result;
+CarriedPatches carry_patches(int source, int step, const DrawnPatches& drawn, const FrameWindow& window) {
+  CarriedPatches result;
   const graph::AttributeGraph& graph = drawn.graph(source);
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
     LastingPatch one{source, source, v, graph.patch(v)};
@@ -120,8 +120,12 @@ std::vector<LastingPatch> carry_patches(int source, int step, const DrawnPatches
     if (level < carrying::kFitted) continue;
     for (int k = 1; k <= kFramesCarried; ++k) {
       const int frame = source + k * step;
-      if (frame < 0 || frame >= drawn.frames() || !move_on(one, step, level, drawn, window)) break;
-      result.push_back(one);
+      std::optional<std::uint32_t> vertex;
+      if (frame < 0 || frame >= drawn.frames() || !move_on(one, step, level, drawn, window, vertex)) break;
+      if (vertex)
+        result.drawn.push_back({source, frame, v, *vertex});
+      else
+        result.lasting.push_back(one);
     }
   }
   return result;

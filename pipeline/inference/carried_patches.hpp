@@ -36,20 +36,31 @@ class DrawnPatches {
   std::deque<graph::CoincidenceIndex> places_;
 };
 
-/// A patch of one frame, carried to another one that shows it.
+/// A patch of one frame, carried to another one that shows it but does not draw it.
 struct LastingPatch {
   int source = 0, frame = 0;  ///< where it is from, and where it is now
   std::uint32_t vertex = 0;   ///< of the source's graph
   graph::Patch patch;         ///< as it lies in the frame
   double amplitude = 1;       ///< how strongly it shows, as a share of how it does in the source
-  std::optional<std::uint32_t> drawn = {};  ///< the frame's own vertex in its place, if there is one
+};
+
+/// A patch of one frame, carried to another one that draws it.
+struct DrawnAgain {
+  int source = 0, frame = 0;
+  std::uint32_t vertex = 0;  ///< of the source's graph
+  std::uint32_t drawn = 0;   ///< of the frame's graph
+};
+
+/// Patches that were carried, wherever they are now. Most are drawn, and take a tenth of the memory.
+struct CarriedPatches {
+  std::vector<LastingPatch> lasting;
+  std::vector<DrawnAgain> drawn;
 };
 
 /// Carries the patches of a frame along by the window's motion, into the frames after it (`step` 1) or before
 /// it (−1), each as far as it is drawn or its profile shows nearly as strongly as there, at most
 /// kFramesCarried. Only those are carried that were drawn in the frame on the other side, too. O(patches ·
 /// frames carried).
-std::vector<LastingPatch> carry_patches(int source, int step, const DrawnPatches& drawn,
-                                        const FrameWindow& window);
+CarriedPatches carry_patches(int source, int step, const DrawnPatches& drawn, const FrameWindow& window);
 
 }  // namespace emberfold::pipeline

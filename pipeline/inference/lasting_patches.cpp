@@ -36,13 +36,13 @@ class GrowingSketch {
   explicit GrowingSketch(const AttributeGraph& own)
       : own_(own), vertices_(own.vertices().begin(), own.vertices().end()) {}
 
-  /// Adds the patch, unless it is drawn or an added one shows the same.
+  void add(const DrawnAgain& carried) {
+    places_of_.emplace(SourceVertex(carried.source, carried.vertex), carried.drawn);
+  }
+
+  /// Adds the patch, unless an added one shows the same.
   void add(const LastingPatch& carried) {
-    const std::pair key(carried.source, carried.vertex);
-    if (carried.drawn) {
-      places_of_.emplace(key, *carried.drawn);
-      return;
-    }
+    const SourceVertex key(carried.source, carried.vertex);
     auto same = find_added(carried.patch);
     if (!same) {
       same = vertices_.size();
@@ -120,15 +120,15 @@ class GrowingSketch {
 };
 
 /// Adds what was carried to a frame; where several show the same, that from the nearest frame.
-AttributeGraph with_carried(const graph::SketchSequence& sketch, int frame,
-                            std::vector<LastingPatch> carried) {
+AttributeGraph with_carried(const graph::SketchSequence& sketch, int frame, CarriedPatches carried) {
   const auto rank = [&](const LastingPatch& c) {
     return std::tuple(std::abs(c.source - frame), -c.amplitude, c.patch.position.x, c.patch.position.y,
                       c.source, c.vertex);
   };
-  std::ranges::sort(carried, {}, rank);
+  std::ranges::sort(carried.lasting, {}, rank);
   GrowingSketch growing(sketch.frames[static_cast<std::size_t>(frame)]);
-  for (const LastingPatch& one : carried) growing.add(one);
+  for (const DrawnAgain& one : carried.drawn) growing.add(one);
+  for (const LastingPatch& one : carried.lasting) growing.add(one);
   return growing.graph(sketch);
 }
 
@@ -152,14 +152,19 @@ class LastingPatches {
     window_.prepare(context_);
     const int ready = end == frames ? frames : std::max(carried_, end - kFramesCarried);
     drawn_.hold(window_.first(), end);
-    std::vector<std::vector<LastingPatch>> from(2 * static_cast<std::size_t>(ready - carried_));
+    std::vector<CarriedPatches> from(2 * static_cast<std::size_t>(ready - carried_));
     core::parallel_for(from.size(), context_, [&](std::size_t k) {
       from[k] = carry_patches(carried_ + static_cast<int>(k / 2), k % 2 == 0 ? 1 : -1, drawn_, window_);
     });
     const auto finished = static_cast<int>(result_.frames.size());
-    for (const auto& some : from)
-      for (const LastingPatch& one : some)
-        arrived_[static_cast<std::size_t>(one.frame - finished)].push_back(one);
+    const auto arrived = [&](int frame) -> CarriedPatches& {
+      return arrived_[static_cast<std::size_t>(frame - finished)];
+    };
+    for (CarriedPatches& some : from) {
+      for (const LastingPatch& one : some.lasting) arrived(one.frame).lasting.push_back(one);
+      for (const DrawnAgain& one : some.drawn) arrived(one.frame).drawn.push_back(one);
+      some = {};
+    }
     carried_ = ready;
     finish(ready == frames ? frames : std::max(finished, ready - kFramesCarried));
     window_.drop_before(ready - kFramesCarried);
@@ -185,8 +190,8 @@ class LastingPatches {
   const core::Context& context_;
   DrawnPatches drawn_;
   FrameWindow window_;
-  std::deque<std::vector<LastingPatch>> arrived_;  // in frames that are not finished
-  int carried_ = 0;                                // frames from which all was carried
+  std::deque<CarriedPatches> arrived_;  // in frames that are not finished
+  int carried_ = 0;                     // frames from which all was carried
   graph::SketchSequence result_;
 };
 
