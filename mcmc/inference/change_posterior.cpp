@@ -37,7 +37,7 @@ constexpr double kMostShift = 4;       // of log odds by the share
 constexpr double kPseudo = 0.5;        // true and false changes that are counted beforehand, each
 
 // Not fitted, but chosen so that what cannot be seen is not believed (docs/method/events.md).
-constexpr double kFaint = 4, kPlainContrast = 10;  // of a logarithm of grey levels, below so many
+constexpr double kFaint = 4, kPlainContrast = 16;  // of a logarithm of grey levels, below so many
 
 // Weights of likeness, fitted by tests/bench/fit_likeness_weights.py; 0 lies half way between clips whose
 // frames follow each other and clips whose frames do not.

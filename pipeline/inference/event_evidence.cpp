@@ -20,6 +20,7 @@
 #include "graph/events/event_family.hpp"
 #include "pipeline/inference/event_paths.hpp"
 #include "pipeline/inference/frame_likeness.hpp"
+#include "pipeline/inference/visible_contrast.hpp"
 #include "sketch/refinement/amplitude.hpp"
 
 namespace emberfold::pipeline {
@@ -87,12 +88,12 @@ double level_beside(const mcmc::ChangeSeries& series) {
   return levels.empty() ? kLeastLevel : std::max(kLeastLevel, levels[levels.size() / 2]);
 }
 
-/// Returns the mean contrast of the patches that an event is about.
-double path_contrast(const graph::TracedEvent& traced, const MotionIndex& motion) {
+/// Returns the mean visible contrast of the patches that an event is about.
+double path_contrast(const graph::TracedEvent& traced, const MotionIndex& motion, double white) {
   const graph::AttributeGraph& graph = motion.graph(traced.path_frame);
   double sum = 0;
   for (const graph::VertexId id : traced.path)
-    sum += std::abs(graph.patch(static_cast<std::uint32_t>(graph.index_of(id))).contrast);
+    sum += visible_contrast(graph.patch(static_cast<std::uint32_t>(graph.index_of(id))), white);
   return sum / static_cast<double>(traced.path.size());
 }
 
@@ -346,6 +347,7 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
       all.emplace_back(motion);
     }
   const std::size_t steadied = readings.steadied.size(), own = steadied + readings.unsteadied.size();
+  const double white = brightest_patch(readings.steadied.front().sketch);
   std::vector<PooledEvent> pooled;
   for (std::size_t k = 0; k < all.size(); ++k) add_events(all, k, k < own, pooled);
   for (PooledEvent& event : pooled) {
@@ -354,8 +356,8 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
     evidence.contrast = 0;
     for (const auto& [reading, number] : event.members)
       if (reading < own)
-        evidence.contrast =
-            std::max(evidence.contrast, path_contrast(all[reading].traced[number], all[reading].index));
+        evidence.contrast = std::max(evidence.contrast,
+                                     path_contrast(all[reading].traced[number], all[reading].index, white));
     evidence.agreement = static_cast<double>(event.members.size()) / static_cast<double>(all.size());
     find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied, own - steadied),
                    static_cast<int>(frames));

@@ -148,7 +148,7 @@ TEST_CASE("Each kind of evidence moves the odds of a change its own way", "[chan
     CHECK(with([](auto& e) { e.until = 2; }) < odds);
     CHECK(with([](auto& e) { e.contrast = 3; }) < odds - 1);
     CHECK(with([](auto& e) { e.contrast = 2; }) < with([](auto& e) { e.contrast = 3; }));
-    CHECK(with([](auto& e) { e.contrast = 10; }) == odds);
+    CHECK(with([](auto& e) { e.contrast = 16; }) == odds);
     // Time has no sense here, and what is long enough ago does not count.
     CHECK(with([](auto& e) { std::swap(e.since, e.until); }) == odds);
     CHECK(with([](auto& e) { e.since = 12, e.until = 12; }) ==
