@@ -56,6 +56,7 @@ void group_curves(Analysis& analysis, const core::Context& context) {
   auto grouped = graph::identify_curves(std::move(analysis.motion), context);
   analysis.motion = std::move(grouped.motion);
   analysis.joints = std::move(grouped.joints);
+  analysis.joints.shrink_to_fit();
 }
 
 /// Finds the events of the matched clip, of strokes or of curves as `options` ask.

@@ -15,7 +15,7 @@ namespace emberfold::pipeline {
 
 /// Sensitivity of a sketch whose strokes are followed in time, unless another is asked for: what comes and
 /// goes from frame to frame would count as events.
-inline constexpr double kSteadySensitivity = 0.4;
+inline constexpr double kSteadySensitivity = 0.35;
 
 /// Holds every frame's graph and the background between its strokes.
 struct SketchedClip {

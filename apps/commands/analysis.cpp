@@ -26,6 +26,7 @@
 #include "apps/review/review_summary.hpp"
 #include "apps/runs/run_estimate.hpp"
 #include "apps/units/event_units.hpp"
+#include "core/freed_memory.hpp"
 #include "core/io/mapped_memory.hpp"
 #include "core/io/model_folder.hpp"
 #include "graph/events/event_score.hpp"
@@ -285,6 +286,11 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
   write_drift(output, *source);
   made.stages.begin("pictures");
+  if (stages != nullptr) {  // the run's folder has them
+    made.found.joints = {};
+    made.found.model.footage.reset();
+    core::return_freed_memory();
+  }
   Pictures pictures = write_pictures(*source, found, options, output, session);
   const auto& asked_events = found.reviewed ? found.reviewed->asked : found.all_events;
   const auto page =

@@ -87,6 +87,7 @@ std::vector<graph::CurveJoint> read_joints(const io::Columns& columns) {
   const auto& rows = rows_of<double>(columns, "joints", kJoint);
   const auto curve = [](double value) { return graph::CurveId{static_cast<std::uint32_t>(value)}; };
   std::vector<graph::CurveJoint> joints;
+  joints.reserve(rows.size() / kJoint);
   for (std::size_t i = 0; i < rows.size(); i += kJoint)
     joints.push_back({static_cast<int>(rows[i]),
                       {rows[i + 1], rows[i + 2]},
