@@ -25,8 +25,6 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kLikely = 0.5;  // least probability of reported events
-
 void check_two_frames(const std::string& clip, std::int64_t frames) {
   if (frames >= 2) return;
   if (frames <= 0) throw core::IoError(clip + " holds no frame");

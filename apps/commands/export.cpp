@@ -13,6 +13,7 @@
 #include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
 #include "graph/io/network_table.hpp"
+#include "pipeline/stages/kept_motion.hpp"
 
 namespace emberfold::apps {
 
@@ -32,21 +33,35 @@ struct FinishedRun {
   graph::TrackedClip clip;
 };
 
+std::ifstream open_of_run(const fs::path& folder, const char* name) {
+  std::error_code error;
+  if (!fs::exists(folder / name, error))
+    throw core::IoError(folder.string() + " is no finished run with graphs: it has no " + name +
+                        "; 'emberfold analyze' makes one (with --jsonl where it was left out)");
+  return io::open_file(folder / name);
+}
+
+/// Reads the graphs of a run: motion.jsonl, or where it was left out what the stages kept.
+graph::MotionGraph read_motion_of_run(const fs::path& folder, const nlohmann::json& summary) {
+  std::error_code error;
+  if (!fs::exists(folder / "motion.jsonl", error) && !summary.contains("review")) {
+    const auto& options = summary.at("options");
+    const bool weighs_strokes =
+        !options.at("bottom_up").get<bool>() && !options.at("curve_events").get<bool>();
+    if (auto motion = pipeline::read_kept_motion(folder, weighs_strokes)) return *std::move(motion);
+  }
+  auto file = open_of_run(folder, "motion.jsonl");
+  return graph::read_motion(file, (folder / "motion.jsonl").string());
+}
+
 FinishedRun read_finished_run(const fs::path& folder) {
   FinishedRun run;
-  const auto open = [&](const char* name) {
-    std::error_code error;
-    if (!fs::exists(folder / name, error))
-      throw core::IoError(folder.string() + " is no finished run with graphs: it has no " + name +
-                          "; 'emberfold analyze' makes one (with --jsonl where it was left out)");
-    return io::open_file(folder / name);
-  };
-  auto summary_file = open("summary.json"), motion_file = open("motion.jsonl"),
-       events_file = open("events.json");
-  run.motion = graph::read_motion(motion_file, (folder / "motion.jsonl").string());
+  auto summary_file = open_of_run(folder, "summary.json"), events_file = open_of_run(folder, "events.json");
   run.events = graph::read_events(events_file, (folder / "events.json").string());
   try {
-    const auto clip = nlohmann::json::parse(summary_file).at("clip");
+    const auto summary = nlohmann::json::parse(summary_file);
+    run.motion = read_motion_of_run(folder, summary);
+    const auto& clip = summary.at("clip");
     run.clip.name = clip.at("name").get<std::string>();
     run.clip.width = clip.at("width"), run.clip.height = clip.at("height"),
     run.clip.frames = clip.at("frames");

@@ -28,6 +28,16 @@ std::span<const std::size_t> row_of(std::span<const std::size_t> shape) {
   return shape.empty() ? shape : shape.subspan(1);
 }
 
+/// Reads what a folder of columns tells of itself; null where it is none. Its key is a text.
+nlohmann::json read_about(const fs::path& folder) {
+  std::ifstream in(folder / kAbout, std::ios::binary);
+  auto about = nlohmann::json::parse(in, nullptr, false);
+  const bool is_ours = about.is_object() && about.contains("format") && about["format"] == kFormat &&
+                       about.contains("version") && about["version"] == kVersion && about.contains("key") &&
+                       about["key"].is_string();
+  return is_ours ? about : nlohmann::json();
+}
+
 }  // namespace
 
 ColumnWriter::ColumnWriter(fs::path folder) : folder_(std::move(folder)) {
@@ -108,11 +118,8 @@ void write_columns(const fs::path& folder, const Columns& columns) {
 }
 
 std::optional<Columns> read_columns(const fs::path& folder, const std::string& key) {
-  std::ifstream in(folder / kAbout, std::ios::binary);
-  const auto about = nlohmann::json::parse(in, nullptr, false);
-  if (!about.is_object() || about.value("format", "") != kFormat || about.value("version", 0) != kVersion ||
-      about.value("key", "") != key)
-    return std::nullopt;
+  const auto about = read_about(folder);
+  if (about.is_null() || about.at("key") != key) return std::nullopt;
   try {
     Columns columns{key, about.at("text").get<std::string>(), {}};
     for (const auto& name : about.at("columns")) {
@@ -126,6 +133,12 @@ std::optional<Columns> read_columns(const fs::path& folder, const std::string& k
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
   }
+}
+
+std::optional<std::string> read_column_key(const fs::path& folder) {
+  const auto about = read_about(folder);
+  if (about.is_null()) return std::nullopt;
+  return about.at("key").get<std::string>();
 }
 
 }  // namespace emberfold::io

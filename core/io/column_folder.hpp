@@ -52,5 +52,7 @@ void write_columns(const std::filesystem::path& folder, const Columns& columns);
 /// Reads a folder that write_columns wrote with this key. Nothing where there is none, its key is another, or
 /// a file of it is damaged: then it has to be made again.
 std::optional<Columns> read_columns(const std::filesystem::path& folder, const std::string& key);
+/// Returns the key with which a folder was written; nothing where write_columns did not write it.
+std::optional<std::string> read_column_key(const std::filesystem::path& folder);
 
 }  // namespace emberfold::io

@@ -10,6 +10,8 @@
 
 namespace emberfold::pipeline {
 
+inline constexpr double kLikely = 0.5;  ///< least probability of events that are reported
+
 /// Finds the events of a matched clip, each with the probability that the clip shows it.
 /// What speaks for each (weigh_events) is combined by mcmc::change_probabilities, for events of strokes
 /// and of joints apart (docs/method/events.md). Sorted as by graph::sort_events. The

@@ -101,8 +101,35 @@ TEST_CASE("graphs are left out of a run that is told so, and come with the same 
   CHECK_FALSE(fs::exists(temp / "run/motion.jsonl"));
   CHECK_FALSE(fs::exists(temp / "run/sketch.jsonl"));
   CHECK(bytes_of(temp / "run/events.json") == events);
-  check_one_line({"export", run, "--csv", "-q"}, 1, {"--jsonl"});
   REQUIRE(analyze("--jsonl").exit == 0);
   CHECK(bytes_of(temp / "run/motion.jsonl") == motion);
   CHECK(bytes_of(temp / "run/sketch.jsonl") == sketch);
+}
+
+TEST_CASE("export makes the graphs of a run that left them out, from what its stages kept") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip.avi", {160, 120}, 14, 9);
+  for (const std::vector<std::string>& how :
+       {std::vector<std::string>{"--bottom-up"}, {"--curve-events"}, {}}) {
+    const auto run = (temp / "run").string();
+    const auto analyze = [&](const char* graphs) {
+      std::vector<std::string> words = {"analyze", clip, "-o", run, "-q", "--overwrite", graphs};
+      words.insert(words.end(), how.begin(), how.end());
+      return run_command(words).exit;
+    };
+    REQUIRE(analyze("--jsonl") == 0);
+    const auto motion = bytes_of(temp / "run/motion.jsonl"), sketch = bytes_of(temp / "run/sketch.jsonl");
+    REQUIRE(analyze("--no-jsonl") == 0);
+    REQUIRE(
+        run_command({"export", run, "--csv", "-q", "-o", (temp / "tables").string(), "--overwrite"}).exit ==
+        0);
+    CHECK(bytes_of(temp / "tables/strokes.csv") == bytes_of(temp / "run/strokes.csv"));
+    CHECK(bytes_of(temp / "tables/trajectories.csv") == bytes_of(temp / "run/trajectories.csv"));
+    REQUIRE(run_command({"export", run, "--jsonl", "-q"}).exit == 0);
+    CHECK(bytes_of(temp / "run/motion.jsonl") == motion);
+    CHECK(bytes_of(temp / "run/sketch.jsonl") == sketch);
+  }
+  fs::remove(temp / "run/motion.jsonl");
+  fs::remove_all(temp / "run/stages");
+  check_one_line({"export", (temp / "run").string(), "--csv", "-q"}, 1, {"--jsonl"});
 }

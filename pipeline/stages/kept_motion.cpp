@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/stages/kept_motion.hpp"
+
+#include <utility>
+
+#include "core/io/column_folder.hpp"
+#include "graph/events/kept_identity.hpp"
+#include "graph/matching/skipped_patches.hpp"
+#include "pipeline/inference/event_posterior.hpp"
+#include "pipeline/stages/analysis_stages.hpp"
+
+namespace emberfold::pipeline {
+
+std::optional<graph::MotionGraph> read_kept_motion(const std::filesystem::path& run, bool weighs_strokes) {
+  const auto key = io::read_column_key(run / "stages" / "motion");
+  if (!key) return std::nullopt;
+  auto found = AnalysisStages(run, {{}, *key, {}}).read_motion();
+  if (!found) return std::nullopt;
+  if (weighs_strokes) {
+    graph::keep_identity(found->motion, found->all_events, kLikely);
+    graph::link_skipped_patches(found->motion);
+  }
+  return std::move(found->motion);
+}
+
+}  // namespace emberfold::pipeline

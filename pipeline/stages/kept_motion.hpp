@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "graph/motion_graph.hpp"
+
+namespace emberfold::pipeline {
+
+/// Reads the motion graph of a finished run from what its stages kept, the one that analyze() returned.
+/// Nothing where the folder has no such stage. `weighs_strokes`: its events were those of strokes, weighed by
+/// the images and not reviewed. O(patches).
+std::optional<graph::MotionGraph> read_kept_motion(const std::filesystem::path& run, bool weighs_strokes);
+
+}  // namespace emberfold::pipeline
