@@ -318,7 +318,7 @@ void measure_all(core::FrameSource& source, std::span<Reading> readings, int fra
     window.drop_before(end - 2 * kReach - 2 * kSameFrames);  // members lie that far apart
   };
   const auto& info = source.info();
-  const int batch = static_cast<int>(core::frames_at_once(info.width, info.height, info.channels));
+  const int batch = frames_at_once(info);
   const int read = core::stream_frames(
       source, "events", frames, context,
       [&](int, const cv::Mat& frame) { return make_window_frame(frame, info); },

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/clip.hpp"
+#include "core/clip/frame_stream.hpp"
 #include "pipeline/frame_motion.hpp"
 #include "sketch/steadying/carried_sketch.hpp"
 
@@ -18,6 +19,10 @@ WindowFrame make_window_frame(const cv::Mat& frame, const core::ClipInfo& info) 
   cv::pyrDown(made.luma, made.halved);
   made.levels = frame.depth() == CV_8U && info.white == 255 ? frame : levels;
   return made;
+}
+
+int frames_at_once(const core::ClipInfo& info) {
+  return static_cast<int>((core::frames_at_once(info.width, info.height, info.channels) + 1) / 2);
 }
 
 void FrameWindow::push(WindowFrame frame) {

@@ -19,6 +19,9 @@ struct WindowFrame {
 /// Brings a frame of a clip into this form. O(pixels).
 WindowFrame make_window_frame(const cv::Mat& frame, const core::ClipInfo& info);
 
+/// Returns how many frames a window takes before it is worked on, 1…8: it holds those around them as well.
+int frames_at_once(const core::ClipInfo& info);
+
 /// Holds some frames of a clip in a row, and the motion between neighbouring ones.
 class FrameWindow {
  public:

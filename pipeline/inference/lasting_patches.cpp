@@ -202,7 +202,7 @@ graph::SketchSequence add_lasting_patches(core::FrameSource& source, const graph
   const int frames = static_cast<int>(sketch.frames.size());
   LastingPatches lasting(sketch, context);
   const auto& info = source.info();
-  const int batch = static_cast<int>(core::frames_at_once(info.width, info.height, info.channels));
+  const int batch = frames_at_once(info);
   const int read = core::stream_frames(
       source, "carry", frames, context,
       [&](int, const cv::Mat& frame) { return make_window_frame(frame, info); },
