@@ -278,6 +278,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   const auto& found = made.found;
   made.stages.add(found.stages);
   made.stages.begin("write");
+  if (stages != nullptr) made.found.model.footage.reset();  // the run's folder has it
+  core::return_freed_memory();
   if (stages == nullptr) io::write_model(output, "model", to_archive(found.model));
   const auto units = units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
@@ -286,11 +288,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
   write_drift(output, *source);
   made.stages.begin("pictures");
-  if (stages != nullptr) {  // the run's folder has them
-    made.found.joints = {};
-    made.found.model.footage.reset();
-    core::return_freed_memory();
-  }
+  made.found.joints = {};
+  core::return_freed_memory();
   Pictures pictures = write_pictures(*source, found, options, output, session);
   const auto& asked_events = found.reviewed ? found.reviewed->asked : found.all_events;
   const auto page =

@@ -53,7 +53,7 @@ struct ChangeEvidence {
   /// Frames to the nearest opposite change in the same place, before and after, or to the clip's end; more
   /// than kFramesUntilLong is no more than that.
   double since = 1e9, until = 1e9;
-  double contrast = 255;                  ///< of what changes, visible grey levels: below 16 hardly anybody sees it
+  double contrast = 255;  ///< of what changes, visible grey levels: below 16 hardly anybody sees it
   std::optional<FrameLikeness> likeness;  ///< around the change; nothing where it was not measured
 };
 
