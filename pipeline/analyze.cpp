@@ -8,8 +8,6 @@
 #include "core/error.hpp"
 #include "core/freed_memory.hpp"
 #include "graph/curves/curve_strokes.hpp"
-#include "graph/events/kept_identity.hpp"
-#include "graph/matching/skipped_patches.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
 #include "pipeline/frame_synthesis.hpp"
@@ -158,14 +156,11 @@ StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sket
 
 /// Chooses the events to report, and lets the motion graph follow them where they are weighed.
 void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
-  const bool weighs_strokes = !options.bottom_up && !options.curve_events;
-  if (weighs_strokes) graph::keep_identity(analysis.motion, analysis.all_events, kLikely);
+  if (!options.bottom_up && !options.curve_events) follow_strokes(analysis.motion, analysis.all_events);
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
                        [](const graph::Event& event) { return event.probability >= kLikely; });
-  // They are traced by links as matched.
   analysis.contacts = graph::event_contacts(
       options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, analysis.events);
-  if (weighs_strokes) graph::link_skipped_patches(analysis.motion);
 }
 
 /// Finds motion and events, or reads those that are kept; the model is learned where it is not kept.

@@ -3,6 +3,8 @@
 
 #include <span>
 
+#include "graph/events/kept_identity.hpp"
+#include "graph/matching/skipped_patches.hpp"
 #include "mcmc/inference/change_posterior.hpp"
 
 namespace emberfold::pipeline {
@@ -31,6 +33,11 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipR
         "next: no event is believed; film faster, or leave out --every");
   graph::sort_events(events);
   return events;
+}
+
+void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events) {
+  graph::keep_identity(motion, all_events, kLikely);
+  graph::link_skipped_patches(motion);
 }
 
 }  // namespace emberfold::pipeline

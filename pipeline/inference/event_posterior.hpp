@@ -19,4 +19,8 @@ inline constexpr double kLikely = 0.5;  ///< least probability of events that ar
 std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipReadings& readings,
                                           const core::Context& context = {});
 
+/// Lets the strokes of a matched clip follow its weighed events: they keep their identity through all that is
+/// not likely (graph::keep_identity), and skipped patches are linked (graph::link_skipped_patches).
+void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events);
+
 }  // namespace emberfold::pipeline

@@ -4,8 +4,6 @@
 #include <utility>
 
 #include "core/io/column_folder.hpp"
-#include "graph/events/kept_identity.hpp"
-#include "graph/matching/skipped_patches.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/stages/analysis_stages.hpp"
 
@@ -16,10 +14,7 @@ std::optional<graph::MotionGraph> read_kept_motion(const std::filesystem::path& 
   if (!key) return std::nullopt;
   auto found = AnalysisStages(run, {{}, *key, {}}).read_motion();
   if (!found) return std::nullopt;
-  if (weighs_strokes) {
-    graph::keep_identity(found->motion, found->all_events, kLikely);
-    graph::link_skipped_patches(found->motion);
-  }
+  if (weighs_strokes) follow_strokes(found->motion, found->all_events);
   return std::move(found->motion);
 }
 
