@@ -75,6 +75,7 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
                   Analysis& analysis, mcmc::FitResult& fitted, core::StageClock& clock,
                   const core::Context& context) {
   clock.begin("match");
+  core::return_freed_memory();
   if (!options.sample) {
     analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
     clock.begin("curves");
@@ -201,9 +202,11 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
   ClipModel& model = learned.model;
   model.background = std::move(background);
   model.background.static_pixels = sketch::find_static_pixels(source, context);
+  core::return_freed_memory();
   const double gradient = sketch::measure_clip_flank_gradient(source, sketch, context).mean();
   model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
   model.correction = rate_correction(sketches, options, fitted, context);
+  core::return_freed_memory();
   learned.rates = fitted.events_per_frame;
   learned.notes = std::move(fitted.notes);
   model.motion = std::move(fitted.model);
@@ -211,6 +214,7 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
                                    render_options(model.motion, model.background, options.fill), context);
   if (!residual.empty()) model.residual = std::move(residual);
   clock.begin("footage");
+  core::return_freed_memory();
   model.footage = gather_footage(source, analysis.motion, context);
   if (options.texture > 0) {
     clock.begin("texture");

@@ -270,6 +270,16 @@ std::string unknown_option(const CLI::App& where, const CommandLine& line, const
   return "unknown option " + word + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
 }
 
+/// Tells of an option that took the name of the one after it for its value; empty where there is none.
+std::string swallowed_option(const CLI::App& where) {
+  for (const auto* option : where.get_options())
+    for (const auto& value : option->results())
+      if (value.starts_with("--") && where.get_option_no_throw(value) != nullptr)
+        return option->get_name() + " needs a value (" + option->get_type_name() + "), but " + value +
+               " follows it";
+  return "";
+}
+
 }  // namespace
 
 void set_help_format(CLI::App& app) {
@@ -288,6 +298,7 @@ void add_help(CLI::App& app, CommandLine& line) {
 std::string usage_message(const CLI::App& app, const CommandLine& line, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what();
   const CLI::App& where = named_command(app);
+  if (const std::string told = swallowed_option(where); !told.empty()) return told;
   const auto extras = where.remaining(true);
   const std::string word = extras.empty() ? "" : extras.front();
   if (word.starts_with("-")) return unknown_option(where, line, word);

@@ -37,6 +37,7 @@ constexpr std::size_t kFollowed = 3;  // frames in which what joins two strokes 
 constexpr int kSameFrames = 2;        // between two readings of one event
 constexpr double kSamePlace = 10;     // px
 constexpr double kSameJoint = 15;     // px between opposite events of one place
+constexpr double kMost = 0.5;         // share of the readings
 constexpr double kLeastLogOdds = -4;  // that the images at their best would have to reach
 constexpr std::size_t kWeakest = 3;   // one in so many patches of a joint decides whether it is open
 constexpr double kBorder = 10;        // px within the picture's border: what comes so near may have left it
@@ -234,20 +235,43 @@ Family opposite(Family family) {
   return family;
 }
 
-/// Finds how many frames lie between the event and opposite ones in its place, as far as the clip goes.
-void find_opposites(WeighedEvent& weighed, std::span<const Reading> readings, int frames) {
+/// Takes the frames between an event and an opposite one in its place, if that is one.
+/// Returns whether both are of one frame.
+bool note_opposite(const graph::Event& other, WeighedEvent& weighed) {
   const graph::Event& event = weighed.event;
-  weighed.evidence.since = event.frame, weighed.evidence.until = frames - event.frame;
-  const Family sought = opposite(graph::detail::family(event.type));
-  for (const Reading& reading : readings)
-    reading.each_near(event.frame, mcmc::kFramesUntilLong, [&](std::size_t k) {
-      const graph::Event& other = reading.traced[k].event;
-      if (graph::detail::family(other.type) != sought || other.frame == event.frame ||
-          distance(other.position, event.position) > kSameJoint)
-        return;
-      double& side = other.frame < event.frame ? weighed.evidence.since : weighed.evidence.until;
-      side = std::min(side, static_cast<double>(std::abs(other.frame - event.frame)));
-    });
+  if (graph::detail::family(other.type) != opposite(graph::detail::family(event.type)) ||
+      distance(other.position, event.position) > kSameJoint)
+    return false;
+  if (other.frame == event.frame) return true;
+  double& side = other.frame < event.frame ? weighed.evidence.since : weighed.evidence.until;
+  side = std::min(side, static_cast<double>(std::abs(other.frame - event.frame)));
+  return false;
+}
+
+/// Finds how many frames lie between each event and opposite ones in its place, as far as the clip goes: ones
+/// of the sketches as they are, and ones that most readings have. A pooled one of the same frame, as which
+/// some reading has it one frame off, counts as one frame apart.
+void find_opposites(std::span<PooledEvent> events, std::span<const Reading> unsteadied, int frames) {
+  std::vector<std::vector<std::size_t>> common(static_cast<std::size_t>(frames));
+  for (std::size_t k = 0; k < events.size(); ++k)
+    if (events[k].weighed.evidence.agreement > kMost)
+      common[static_cast<std::size_t>(events[k].weighed.event.frame)].push_back(k);
+  for (PooledEvent& pooled : events) {
+    WeighedEvent& weighed = pooled.weighed;
+    const int frame = weighed.event.frame;
+    weighed.evidence.since = frame, weighed.evidence.until = frames - frame;
+    for (const Reading& reading : unsteadied)
+      reading.each_near(frame, mcmc::kFramesUntilLong,
+                        [&](std::size_t k) { note_opposite(reading.traced[k].event, weighed); });
+    bool is_undone = false;
+    const int last = std::min(frame + mcmc::kFramesUntilLong, frames - 1);
+    for (int t = std::max(0, frame - mcmc::kFramesUntilLong); t <= last; ++t)
+      for (const std::size_t k : common[static_cast<std::size_t>(t)])
+        is_undone |= note_opposite(events[k].weighed.event, weighed);
+    double& nearer =
+        weighed.evidence.since < weighed.evidence.until ? weighed.evidence.since : weighed.evidence.until;
+    if (is_undone) nearer = std::min(nearer, 1.0);
+  }
 }
 
 /// A pooled event that is measured in some of its members.
@@ -359,9 +383,9 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
         evidence.contrast = std::max(evidence.contrast,
                                      path_contrast(all[reading].traced[number], all[reading].index, white));
     evidence.agreement = static_cast<double>(event.members.size()) / static_cast<double>(all.size());
-    find_opposites(event.weighed, std::span<const Reading>(all).subspan(steadied, own - steadied),
-                   static_cast<int>(frames));
   }
+  find_opposites(pooled, std::span<const Reading>(all).subspan(steadied, own - steadied),
+                 static_cast<int>(frames));
   const auto measurements = plan_measurements(pooled, all, steadied, own);
   measure_all(source, all, static_cast<int>(frames), measurements, pooled, context);
   std::vector<WeighedEvent> result;

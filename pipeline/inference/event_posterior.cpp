@@ -6,27 +6,57 @@
 #include "graph/events/kept_identity.hpp"
 #include "graph/matching/skipped_patches.hpp"
 #include "mcmc/inference/change_posterior.hpp"
+#include "mcmc/inference/joint_changes.hpp"
+#include "pipeline/inference/event_pairs.hpp"
 
 namespace emberfold::pipeline {
+
+namespace {
+
+/// Returns the probability of each event by itself: strokes and joints have shares of true ones of their own.
+std::vector<double> probabilities_alone(std::span<const WeighedEvent> weighed) {
+  std::vector<double> result(weighed.size());
+  for (const bool of_stroke : {true, false}) {
+    std::vector<std::size_t> which;
+    std::vector<mcmc::ChangeEvidence> changes;  // of these
+    for (std::size_t k = 0; k < weighed.size(); ++k) {
+      if (weighed[k].evidence.of_stroke != of_stroke) continue;
+      which.push_back(k);
+      changes.push_back(weighed[k].evidence);
+    }
+    const auto probabilities = mcmc::change_probabilities(changes);
+    for (std::size_t k = 0; k < which.size(); ++k) result[which[k]] = probabilities[k];
+  }
+  return result;
+}
+
+}  // namespace
+
+EventProbabilities event_probabilities(std::span<const WeighedEvent> weighed) {
+  std::vector<mcmc::ChangeEvidence> changes;
+  std::vector<graph::Event> events;
+  for (const WeighedEvent& one : weighed) {
+    changes.push_back(one.evidence);
+    events.push_back(one.event);
+  }
+  EventProbabilities result;
+  result.followed = mcmc::probability_followed(changes);
+  auto alone = probabilities_alone(weighed);
+  for (double& p : alone) p *= result.followed;
+  result.of_event = mcmc::joint_probabilities(alone, brief_pairs(events), rival_pairs(events));
+  return result;
+}
 
 std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipReadings& readings,
                                           const core::Context& context) {
   const auto weighed = weigh_events(source, readings, context);
+  const auto probabilities = event_probabilities(weighed);
   std::vector<graph::Event> events;
-  std::vector<mcmc::ChangeEvidence> changes;  // of the events
-  for (const bool of_stroke : {true, false}) {
-    const std::size_t first = events.size();
-    for (const WeighedEvent& one : weighed) {
-      if (one.evidence.of_stroke != of_stroke) continue;
-      events.push_back(one.event);
-      changes.push_back(one.evidence);
-    }
-    const auto probabilities = mcmc::change_probabilities(std::span(changes).subspan(first));
-    for (std::size_t k = 0; k < probabilities.size(); ++k) events[first + k].probability = probabilities[k];
+  for (std::size_t k = 0; k < weighed.size(); ++k) {
+    events.push_back(weighed[k].event);
+    events.back().probability = probabilities.of_event[k];
   }
-  const double followed = mcmc::probability_followed(changes);
-  for (graph::Event& event : events) event.probability *= followed;
-  if (followed < 0.5 && !events.empty())
+  if (probabilities.followed < 0.5 && !events.empty())
     context.warn(
         "neighbouring frames are no more alike than frames far apart, so that nothing can be followed from "
         "one to the "

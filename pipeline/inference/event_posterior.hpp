@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/clip.hpp"
@@ -12,10 +13,21 @@ namespace emberfold::pipeline {
 
 inline constexpr double kLikely = 0.5;  ///< least probability of events that are reported
 
+/// Holds how likely weighed events are.
+struct EventProbabilities {
+  std::vector<double> of_event;  ///< by event
+  double followed = 1;           ///< mcmc::probability_followed(): in it all probabilities hold
+};
+
+/// Computes the probabilities of a clip's events from what speaks for each.
+/// Events of strokes and of joints have their own shares of true ones (mcmc::change_probabilities). Events
+/// that bear on each other are weighed together (brief_pairs, rival_pairs, mcmc::joint_probabilities). See
+/// docs/method/events.md. O(events).
+EventProbabilities event_probabilities(std::span<const WeighedEvent> weighed);
+
 /// Finds the events of a matched clip, each with the probability that the clip shows it.
-/// What speaks for each (weigh_events) is combined by mcmc::change_probabilities, for events of strokes
-/// and of joints apart (docs/method/events.md). Sorted as by graph::sort_events. The
-/// same bytes at any number of threads. Throws as weigh_events does.
+/// They are weighed (weigh_events), and sorted as by graph::sort_events. The same bytes at any number of
+/// threads. Throws as weigh_events does.
 std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipReadings& readings,
                                           const core::Context& context = {});
 

@@ -7,6 +7,7 @@
 
 #include "core/io/clip_reader.hpp"
 #include "pipeline/inference/event_evidence.hpp"
+#include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
 #include "pipeline/readings.hpp"
 #include "pipeline/sketch_clip.hpp"
@@ -29,16 +30,20 @@ int main(int argc, char** argv) try {
   auto readings = pipeline::match_readings(sketch, graph::match(sketch, {}), {}, false);
   for (const auto& copy : sketches.perturbed)
     pipeline::add_reading_in_noise(readings, pipeline::add_lasting_patches(*clip, copy), {}, false);
-  std::cout << "frame,type,x,y,log_factor,of_stroke,agreement,since,until,contrast,next,apart\n";
-  for (const auto& [event, evidence] : pipeline::weigh_events(*clip, readings)) {
+  std::cout << "frame,type,x,y,log_factor,of_stroke,agreement,since,until,contrast,next,apart,probability\n";
+  const auto weighed = pipeline::weigh_events(*clip, readings);
+  const auto probabilities = pipeline::event_probabilities(weighed);
+  for (std::size_t k = 0; k < weighed.size(); ++k) {
+    const auto& [event, evidence] = weighed[k];
     std::cout << event.frame << ',' << graph::name(event.type) << ',' << event.position.x << ','
               << event.position.y << ',' << evidence.log_factor << ',' << evidence.of_stroke << ','
               << evidence.agreement << ',' << evidence.since << ',' << evidence.until << ','
               << evidence.contrast;
     if (evidence.likeness)
-      std::cout << ',' << evidence.likeness->next << ',' << evidence.likeness->apart << '\n';
+      std::cout << ',' << evidence.likeness->next << ',' << evidence.likeness->apart;
     else
-      std::cout << ",,\n";
+      std::cout << ",,";
+    std::cout << ',' << probabilities.of_event[k] << '\n';
   }
   return 0;
 } catch (const std::exception& error) {
