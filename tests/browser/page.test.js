@@ -467,7 +467,9 @@ describe("a mask", () => {
   test("is in the saved loop, whose commands write its two parts", async () => {
     const page = await open(models.colour.url + `#play=0&seed=3&feather=0&speed=0.5&fine=2&loop=${loop}`);
     const white = await page.evaluate(() => [...emberfold.pixels()]);
+    await page.evaluate(() => emberfold.set({loop: 0}));
     await openMask(page, halves);
+    await page.evaluate((frames) => emberfold.set({loop: frames}), loop);
     const [width] = await sizeOf(page), shown = await page.evaluate(() => [...emberfold.pixels()]);
     assert.notDeepEqual(shown, white);
     const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-loop")]);
@@ -513,7 +515,6 @@ describe("a mask", () => {
       const page = await open(models.colour.url + "#play=0", {viewport});
       await openMask(page, ramp);
       assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
-      if (process.env.SCREENSHOTS) await page.screenshot({path: `${process.env.SCREENSHOTS}/${viewport.width}.png`, fullPage: true});
       await close(page);
     });
 });
