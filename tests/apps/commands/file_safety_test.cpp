@@ -50,8 +50,7 @@ TEST_CASE("no command writes its clip onto the clip that it reads, whatever the 
   fs::create_hard_link(made.clip, made.at("hard.avi"));
   for (const auto& name : {made.clip, made.at("symbolic.avi"), made.at("hard.avi"), made.at("./z.avi")}) {
     made.refuse({"quilt", made.clip, "-o", name, "--block", "8", "--size", "16"}, name, made.clip);
-    made.refuse({"dytex", "page", made.model, "--mask", made.mask, "-o", made.mask}, made.mask, made.mask);
-  made.refuse({"dytex", "compose", made.clip, "--layer", made.model, "-o", name}, name, made.clip);
+    made.refuse({"dytex", "compose", made.clip, "--layer", made.model, "-o", name}, name, made.clip);
     made.refuse({"dytex", "learn", made.clip, "-o", made.at("m"), "--missing", made.frames, "--filled", name},
                 name, made.clip);
   }
@@ -103,6 +102,7 @@ TEST_CASE("no command writes onto models, masks, maps and dictionaries that it r
       {"quilt", made.clip, "--mask", made.mask, "-o", made.at("q.mp4"), "--set", "quilt.map=" + made.mask},
       made.mask, made.mask);
   made.refuse({"quilt", made.clip, "--control", "depth:" + made.mask, "-o", made.mask}, made.mask, made.mask);
+  made.refuse({"dytex", "page", made.model, "--mask", made.mask, "-o", made.mask}, made.mask, made.mask);
   made.refuse({"dytex", "compose", made.clip, "--layer", made.model + ":" + made.mask, "-o", made.mask},
               made.mask, made.mask);
 }
