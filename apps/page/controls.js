@@ -1,6 +1,6 @@
 // The page of a texture: its sliders, presets and pictures.
 
-const sliders = ["speed", "flow", "intensity", "coarse", "medium", "fine"];
+const sliders = ["speed", "flow", "intensity", "coarse", "medium", "fine", "feather"];
 const longestLoop = 1000;
 /** Components that can be weighted alone: of a model per channel, as many as each channel has. */
 const singles = Math.min(data.components, ...data.groups.map((group) => group.shown));
@@ -12,7 +12,13 @@ const addressed = {
     return /^\d+:[\d.]+(,\d+:[\d.]+)*$/.test(text) && [...weightsOf(text)].every(fits) ? weightsText(weightsOf(text)) : undefined;
   },
   loop: (text) => (/^\d+$/.test(text) && Number(text) >= 2 && Number(text) <= longestLoop ? Number(text) : undefined),
+  swap: (text) => (text === "1" ? 1 : undefined),
 };
+function handOut(blob, name) {
+  const address = URL.createObjectURL(blob);
+  make("a", {href: address, download: name}).click();
+  setTimeout(() => URL.revokeObjectURL(address), 60_000);
+}
 /** The sliders that a preset sets: one that names no speed leaves it. */
 const slidersOf = (preset) => sliders.filter((name) => name in preset && (name !== "speed" || preset.speed !== 1));
 
@@ -22,6 +28,7 @@ class TexturePage extends ModelPage {
     this.wanted = null;  // settings that the next animation frame takes over
     this.listenToComponents();
     this.listenToLoop();
+    this.listenToMask();
     $("channel").addEventListener("change", () => this.want({channel: $("channel").value}));
   }
   listenToComponents() {
@@ -48,16 +55,57 @@ class TexturePage extends ModelPage {
   }
   /** Hands out the frames of the loop, PNGs in a ZIP archive; the page goes on meanwhile. */
   async saveLoop() {
-    const {player} = this, {circle, edit: {weights}} = player, files = [];
+    const {player} = this, parts = player.parts(), files = [];
     const canvas = new OffscreenCanvas(data.width, data.height), screen = canvas.getContext("2d", {alpha: false});
-    for (const [frame, state] of circle.entries()) {
-      player.drawer.draw(player.worth(state, weights), screen);
+    for (let frame = 0; frame < parts.result.circle.length; ++frame) {
+      player.draw(parts, ({circle}) => circle[frame], screen);
       const png = await canvas.convertToBlob({type: "image/png"});
       files.push({name: `frame_${String(frame).padStart(5, "0")}.png`, bytes: new Uint8Array(await png.arrayBuffer())});
     }
-    const address = URL.createObjectURL(zipArchive(files));
-    make("a", {href: address, download: "loop.zip"}).click();
-    setTimeout(() => URL.revokeObjectURL(address), 60_000);
+    handOut(zipArchive(files), "loop.zip");
+  }
+  listenToMask() {
+    $("mask").addEventListener("change", () => this.takeMask($("mask").files[0]));
+    $("swap").addEventListener("change", () => this.want({swap: Number($("swap").checked)}));
+    $("save-mask").addEventListener("click", () => this.saveMask());
+    $("mask-remove").addEventListener("click", () => {
+      this.setMask(null, "");
+      $("mask").focus();
+    });
+  }
+  async takeMask(file) {
+    if (!file) return;
+    try {
+      const {mask, size} = await openMask(file), same = size[0] === data.width && size[1] === data.height;
+      if ($("mask").files[0] !== file) return;  // another one was opened meanwhile
+      this.setMask(mask, file.name + (same ? "" : `, scaled from ${size.join(" \u00d7 ")} px`));
+    } catch {
+      $("mask").value = "";
+      this.tell(`${file.name} is no image that this browser reads.`);
+    }
+  }
+  setMask(mask, about) {
+    try {
+      this.player.setMask(mask);
+      $("mask-about").textContent = about;
+      this.tell("");
+    } catch (error) {
+      this.tell(error.message);
+    }
+    if (!this.player.mask) $("mask").value = "";
+    this.changed();
+  }
+  /** Hands out the mask as `dytex compose` takes it. */
+  async saveMask() {
+    const {mask, settings: {swap}} = this.player, canvas = new OffscreenCanvas(data.width, data.height);
+    canvas.getContext("2d", {alpha: false}).putImageData(greyPicture(mask.sides[swap], 255), 0, 0);
+    handOut(await canvas.convertToBlob({type: "image/png"}), "mask.png");
+  }
+  showMask() {
+    const {mask, settings} = this.player, opacity = mask?.opacity(settings) ?? null;
+    $("masked").hidden = !mask;
+    if (opacity && opacity !== this.shownOpacity) $("opacity").getContext("2d").putImageData(greyPicture(opacity, 1), 0, 0);
+    this.shownOpacity = opacity;
   }
   listenTo(name) {
     $(name).addEventListener("input", () => this.want({[name]: Number($(name).value)}));
@@ -73,10 +121,20 @@ class TexturePage extends ModelPage {
     super.apply(settings);
   }
   command() {
-    return commandFor(data.model, this.player.settings, this.player.seed);
+    const {settings, seed, mask} = this.player;
+    return commandFor(data.model, settings, seed, mask !== null);
+  }
+  showCommandHint() {
+    const {mask, settings: {loop}} = this.player, parts = mask && this.command().includes("learned.avi");
+    $("command-parts").hidden = !(parts && loop > 0);
+    $("command-whole").hidden = !$("command-parts").hidden;
+    $("command-mask").hidden = !(parts && loop === 0);
   }
   showSettings(settings) {
-    for (const name of sliders) this.showSlider(name, settings[name], factorText(settings[name]));
+    for (const name of sliders) this.showSlider(name, settings[name], name === "feather" ? settings.feather + "\u00a0px" : factorText(settings[name]));
+    $("swap").checked = settings.swap === 1;
+    this.showMask();
+    this.showCommandHint();
     $("intensity-amplitude").textContent = (100 * Math.sqrt(settings.intensity)).toFixed(0) + "\u00a0%";
     $("reverse").checked = settings.reverse;
     const weights = weightsOf(settings.weights), weight = weights.get(Number($("component").value)) ?? 1;
@@ -95,14 +153,14 @@ class TexturePage extends ModelPage {
       const fits = slidersOf(preset).every((name) => preset[name] === settings[name]);
       button.setAttribute("aria-pressed", fits);
     }
-    const {dropped} = this.player.edit;
+    const {dropped} = this.player.result.edit;
     $("dropped").textContent = dropped === 0 ? "" :
       `${dropped} of ${data.order} poles became 0: their phase would pass half a turn a frame.`;
   }
   showFrame() {
     const {player} = this;
     $("source-frame").textContent = `frame ${player.sourceFrame} of ${data.frames}`;
-    $("result-frame").textContent = `frame ${player.frame}` + (player.circle ? ` of ${player.circle.length}` : "") + this.rateText();
+    $("result-frame").textContent = `frame ${player.frame}` + (player.settings.loop > 0 ? ` of ${player.settings.loop}` : "") + this.rateText();
   }
 }
 
@@ -122,7 +180,7 @@ function describe() {
   const names = {b: "blue", g: "green", r: "red"};
   for (const letter of channels) $("channel").append(make("option", {value: letter}, names[letter]));
   $("channel-label").hidden = channels.length === 0;
-  for (const name of ["source", "result"]) {
+  for (const name of ["source", "result", "opacity"]) {
     $(name).width = data.width;
     $(name).height = data.height;
   }
@@ -148,15 +206,17 @@ async function start() {
     const preset = data.presets[button.dataset.preset];
     button.addEventListener("click", () => page.want(Object.fromEntries(slidersOf(preset).map((name) => [name, preset[name]]))));
   }
+  const carried = $("carried-mask");
+  if (carried) page.setMask(new Mask(new Uint8Array(await inflated(carried.textContent))), "The mask that this page was made with");
   if (data.components === 0) page.tell("The model has no components: it stands still.");
   return page;
 }
 
 window.emberfold = publish(start, (page) => ({
   get renderer() { return page().player.drawer.name; },
-  get state() { return page().player.state.slice(); },
+  get state() { return page().player.result.state.slice(); },
   /** Matrices are {rows, cols, data}, a column after the other. */
-  get model() { return page().player.edit; },
+  get model() { return page().player.result.edit; },
   /** Of "source" or "result". */
   pixels: (name = "result") => pixelsOf(page().player.screens[name].canvas),
 }));

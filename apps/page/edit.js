@@ -1,8 +1,11 @@
 // Edits, as `emberfold dytex edit` makes them, in this order: --channel, --reverse, --speed, --flow, --intensity, --coarse, --medium,
 // --fine, --weights.
 
-/** weights: of single components, as in "3:0.5,7:2"; channel: the one that is edited, "" for all; loop: frames after which the clip repeats, 0 where it does not. */
-const neutral = {reverse: false, speed: 1, flow: 1, intensity: 1, coarse: 1, medium: 1, fine: 1, weights: "", channel: "", loop: 0};
+/**
+ * weights: of single components, as in "3:0.5,7:2"; channel: the one that is edited, "" for all; loop: frames after which the clip repeats, 0 where it does not;
+ * swap: 1 where a mask's black is edited; feather: px, of a mask.
+ */
+const neutral = {reverse: false, speed: 1, flow: 1, intensity: 1, coarse: 1, medium: 1, fine: 1, weights: "", channel: "", loop: 0, swap: 0, feather: 8};
 const channelLetters = ["b", "g", "r"];
 const scaleOf = (i) => (i < 5 ? "coarse" : i < 15 ? "medium" : "fine");  // of component i, the first being 0
 
@@ -184,8 +187,8 @@ function nextState(edit, state, seed, frame) {
   return next;
 }
 
-/** What makes the same clip on the command line, from the first frame on. */
-function commandFor(modelName, settings, seed) {
+/** What makes the same clip on the command line, from the first frame on; with a mask (mask.png) in a loop, its two parts. */
+function commandFor(modelName, settings, seed, masked) {
   const words = [];
   if (settings.channel !== "") words.push("--channel " + settings.channel);
   const before = words.length;
@@ -198,7 +201,11 @@ function commandFor(modelName, settings, seed) {
     words.push("--weights " + Array.from({length: last}, (_, i) => weights.get(i + 1) ?? 1).join(","));
   }
   const to = modelName.replace(/\/+$/, "") + "_edited";
-  const synth = (from) => `emberfold dytex synth ${shellWord(from)} -o clip.mp4${settings.loop > 0 ? " --loop " + settings.loop : ""} --seed ${seed}`;
-  if (words.length === before) return synth(modelName);
-  return `emberfold dytex edit ${shellWord(modelName)} -o ${shellWord(to)} ${words.join(" ")} && \\\n` + synth(to);
+  const synth = (from, clip) => `emberfold dytex synth ${shellWord(from)} -o ${clip}${settings.loop > 0 ? " --loop " + settings.loop : ""} --seed ${seed}`;
+  if (words.length === before) return synth(modelName, "clip.mp4");
+  const edit = `emberfold dytex edit ${shellWord(modelName)} -o ${shellWord(to)} ${words.join(" ")}`, all = (...commands) => commands.join(" && \\\n");
+  if (!masked) return all(edit, synth(to, "clip.mp4"));
+  if (settings.loop > 0) return all(edit, synth(modelName, "learned.avi"), synth(to, "edited.avi"));
+  const layer = `--layer ${shellWord(to + ":mask.png")} --feather ${settings.feather}`;
+  return all(edit, synth(modelName, "learned.avi"), `emberfold dytex compose learned.avi ${layer} -o clip.mp4 --seed ${seed}`);
 }

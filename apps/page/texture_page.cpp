@@ -10,6 +10,7 @@
 #include <variant>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
 #include "apps/page/packed_text.hpp"
 #include "apps/page/page_assets.hpp"
@@ -17,9 +18,11 @@
 #include "apps/report/report.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/text/size_text.hpp"
 #include "dytex/editing/edit.hpp"
 #include "dytex/editing/edit_dynamics.hpp"
 #include "dytex/editing/edit_groups.hpp"
+#include "dytex/model/layers.hpp"
 
 namespace emberfold::apps {
 
@@ -228,7 +231,27 @@ void measure_rounding(const LinearDynamicTexture& texture, const std::vector<flo
   page.largest_error = *std::ranges::max_element(largest);
 }
 
+// A mask in 8 bits; what is not 0 stays inside.
+std::string mask_element(const cv::Mat& mask, const core::ClipInfo& info) {
+  if (mask.empty()) return "";
+  check_page_mask(mask, info);
+  cv::Mat bytes;
+  dytex::layer_opacity(mask, 0).convertTo(bytes, CV_8U, 255);
+  bytes.setTo(1, (mask != 0) & (bytes == 0));
+  return "<script type=\"text/plain\" id=\"carried-mask\">" + packed_bytes({bytes.data, bytes.total()}) +
+         "</script>\n";
+}
+
 }  // namespace
+
+void check_page_mask(const cv::Mat& mask, const core::ClipInfo& info) {
+  if (mask.channels() != 1)
+    throw core::InputError("mask has " + std::to_string(mask.channels()) + " channels, must have 1");
+  if (mask.cols != info.width || mask.rows != info.height)
+    throw core::InputError("mask is " + core::size_text(mask.size()) + ", must be as the frames are, " +
+                           core::size_text(info.width, info.height));
+  if (cv::countNonZero(mask) == 0) throw core::InputError("mask is 0 everywhere, must hold some pixels");
+}
 
 TexturePage make_texture_page(const TexturePageInput& input) {
   const LinearDynamicTexture& texture = *input.texture;
@@ -256,7 +279,7 @@ TexturePage make_texture_page(const TexturePageInput& input) {
                {"steps", steps},
                {"presets", preset_list()}};
   data["wide"] = Json::array();
-  std::string image_elements;
+  std::string image_elements = mask_element(input.mask, texture.info);
   for (const Image& image : images) {
     data["wide"].push_back(image.wide);
     image_elements += "<script type=\"text/plain\" class=\"image\">" + image.text + "</script>\n";

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "dytex/linear_dynamic_texture.hpp"
 
 namespace emberfold::apps {
@@ -17,6 +19,7 @@ struct TexturePageInput {
   std::string model;               ///< its folder, as the user gave it
   std::vector<std::string> edits;  ///< what it went through, as apps/textures/texture_edits.hpp tells
   std::string version;
+  cv::Mat mask = {};  ///< where the page shows its edits, white inside; empty: everywhere
 };
 
 /// The page and the errors of its rounding.
@@ -26,9 +29,13 @@ struct TexturePage {
   double largest_error = 0;  ///< levels, of some training frames' values
 };
 
+/// Throws InputError unless a mask has one channel and the size of the frames, and holds some pixels.
+void check_page_mask(const cv::Mat& mask, const core::ClipInfo& info);
+
 /// Makes a self-contained page that runs the texture live in a browser. Mean and components are images of
 /// whole numbers whose steps follow from their amplitudes (0.2 levels RMS of a frame), all else is in
-/// doubles. Throws InputError where the texture is not valid or too large, NumericalError as dytex::edit.
+/// doubles. Throws InputError where the texture is not valid or too large, and as check_page_mask;
+/// NumericalError as dytex::edit.
 TexturePage make_texture_page(const TexturePageInput& input);
 
 }  // namespace emberfold::apps

@@ -4,6 +4,7 @@
 #include <regex>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <zlib.h>
 
 #include "apps/page/packed_text.hpp"
@@ -248,4 +249,55 @@ TEST_CASE("dytex page writes its file whole or tells in a line why not") {
   check_one_line({"dytex", "page", clip, "-o", other.string(), "-q"}, 1, {"is a clip, not a model"}, other);
   check_one_line({"dytex", "page", model, "-q"}, 2, {"--output"});
   CHECK_FALSE(fs::exists(other.string() + ".part"));
+}
+
+TEST_CASE("a page carries a mask in 8 bits, and none where there is none") {
+  const std::string open = "<script type=\"text/plain\" id=\"carried-mask\">";
+  const auto texture = waves(8, 6, 3, 2, 50);
+  CHECK(count(page_of(texture).html, open) == 0);
+  for (const int depth : {CV_8U, CV_16U}) {
+    const int white = depth == CV_8U ? 255 : 65535;
+    cv::Mat mask(6, 8, depth, cv::Scalar(0));
+    mask.col(2).setTo(1), mask.col(3).setTo(white / 5), mask.col(4).setTo(white);
+    const auto masks = elements(make_texture_page({&texture, "sea", {}, "1", mask}).html, open);
+    REQUIRE(masks.size() == 1);
+    const Bytes bytes = inflated(masks[0], 48);
+    for (std::size_t p = 0; p < 48; ++p)  // what is not 0 stays inside
+      CHECK(bytes[p] == std::array{0, 0, 1, 51, 255, 0, 0, 0}[p % 8]);
+  }
+  const auto refusal = [&](const cv::Mat& mask) {
+    return message_of<core::InputError>([&] { check_page_mask(mask, texture.info); });
+  };
+  CHECK(contains(refusal(cv::Mat(6, 8, CV_8UC3, cv::Scalar::all(9))), "3 channels"));
+  CHECK(contains(refusal(cv::Mat(8, 6, CV_8U, cv::Scalar(9))), "6x8"));
+  CHECK(contains(refusal(cv::Mat(6, 8, CV_16U, cv::Scalar(0))), "0 everywhere"));
+}
+
+TEST_CASE("dytex page takes a mask of the model's size or tells in a line what is wrong with it") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip", {24, 20}, 6);
+  const auto model = (temp / "model").string();
+  const fs::path page = temp / "page.html";
+  const auto image = [&](const char* name, cv::Size size, int level) {
+    const auto path = (temp / name).string();
+    cv::imwrite(path, cv::Mat(size, CV_8U, cv::Scalar(level)));
+    return path;
+  };
+  REQUIRE(run_command({"dytex", "learn", clip, "-o", model, "-n", "3", "-q"}).exit == 0);
+  const auto refused = [&](const std::string& mask, int exit, const std::vector<std::string>& what) {
+    check_one_line({"dytex", "page", model, "-o", page.string(), "--mask", mask, "-q"}, exit, what, page);
+  };
+  refused(image("small.png", {20, 24}, 255), 2, {"--mask", "small.png", "20x24", "24x20"});
+  refused(image("black.png", {24, 20}, 0), 2, {"--mask", "black.png", "0 everywhere"});
+  refused((temp / "none.png").string(), 1, {"none.png"});
+  refused(model, 1, {model});
+  const auto mask = image("mask.png", {24, 20}, 128);
+  check_one_line({"dytex", "page", model, "-o", mask, "--mask", mask, "-q", "--overwrite"}, 2,
+                 {mask, "which is read"});
+  const auto made =
+      run_command({"dytex", "page", model, "-o", page.string(), "--mask", mask, "--json", "-q"});
+  REQUIRE(made.exit == 0);
+  CHECK(nlohmann::json::parse(made.out)["mask"] == mask);
+  CHECK(contains(bytes_of(page), "id=\"carried-mask\""));
+  CHECK_FALSE(contains(bytes_of(page), temp.path().string()));
 }
