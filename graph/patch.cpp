@@ -13,13 +13,6 @@ constexpr std::array<std::string_view, 12> kNames = {"ridge",      "valley",    
                                                      "y_junction", "crossing",   "blob",       "anchor"};
 }
 
-double norm(Point a) {
-  return std::hypot(a.x, a.y);
-}
-double distance(Point a, Point b) {
-  return norm(a - b);
-}
-
 std::string_view name(PatchType type) {
   return kNames[static_cast<std::size_t>(type)];
 }

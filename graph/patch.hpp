@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -23,9 +24,13 @@ inline double dot(Point a, Point b) {
   return a.x * b.x + a.y * b.y;
 }
 /// Returns the Euclidean length.
-double norm(Point a);
+inline double norm(Point a) {
+  return std::sqrt(dot(a, a));
+}
 /// Returns the Euclidean distance.
-double distance(Point a, Point b);
+inline double distance(Point a, Point b) {
+  return norm(a - b);
+}
 
 /// The type ℓ of a patch.
 enum class PatchType : std::uint8_t {

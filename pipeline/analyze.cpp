@@ -102,12 +102,22 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
   }
 }
 
+/// Returns as many frames as a calibration draws, from the middle of the clip.
+graph::SketchSequence middle_frames(const graph::SketchSequence& sketch) {
+  const std::size_t count = std::min<std::size_t>(sketch.frames.size(), kCalibrationFrames);
+  graph::SketchSequence middle{sketch.width, sketch.height, sketch.fps, {}};
+  for (std::size_t t = 0; t < count; ++t)
+    middle.append(sketch.frames[(sketch.frames.size() - count) / 2 + t]);
+  return middle;
+}
+
 /// Tells what the model's rates are to be corrected by when strokes are first drawn of it.
 std::optional<RateCorrection> rate_correction(const StartSketches& sketches, const AnalyzeOptions& options,
                                               const mcmc::FitResult& fitted, const core::Context& context) {
   if (options.calibrate.calibrate == 0) return std::nullopt;
   // Drawn clips are read without lasting patches, too.
-  const auto motion = graph::match(sketches.clip.sketch, options.match, context.with_progress({}));
+  const auto motion =
+      graph::match(middle_frames(sketches.clip.sketch), options.match, context.with_progress({}));
   const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
   if (source.patches <= 0 || fitted.model.exemplars.empty()) return std::nullopt;
   return RateCorrection{options.calibrate.calibrate,

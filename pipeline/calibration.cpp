@@ -18,7 +18,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kMostFrames = 150, kAtOnce = 8;
+constexpr int kAtOnce = 8;
 
 /// Multiplied by how many times too few were seen, as if one more had been in all.
 void correct(double& wanted, double source, double seen, double one, double step) {
@@ -51,7 +51,7 @@ std::vector<mcmc::EventStatistics> calibrate(mcmc::FitResult& fitted, const mcmc
   if (source.patches <= 0 || model.exemplars.empty()) return found;
   mcmc::EventStatistics wanted = fitted.observed, usual = source;
   reconcile_event_rates(wanted), reconcile_event_rates(usual);
-  const int frames = std::clamp(model.frames, 2, kMostFrames);
+  const int frames = std::clamp(model.frames, 2, kCalibrationFrames);
   const double one = 1.0 / frames;
   for (int round = 0; round < options.calibrate; ++round) {
     context.report("calibrate", double(round) / options.calibrate);

@@ -13,6 +13,9 @@
 
 namespace emberfold::pipeline {
 
+/// Most frames that are drawn in a round of a calibration, and looked at in the clip.
+inline constexpr int kCalibrationFrames = 150;
+
 /// Holds the settings of calibrate().
 struct CalibrateOptions {
   /// 0…20 rounds, made when strokes are first drawn from the model; 0: rates stay as they were learned.

@@ -2,6 +2,7 @@
 #include "apps/runs/run_folder.hpp"
 
 #include <filesystem>
+#include <fstream>
 #include <initializer_list>
 #include <system_error>
 
@@ -26,6 +27,18 @@ std::string hash(std::initializer_list<std::string> texts) {
   core::Fingerprint sum;
   for (const auto& text : texts) sum.add(text);
   return sum.text();
+}
+
+/// Returns whether the folder still holds all files that its summary lists; what cannot be read lists none.
+bool has_all_files(const fs::path& folder) {
+  std::ifstream in(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(in, nullptr, false);
+  if (!summary.is_object() || !summary.contains("files") || !summary["files"].is_object()) return true;
+  for (const auto& file : summary["files"].items()) {
+    std::error_code error;
+    if (!fs::exists(folder / file.key(), error)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -58,7 +71,7 @@ bool is_done(const std::string& folder, const std::string& key) {
   std::error_code error;
   return fs::exists(fs::path(folder) / "summary.json", error) &&
          fs::exists(fs::path(folder) / "report.html", error) &&
-         io::read_columns(whole_run(folder), key).has_value();
+         io::read_columns(whole_run(folder), key).has_value() && has_all_files(folder);
 }
 
 void note_done(const std::string& folder, const std::string& key) {

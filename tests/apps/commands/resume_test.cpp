@@ -80,6 +80,12 @@ TEST_CASE("a run that is done is not done again, and other options make what dep
   CHECK(told(first, "sketch"));
   CHECK_FALSE(told(second, "sketch"));
 
+  fs::remove(run / "strokes.csv");
+  fs::remove_all(run / "model");
+  CHECK(analyze({}).exit == 0);
+  CHECK(fs::exists(run / "strokes.csv"));
+  CHECK(fs::exists(run / "model/model.json"));
+
   const auto more = analyze({"--reconstruction"});
   CHECK(more.exit == 0);
   CHECK(fs::exists(run / "reconstruction.avi"));
