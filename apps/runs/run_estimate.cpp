@@ -15,15 +15,19 @@ namespace emberfold::apps {
 
 namespace {
 
-// What a stage takes, in units of the time of the first frame's sketch: of each frame, and of a model, which
-// is learned from clips drawn of it and some frames of the clip, whatever its length. Measured on clips of
-// 36,000 and 920,000 pixels (docs/benchmarks.md).
-constexpr double kSketch = 1.0;
-constexpr double kEvents = 0.7, kBottomUp = 0.35;
-constexpr double kPictures = 0.5;
-constexpr double kModel = 100;
-// MB: of the program, of each pixel of a frame, of each patch in each frame.
-constexpr double kProgramMb = 170, kPixelMb = 450e-6, kPatchMb = 1.6e-3;
+// Seconds on the machine on which they were measured, on clips of 230,000 to 920,000 pixels
+// (docs/benchmarks.md). Other machines are as much faster or slower in all as they are in sketching a frame.
+constexpr double kSketchPixel = 0.35e-6, kSketchPatch = 1.4e-4;  // of each frame, for each pixel and patch
+constexpr double kEventsPatch = 3e-4, kBottomUpPatch = 1.1e-4;
+constexpr double kPictures = 0.04, kPicturesPixel = 5e-8, kPicturesPatch = 7e-5;
+// Of a model, in sketched frames: it is learned from clips drawn of it and some frames of the clip, whatever
+// its length.
+constexpr double kModel = 140;
+// What a thread more is worth: two of a core share it.
+constexpr double kFurtherThread = 0.6;
+// MB of memory: of the program, of each pixel of a frame, of each patch in each frame; and of disk.
+constexpr double kProgramMb = 170, kPixelMb = 380e-6, kPatchMb = 5e-5;
+constexpr double kPatchDiskMb = 7e-4, kPatchTextMb = 8e-4;
 
 double processor_seconds() {
   timespec now{};
@@ -33,7 +37,7 @@ double processor_seconds() {
 
 }  // namespace
 
-std::optional<RunEstimate> estimate_run(core::FrameSource& source, const pipeline::AnalyzeOptions& options,
+std::optional<RunEstimate> estimate_run(core::FrameSource& source, const AnalyzeOptions& options,
                                         int threads) {
   const auto& info = source.info();
   if (!info.frames || *info.frames < 2 || options.sample || options.in_noise) return std::nullopt;
@@ -45,21 +49,25 @@ std::optional<RunEstimate> estimate_run(core::FrameSource& source, const pipelin
   const double began = processor_seconds();
   const auto graph = sketch::extract(levels, options.sketch);
   const double one = std::max(1e-4, processor_seconds() - began);
-  const double pixels = double(info.width) * info.height;
+  const double pixels = double(info.width) * info.height, patches = static_cast<double>(graph.size());
+  const double slowness = one / (kSketchPixel * pixels + kSketchPatch * patches);
   RunEstimate found;
   found.frames = static_cast<double>(*info.frames);
-  const auto stage = [&](const char* name, std::vector<std::string> reports, double sketches) {
-    found.stages.push_back({name, std::move(reports), sketches * one});
-    found.processor_seconds += found.stages.back().seconds;
+  const auto stage = [&](const char* name, std::vector<std::string> reports, double seconds) {
+    found.stages.push_back({name, std::move(reports), seconds});
+    found.processor_seconds += seconds;
   };
-  stage("sketch", {}, kSketch * found.frames);
-  stage("events", {"carry", "match", "events"}, (options.bottom_up ? kBottomUp : kEvents) * found.frames);
-  stage("model", {"fit", "balance", "synthesize", "render"}, kModel);
-  stage("pictures", {}, kPictures * found.frames);
+  stage("sketch", {}, one * found.frames);
+  stage("events", {"carry", "match", "events"},
+        slowness * found.frames * patches * (options.bottom_up ? kBottomUpPatch : kEventsPatch));
+  stage("model", {"fit", "balance", "synthesize", "render"}, kModel * one);
+  stage("pictures", {},
+        slowness * found.frames * (kPictures + kPicturesPixel * pixels + kPicturesPatch * patches));
   const double cores = std::max(1U, std::thread::hardware_concurrency());
-  found.seconds = found.processor_seconds / std::clamp(threads > 0 ? double(threads) : cores, 1., cores);
-  found.memory_mb = kProgramMb + kPixelMb * pixels * info.channels / 3 +
-                    kPatchMb * static_cast<double>(graph.size()) * found.frames;
+  const double used = std::clamp(threads > 0 ? double(threads) : cores, 1., cores);
+  found.seconds = found.processor_seconds / (1 + kFurtherThread * (used - 1));
+  found.memory_mb = kProgramMb + kPixelMb * pixels * info.channels / 3 + kPatchMb * patches * found.frames;
+  found.disk_mb = (kPatchDiskMb + (options.jsonl ? kPatchTextMb : 0)) * patches * found.frames;
   return found;
 }
 
@@ -68,7 +76,8 @@ std::string words_of(const RunEstimate& estimate, const core::ClipInfo& info) {
   const auto rounded = [](double value) { return core::number_text(core::round_significant(value, 2)); };
   std::string words = std::to_string(std::llround(estimate.frames)) + " frames of " +
                       core::size_text(info.width, info.height) + ": about " +
-                      duration_text(estimate.seconds) + " and " + rounded(estimate.memory_mb) + " MB";
+                      duration_text(estimate.seconds) + ", " + rounded(estimate.memory_mb) +
+                      " MB of memory and " + rounded(estimate.disk_mb) + " MB of disk";
   if (estimate.seconds > kLong && info.width > 400) {
     constexpr double kQuick = 320;  // px across: what most clips show is seen at this size
     words += "; --scale " + core::number_text(core::round_significant(kQuick / info.width, 1)) +

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "apps/cli/run_progress.hpp"
+#include "apps/commands/analysis.hpp"
 #include "core/clip.hpp"
-#include "pipeline/analyze.hpp"
 
 namespace emberfold::apps {
 
@@ -16,14 +16,16 @@ struct RunEstimate {
   double frames = 0;
   double processor_seconds = 0;
   double seconds = 0;  ///< with the threads that it may use
-  double memory_mb = 0;
+  double memory_mb =
+      0;  ///< that is its own; graphs lie in files, of which the system holds what it has room for
+  double disk_mb = 0;  ///< of its folder
   std::vector<PlannedStage> stages;
 };
 
 /// Sketches the clip's first frame, and tells from the time that takes, its size and its patches how long all
 /// of it will take; about, for frames differ. Nothing where the number of frames is not known. Rewinds the
 /// source. Cost: one sketched frame.
-std::optional<RunEstimate> estimate_run(core::FrameSource& source, const pipeline::AnalyzeOptions& options,
+std::optional<RunEstimate> estimate_run(core::FrameSource& source, const AnalyzeOptions& options,
                                         int threads);
 
 /// Returns the estimate in a line; where it is long, with what makes it shorter.

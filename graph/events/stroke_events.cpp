@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include <boost/pending/disjoint_sets.hpp>
 
@@ -53,6 +57,26 @@ std::vector<detail::ComponentPair> spanning_pairs(std::vector<detail::ComponentP
   }
   return kept;
 }
+
+/// Tells by frame which patches are there in the next frame, too, and which were in the one before. Beyond
+/// the clip's ends all are.
+struct PatchLives {
+  explicit PatchLives(const MotionGraph& motion) {
+    const auto& frames = motion.sketch.frames;
+    for (const AttributeGraph& frame : frames) {
+      goes_on.emplace_back(frame.size(), false);
+      was_there.emplace_back(frame.size(), false);
+    }
+    goes_on.back().assign(frames.back().size(), true);
+    was_there.front().assign(frames.front().size(), true);
+    for (std::size_t t = 1; t < frames.size(); ++t)
+      for (const Link& link : motion.links[t]) {
+        goes_on[t - 1][frames[t - 1].index_of(link.before)] = true;
+        was_there[t][frames[t].index_of(link.after)] = true;
+      }
+  }
+  std::vector<std::vector<bool>> goes_on, was_there;
+};
 
 /// For each component of one frame, the vertices that are linked with components of the other frame.
 using LinkedVertices = std::vector<std::vector<detail::PartVertex>>;
@@ -113,8 +137,30 @@ void add_births_or_deaths(const FrameParts& side, const std::vector<bool>& linke
   }
 }
 
+/// Leaves out the vertices whose partner in the other frame is there no longer than that, where others of
+/// their part stay: what fades between two strokes belongs to neither. `partners`: of the vertices of
+/// `linked`.
+void leave_out_fading(LinkedVertices& linked, const std::vector<std::vector<std::uint32_t>>& partners,
+                      const std::vector<bool>& stays) {
+  for (std::size_t part = 0; part < linked.size(); ++part) {
+    const auto& all = linked[part];
+    std::vector<detail::PartVertex> lasting;
+    std::vector<std::uint32_t> labels;  // that have lasting vertices
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (!stays[partners[part][k]]) continue;
+      lasting.push_back(all[k]);
+      labels.push_back(all[k].label);
+    }
+    std::ranges::sort(labels);
+    std::ranges::copy_if(all, std::back_inserter(lasting), [&](const detail::PartVertex& vertex) {
+      return !std::ranges::binary_search(labels, vertex.label);
+    });
+    linked[part] = std::move(lasting);
+  }
+}
+
 void add_frame_events(const FrameParts& before, const FrameParts& after, std::span<const Link> links,
-                      int frame, std::vector<TracedEvent>& events) {
+                      const PatchLives& lives, int frame, std::vector<TracedEvent>& events) {
   const detail::FrameLinks found = detail::index_links(*before.graph, *after.graph, links);
   const auto pairs = detail::component_pairs(*before.graph, *after.graph, before.parts, after.parts, found);
   std::vector<bool> goes_on(before.parts.count, false), was_there(after.parts.count, false);
@@ -127,6 +173,8 @@ void add_frame_events(const FrameParts& before, const FrameParts& after, std::sp
     return std::tie(a.before, a.after) < std::tie(b.before, b.after);
   });
   LinkedVertices of_before(before.parts.count), of_after(after.parts.count);
+  std::vector<std::vector<std::uint32_t>> partners_of_before(before.parts.count),
+      partners_of_after(after.parts.count);
   for (const auto& [i, j] : found.links) {
     const std::uint32_t a = before.parts.of_vertex[i], b = after.parts.of_vertex[j];
     const auto at = std::lower_bound(
@@ -135,7 +183,12 @@ void add_frame_events(const FrameParts& before, const FrameParts& after, std::sp
     if (at == kept.end() || at->before != a || at->after != b) continue;
     of_before[a].push_back({i, b, after.near_end[j]});
     of_after[b].push_back({j, a, before.near_end[i]});
+    partners_of_before[a].push_back(j);
+    partners_of_after[b].push_back(i);
   }
+  const auto t = static_cast<std::size_t>(frame);
+  leave_out_fading(of_before, partners_of_before, lives.goes_on[t]);
+  leave_out_fading(of_after, partners_of_after, lives.was_there[t - 1]);
   add_joint_events(before, after, of_before, Sense::backward, frame, events);
   add_joint_events(after, before, of_after, Sense::forward, frame, events);
 }
@@ -202,10 +255,11 @@ std::vector<TracedEvent> trace_stroke_events(const MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   std::vector<TracedEvent> events;
   if (frames.empty()) return events;
+  const PatchLives lives(motion);
   FrameParts before(frames[0]);
   for (std::size_t t = 1; t < frames.size(); ++t) {
     FrameParts after(frames[t]);
-    add_frame_events(before, after, motion.links[t], static_cast<int>(t), events);
+    add_frame_events(before, after, motion.links[t], lives, static_cast<int>(t), events);
     before = std::move(after);
   }
   for (TracedEvent& traced : events) correct_place(motion, traced.event);

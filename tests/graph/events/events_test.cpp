@@ -181,6 +181,28 @@ TEST_CASE("A bridge that leaves a stub at its foot is a bridge all the same", "[
              EventType::disconnect, {20, 30});
 }
 
+TEST_CASE("What fades between two strokes in one more frame belongs to neither", "[graph][events]") {
+  // A line of 25 patches; its patches 9 to 15 still hang on the right part in the frame of the separation,
+  // and are gone in the next.
+  const test::Frame whole = lines({test::segment({0, 0}, {120, 0}, 25)});
+  const test::Frame hanging =
+      lines({test::segment({0, 0}, {40, 0}, 9), test::segment({45, 0}, {120, 0}, 16)});
+  const test::Frame gone = lines({test::segment({0, 0}, {40, 0}, 9), test::segment({80, 0}, {120, 0}, 9)});
+  const Pairs on = straight(0, 25), off = straight(0, 9) + straight(16, 9, -7U);
+  const auto place_of = [](const std::vector<graph::AttributeGraph>& frames,
+                           const std::vector<Pairs>& links) {
+    const auto events = graph::stroke_events(graph::identify(test::motion(frames, links)));
+    REQUIRE(events.size() == 1);
+    return events[0].position.x;
+  };
+  CHECK_THAT(place_of({whole.graph(), hanging.graph(), gone.graph()}, {on, off}), WithinAbs(60, 1e-9));
+  CHECK_THAT(place_of({gone.graph(), hanging.graph(), whole.graph()}, {mirrored(off), mirrored(on)}),
+             WithinAbs(60, 1e-9));
+  // Of what stays, and where the clip ends there, nothing is known to fade.
+  CHECK_THAT(place_of({whole.graph(), hanging.graph(), hanging.graph()}, {on, on}), WithinAbs(42.5, 1e-9));
+  CHECK_THAT(place_of({whole.graph(), hanging.graph()}, {on}), WithinAbs(42.5, 1e-9));
+}
+
 TEST_CASE("Growing, branching, and closing a loop are no events", "[graph][events]") {
   const test::Frame line = lines({test::segment({0, 0}, {40, 0}, 9)});
   const test::Frame longer = lines({test::segment({0, 0}, {60, 0}, 13)});

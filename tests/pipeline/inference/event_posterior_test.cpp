@@ -281,6 +281,29 @@ TEST_CASE("What comes and goes in the sketches as they are is believed less", "[
   CHECK(probability_with(flickers) < probability_with(motion));
 }
 
+TEST_CASE("Opposite events that most readings have count, in one frame as one frame apart", "[posterior]") {
+  const core::Clip clip =
+      film([](Point p, int) { return 80 + line(p, 40, 15, 105) + line(p, 110, 15, 105); }, 0);
+  const graph::MotionGraph motion = matched(clip);
+  const auto nearest_opposites = [&](const graph::MotionGraph& steadied) {
+    core::ClipSource source(clip);
+    std::vector<double> result;
+    for (const auto& [event, evidence] : pipeline::weigh_events(source, {{steadied, steadied}, {motion}}))
+      result.push_back(std::min(evidence.since, evidence.until));
+    return result;
+  };
+  const auto gone = matched_without(
+      motion, [](int t, const graph::Patch& patch) { return patch.position.x > 75 && (t == 14 || t == 15); },
+      0);
+  CHECK(nearest_opposites(gone) == std::vector<double>{2, 2});
+  graph::MotionGraph unlinked = motion;
+  std::erase_if(unlinked.links[14], [&](const graph::Link& link) {
+    const graph::AttributeGraph& after = unlinked.sketch.frames[14];
+    return after.patch(static_cast<std::uint32_t>(after.index_of(link.after))).position.x > 75;
+  });
+  CHECK(nearest_opposites(graph::identify(std::move(unlinked))) == std::vector<double>{1, 1});
+}
+
 TEST_CASE("Readings of a clip are the same, reversed, for the clip played backwards", "[posterior]") {
   const core::Clip clip = film(
       [](Point p, int t) {
