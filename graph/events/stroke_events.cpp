@@ -9,6 +9,7 @@
 #include <boost/pending/disjoint_sets.hpp>
 
 #include "graph/events/events.hpp"
+#include "graph/events/fading.hpp"
 #include "graph/events/joints.hpp"
 #include "graph/matching/frame_links.hpp"
 
@@ -57,26 +58,6 @@ std::vector<detail::ComponentPair> spanning_pairs(std::vector<detail::ComponentP
   }
   return kept;
 }
-
-/// Tells by frame which patches are there in the next frame, too, and which were in the one before. Beyond
-/// the clip's ends all are.
-struct PatchLives {
-  explicit PatchLives(const MotionGraph& motion) {
-    const auto& frames = motion.sketch.frames;
-    for (const AttributeGraph& frame : frames) {
-      goes_on.emplace_back(frame.size(), false);
-      was_there.emplace_back(frame.size(), false);
-    }
-    goes_on.back().assign(frames.back().size(), true);
-    was_there.front().assign(frames.front().size(), true);
-    for (std::size_t t = 1; t < frames.size(); ++t)
-      for (const Link& link : motion.links[t]) {
-        goes_on[t - 1][frames[t - 1].index_of(link.before)] = true;
-        was_there[t][frames[t].index_of(link.after)] = true;
-      }
-  }
-  std::vector<std::vector<bool>> goes_on, was_there;
-};
 
 /// For each component of one frame, the vertices that are linked with components of the other frame.
 using LinkedVertices = std::vector<std::vector<detail::PartVertex>>;
@@ -159,9 +140,10 @@ void leave_out_fading(LinkedVertices& linked, const std::vector<std::vector<std:
   }
 }
 
-void add_frame_events(const FrameParts& before, const FrameParts& after, std::span<const Link> links,
-                      const PatchLives& lives, int frame, std::vector<TracedEvent>& events) {
-  const detail::FrameLinks found = detail::index_links(*before.graph, *after.graph, links);
+void add_frame_events(const FrameParts& before, const FrameParts& after, const MotionGraph& motion, int frame,
+                      std::vector<TracedEvent>& events) {
+  const auto t = static_cast<std::size_t>(frame);
+  const detail::FrameLinks found = detail::index_links(*before.graph, *after.graph, motion.links[t]);
   const auto pairs = detail::component_pairs(*before.graph, *after.graph, before.parts, after.parts, found);
   std::vector<bool> goes_on(before.parts.count, false), was_there(after.parts.count, false);
   for (const auto& pair : pairs) goes_on[pair.before] = was_there[pair.after] = true;
@@ -172,6 +154,11 @@ void add_frame_events(const FrameParts& before, const FrameParts& after, std::sp
   std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) {
     return std::tie(a.before, a.after) < std::tie(b.before, b.after);
   });
+  const auto was_there_before = detail::staying_patches(motion, t - 1, false),
+             goes_on_after = detail::staying_patches(motion, t, true);
+  auto ends_before = before.near_end, ends_after = after.near_end;
+  detail::mark_fading_ends(*before.graph, was_there_before, ends_before);
+  detail::mark_fading_ends(*after.graph, goes_on_after, ends_after);
   LinkedVertices of_before(before.parts.count), of_after(after.parts.count);
   std::vector<std::vector<std::uint32_t>> partners_of_before(before.parts.count),
       partners_of_after(after.parts.count);
@@ -181,14 +168,13 @@ void add_frame_events(const FrameParts& before, const FrameParts& after, std::sp
         kept.begin(), kept.end(), std::tie(a, b),
         [](const auto& pair, const auto& key) { return std::tie(pair.before, pair.after) < key; });
     if (at == kept.end() || at->before != a || at->after != b) continue;
-    of_before[a].push_back({i, b, after.near_end[j]});
-    of_after[b].push_back({j, a, before.near_end[i]});
+    of_before[a].push_back({i, b, ends_after[j]});
+    of_after[b].push_back({j, a, ends_before[i]});
     partners_of_before[a].push_back(j);
     partners_of_after[b].push_back(i);
   }
-  const auto t = static_cast<std::size_t>(frame);
-  leave_out_fading(of_before, partners_of_before, lives.goes_on[t]);
-  leave_out_fading(of_after, partners_of_after, lives.was_there[t - 1]);
+  leave_out_fading(of_before, partners_of_before, goes_on_after);
+  leave_out_fading(of_after, partners_of_after, was_there_before);
   add_joint_events(before, after, of_before, Sense::backward, frame, events);
   add_joint_events(after, before, of_after, Sense::forward, frame, events);
 }
@@ -255,11 +241,10 @@ std::vector<TracedEvent> trace_stroke_events(const MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   std::vector<TracedEvent> events;
   if (frames.empty()) return events;
-  const PatchLives lives(motion);
   FrameParts before(frames[0]);
   for (std::size_t t = 1; t < frames.size(); ++t) {
     FrameParts after(frames[t]);
-    add_frame_events(before, after, motion.links[t], lives, static_cast<int>(t), events);
+    add_frame_events(before, after, motion, static_cast<int>(t), events);
     before = std::move(after);
   }
   for (TracedEvent& traced : events) correct_place(motion, traced.event);
