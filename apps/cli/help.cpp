@@ -298,7 +298,7 @@ void add_help(CLI::App& app, CommandLine& line) {
 std::string usage_message(const CLI::App& app, const CommandLine& line, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what();
   const CLI::App& where = named_command(app);
-  if (const std::string told = swallowed_option(where); !told.empty()) return told;
+  if (std::string told = swallowed_option(where); !told.empty()) return told;
   const auto extras = where.remaining(true);
   const std::string word = extras.empty() ? "" : extras.front();
   if (word.starts_with("-")) return unknown_option(where, line, word);

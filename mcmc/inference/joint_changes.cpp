@@ -65,8 +65,7 @@ Field make_field(std::span<const double> probabilities, std::span<const ChangePa
   }
   for (Node& node : field.nodes) {
     std::ranges::sort(node.excludes);
-    const auto same = std::ranges::unique(node.excludes);
-    node.excludes.erase(same.begin(), same.end());
+    node.excludes.erase(std::unique(node.excludes.begin(), node.excludes.end()), node.excludes.end());
   }
   return field;
 }
