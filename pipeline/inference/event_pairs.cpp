@@ -2,7 +2,7 @@
 #include "pipeline/inference/event_pairs.hpp"
 
 #include <algorithm>
-#include <cstdlib>
+#include <numeric>
 #include <tuple>
 
 #include "graph/events/event_family.hpp"
@@ -23,7 +23,7 @@ constexpr double kRivalPlace = 20;  // px
 template <class Visit>
 void each_pair(std::span<const graph::Event> events, int frames, const Visit& visit) {
   std::vector<std::size_t> order(events.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return events[k].frame; });
   for (std::size_t i = 0; i < order.size(); ++i)
     for (std::size_t j = i + 1; j < order.size(); ++j) {
