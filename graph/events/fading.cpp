@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/events/fading.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace emberfold::graph::detail {
@@ -9,9 +10,15 @@ std::vector<bool> staying_patches(const MotionGraph& motion, std::size_t frame, 
   const AttributeGraph& graph = motion.sketch.frames[frame];
   if (ahead ? frame + 1 == motion.sketch.frames.size() : frame == 0)
     return std::vector<bool>(graph.size(), true);
-  std::vector<bool> stays(graph.size(), false);
+  std::vector<bool> is_linked(graph.size(), false);
   for (const Link& link : motion.links[ahead ? frame + 1 : frame])
-    stays[graph.index_of(ahead ? link.before : link.after)] = true;
+    is_linked[graph.index_of(ahead ? link.before : link.after)] = true;
+  std::vector<bool> stays(graph.size());
+  for (std::uint32_t v = 0; v < graph.size(); ++v) {
+    const auto near = graph.neighbours(v);
+    stays[v] = is_linked[v] ||
+               (!near.empty() && std::ranges::all_of(near, [&](std::uint32_t w) { return is_linked[w]; }));
+  }
   return stays;
 }
 

@@ -9,7 +9,8 @@
 namespace emberfold::graph::detail {
 
 /// Returns which patches of a frame are there in the next one, too (`ahead`), or were in the one before.
-/// Beyond the clip's ends all are.
+/// Beyond the clip's ends all are, and so is one alone among patches that are: where a curve is cut into
+/// patches anew their number varies by one.
 std::vector<bool> staying_patches(const MotionGraph& motion, std::size_t frame, bool ahead);
 
 /// Marks, too, the patches that stay and from which patches that do not lead to an end of a curve: there a

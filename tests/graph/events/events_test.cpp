@@ -199,6 +199,11 @@ TEST_CASE("What fades between two strokes in one more frame belongs to neither",
   CHECK_THAT(place_of({whole.graph(), hanging.graph(), gone.graph()}, {on, off}), WithinAbs(60, 1e-9));
   CHECK_THAT(place_of({gone.graph(), hanging.graph(), whole.graph()}, {mirrored(off), mirrored(on)}),
              WithinAbs(60, 1e-9));
+  // One patch alone does not fade: the curve was cut anew.
+  const test::Frame recut = lines({test::segment({0, 0}, {40, 0}, 9), test::segment({50, 0}, {120, 0}, 15)});
+  const Pairs without_one = straight(0, 9) + straight(10, 15, -1U);
+  CHECK_THAT(place_of({whole.graph(), hanging.graph(), recut.graph()}, {on, without_one}),
+             WithinAbs(42.5, 1e-9));
   // Of what stays, and where the clip ends there, nothing is known to fade.
   CHECK_THAT(place_of({whole.graph(), hanging.graph(), hanging.graph()}, {on, on}), WithinAbs(42.5, 1e-9));
   CHECK_THAT(place_of({whole.graph(), hanging.graph()}, {on}), WithinAbs(42.5, 1e-9));
