@@ -10,6 +10,7 @@
 #include "core/io/files.hpp"
 #include "core/io/mask_file.hpp"
 #include "core/io/require_apart.hpp"
+#include "dytex/model/layers.hpp"
 
 namespace emberfold::apps {
 
@@ -26,7 +27,7 @@ cv::Mat read_page_mask(const std::string& path, const core::ClipInfo& info) {
   if (path.empty()) return {};
   cv::Mat mask = io::read_mask(path);
   try {
-    check_page_mask(mask, info);
+    dytex::check_mask(mask, info);
   } catch (const core::InputError& error) {
     throw Misuse("--mask: " + path + ": " + error.what());
   }

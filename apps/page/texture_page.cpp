@@ -18,7 +18,6 @@
 #include "apps/report/report.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "core/text/size_text.hpp"
 #include "dytex/editing/edit.hpp"
 #include "dytex/editing/edit_dynamics.hpp"
 #include "dytex/editing/edit_groups.hpp"
@@ -234,7 +233,7 @@ void measure_rounding(const LinearDynamicTexture& texture, const std::vector<flo
 // A mask in 8 bits; what is not 0 stays inside.
 std::string mask_element(const cv::Mat& mask, const core::ClipInfo& info) {
   if (mask.empty()) return "";
-  check_page_mask(mask, info);
+  dytex::check_mask(mask, info);
   cv::Mat bytes;
   dytex::layer_opacity(mask, 0).convertTo(bytes, CV_8U, 255);
   bytes.setTo(1, (mask != 0) & (bytes == 0));
@@ -243,15 +242,6 @@ std::string mask_element(const cv::Mat& mask, const core::ClipInfo& info) {
 }
 
 }  // namespace
-
-void check_page_mask(const cv::Mat& mask, const core::ClipInfo& info) {
-  if (mask.channels() != 1)
-    throw core::InputError("mask has " + std::to_string(mask.channels()) + " channels, must have 1");
-  if (mask.cols != info.width || mask.rows != info.height)
-    throw core::InputError("mask is " + core::size_text(mask.size()) + ", must be as the frames are, " +
-                           core::size_text(info.width, info.height));
-  if (cv::countNonZero(mask) == 0) throw core::InputError("mask is 0 everywhere, must hold some pixels");
-}
 
 TexturePage make_texture_page(const TexturePageInput& input) {
   const LinearDynamicTexture& texture = *input.texture;

@@ -29,12 +29,9 @@ struct TexturePage {
   double largest_error = 0;  ///< levels, of some training frames' values
 };
 
-/// Throws InputError unless a mask has one channel and the size of the frames, and holds some pixels.
-void check_page_mask(const cv::Mat& mask, const core::ClipInfo& info);
-
 /// Makes a self-contained page that runs the texture live in a browser. Mean and components are images of
 /// whole numbers whose steps follow from their amplitudes (0.2 levels RMS of a frame), all else is in
-/// doubles. Throws InputError where the texture is not valid or too large, and as check_page_mask;
+/// doubles. Throws InputError where the texture is not valid or too large, and as dytex::check_mask;
 /// NumericalError as dytex::edit.
 TexturePage make_texture_page(const TexturePageInput& input);
 

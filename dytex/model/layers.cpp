@@ -10,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/text/check_range.hpp"
+#include "core/text/size_text.hpp"
 
 namespace emberfold::dytex {
 
@@ -18,20 +19,10 @@ namespace {
 constexpr double kWhite8 = 255, kWhite16 = 65535;  // a mask's largest values
 constexpr double kMostFeather = 1e4;               // px; beyond every frame's side
 
-std::string size_text(const cv::Mat& image) {
-  return std::to_string(image.cols) + " × " + std::to_string(image.rows);
-}
-
 /// 255 inside, 0 outside.
 cv::Mat inside_of(const cv::Mat& mask, const core::ClipInfo& info) {
-  if (mask.channels() != 1)
-    throw core::InputError("mask has " + std::to_string(mask.channels()) + " channels, must have 1");
-  if (mask.cols != info.width || mask.rows != info.height)
-    throw core::InputError("mask is " + size_text(mask) + ", must be as the frames are, " +
-                           std::to_string(info.width) + " × " + std::to_string(info.height));
-  cv::Mat inside = mask != 0;
-  if (cv::countNonZero(inside) == 0) throw core::InputError("mask is 0 everywhere, must hold some pixels");
-  return inside;
+  check_mask(mask, info);
+  return mask != 0;
 }
 
 double white_of(const cv::Mat& mask) {
@@ -43,6 +34,15 @@ double white_of(const cv::Mat& mask) {
 }
 
 }  // namespace
+
+void check_mask(const cv::Mat& mask, const core::ClipInfo& info) {
+  if (mask.channels() != 1)
+    throw core::InputError("mask has " + std::to_string(mask.channels()) + " channels, must have 1");
+  if (mask.cols != info.width || mask.rows != info.height)
+    throw core::InputError("mask is " + core::size_text(mask.size()) + ", must be as the frames are, " +
+                           core::size_text(info.width, info.height));
+  if (cv::countNonZero(mask) == 0) throw core::InputError("mask is 0 everywhere, must hold some pixels");
+}
 
 cv::Mat layer_opacity(const cv::Mat& mask, double feather) {
   const double white = white_of(mask);
@@ -106,13 +106,14 @@ cv::Mat moving_region(const LinearDynamicTexture& texture) {
 
 void put_layer(cv::Mat& frame, const cv::Mat& layer, const cv::Mat& opacity) {
   if (frame.depth() != CV_8U || frame.type() != layer.type() || frame.size() != layer.size())
-    throw core::InputError("layer is " + size_text(layer) + " of OpenCV's type " +
-                           std::to_string(layer.type()) + ", the frame " + size_text(frame) + " of type " +
-                           std::to_string(frame.type()) + "; both must have 8 bits and be alike");
+    throw core::InputError("layer is " + core::size_text(layer.size()) + " of OpenCV's type " +
+                           std::to_string(layer.type()) + ", the frame " + core::size_text(frame.size()) +
+                           " of type " + std::to_string(frame.type()) +
+                           "; both must have 8 bits and be alike");
   if (opacity.type() != CV_32FC1 || opacity.size() != frame.size())
-    throw core::InputError("opacity is " + size_text(opacity) + " of OpenCV's type " +
-                           std::to_string(opacity.type()) + ", must be " + size_text(frame) + " of type " +
-                           std::to_string(CV_32FC1));
+    throw core::InputError("opacity is " + core::size_text(opacity.size()) + " of OpenCV's type " +
+                           std::to_string(opacity.type()) + ", must be " + core::size_text(frame.size()) +
+                           " of type " + std::to_string(CV_32FC1));
   const int channels = frame.channels();
   for (int y = 0; y < frame.rows; ++y) {
     auto* to = frame.ptr<std::uint8_t>(y);

@@ -10,6 +10,9 @@
 /// learned from the clip with all else held still, edited as any model is, and put back onto the clip.
 namespace emberfold::dytex {
 
+/// Throws InputError unless the mask has one channel, the frames' size and a pixel that is not 0.
+void check_mask(const cv::Mat& mask, const core::ClipInfo& info);
+
 /// Returns a layer's opacity, 0 … 1, CV_32F: mask / its type's largest value, feathered at the mask's edge.
 /// It rises from 0 at the edge to its whole value `feather` px inside, smoothly (3 s² − 2 s³). The picture's
 /// border is no edge. `mask`: CV_8U, CV_16U or CV_32F (0 … 1), one channel; feather 0 … 10⁴ px; else
@@ -20,8 +23,7 @@ cv::Mat layer_opacity(const cv::Mat& mask, double feather);
 /// learned. Inside is where the mask is not 0.
 class RegionSource final : public core::FrameSource {
  public:
-  /// `source` must outlive it and is rewound. InputError where the mask has another size than the frames or
-  /// more than one channel, or is 0 everywhere.
+  /// `source` must outlive it and is rewound. InputError as check_mask().
   RegionSource(core::FrameSource& source, const cv::Mat& mask);
   [[nodiscard]] const core::ClipInfo& info() const override { return source_.info(); }
   cv::Mat next() override;

@@ -12,6 +12,7 @@
 #include "apps/page/texture_page.hpp"
 #include "core/error.hpp"
 #include "dytex/editing/edit.hpp"
+#include "dytex/model/layers.hpp"
 #include "tests/apps/commands/command_check.hpp"
 #include "tests/support/messages.hpp"
 
@@ -266,7 +267,7 @@ TEST_CASE("a page carries a mask in 8 bits, and none where there is none") {
       CHECK(bytes[p] == std::array{0, 0, 1, 51, 255, 0, 0, 0}[p % 8]);
   }
   const auto refusal = [&](const cv::Mat& mask) {
-    return message_of<core::InputError>([&] { check_page_mask(mask, texture.info); });
+    return message_of<core::InputError>([&] { dytex::check_mask(mask, texture.info); });
   };
   CHECK(contains(refusal(cv::Mat(6, 8, CV_8UC3, cv::Scalar::all(9))), "3 channels"));
   CHECK(contains(refusal(cv::Mat(8, 6, CV_8U, cv::Scalar(9))), "6x8"));

@@ -116,7 +116,7 @@ TEST_CASE("Masks of layers that do not fit are refused", "[dytex][layers]") {
   core::ClipSource source(clip);
   const auto refused = [](const auto& call) { return test::message_of<core::InputError>(call); };
   CHECK(refused([&] { dytex::RegionSource(source, cv::Mat(10, 21, CV_8U, cv::Scalar(1))); }) ==
-        "mask is 21 × 10, must be as the frames are, 20 × 10");
+        "mask is 21x10, must be as the frames are, 20x10");
   CHECK(refused([&] { dytex::RegionSource(source, cv::Mat::zeros(10, 20, CV_8U)); }) ==
         "mask is 0 everywhere, must hold some pixels");
   CHECK(refused([&] { dytex::RegionSource(source, cv::Mat::zeros(10, 20, CV_8UC3)); }) ==
