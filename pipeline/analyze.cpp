@@ -62,12 +62,17 @@ std::vector<graph::Event> find_events(core::FrameSource& source, const StartSket
   clock.begin("events");
   core::return_freed_memory();
   const bool of_curves = options.curve_events;
+  const auto of_topology = [&](std::vector<graph::Event> events) {
+    if (of_curves)
+      std::erase_if(events, [&](const auto& event) { return graph::changes_names_alone(motion, event); });
+    return events;
+  };
   auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
-  if (options.bottom_up) return graph::stroke_events(read);
+  if (options.bottom_up) return of_topology(graph::stroke_events(read));
   auto readings = match_readings(sketches.clip.sketch, std::move(read), options.match, of_curves, context);
   for (const graph::SketchSequence& copy : sketches.perturbed)
     add_reading_in_noise(readings, copy, options.match, of_curves, context);
-  return event_posterior(source, readings, context);
+  return of_topology(event_posterior(source, readings, context));
 }
 
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.
