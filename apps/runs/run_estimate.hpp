@@ -22,9 +22,9 @@ struct RunEstimate {
   std::vector<PlannedStage> stages;
 };
 
-/// Sketches the clip's first frame, and tells from the time that takes, its size and its patches how long all
-/// of it will take; about, for frames differ. Nothing where the number of frames is not known. Rewinds the
-/// source. Cost: one sketched frame.
+/// Sketches two frames of the clip, of its first 200, and tells from the time that takes, their size and
+/// their patches how long all of it will take; about, for frames differ. Nothing where the number of frames
+/// is not known. Rewinds the source. Cost: two sketched frames, and up to 150 read.
 std::optional<RunEstimate> estimate_run(core::FrameSource& source, const AnalyzeOptions& options,
                                         int threads);
 
