@@ -14,20 +14,23 @@ namespace emberfold::pipeline {
 
 namespace {
 
+constexpr float kFaint = 0.75, kOpaque = 1;  // times what a patch is fitted by, its contrast
 constexpr float kDark = 16;  // grey levels, added where gains are taken: black has no colour to be scaled
 
 /// What brings pixels to the levels that lie beside a patch: brighter ones are scaled down, so that none
 /// becomes negative and tints, darker ones are raised, so that none is blown up.
 struct Fit {
   std::array<float, 3> gain{1, 1, 1}, added{};
+  std::array<float, 3> seen{};  // levels beside the patch where it was seen
 };
 
 /// What the patches about a pixel say of it.
 struct PixelSource {
-  float share = 0;     // of the carried pixel
-  float weight = 0;    // of the sums
-  Fit fit{{}, {}};     // sums
-  float x = 0, y = 0;  // sums of where it lies in its frame, less its own place
+  float share = 0;      // of the carried pixel
+  float weight = 0;     // of the sums
+  Fit fit{{}, {}, {}};  // sums
+  float opacity = 0;    // sum of those for a grey level of difference from what lay beside it
+  float x = 0, y = 0;   // sums of where it lies in its frame, less its own place
 };
 
 /// Mean levels of 5×5 pixels about a place, of those within the frame.
@@ -49,7 +52,36 @@ std::array<float, 3> mean_levels(const cv::Mat& frame, graph::Point at) {
 struct Sides {
   Fit left, right;
   double across = 1;
+  float opacity = 0;  // of a patch's pixels, for a grey level of difference from what lies beside it
 };
+
+/// Bilinear levels at a place, of the nearest pixel beyond the border.
+template <int Channels>
+std::array<float, Channels> levels_at(const cv::Mat& frame, float x, float y) {
+  const core::BilinearPlace place(x, y, frame.size());
+  const auto *upper = frame.ptr<std::uint8_t>(place.top), *lower = frame.ptr<std::uint8_t>(place.bottom);
+  std::array<float, Channels> levels{};
+  for (int c = 0; c < Channels; ++c)
+    levels[static_cast<std::size_t>(c)] = place.between(
+        upper, lower,
+        [&](const std::uint8_t* row, int column) { return static_cast<float>(row[Channels * column + c]); });
+  return levels;
+}
+
+/// Returns the opacity of a patch's pixels for a grey level of difference from what lies beside it. A patch
+/// that differs much more from that than it is to be fitted by covers what lies below it: in its middle it
+/// has a colour of its own, which the ground's must not tint. Fainter ones are seen through: 0.
+float opacity_of(const CarriedPatch& patch, const Sides& sides, float lacking, const cv::Mat& source) {
+  const auto x = static_cast<float>(patch.from.x), y = static_cast<float>(patch.from.y);
+  const auto channels = static_cast<std::size_t>(source.channels());
+  std::array<float, 3> middle{levels_at<1>(source, x, y)[0]};
+  if (channels == 3) middle = levels_at<3>(source, x, y);
+  float contrast = 0;
+  for (std::size_t c = 0; c < channels; ++c)
+    contrast = std::max(contrast, std::abs(middle[c] - (sides.left.seen[c] + sides.right.seen[c]) / 2));
+  const float times = contrast / std::max(1.F, lacking);
+  return times > kFaint ? std::min(1.F, (times - kFaint) / (kOpaque - kFaint)) / contrast : 0;
+}
 
 Sides fit_sides(const CarriedStroke& stroke, const CarriedPatch& patch, const cv::Mat& frame,
                 const cv::Mat& source) {
@@ -57,20 +89,28 @@ Sides fit_sides(const CarriedStroke& stroke, const CarriedPatch& patch, const cv
   if (stroke.fit <= 0) return sides;
   sides.across = patch.reach + stroke.feather / 2;
   const auto most = static_cast<float>(stroke.fit);
+  float largest = 0;
   const auto fit = [&](double side) {
     const double there = patch.theta + patch.turn;
     const graph::Point to{-std::sin(patch.theta) * side, std::cos(patch.theta) * side},
         from{-std::sin(there) * side, std::cos(there) * side};
     const auto levels = mean_levels(frame, patch.to + to), seen = mean_levels(source, patch.from + from);
     Fit found;
+    found.seen = seen;
+    float asked = 0;
+    for (std::size_t c = 0; c < 3; ++c) asked = std::max(asked, std::abs(levels[c] - seen[c]));
+    largest = std::max(largest, std::min(asked, most));
+    // All channels by one share: what is fitted in part has a colour between the two.
+    const float share = asked > most ? most / asked : 1;
     for (std::size_t c = 0; c < 3; ++c) {
-      const float lacking = std::clamp(levels[c] - seen[c], -most, most);
+      const float lacking = share * (levels[c] - seen[c]);
       found.gain[c] = (seen[c] + std::min(0.F, lacking) + kDark) / (seen[c] + kDark);
       found.added[c] = std::max(0.F, lacking);
     }
     return found;
   };
   sides.left = fit(-sides.across), sides.right = fit(sides.across);
+  if (!stroke.hides) sides.opacity = opacity_of(patch, sides, largest, source);
   return sides;
 }
 
@@ -130,7 +170,9 @@ class Window {
           };
           pixel.fit.gain[k] += between(sides.left.gain, sides.right.gain);
           pixel.fit.added[k] += between(sides.left.added, sides.right.added);
+          pixel.fit.seen[k] += between(sides.left.seen, sides.right.seen);
         }
+        pixel.opacity += static_cast<float>(weight) * sides.opacity;
         pixel.x += static_cast<float>(weight * (patch.from.x - patch.to.x + (c - 1) * dx - s * dy));
         pixel.y += static_cast<float>(weight * (patch.from.y - patch.to.y + s * dx + (c - 1) * dy));
       }
@@ -141,19 +183,6 @@ class Window {
   cv::Rect area_;
   std::vector<PixelSource> pixels_;
 };
-
-/// Bilinear levels at a place, of the nearest pixel beyond the border.
-template <int Channels>
-std::array<float, Channels> levels_at(const cv::Mat& frame, float x, float y) {
-  const core::BilinearPlace place(x, y, frame.size());
-  const auto *upper = frame.ptr<std::uint8_t>(place.top), *lower = frame.ptr<std::uint8_t>(place.bottom);
-  std::array<float, Channels> levels{};
-  for (int c = 0; c < Channels; ++c)
-    levels[static_cast<std::size_t>(c)] = place.between(
-        upper, lower,
-        [&](const std::uint8_t* row, int column) { return static_cast<float>(row[Channels * column + c]); });
-  return levels;
-}
 
 template <int Channels>
 void draw(cv::Mat& frame, const cv::Mat& source, const Window& window, float opacity) {
@@ -167,13 +196,18 @@ void draw(cv::Mat& frame, const cv::Mat& source, const Window& window, float opa
       if (share <= 0) continue;
       const auto levels = levels_at<Channels>(source, static_cast<float>(x) + pixel.x / pixel.weight,
                                               static_cast<float>(y) + pixel.y / pixel.weight);
+      float difference = 0;
+      for (std::size_t k = 0; k < Channels; ++k)
+        difference = std::max(difference, std::abs(levels[k] - pixel.fit.seen[k] / pixel.weight));
+      const float own = std::min(1.F, difference * pixel.opacity / pixel.weight);
       for (int c = 0; c < Channels; ++c) {
         auto& level = row[Channels * x + c];
         const auto before = static_cast<float>(level);
         const auto k = static_cast<std::size_t>(c);
         const float fitted =
             ((levels[k] + kDark) * pixel.fit.gain[k] + pixel.fit.added[k]) / pixel.weight - kDark;
-        level = cv::saturate_cast<std::uint8_t>(before + share * (fitted - before));
+        const float shown = fitted + own * (levels[k] - fitted);
+        level = cv::saturate_cast<std::uint8_t>(before + share * (shown - before));
       }
     }
   }

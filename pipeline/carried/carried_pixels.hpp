@@ -37,7 +37,8 @@ double carried_reach(const graph::Patch& patch);
 /// Draws the pixels of a stroke into a frame, CV_8U with 1 or 3 channels: about every patch those about where
 /// it was seen, between patches those between. On either side of its curve
 /// they are brought to the levels that lie there in the frame, linearly across it: the membrane of
-/// gradient-domain blending (Pérez, Gangnet & Blake 2003) along a strip. O(pixels about its patches).
+/// gradient-domain blending (Pérez, Gangnet & Blake 2003) along a strip. Where it differs by far more from
+/// what lay beside it than that is changed by, its own levels stay. O(pixels about its patches).
 void draw_carried(cv::Mat& frame, const std::vector<cv::Mat>& footage, const CarriedStroke& stroke);
 
 }  // namespace emberfold::pipeline

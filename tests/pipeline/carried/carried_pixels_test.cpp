@@ -98,3 +98,29 @@ TEST_CASE("carried pixels: fitted, they take the levels beside the stroke and ke
   pipeline::draw_carried(frame, {dark}, stroke);
   CHECK(std::abs(frame.at<std::uint8_t>(29, 28) - (seen < 100 ? seen + 30 : seen - 30)) <= 2);
 }
+
+TEST_CASE("carried pixels: what covers its ground keeps its colour on another one") {
+  // A bright flame before a red glow, carried into the dark: there is dark beside it, and it is not tinted.
+  const cv::Vec3b glow(20, 40, 150), flame(150, 230, 255), dark(8, 8, 10);
+  cv::Mat3b seen(60, 60, glow), frame(60, 60, dark);
+  for (int y = 28; y <= 32; ++y) seen.row(y).setTo(flame);
+  CarriedStroke stroke{0, 1, 255, 6, {}};
+  for (int i = 0; i < 5; ++i) stroke.patches.push_back({{20.0 + 4 * i, 30}, {20.0 + 4 * i, 30}, 0, 0, 4});
+  for (const bool hides : {false, true}) {
+    stroke.hides = hides;
+    cv::Mat drawn = frame.clone();
+    pipeline::draw_carried(drawn, {seen}, stroke);
+    CHECK(cv::norm(drawn.at<cv::Vec3b>(25, 28), dark, cv::NORM_INF) <= 2);
+    // what hides is ground, and all of it is fitted
+    CHECK((cv::norm(drawn.at<cv::Vec3b>(30, 28), flame, cv::NORM_INF) <= 2) == !hides);
+  }
+}
+
+TEST_CASE("carried pixels: fitted in part, a ground has a colour between the two") {
+  const cv::Vec3b white(250, 250, 250), orange(50, 150, 240);
+  cv::Mat frame = cv::Mat3b(60, 60, orange);
+  CarriedStroke stroke{0, 1, 100, 6, {}};  // half of the largest difference
+  for (int i = 0; i < 5; ++i) stroke.patches.push_back({{20.0 + 4 * i, 30}, {20.0 + 4 * i, 30}, 0, 0, 4});
+  pipeline::draw_carried(frame, {cv::Mat3b(60, 60, white)}, stroke);
+  CHECK(cv::norm(frame.at<cv::Vec3b>(30, 28), cv::Vec3b(150, 200, 245), cv::NORM_INF) <= 1);
+}
