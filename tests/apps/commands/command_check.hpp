@@ -51,7 +51,9 @@ inline void check_one_line(const std::vector<std::string>& arguments, int exit,
   CHECK(std::ranges::count(told, '\n') == 1);
   CHECK(result.out.empty());
   for (const auto& part : what) CHECK(contains(told, part));
-  if (!output.empty()) CHECK_FALSE(std::filesystem::exists(output));
+  if (output.empty()) return;
+  CHECK_FALSE(std::filesystem::exists(output));
+  CHECK_FALSE(std::filesystem::exists(output.string() + ".part"));
 }
 
 /// Fails unless the help of a dytex command opens with examples.

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/io/model_folder.hpp"
+#include "core/model_arrays.hpp"
+#include "graph/io/motion_io.hpp"
+#include "pipeline/clip_model.hpp"
+#include "pipeline/clip_synthesis.hpp"
+#include "pipeline/frame_synthesis.hpp"
+#include "tests/apps/commands/learned_clip.hpp"
+
+using namespace emberfold;
+using namespace emberfold::apps;
+using namespace emberfold::test;
+
+TEST_CASE("analyze learns what lies between strokes where asked, and synth draws it in step") {
+  const LearnedClip made(24);
+  const auto folder = (made.temp / "b").string(), model = folder + "/model";
+  for (const char* threads : {"1", "4"}) {
+    const std::string name = folder + (threads[0] == '1' ? "" : threads);
+    REQUIRE(run_command({"analyze", made.clip, "-o", name, "--bottom-up", "--texture", "4", "--threads",
+                         threads, "-q"})
+                .exit == 0);
+    REQUIRE(run_command({"synth", name + "/model", "-o", name + "/new.avi", "--frames", "30", "--fill",
+                         "dytex", "--threads", threads, "-q"})
+                .exit == 0);
+  }
+  for (const char* file : {"model/texture/C.npy", "model/texture/states.npy", "new.avi"})
+    CHECK(bytes_of(fs::path(folder) / file) == bytes_of(fs::path(folder + "4") / file));
+  const Json summary = summary_of(fs::path(folder));
+  CHECK(summary["model"]["texture"]["components"] == 4);
+  CHECK(summary["model"]["texture"]["hidden_share"] > 0.02);
+  CHECK(summary["seconds"].contains("texture"));
+  // The texture is one of its own right.
+  CHECK(run_command({"dytex", "info", model + "/texture"}).exit == 0);
+  const auto opened = pipeline::read_clip_model(model, pipeline::ModelFill::dytex);
+  pipeline::ClipSynthesis frames(opened, {.seed = 1, .fill_kind = pipeline::ModelFill::dytex});
+  const auto drawn = read_clip(fs::path(folder) / "new.avi");
+  REQUIRE(drawn.frames.size() == 30);
+  for (std::size_t t = 0; t < 30; ++t) CHECK(same_pixels(drawn.frames[t], frames.next()));
+
+  // The texture is edited with the strokes; by nothing if by nothing.
+  for (const auto& [speed, same] : {std::pair{"1", true}, {"2", false}}) {
+    const auto edited = made.temp / ("speed" + std::string(speed) + ".avi");
+    REQUIRE(run_command({"synth", model, "-o", edited.string(), "--overwrite", "--frames", "30", "--fill",
+                         "dytex", "-q", "--speed", speed})
+                .exit == 0);
+    CHECK((bytes_of(edited) == bytes_of(fs::path(folder) / "new.avi")) == same);
+  }
+
+  const auto out = made.temp / "out.avi";
+  const auto refused = [&](const std::string& path, const std::vector<std::string>& what) {
+    check_one_line({"synth", path, "-o", out.string(), "-q", "--fill", "dytex"}, 1, what, out);
+  };
+  refused(made.model, {"holds no texture", "analyze --texture"});
+  const auto copy = [&](const std::string& name) {
+    fs::copy(model, made.temp / name, fs::copy_options::recursive);
+    return (made.temp / name).string();
+  };
+  const auto newer = copy("newer");
+  replace_in(fs::path(newer) / "texture/model.json", "\"version\": 2", "\"version\": 99");
+  refused(newer, {"newer/texture", "99"});
+  const auto other = copy("other");
+  replace_in(fs::path(other) / "texture/model.json", "\"width\": 160", "\"width\": 120");
+  replace_in(fs::path(other) / "texture/model.json", "\"height\": 120", "\"height\": 160");
+  refused(other, {"other/texture", "120x160", "160x120"});
+  const auto cut = copy("cut");
+  fs::remove(fs::path(cut) / "texture/A.npy");
+  refused(cut, {"cut/texture", "A"});
+  // Without the texture option the damaged texture is not read.
+  CHECK(run_command({"synth", cut, "-o", out.string(), "-q", "--frames", "2"}).exit == 0);
+  check_one_line({"analyze", made.clip, "-o", (made.temp / "c").string(), "--texture", "501", "-q"}, 2,
+                 {"--texture is 501"}, made.temp / "c");
+}
+
+TEST_CASE("synth lays the clip's residual on new frames where asked") {
+  const LearnedClip made;
+  const auto plain = made.temp / "plain.avi";
+  const auto draw = [&](const fs::path& out, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"synth",    made.model, "-o", out.string(),
+                                       "--frames", "6",        "-q", "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+  };
+  draw(plain, {});
+  for (const char* threads : {"1", "4"})
+    draw(made.temp / ("texture" + std::string(threads) + ".avi"),
+         {"--fill", "texture", "--threads", threads});
+  CHECK(bytes_of(made.temp / "texture1.avi") == bytes_of(made.temp / "texture4.avi"));
+  CHECK(bytes_of(made.temp / "texture1.avi") != bytes_of(plain));
+  // It goes at the strokes' speed.
+  draw(made.temp / "back.avi", {"--fill", "texture", "--reverse"});
+  draw(made.temp / "neutral.avi", {"--fill", "texture", "--speed", "1"});
+  CHECK(bytes_of(made.temp / "back.avi") != bytes_of(made.temp / "texture1.avi"));
+  CHECK(bytes_of(made.temp / "neutral.avi") == bytes_of(made.temp / "texture1.avi"));
+  // A model of before there was such a thing.
+  const auto old = made.temp / "old", out = made.temp / "out.avi";
+  fs::copy(made.model, old, fs::copy_options::recursive);
+  for (const char* name : {"within", "ahead", "colours", "strength"})
+    fs::remove(old / ("residual_" + std::string(name) + ".npy"));
+  const auto refused = [&](const fs::path& model, const std::vector<std::string>& what) {
+    check_one_line({"synth", model.string(), "-o", out.string(), "-q", "--fill", "texture"}, 1, what, out);
+  };
+  refused(old, {"old", "holds no residual", "emberfold analyze"});
+  // One channel for frames of three.
+  auto archive = io::read_model(made.model, io::kMotionFormat);
+  for (const auto& [name, rows] : {std::pair{"within", 63}, {"ahead", 63}, {"colours", 1}})
+    archive.arrays["residual_" + std::string(name)] =
+        core::float_array(cv::Mat(rows, rows, CV_32F, cv::Scalar(1)));
+  io::OutputFolder output(made.temp / "grey");
+  io::write_model(output, "model", archive);
+  output.commit();
+  refused(made.temp / "grey/model", {"residual_within.npy is of 1 channels, its frames have 3"});
+}
+
+TEST_CASE("synth makes a clip of the model's footage unless strokes are asked for") {
+  const LearnedClip made;
+  const auto draw = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"synth",  made.model, "-o", (made.temp / name).string(),
+                                       "--json", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return nlohmann::json::parse(result.out);
+  };
+  const auto summary = draw("new.avi", {"--frames", "40", "--loop", "20"});
+  CHECK(summary["options"]["synth"]["fill"] == "footage");
+  CHECK(summary["options"]["synth"]["loop"] == 20);
+  CHECK(summary["synthesis"]["jump_cost"].get<double>() >= 0);
+  CHECK(summary["synthesis"]["plays"].get<int>() >= 1);
+  CHECK(summary["synthesis"]["plays_back"].is_boolean());
+  const auto frames = read_clip(made.temp / "new.avi").frames;
+  REQUIRE(frames.size() == 40);
+  for (std::size_t t = 0; t < 20; ++t) CHECK(cv::norm(frames[t], frames[t + 20], cv::NORM_L1) == 0);
+  // Strokes of the clip are bright lines on a ground; those of a footage have the clip's levels.
+  const auto source = read_clip(made.clip).frames;
+  CHECK(std::abs(cv::mean(frames[5])[0] - cv::mean(source[5])[0]) < 5);
+  for (const auto& [fill, more] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"carried", {"--motion", (made.temp / "new.jsonl").string()}},
+           {"diffusion", {"--intensity", "2"}},
+           {"diffusion", {"--start", "stationary"}},
+           {"carried", {"--strokes", "coarse"}},
+           {"carried", {"--set", "synth.splits=2", "--speed", "0.5", "--reverse"}},
+           {"diffusion", {"--set", "synth.splits=0.5"}},
+           {"carried", {"--set", "synth.births=2"}}}) {
+    auto arguments = more;
+    arguments.insert(arguments.end(), {"--frames", "3", "--overwrite"});
+    CHECK(draw("strokes.avi", arguments)["options"]["synth"]["fill"] == fill);
+    arguments = {"synth", made.model, "-o", (made.temp / "no.avi").string(), "--fill", "footage"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_one_line(arguments, 2, {more[0], "footage"}, made.temp / "no.avi");
+  }
+  const auto refuse = [&](const std::vector<std::string>& more, int exit,
+                          const std::vector<std::string>& what) {
+    std::vector<std::string> arguments{"synth", made.model, "-o", (made.temp / "no.avi").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_one_line(arguments, exit, what, made.temp / "no.avi");
+  };
+  refuse({"--fill", "carried", "--flicker", "2"}, 2, {"--fill carried", "flicker"});
+  refuse({"--fill", "carried", "--start", "stationary"}, 2, {"--fill carried", "--start"});
+  const auto looped = run_command({"synth", made.model, "-o", (made.temp / "looped").string(), "--loop", "9",
+                                   "--frames", "19", "--set", "synth.births=2", "-q"});
+  INFO(looped.err);
+  CHECK(looped.exit == 0);
+  CHECK(bytes_of(made.temp / "looped/frame_00003.png") == bytes_of(made.temp / "looped/frame_00012.png"));
+  refuse({"--fill", "texture", "--loop", "9"}, 2, {"--loop", "--fill draws strokes"});
+  refuse({"--loop", "1"}, 2, {"--loop is 1", "2 or more"});
+  refuse({"--loop", "9", "--fill", "diffusion"}, 2, {"--loop", "--fill draws strokes"});
+  refuse({"--loop", "9", "--flicker", "2"}, 2, {"--loop", "--flicker draws strokes"});
+  const auto bytes = made.temp / "a/model/footage.npy";
+  fs::resize_file(bytes, fs::file_size(bytes) - 1);
+  refuse({"--frames", "2"}, 1, {"footage.npy"});
+  fs::remove(bytes);
+  refuse({"--fill", "footage"}, 1, {"holds no frames of its clip"});
+  refuse({"--fill", "carried"}, 1, {"holds no frames of its clip"});
+  CHECK(draw("older.avi", {"--frames", "3"})["options"]["synth"]["fill"] == "diffusion");
+}
+
+TEST_CASE("synth carries the clip's own strokes where they are edited, and says where it draws others") {
+  const LearnedClip made;
+  const auto out = made.temp / "new.avi", graphs = made.temp / "new.jsonl";
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"synth",    made.model, "-o",         out.string(),
+                                       "--frames", "30",       "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return result.err;
+  };
+  CHECK_FALSE(contains(run({"--motion", graphs.string()}), "drawn strokes"));
+  std::ifstream stream(graphs);
+  const auto motion = graph::read_motion(stream, "new.jsonl");
+  REQUIRE(motion.sketch.frames.size() == 30);
+  // Every frame and its graph are the clip's own.
+  const auto source = read_clip(made.clip).frames;
+  const auto drawn = read_clip(out).frames;
+  for (std::size_t t = 0; t < drawn.size(); t += 7) {
+    double least = 1e9;
+    for (const auto& frame : source) least = std::min(least, cv::norm(frame, drawn[t], cv::NORM_L1));
+    CHECK(least / double(drawn[t].total() * 3) < 6);
+    CHECK(motion.sketch.frames[t].size() > 10);
+  }
+  CHECK(contains(run({"--set", "synth.merges=2"}), "merges above 1 needs drawn strokes"));
+  fs::remove(made.temp / "a/model/footage_counts.npy");
+  CHECK(contains(run({"--set", "synth.births=2"}), "holds none of its clip's frames"));
+  check_one_line({"synth", made.model, "-o", (made.temp / "no.avi").string(), "-q", "--fill", "carried"}, 1,
+                 {"holds no strokes of its clip's frames"}, made.temp / "no.avi");
+}
+
+TEST_CASE("synth scales its frames, makes the ground transparent, and tells where pixels come from") {
+  const LearnedClip made;
+  const auto out = [&](const char* name) { return (made.temp / name).string(); };
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"synth", made.model, "--frames", "8", "-o"});
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    return result.out;
+  };
+  const auto text = run({out("plain"), "--explain", out("map.png"), "--json", "-q"});
+  const Json summary = Json::parse(text);
+  double shares = 0;
+  for (const auto& share : summary["synthesis"]["sources"]) shares += share.get<double>();
+  CHECK_THAT(shares, Catch::Matchers::WithinAbs(1, 0.003));
+  const cv::Mat map = cv::imread(out("map.png"));
+  CHECK(map.cols > 6 * 160);
+  CHECK(map.rows > 2 * 240 + 300);
+  run({out("large"), "--width", "320", "-q"});
+  run({out("clear/%04d.png"), "--alpha", "black", "-q"});
+  run({out("small.avi"), "--height", "60", "-q"});
+  const auto plain = read_clip(out("plain")), large = read_clip(out("large")),
+             small = read_clip(out("small.avi"));
+  REQUIRE(large.info.width == 320);
+  REQUIRE(large.info.height == 240);
+  REQUIRE(small.info.width == 80);
+  cv::Mat back;
+  cv::resize(large.frames[5], back, {160, 120}, 0, 0, cv::INTER_AREA);
+  CHECK(cv::norm(back, plain.frames[5], cv::NORM_L1) / double(back.total() * 3) < 3);
+  const cv::Mat clear = cv::imread(out("clear/0005.png"), cv::IMREAD_UNCHANGED);
+  REQUIRE(clear.channels() == 4);
+  for (int y = 0; y < clear.rows; y += 7)
+    for (int x = 0; x < clear.cols; x += 7)
+      for (int c = 0; c < 3; ++c) {
+        const auto& pixel = clear.at<cv::Vec4b>(y, x);
+        CHECK(std::abs(pixel[c] * pixel[3] / 255.0 - plain.frames[5].at<cv::Vec3b>(y, x)[c]) < 0.51);
+      }
+}
+
+TEST_CASE("synth refuses sizes, grounds and maps that cannot be") {
+  const LearnedClip made(12);
+  const auto out = made.temp / "new";
+  const auto refused = [&](std::vector<std::string> arguments, int exit,
+                           const std::vector<std::string>& what) {
+    arguments.insert(arguments.begin(), {"synth", made.model, "-q"});
+    check_one_line(arguments, exit, what, out);
+  };
+  const std::string to = out.string();
+  refused({"-o", to, "--width", "0"}, 2, {"--width is 0", "16384"});
+  refused({"-o", to, "--width", "99", "--height", "99"}, 2, {"distort", "160x120"});
+  refused({"-o", to + ".mp4", "--alpha", "black"}, 2, {"--alpha", "PNG", "EXR"});
+  refused({"-o", to, "--alpha", (made.temp / "none.png").string()}, 1, {"none.png"});
+  refused({"-o", to, "--alpha", (made.temp / "clip/frame_00000.png").string(), "--width", "0"}, 2,
+          {"--width"});
+  refused({"-o", to, "--explain", (made.temp / "map.jpg").string()}, 2, {"--explain", ".png"});
+  refused({"-o", to, "--explain", (made.temp / "map.png").string(), "--fill", "diffusion"}, 2,
+          {"--explain", "diffusion"});
+  refused({"-o", to + "_%05d.exr", "--explain", to + "_%05d.exr"}, 2, {"--explain"});
+  cv::imwrite((made.temp / "tiny.png").string(), cv::Mat(5, 5, CV_8UC3, cv::Scalar(9, 9, 9)));
+  refused({"-o", to, "--alpha", (made.temp / "tiny.png").string()}, 2, {"5x5", "160x120"});
+}
