@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dytex/surface/surface_canvas.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "dytex/surface/edge_crossing.hpp"
+
+namespace emberfold::dytex::detail {
+
+namespace {
+
+// The texels of charts, of the chart with most of them first, each row by row.
+std::vector<std::int32_t> texels_by_chart(const SurfaceLayout& layout) {
+  const auto charts = static_cast<std::size_t>(layout.chart_count);
+  std::vector<std::size_t> count(charts), rank(charts), begin(charts);
+  const auto chart_of = [&](std::size_t texel) {
+    return static_cast<std::size_t>(layout.charts[static_cast<std::size_t>(layout.triangles[texel])]);
+  };
+  for (std::size_t i = 0; i < layout.triangles.size(); ++i)
+    if (layout.triangles[i] >= 0) ++count[chart_of(i)];
+  std::iota(rank.begin(), rank.end(), std::size_t{0});
+  std::ranges::stable_sort(rank, std::ranges::greater{}, [&](std::size_t chart) { return count[chart]; });
+  std::size_t texels = 0;
+  for (const std::size_t chart : rank) begin[chart] = std::exchange(texels, texels + count[chart]);
+  std::vector<std::int32_t> order(texels);
+  for (std::size_t i = 0; i < layout.triangles.size(); ++i)
+    if (layout.triangles[i] >= 0) order[begin[chart_of(i)]++] = static_cast<std::int32_t>(i);
+  return order;
+}
+
+}  // namespace
+
+SurfaceCanvas::SurfaceCanvas(const SurfaceLayout& layout, std::span<const QuiltSource> sources,
+                             const QuiltOptions& options)
+    : layout_(layout),
+      sources_(sources),
+      options_(options),
+      finder_(layout),
+      neighbours_(layout),
+      order_(texels_by_chart(layout)),
+      pixels_(layout.triangles.size()),
+      blocks_(layout.triangles.size(), -1) {}
+
+std::int64_t SurfaceCanvas::empty_texels(const BlockRegion& region) const {
+  return std::ranges::count_if(region.texels, [&](const auto& one) { return !is_filled(one.texel); });
+}
+
+std::optional<BlockRegion> SurfaceCanvas::next() {
+  while (next_ < order_.size() && is_filled(order_[next_])) ++next_;
+  if (next_ == order_.size()) return std::nullopt;
+  const cv::Size block = options_.block;
+  const int overlap = options_.overlap;
+  auto left = finder_.find(order_[next_], {overlap, overlap}, block);
+  auto right = finder_.find(order_[next_], {block.width - 1 - overlap, overlap}, block);
+  return empty_texels(right) > empty_texels(left) ? std::move(right) : std::move(left);
+}
+
+// What earlier blocks show in a cell. Where texels are larger than cells, that is beside what its texel
+// shows.
+SourcePixel SurfaceCanvas::shown(const BlockRegion& region, std::int32_t cell) const {
+  const auto texel = static_cast<std::size_t>(region.nearest[static_cast<std::size_t>(cell)]);
+  const SourcePixel& from = pixels_[texel];
+  const cv::Point place = layout_.texel(texel);
+  const cv::Point own =
+      nearest_texel(region.cell_of({static_cast<double>(place.x), static_cast<double>(place.y)}));
+  const cv::Point at = cv::Point(from.x, from.y) + region.cell(cell) - own;
+  const cv::Size size = sources_[static_cast<std::size_t>(from.source)].trajectories->size();
+  return cv::Rect({}, size).contains(at) ? SourcePixel{from.source, at.x, at.y} : from;
+}
+
+std::vector<SurfaceCanvas::Met> SurfaceCanvas::meet(const BlockRegion& region) const {
+  const auto beyond = neighbours_.texels_beyond(region, options_.overlap);
+  std::vector<Met> met(region.nearest.size());
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    const std::int32_t own = region.nearest[i];
+    if (is_filled(own))
+      met[i] = {shown(region, static_cast<std::int32_t>(i)), blocks_[static_cast<std::size_t>(own)]};
+    else if (own < 0 && is_filled(beyond[i]))
+      met[i] = {pixels_[static_cast<std::size_t>(beyond[i])], blocks_[static_cast<std::size_t>(beyond[i])]};
+  }
+  return met;
+}
+
+// Corners of the blocks that are met, and of those that these met. Where a block lies nearly where an earlier
+// one lies, it may go on with it.
+std::vector<SourcePixel> SurfaceCanvas::places_near(const BlockRegion& region,
+                                                    const std::vector<Met>& met) const {
+  std::set<std::int32_t> touched, near;
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    if (met[i].block < 0 || !touched.insert(met[i].block).second) continue;
+    const Placed& there = placed_[static_cast<std::size_t>(met[i].block)];
+    const cv::Point cell = region.cell(static_cast<std::int32_t>(i));
+    const int across = std::abs(met[i].from.x - cell.x - there.corner.x),
+              down = std::abs(met[i].from.y - cell.y - there.corner.y);
+    if (std::max(across, down) >= options_.apart) near.insert(met[i].block);
+  }
+  for (const std::int32_t block : touched)
+    for (const std::int32_t farther : placed_[static_cast<std::size_t>(block)].touching)
+      if (!touched.contains(farther)) near.insert(farther);
+  std::vector<SourcePixel> places;
+  for (const std::int32_t block : near) places.push_back(placed_[static_cast<std::size_t>(block)].corner);
+  return places;
+}
+
+BlockQuery SurfaceCanvas::query(const BlockRegion& region) const {
+  const auto met = meet(region);
+  BlockQuery query;
+  query.block.column = static_cast<int>(placed_.size());
+  query.block.place = {{}, region.block};
+  for (int y = 0; y < region.block.height; ++y)
+    for (int x = 0; x < region.block.width; ++x) {
+      const Met& here = met[static_cast<std::size_t>(region.cell_index({x, y}))];
+      if (here.block < 0) continue;
+      query.there.push_back(here.from);
+      if (!query.runs.empty() && query.runs.back().y == y &&
+          query.runs.back().x + query.runs.back().length == x)
+        ++query.runs.back().length;
+      else
+        query.runs.push_back({x, y, 1});
+    }
+  query.near = places_near(region, met);
+  return query;
+}
+
+// Cells at the block's border beside which earlier blocks go on keep what they show.
+CellState SurfaceCanvas::state(const BlockRegion& region, std::int32_t cell) const {
+  const std::int32_t texel = region.nearest[static_cast<std::size_t>(cell)];
+  if (texel < 0) return CellState::outside;
+  if (!is_filled(texel)) return CellState::empty;
+  for (const cv::Point step : {cv::Point(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+    const cv::Point next = region.cell(cell) + step;
+    if (region.cell_index(next) >= 0) continue;
+    const cv::Point beside =
+        nearest_texel(region.texel_of({static_cast<double>(next.x), static_cast<double>(next.y)}));
+    if (layout_.chart_at(beside) == region.chart &&
+        is_filled(static_cast<std::int32_t>(layout_.index(beside))))
+      return CellState::held;
+  }
+  return CellState::there;
+}
+
+void SurfaceCanvas::put(const BlockRegion& region, const SourcePixel& at, const cv::Mat& errors) {
+  std::vector<CellState> states;
+  for (std::size_t i = 0; i < region.nearest.size(); ++i)
+    states.push_back(state(region, static_cast<std::int32_t>(i)));
+  const auto own =
+      cut_cells(region.block, states, std::vector<double>(errors.begin<double>(), errors.end<double>()));
+  const auto number = static_cast<std::int32_t>(placed_.size());
+  std::set<std::int32_t> touching;
+  for (const auto& [texel, cell] : region.texels) {
+    std::int32_t& block = blocks_[static_cast<std::size_t>(texel)];
+    if (block >= 0) touching.insert(block);
+    if (block >= 0 && !own[static_cast<std::size_t>(cell)]) continue;
+    if (block < 0) ++filled_;
+    const cv::Point place = region.cell(cell);
+    block = number;
+    pixels_[static_cast<std::size_t>(texel)] = {at.source, at.x + place.x, at.y + place.y};
+  }
+  touching.erase(number);
+  placed_.push_back({at, {touching.begin(), touching.end()}});
+}
+
+}  // namespace emberfold::dytex::detail
